@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/body.h"
+#include "model/feature.h"
+
+namespace lcpbench {
+
+enum class ConstraintType {
+  kContact,    ///< unilateral: gap >= 0, f >= 0; one row
+  kPathJoint,  ///< bilateral: a vertex kept on an edge; one row
+  kPin,        ///< bilateral: two vertices kept together; two rows, world x then y
+};
+
+/// A constraint between two features of two bodies (indices into ContactSystem::bodies, different).
+/// The normal points from body 2 to body 1, whichever body owns the edge that defines it. [MODEL.md sections 1, 2]
+struct Constraint {
+  ConstraintType type = ConstraintType::kContact;
+  int body1 = 0;
+  int body2 = 1;
+  Feature feature1;
+  Feature feature2;
+  /// Start values for the closest-point search (curve parameters); absent where the feature has none or none is known.
+  std::optional<double> s1;
+  std::optional<double> s2;
+  /// Without start values, the local minimum whose gap is closest to this is meant [m].
+  double nominal_gap = 0;
+};
+
+/// Bodies and the constraints between them at one instant: what assembly turns into an LCP.
+struct ContactSystem {
+  std::string name;
+  std::vector<Body> bodies;
+  std::vector<Constraint> constraints;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,1 @@
+// Shared by ipopt_qp.cc and ipopt_ncp.cc.

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <istream>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+
+/// One line of a problem file: the problem, and what the record says of its answer.
+struct LcpRecord {
+  LcpProblem problem;
+  LcpReference reference;
+  std::string category;  ///< "" where the record names none
+};
+
+/// Parses one JSON line:
+///   id         string or number (default: `where`)
+///   n          optional, checked against b
+///   J and invM the factors; they win over A when both are given
+///   A          otherwise
+///   b          n numbers
+///   bilateral  row indices, 0-based, default none (or `joint`: n booleans; or contacts[i].joint)
+///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer
+/// A matrix is a list of rows, a flat row-major list, or {"shape":[r,c],"row":[...],"col":[...],"val":[...]} with
+/// 0-based indices (equal positions add up). A number is a JSON number or a string "p/q" or "p", rounded once to the
+/// nearest double.
+/// @param where  "file:line", the start of every error text
+/// @throws InputError naming where, the field, what was expected and what was found
+LcpRecord ParseLcpRecord(std::string_view line, const std::string& where);
+
+/// Reads problems one line at a time, so that a long file never has to fit in memory. Empty lines are passed over.
+class LcpReader {
+ public:
+  /// @param input  not owned; must outlive the reader
+  /// @param name   the file's name for error texts
+  LcpReader(std::istream& input, std::string name);
+
+  /// The next problem, or nothing at the end. After an InputError for one line the next call goes on with the next.
+  std::optional<LcpRecord> Next();
+
+ private:
+  std::istream& input_;
+  std::string name_;
+  std::string line_;
+  std::size_t line_number_ = 0;
+};
+
+/// All problems of a file. @throws InputError also when the file cannot be opened
+std::vector<LcpRecord> ReadLcpFile(const std::string& path);
+
+/// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.
+/// @param with_matrix  also writes A (as coordinates) where the problem is given by factors
+std::string FormatLcpRecord(const LcpProblem& problem, bool with_matrix = false);
+
+/// One line for a solve: id, solver, status, f, w, iterations, setup_s, time_s, metrics, verdict, detail and the ray
+/// where there is one. Numbers that are not finite become null.
+std::string FormatSolveRecord(const LcpProblem& problem, std::string_view solver, const LcpResult& result,
+                              const Verdict& verdict, double setup_s, double time_s);
+
+}  // namespace lcpbench

@@ -1,0 +1,123 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lcpbench {
+
+/// Row-major, so that row i of A or J is contiguous: Gauss-Seidel and verification walk rows.
+using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+using Index = Eigen::Index;
+
+/// The form in which a problem was given; the other forms are derived from it, with rounding.
+enum class MatrixForm { kDense, kSparse, kFactors };
+
+/// Bounds [lower, upper] on f, one pair per row. Empty vectors mean "every row is unilateral".
+/// (0, inf) is a unilateral row (contact), (-inf, inf) a bilateral one (joint). Other bounds are stored so that box
+/// constraints (friction) need no new type later, but today every solver answers `unsupported` to them.
+struct RowBounds {
+  Eigen::VectorXd lower;
+  Eigen::VectorXd upper;
+
+  /// n rows, bilateral where listed and unilateral elsewhere.
+  /// @throws InputError if an index is outside [0, n) or listed twice
+  static RowBounds WithBilateralRows(Index n, const std::vector<Index>& bilateral);
+};
+
+/// What is *proved* about A. False or empty means "not known", never "known to be false".
+struct MatrixFacts {
+  bool symmetric = false;
+  bool positive_semidefinite = false;
+  std::optional<Index> rank;
+  std::optional<bool> f_unique;
+};
+
+/// Find f and w with
+///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free.
+/// [Baraff 1994, sec. 4; Cottle, Pang, Stone, The Linear Complementarity Problem]
+///
+/// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], A = J M^-1 J^T [1/kg] the Delassus
+/// matrix and b the gap accelerations at zero force. An edge's curvature enters b (its normal turns), never A.
+///
+/// Three given forms: A dense (n x n), A sparse (n x n), or factors J (n x 3N, row order as assembled) with the inverse
+/// mass diagonal (3N, >= 0) and A = J M^-1 J^T. The given form *is* the problem: verification uses it. The derived
+/// forms DenseA() and SparseA() are its roundings, made on the first request (so that their cost can be measured apart
+/// from a solve) and kept. Derived matrices are bitwise symmetric where the problem is given by factors.
+///
+/// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
+/// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
+/// inverse mass, or lower > upper.
+class LcpProblem {
+ public:
+  static LcpProblem FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds = {},
+                              MatrixFacts facts = {});
+  static LcpProblem FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds = {},
+                               MatrixFacts facts = {});
+  /// Symmetry and positive semidefiniteness follow from the form and are set in facts().
+  static LcpProblem FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
+                                RowBounds bounds = {}, MatrixFacts facts = {});
+
+  const std::string& id() const;
+  Index size() const;
+  MatrixForm given_form() const;
+  bool has_factors() const { return given_form() == MatrixForm::kFactors; }
+  const MatrixFacts& facts() const;
+
+  const Eigen::VectorXd& b() const;
+  /// n x 3N; std::logic_error unless has_factors().
+  const SparseMatrix& J() const;
+  /// 3N; std::logic_error unless has_factors().
+  const Eigen::VectorXd& inverse_mass() const;
+  /// True if every row of J has its nonzeros in at most two blocks of three columns (3k, 3k+1, 3k+2) with inverse mass
+  /// > 0 somewhere in the block: the two-body fast path. False without factors.
+  bool has_two_body_rows() const;
+
+  /// n x n. From factors: O(sum over columns of (column count)^2) plus n^2 to fill; from sparse: n^2.
+  const Eigen::MatrixXd& DenseA() const;
+  /// n x n with both triangles, column indices sorted, the diagonal always stored (so also where it is zero).
+  /// From factors: O(sum over columns of (column count)^2); columns of zero inverse mass do not count.
+  const SparseMatrix& SparseA() const;
+  /// diag A, from the given form; O(nnz).
+  const Eigen::VectorXd& DiagonalA() const;
+  /// max |A_ij - A_ji| / sqrt(|A_ii A_jj|) (denominator 1 where it is 0); 0 from factors. Measured once.
+  double Asymmetry() const;
+  /// Asymmetry() <= 1e-10: symmetric but for rounding. Solvers for symmetric A then read either triangle.
+  bool IsNumericallySymmetric() const { return Asymmetry() <= kSymmetryTolerance; }
+  static constexpr double kSymmetryTolerance = 1e-10;
+
+  /// w = A f + b by the given form, in double.  O(nnz of the form).
+  void ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
+
+  double lower(Index row) const;
+  double upper(Index row) const;
+  bool is_bilateral(Index row) const;
+  /// Ascending.
+  const std::vector<Index>& bilateral_rows() const;
+  /// True if every row is unilateral or bilateral (the only kinds solvers take today).
+  bool has_standard_bounds() const;
+
+  /// True for copies of one problem.
+  bool SharesStorageWith(const LcpProblem& other) const { return state_ == other.state_; }
+
+  struct State;
+
+ private:
+  explicit LcpProblem(std::shared_ptr<State> state) : state_(std::move(state)) {}
+  std::shared_ptr<State> state_;
+};
+
+/// What is known of the answer from outside (exact arithmetic, say). Kept apart from the problem, so that no solver can
+/// read it. w is unique for PSD A even when f is not.
+struct LcpReference {
+  enum class Status { kUnknown, kSolved, kInfeasible };
+  Status status = Status::kUnknown;
+  std::optional<Eigen::VectorXd> w;
+  /// Only where f is unique.
+  std::optional<Eigen::VectorXd> f;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,111 @@
+#include "solvers/lcp/solver.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array<std::pair<LcpStatus, std::string_view>, 7> kStatusKeys{{
+    {LcpStatus::kNotRun, "not_run"},
+    {LcpStatus::kSolved, "solved"},
+    {LcpStatus::kInfeasible, "infeasible"},
+    {LcpStatus::kIterationLimit, "iteration_limit"},
+    {LcpStatus::kTimeLimit, "time_limit"},
+    {LcpStatus::kNumericalFailure, "numerical_failure"},
+    {LcpStatus::kUnsupported, "unsupported"},
+}};
+
+void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
+  if (!(options.tolerance > 0 && options.tolerance < 1)) {
+    throw InputError("tolerance must be in (0, 1), found " + std::to_string(options.tolerance));
+  }
+  if (!(options.time_limit_s > 0)) {
+    throw InputError("time limit must be > 0 s, found " + std::to_string(options.time_limit_s));
+  }
+  if (options.max_iterations < 0) {
+    throw InputError("iteration limit must be >= 0, found " + std::to_string(options.max_iterations));
+  }
+  if (options.initial_f != nullptr) {
+    if (options.initial_f->size() != problem.size()) {
+      throw InputError("initial f must have " + std::to_string(problem.size()) + " entries, found " +
+                       std::to_string(options.initial_f->size()));
+    }
+    if (!options.initial_f->allFinite()) throw InputError("initial f must be finite");
+  }
+}
+
+}  // namespace
+
+std::string_view ToString(LcpStatus status) {
+  for (const auto& [value, key] : kStatusKeys) {
+    if (value == status) return key;
+  }
+  return "unknown";
+}
+
+LcpStatus LcpStatusFromString(std::string_view key) {
+  for (const auto& [value, name] : kStatusKeys) {
+    if (name == key) return value;
+  }
+  throw InputError("unknown status '" + std::string(key) + "'");
+}
+
+double SteadyNow() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Deadline::Deadline(const LcpOptions& options) : now_(options.now), start_(now_()), limit_(options.time_limit_s) {}
+bool Deadline::Expired() const { return Elapsed() >= limit_; }
+double Deadline::Elapsed() const { return now_() - start_; }
+double Deadline::Remaining() const { return std::max(0.0, limit_ - Elapsed()); }
+
+std::string LcpSolver::WhyUnsupported(const LcpProblem& /*problem*/) const { return {}; }
+void LcpSolver::Reserve(Index /*max_rows*/) {}
+
+void LcpSolver::Prepare(const LcpProblem& problem) {
+  if (prepared_.has_value() && prepared_->SharesStorageWith(problem)) return;
+  prepared_.reset();
+  if (problem.size() == 0 || !problem.has_standard_bounds() || !WhyUnsupported(problem).empty()) return;
+  DoPrepare(problem);
+  prepared_ = problem;
+}
+
+void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  CheckOptions(problem, options);
+  result->f.setZero(problem.size());
+  result->iterations = 0;
+  result->detail.clear();
+  result->farkas_ray.reset();
+  if (!problem.has_standard_bounds()) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = "rows with bounds other than (0, inf) and (-inf, inf) are not supported";
+    return;
+  }
+  if (problem.size() == 0) {
+    result->status = LcpStatus::kSolved;
+    return;
+  }
+  if (std::string why = WhyUnsupported(problem); !why.empty()) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = std::move(why);
+    return;
+  }
+  result->status = LcpStatus::kNumericalFailure;
+  try {
+    Prepare(problem);
+    DoSolve(problem, options, result);
+  } catch (const std::exception& error) {
+    result->status = LcpStatus::kNumericalFailure;
+    result->detail = error.what();
+    if (result->f.size() != problem.size()) result->f.setZero(problem.size());
+  }
+}
+
+}  // namespace lcpbench

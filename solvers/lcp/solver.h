@@ -1,0 +1,114 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// How a solve ended, in the solver's own words: a claim that Verify() judges.
+enum class LcpStatus {
+  kNotRun,            ///< Solve() was not called; never returned by it
+  kSolved,            ///< the solver believes that f meets the requested tolerance
+  kInfeasible,        ///< no f exists; farkas_ray holds the proof where the solver has one
+  kIterationLimit,    ///< stopped by options.max_iterations or the solver's own default limit
+  kTimeLimit,         ///< stopped by options.time_limit_s
+  kNumericalFailure,  ///< breakdown, stagnation above the tolerance, or cycling; detail says which
+  kUnsupported,       ///< the problem is outside what the solver takes; detail says why
+};
+
+/// The key used in files and tables: "solved", "iteration_limit", ...
+std::string_view ToString(LcpStatus status);
+/// @throws InputError for an unknown key
+LcpStatus LcpStatusFromString(std::string_view key);
+
+/// Seconds of a monotonic clock.
+double SteadyNow();
+
+/// What every solver understands. Options of one method are typed structs given to its constructor.
+struct LcpOptions {
+  /// Requested bound on the scaled natural residual rho (metrics.h), dimensionless, in (0, 1).
+  double tolerance = 1e-9;
+  /// In the solver's own unit (pivots, sweeps, Newton steps); 0 means the solver's documented default.
+  std::int64_t max_iterations = 0;
+  /// Wall-clock limit [s], > 0.
+  double time_limit_s = std::numeric_limits<double>::infinity();
+  /// Warm start: n values, finite; nullptr is a cold start. Not owned; must outlive the call.
+  const Eigen::VectorXd* initial_f = nullptr;
+  /// The clock that the time limit is read from; tests inject their own.
+  double (*now)() = &SteadyNow;
+};
+
+/// A solver's answer. `f` always has n finite-or-not entries: the best iterate, also when not solved; zeros when the
+/// solver had none.
+struct LcpResult {
+  LcpStatus status = LcpStatus::kNotRun;
+  Eigen::VectorXd f;
+  /// Pivots, sweeps or Newton steps, as the solver's header defines them; -1 before a solve.
+  std::int64_t iterations = -1;
+  /// The reason in words, with an external library's own code where there is one. Empty when there is nothing to say.
+  std::string detail;
+  /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
+  std::optional<Eigen::VectorXd> farkas_ray;
+};
+
+/// Reads the clock of `options` from its construction on.
+class Deadline {
+ public:
+  explicit Deadline(const LcpOptions& options);
+  /// One clock read; call it often enough for the accuracy that the limit shall have.
+  bool Expired() const;
+  double Elapsed() const;
+  /// Seconds left (may be infinite), never negative.
+  double Remaining() const;
+
+ private:
+  double (*now_)();
+  double start_;
+  double limit_;
+};
+
+/// An LCP solver. One object serves one thread at a time; distinct objects are independent. Nothing carries over from
+/// one Solve to the next but workspace, so repeated solves of one problem with one LcpOptions are bitwise identical; a
+/// warm start is options.initial_f.
+///
+/// The life of a solve: Prepare(problem) does what depends on the problem's structure only and is timed as *set-up*
+/// (forms of A that the method reads, allocation, symbolic analysis); Solve is timed as *solve*. Solve prepares by
+/// itself where the caller did not.
+class LcpSolver {
+ public:
+  virtual ~LcpSolver() = default;
+
+  /// "" if the solver takes this problem, else the reason in words (reported as kUnsupported). The base class has
+  /// already refused bounds other than unilateral and bilateral.
+  virtual std::string WhyUnsupported(const LcpProblem& problem) const;
+
+  /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
+  virtual void Reserve(Index max_rows);
+
+  /// Set-up for `problem`, see above. Idempotent for one problem: a second call with the same problem costs nothing.
+  void Prepare(const LcpProblem& problem);
+
+  /// Solves. Never throws for a hard problem: that is a status. Exceptions of libraries below end as
+  /// kNumericalFailure with the original message in detail.
+  /// @throws InputError for options out of their range (tolerance, limits, initial_f's length or finiteness)
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
+ protected:
+  /// n >= 1, bounds standard, WhyUnsupported() empty.
+  virtual void DoPrepare(const LcpProblem& problem) = 0;
+  /// As above, prepared, options checked; result->f has n zeros, iterations is 0, detail and ray are empty, status is
+  /// kNumericalFailure until the solver says otherwise.
+  virtual void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) = 0;
+
+ private:
+  std::optional<LcpProblem> prepared_;
+};
+
+}  // namespace lcpbench

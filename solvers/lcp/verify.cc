@@ -1,0 +1,303 @@
+#include "solvers/lcp/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <vector>
+
+namespace lcpbench {
+namespace {
+
+// 64-bit significand on x86-64: 2^11 times finer than the double arithmetic of the solvers that are judged.
+using Extended = long double;
+using ExtendedVector = std::vector<Extended>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// product = A x, magnitude = |A| |x|, by the given form. From factors the product goes through body space and the
+// magnitude through the entries of A, which are summed one row at a time and never stored.
+struct Products {
+  ExtendedVector product;
+  ExtendedVector magnitude;
+};
+
+void AddRow(const SparseMatrix& A, Index i, const Eigen::VectorXd& x, Extended* sum, Extended* absolute) {
+  for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+    const Extended term = static_cast<Extended>(it.value()) * x[it.col()];
+    *sum += term;
+    *absolute += std::abs(term);
+  }
+}
+
+Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
+  const Index n = problem.size();
+  Products out{ExtendedVector(static_cast<size_t>(n), 0), ExtendedVector(static_cast<size_t>(n), 0)};
+  switch (problem.given_form()) {
+    case MatrixForm::kDense: {
+      const Eigen::MatrixXd& A = problem.DenseA();
+      for (Index j = 0; j < n; ++j) {
+        if (x[j] == 0) continue;
+        for (Index i = 0; i < n; ++i) {
+          const Extended term = static_cast<Extended>(A(i, j)) * x[j];
+          out.product[static_cast<size_t>(i)] += term;
+          out.magnitude[static_cast<size_t>(i)] += std::abs(term);
+        }
+      }
+      break;
+    }
+    case MatrixForm::kSparse: {
+      const SparseMatrix& A = problem.SparseA();  // the given entries, and zeros on the diagonal
+      for (Index i = 0; i < n; ++i) {
+        AddRow(A, i, x, &out.product[static_cast<size_t>(i)], &out.magnitude[static_cast<size_t>(i)]);
+      }
+      break;
+    }
+    case MatrixForm::kFactors: {
+      const SparseMatrix& J = problem.J();
+      const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
+      const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
+      ExtendedVector body(static_cast<size_t>(J.cols()), 0);
+      for (Index k = 0; k < J.cols(); ++k) {
+        if (inverse_mass[k] == 0) continue;
+        Extended sum = 0;
+        for (decltype(columns)::InnerIterator it(columns, k); it; ++it) {
+          sum += static_cast<Extended>(it.value()) * x[it.row()];
+        }
+        body[static_cast<size_t>(k)] = sum * inverse_mass[k];
+      }
+      ExtendedVector entries(static_cast<size_t>(n), 0);
+      std::vector<size_t> touched;
+      for (Index i = 0; i < n; ++i) {
+        Extended sum = 0;
+        touched.clear();
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+          const double m = inverse_mass[it.col()];
+          if (m == 0) continue;
+          sum += static_cast<Extended>(it.value()) * body[static_cast<size_t>(it.col())];
+          const Extended scaled = static_cast<Extended>(it.value()) * m;
+          for (decltype(columns)::InnerIterator jt(columns, it.col()); jt; ++jt) {
+            if (x[jt.row()] == 0) continue;
+            const auto j = static_cast<size_t>(jt.row());
+            if (entries[j] == 0) touched.push_back(j);
+            entries[j] += scaled * jt.value();
+          }
+        }
+        Extended absolute = 0;
+        for (const size_t j : touched) {
+          absolute += std::abs(entries[j] * x[static_cast<Index>(j)]);
+          entries[j] = 0;
+        }
+        out.product[static_cast<size_t>(i)] = sum;
+        out.magnitude[static_cast<size_t>(i)] = absolute;
+      }
+      break;
+    }
+  }
+  return out;
+}
+
+// diag A in extended precision, with 1 where A_ii = 0 and |A_ii| where it is negative.
+ExtendedVector ScalingDiagonal(const LcpProblem& problem) {
+  const Index n = problem.size();
+  ExtendedVector diagonal(static_cast<size_t>(n), 0);
+  for (Index i = 0; i < n; ++i) {
+    Extended value = 0;
+    if (problem.has_factors()) {
+      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+        value += static_cast<Extended>(it.value()) * it.value() * problem.inverse_mass()[it.col()];
+      }
+    } else {
+      value = problem.DiagonalA()[i];
+    }
+    diagonal[static_cast<size_t>(i)] = value == 0 ? Extended(1) : std::abs(value);
+  }
+  return diagonal;
+}
+
+// NaN must win over every number: std::max would drop it.
+void RaiseTo(Extended candidate, Extended* maximum) {
+  if (std::isnan(candidate) || candidate > *maximum) *maximum = candidate;
+}
+
+double Ratio(Extended numerator, Extended denominator) {
+  if (numerator == 0) return 0;
+  return static_cast<double>(numerator / denominator);
+}
+
+std::string Number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+}  // namespace
+
+Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference) {
+  const Index n = problem.size();
+  Metrics m;
+  if (f.size() != n || !f.allFinite()) {
+    m.w = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+    m.rho = m.backward_error = m.natural_residual = m.natural_residual_siconos = kInfinity;
+    m.fischer_burmeister = m.primal_infeasibility = m.dual_infeasibility = m.complementarity = kInfinity;
+    m.gap = m.gap_rel = m.energy_bound = m.energy_shift = kInfinity;
+    return m;
+  }
+  const Eigen::VectorXd& b = problem.b();
+  const ExtendedVector D = ScalingDiagonal(problem);
+  const Products Af = Multiply(problem, f);
+
+  Extended r_squared = 0, b_squared = 0, b_scaled_squared = 0, siconos_squared = 0, merit = 0;
+  Extended backward = 0, natural = 0, primal = 0, dual = 0, complementarity = 0;
+  Extended f_w = 0, f_Af = 0, b_f = 0, energy = 0, shift_squared = 0;
+  m.w.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<size_t>(i);
+    const bool bilateral = problem.is_bilateral(i);
+    const Extended root = std::sqrt(D[k]);
+    const Extended fi = f[i];
+    const Extended wi = Af.product[k] + b[i];
+    m.w[i] = static_cast<double>(wi);
+
+    const Extended p = root * fi;
+    const Extended q = wi / root;
+    const Extended residual = bilateral ? q : std::min(p, q);
+    r_squared += residual * residual;
+    b_scaled_squared += (b[i] / root) * (b[i] / root);
+    b_squared += static_cast<Extended>(b[i]) * b[i];
+
+    const Extended scale = Af.magnitude[k] + std::abs(static_cast<Extended>(b[i]));
+    // D_ii = 1 stands for A_ii = 0 elsewhere; here the formula's own A_ii f_i is zero then.
+    const Extended force_term = problem.DiagonalA()[i] == 0 ? Extended(0) : D[k] * fi;
+    const Extended defect = std::abs(bilateral ? wi : std::min(force_term, wi));
+    RaiseTo(defect == 0 ? Extended(0) : defect / scale, &backward);
+
+    const Extended plain = bilateral ? wi : std::min(fi, wi);
+    siconos_squared += plain * plain;
+    RaiseTo(std::abs(plain), &natural);
+
+    const Extended hypotenuse = std::hypot(p, q);
+    Extended phi = q;
+    if (!bilateral) phi = p + q > 0 ? -2 * p * q / (hypotenuse + p + q) : hypotenuse - p - q;
+    merit += phi * phi / 2;
+
+    if (bilateral) {
+      RaiseTo(std::abs(wi), &dual);
+      shift_squared += q * q;
+    } else {
+      RaiseTo(-fi, &primal);
+      RaiseTo(-wi, &dual);
+      RaiseTo(std::abs(fi * wi), &complementarity);
+      energy += std::max(fi, Extended(0)) * std::max(wi, Extended(0));
+      if (wi < 0) shift_squared += q * q;
+    }
+    f_w += fi * wi;
+    f_Af += fi * Af.product[k];
+    b_f += fi * b[i];
+  }
+  const auto over_b = [](Extended squared, Extended b_norm_squared) {
+    return static_cast<double>(b_norm_squared == 0 ? std::sqrt(squared) : std::sqrt(squared / b_norm_squared));
+  };
+  m.rho = over_b(r_squared, b_scaled_squared);
+  m.backward_error = static_cast<double>(backward);
+  m.natural_residual = static_cast<double>(natural);
+  m.natural_residual_siconos = over_b(siconos_squared, b_squared);
+  m.fischer_burmeister = static_cast<double>(merit);
+  m.primal_infeasibility = static_cast<double>(primal);
+  m.dual_infeasibility = static_cast<double>(dual);
+  m.complementarity = static_cast<double>(complementarity);
+  m.gap = static_cast<double>(std::abs(f_w));
+  m.gap_rel = Ratio(std::abs(f_w), std::abs(f_Af) + std::abs(b_f));
+  if (problem.facts().symmetric && problem.facts().positive_semidefinite) {
+    m.energy_bound = static_cast<double>(energy);
+    m.energy_shift = static_cast<double>(std::sqrt(shift_squared));
+  }
+  if (reference != nullptr && reference->w.has_value()) {
+    const double b_max = n == 0 ? 0.0 : b.cwiseAbs().maxCoeff();
+    m.w_error = n == 0 ? 0.0 : (m.w - *reference->w).cwiseAbs().maxCoeff() / (1 + b_max);
+  }
+  if (reference != nullptr && reference->f.has_value()) {
+    m.f_error = n == 0 ? 0.0 : (f - *reference->f).cwiseAbs().maxCoeff() / (1 + reference->f->cwiseAbs().maxCoeff());
+  }
+  return m;
+}
+
+FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y) {
+  FarkasVerdict verdict;
+  const Index n = problem.size();
+  if (y.size() != n || !y.allFinite()) {
+    verdict.reason = "the ray must have n finite entries";
+    return verdict;
+  }
+  if (!problem.IsNumericallySymmetric()) {
+    verdict.reason = "rays are proofs for symmetric A only";
+    return verdict;
+  }
+  const ExtendedVector D = ScalingDiagonal(problem);
+  const Products Ay = Multiply(problem, y);
+  Extended b_dot_y = 0, largest = 0, b_norm1 = 0;
+  Index negative = -1;
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<size_t>(i);
+    if (!problem.is_bilateral(i) && y[i] < 0 && negative < 0) negative = i;
+    b_dot_y += static_cast<Extended>(problem.b()[i]) * y[i];
+    b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[k]);
+    RaiseTo(std::abs(Ay.product[k]) / std::sqrt(D[k]), &largest);
+  }
+  verdict.b_dot_y = static_cast<double>(b_dot_y);
+  if (negative >= 0) {
+    verdict.reason = "y is negative on unilateral row " + std::to_string(negative);
+  } else if (!(b_dot_y < 0)) {
+    verdict.reason = "b.y = " + Number(verdict.b_dot_y) + " is not negative";
+  } else {
+    verdict.force_min = largest == 0 ? kInfinity : static_cast<double>(-b_dot_y / largest);
+    const double needed = FarkasVerdict::kRayThreshold * static_cast<double>(b_norm1);
+    verdict.accepted = verdict.force_min >= needed;
+    if (!verdict.accepted) {
+      verdict.reason = "F_min = " + Number(verdict.force_min) + " is below 1e12 |D^-1/2 b|_1 = " + Number(needed);
+    }
+  }
+  return verdict;
+}
+
+bool PassesTier(const Metrics& m, double tolerance) {
+  // Written so that NaN fails.
+  return m.rho <= tolerance && m.backward_error <= std::sqrt(tolerance) && std::isfinite(m.natural_residual) &&
+         m.w.allFinite();
+}
+
+Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolerance, const LcpReference* reference) {
+  Verdict verdict;
+  verdict.requested = tolerance;
+  verdict.metrics = ComputeMetrics(problem, result.f, reference);
+  const Metrics& m = verdict.metrics;
+  verdict.passes = PassesTier(m, tolerance);
+  for (const double tier : kTiers) {
+    if (PassesTier(m, tier)) {
+      verdict.best_tier = tier;
+      break;
+    }
+  }
+  verdict.false_success = result.status == LcpStatus::kSolved && !verdict.passes;
+  if (result.farkas_ray.has_value()) verdict.farkas = VerifyFarkasRay(problem, *result.farkas_ray);
+  verdict.false_infeasible =
+      result.status == LcpStatus::kInfeasible &&
+      (verdict.passes || (reference != nullptr && reference->status == LcpReference::Status::kSolved));
+  if (!verdict.passes) {
+    if (result.f.size() != problem.size()) {
+      verdict.reason =
+          "f has " + std::to_string(result.f.size()) + " entries, expected " + std::to_string(problem.size());
+    } else if (!result.f.allFinite()) {
+      verdict.reason = "f is not finite";
+    } else if (!(m.rho <= tolerance)) {
+      verdict.reason = "rho = " + Number(m.rho) + " > " + Number(tolerance);
+    } else if (!(m.backward_error <= std::sqrt(tolerance))) {
+      verdict.reason = "backward error = " + Number(m.backward_error) + " > " + Number(std::sqrt(tolerance));
+    } else {
+      verdict.reason = "a metric is not finite";
+    }
+  }
+  return verdict;
+}
+
+}  // namespace lcpbench

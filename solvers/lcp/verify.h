@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// Independent measures of how well f answers a problem. w = A f + b is recomputed here from the *given* form in
+/// extended precision (x87 long double, 64-bit significand); nothing is taken from a solver but f. D = diag A with 1
+/// where A_ii = 0 (absolute value where it is negative). C = unilateral rows, B = bilateral rows.
+/// Any measure is NaN or infinite when f is: then no tier passes.
+struct Metrics {
+  Eigen::VectorXd w;  ///< A f + b, rounded to double
+
+  /// PRIMARY.  rho = |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B;
+  /// |r|_2 itself when b = 0. Independent of units and of row scaling. [MODEL.md section 8]
+  double rho = -1;
+  /// max over rows of |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B; 0/0 = 0. Componentwise, so that
+  /// one bad row among many, or one huge b, cannot hide another row. [Oettli, Prager 1964 in the LCP's variables]
+  double backward_error = -1;
+  /// max |min(f_i, w_i)| on C, |w_i| on B: absolute, mixes units; for comparison with the literature.
+  double natural_residual = -1;
+  /// |f - max(0, f - w)|_2 / |b|_2 (w on B), as Siconos' lcp_compute_error; absolute when b = 0.
+  double natural_residual_siconos = -1;
+  /// 1/2 sum phi_i^2, phi = sqrt(p^2+q^2) - p - q with p = D^1/2 f, q = D^-1/2 w on C (evaluated as
+  /// -2pq/(sqrt(p^2+q^2)+p+q) where p + q > 0, so that nothing cancels), phi = q on B. [Fischer 1992]
+  double fischer_burmeister = -1;
+  double primal_infeasibility = -1;  ///< max over C of max(0, -f_i)
+  double dual_infeasibility = -1;    ///< max over C of max(0, -w_i), over B of |w_i|
+  double complementarity = -1;       ///< max over C of |f_i w_i|
+  double gap = -1;                   ///< |f.w| over all rows
+  double gap_rel = -1;               ///< gap / (|f.A f| + |b.f|), 0/0 = 0
+  /// Energy certificate, for symmetric PSD A only (else -1): with f_C clipped at 0, w~ = max(w, 0) on C and 0 on B,
+  /// b~ = b + (w~ - w), the solution f~* of the problem with b~ satisfies |f - f~*|_A^2 <= f_C . w~_C = energy_bound.
+  /// It bounds the error for b itself only where b~ = b exactly; energy_shift = |D^-1/2 (b~ - b)|_2 says how far off
+  /// that is. (The short form |f - f*|_A^2 <= f.w holds at exactly feasible points only.)
+  double energy_bound = -1;
+  double energy_shift = -1;
+  /// Against a known answer, -1 without one: max |w_i - w*_i| / (1 + |b|_inf), and for unique f
+  /// max |f_i - f*_i| / (1 + |f*|_inf).
+  double w_error = -1;
+  double f_error = -1;
+};
+
+/// O(nnz of the given form) plus, from factors, the cost of one pass over the entries of A.
+Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference = nullptr);
+
+/// Judgement of a claimed Farkas ray y (symmetric A). A solution f has 0 <= y.w = f.A y + b.y, hence
+/// -b.y <= |D^1/2 f|_1 |D^-1/2 A y|_inf: any solution needs |D^1/2 f|_1 >= force_min. The ray is accepted only if y_C
+/// >= 0, b.y < 0 and force_min >= kRayThreshold |D^-1/2 b|_1. ("A y is small" alone would accept false rays: A =
+/// diag(1, 1e-10), b = (1, -1).)
+struct FarkasVerdict {
+  static constexpr double kRayThreshold = 1e12;
+  bool accepted = false;
+  double b_dot_y = 0;
+  double force_min = 0;  ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite when A y = 0 exactly
+  std::string reason;    ///< why it was not accepted; empty otherwise
+};
+FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y);
+
+/// Tiers that results are sorted into.
+inline constexpr double kTiers[] = {1e-9, 1e-6, 1e-3};
+
+/// The judgement, the same code for every solver.
+/// Tier T passes if and only if f is finite, rho <= T and backward_error <= sqrt(T).
+struct Verdict {
+  double requested = 0;                 ///< the tolerance asked for
+  bool passes = false;                  ///< at `requested`
+  double best_tier = 0;                 ///< smallest of kTiers that passes; 0 when none does
+  bool false_success = false;           ///< claimed kSolved and does not pass
+  bool false_infeasible = false;        ///< claimed kInfeasible although the known answer is a solution
+  std::optional<FarkasVerdict> farkas;  ///< when the result carries a ray
+  std::string reason;                   ///< one line: why it does not pass; empty when it does
+  Metrics metrics;
+};
+
+/// @param tolerance  the requested tier, in (0, 1)
+Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolerance,
+               const LcpReference* reference = nullptr);
+
+/// True if `m` passes tier `tolerance`: finite, rho <= T, backward_error <= sqrt(T).
+bool PassesTier(const Metrics& m, double tolerance);
+
+}  // namespace lcpbench
