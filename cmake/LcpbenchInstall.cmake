@@ -1,1 +1,26 @@
+# cmake --install, and the package files that find_package(lcpbench) reads.
+include(CMakePackageConfigHelpers)
 
+# Headers keep their folders (solvers/lcp/problem.h), below a folder of our own.
+set(LCPBENCH_INSTALL_INCLUDEDIR "${CMAKE_INSTALL_INCLUDEDIR}/lcpbench")
+set(LCPBENCH_INSTALL_CMAKEDIR "${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench")
+
+install(TARGETS lcpbench_lcp lcpbench_model lcpbench_solvers
+  EXPORT lcpbench_targets
+  ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+  FILE_SET HEADERS DESTINATION "${LCPBENCH_INSTALL_INCLUDEDIR}")
+install(EXPORT lcpbench_targets NAMESPACE lcpbench:: DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
+
+configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/lcpbenchConfig.cmake.in"
+  "${PROJECT_BINARY_DIR}/lcpbenchConfig.cmake" INSTALL_DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
+write_basic_package_version_file("${PROJECT_BINARY_DIR}/lcpbenchConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
+install(FILES "${PROJECT_BINARY_DIR}/lcpbenchConfig.cmake" "${PROJECT_BINARY_DIR}/lcpbenchConfigVersion.cmake"
+  DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
+install(FILES "${PROJECT_SOURCE_DIR}/cmake/FindIpopt.cmake" "${PROJECT_SOURCE_DIR}/cmake/FindCHOLMOD.cmake"
+  "${PROJECT_SOURCE_DIR}/cmake/FindMPFR.cmake" DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
+if(LCPBENCH_BUILD_BENCHMARKS)
+  install(TARGETS lcpbench_command RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/report/" DESTINATION "${CMAKE_INSTALL_DATADIR}/lcpbench/report"
+    FILES_MATCHING PATTERN "*.py" PATTERN "*.j2" PATTERN "*.css" PATTERN "*.js" PATTERN "tests" EXCLUDE
+    PATTERN "__pycache__" EXCLUDE)
+endif()

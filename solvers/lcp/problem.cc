@@ -233,6 +233,19 @@ LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::Vector
   return LcpProblem(std::move(state));
 }
 
+LcpProblem LcpProblem::CopyOfGivenForm() const {
+  RowBounds bounds{state_->lower, state_->upper};
+  switch (state_->form) {
+    case MatrixForm::kSparse:
+      return FromSparse(state_->id, state_->given_sparse, state_->b, std::move(bounds), state_->facts);
+    case MatrixForm::kFactors:
+      return FromFactors(state_->id, state_->J, state_->inverse_mass, state_->b, std::move(bounds), state_->facts);
+    case MatrixForm::kDense:
+      break;
+  }
+  return FromDense(state_->id, state_->given_dense, state_->b, std::move(bounds), state_->facts);
+}
+
 const std::string& LcpProblem::id() const { return state_->id; }
 Index LcpProblem::size() const { return state_->b.size(); }
 MatrixForm LcpProblem::given_form() const { return state_->form; }

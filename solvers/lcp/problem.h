@@ -100,6 +100,9 @@ class LcpProblem {
   /// True if every row is unilateral or bilateral (the only kinds solvers take today).
   bool has_standard_bounds() const;
 
+  /// The same given problem without its derived forms, so that forming them can be timed again.
+  LcpProblem CopyOfGivenForm() const;
+
   /// True for copies of one problem.
   bool SharesStorageWith(const LcpProblem& other) const { return state_ == other.state_; }
 

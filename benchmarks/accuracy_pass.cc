@@ -1,0 +1,179 @@
+#include "benchmarks/accuracy_pass.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "benchmarks/csv.h"
+#include "benchmarks/progress.h"
+#include "model/assembly.h"
+#include "solvers/lcp/metric_table.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+// Eigenvalues of a dense matrix cost O(n^3): a second at this size.
+constexpr Index kLargestRank = 1000;
+// Relative to the largest eigenvalue of the Jacobi-scaled matrix.
+constexpr double kRankTolerance = 1e-10;
+
+const std::vector<std::string> kProblemColumns = {"problem", "family", "n",      "seed",      "bodies",
+                                                  "movable", "nnz_a",  "rank_a", "separating"};
+
+std::vector<std::string> AccuracyColumns() {
+  std::vector<std::string> columns = {
+      "problem",       "family",           "n",          "seed",    "solver", "tier", "claim", "passes", "best_tier",
+      "false_success", "false_infeasible", "iterations", "setup_s", "solve_s"};
+  for (const MetricEntry& metric : AllMetrics()) columns.emplace_back(metric.key);
+  columns.insert(columns.end(), {"excluded", "detail", "reason"});
+  return columns;
+}
+
+std::string RankCell(const LcpProblem& problem) {
+  if (problem.size() > kLargestRank) return {};
+  const Eigen::VectorXd scale =
+      problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1.0 : 1 / std::sqrt(std::abs(d)); });
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * problem.DenseA() * scale.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled, Eigen::EigenvaluesOnly);
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  return std::to_string((values.array() > kRankTolerance * values[values.size() - 1]).count());
+}
+
+// The fraction of unilateral rows that separate: w_i > 0 beyond the noise, where D^-1/2 w exceeds D^1/2 f.
+double SeparatingFraction(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double rho) {
+  Index unilateral = 0;
+  Index separating = 0;
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  const double noise = rho * problem.b().cwiseAbs().maxCoeff();
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.is_bilateral(i)) continue;
+    ++unilateral;
+    if (w[i] > d[i] * f[i] && w[i] > noise) ++separating;
+  }
+  return unilateral == 0 ? 0.0 : static_cast<double>(separating) / static_cast<double>(unilateral);
+}
+
+// How much of the progress bar a cell takes: a constant plus a term that grows with the problem.
+double Weight(const SuiteProblem& problem, const Suite& suite) {
+  double weight = 0;
+  for (const std::string& key : suite.solvers) {
+    weight += static_cast<double>(TiersToRun(suite, FindSolver(key)).size()) * (0.001 + 1e-4 * problem.size);
+  }
+  return weight;
+}
+
+class AccuracyPass {
+ public:
+  AccuracyPass(const Suite& suite, const std::string& folder)
+      : suite_(suite),
+        problems_(folder + "/problems.csv", kProblemColumns),
+        accuracy_(folder + "/accuracy.csv", AccuracyColumns()) {}
+
+  void RunProblem(const SuiteProblem& info) {
+    const ContactSystem system = GenerateScene(info.family, info.size, info.seed);
+    const AssembledLcp lcp = AssembleContactLcp(system);
+    best_rho_ = 1;
+    separating_.reset();
+    for (const std::string& key : suite_.solvers) RunSolver(info, lcp.problem, FindSolver(key));
+
+    const auto movable =
+        std::count_if(system.bodies.begin(), system.bodies.end(), [](const Body& body) { return !body.fixed; });
+    problems_.Row({info.id, info.family, std::to_string(lcp.problem.size()), std::to_string(info.seed),
+                   std::to_string(system.bodies.size()), std::to_string(movable),
+                   std::to_string(lcp.problem.SparseA().nonZeros()), RankCell(lcp.problem),
+                   separating_.has_value() ? CsvWriter::Cell(*separating_) : ""});
+  }
+
+  CellOutcomes TakeOutcomes() { return std::move(outcomes_); }
+
+ private:
+  void RunSolver(const SuiteProblem& info, const LcpProblem& shared, const SolverEntry& entry) {
+    for (const double tolerance : TiersToRun(suite_, entry)) {
+      const std::string rule = ExclusionRule(entry, info.size, tolerance);
+      LcpResult result;
+      std::string setup;
+      std::string solve;
+      Metrics metrics;
+      if (rule.empty()) {
+        const LcpProblem problem = shared.CopyOfGivenForm();  // set-up pays for every form that the solver reads
+        const std::unique_ptr<LcpSolver> solver = entry.make({});
+        LcpOptions options;
+        options.tolerance = tolerance;
+        options.time_limit_s = suite_.time_limit_s;
+        const double start = SteadyNow();
+        solver->Prepare(problem);
+        const double prepared = SteadyNow();
+        solver->Solve(problem, options, &result);
+        const double solved = SteadyNow();
+        setup = CsvWriter::Cell(prepared - start);
+        solve = CsvWriter::Cell(solved - prepared);
+      }
+      const std::vector<double> judged = entry.uses_tolerance ? std::vector<double>{tolerance} : suite_.tiers;
+      for (const double tier : judged) WriteRow(info, shared, entry, tier, rule, result, setup, solve);
+    }
+  }
+
+  void WriteRow(const SuiteProblem& info, const LcpProblem& problem, const SolverEntry& entry, double tier,
+                const std::string& rule, const LcpResult& result, const std::string& setup, const std::string& solve) {
+    std::vector<std::string> row = {info.id,
+                                    info.family,
+                                    std::to_string(info.size),
+                                    std::to_string(info.seed),
+                                    std::string(entry.key),
+                                    CsvWriter::Cell(tier)};
+    std::string& outcome = outcomes_[{info.id, std::string(entry.key), tier}];
+    if (!rule.empty()) {
+      row.resize(row.size() + 8 + AllMetrics().size());
+      row.insert(row.end(), {rule, "", ""});
+      accuracy_.Row(row);
+      outcome = "excluded by rule: " + rule;
+      return;
+    }
+    const Verdict verdict = Verify(problem, result, tier);
+    if (!verdict.passes) {
+      outcome = std::string(verdict.false_success ? "false success: " : "") + std::string(ToString(result.status)) +
+                ": " + verdict.reason;
+    }
+    if (verdict.best_tier == kTiers[0] && verdict.metrics.rho < best_rho_) {
+      best_rho_ = verdict.metrics.rho;
+      separating_ = SeparatingFraction(problem, result.f, verdict.metrics.w, verdict.metrics.rho);
+    }
+    row.insert(row.end(),
+               {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
+                verdict.best_tier > 0 ? CsvWriter::Cell(verdict.best_tier) : "", CsvWriter::Cell(verdict.false_success),
+                CsvWriter::Cell(verdict.false_infeasible), std::to_string(result.iterations), setup, solve});
+    for (const MetricEntry& metric : AllMetrics()) {
+      const double value = verdict.metrics.*metric.value;
+      row.push_back(value == -1 ? "" : CsvWriter::Cell(value));
+    }
+    row.insert(row.end(), {"", result.detail, verdict.reason});
+    accuracy_.Row(row);
+  }
+
+  const Suite& suite_;
+  CsvWriter problems_;
+  CsvWriter accuracy_;
+  CellOutcomes outcomes_;
+  double best_rho_ = 1;
+  std::optional<double> separating_;
+};
+
+}  // namespace
+
+CellOutcomes RunAccuracyPass(const Suite& suite, const std::string& folder) {
+  const std::vector<SuiteProblem> problems = ProblemsOf(suite);
+  double total = 0;
+  for (const SuiteProblem& problem : problems) total += Weight(problem, suite);
+  AccuracyPass pass(suite, folder);
+  ProgressBar bar("accuracy", total);
+  for (const SuiteProblem& problem : problems) {
+    pass.RunProblem(problem);
+    bar.Advance(Weight(problem, suite), problem.id);
+  }
+  return pass.TakeOutcomes();
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,47 @@
+#include <iostream>
+
+#include "benchmarks/commands.h"
+#include "model/scenes/scene.h"
+#include "solvers/lcp/metric_table.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::size_t kKeyWidth = 26;
+
+void PrintRow(std::string_view key, const std::string& text) {
+  std::cout << key << std::string(key.size() < kKeyWidth ? kKeyWidth - key.size() : 1, ' ') << text << '\n';
+}
+
+}  // namespace
+
+void AddListCommand(CLI::App& app, CommandRun& run) {
+  CLI::App* list = app.add_subcommand("list", "Lists solvers, scenes or metrics, the key first on each line");
+  list->require_subcommand(1);
+  list->add_subcommand("solvers", "Backends: key, method, source")->callback([&run] {
+    run = [] {
+      for (const SolverEntry& entry : AllSolvers()) {
+        PrintRow(entry.key, std::string(entry.method) + " [" + std::string(entry.source) + "]" +
+                                (entry.available ? "" : " (not in this build)"));
+      }
+      return 0;
+    };
+  });
+  list->add_subcommand("scenes", "Scene families: key, title, purpose")->callback([&run] {
+    run = [] {
+      for (const SceneFamily& scene : AllScenes()) {
+        PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
+      }
+      return 0;
+    };
+  });
+  list->add_subcommand("metrics", "Metrics of the verdict: key, formula")->callback([&run] {
+    run = [] {
+      for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
+      return 0;
+    };
+  });
+}
+
+}  // namespace lcpbench

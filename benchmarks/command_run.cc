@@ -1,0 +1,86 @@
+#include <filesystem>
+#include <iostream>
+#include <memory>
+
+#include "benchmarks/accuracy_pass.h"
+#include "benchmarks/commands.h"
+#include "benchmarks/results.h"
+#include "benchmarks/suite.h"
+#include "benchmarks/timing_pass.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+namespace {
+
+struct RunArguments {
+  std::string suite = "default";
+  std::string output = "build/results/default";
+  std::vector<std::string> solvers;
+  std::vector<std::string> families;
+  std::vector<int> sizes;
+  std::vector<std::uint64_t> seeds;
+  std::vector<double> tiers;
+  double time_limit_s = 0;
+  double min_time_s = 0;
+  int repetitions = 0;
+};
+
+// The named suite with what the command line changes in it.
+Suite ChosenSuite(const RunArguments& arguments) {
+  Suite suite = FindSuite(arguments.suite);
+  if (!arguments.solvers.empty()) suite.solvers = arguments.solvers;
+  if (!arguments.families.empty()) suite.families = arguments.families;
+  if (!arguments.sizes.empty()) suite.sizes = arguments.sizes;
+  if (!arguments.seeds.empty()) suite.seeds = arguments.seeds;
+  if (!arguments.tiers.empty()) suite.tiers = arguments.tiers;
+  if (arguments.time_limit_s != 0) suite.time_limit_s = arguments.time_limit_s;
+  if (arguments.min_time_s != 0) suite.min_time_s = arguments.min_time_s;
+  if (arguments.repetitions != 0) suite.repetitions = arguments.repetitions;
+  ValidateSuite(suite);
+  return suite;
+}
+
+int Run(const RunArguments& arguments, const std::vector<std::string>& extra_flags) {
+  const Suite suite = ChosenSuite(arguments);
+  for (const std::string& flag : extra_flags) {
+    if (!flag.starts_with("--benchmark_")) throw InputError("run: unexpected argument '" + flag + "'");
+  }
+  std::error_code error;
+  std::filesystem::create_directories(arguments.output, error);
+  if (error) throw InputError(arguments.output + ": cannot be created: " + error.message());
+
+  const std::string started = UtcNow();
+  const double start = SteadyNow();
+  WriteRunFile(arguments.output, suite, started, -1);
+  WritePictures(arguments.output, suite);
+  const CellOutcomes outcomes = RunAccuracyPass(suite, arguments.output);
+  RunTimingPass(suite, outcomes, arguments.output, extra_flags);
+  WriteRunFile(arguments.output, suite, started, SteadyNow() - start);
+  std::cout << "results: " << arguments.output << std::endl;
+  return 0;
+}
+
+}  // namespace
+
+void AddRunCommand(CLI::App& app, CommandRun& run) {
+  auto arguments = std::make_shared<RunArguments>();
+  CLI::App* command = app.add_subcommand("run", "Runs a suite: verifies, then times, and writes result files");
+  command->add_option("--suite", arguments->suite, "default or quick")->capture_default_str();
+  command->add_option("-o,--output", arguments->output, "Folder of the result files")->capture_default_str();
+  command->add_option("--solvers", arguments->solvers, "Only these solvers")->delimiter(',');
+  command->add_option("--scenes", arguments->families, "Only these scene families")->delimiter(',');
+  command->add_option("--sizes", arguments->sizes, "Rows per problem")->delimiter(',');
+  command->add_option("--seeds", arguments->seeds, "Seeds; the first one is timed")->delimiter(',');
+  command->add_option("--tiers", arguments->tiers, "Tolerances")->delimiter(',');
+  command->add_option("--time-limit", arguments->time_limit_s, "Seconds per solve");
+  command->add_option("--min-time", arguments->min_time_s, "Seconds per repetition of a timing");
+  command->add_option("--repetitions", arguments->repetitions, "Repetitions of a timing");
+  command->allow_extras();
+  command->footer("Flags of Google Benchmark (--benchmark_filter=..., ...) are handed on to the timing pass.");
+  command->callback([arguments, command, &run] {
+    run = [arguments, extras = command->remaining()] { return Run(*arguments, extras); };
+  });
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace lcpbench {
+
+/// A subcommand adds itself to `app` and leaves in `run` what is to be done once the command line is parsed; `run`
+/// returns the exit status and throws InputError for a user's mistake.
+using CommandRun = std::function<int()>;
+
+void AddListCommand(CLI::App& app, CommandRun& run);
+void AddGenerateCommand(CLI::App& app, CommandRun& run);
+void AddSolveCommand(CLI::App& app, CommandRun& run);
+void AddAssembleCommand(CLI::App& app, CommandRun& run);
+void AddRunCommand(CLI::App& app, CommandRun& run);
+void AddReportCommand(CLI::App& app, CommandRun& run);
+
+/// Exit status for a user's mistake.
+inline constexpr int kMisuse = 2;
+
+}  // namespace lcpbench

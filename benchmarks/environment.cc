@@ -1,0 +1,57 @@
+#include "benchmarks/environment.h"
+
+#include <unistd.h>
+
+#include <boost/version.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "build_info.h"
+#include "git_revision.h"
+#include "solvers/library_versions.h"
+
+namespace lcpbench {
+namespace {
+
+// The value after `separator` on the first line that starts with `key`.
+std::string FirstValue(const char* path, const std::string& key, char separator) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    if (!line.starts_with(key)) continue;
+    const auto at = line.find(separator);
+    if (at == std::string::npos) continue;
+    const auto first = line.find_first_not_of(" \t\"", at + 1);
+    const auto last = line.find_last_not_of(" \t\"");
+    if (first == std::string::npos || last < first) continue;
+    return line.substr(first, last - first + 1);
+  }
+  return "unknown";
+}
+
+}  // namespace
+
+Environment DescribeEnvironment() {
+  Environment environment;
+  environment.version = kVersion;
+  environment.git_commit = kGitCommit;
+  environment.git_dirty = kGitDirty;
+  environment.compiler = kCompiler;
+  environment.flags = kFlags;
+  environment.solver_flags = kSolverFlags;
+  environment.build_type = kBuildType;
+  environment.cpu = FirstValue("/proc/cpuinfo", "model name", ':');
+  environment.cores = static_cast<int>(std::thread::hardware_concurrency());
+  environment.memory_bytes = static_cast<long long>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
+  environment.os = FirstValue("/etc/os-release", "PRETTY_NAME", '=');
+  environment.libraries = LibraryVersions();
+  environment.libraries.emplace_back("nlohmann-json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
+                                                          std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
+                                                          std::to_string(NLOHMANN_JSON_VERSION_PATCH));
+  environment.libraries.emplace_back("Boost", std::to_string(BOOST_VERSION / 100000) + "." +
+                                                  std::to_string(BOOST_VERSION / 100 % 1000) + "." +
+                                                  std::to_string(BOOST_VERSION % 100));
+  return environment;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lcpbench {
+
+/// What a result was measured with.
+struct Environment {
+  std::string version;
+  std::string git_commit;
+  bool git_dirty = false;
+  std::string compiler;
+  std::string flags;         ///< of all our code
+  std::string solver_flags;  ///< added in solvers/
+  std::string build_type;
+  std::string cpu;
+  int cores = 0;
+  long long memory_bytes = 0;
+  std::string os;
+  std::vector<std::pair<std::string, std::string>> libraries;
+};
+
+Environment DescribeEnvironment();
+
+}  // namespace lcpbench

@@ -1,0 +1,54 @@
+#include "benchmarks/input_files.h"
+
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "benchmarks/commands.h"
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+void Tell(const InputError& error) { std::cerr << "lcpbench: " << error.what() << std::endl; }
+
+}  // namespace
+
+int ForEachLine(const std::vector<std::string>& files,
+                const std::function<void(const std::string& line, const std::string& where)>& handle) {
+  int status = 0;
+  for (const std::string& path : files) {
+    const bool standard_input = path == "-";
+    const std::string name = standard_input ? "<stdin>" : path;
+    try {
+      std::ifstream file;
+      if (!standard_input) {
+        if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
+        file.open(path);
+        if (!file) throw InputError(path + ": cannot be opened for reading");
+      }
+      std::istream& input = standard_input ? std::cin : file;
+      std::string line;
+      std::size_t number = 0;
+      bool any = false;
+      while (std::getline(input, line)) {
+        ++number;
+        if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+        any = true;
+        try {
+          handle(line, name + ":" + std::to_string(number));
+        } catch (const InputError& error) {
+          Tell(error);
+          status = kMisuse;
+        }
+      }
+      if (!any) throw InputError(name + ": is empty, expected JSON lines");
+    } catch (const InputError& error) {
+      Tell(error);
+      status = kMisuse;
+    }
+  }
+  return status;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <functional>
+#include <istream>
+#include <string>
+#include <vector>
+
+namespace lcpbench {
+
+/// Calls `handle(line, "file:line")` for every non-empty line of every file ("-" is standard input). A line or file
+/// that is refused with InputError is told on standard error, one line each, and the next one is taken, so that nothing
+/// already computed is lost. A file without any line is refused as well.
+/// @return 0, or 2 when something was refused
+int ForEachLine(const std::vector<std::string>& files,
+                const std::function<void(const std::string& line, const std::string& where)>& handle);
+
+}  // namespace lcpbench

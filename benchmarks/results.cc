@@ -1,0 +1,109 @@
+#include "benchmarks/results.h"
+
+#include <ctime>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/environment.h"
+#include "model/assembly.h"
+#include "model/scenes/picture.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/metric_table.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kSchemaVersion = 1;
+// Large enough to show the structure, small enough that forces and normals can be read.
+constexpr int kPictureRows = 24;
+
+void WriteText(const std::string& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text << '\n' << std::flush;
+  if (!file) throw InputError(path + ": cannot be written");
+}
+
+}  // namespace
+
+void WriteRunFile(const std::string& folder, const Suite& suite, const std::string& started, double wall_s) {
+  const Environment environment = DescribeEnvironment();
+  Json run;
+  run["schema"] = "lcpbench-run/" + std::to_string(kSchemaVersion);
+  run["suite"] = suite.name;
+  run["started"] = started;
+  run["wall_s"] = wall_s < 0 ? Json(nullptr) : Json(wall_s);
+  run["version"] = environment.version;
+  run["git_commit"] = environment.git_commit;
+  run["git_dirty"] = environment.git_dirty;
+  run["compiler"] = environment.compiler;
+  run["flags"] = environment.flags;
+  run["solver_flags"] = environment.solver_flags;
+  run["build_type"] = environment.build_type;
+  run["cpu"] = environment.cpu;
+  run["cores"] = environment.cores;
+  run["memory_bytes"] = environment.memory_bytes;
+  run["os"] = environment.os;
+  run["libraries"] = Json::object();
+  for (const auto& [name, version] : environment.libraries) run["libraries"][name] = version;
+  run["tiers"] = suite.tiers;
+  run["sizes"] = suite.sizes;
+  run["seeds"] = suite.seeds;
+  run["seed"] = suite.seeds.front();
+  run["time_limit_s"] = suite.time_limit_s;
+  run["min_time_s"] = suite.min_time_s;
+  run["repetitions"] = suite.repetitions;
+  run["solvers"] = Json::array();
+  for (const std::string& key : suite.solvers) {
+    const SolverEntry& entry = FindSolver(key);
+    run["solvers"].push_back({{"key", entry.key},
+                              {"method", entry.method},
+                              {"source", entry.source},
+                              {"available", entry.available},
+                              {"uses_tolerance", entry.uses_tolerance}});
+  }
+  run["scenes"] = Json::array();
+  for (const std::string& key : suite.families) {
+    const SceneFamily& scene = FindScene(key);
+    run["scenes"].push_back({{"key", scene.key},
+                             {"title", scene.title},
+                             {"purpose", scene.purpose},
+                             {"picture", std::string(scene.key) + ".svg"}});
+  }
+  run["metrics"] = Json::array();
+  for (const MetricEntry& metric : AllMetrics()) {
+    run["metrics"].push_back({{"key", metric.key}, {"formula", metric.formula}});
+  }
+  WriteText(folder + "/run.json", run.dump(2));
+}
+
+void WritePictures(const std::string& folder, const Suite& suite) {
+  for (const std::string& family : suite.families) {
+    const ContactSystem system = GenerateScene(family, kPictureRows, suite.seeds.front());
+    const AssembledLcp lcp = AssembleContactLcp(system);
+    LcpResult result;
+    const LcpOptions options;
+    // Any verified answer will do; without one the picture shows the geometry alone.
+    for (const SolverEntry& entry : AllSolvers()) {
+      if (!entry.available) continue;
+      entry.make({})->Solve(lcp.problem, options, &result);
+      const Verdict verdict = Verify(lcp.problem, result, options.tolerance);
+      if (!verdict.passes) continue;
+      WriteText(folder + "/" + family + ".svg", RenderSvg(system, lcp, &result.f, &verdict.metrics.w));
+      break;
+    }
+  }
+}
+
+std::string UtcNow() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,191 @@
+#include "benchmarks/timing_pass.h"
+
+#include <benchmark/benchmark.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "benchmarks/csv.h"
+#include "benchmarks/environment.h"
+#include "benchmarks/progress.h"
+#include "model/assembly.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+std::string TierName(double tier) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0e", tier);
+  return text;
+}
+
+LcpProblem MakeProblem(const SuiteProblem& info) {
+  return AssembleContactLcp(GenerateScene(info.family, info.size, info.seed)).problem;
+}
+
+// One cell: a problem, a solver prepared for it, and the answer that was verified before any timing.
+struct Cell {
+  std::string name;
+  LcpProblem problem;
+  std::unique_ptr<LcpSolver> solver;
+  LcpOptions options;
+  LcpResult result;
+  Verdict verdict;
+};
+
+// Google Benchmark calls a benchmark's function several times in a row (calibration, repetitions). Only the current
+// cell is kept: all of them together would not fit in memory.
+class CurrentCell {
+ public:
+  Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier, double limit_s) {
+    if (cell_ == nullptr || cell_->name != name) {
+      cell_.reset();
+      cell_ = std::make_unique<Cell>(Cell{name, MakeProblem(info), entry.make({}), {}, {}, {}});
+      cell_->options.tolerance = tier;
+      cell_->options.time_limit_s = limit_s;
+      cell_->solver->Prepare(cell_->problem);
+      cell_->solver->Solve(cell_->problem, cell_->options, &cell_->result);
+      cell_->verdict = Verify(cell_->problem, cell_->result, tier);
+    }
+    return *cell_;
+  }
+
+ private:
+  std::unique_ptr<Cell> cell_;
+};
+
+void TimeSolve(benchmark::State& state, Cell& cell) {
+  if (!cell.verdict.passes) {
+    state.SkipWithError(cell.verdict.reason.c_str());
+    return;
+  }
+  for (auto _ : state) {
+    cell.solver->Solve(cell.problem, cell.options, &cell.result);
+    benchmark::DoNotOptimize(cell.result.f.data());
+  }
+  state.counters["rows"] = static_cast<double>(cell.problem.size());
+  state.counters["rho"] = cell.verdict.metrics.rho;
+  state.counters["solver_iterations"] = static_cast<double>(cell.result.iterations);
+}
+
+// Fresh copies each time: derived forms of A and a solver's workspace are part of the set-up.
+void TimeSetup(benchmark::State& state, const SuiteProblem& info, const SolverEntry& entry) {
+  const LcpProblem given = MakeProblem(info);
+  for (auto _ : state) {
+    const LcpProblem problem = given.CopyOfGivenForm();
+    const std::unique_ptr<LcpSolver> solver = entry.make({});
+    const double start = SteadyNow();
+    solver->Prepare(problem);
+    state.SetIterationTime(SteadyNow() - start);
+  }
+  state.counters["rows"] = static_cast<double>(given.size());
+}
+
+// Advances the bar; the numbers go to the file.
+class ProgressReporter : public benchmark::BenchmarkReporter {
+ public:
+  explicit ProgressReporter(double total) : bar_("timing  ", total) {}
+  bool ReportContext(const Context& /*context*/) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    if (!runs.empty()) bar_.Advance(1, runs.front().run_name.str());
+  }
+
+ private:
+  ProgressBar bar_;
+};
+
+class TimingPass {
+ public:
+  TimingPass(const Suite& suite, const CellOutcomes& outcomes) : suite_(suite), outcomes_(outcomes) {}
+
+  void RegisterAll() {
+    for (const SuiteProblem& info : ProblemsOf(suite_)) {
+      if (info.seed != suite_.seeds.front()) continue;
+      for (const std::string& key : suite_.solvers) RegisterSolver(info, FindSolver(key));
+    }
+  }
+
+  int registered() const { return registered_; }
+
+ private:
+  void RegisterSolver(const SuiteProblem& info, const SolverEntry& entry) {
+    const std::string stem = info.family + "/" + std::to_string(info.size) + "/" + std::string(entry.key);
+    std::vector<double> tiers = suite_.tiers;
+    std::sort(tiers.begin(), tiers.end());
+    bool any_passed = false;
+    for (const double tier : tiers) {
+      const std::string name = "solve/" + stem + "/" + TierName(tier);
+      const auto outcome = outcomes_.find({info.id, std::string(entry.key), tier});
+      const bool passed = outcome != outcomes_.end() && outcome->second.empty();
+      if (!passed) {
+        RegisterFailure(name, outcome == outcomes_.end() ? "not run" : outcome->second);
+        continue;
+      }
+      // A direct method's time at its strictest passed tier stands for the looser ones.
+      if (any_passed && !entry.uses_tolerance) break;
+      any_passed = true;
+      Register(name, false, [this, name, info, &entry, tier](benchmark::State& state) {
+        TimeSolve(state, current_.Get(name, info, entry, tier, suite_.time_limit_s));
+      });
+    }
+    if (any_passed) {
+      Register("setup/" + stem, true, [info, &entry](benchmark::State& state) { TimeSetup(state, info, entry); });
+    }
+  }
+
+  void RegisterFailure(const std::string& name, const std::string& reason) {
+    Register(name, false, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); });
+  }
+
+  template <typename Function>
+  void Register(const std::string& name, bool manual_time, Function function) {
+    auto* registered = benchmark::RegisterBenchmark(name.c_str(), std::move(function));
+    registered->Unit(benchmark::kMicrosecond)->MinTime(suite_.min_time_s)->Repetitions(suite_.repetitions);
+    if (manual_time) {
+      registered->UseManualTime();
+    } else {
+      registered->UseRealTime();
+    }
+    ++registered_;
+  }
+
+  const Suite& suite_;
+  const CellOutcomes& outcomes_;
+  CurrentCell current_;
+  int registered_ = 0;
+};
+
+void AddContext(const Environment& environment) {
+  benchmark::AddCustomContext("git_commit", environment.git_commit + (environment.git_dirty ? " (dirty)" : ""));
+  benchmark::AddCustomContext("compiler", environment.compiler);
+  benchmark::AddCustomContext("flags", environment.flags + " | solvers: " + environment.solver_flags);
+  benchmark::AddCustomContext("cpu", environment.cpu);
+  for (const auto& [name, version] : environment.libraries) benchmark::AddCustomContext(name, version);
+}
+
+}  // namespace
+
+void RunTimingPass(const Suite& suite, const CellOutcomes& outcomes, const std::string& folder,
+                   const std::vector<std::string>& extra_flags) {
+  std::vector<std::string> flags = {"lcpbench", "--benchmark_out=" + folder + "/timing.json",
+                                    "--benchmark_out_format=json"};
+  flags.insert(flags.end(), extra_flags.begin(), extra_flags.end());
+  std::vector<char*> argv;
+  for (std::string& flag : flags) argv.push_back(flag.data());
+  int argc = static_cast<int>(argv.size());
+  benchmark::Initialize(&argc, argv.data());
+  if (argc > 1) throw InputError(std::string("unknown Google Benchmark flag '") + argv[1] + "'");
+
+  AddContext(DescribeEnvironment());
+  TimingPass pass(suite, outcomes);
+  pass.RegisterAll();
+  ProgressReporter reporter(pass.registered());
+  benchmark::RunSpecifiedBenchmarks(&reporter);
+  benchmark::Shutdown();
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,19 @@
+#!/bin/sh
+# Formatting of every C++ file and lint of every compiled one. Needs a configured and built tree (its generated headers).
+set -eu
+build=$1
+git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror
+git ls-files 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' |
+  xargs -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet 2> build/clang-tidy.log || {
+  echo "clang-tidy found something (see above)" >&2
+  exit 1
+}
+if git grep -nE '#include "(model|benchmarks|tests)/' -- solvers; then
+  echo "solvers/ must not include model/, benchmarks/ or tests/" >&2
+  exit 1
+fi
+if git grep -nE '#include "solvers/' -- model | grep -v '"solvers/lcp/'; then
+  echo "model/ may include solvers/lcp/ only" >&2
+  exit 1
+fi
+echo "formatting, lint and include directions are clean"
