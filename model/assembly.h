@@ -12,15 +12,15 @@ namespace lcpbench {
 
 /// One row of an assembled system, with the geometry it came from (world frame).
 struct RowInfo {
-  int constraint = 0;      ///< index into ContactSystem::constraints
-  char axis = 'n';         ///< 'n' contact or path joint; 'x' or 'y' the rows of a pin
+  int constraint = 0;  ///< index into ContactSystem::constraints
+  char axis = 'n';     ///< 'n' contact or path joint; 'x' or 'y' the rows of a pin
   bool bilateral = false;
-  Vec2 p1;                 ///< closest point on body 1
-  Vec2 p2;                 ///< closest point on body 2
-  Vec2 n;                  ///< unit normal from body 2 to body 1 (a pin row: its world axis)
-  double d = 0;            ///< gap [m] (a pin row: its component of g = p1 - p2)
-  double d_dot = 0;        ///< [m/s]
-  double gamma = 0;        ///< velocity-product term of d'' [m/s^2]
+  Vec2 p1;           ///< closest point on body 1
+  Vec2 p2;           ///< closest point on body 2
+  Vec2 n;            ///< unit normal from body 2 to body 1 (a pin row: its world axis)
+  double d = 0;      ///< gap [m] (a pin row: its component of g = p1 - p2)
+  double d_dot = 0;  ///< [m/s]
+  double gamma = 0;  ///< velocity-product term of d'' [m/s^2]
 };
 
 /// J (n x 3N, columns of every body in body order, fixed ones included), inverse mass (3N, 0 for fixed bodies),

@@ -16,12 +16,12 @@ struct Body {
   double inertia = 1;  ///< [kg m^2] about the centre of mass, > 0
   /// Inverse mass and inertia are 0; the velocity may still be non-zero (kinematic body).
   bool fixed = false;
-  Vec2 x;              ///< centre of mass [m]
-  double theta = 0;    ///< [rad]
-  Vec2 v;              ///< [m/s]
-  double omega = 0;    ///< [rad/s]
-  Vec2 force;          ///< applied at the centre of mass [N]
-  double torque = 0;   ///< [N m]
+  Vec2 x;             ///< centre of mass [m]
+  double theta = 0;   ///< [rad]
+  Vec2 v;             ///< [m/s]
+  double omega = 0;   ///< [rad/s]
+  Vec2 force;         ///< applied at the centre of mass [N]
+  double torque = 0;  ///< [N m]
   /// Prescribed acceleration of a fixed body [m/s^2], [rad/s^2]; enters b through J. Ignored for movable bodies.
   Vec2 acceleration;
   double alpha = 0;

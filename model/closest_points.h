@@ -1,1 +1,89 @@
 #pragma once
+
+#include <optional>
+#include <string>
+
+#include "model/feature.h"
+#include "model/trig.h"
+#include "model/vec2.h"
+
+namespace lcpbench {
+
+/// A body's feature placed in the world: a body-frame point c is at x + R(theta) c.
+struct PlacedFeature {
+  const Feature& feature;
+  Vec2 x;             ///< the body's centre of mass [m]
+  Rotation rotation;  ///< SinCos(theta)
+};
+
+/// Which of a pair's stationary points is meant. A search along general curves starts at s1, s2 where they are given;
+/// otherwise it takes the local minimum whose gap is closest to nominal_gap. Circles and lines have one local minimum
+/// at most, so today's closed forms need neither.
+struct SearchStart {
+  std::optional<double> s1;
+  std::optional<double> s2;
+  double nominal_gap = 0;  ///< [m]
+};
+
+/// How a feature enters the curvature formulas: (r, s) = (1, kappa) for an edge of signed curvature kappa [1/m] (> 0
+/// convex, 0 straight, < 0 concave), (0, 1) for a vertex. [MODEL.md section 4]
+struct CurvaturePair {
+  double r = 1;
+  double s = 0;
+  bool is_vertex() const { return r == 0; }
+};
+
+/// The closest points of two features. World frame; 1 and 2 are the bodies.
+struct ClosestPoints {
+  Vec2 n;        ///< unit normal, ALWAYS from body 2 to body 1; t = Perp(n)
+  double d = 0;  ///< signed gap [m]: p1 - p2 = d n, d < 0 penetrating
+  Vec2 R1;       ///< contact arm p1 - x1 [m], from the centre of mass
+  Vec2 R2;       ///< contact arm p2 - x2 [m]
+  /// R1 x n and R2 x n [m], the columns of J. Taken with the arm to the centre of curvature where that is shorter (the
+  /// row is the same), so that a disc about its centre of mass gets an exact zero.
+  double moment1 = 0;
+  double moment2 = 0;
+  CurvaturePair curvature1;
+  CurvaturePair curvature2;
+  /// The body whose edge defines n: of two arcs body 2, by convention. Never changes n.
+  int owner = 2;
+  /// Curve parameters of p1, p2 (feature.h); none for a vertex. For information: no row depends on them, and an arc's
+  /// angle (in (-pi, pi]) comes from the library's atan2.
+  std::optional<double> s1;
+  std::optional<double> s2;
+
+  /// D = r1 s2 + s1 r2 + d s1 s2: the curvature of the distance along the edges, > 0 at a local minimum.
+  double D() const {
+    return curvature1.r * curvature2.s + curvature1.s * curvature2.r + d * (curvature1.s * curvature2.s);
+  }
+};
+
+/// What a pair of features must satisfy to give a row.
+enum class Regularity {
+  kLocalMinimum,  ///< contact: D > 0, above rounding
+  kNonzeroD,      ///< path joint: D != 0, beyond rounding; either side of the edge
+};
+
+/// D counts as zero up to this: times |kappa1| + |kappa2| for two edges, as it is for vertex and edge.
+inline constexpr double kSingularD = 1e-10;
+
+/// The closest points of two features, in closed form: O(1).  [MODEL.md section 2]
+///   vertex or arc / straight (q on the edge's line):   d = n.(c - q) - rho,   n the edge's normal
+///   vertex or arc / vertex or arc:                     d = sigma |c1 - c2| - (rho1 + rho2),
+///                                                      n = sigma (c1 - c2) / |c1 - c2|,  sigma = sign(rho1 + rho2)
+/// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex.
+/// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
+/// errata 2, 5, 11]
+/// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two arcs.
+/// @throws InputError naming the condition and both features, for invalid geometry (RequireValid), vertex/vertex,
+///         straight/straight, equal radii of a convex and a concave arc, and wherever `required` does not hold
+ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
+                                const SearchStart& start = {}, Regularity required = Regularity::kLocalMinimum);
+
+/// @throws InputError unless every number is finite, the edge's length > 0, the radius > 0 with a finite curvature
+void RequireValid(const Feature& feature);
+
+/// One line for error texts: the kind and its numbers.
+std::string Describe(const Feature& feature);
+
+}  // namespace lcpbench

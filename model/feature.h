@@ -9,8 +9,8 @@ namespace lcpbench {
 /// Which side of a closed curve holds the material: convex = inside, concave = outside.
 enum class Side { kConvex, kConcave };
 
-/// Body-frame features of an outline. Features are meant locally, around a contact point: a straight edge stands for its
-/// line, an arc for its circle.
+/// Body-frame features of an outline. Features are meant locally, around a contact point: a straight edge stands for
+/// its line, an arc for its circle.
 struct Vertex {
   Vec2 p;
 };
@@ -31,8 +31,9 @@ struct ArcEdge {
 /// A closed set: a new kind fails to compile until every visitor handles it.
 using Feature = std::variant<Vertex, StraightEdge, ArcEdge>;
 
-/// The piece s_begin..s_end of an edge (a + s (b - a), or center + radius (cos s, sin s)): one part of a body's outline.
-/// Counter-clockwise around the material: s_begin < s_end on convex arcs and straight edges, s_begin > s_end on concave.
+/// The piece s_begin..s_end of an edge (a + s (b - a), or center + radius (cos s, sin s)): one part of a body's
+/// outline. Counter-clockwise around the material: s_begin < s_end on convex arcs and straight edges, s_begin > s_end
+/// on concave.
 struct OutlineEdge {
   std::variant<StraightEdge, ArcEdge> edge;
   double s_begin = 0;

@@ -21,5 +21,6 @@ constexpr double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
 constexpr Vec2 Perp(Vec2 a) { return {-a.y, a.x}; }
 /// sqrt, not hypot: correctly rounded on every machine.
 inline double Norm(Vec2 a) { return std::sqrt(a.x * a.x + a.y * a.y); }
+inline bool IsFinite(Vec2 a) { return std::isfinite(a.x) && std::isfinite(a.y); }
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <ostream>
 #include <span>
 #include <string>
 #include <string_view>
@@ -23,6 +24,8 @@ struct SolverEntry {
   /// nullptr where not available. @throws InputError for unknown or impossible settings
   std::unique_ptr<LcpSolver> (*make)(const Settings& settings);
 };
+
+inline std::ostream& operator<<(std::ostream& out, const SolverEntry& entry) { return out << entry.key; }
 
 /// Every backend, in the report's order.
 std::span<const SolverEntry> AllSolvers();

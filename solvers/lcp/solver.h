@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,7 @@ enum class LcpStatus {
 
 /// The key used in files and tables: "solved", "iteration_limit", ...
 std::string_view ToString(LcpStatus status);
+inline std::ostream& operator<<(std::ostream& out, LcpStatus status) { return out << ToString(status); }
 /// @throws InputError for an unknown key
 LcpStatus LcpStatusFromString(std::string_view key);
 

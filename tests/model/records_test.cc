@@ -1,1 +1,324 @@
+#include "model/records.h"
+
 #include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/assembly.h"
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench::testing {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kOracleTolerance = 1e-11;  // MODEL.md section 10
+
+// The lines of a reference file; empty where the data are absent.
+std::vector<std::string> OracleLines(const std::string& file) {
+  std::ifstream in(std::string(LCPBENCH_SHARED_DIR) + "/data/oracle/" + file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+#define SKIP_WITHOUT_ORACLE(lines) \
+  if ((lines).empty()) GTEST_SKIP() << "no reference data under " LCPBENCH_SHARED_DIR "/data/oracle"
+
+// Whether a record names only features of this version.
+bool IsSupported(const Json& record) {
+  const auto known = [](const Json& feature) {
+    const std::string type = feature["type"];
+    return type == "vertex" || type == "straight" || type == "arc";
+  };
+  if (!record.contains("contacts")) return known(record["feature1"]) && known(record["feature2"]);
+  for (const Json& contact : record["contacts"]) {
+    if (!known(contact["feature1"]) || !known(contact["feature2"])) return false;
+  }
+  return true;
+}
+
+// Compares every number of a reference value, of whatever shape, by |x - x_ref| <= tolerance (1 + |x_ref|).
+void ExpectMatches(const Json& found, const Json& expected, const std::string& what) {
+  if (expected.is_array()) {
+    ASSERT_TRUE(found.is_array()) << what;
+    ASSERT_EQ(found.size(), expected.size()) << what;
+    for (size_t i = 0; i < expected.size(); ++i) ExpectMatches(found[i], expected[i], what + "/" + std::to_string(i));
+    return;
+  }
+  ASSERT_TRUE(found.is_number()) << what << " is " << found;
+  const auto x = found.get<double>();
+  const auto reference = expected.get<double>();
+  EXPECT_LE(std::abs(x - reference), kOracleTolerance * (1 + std::abs(reference))) << what;
+}
+
+void ExpectFieldsMatch(const Json& found, const Json& expect, const std::vector<std::string>& fields) {
+  for (const std::string& field : fields) {
+    ASSERT_TRUE(found.contains(field)) << field << " is missing in " << found;
+    ExpectMatches(found[field], expect[field], field);
+  }
+}
+
+TEST(OracleRecords, ContactsAreReproduced) {
+  const std::vector<std::string> lines = OracleLines("contacts.jsonl");
+  SKIP_WITHOUT_ORACLE(lines);
+  int compared = 0;
+  for (const std::string& line : lines) {
+    const Json record = Json::parse(line);
+    SCOPED_TRACE(record["id"]);
+    if (!IsSupported(record)) continue;
+    const Json answer = Json::parse(AssembleRecord(line, "contacts"));
+    ASSERT_TRUE(answer.contains("rows")) << answer;
+    ASSERT_EQ(answer["rows"].size(), 1U);
+    EXPECT_EQ(answer["id"], record["id"]);
+    ExpectFieldsMatch(answer["rows"][0], record["expect"], {"n", "d", "d_dot", "J", "gamma", "A", "b"});
+    ++compared;
+  }
+  EXPECT_GT(compared, 0);
+}
+
+TEST(OracleRecords, JointsAreReproduced) {
+  const std::vector<std::string> lines = OracleLines("joints.jsonl");
+  SKIP_WITHOUT_ORACLE(lines);
+  int pins = 0;
+  int paths = 0;
+  for (const std::string& line : lines) {
+    const Json record = Json::parse(line);
+    SCOPED_TRACE(record["id"]);
+    if (!IsSupported(record)) continue;
+    const Json answer = Json::parse(AssembleRecord(line, "joints"));
+    ASSERT_TRUE(answer.contains("rows")) << answer;
+    const Json& expect = record["expect"];
+    if (record["kind"] == "path") {
+      ExpectFieldsMatch(answer["rows"][0], expect, {"n", "d", "d_dot", "J", "gamma", "A", "b"});
+      ++paths;
+      continue;
+    }
+    const std::vector<std::string> fields = {"g", "g_dot", "J", "gamma", "A", "b"};
+    ExpectFieldsMatch(answer, expect, fields);
+    ASSERT_EQ(answer["rows"].size(), 2U);
+    for (size_t axis = 0; axis < 2; ++axis) {
+      for (const std::string& field : fields) ExpectMatches(answer["rows"][axis][field], expect[field][axis], field);
+    }
+    ++pins;
+  }
+  EXPECT_GT(pins, 0);
+  EXPECT_GT(paths, 0);
+}
+
+TEST(OracleRecords, SystemsAreReproduced) {
+  const std::vector<std::string> lines = OracleLines("systems.jsonl");
+  SKIP_WITHOUT_ORACLE(lines);
+  int compared = 0;
+  for (const std::string& line : lines) {
+    const Json record = Json::parse(line);
+    SCOPED_TRACE(record["id"]);
+    if (!IsSupported(record)) continue;
+    const Json answer = Json::parse(AssembleRecord(line, "systems"));
+    const Json& expect = record["expect"];
+    ExpectFieldsMatch(answer, expect, {"J", "gamma", "A", "b", "d", "d_dot"});
+    ASSERT_EQ(answer["rows"].size(), expect["rows"].size());
+    for (size_t i = 0; i < answer["rows"].size(); ++i) {
+      for (const auto& [key, value] : expect["rows"][i].items()) EXPECT_EQ(answer["rows"][i][key], value) << key;
+    }
+    ++compared;
+  }
+  EXPECT_GT(compared, 0);
+}
+
+TEST(OracleRecords, SingularOnesAreRefusedWithAReason) {
+  const std::vector<std::string> lines = OracleLines("singular.jsonl");
+  SKIP_WITHOUT_ORACLE(lines);
+  for (const std::string& line : lines) {
+    const Json record = Json::parse(line);
+    const Json answer = Json::parse(AssembleRecord(line, "singular"));
+    EXPECT_EQ(answer["id"], record["id"]);
+    ASSERT_TRUE(answer.contains("error")) << answer;
+    EXPECT_FALSE(answer.contains("rows"));
+    const std::string error = answer["error"];
+    EXPECT_NE(error.find("feature 1: "), std::string::npos) << error;
+    EXPECT_NE(error.find("feature 2: "), std::string::npos) << error;
+  }
+}
+
+TEST(OracleRecords, CurvesOfLaterVersionsAreRefusedByName) {
+  const std::vector<std::string> lines = OracleLines("contacts.jsonl");
+  SKIP_WITHOUT_ORACLE(lines);
+  for (const std::string& line : lines) {
+    if (IsSupported(Json::parse(line))) continue;
+    const std::string error = Json::parse(AssembleRecord(line, "contacts"))["error"];
+    EXPECT_EQ(error.rfind("unsupported feature '", 0), 0U) << error;
+  }
+}
+
+Json SomeBody() {
+  return {{"mass", 2.0},     {"inertia", 1.0}, {"fixed", false},        {"x", {0.1, 1.0}}, {"theta", 0.3},
+          {"v", {1.0, 2.0}}, {"omega", -0.7},  {"force", {3.0, -10.0}}, {"torque", 8.0}};
+}
+
+// A vertex on a disc.
+Json SomeContact() {
+  Json disc = SomeBody();
+  disc["x"] = {0.2, -0.4};
+  return {{"id", "k1"},
+          {"kind", "vertex/circular"},
+          {"body1", SomeBody()},
+          {"body2", std::move(disc)},
+          {"feature1", {{"type", "vertex"}, {"p", {0.1, 0.2}}}},
+          {"feature2", {{"type", "arc"}, {"center", {0.0, 0.1}}, {"radius", 1.5}, {"side", "convex"}}}};
+}
+
+Json SomeSystem() {
+  const Json contact = SomeContact();
+  return {{"id", "m1"},
+          {"bodies", {contact["body1"], contact["body2"]}},
+          {"contacts",
+           {{{"type", "unilateral"},
+             {"body1", 0},
+             {"body2", 1},
+             {"feature1", contact["feature1"]},
+             {"feature2", contact["feature2"]},
+             {"s1", nullptr},
+             {"s2", 0.5}}}}};
+}
+
+std::string InputErrorOf(const std::string& line) {
+  try {
+    return "no error: " + AssembleRecord(line, "file.jsonl:7");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+}
+
+TEST(Records, NumbersReadBackExactly) {
+  const AssembledLcp lcp = AssembleContactLcp(ParseSystemRecord(SomeContact().dump(), ""));
+  const std::string line = AssembleRecord(SomeContact().dump(), "");
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+  const Json row = Json::parse(line)["rows"][0];
+  EXPECT_EQ(row["b"].get<double>(), lcp.problem.b()[0]);
+  EXPECT_EQ(row["A"].get<double>(), lcp.problem.DenseA()(0, 0));
+  EXPECT_EQ(row["gamma"].get<double>(), lcp.rows[0].gamma);
+  EXPECT_EQ(row["n"][0].get<double>(), lcp.rows[0].n.x);
+  for (Index k = 0; k < 6; ++k) {
+    EXPECT_EQ(row["J"][static_cast<size_t>(k)].get<double>(), lcp.problem.J().coeff(0, k));
+  }
+}
+
+TEST(Records, ExpectedValuesAreNeverRead) {
+  for (Json record : {SomeContact(), SomeSystem()}) {
+    const std::string without = AssembleRecord(record.dump(), "");
+    record["expect"] = {{"s1", "nonsense"}, {"n", {7, 7}}, {"J", nullptr}};
+    EXPECT_EQ(AssembleRecord(record.dump(), ""), without);
+  }
+}
+
+TEST(Records, SingleContactAndSystemOfOneContactAgree) {
+  const Json single = Json::parse(AssembleRecord(SomeContact().dump(), ""))["rows"][0];
+  const Json system = Json::parse(AssembleRecord(SomeSystem().dump(), ""));
+  EXPECT_EQ(system["J"][0], single["J"]);
+  EXPECT_EQ(system["A"][0][0], single["A"]);
+  EXPECT_EQ(system["b"][0], single["b"]);
+  EXPECT_EQ(system["rows"][0]["n"], single["n"]);
+}
+
+TEST(Records, ParsedSystemKeepsEveryField) {
+  Json record = SomeSystem();
+  record["bodies"][1]["fixed"] = true;
+  const ContactSystem system = ParseSystemRecord(record.dump(), "");
+  EXPECT_EQ(system.name, "m1");
+  ASSERT_EQ(system.bodies.size(), 2U);
+  EXPECT_TRUE(system.bodies[1].fixed);
+  EXPECT_EQ(system.bodies[0].force.y, -10);
+  ASSERT_EQ(system.constraints.size(), 1U);
+  EXPECT_FALSE(system.constraints[0].s1.has_value());
+  EXPECT_EQ(system.constraints[0].s2, 0.5);
+  EXPECT_EQ(std::get<ArcEdge>(system.constraints[0].feature2).radius, 1.5);
+}
+
+TEST(Records, ModelErrorsComeWithTheId) {
+  std::vector<std::pair<Json, std::string>> cases;
+  const auto add = [&](Json record, const Json::json_pointer& where, const Json& value, const std::string& error) {
+    record[where] = value;
+    cases.emplace_back(std::move(record), error);
+  };
+  add(SomeContact(), Json::json_pointer("/feature2/radius"), -1, "radius must be > 0");
+  add(SomeContact(), Json::json_pointer("/feature1/type"), "ellipse", "unsupported feature 'ellipse'");
+  add(SomeContact(), Json::json_pointer("/body1/mass"), 0, "mass of a movable body");
+  add(SomeContact(), Json::json_pointer("/kind"), "pin", "a pin needs two vertices");
+  add(SomeSystem(), Json::json_pointer("/contacts/0/body2"), 2, "body index 2");
+  add(SomeSystem(), Json::json_pointer("/contacts/0/body2"), 0, "must differ");
+  for (const auto& [record, error] : cases) {
+    const Json answer = Json::parse(AssembleRecord(record.dump(), "file.jsonl:7"));
+    EXPECT_EQ(answer["id"], record["id"]);
+    ASSERT_TRUE(answer.contains("error")) << error;
+    EXPECT_NE(answer["error"].get<std::string>().find(error), std::string::npos) << answer["error"];
+    EXPECT_EQ(answer.size(), 2U) << "nothing but the id and the error";
+  }
+}
+
+TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
+  EXPECT_EQ(InputErrorOf("{\"id\": 1,"), "file.jsonl:7: not valid JSON, at byte 10");
+  EXPECT_EQ(InputErrorOf("[1, 2]"), "file.jsonl:7: /: expected an object, found an array of 2");
+  EXPECT_EQ(InputErrorOf("{}"), "file.jsonl:7: /id: missing field, expected a string");
+  EXPECT_EQ(InputErrorOf("{\"id\": 1e999}"), "file.jsonl:7: not valid JSON, a number is out of the range of double");
+
+  struct Case {
+    Json record;
+    const char* where;
+    Json value;
+    const char* error;
+  };
+  const std::vector<Case> cases = {
+      {SomeContact(), "/id", 3, "/id: expected a string, found 3"},
+      {SomeContact(), "/body1/mass", "heavy", "/body1/mass: expected a number, found \"heavy\""},
+      {SomeContact(), "/body1/theta", nullptr, "/body1/theta: expected a number, found null"},
+      {SomeContact(), "/body2/fixed", 0, "/body2/fixed: expected true or false, found 0"},
+      {SomeContact(), "/body2/x", {1, 2, 3}, "/body2/x: expected an array of two numbers, found an array of 3"},
+      {SomeContact(), "/body2/x/1", "a", "/body2/x/1: expected a number, found \"a\""},
+      {SomeContact(), "/body2", 4, "/body2: expected an object, found 4"},
+      {SomeContact(), "/feature2/side", "left", "/feature2/side: expected \"convex\" or \"concave\", found \"left\""},
+      {SomeContact(), "/feature2/type", 1, "/feature2/type: expected a string, found 1"},
+      {SomeContact(), "/s1", "a", "/s1: expected a number or null, found \"a\""},
+      {SomeSystem(), "/bodies", 1, "/bodies: expected an array, found 1"},
+      {SomeSystem(), "/bodies/1/v", 1, "/bodies/1/v: expected an array of two numbers, found 1"},
+      {SomeSystem(), "/contacts/0/body1", 0.5, "/contacts/0/body1: expected an integer, found 0.5"},
+      {SomeSystem(), "/contacts/0/body1", 1e10, "/contacts/0/body1: expected an integer, found 10000000000.0"},
+      {SomeSystem(), "/contacts/0/type", "glue",
+       "/contacts/0/type: expected \"unilateral\", \"path\" or \"pin\", found \"glue\""},
+  };
+  for (const Case& c : cases) {
+    Json record = c.record;
+    record[Json::json_pointer(c.where)] = c.value;
+    EXPECT_EQ(InputErrorOf(record.dump()), std::string("file.jsonl:7: ") + c.error);
+  }
+}
+
+TEST(Records, MissingFieldsAreNamed) {
+  for (const char* field : {"mass", "inertia", "fixed", "x", "theta", "v", "omega", "force", "torque"}) {
+    Json record = SomeContact();
+    record["body2"].erase(field);
+    const std::string error = InputErrorOf(record.dump());
+    EXPECT_EQ(error.rfind(std::string("file.jsonl:7: /body2/") + field + ": missing field", 0), 0U) << error;
+  }
+  for (const char* field : {"id", "body1", "body2", "feature1", "feature2"}) {
+    Json record = SomeContact();
+    record.erase(field);
+    const std::string error = InputErrorOf(record.dump());
+    EXPECT_EQ(error.rfind(std::string("file.jsonl:7: /") + field + ": missing field", 0), 0U) << error;
+  }
+  for (const char* field : {"bodies", "contacts"}) {
+    Json record = SomeSystem();
+    record.erase(field);
+    const std::string error = InputErrorOf(record.dump());
+    EXPECT_EQ(error.rfind(std::string("file.jsonl:7: /") + field + ": missing field", 0), 0U) << error;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

@@ -1,1 +1,313 @@
+// What every backend promises, run over all of them: it may fail, but it may not lie.
+
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+LcpOptions OptionsFor(double tolerance) {
+  LcpOptions options;
+  options.tolerance = tolerance;
+  return options;
+}
+
+class SolverContract : public testing::TestWithParam<SolverEntry> {
+ protected:
+  void SetUp() override {
+    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
+    solver_ = GetParam().make({});
+  }
+
+  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options) {
+    LcpResult result;
+    solver_->Solve(problem, options, &result);
+    return result;
+  }
+
+  // The heart of the suite: what is promised holds, and nothing is claimed that the verdict refutes.
+  void Check(const TestProblem& test, double tolerance) {
+    SCOPED_TRACE(test.problem.id() + " at " + std::to_string(tolerance));
+    const LcpResult result = Solve(test.problem, OptionsFor(tolerance));
+    const Verdict verdict = Verify(test.problem, result, tolerance, &test.reference);
+    EXPECT_NE(result.status, LcpStatus::kNotRun);
+    EXPECT_EQ(result.f.size(), test.problem.size());
+    EXPECT_FALSE(verdict.false_success) << verdict.reason << "; " << result.detail;
+    EXPECT_FALSE(verdict.false_infeasible) << result.detail;
+    if (test.reference.status == LcpReference::Status::kInfeasible) {
+      // At a loose tier the verdict itself may pass a point of a problem that is infeasible by less than the tier.
+      if (tolerance <= 1e-6 || !GetParam().uses_tolerance) {
+        EXPECT_NE(result.status, LcpStatus::kSolved);
+      }
+      if (verdict.farkas.has_value()) {
+        EXPECT_TRUE(verdict.farkas->accepted) << verdict.farkas->reason;
+      }
+      return;
+    }
+    if (!GetParam().why_not_guaranteed(test.problem, tolerance).empty()) return;
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+    EXPECT_TRUE(verdict.passes) << verdict.reason;
+    if (test.reference.w.has_value()) {
+      // w is unique; the residual bounds its error through the scaled row.
+      const Eigen::VectorXd& d = test.problem.DiagonalA();
+      const double b_max = test.problem.b().cwiseAbs().maxCoeff();
+      double scaled_b = 0;
+      for (Index i = 0; i < d.size(); ++i) scaled_b += std::pow(test.problem.b()[i], 2) / (d[i] > 0 ? d[i] : 1.0);
+      for (Index i = 0; i < d.size(); ++i) {
+        const double bound = std::max(1e-8, 10 * verdict.metrics.rho * std::sqrt(scaled_b * d[i]) / (1 + b_max));
+        // Guaranteed at 1e-6 only: the allowance grows with the tolerance asked for.
+        const double allowed = std::max(bound, tolerance > 1e-9 ? 10 * tolerance : 0.0) * (1 + b_max);
+        EXPECT_LE(std::abs(verdict.metrics.w[i] - (*test.reference.w)[i]), allowed) << "row " << i;
+      }
+    }
+  }
+
+  std::unique_ptr<LcpSolver> solver_;
+};
+
+std::string KeyOf(const testing::TestParamInfo<SolverEntry>& info) {
+  std::string name(info.param.key);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(AllSolvers().begin(), AllSolvers().end()),
+                         KeyOf);
+
+TEST_P(SolverContract, TextbookProblemsMayFailButMayNotLie) {
+  for (const TestProblem& test : TextbookProblems()) {
+    for (const double tolerance : kTiers) Check(test, tolerance);
+  }
+}
+
+TEST_P(SolverContract, ExactOracleProblemsMayFailButMayNotLie) {
+  const std::vector<TestProblem> problems = OracleProblems();
+  if (problems.empty()) GTEST_SKIP() << "the outside oracle data is not there";
+  for (const TestProblem& test : problems) {
+    for (const double tolerance : kTiers) Check(test, tolerance);
+  }
+}
+
+TEST_P(SolverContract, GeneratedProblemsMayFailButMayNotLie) {
+  for (const TestProblem& test : GeneratedProblems()) {
+    for (const double tolerance : {1e-6, 1e-9}) Check(test, tolerance);
+  }
+}
+
+TEST_P(SolverContract, NoRowsIsSolved) {
+  const LcpResult result =
+      Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), OptionsFor(1e-9));
+  EXPECT_EQ(result.status, LcpStatus::kSolved);
+  EXPECT_EQ(result.f.size(), 0);
+}
+
+TEST_P(SolverContract, NonnegativeBGivesZeroF) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const LcpProblem base = PlantedProblem(12, 4, seed, 0, 0).problem;
+    const LcpProblem problem =
+        LcpProblem::FromFactors("nonnegative-b", base.J(), base.inverse_mass(), base.b().cwiseAbs());
+    const LcpResult result = Solve(problem, OptionsFor(1e-9));
+    if (result.status != LcpStatus::kSolved) continue;
+    const Eigen::VectorXd scaled = result.f.cwiseProduct(problem.DiagonalA().cwiseSqrt());
+    const Eigen::VectorXd b_scaled = problem.b().cwiseQuotient(problem.DiagonalA().cwiseSqrt());
+    // Rows with b > 0 carry no force; degenerate rows (b = 0) may hold a residual's worth.
+    for (Index i = 0; i < 12; ++i) {
+      if (problem.b()[i] > 0) {
+        EXPECT_LE(std::abs(scaled[i]), 1e-4 * b_scaled.norm()) << seed << " row " << i;
+      }
+    }
+  }
+}
+
+TEST_P(SolverContract, DiagonalAHasClosedForm) {
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 10; ++trial) {
+    const Index n = 1 + trial;
+    Eigen::VectorXd d(n);
+    Eigen::VectorXd b(n);
+    for (Index i = 0; i < n; ++i) {
+      d[i] = std::ldexp(1.0, static_cast<int>(random() % 20) - 10);
+      b[i] = static_cast<double>(random() % 19) - 9;
+    }
+    MatrixFacts facts;
+    facts.symmetric = facts.positive_semidefinite = true;
+    const LcpProblem problem = LcpProblem::FromDense("diagonal", d.asDiagonal(), b, {}, facts);
+    const LcpResult result = Solve(problem, OptionsFor(1e-6));
+    ASSERT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+    const double b_scaled = std::max(1e-300, b.cwiseQuotient(d.cwiseSqrt()).norm());
+    for (Index i = 0; i < n; ++i) {
+      EXPECT_NEAR(result.f[i] * std::sqrt(d[i]), std::max(0.0, -b[i] / d[i]) * std::sqrt(d[i]), 1e-3 * b_scaled);
+    }
+  }
+}
+
+TEST_P(SolverContract, RepeatedSolvesAreBitwiseIdentical) {
+  for (const TestProblem& test : {PlantedProblem(20, 5, 1, 0, 0), PlantedProblem(30, 4, 2, 5, 3)}) {
+    const LcpOptions options = OptionsFor(1e-6);
+    const LcpResult first = Solve(test.problem, options);
+    Solve(PlantedProblem(7, 3, 9, 0, 0).problem, options);  // another problem in between leaves nothing behind
+    const LcpResult again = Solve(test.problem, options);
+    const std::unique_ptr<LcpSolver> fresh = GetParam().make({});
+    LcpResult other;
+    fresh->Solve(test.problem, options, &other);
+    EXPECT_EQ(first.f, again.f);
+    EXPECT_EQ(first.f, other.f);
+    EXPECT_EQ(first.status, again.status);
+    EXPECT_EQ(first.iterations, other.iterations);
+  }
+}
+
+TEST_P(SolverContract, ScalingBScalesF) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const TestProblem test = PlantedProblem(15, 10, seed, 4, 0);
+    for (const int exponent : {-40, 40}) {
+      const double s = std::ldexp(1.0, exponent);
+      const LcpProblem scaled =
+          LcpProblem::FromFactors("scaled-b", test.problem.J(), test.problem.inverse_mass(), s * test.problem.b(),
+                                  RowBounds::WithBilateralRows(test.problem.size(), test.problem.bilateral_rows()));
+      const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
+      const LcpResult two = Solve(scaled, OptionsFor(1e-6));
+      EXPECT_EQ(one.status, two.status) << one.detail << " | " << two.detail;
+      if (one.status != LcpStatus::kSolved || two.status != LcpStatus::kSolved) continue;
+      const Eigen::VectorXd w1 = ComputeMetrics(test.problem, one.f).w;
+      const Eigen::VectorXd w2 = ComputeMetrics(scaled, two.f).w;
+      EXPECT_LE((s * w1 - w2).cwiseAbs().maxCoeff(), 1e-4 * s * test.problem.b().cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+TEST_P(SolverContract, RescaledRowsAndMassesGetTheSameVerdict) {
+  std::mt19937 random(11);
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const TestProblem test = PlantedProblem(14, 4, seed, seed % 2 == 0 ? 5 : 0, 0);
+    Eigen::VectorXd scale(test.problem.size());
+    for (double& s : scale) s = std::ldexp(1.0, static_cast<int>(random() % 40) - 20);
+    for (const int exponent : {-40, 0, 40}) {
+      const LcpProblem scaled = ScaleRows(test.problem, scale, std::ldexp(1.0, exponent));
+      const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
+      const LcpResult two = Solve(scaled, OptionsFor(1e-6));
+      EXPECT_EQ(one.status, two.status) << test.problem.id() << ": " << one.detail << " | " << two.detail;
+      EXPECT_FALSE(Verify(scaled, two, 1e-6).false_success);
+    }
+  }
+}
+
+TEST_P(SolverContract, PermutingContactsPermutesW) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const TestProblem test = PlantedProblem(16, 4, seed, seed % 2 == 0 ? 4 : 0, 0);
+    std::vector<Index> order(16);
+    std::iota(order.begin(), order.end(), 0);
+    std::mt19937 random(seed);
+    for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random() % (i + 1)]);
+    const LcpProblem permuted = PermuteRows(test.problem, order);
+    const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
+    const LcpResult two = Solve(permuted, OptionsFor(1e-6));
+    if (one.status != LcpStatus::kSolved || two.status != LcpStatus::kSolved) continue;
+    const Eigen::VectorXd w1 = ComputeMetrics(test.problem, one.f).w;
+    const Eigen::VectorXd w2 = ComputeMetrics(permuted, two.f).w;
+    for (Index i = 0; i < 16; ++i) {
+      EXPECT_NEAR(w2[i], w1[order[static_cast<size_t>(i)]], 1e-3 * (1 + test.problem.b().cwiseAbs().maxCoeff()));
+    }
+  }
+}
+
+TEST_P(SolverContract, DenseAndSparseAndFactorsGiveTheSameW) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const TestProblem test = PlantedProblem(12, 6, seed, 4, 0);
+    const RowBounds bounds = RowBounds::WithBilateralRows(12, test.problem.bilateral_rows());
+    const LcpProblem dense =
+        LcpProblem::FromDense("dense", test.problem.DenseA(), test.problem.b(), bounds, test.problem.facts());
+    const LcpProblem sparse =
+        LcpProblem::FromSparse("sparse", test.problem.SparseA(), test.problem.b(), bounds, test.problem.facts());
+    Check({dense, test.reference}, 1e-6);
+    Check({sparse, test.reference}, 1e-6);
+  }
+}
+
+TEST_P(SolverContract, WarmStartsAreSafe) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    const TestProblem test = PlantedProblem(20, 5, seed, seed % 2 == 0 ? 5 : 0, 0);
+    LcpOptions options = OptionsFor(1e-6);
+    const LcpResult cold = Solve(test.problem, options);
+    for (const double disturbance : {0.0, 0.01, 1.0, -1e6}) {
+      Eigen::VectorXd start = cold.f;
+      for (Index i = 0; i < start.size(); ++i) start[i] += disturbance * (i % 3 == 0 ? 1 : -1);
+      options.initial_f = &start;
+      const LcpResult warm = Solve(test.problem, options);
+      const Verdict verdict = Verify(test.problem, warm, 1e-6, &test.reference);
+      EXPECT_FALSE(verdict.false_success) << verdict.reason;
+      if (GetParam().why_not_guaranteed(test.problem, 1e-6).empty()) {
+        EXPECT_EQ(warm.status, LcpStatus::kSolved) << test.problem.id() << " " << warm.detail;
+      }
+    }
+  }
+}
+
+TEST_P(SolverContract, LimitsEndASolveHonestly) {
+  const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
+  LcpOptions options = OptionsFor(1e-9);
+  options.max_iterations = 1;
+  const LcpResult limited = Solve(test.problem, options);
+  EXPECT_FALSE(Verify(test.problem, limited, 1e-9).false_success);
+  EXPECT_TRUE(limited.status == LcpStatus::kIterationLimit || limited.status == LcpStatus::kSolved)
+      << ToString(limited.status);
+
+  // A clock that is always past the limit.
+  options = OptionsFor(1e-9);
+  options.time_limit_s = 1e-3;
+  static double now;
+  now = 0;
+  options.now = [] { return now += 1.0; };
+  const LcpResult late = Solve(test.problem, options);
+  EXPECT_EQ(late.status, LcpStatus::kTimeLimit) << late.detail;
+  EXPECT_EQ(late.f.size(), 60);
+  EXPECT_TRUE(late.f.allFinite());
+}
+
+TEST_P(SolverContract, OtherBoundsAreUnsupported) {
+  Eigen::Vector2d lower(-1, 0);
+  Eigen::Vector2d upper(1, std::numeric_limits<double>::infinity());
+  const LcpProblem box =
+      LcpProblem::FromDense("box", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, -1), {lower, upper});
+  EXPECT_EQ(Solve(box, OptionsFor(1e-6)).status, LcpStatus::kUnsupported);
+}
+
+TEST_P(SolverContract, ImpossibleOptionsAreRefused) {
+  const LcpProblem problem = PlantedProblem(3, 2, 1, 0, 0).problem;
+  LcpResult result;
+  for (const double tolerance : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(solver_->Solve(problem, OptionsFor(tolerance), &result), InputError);
+  }
+  LcpOptions options;
+  options.time_limit_s = 0;
+  EXPECT_THROW(solver_->Solve(problem, options, &result), InputError);
+  options = {};
+  const Eigen::VectorXd short_f = Eigen::VectorXd::Zero(2);
+  options.initial_f = &short_f;
+  EXPECT_THROW(solver_->Solve(problem, options, &result), InputError);
+  EXPECT_THROW(GetParam().make({{"no-such-option", "1"}}), InputError);
+}
+
+TEST(Registry, UnknownKeysNameTheKnownOnes) {
+  try {
+    FindSolver("simplex");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("dantzig"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,1 +1,177 @@
-// stub
+#include "tests/solvers/test_problems.h"
+
+#include <cmath>
+#include <filesystem>
+#include <random>
+#include <utility>
+
+#include "solvers/lcp/json_lines.h"
+
+namespace lcpbench {
+namespace {
+
+int Integer(std::mt19937& random, int low, int high) {
+  return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+}
+
+TestProblem Dense(const std::string& name, const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& f,
+                  const std::vector<Index>& bilateral = {}) {
+  MatrixFacts facts;
+  facts.symmetric = facts.positive_semidefinite = true;
+  LcpReference reference;
+  reference.status = LcpReference::Status::kSolved;
+  reference.w = A * f + b;
+  return {LcpProblem::FromDense(name, A, b, RowBounds::WithBilateralRows(b.size(), bilateral), facts), reference};
+}
+
+TestProblem Infeasible(TestProblem test) {
+  test.reference = {LcpReference::Status::kInfeasible, std::nullopt, std::nullopt};
+  return test;
+}
+
+// A chain: row i couples bodies i and i + 1 along x, as discs in a row do; A is tridiagonal.
+TestProblem Chain(Index n, unsigned seed) {
+  std::mt19937 random(seed);
+  SparseMatrix J(n, 3 * (n + 1));
+  for (Index i = 0; i < n; ++i) {
+    J.insert(i, 3 * i) = 1;
+    J.insert(i, 3 * i + 3) = -1;
+  }
+  Eigen::VectorXd inverse_mass(3 * (n + 1));
+  for (double& m : inverse_mass) m = Integer(random, 1, 4);
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
+  for (Index i = 0; i < n; ++i) (Integer(random, 0, 3) > 0 ? f : w)[i] = Integer(random, 1, 9);
+  const LcpProblem homogeneous = LcpProblem::FromFactors("", J, inverse_mass, Eigen::VectorXd::Zero(n));
+  const Eigen::VectorXd b = w - homogeneous.DenseA() * f;
+  LcpReference reference{LcpReference::Status::kSolved, w, std::nullopt};
+  return {LcpProblem::FromFactors("chain-" + std::to_string(n), J, inverse_mass, b), reference};
+}
+
+}  // namespace
+
+std::ostream& operator<<(std::ostream& out, const TestProblem& test) { return out << test.problem.id(); }
+
+std::vector<TestProblem> OracleProblems() {
+  std::vector<TestProblem> problems;
+  const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/oracle/lcp.jsonl";
+  if (!std::filesystem::exists(path)) return problems;
+  for (LcpRecord& record : ReadLcpFile(path)) problems.push_back({record.problem, record.reference});
+  return problems;
+}
+
+std::vector<TestProblem> TextbookProblems() {
+  using Eigen::Matrix2d;
+  using Eigen::MatrixXd;
+  using Eigen::Vector2d;
+  using Eigen::VectorXd;
+  std::vector<TestProblem> problems;
+  problems.push_back(
+      Dense("one-active", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, -4), VectorXd::Constant(1, 2)));
+  problems.push_back(Dense("one-inactive", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, 4), VectorXd::Zero(1)));
+  problems.push_back(Dense("one-degenerate", MatrixXd::Constant(1, 1, 2), VectorXd::Zero(1), VectorXd::Zero(1)));
+  problems.push_back(
+      Dense("one-joint", MatrixXd::Constant(1, 1, 2), VectorXd::Constant(1, 4), VectorXd::Constant(1, -2), {0}));
+  Matrix2d coupled;
+  coupled << 2, 1, 1, 2;
+  problems.push_back(Dense("two-active", coupled, Vector2d(-5, -4), Vector2d(2, 1)));
+  problems.push_back(Dense("one-lifts-the-other", coupled, Vector2d(-4, -1), Vector2d(2, 0)));
+  Matrix2d twins;
+  twins << 1, 1, 1, 1;
+  problems.push_back(Dense("duplicated-rows", twins, Vector2d(-3, -3), Vector2d(1, 2)));
+  problems.push_back(Dense("duplicated-rows-unequal-b", twins, Vector2d(-3, -1), Vector2d(3, 0)));
+  problems.push_back(Dense("duplicated-joints", twins, Vector2d(3, 3), Vector2d(-3, 0), {0, 1}));
+  problems.push_back(Dense("joint-and-contact-alike", twins, Vector2d(3, 3), Vector2d(-3, 0), {0}));
+  Matrix2d opposed;
+  opposed << 1, -1, -1, 1;
+  problems.push_back(Dense("opposed-walls", opposed, Vector2d(-1, 1), Vector2d(1, 0)));
+  problems.push_back(Infeasible(Dense("opposed-walls-closing", opposed, Vector2d(-1, -1), Vector2d(0, 0))));
+  problems.push_back(Infeasible(Dense("contradicting-joints", twins, Vector2d(1, 2), Vector2d(0, 0), {0, 1})));
+  problems.push_back(Dense("zero-row-solvable", Vector2d(1, 0).asDiagonal(), Vector2d(-1, 2), Vector2d(1, 0)));
+  problems.push_back(
+      Infeasible(Dense("zero-row-infeasible", Vector2d(1, 0).asDiagonal(), Vector2d(-1, -2), Vector2d(0, 0))));
+  problems.push_back(Dense("all-zero", MatrixXd::Zero(3, 3), VectorXd::Zero(3), VectorXd::Zero(3)));
+  // Four legs of a table: rank 3.
+  MatrixXd legs(4, 3);
+  legs << 1, 1, 1, 1, 1, -1, 1, -1, 1, 1, -1, -1;
+  const MatrixXd table = legs * legs.transpose();
+  problems.push_back(Dense("table-on-four-legs", table, -table * VectorXd::Ones(4), VectorXd::Ones(4)));
+  return problems;
+}
+
+TestProblem PlantedProblem(Index n, int bodies, unsigned seed, int bilateral_every, int degenerate_every) {
+  std::mt19937 random(seed);
+  SparseMatrix J(n, 3 * bodies);
+  for (Index i = 0; i < n; ++i) {
+    const int first = Integer(random, 0, bodies - 1);
+    const int second = bodies > 1 ? (first + Integer(random, 1, bodies - 1)) % bodies : first;
+    for (int k = 0; k < 3; ++k) {
+      J.coeffRef(i, 3 * first + k) = Integer(random, -3, 3);
+      if (second != first) J.coeffRef(i, 3 * second + k) = Integer(random, -3, 3);
+    }
+    if (J.row(i).norm() == 0) J.coeffRef(i, 3 * first) = 1;
+  }
+  Eigen::VectorXd inverse_mass(3 * bodies);
+  for (double& m : inverse_mass) m = Integer(random, 1, 4);
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    if (bilateral_every > 0 && i % bilateral_every == 0) {
+      bilateral.push_back(i);
+      f[i] = Integer(random, -5, 5);
+    } else if (degenerate_every > 0 && i % degenerate_every == 1) {
+      continue;
+    } else {
+      (Integer(random, 0, 1) == 0 ? f : w)[i] = Integer(random, 1, 9);
+    }
+  }
+  const LcpProblem homogeneous = LcpProblem::FromFactors("", J, inverse_mass, Eigen::VectorXd::Zero(n));
+  const Eigen::VectorXd b = w - homogeneous.DenseA() * f;  // integers: exact
+  const std::string name = "planted-n" + std::to_string(n) + "-bodies" + std::to_string(bodies) + "-s" +
+                           std::to_string(seed) + "-b" + std::to_string(bilateral_every) + "-d" +
+                           std::to_string(degenerate_every);
+  return {LcpProblem::FromFactors(name, J, inverse_mass, b, RowBounds::WithBilateralRows(n, bilateral)),
+          {LcpReference::Status::kSolved, w, std::nullopt}};
+}
+
+std::vector<TestProblem> GeneratedProblems() {
+  std::vector<TestProblem> problems;
+  unsigned seed = 1;
+  for (const Index n : {2, 3, 5, 8, 13, 21, 34}) {
+    for (const int bodies : {1, 2, 4, 12}) {  // rank 3, 6, 12, full
+      for (const int bilateral_every : {0, 4}) {
+        for (const int degenerate_every : {0, 3}) {
+          problems.push_back(PlantedProblem(n, bodies, seed++, bilateral_every, degenerate_every));
+        }
+      }
+    }
+  }
+  // Joints only: a consistent linear system.
+  for (const Index n : {1, 4, 9}) problems.push_back(PlantedProblem(n, 4, seed++, 1, 0));
+  for (const Index n : {3, 10, 60}) problems.push_back(Chain(n, seed++));
+  return problems;
+}
+
+LcpProblem PermuteRows(const LcpProblem& problem, const std::vector<Index>& order) {
+  const Index n = problem.size();
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(static_cast<int>(n));
+  for (Index i = 0; i < n; ++i) permutation.indices()[order[static_cast<size_t>(i)]] = static_cast<int>(i);
+  const SparseMatrix J = permutation * problem.J();
+  const Eigen::VectorXd b = permutation * problem.b();
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    if (problem.is_bilateral(order[static_cast<size_t>(i)])) bilateral.push_back(i);
+  }
+  return LcpProblem::FromFactors(problem.id() + "-permuted", J, problem.inverse_mass(), b,
+                                 RowBounds::WithBilateralRows(n, bilateral));
+}
+
+LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, double mass_scale) {
+  const SparseMatrix J = scale.asDiagonal() * problem.J();
+  return LcpProblem::FromFactors(problem.id() + "-scaled", J, mass_scale * problem.inverse_mass(),
+                                 scale.cwiseProduct(problem.b()),
+                                 RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()));
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,177 @@
+// The lcpbench command as its users meet it: exit status, standard output, standard error.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "model/scenes/scene.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Outcome {
+  int status = -1;
+  std::string out;
+  std::string error;
+};
+
+std::string ReadFile(const fs::path& path) {
+  std::ifstream file(path);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class Command : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) / (std::string("lcpbench_") + info->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  Outcome Run(const std::string& arguments, const std::string& input = "") {
+    Write("stdin", input);
+    const std::string command = std::string(LCPBENCH_COMMAND) + " " + arguments + " < " + Path("stdin") + " > " +
+                                Path("stdout") + " 2> " + Path("stderr");
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
+  }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+  void ExpectMisuse(const std::string& arguments, const std::string& mentions, const std::string& input = "") {
+    const Outcome outcome = Run(arguments, input);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(Lines(outcome.error).size(), 1u) << arguments << "\n" << outcome.error;
+    EXPECT_NE(outcome.error.find(mentions), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+
+  fs::path folder_;
+};
+
+constexpr char kProblem[] = R"({"id":"p","A":[[2,1],[1,2]],"b":[-5,-4]})";
+
+TEST_F(Command, HelpIsEverywhere) {
+  for (const char* sub : {"", "list", "list solvers", "generate", "solve", "assemble", "run", "report"}) {
+    const Outcome outcome = Run(std::string(sub) + " --help");
+    EXPECT_EQ(outcome.status, 0) << sub;
+    EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << sub;
+    EXPECT_EQ(outcome.error, "") << sub;
+  }
+}
+
+TEST_F(Command, ListsStartWithTheKey) {
+  const std::vector<std::string> solvers = Lines(Run("list solvers").out);
+  ASSERT_EQ(solvers.size(), AllSolvers().size());
+  for (size_t i = 0; i < solvers.size(); ++i) EXPECT_TRUE(solvers[i].starts_with(AllSolvers()[i].key));
+  const std::vector<std::string> scenes = Lines(Run("list scenes").out);
+  ASSERT_EQ(scenes.size(), AllScenes().size());
+  for (size_t i = 0; i < scenes.size(); ++i) EXPECT_TRUE(scenes[i].starts_with(AllScenes()[i].key));
+  EXPECT_TRUE(Run("list metrics").out.starts_with("rho "));
+}
+
+TEST_F(Command, MisuseIsOneLineAndStatusTwo) {
+  ExpectMisuse("", "subcommand");
+  ExpectMisuse("frobnicate", "frobnicate");
+  ExpectMisuse("solve", "--solver");
+  ExpectMisuse("solve --solver simplex -", "unknown solver 'simplex'", kProblem);
+  ExpectMisuse("solve --solver dantzig no-such-file.jsonl", "no-such-file.jsonl");
+  ExpectMisuse("solve --solver dantzig /", "is a folder");
+  ExpectMisuse("solve --solver dantzig --tolerance 0 -", "--tolerance", kProblem);
+  ExpectMisuse("solve --solver dantzig --tolerance x -", "--tolerance", kProblem);
+  ExpectMisuse("solve --solver dantzig --time-limit -1 -", "--time-limit", kProblem);
+  ExpectMisuse("solve --solver pgs --set relaxation=5 -", "relaxation", kProblem);
+  ExpectMisuse("solve --solver pgs --set nonsense -", "NAME=VALUE", kProblem);
+  ExpectMisuse("solve --solver pgs --set nonsense=1 -", "nonsense", kProblem);
+  ExpectMisuse("solve --solver dantzig -", "empty", "");
+  ExpectMisuse("assemble -", "empty", "\n\n");
+  ExpectMisuse("assemble -", "<stdin>:1", "{");
+  ExpectMisuse("generate no-such-scene", "no-such-scene");
+  ExpectMisuse("generate disc-pile --size 0", "0");
+  ExpectMisuse("generate disc-pile --size -5", "-5");
+  ExpectMisuse("run --suite huge", "huge");
+  ExpectMisuse("run --suite quick --solvers simplex -o " + Path("r"), "simplex");
+  ExpectMisuse("run --suite quick --nonsense -o " + Path("r"), "--nonsense");
+  ExpectMisuse("report " + Path("nothing-here"), "nothing-here");
+}
+
+TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
+  Write("problems.jsonl", std::string(kProblem) + "\n{\"A\":[[1]]}\n" + R"({"id":"q","A":[[1]],"b":[3]})" + "\n");
+  const Outcome outcome = Run("solve --solver dantzig " + Path("problems.jsonl"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(Lines(outcome.error).size(), 1u);
+  EXPECT_NE(outcome.error.find("problems.jsonl:2"), std::string::npos);
+  const std::vector<std::string> lines = Lines(outcome.out);
+  ASSERT_EQ(lines.size(), 2u);
+  const nlohmann::json first = nlohmann::json::parse(lines[0]);
+  for (const char* field : {"id", "solver", "status", "f", "w", "iterations", "time_s", "metrics", "verdict"}) {
+    EXPECT_TRUE(first.contains(field)) << field;
+  }
+  EXPECT_EQ(first["status"], "solved");
+  EXPECT_NEAR(first["f"][0].get<double>(), 2, 1e-9);
+  EXPECT_TRUE(first["verdict"]["passes"].get<bool>());
+  EXPECT_EQ(nlohmann::json::parse(lines[1])["id"], "q");
+}
+
+TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
+  for (const SceneFamily& scene : AllScenes()) {
+    const Outcome generated = Run("generate " + std::string(scene.key) + " --size 12 --seed 3");
+    ASSERT_EQ(generated.status, 0) << generated.error;
+    EXPECT_EQ(generated.out, Run("generate " + std::string(scene.key) + " --size 12 --seed 3").out);
+    EXPECT_NE(generated.out, Run("generate " + std::string(scene.key) + " --size 12 --seed 4").out);
+    for (const SolverEntry& entry : AllSolvers()) {
+      if (!entry.available) continue;
+      const Outcome solved = Run("solve --solver " + std::string(entry.key) + " --tolerance 1e-3 -", generated.out);
+      ASSERT_EQ(solved.status, 0) << solved.error;
+      const nlohmann::json record = nlohmann::json::parse(solved.out);
+      EXPECT_EQ(record["f"].size(), 12u);
+      EXPECT_FALSE(record["verdict"]["false_success"].get<bool>());
+    }
+  }
+}
+
+TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
+  const Outcome run = Run("run --suite quick --scenes disc-pile,rockers --sizes 5,10 --min-time 0.001 -o " + Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  for (const char* name : {"run.json", "problems.csv", "accuracy.csv", "timing.json", "disc-pile.svg", "rockers.svg"}) {
+    EXPECT_TRUE(fs::exists(folder_ / "r" / name)) << name;
+  }
+  const nlohmann::json about = nlohmann::json::parse(ReadFile(folder_ / "r/run.json"));
+  EXPECT_EQ(about["schema"], "lcpbench-run/1");
+  EXPECT_GT(about["wall_s"].get<double>(), 0);
+  EXPECT_FALSE(about["git_commit"].get<std::string>().empty());
+  // header + 4 problems x solvers x 3 tiers
+  EXPECT_EQ(Lines(ReadFile(folder_ / "r/accuracy.csv")).size(), 1 + 4 * AllSolvers().size() * 3);
+  EXPECT_EQ(Lines(ReadFile(folder_ / "r/problems.csv")).size(), 5u);
+  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
+  EXPECT_TRUE(timing["context"].contains("git_commit"));
+  EXPECT_FALSE(timing["benchmarks"].empty());
+
+  const Outcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
+  EXPECT_EQ(report.status, 0) << report.error;
+  EXPECT_NE(ReadFile(folder_ / "page.html").find("<svg"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace lcpbench
