@@ -1,1 +1,187 @@
-// stub
+// boxes-and-discs: a stepped brick wall in running bond with discs in its joints and on its steps.
+//
+// A brick stands flat on two others: four vertex contacts (two corners of its own, two of the bricks below) against
+// three degrees of freedom, so that A is rank deficient by about a quarter of the rows and f is far from unique - what
+// every stack of boxes in a physics engine looks like. Discs wedged in the joints between bricks of a course push them
+// apart, which couples the vertical stack to horizontal motion and to rotation; discs lie in the corners of the steps.
+// Vertex/straight and arc/straight contacts, all at rest: gamma = 0.
+//
+// Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "model/scenes/families.h"
+#include "model/scenes/parts.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kLength = 0.5;
+constexpr double kHeight = 0.22;
+constexpr double kJointRadius = 0.05;
+/// Distance of the bricks of a course: their length and a joint that a disc just fits into.
+constexpr double kPitch = kLength + 2 * kJointRadius;
+constexpr double kDensity = 100;
+/// In-plane gravity times the square root of the number of courses [m/s^2]: an inclined plane, on which weights do not
+/// outgrow the random gusts as the wall gets higher.
+constexpr double kWeight = 0.4 * kGravity;
+constexpr double kJointShare = 0.8;  ///< of the joints hold a disc
+constexpr double kStepShare = 0.8;   ///< of the steps hold a disc
+
+class Wall {
+ public:
+  Wall(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
+    floor_ = AddBody(system, "floor", MakeFixed("floor"));
+    // A pyramid on `base` bricks brings 2 rows a brick in the lowest course and 4 above, 3 a joint disc and 2 a step
+    // disc: about 2 base^2 + 3/2 kJointShare base (base - 1) + 4 kStepShare base.
+    const double square = 2 + 1.5 * kJointShare;
+    const double linear = 4 * kStepShare - 1.5 * kJointShare;
+    const double base = (std::sqrt(linear * linear + 4 * square * rows) - linear) / (2 * square);
+    base_ = std::max(1, static_cast<int>(std::ceil(base)));
+  }
+
+  void Build() {
+    for (int course = 0; course < base_; ++course) {
+      if (!BuildCourse(course)) break;
+    }
+    CloseCount();
+    const double reach = kPitch * (base_ + 1);
+    system_->bodies[static_cast<std::size_t>(floor_)].outline = {
+        WholeEdge({std::max(loose_x_, reach), 0}, {-kPitch, 0})};
+  }
+
+  int courses() const { return courses_; }
+
+ private:
+  /// False when the rows are used up but for fewer than the next element needs.
+  bool BuildCourse(int course) {
+    std::vector<int> bricks;
+    for (int j = 0; j < base_ - course; ++j) {
+      if (left_ < (course == 0 ? 2 : 4)) return false;
+      bricks.push_back(AddBrick(course, j));
+      if (j > 0 && random_->Uniform() < kJointShare) {
+        if (left_ < 3) return false;
+        AddJointDisc(course, j, bricks);
+      }
+    }
+    below_ = bricks;
+    ++courses_;
+    for (const int side : {-1, 1}) {
+      if (random_->Uniform() >= kStepShare) continue;
+      if (left_ < 2) return false;
+      AddStepDisc(course, side);
+    }
+    steps_ = {below_.front(), below_.back()};
+    return true;
+  }
+
+  static double BrickX(int course, int j) { return (j + 0.5 * course) * kPitch; }
+
+  int AddBrick(int course, int j) {
+    const Vec2 x{BrickX(course, j), (course + 0.5) * kHeight};
+    const int brick = AddBody(system_, "brick", MakeBox(x, kLength, kHeight, kDensity));
+    last_brick_ = brick;
+    if (course == 0) {
+      for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
+    } else {
+      const int lower_left = below_[static_cast<std::size_t>(j)];
+      const int lower_right = below_[static_cast<std::size_t>(j) + 1];
+      Touch(brick, Corner(0), lower_left, Edge(2));
+      Touch(brick, Edge(0), lower_left, Corner(2));
+      Touch(brick, Edge(0), lower_right, Corner(3));
+      Touch(brick, Corner(1), lower_right, Edge(2));
+    }
+    return brick;
+  }
+
+  /// Between bricks j - 1 and j, on the brick (or floor) below the joint: three rows.
+  void AddJointDisc(int course, int j, const std::vector<int>& bricks) {
+    const Vec2 x{BrickX(course, j) - kPitch / 2, course * kHeight + kJointRadius};
+    const int disc = AddDisc(x, kJointRadius);
+    const ArcEdge rim = Circle(kJointRadius);
+    if (course == 0) {
+      Touch(disc, rim, floor_, Floor());
+    } else {
+      Touch(disc, rim, below_[static_cast<std::size_t>(j)], Edge(2));
+    }
+    Touch(disc, rim, bricks[static_cast<std::size_t>(j) - 1], Edge(1));
+    Touch(disc, rim, bricks[static_cast<std::size_t>(j)], Edge(3));
+  }
+
+  /// In the corner between the course's end brick and the step (or floor) that it leaves free: two rows.
+  void AddStepDisc(int course, int side) {
+    const double radius = random_->Uniform(0.25, 0.45) * kHeight;
+    const int last = base_ - course - 1;
+    const double face = BrickX(course, side < 0 ? 0 : last) + side * kLength / 2;
+    const int disc = AddDisc({face + side * radius, course * kHeight + radius}, radius);
+    const ArcEdge rim = Circle(radius);
+    const std::size_t end = side < 0 ? 0 : 1;
+    if (course == 0) {
+      Touch(disc, rim, floor_, Floor());
+    } else {
+      Touch(disc, rim, steps_[end], Edge(2));
+    }
+    Touch(disc, rim, side < 0 ? below_.front() : below_.back(), side < 0 ? Edge(3) : Edge(1));
+  }
+
+  /// Up to three discs on the last brick; should more rows be left, discs and bricks on the floor beside the wall.
+  void CloseCount() {
+    constexpr double kRadius = 0.3 * kLength / 2;
+    loose_x_ = kPitch * (base_ + 1);
+    for (int k = 0; last_brick_ >= 0 && k < 3 && left_ > 0; ++k) {
+      const Vec2 brick = system_->bodies[static_cast<std::size_t>(last_brick_)].x;
+      const double offset = (k == 0 ? 0 : k == 1 ? -1 : 1) * 2.2 * kRadius;
+      const int disc = AddDisc(brick + Vec2{offset, kHeight / 2 + kRadius}, kRadius);
+      Touch(disc, Circle(kRadius), last_brick_, Edge(2));
+    }
+    while (left_ > 0) {
+      if (left_ >= 2) {
+        const int brick = AddBody(system_, "brick", MakeBox({loose_x_, kHeight / 2}, kLength, kHeight, kDensity));
+        for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
+      } else {
+        Touch(AddDisc({loose_x_, kRadius}, kRadius), Circle(kRadius), floor_, Floor());
+      }
+      loose_x_ += kPitch;
+    }
+  }
+
+  int AddDisc(Vec2 x, double radius) {
+    Body disc = MakeDisc(x, radius, kDensity * random_->Uniform(1, 4));
+    disc.theta = random_->Uniform(-kPi, kPi);
+    return AddBody(system_, "disc", disc);
+  }
+
+  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
+    AddContact(system_, body1, feature1, body2, feature2);
+    --left_;
+  }
+  static Vertex Corner(int corner) { return {BoxCorner(kLength, kHeight, corner)}; }
+  static StraightEdge Edge(int edge) { return BoxEdge(kLength, kHeight, edge); }
+  static StraightEdge Floor() { return {{1, 0}, {}}; }
+
+  ContactSystem* system_;
+  int left_;  ///< rows still to be made
+  Random* random_;
+  int floor_ = 0;
+  int base_ = 1;  ///< bricks in the lowest course
+  int courses_ = 0;
+  int last_brick_ = -1;
+  double loose_x_ = 0;
+  std::vector<int> below_;  ///< the last complete course
+  std::vector<int> steps_;  ///< end bricks of the course before
+};
+
+}  // namespace
+
+ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("boxes-and-discs", rows, seed);
+  Wall wall(&system, rows, &random);
+  wall.Build();
+  ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + wall.courses()), .gust = 2 * kGravity}, &random);
+  return system;
+}
+
+}  // namespace lcpbench

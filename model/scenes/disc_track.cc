@@ -1,1 +1,121 @@
-// stub
+// disc-track: a chain of touching discs that slides along the inside of a circular track.
+//
+// Convex arcs in a concave one, and the only curvature that holds bodies in: all centres turn about the track's centre
+// with one angular velocity, so that every gap rate is zero while the track rows carry the centripetal term (gamma <
+// 0). Discs have an eccentric insert and spin, so that contacts turn them and gamma differs from row to row. Each disc
+// touches the track and two neighbours: A is nonsingular and narrowly banded, f unique, and a sparse method needs O(n)
+// where a dense one needs O(n^3). Thrust travels along the whole chain.
+//
+// k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
+
+#include <cmath>
+#include <vector>
+
+#include "model/scenes/families.h"
+#include "model/scenes/parts.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kMinRadius = 0.06;
+constexpr double kMaxRadius = 0.14;
+constexpr double kDensity = 40;
+/// The part of the track that the chain covers [rad].
+constexpr double kSpan = 4.2;
+/// Centripetal acceleration over gravity.
+constexpr double kCentripetal = 0.5;
+/// Largest spin [rad/s].
+constexpr double kMaxSpin = 8;
+
+/// The unit direction from the track's centre to the next disc's centre when both discs touch each other and the track:
+/// the triangle with sides a, b and r1 + r2 has sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b), where a - b is
+/// r2 - r1.
+Vec2 NextDirection(Vec2 direction, double r1, double r2, double track) {
+  const double sin_half = std::sqrt(r1 * r2 / ((track - r1) * (track - r2)));
+  const double cos_half = std::sqrt(1 - sin_half * sin_half);
+  const Rotation step{1 - 2 * sin_half * sin_half, 2 * sin_half * cos_half};
+  const Vec2 next = Rotate(step, direction);
+  return (1 / Norm(next)) * next;
+}
+
+/// A disc with a cylindrical insert of radius r / 3 and random density at distance r / 2 from its centre.
+struct EccentricDisc {
+  Body body;
+  ArcEdge rim;
+};
+
+EccentricDisc MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Random* random) {
+  const double insert = r / 3;
+  const double plain_mass = kPi * r * r * kDensity;
+  const double insert_mass = kPi * insert * insert * kDensity * random->Uniform(1, 12);
+  const double mass = plain_mass + insert_mass;
+  const Vec2 direction = random->UnitVector();
+  const double offset = r / 2 * insert_mass / mass;
+  const double insert_offset = r / 2 - offset;
+
+  EccentricDisc disc;
+  Body& body = disc.body;
+  body.mass = mass;
+  body.inertia =
+      plain_mass * (r * r / 2 + offset * offset) + insert_mass * (insert * insert / 2 + insert_offset * insert_offset);
+  body.x = center + offset * direction;
+  body.omega = random->Uniform(-kMaxSpin, kMaxSpin);
+  body.v = center_velocity + (body.omega * offset) * Perp(direction);
+  disc.rim = {-offset * direction, r, Side::kConvex};
+  body.outline = {FullCircle(disc.rim.center, r, Side::kConvex)};
+  return disc;
+}
+
+}  // namespace
+
+ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("disc-track", rows, seed);
+  const int chain = (rows + 1) / 2;
+  const bool straggler = rows % 2 == 0;
+
+  std::vector<double> radii;
+  double length = 0;
+  for (int i = 0; i < chain; ++i) {
+    radii.push_back(random.Uniform(kMinRadius, kMaxRadius));
+    length += 2 * radii.back();
+  }
+  const double track = length / kSpan + 3 * kMaxRadius;
+  const double turning = random.Sign() * std::sqrt(kCentripetal * kGravity / track);
+  const ArcEdge track_arc{{}, track, Side::kConcave};
+  Body fixed = MakeFixed("track");
+  fixed.outline = {FullCircle({}, track, Side::kConcave)};
+  const int track_body = AddBody(&system, "track", fixed);
+
+  const Rotation start = SinCos(random.Uniform(0, 2 * kPi));
+  Vec2 direction{start.cos, start.sin};
+  ArcEdge last_rim;
+  const auto add = [&](double r) {
+    const Vec2 center = (track - r) * direction;
+    const EccentricDisc disc = MakeEccentricDisc(center, r, turning * Perp(center), &random);
+    last_rim = disc.rim;
+    const int body = AddBody(&system, "disc", disc.body);
+    AddContact(&system, body, disc.rim, track_body, track_arc);
+    return body;
+  };
+
+  for (int i = 0; i < chain; ++i) {
+    const double r = radii[static_cast<std::size_t>(i)];
+    if (i > 0) direction = NextDirection(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
+    const ArcEdge previous_rim = last_rim;
+    const int body = add(r);
+    if (i > 0) AddContact(&system, body, last_rim, body - 1, previous_rim);
+  }
+  if (straggler) {
+    // Leaves the place of one disc free behind the chain.
+    direction = NextDirection(direction, radii.back(), kMinRadius, track);
+    direction = NextDirection(direction, kMinRadius, kMinRadius, track);
+    add(kMinRadius);
+  }
+
+  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
+  return system;
+}
+
+}  // namespace lcpbench

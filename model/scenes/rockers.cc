@@ -1,1 +1,284 @@
-// stub
+// rockers: a row of rocking bodies with round bottoms and straight tops, on a floor, carrying discs, boxes and poles.
+//
+// Every contact kind that turning bodies make: arc on straight floor, arc to arc, corner on arc, and discs, corners and
+// flat boxes on straight edges that turn. Rockers rotate at several rad/s about arc centres that all travel at one
+// speed, and riders slide on their tops, so that every gap rate is zero while gamma is nonzero nearly everywhere: a
+// solver is fed what goes wrong when a model gets the velocity-product terms wrong. Elements are added one by one with
+// no more rows than degrees of freedom, so that J has full rank: A is nonsingular, f unique, and the problem solvable
+// in spite of gamma (MODEL.md section 8, property 3).
+//
+// A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/scenes/families.h"
+#include "model/scenes/parts.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kDensity = 60;
+constexpr double kMinRadius = 0.36;
+constexpr double kMaxRadius = 0.44;
+/// The top is the chord between the arc's directions kTopAngle and pi - kTopAngle [rad, in the body].
+constexpr double kTopAngle = 0.65;
+constexpr double kMaxTilt = 0.15;  ///< [rad]
+constexpr double kMaxSpin = 5;     ///< [rad/s]
+constexpr double kMaxSlip = 1;     ///< of riders along a top [m/s]
+constexpr double kNotchRadius = 0.025;
+
+/// Mass, centre of mass (above the arc's centre) and inertia about the arc's centre, per density, of the unit disc
+/// without the cap above the chord: the cap is the sector of half-angle a less its triangle.
+struct UnitRocker {
+  double area;
+  double centroid;
+  double inertia;
+};
+
+UnitRocker MakeUnitRocker() {
+  const Rotation top = SinCos(kTopAngle);
+  const double a = kPi / 2 - kTopAngle;
+  const double sin_a = top.cos;
+  const double cos_a = top.sin;
+  const double tan_a = sin_a / cos_a;
+  const double cap_area = a - sin_a * cos_a;
+  const double cap_moment = 2 * sin_a * sin_a * sin_a / 3;
+  const double triangle_inertia = cos_a * cos_a * cos_a * cos_a * tan_a * (0.5 + tan_a * tan_a / 6);
+  const double area = kPi - cap_area;
+  return {area, -cap_moment / area, kPi / 2 - (a / 2 - triangle_inertia)};
+}
+
+/// A rocker on the floor, with what its neighbours and riders need to know.
+struct Rocker {
+  int body = -1;
+  double radius = 0;
+  Vec2 center;  ///< of the arc, world
+  ArcEdge arc;
+  StraightEdge top;
+  Vec2 top_middle;   ///< world
+  Vec2 top_tangent;  ///< world, to the right
+  Vec2 top_normal;   ///< world, outward
+};
+
+class RockerRow {
+ public:
+  RockerRow(ContactSystem* system, int rows, Random* random)
+      : system_(system), left_(rows), random_(random), drift_(random->Uniform(-2, 2)) {
+    floor_ = AddBody(system, "floor", MakeFixed("floor"));
+  }
+
+  void Build() {
+    AddRocker(NewRadius(), 0);
+    while (left_ > 0) {
+      AddRider();
+      if (left_ >= 3 && random_->Uniform() < 0.25) {
+        const Corner corner = AddSpacer();
+        if (left_ >= 2) AddRockerAtCorner(corner);
+      } else if (left_ >= 2) {
+        AddTouchingRocker();
+        if (left_ >= 2 && random_->Uniform() < 0.4) AddNotchDisc();
+      }
+      if (left_ == 1) AddRoller();
+    }
+    system_->bodies[static_cast<std::size_t>(floor_)].outline = {WholeEdge({end_ + 1, 0}, {-1, 0})};
+  }
+
+ private:
+  struct Corner {
+    int box = -1;
+    Vec2 local;
+    Vec2 world;
+  };
+
+  double NewRadius() { return random_->Uniform(kMinRadius, kMaxRadius); }
+  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
+  static StraightEdge Floor() { return {{1, 0}, {}}; }
+
+  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
+    AddContact(system_, body1, feature1, body2, feature2);
+    --left_;
+  }
+
+  /// A rocker whose arc is centred at height `radius` above floor point x: one row.
+  void AddRocker(double radius, double x) {
+    previous_ = last_;
+    Rocker& rocker = last_;
+    rocker.radius = radius;
+    rocker.center = {x, radius};
+    end_ = x + radius;
+
+    // The plain body with a round ballast of radius / 6 at a random place: moves the centre of mass off the axis.
+    const double mass = unit_.area * radius * radius * kDensity;
+    const double ballast_radius = radius / 6;
+    const double ballast = kPi * ballast_radius * ballast_radius * kDensity * random_->Uniform(0, 20);
+    const Vec2 ballast_at = (0.6 * radius) * Vec2{random_->Uniform(-1, 1), random_->Uniform(-1, 0)};
+    const Vec2 centroid{0, unit_.centroid * radius};
+    Body body;
+    body.mass = mass + ballast;
+    const Vec2 offset = (1 / body.mass) * (mass * centroid + ballast * ballast_at);
+    const double inertia_center = unit_.inertia * radius * radius * radius * radius * kDensity +
+                                  ballast * (ballast_radius * ballast_radius / 2 + Dot(ballast_at, ballast_at));
+    body.inertia = inertia_center - body.mass * Dot(offset, offset);
+    body.theta = random_->Uniform(-kMaxTilt, kMaxTilt);
+    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    const Rotation tilt = SinCos(body.theta);
+    const Vec2 arm = Rotate(tilt, offset);
+    body.x = rocker.center + arm;
+    body.v = Vec2{drift_, 0} + body.omega * Perp(arm);
+
+    const Rotation top = SinCos(kTopAngle);
+    rocker.arc = {-offset, radius, Side::kConvex};
+    rocker.top = {-offset + radius * Vec2{top.cos, top.sin}, -offset + radius * Vec2{-top.cos, top.sin}};
+    rocker.top_tangent = {tilt.cos, tilt.sin};
+    rocker.top_normal = Perp(rocker.top_tangent);
+    rocker.top_middle = rocker.center + radius * top.sin * rocker.top_normal;
+    body.outline = {{rocker.arc, kPi - kTopAngle, 2 * kPi + kTopAngle}, WholeEdge(rocker.top.a, rocker.top.b)};
+    rocker.body = AddBody(system_, "rocker", body);
+    Touch(rocker.body, rocker.arc, floor_, Floor());
+  }
+
+  /// Arc to arc with the last one: two rows with the floor's. Circles of radii r1, r2 on one line that touch have their
+  /// centres 2 sqrt(r1 r2) apart along it.
+  void AddTouchingRocker() {
+    const double radius = NewRadius();
+    AddRocker(radius, last_.center.x + 2 * std::sqrt(last_.radius * radius));
+    Touch(last_.body, last_.arc, previous_.body, previous_.arc);
+  }
+
+  /// Horizontal distance from a circle's centre to its point at height `height` above the floor it stands on.
+  static double HalfChord(double radius, double height) { return std::sqrt(height * (2 * radius - height)); }
+
+  /// A box on the floor whose upper left corner touches the last rocker's arc: three rows.
+  Corner AddSpacer() {
+    const double height = random_->Uniform(0.5, 0.9) * kMinRadius;
+    const double width = random_->Uniform(0.6, 1) * kMinRadius;
+    const double x = last_.center.x + HalfChord(last_.radius, height) + width / 2;
+    Body body = MakeBox({x, height / 2}, width, height, kDensity);
+    body.v = {drift_, 0};
+    const int box = AddBody(system_, "spacer", body);
+    for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, floor_, Floor());
+    Touch(box, Vertex{BoxCorner(width, height, 3)}, last_.body, last_.arc);
+    end_ = x + width / 2;
+    const Vec2 right = BoxCorner(width, height, 2);
+    return {box, right, body.x + right};
+  }
+
+  /// A rocker that leans on that box's upper right corner: two rows.
+  void AddRockerAtCorner(const Corner& corner) {
+    const double radius = NewRadius();
+    AddRocker(radius, corner.world.x + HalfChord(radius, corner.world.y));
+    Touch(last_.body, last_.arc, corner.box, Vertex{corner.local});
+  }
+
+  /// A small disc in the notch above the contact of the last two rockers: two rows.
+  void AddNotchDisc() {
+    const double reach1 = previous_.radius + kNotchRadius;
+    const double reach2 = last_.radius + kNotchRadius;
+    const Vec2 between = last_.center - previous_.center;
+    const double distance = Norm(between);
+    const double along = (reach1 * reach1 - reach2 * reach2 + distance * distance) / (2 * distance);
+    const Vec2 unit = (1 / distance) * between;
+    const Vec2 center = previous_.center + along * unit + std::sqrt(reach1 * reach1 - along * along) * Perp(unit);
+    Body body = MakeDisc(center, kNotchRadius, 4 * kDensity);
+    body.v = {drift_, 0};
+    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    const int disc = AddBody(system_, "disc", body);
+    Touch(disc, Circle(kNotchRadius), previous_.body, previous_.arc);
+    Touch(disc, Circle(kNotchRadius), last_.body, last_.arc);
+  }
+
+  /// Something on the last rocker's top, or nothing: none to two rows.
+  void AddRider() {
+    const double choice = random_->Uniform();
+    if (choice < 0.3) {
+      AddDiscRider();
+    } else if (choice < 0.55) {
+      AddPoleRider();
+    } else if (choice < 0.8 && left_ >= 2) {
+      AddBoxRider();
+    }
+  }
+
+  Vec2 TopPoint(double share) const {
+    return last_.top_middle + (share * last_.radius * random_->Uniform(-1, 1)) * last_.top_tangent;
+  }
+  /// Velocity of what slides over the last rocker's top at world point p.
+  Vec2 SlidingVelocity(Vec2 p) {
+    const Body& rocker = Get(last_.body);
+    return rocker.v + rocker.omega * Perp(p - rocker.x) + random_->Uniform(-kMaxSlip, kMaxSlip) * last_.top_tangent;
+  }
+
+  void AddDiscRider() {
+    const double radius = random_->Uniform(0.15, 0.3) * last_.radius;
+    const Vec2 p = TopPoint(0.35);
+    Body body = MakeDisc(p + radius * last_.top_normal, radius, kDensity);
+    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    // The foot of the centre on a turning line: the rim's own spin has no component along the normal there.
+    body.v = SlidingVelocity(p);
+    Touch(AddBody(system_, "disc", body), Circle(radius), last_.body, last_.top);
+  }
+
+  /// A slender box that stands on one corner.
+  void AddPoleRider() {
+    const double width = 0.14 * last_.radius;
+    const double height = random_->Uniform(0.5, 0.8) * last_.radius;
+    const double lean = random_->Sign() * random_->Uniform(0.1, 0.3);
+    const Vec2 p = TopPoint(0.25);
+    // Turned to the left it stands on its left corner.
+    const Vec2 corner = BoxCorner(width, height, lean > 0 ? 0 : 1);
+    Body body = MakeBox({}, width, height, 2 * kDensity);
+    body.theta = Get(last_.body).theta + lean;
+    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    const Vec2 arm = Rotate(SinCos(body.theta), corner);
+    body.x = p - arm;
+    body.v = SlidingVelocity(p) - body.omega * Perp(arm);
+    Touch(AddBody(system_, "pole", body), Vertex{corner}, last_.body, last_.top);
+  }
+
+  /// A box that lies flat on the top and so turns with it: two rows.
+  void AddBoxRider() {
+    const double width = random_->Uniform(0.4, 0.7) * last_.radius;
+    const double height = random_->Uniform(0.2, 0.4) * last_.radius;
+    Body body = MakeBox(TopPoint(0.25) + (height / 2) * last_.top_normal, width, height, kDensity);
+    body.theta = Get(last_.body).theta;
+    body.omega = Get(last_.body).omega;
+    body.v = SlidingVelocity(body.x);
+    const int box = AddBody(system_, "box", body);
+    for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, last_.body, last_.top);
+  }
+
+  /// A disc on the floor, clear of everything: one row.
+  void AddRoller() {
+    const double radius = kMinRadius / 2;
+    end_ += 2 * kMaxRadius;
+    Body body = MakeDisc({end_, radius}, radius, kDensity);
+    body.v = {drift_, 0};
+    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    Touch(AddBody(system_, "disc", body), Circle(radius), floor_, Floor());
+    end_ += radius;
+  }
+
+  ContactSystem* system_;
+  int left_;  ///< rows still to be made
+  Random* random_;
+  double drift_;  ///< common speed of all arc centres [m/s]
+  const UnitRocker unit_ = MakeUnitRocker();
+  int floor_ = 0;
+  double end_ = 0;  ///< right end of the row so far
+  Rocker last_;
+  Rocker previous_;
+};
+
+}  // namespace
+
+ContactSystem GenerateRockers(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("rockers", rows, seed);
+  RockerRow(&system, rows, &random).Build();
+  ApplyLoads(&system, {.weight = 0.3 * kGravity, .gust = 2 * kGravity}, &random);
+  return system;
+}
+
+}  // namespace lcpbench

@@ -1,1 +1,57 @@
-// stub
+#include "model/scenes/scene.h"
+
+#include <array>
+#include <string>
+
+#include "model/scenes/families.h"
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array kScenes{
+    SceneFamily{
+        "discs-in-v", "Equal discs stacked in a V of two walls",
+        "Redundant contacts and force paths as long as the stack is high: A is rank deficient and f not unique, "
+        "which tells methods that cope with singular A from those that need pivots of full rank.",
+        &GenerateDiscsInV},
+    SceneFamily{"disc-pile", "Pile of discs of many sizes and masses in a box",
+                "Isostatic with masses over two orders of magnitude: A is nonsingular but ill-conditioned, which tells "
+                "methods whose speed depends on conditioning from direct ones.",
+                &GenerateDiscPile},
+    SceneFamily{
+        "disc-track", "Chain of spinning discs sliding inside a concave track",
+        "Convex arcs in a concave one with centripetal terms; A is nonsingular and narrowly banded, which tells "
+        "methods that use sparsity from those that fill a dense matrix.",
+        &GenerateDiscTrack},
+    SceneFamily{
+        "boxes-and-discs", "Brick wall in running bond with discs in joints and on steps",
+        "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
+        "to translation - the everyday, highly redundant load of a physics engine.",
+        &GenerateBoxesAndDiscs},
+    SceneFamily{"rockers", "Row of rocking bodies carrying discs, boxes and poles",
+                "Every contact kind on turning edges, nonzero velocity-product terms on nearly every row, full rank: "
+                "moderate sizes that most methods should solve, with b that depends on curvature.",
+                &GenerateRockers},
+};
+
+}  // namespace
+
+std::span<const SceneFamily> AllScenes() { return kScenes; }
+
+const SceneFamily& FindScene(std::string_view key) {
+  std::string known;
+  for (const SceneFamily& scene : kScenes) {
+    if (scene.key == key) return scene;
+    known += (known.empty() ? "" : ", ") + std::string(scene.key);
+  }
+  throw InputError("unknown scene '" + std::string(key) + "', expected one of " + known);
+}
+
+ContactSystem GenerateScene(std::string_view key, int rows, std::uint64_t seed) {
+  const SceneFamily& scene = FindScene(key);
+  if (rows < 1) throw InputError("scene '" + std::string(key) + "': expected rows >= 1, found " + std::to_string(rows));
+  return scene.generate(rows, seed);
+}
+
+}  // namespace lcpbench

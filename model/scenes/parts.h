@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "model/scenes/random.h"
+#include "model/system.h"
+
+namespace lcpbench {
+
+// What the scene families are built from. World-aligned body frames (theta = 0) unless said otherwise; SI units; bodies
+// are plates, so densities are areal [kg/m^2].
+
+inline constexpr double kPi = 3.14159265358979323846;
+/// Standard gravity [m/s^2], rounded.
+inline constexpr double kGravity = 9.81;
+
+/// An empty system named "<family>-<rows>-s<seed>".
+ContactSystem EmptyScene(std::string_view family, int rows, std::uint64_t seed);
+
+/// A homogeneous disc about x: mass pi r^2 density, inertia m r^2 / 2, outline a full circle.
+Body MakeDisc(Vec2 x, double radius, double density);
+/// A homogeneous box about x: mass w h density, inertia m (w^2 + h^2) / 12.
+Body MakeBox(Vec2 x, double width, double height, double density);
+/// A body that cannot move, at the origin, without outline.
+Body MakeFixed(std::string name);
+
+/// The circle about the body's origin.
+ArcEdge Circle(double radius);
+/// The whole circle as one outline piece, material inside (convex) or outside (concave).
+OutlineEdge FullCircle(Vec2 center, double radius, Side side);
+/// A straight edge as one outline piece.
+OutlineEdge WholeEdge(Vec2 a, Vec2 b);
+/// Corner 0..3 of a box in its body frame, counter-clockwise from the lower left.
+Vec2 BoxCorner(double width, double height, int corner);
+/// Edge 0..3 of a box in its body frame: bottom, right, top, left.
+StraightEdge BoxEdge(double width, double height, int edge);
+
+/// Appends and returns the index; a body without a name gets "<kind> <index>".
+int AddBody(ContactSystem* system, std::string_view kind, Body body);
+/// Appends a unilateral contact; the normal points from body 2 to body 1.
+void AddContact(ContactSystem* system, int body1, const Feature& feature1, int body2, const Feature& feature2);
+
+/// How a scene is loaded. `weight` and `gust` are accelerations [m/s^2].
+struct LoadLevel {
+  /// In-plane gravity: kGravity for an upright plane, less for an inclined one.
+  double weight = kGravity;
+  /// Each movable body gets a random force of up to m gust in a random direction ...
+  double gust = kGravity;
+  /// ... and a random torque of up to m gust (lever), lever = lever_per_gyradius sqrt(I / m).
+  double lever_per_gyradius = 1;
+};
+
+/// Weight and independent random forces and torques on every movable body, in body order.
+void ApplyLoads(ContactSystem* system, const LoadLevel& level, Random* random);
+
+}  // namespace lcpbench

@@ -1,0 +1,144 @@
+"""What the numbers cannot carry. Each line states a fact of this run; lines whose fact does not hold are left out."""
+
+import math
+import statistics
+
+from . import formats
+from .cells import SINGLE_RUN, Cells
+
+# A solver is called out as built for looser tiers when its verified share falls below this part of the loosest tier's.
+_TIER_DROP = 0.75
+# Repetitions that spread further than this are reported as noisy.
+_NOISY_SPREAD = 0.1
+
+
+def limitations(cells: Cells) -> list[tuple[str, str]]:
+    """[(subject, sentence)]"""
+    rules = (_machine, _build, _noise, _single_runs, _disagreements, _accuracy_once, _seeds, _limit, _excluded,
+             _unavailable, _tiers, _direct, _reference, _setup, _scope)
+    lines = []
+    for rule in rules:
+        lines += rule(cells)
+    return lines
+
+
+def _machine(cells: Cells) -> list:
+    run = cells.results.run
+    return [("One machine", f"All times are from one machine ({run['cpu']}, {formats.plural(run['cores'], 'core')}); ratios "
+             "between solvers, and even their order, can differ on another.")]
+
+
+def _build(cells: Cells) -> list:
+    run, lines = cells.results.run, []
+    if run["git_dirty"]:
+        lines.append(("Uncommitted changes", f"The tree differed from commit {run['git_commit'][:12]} when this was built: "
+                      "the commit alone does not reproduce it."))
+    if run["build_type"].lower() not in ("release", "relwithdebinfo"):
+        lines.append(("Build type", f"The build type is '{run['build_type']}': times are not those of an optimised build."))
+    return lines
+
+
+def _noise(cells: Cells) -> list:
+    run = cells.results.run
+    timed = [t for t in cells.results.timing if t.kind == "solve" and not t.error and t.seconds]
+    spreads = [t.spread for t in timed if math.isfinite(t.spread)]
+    if not timed:
+        return [("No repeated timing", "timing.json holds no timed cell: every time on this page is a single measurement.")]
+    if not spreads:
+        return [("Noise unknown", f"The {len(timed)} timed cells hold one repetition each, so their noise is not known.")]
+    noisy = sum(s > _NOISY_SPREAD for s in spreads)
+    return [("Noise", f"Times are medians of {run['repetitions']} repetitions of at least {run['min_time_s']:g} s. Their "
+             f"spread (max - min)/median is {formats.percent(statistics.median(spreads))} in the median cell and "
+             f"{formats.percent(max(spreads))} in the worst; above {formats.percent(_NOISY_SPREAD)} in {noisy} of "
+             f"{len(spreads)} cells. Differences below the spread mean nothing.")]
+
+
+def _single_runs(cells: Cells) -> list:
+    verified = [c for c in cells.all() if c.verified]
+    single = [c for c in verified if c.time_source == SINGLE_RUN]
+    if not single or not any(t.kind == "solve" and t.seconds for t in cells.results.timing):
+        return []
+    return [("Single measurements", f"{len(single)} of {len(verified)} verified cells were not timed repeatedly; their time is "
+             "that of the one accuracy run, cold caches included (marked † in tables).")]
+
+
+def _disagreements(cells: Cells) -> list:
+    found = cells.disagreements()
+    return [("Passes disagree", f"In {formats.plural(len(found), 'cell')} the timing pass judged differently from the accuracy "
+             f"pass, for example {found[0]}.")] if found else []
+
+
+def _accuracy_once(cells: Cells) -> list:
+    return [("One run for accuracy", "Accuracy was measured on one run per problem, solver and tier. Solvers are meant to be "
+             "deterministic, but a verdict that hangs on the time limit can change from run to run.")]
+
+
+def _seeds(cells: Cells) -> list:
+    per_cell = cells.results.problems.groupby(["family", "n"])["seed"].nunique()
+    return [("Few samples", f"Each family and size is represented by "
+             f"{formats.span(list(per_cell))} random {'instance' if per_cell.max() == 1 else 'instances'}; "
+             "a fraction of problems solved is a statement about these, not about a population.")]
+
+
+def _limit(cells: Cells) -> list:
+    limit = cells.results.run["time_limit_s"]
+    if limit is None:
+        return []
+    hit = cells.runs[cells.runs["claim"] == "time_limit"]
+    counts = hit["solver"].value_counts()
+    who = ", ".join(f"{s} {counts[s]}" for s in cells.results.solvers if s in counts)
+    text = f"{len(hit)} runs ended there ({who}); with more time some would be verified." if len(hit) else "No run ended there."
+    return [("Time limit", f"A solve may take {limit:g} s. {text}")]
+
+
+def _excluded(cells: Cells) -> list:
+    left_out = cells.runs[cells.runs["excluded"] != ""]
+    if left_out.empty:
+        return []
+    parts = []
+    for rule, group in left_out.groupby("excluded", sort=False):
+        who = ", ".join(s for s in cells.results.solvers if s in set(group["solver"]))
+        parts.append(f"“{rule}” ({who}: {formats.plural(len(group), 'run')})")
+    return [("Excluded by rule", f"{formats.plural(len(left_out), 'run')} did not take place: {'; '.join(parts)}. In counts and "
+             "profiles they stand as not solved.")]
+
+
+def _unavailable(cells: Cells) -> list:
+    missing = [s["key"] for s in cells.results.run["solvers"] if not s["available"]]
+    return [("Not in this build", f"{formats.words(missing)} could not be run.")] if missing else []
+
+
+def _tiers(cells: Cells) -> list:
+    loosest, strictest = max(cells.results.tiers), min(cells.results.tiers)
+    lines = []
+    for solver in cells.results.solvers:
+        mine = cells.runs[cells.runs["solver"] == solver]
+        loose, strict = (int(mine.loc[mine["tier"] == tier, "verified"].sum()) for tier in (loosest, strictest))
+        if loose and strict < _TIER_DROP * loose:
+            lines.append((f"{solver} and strict tiers", f"{solver} is verified on {loose} problems at {formats.tier(loosest)} but "
+                          f"on {strict} at {formats.tier(strictest)}: it is judged here at tiers it is not built for. Its row "
+                          f"at {formats.tier(loosest)} is the one to read."))
+    return lines
+
+
+def _direct(cells: Cells) -> list:
+    direct = [s["key"] for s in cells.results.run["solvers"] if not s["uses_tolerance"]]
+    return [("Direct methods", f"{formats.words(direct)} ignore{'s' if len(direct) == 1 else ''} the tolerance: one run stands for "
+             "every tier, so a loose tier does not make it faster.")] if direct else []
+
+
+def _reference(cells: Cells) -> list:
+    unknown = int(cells.results.problems["separating"].isna().sum())
+    return [("No reference", f"On {formats.plural(unknown, 'problem')} no solver was verified at the strictest tier; there the "
+             "separating fraction and the error of w are not known.")] if unknown else []
+
+
+def _setup(cells: Cells) -> list:
+    return [("Set-up apart", "Set-up (forms of A, allocation, symbolic analysis) is not part of the solve time; it is drawn on "
+             "its own. Who solves each problem once pays both.")]
+
+
+def _scope(cells: Cells) -> list:
+    return [("Scope", "Scenes are synthetic and frictionless; solvers were called one at a time, from cold starts, with their "
+             "default settings. rho is our measure: a library that stops on a criterion of its own may do more work than a "
+             "tier needs.")]

@@ -1,0 +1,132 @@
+"""Puts the page together: figures, tables and words into page.html.j2, with style and script inline."""
+
+from pathlib import Path
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from . import figures, formats, svg, tables
+from .cells import BENCHMARK, SINGLE_RUN, Cells
+from .limitations import limitations
+from .load import Results
+from .style import level_colours, solver_styles
+from .summary import summary_lines
+
+_HERE = Path(__file__).resolve().parent
+
+
+def render(results: Results) -> str:
+    """The page as text; the same for the same results."""
+    cells = Cells(results)
+    environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
+                              trim_blocks=True, lstrip_blocks=True)
+    environment.filters["formula"] = formats.formula
+    styles = solver_styles(results.solvers)
+    accuracy = tables.accuracy(cells)
+    context = {
+        "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
+        "script": Markup((_HERE / "page.js").read_text(encoding="utf-8")),
+        "run": results.run, "facts": _run_facts(results), "solvers": results.solvers, "styles": styles,
+        "summary": summary_lines(cells), "headline": tables.headline(cells), "rankings": tables.rankings(cells),
+        "accuracy": accuracy, "shown": _nonzero(accuracy, cells), "claims": [formats.status(c).split() for c in tables.other_claims(cells)],
+        "map": tables.residual_map(cells), "failures": tables.failures(cells), "scenes": _scenes(results, cells),
+        "tiers": [formats.tier(t) for t in reversed(results.tiers)],
+        "timing": _timing_figures(cells, styles), "profiles": _profiles(cells, styles),
+        "limitations": limitations(cells), "sources": _time_sources(cells),
+        "verdicts": tables.verdicts(cells), "levels": level_colours(len(results.tiers)),
+    }
+    return environment.get_template("page.html.j2").render(context)
+
+
+def _run_facts(results: Results) -> list[tuple[str, str]]:
+    run = results.run
+    libraries = ", ".join(f"{name} {version}" for name, version in run["libraries"].items())
+    limit = "none" if run["time_limit_s"] is None else f"{run['time_limit_s']:g}\u202fs per solve"
+    seeds = sorted(set(results.problems["seed"]))
+    shown = ", ".join(map(str, seeds[:8])) + (f", … ({len(seeds)} in all)" if len(seeds) > 8 else "")
+    return [
+        ("Suite", run["suite"]),
+        ("Commit", run["git_commit"] + (" with uncommitted changes" if run["git_dirty"] else ", clean tree")),
+        ("Started", f"{run['started']}, {_duration(run['wall_s'])}"),
+        ("CPU", f"{run['cpu']}, {formats.plural(run['cores'], 'core')}, {formats.bytes_(run['memory_bytes'])}"),
+        ("System", run["os"]),
+        ("Compiler", f"{run['compiler']}, {run['build_type']}"),
+        ("Flags", run["flags"] + (f"; solvers: {run['solver_flags']}" if run.get("solver_flags") else "")),
+        ("Libraries", libraries or formats.DASH),
+        ("Tiers", ", ".join(formats.tier(t) for t in results.tiers) + " on rho"),
+        ("Limits", limit),
+        ("Repetitions", f"{run['repetitions']} of at least {run['min_time_s']:g}\u202fs each (timing); one run (accuracy)"),
+        ("Seeds", f"{shown}; of the campaign {run['seed'] if run['seed'] is not None else formats.DASH}"),
+    ]
+
+
+def _duration(wall_s: float | None) -> str:
+    if wall_s is None:
+        return "not finished"
+    return f"took {formats.seconds(wall_s)}" if wall_s < 120 else f"took {wall_s / 60:.0f} min"
+
+
+def _nonzero(accuracy: list[dict], cells: Cells) -> dict[str, bool]:
+    """Which of the rare columns of the accuracy table have anything to say."""
+    rows = [row for row in accuracy if not row["absent"]]
+    return {"false_infeasible": any(row["false_infeasible"] for row in rows),
+            "infeasible": "infeasible" in tables.other_claims(cells),
+            "unclaimed": any(row["unclaimed"] for row in rows),
+            "excluded": any(row["excluded"] for row in rows),
+            "w_error": any(row["w_error_max"] != formats.DASH for row in rows)}
+
+
+def _timing_figures(cells: Cells, styles: dict) -> list[dict]:
+    solve_limits, setup_limits = figures.solve_limits(cells), figures.setup_limits(cells)
+    titles = {s["key"]: s["title"] for s in cells.results.run["scenes"]}
+    found = []
+    for family in cells.results.families:
+        panels = []
+        for tier in reversed(cells.results.tiers):
+            picture, curves = figures.solve_figure(cells, family, tier, styles, solve_limits)
+            name = formats.tier(tier)
+            label = f"Solve time against n for {family} at tier {name}"
+            panels.append({"tier": name, "svg": Markup(svg.embed(picture, f"solve-{family}-{name}", label)),
+                           "curves": [_curve(c) for c in curves]})
+        setup = figures.setup_figure(cells, family, styles, setup_limits)
+        found.append({"family": family, "title": titles.get(family, family), "panels": panels,
+                      "setup": Markup(svg.embed(setup, f"setup-{family}", f"Set-up time against n for {family}"))})
+    return found
+
+
+def _curve(curve: figures.Curve) -> dict:
+    slope = curve.slope
+    return {"solver": curve.solver, "marks": curve.marks, "exponent": f"{slope.exponent:.2f}" if slope else "",
+            "range": f"n = {slope.n_min}–{slope.n_max}, {slope.points} points" if slope else ""}
+
+
+def _profiles(cells: Cells, styles: dict) -> list[dict]:
+    found = []
+    for tier in reversed(cells.results.tiers):
+        times, repeated = cells.problem_times(tier)
+        name = formats.tier(tier)
+        runs = cells.runs[(cells.runs["tier"] == tier) & (cells.runs["excluded"] != "")]
+        excluded = [f"{solver} {count}" for solver in cells.results.solvers
+                    if (count := int((runs["solver"] == solver).sum()))]
+        picture = figures.profile_figure(times, styles)
+        found.append({"tier": name, "svg": Markup(svg.embed(picture, f"profile-{name}", f"Performance profile at {name}")),
+                      "problems": len(times), "unsolved": int((times == float("inf")).all(axis=1).sum()),
+                      "repeated": repeated, "excluded": ", ".join(excluded), "cut": figures.profile_cut(times),
+                      "shares": [(s, formats.percent(float((times[s] < float("inf")).mean()))) for s in times.columns]})
+    return found
+
+
+def _scenes(results: Results, cells: Cells) -> list[dict]:
+    files = {scene["key"]: scene["picture"] for scene in results.run["scenes"]}
+    found = []
+    for scene in tables.scenes(cells):
+        key = scene["family"]
+        text = results.pictures.get(key)
+        picture = Markup(svg.embed(text, f"scene-{key}", f"Picture of {scene['title']}", files[key])) if text else ""
+        found.append({**scene, "svg": picture})
+    return found
+
+
+def _time_sources(cells: Cells) -> dict[str, int]:
+    sources = [cell.time_source for cell in cells.all()]
+    return {"benchmark": sources.count(BENCHMARK), "single": sources.count(SINGLE_RUN)}
