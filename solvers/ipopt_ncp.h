@@ -1,25 +1,61 @@
 #pragma once
 
+#include <memory>
+
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
 struct IpoptNcpOptions {
+  enum class Form {
+    kAuto,     ///< see IpoptNcpSolver
+    kContact,  ///< variables f and w, constraints with A
+    kLifted,   ///< variables f, w and body velocities, constraints with J; needs factors
+  };
+  Form form = Form::kAuto;
+
+  /// Option `form` = auto | contact | lifted.
   static IpoptNcpOptions FromSettings(const Settings& settings);
 };
 
-/// Complementarity formulation through Ipopt.
+/// The LCP with both of its sides as variables and complementarity as the objective, solved by Ipopt:
+///     min f.w  subject to  w = A f + b,   f, w >= 0 on unilateral rows,   w = 0 (not a variable) on bilateral ones.
+/// The value is 0 at the solutions of the LCP and nowhere else. [Cottle, Pang, Stone, sec. 1.4]
+///
+/// The objective is written in f alone, f.(A f + b), which is the same on the feasible set: the Hessian A + A^T is PSD
+/// where A is. The literal f.w has an indefinite Hessian that is convex only along the constraints; regularised, it
+/// loses that, and measured it needed up to ten times the iterations where joints are redundant.
+///
+/// Two forms. Contact: constraints A f - w = -b. Lifted, for problems given by factors: v = S^T f with
+/// S = D^-1/2 J M^-1/2, constraints S v - w = -b, objective v.v + b.f. Auto with factors: lifted alone where A has over
+/// 25 times the entries of J, else contact, and lifted where contact gave no answer.
+///
+/// Matrix class: symmetric PSD A as `ipopt-qp` (the method converges wherever its linear algebra does, but the
+/// constraints have no interior on infeasible and on barely feasible problems, hence no promise). Any other A, such as
+/// that of friction, is taken by the contact form as a local method: a stationary point with f.w > 0 ends as a failure
+/// (none of our 27 friction reference problems did).
+///
+/// Scaling, stopping test, clipping, iterations, warm start, limits and what a failure leaves behind are those of
+/// `ipopt-qp` (see ipopt_qp.h). kInfeasible only with a verified ray, which this formulation rarely yields: Ipopt's own
+/// Infeasible_Problem_Detected is reported as kNumericalFailure with that name in detail.
+///
+/// [Waechter, Biegler 2006; Mehrotra 1992]
 class IpoptNcpSolver final : public LcpSolver {
  public:
-  explicit IpoptNcpSolver(IpoptNcpOptions options = {}) : options_(options) {}
+  explicit IpoptNcpSolver(IpoptNcpOptions options = {});
+  ~IpoptNcpSolver() override;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
+  struct Workspace;
   IpoptNcpOptions options_;
+  std::unique_ptr<Workspace> work_;
 };
 
 }  // namespace lcpbench

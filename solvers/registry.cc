@@ -75,10 +75,10 @@ constexpr std::array kSolvers{
                 &Never, &Make<PgsSolver, PgsOptions>},
     SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
                 kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
-    SolverEntry{"ipopt-ncp", "interior point on w = A f + b, f, w >= 0 with relaxed complementarity",
-                "Ipopt (Waechter 2006)", kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
-    SolverEntry{"suitesparse", "sparse second-order method on CHOLMOD", "SuiteSparse CHOLMOD (Chen 2008)",
-                kHaveSuitesparse, true, &AnyPsd, kMakeSuitesparse},
+    SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
+                kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
+    SolverEntry{"suitesparse", "interior point on sparse CHOLMOD, proximal, finished by an active set",
+                "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeSuitesparse},
 };
 
 }  // namespace

@@ -1,16 +1,229 @@
 #include "solvers/suitesparse.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "solvers/lcp/verify.h"
+#include "solvers/suitesparse_finish.h"
+#include "solvers/suitesparse_interior.h"
+#include "solvers/suitesparse_run.h"
+#include "solvers/suitesparse_system.h"
+
 namespace lcpbench {
+namespace {
+
+constexpr int kInteriorSteps = 80;        // far above the 10 to 30 that are normal
+constexpr double kFirstPolish = 1e-4;     // mu at which the active set is first guessed ...
+constexpr double kPolishResidual = 1e-4;  // ... if the linear residual is this small too
+constexpr double kNextPolish = 1e-3;      // fall of mu before the next guess
+constexpr double kLeastMu = 1e-22;        // nothing is to be learnt below
+constexpr int kPolishPivots = 10;         // of one guess, as long as every pivot leaves ...
+constexpr double kPolishProgress = 0.5;   // ... at most this fraction of the wrong rows
+constexpr int kFallbackPivots = 300;
+constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
+
+// Weight of the proximal term for pivots from an interior-point iterate: its distance from the solution is of the order
+// of sqrt(mu) where rows are degenerate. The first guess of all takes the light weight: if F is right, it is exact.
+constexpr double kTame = 10;
+constexpr double kHeaviest = 1e-2;
+double TameWeight(double mu) { return std::min(kHeaviest, kTame * std::sqrt(mu)); }
+
+ScaledSystem::Space SystemSpace(SuitesparseOptions::Space space) {
+  switch (space) {
+    case SuitesparseOptions::Space::kContact:
+      return ScaledSystem::Space::kContact;
+    case SuitesparseOptions::Space::kBody:
+      return ScaledSystem::Space::kBody;
+    case SuitesparseOptions::Space::kAutomatic:
+      break;
+  }
+  return ScaledSystem::Space::kAutomatic;
+}
+
+}  // namespace
 
 SuitesparseOptions SuitesparseOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("suitesparse", settings);
+  SuitesparseOptions options;
+  const std::string space = reader.Choice("space", "auto", {"auto", "contact", "body"});
+  if (space == "contact") options.space = Space::kContact;
+  if (space == "body") options.space = Space::kBody;
+  options.proximal = reader.Number("proximal", options.proximal, 1e-13, 1e-6);
+  options.correctors = static_cast<int>(reader.Number("correctors", options.correctors, 0, 10));
   reader.Finish();
+  return options;
+}
+
+class SuitesparseSolver::Implementation {
+ public:
+  explicit Implementation(const SuitesparseOptions& options) : options_(options) {}
+
+  void Prepare(const LcpProblem& problem) {
+    statistics_ = {};
+    system_.Prepare(problem, SystemSpace(options_.space));
+    interior_.Reserve(problem.size());
+    finish_.Reserve(problem.size());
+    statistics_.analyses = system_.analyses();
+    statistics_.body_space = system_.in_body_space();
+    statistics_.fill = system_.fill();
+  }
+
+  void Solve(const LcpOptions& options, LcpResult* result) {
+    statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
+    SuitesparseRun run(system_, options_, options, statistics_);
+    result->status = SolveWithin(&run, result);
+    result->iterations = statistics_.factorizations;
+    if (result->status == LcpStatus::kInfeasible && !result->farkas_ray.has_value()) {
+      result->farkas_ray = finish_.ray();
+    }
+    result->f = run.best_f();
+  }
+
+  const SuitesparseStatistics& statistics() const { return statistics_; }
+
+ private:
+  using Outcome = ProximalPivoting::Outcome;
+  using Progress = InteriorPoint::Progress;
+
+  // Rows with A_ii = 0 have w_i = b_i whatever f is.
+  bool HasImpossibleRow(LcpResult* result) {
+    const LcpProblem& problem = system_.problem();
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (problem.DiagonalA()[i] != 0) continue;
+      const double b = problem.b()[i];
+      if (problem.is_bilateral(i) ? b == 0 : b >= 0) continue;
+      Eigen::VectorXd y = Eigen::VectorXd::Zero(problem.size());
+      y[i] = b < 0 ? 1.0 : -1.0;
+      if (!VerifyFarkasRay(problem, y).accepted) continue;
+      result->farkas_ray = std::move(y);
+      result->detail = "row " + std::to_string(i) + " has A_ii = 0 and a gap acceleration that no force can change";
+      return true;
+    }
+    return false;
+  }
+
+  LcpStatus SolveWithin(SuitesparseRun* run, LcpResult* result) {
+    const LcpProblem& problem = system_.problem();
+    const Index n = problem.size();
+    if (HasImpossibleRow(result)) return LcpStatus::kInfeasible;
+
+    bool live = false;
+    bool contacts = false;
+    for (Index i = 0; i < n; ++i) {
+      live = live || !system_.idle(i);
+      contacts = contacts || system_.unilateral(i);
+    }
+    Eigen::VectorXd gaps = problem.b();
+    if (run->Accept(Eigen::VectorXd::Zero(n), gaps)) return LcpStatus::kSolved;
+    if (!live) {
+      result->detail = "a row with A_ii = 0 has a gap acceleration that no force can change";
+      return LcpStatus::kNumericalFailure;
+    }
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+    Eigen::VectorXd w = f;
+    if (!contacts) return Finish(run, f, w, 0.0, result);
+
+    if (run->options().initial_f != nullptr) {
+      const Eigen::VectorXd& start = *run->options().initial_f;
+      system_.GapsExtended(start, true, &gaps);
+      if (run->Accept(start, gaps)) return LcpStatus::kSolved;
+      f = start.cwiseQuotient(system_.force_unit());
+      w = gaps.cwiseQuotient(system_.gap_unit());
+      const Outcome outcome = finish_.Run(run, f, w, kPolishPivots, kPolishProgress, 0.0);
+      if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
+      interior_.StartWarm(run, f);
+    } else if (interior_.StartCold(run) == Progress::kStopped) {
+      return Ended(run, run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp, result);
+    }
+
+    double polish_below = kFirstPolish;
+    int polishes = 0;
+    Progress progress = Progress::kGood;
+    for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
+      progress = interior_.Step(run);
+      if (progress != Progress::kGood) break;
+      if (interior_.mu() > polish_below || interior_.residual() > kPolishResidual) continue;
+      polish_below = kNextPolish * interior_.mu();
+      const Outcome outcome = finish_.Run(run, interior_.f(), interior_.w(), kPolishPivots, kPolishProgress,
+                                          polishes++ == 0 ? 0.0 : TameWeight(interior_.mu()));
+      if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
+    }
+    if (run->limit_hit()) {
+      Remember(run);
+      return Ended(run, Outcome::kStopped, result);
+    }
+    if (progress == Progress::kDiverged) {
+      if (finish_.TryRay(run, interior_.f())) return Ended(run, Outcome::kInfeasible, result);
+      f.setZero();
+      w = interior_.w();
+      for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
+      return Finish(run, f, w, 0.0, result);
+    }
+    return Finish(run, interior_.f(), interior_.w(), TameWeight(interior_.mu()), result);
+  }
+
+  LcpStatus Finish(SuitesparseRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight,
+                   LcpResult* result) {
+    return Ended(run, finish_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
+  }
+
+  LcpStatus Ended(SuitesparseRun* run, Outcome outcome, LcpResult* result) {
+    switch (outcome) {
+      case Outcome::kSolved:
+        return LcpStatus::kSolved;
+      case Outcome::kInfeasible:
+        return LcpStatus::kInfeasible;
+      case Outcome::kStopped:
+        return run->limit_status();
+      case Outcome::kGaveUp:
+        break;
+    }
+    result->detail = "the active-set method ended above the tolerance";
+    if (!system_.why().empty()) result->detail += "; " + system_.why();
+    return LcpStatus::kNumericalFailure;
+  }
+
+  void Remember(SuitesparseRun* run) {
+    Eigen::VectorXd f = interior_.f().cwiseProduct(system_.force_unit());
+    Eigen::VectorXd w;
+    system_.GapsExtended(f, true, &w);
+    run->Accept(f, w);
+  }
+
+  SuitesparseOptions options_;
+  SuitesparseStatistics statistics_;
+  ScaledSystem system_;
+  InteriorPoint interior_;
+  ProximalPivoting finish_;
+};
+
+SuitesparseSolver::SuitesparseSolver(SuitesparseOptions options)
+    : implementation_(std::make_unique<Implementation>(options)) {}
+SuitesparseSolver::~SuitesparseSolver() = default;
+
+const SuitesparseStatistics& SuitesparseSolver::statistics() const { return implementation_->statistics(); }
+
+std::string SuitesparseSolver::WhyUnsupported(const LcpProblem& problem) const {
+  if (!problem.IsNumericallySymmetric()) return "A is not symmetric";
+  const Eigen::VectorXd& diagonal = problem.DiagonalA();
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (diagonal[i] > 0) continue;
+    const std::string row = std::to_string(i);
+    if (diagonal[i] < 0) return "A is not positive semidefinite: its diagonal entry " + row + " is negative";
+    if (problem.has_factors()) continue;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+      if (it.value() != 0) return "A is not positive semidefinite: row " + row + " is nonzero beside a zero diagonal";
+    }
+  }
   return {};
 }
 
-void SuitesparseSolver::DoPrepare(const LcpProblem& /*problem*/) { static_cast<void>(options_); }
-void SuitesparseSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) {
-  result->status = LcpStatus::kUnsupported;
+void SuitesparseSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
+
+void SuitesparseSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+  implementation_->Solve(options, result);
 }
 
 }  // namespace lcpbench

@@ -289,15 +289,15 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
       Eigen::VectorXd inverse_mass = ParseVector(Member(record, where, "invM"), where, "invM");
       ParsedMatrix J = ParseMatrix(record["J"], n, inverse_mass.size(), where, "J");
       if (J.is_dense) J.sparse = J.dense.sparseView(1.0, 0.0);
-      return {LcpProblem::FromFactors(std::move(id), std::move(J.sparse), std::move(inverse_mass), std::move(b),
-                                      std::move(bounds), facts),
+      return {LcpProblem::FromFactors(std::move(id), J.sparse, std::move(inverse_mass), std::move(b), std::move(bounds),
+                                      facts),
               std::move(reference), std::move(category)};
     }
     if (!record.contains("A")) throw InputError(where + ": expected field 'A', or 'J' with 'invM'");
     ParsedMatrix A = ParseMatrix(record["A"], n, n, where, "A");
     LcpProblem problem =
         A.is_dense ? LcpProblem::FromDense(std::move(id), std::move(A.dense), std::move(b), std::move(bounds), facts)
-                   : LcpProblem::FromSparse(std::move(id), std::move(A.sparse), std::move(b), std::move(bounds), facts);
+                   : LcpProblem::FromSparse(std::move(id), A.sparse, std::move(b), std::move(bounds), facts);
     return {std::move(problem), std::move(reference), std::move(category)};
   } catch (const InputError& error) {
     const std::string text = error.what();

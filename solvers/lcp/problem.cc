@@ -199,7 +199,7 @@ LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorX
   A.makeCompressed();
   RequireFinite(state->id, "A", A.valuePtr(), A.nonZeros());
   RequireFinite(state->id, "b", b.data(), n);
-  state->given_sparse = std::move(A);
+  state->given_sparse.swap(A);  // Eigen's sparse matrices cannot be moved
   state->b = std::move(b);
   state->facts = facts;
   state->SetBounds(std::move(bounds));
@@ -224,7 +224,7 @@ LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::Vector
   }
   facts.symmetric = true;
   facts.positive_semidefinite = true;
-  state->J = std::move(J);
+  state->J.swap(J);  // Eigen's sparse matrices cannot be moved
   state->inverse_mass = std::move(inverse_mass);
   state->b = std::move(b);
   state->facts = facts;
@@ -364,8 +364,16 @@ void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
   }
 }
 
-double LcpProblem::lower(Index row) const { return state_->lower.size() == 0 ? 0.0 : state_->lower[row]; }
-double LcpProblem::upper(Index row) const { return state_->upper.size() == 0 ? kInfinity : state_->upper[row]; }
+double LcpProblem::lower(Index row) const {
+  if (state_->lower.size() == 0) return 0.0;
+  return state_->lower[row];
+}
+
+double LcpProblem::upper(Index row) const {
+  if (state_->upper.size() == 0) return kInfinity;
+  return state_->upper[row];
+}
+
 bool LcpProblem::is_bilateral(Index row) const { return lower(row) == -kInfinity && upper(row) == kInfinity; }
 const std::vector<Index>& LcpProblem::bilateral_rows() const { return state_->bilateral; }
 bool LcpProblem::has_standard_bounds() const { return state_->standard_bounds; }

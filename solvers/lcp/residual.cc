@@ -6,7 +6,7 @@
 namespace lcpbench {
 
 void ResidualEstimate::Reset(const LcpProblem& problem, bool dense) {
-  problem_ = &problem;
+  problem_ = problem;
   dense_ = dense;
   const Index n = problem.size();
   force_ = problem.DiagonalA();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "solvers/lcp/problem.h"
 
@@ -24,7 +25,7 @@ class ResidualEstimate {
   bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
 
  private:
-  const LcpProblem* problem_ = nullptr;
+  std::optional<LcpProblem> problem_;  // shares storage, so that the caller's object may go away
   bool dense_ = false;
   Eigen::VectorXd root_;   // D^1/2
   Eigen::VectorXd force_;  // A_ii

@@ -19,7 +19,8 @@ struct Metrics {
   /// PRIMARY.  rho = |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B;
   /// |r|_2 itself when b = 0. Independent of units and of row scaling. [MODEL.md section 8]
   double rho = -1;
-  /// max over rows of |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B; 0/0 = 0. Componentwise, so that
+  /// max over rows of |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B; 0/0 = 0, and a
+  /// defect within the rounding of its own evaluation counts as 0. Componentwise, so that
   /// one bad row among many, or one huge b, cannot hide another row. [Oettli, Prager 1964 in the LCP's variables]
   double backward_error = -1;
   /// max |min(f_i, w_i)| on C, |w_i| on B: absolute, mixes units; for comparison with the literature.
@@ -68,11 +69,11 @@ inline constexpr double kTiers[] = {1e-9, 1e-6, 1e-3};
 /// The judgement, the same code for every solver.
 /// Tier T passes if and only if f is finite, rho <= T and backward_error <= sqrt(T).
 struct Verdict {
-  double requested = 0;                 ///< the tolerance asked for
-  bool passes = false;                  ///< at `requested`
-  double best_tier = 0;                 ///< smallest of kTiers that passes; 0 when none does
-  bool false_success = false;           ///< claimed kSolved and does not pass
-  bool false_infeasible = false;        ///< claimed kInfeasible although the known answer is a solution
+  double requested = 0;           ///< the tolerance asked for
+  bool passes = false;            ///< at `requested`
+  double best_tier = 0;           ///< smallest of kTiers that passes; 0 when none does
+  bool false_success = false;     ///< claimed kSolved and does not pass
+  bool false_infeasible = false;  ///< claimed kInfeasible, but a solution is known, or f passes and no ray is accepted
   std::optional<FarkasVerdict> farkas;  ///< when the result carries a ray
   std::string reason;                   ///< one line: why it does not pass; empty when it does
   Metrics metrics;

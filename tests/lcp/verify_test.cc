@@ -220,6 +220,20 @@ TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
   }
 }
 
+TEST(Verify, RoundingIsNotDividedByAScaleThatCancels) {
+  // Row 1 is perpendicular to row 0 up to rounding of 0.1 and 0.3; b_1 = 0, so |A||f| + |b| is 0 or rounding there.
+  SparseMatrix J(2, 3);
+  J.insert(0, 0) = 0.1;
+  J.insert(0, 1) = 0.3;
+  J.insert(1, 0) = 0.3;
+  J.insert(1, 1) = -0.1;
+  const double d = 0.1 * 0.1 + 0.3 * 0.3;
+  const LcpProblem problem =
+      LcpProblem::FromFactors("perpendicular", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1.0 / 3.0, 0));
+  const Verdict verdict = Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
+  EXPECT_TRUE(verdict.passes) << verdict.reason;
+}
+
 TEST(FarkasRay, AnExactRayIsAccepted) {
   // w_0 = f_0 - f_1 - 1, w_1 = -f_0 + f_1 - 1: y = (1, 1) has A y = 0, b.y = -2.
   Eigen::Matrix2d A;

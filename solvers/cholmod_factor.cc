@@ -1,0 +1,200 @@
+#include "solvers/cholmod_factor.h"
+
+#include <cholmod.h>
+#include <dlfcn.h>
+
+#include <cmath>
+#include <stdexcept>
+
+namespace lcpbench {
+namespace {
+
+// Thread counts of the libraries below CHOLMOD, found at run time: which BLAS is loaded is the system's choice.
+struct ThreadControls {
+  using Setter = void (*)(int);
+  using Getter = int (*)();
+  Setter set_blas_threads = nullptr;
+  Getter get_blas_threads = nullptr;
+  Setter set_omp_levels = nullptr;
+  Getter get_omp_levels = nullptr;
+
+  static const ThreadControls& Get() {
+    static const ThreadControls controls = [] {
+      ThreadControls found;
+      found.set_blas_threads = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+      found.get_blas_threads = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+      found.set_omp_levels = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+      found.get_omp_levels = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
+      return found;
+    }();
+    return controls;
+  }
+};
+
+// One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
+// the code asks for a number of threads.
+class SingleThread {
+ public:
+  explicit SingleThread(bool needed) : controls_(ThreadControls::Get()) {
+    if (!needed) return;
+    if (controls_.get_blas_threads != nullptr && controls_.set_blas_threads != nullptr) {
+      blas_threads_ = controls_.get_blas_threads();
+      if (blas_threads_ > 1) controls_.set_blas_threads(1);
+    }
+    if (controls_.get_omp_levels != nullptr && controls_.set_omp_levels != nullptr) {
+      omp_levels_ = controls_.get_omp_levels();
+      if (omp_levels_ > 0) controls_.set_omp_levels(0);
+    }
+  }
+  ~SingleThread() {
+    if (blas_threads_ > 1) controls_.set_blas_threads(blas_threads_);
+    if (omp_levels_ > 0) controls_.set_omp_levels(omp_levels_);
+  }
+  SingleThread(const SingleThread&) = delete;
+  SingleThread& operator=(const SingleThread&) = delete;
+
+ private:
+  const ThreadControls& controls_;
+  int blas_threads_ = 0;
+  int omp_levels_ = 0;
+};
+
+std::string StatusText(int status) {
+  const std::string code = " (CHOLMOD status " + std::to_string(status) + ")";
+  switch (status) {
+    case CHOLMOD_OK:
+      return "no error" + code;
+    case CHOLMOD_NOT_POSDEF:
+      return "a pivot is not positive" + code;
+    case CHOLMOD_DSMALL:
+      return "a pivot is tiny" + code;
+    case CHOLMOD_OUT_OF_MEMORY:
+      return "out of memory" + code;
+    case CHOLMOD_TOO_LARGE:
+      return "the factor has more entries than an int can count" + code;
+    case CHOLMOD_INVALID:
+      return "invalid input" + code;
+    case CHOLMOD_NOT_INSTALLED:
+      return "the method is not in this CHOLMOD" + code;
+    default:
+      return "unknown error" + code;
+  }
+}
+
+cholmod_dense Wrap(Eigen::Index n, double* values) {
+  cholmod_dense dense{};
+  dense.nrow = static_cast<size_t>(n);
+  dense.ncol = 1;
+  dense.nzmax = dense.nrow;
+  dense.d = dense.nrow;
+  dense.x = values;
+  dense.xtype = CHOLMOD_REAL;
+  dense.dtype = CHOLMOD_DOUBLE;
+  return dense;
+}
+
+}  // namespace
+
+struct CholmodFactor::State {
+  cholmod_common common{};
+  ColumnMatrix lower;
+  cholmod_sparse view{};  // of `lower`
+  Eigen::VectorXi diagonal;
+  cholmod_factor* factor = nullptr;
+  cholmod_dense* solution = nullptr;
+  cholmod_dense* y_workspace = nullptr;
+  cholmod_dense* e_workspace = nullptr;
+  Eigen::VectorXd right_side;
+  double flops = 0;
+  double fill = 0;
+  bool positive_definite = true;
+  std::string why;
+
+  State() { cholmod_start(&common); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    Free();
+    cholmod_finish(&common);
+  }
+  void Free() {
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_dense(&y_workspace, &common);
+    cholmod_free_dense(&e_workspace, &common);
+    cholmod_free_factor(&factor, &common);
+  }
+};
+
+CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
+  cholmod_common& common = state_->common;
+  common.print = 0;  // an error is a status, never a line on the terminal
+  common.error_handler = nullptr;
+  // One ordering method keeps the set-up cheap and independent of how CHOLMOD was built (METIS or not).
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_AMD;
+  common.postorder = 1;
+  common.quick_return_if_not_posdef = 1;
+}
+
+CholmodFactor::~CholmodFactor() = default;
+
+void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower) {
+  State& s = *state_;
+  s.Free();
+  s.lower = lower;
+  s.lower.makeCompressed();
+  const Eigen::Index n = s.lower.cols();
+  s.diagonal.resize(n);
+  for (Eigen::Index j = 0; j < n; ++j) s.diagonal[j] = s.lower.outerIndexPtr()[j];
+  s.view = {};
+  s.view.nrow = s.view.ncol = static_cast<size_t>(n);
+  s.view.nzmax = static_cast<size_t>(s.lower.nonZeros());
+  s.view.p = s.lower.outerIndexPtr();
+  s.view.i = s.lower.innerIndexPtr();
+  s.view.x = s.lower.valuePtr();
+  s.view.stype = -1;
+  s.view.itype = CHOLMOD_INT;
+  s.view.xtype = CHOLMOD_REAL;
+  s.view.dtype = CHOLMOD_DOUBLE;
+  s.view.sorted = 1;
+  s.view.packed = 1;
+  s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
+  s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
+  s.factor = cholmod_analyze(&s.view, &s.common);
+  if (s.factor == nullptr || s.common.status < CHOLMOD_OK) {
+    throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
+  }
+  s.flops = s.common.fl;
+  s.fill = s.common.lnz;
+  s.right_side.resize(n);
+}
+
+Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
+double CholmodFactor::flops() const { return state_->flops; }
+double CholmodFactor::fill() const { return state_->fill; }
+const std::string& CholmodFactor::why() const { return state_->why; }
+
+void CholmodFactor::SetDiagonal(Eigen::Index i, double value) { state_->lower.valuePtr()[state_->diagonal[i]] = value; }
+
+bool CholmodFactor::Factorize() {
+  State& s = *state_;
+  const SingleThread one(s.factor->is_super != 0);
+  s.common.status = CHOLMOD_OK;
+  const int done = cholmod_factorize(&s.view, s.factor, &s.common);
+  if (done != 0 && s.common.status == CHOLMOD_OK && s.factor->minor == s.factor->n) return true;
+  s.why = "numeric factorisation: " + StatusText(s.common.status);
+  return false;
+}
+
+void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+  State& s = *state_;
+  const SingleThread one(s.factor->is_super != 0);
+  s.right_side = r;
+  cholmod_dense right_side = Wrap(s.right_side.size(), s.right_side.data());
+  const int done = cholmod_solve2(CHOLMOD_A, s.factor, &right_side, nullptr, &s.solution, nullptr, &s.y_workspace,
+                                  &s.e_workspace, &s.common);
+  if (done == 0) throw std::runtime_error("triangular solve: " + StatusText(s.common.status));
+  *x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(s.solution->x), s.right_side.size());
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace lcpbench {
+
+/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorised many times by
+/// CHOLMOD. [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
+///
+/// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: while
+/// CHOLMOD's supernodal code runs, OpenMP teams and OpenBLAS are held to one thread where these libraries are loaded
+/// (Debian's CHOLMOD asks for teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first
+/// call; Factorize allocates the permuted copy of the matrix inside CHOLMOD.
+class CholmodFactor {
+ public:
+  enum class Definiteness {
+    kPositiveDefinite,  ///< LL' by supernodes or LDL' by columns, whichever CHOLMOD predicts to be faster
+    kQuasidefinite,     ///< LDL' with pivots of both signs, by columns [Vanderbei 1995]
+  };
+  using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+  CholmodFactor();
+  ~CholmodFactor();
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  /// Symbolic analysis. `lower` is the lower triangle with sorted columns and every diagonal entry stored; it is
+  /// copied.
+  /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large)
+  void Analyze(Definiteness definiteness, const ColumnMatrix& lower);
+
+  Eigen::Index size() const;
+  /// Predicted work of one factorisation [flop] and entries of L.
+  double flops() const;
+  double fill() const;
+
+  void SetDiagonal(Eigen::Index i, double value);
+
+  /// False if a pivot is zero (or, for kPositiveDefinite, not positive); why() then says so in words, with CHOLMOD's
+  /// status. Solve must not be called after that.
+  bool Factorize();
+  const std::string& why() const;
+
+  /// x = K^-1 r with the latest factorisation; x may be r.
+  void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace lcpbench

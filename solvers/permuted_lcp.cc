@@ -1,0 +1,169 @@
+#include "solvers/permuted_lcp.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+using Index = Eigen::Index;
+
+constexpr int kExponentBias = 1023;
+constexpr int kMantissaBits = 52;
+
+// e for x = m 2^e, 1 <= m < 2; subnormal numbers give the lowest e.
+std::int64_t Exponent(double x) {
+  return static_cast<std::int64_t>((std::bit_cast<std::uint64_t>(x) >> kMantissaBits) & 0x7ff) - kExponentBias;
+}
+
+double PowerOfTwo(std::int64_t exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kExponentBias + exponent) << kMantissaBits);
+}
+
+// Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
+Index PaddedStride(Index rows) {
+  const Index stride = (rows + 7) / 8 * 8;
+  return stride % 512 == 0 ? stride + 8 : stride;
+}
+
+}  // namespace
+
+void PermutedLcp::Reserve(Index max_rows) {
+  if (max_rows <= f.size()) return;
+  A.resize(PaddedStride(max_rows) * max_rows);
+  for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w, &scale}) v->setZero(max_rows);
+  row.resize(static_cast<size_t>(max_rows));
+}
+
+bool PermutedLcp::Load(const LcpProblem& problem) {
+  const Eigen::MatrixXd& given = problem.DenseA();
+  const Eigen::VectorXd& given_b = problem.b();
+  n = problem.size();
+  stride = PaddedStride(n);
+  nonzero = n;
+  double largest_b = 0;
+  double b_squared = 0;
+  for (Index i = 0; i < n; ++i) {
+    const double d = given(i, i);
+    if (d < 0) return false;
+    if (d == 0) {
+      --nonzero;
+      scale[i] = 1;
+      b_squared += given_b[i] * given_b[i];
+      continue;
+    }
+    scale[i] = PowerOfTwo(-(Exponent(d) >> 1));
+    largest_b = std::max(largest_b, std::abs(given_b[i] * scale[i]));
+    b_squared += given_b[i] * (given_b[i] / d);
+  }
+  b_norm = b_squared == 0 ? 1.0 : std::sqrt(b_squared);
+  // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
+  b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
+
+  bilateral = 0;
+  const std::vector<Index>& joints = problem.bilateral_rows();
+  const bool in_order = nonzero == n && joints.empty();
+  if (in_order) {
+    for (Index i = 0; i < n; ++i) row[static_cast<size_t>(i)] = i;
+  } else {
+    for (const Index i : joints) {
+      if (given(i, i) != 0) row[static_cast<size_t>(bilateral++)] = i;
+    }
+    Index unilateral = bilateral;
+    Index zero = nonzero;
+    auto joint = joints.begin();
+    for (Index i = 0; i < n; ++i) {
+      const bool is_joint = joint != joints.end() && *joint == i;
+      if (is_joint) ++joint;
+      if (given(i, i) == 0) {
+        row[static_cast<size_t>(zero++)] = i;
+      } else if (!is_joint) {
+        row[static_cast<size_t>(unilateral++)] = i;
+      }
+    }
+  }
+  for (Index q = 0; q < nonzero; ++q) {
+    const Index source = row[static_cast<size_t>(q)];
+    const double* __restrict from = given.data() + source * n;
+    const double* __restrict factor = scale.data();
+    double* __restrict to = column(q);
+    const double s = scale[source];
+    if (in_order) {
+      for (Index p = 0; p < n; ++p) to[p] = (from[p] * s) * factor[p];
+    } else {
+      for (Index p = 0; p < nonzero; ++p) {
+        const Index i = row[static_cast<size_t>(p)];
+        to[p] = (from[i] * s) * factor[i];
+      }
+    }
+    diagonal[q] = to[q];
+    b[q] = given_b[source] * s * b_scale;
+    f[q] = 0;
+    w[q] = b[q];
+  }
+  return true;
+}
+
+void PermutedLcp::Swap(Index p, Index q) {
+  if (p == q) return;
+  std::swap_ranges(column(p), column(p) + nonzero, column(q));
+  double* row_p = A.data() + p;
+  double* row_q = A.data() + q;
+  for (Index j = 0; j < nonzero; ++j) std::swap(row_p[j * stride], row_q[j * stride]);
+  for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w}) std::swap((*v)[p], (*v)[q]);
+  std::swap(row[static_cast<size_t>(p)], row[static_cast<size_t>(q)]);
+}
+
+void PermutedLcp::AddColumns(Index begin, Index end, Index columns, const double* __restrict x,
+                             double* __restrict out) const {
+  Index j = 0;
+  // Four columns together, so that `out` is loaded and stored once for all of them.
+  for (; j + 4 <= columns; j += 4) {
+    const double x0 = x[j];
+    const double x1 = x[j + 1];
+    const double x2 = x[j + 2];
+    const double x3 = x[j + 3];
+    if (x0 == 0 && x1 == 0 && x2 == 0 && x3 == 0) continue;
+    const double* __restrict a0 = column(j);
+    const double* __restrict a1 = column(j + 1);
+    const double* __restrict a2 = column(j + 2);
+    const double* __restrict a3 = column(j + 3);
+    for (Index p = begin; p < end; ++p) out[p] += (a0[p] * x0 + a1[p] * x1) + (a2[p] * x2 + a3[p] * x3);
+  }
+  for (; j < columns; ++j) {
+    const double xj = x[j];
+    if (xj == 0) continue;
+    const double* __restrict a = column(j);
+    for (Index p = begin; p < end; ++p) out[p] += a[p] * xj;
+  }
+}
+
+PermutedLcp::Sum PermutedLcp::FreshW(Index p, Index columns) const {
+  constexpr Index kLanes = 4;  // independent sums hide the latency of additions
+  const double* a = column(p);
+  double value[kLanes] = {b[p]};
+  double magnitude[kLanes] = {std::abs(b[p])};
+  Index j = 0;
+  for (; j + kLanes <= columns; j += kLanes) {
+    for (Index l = 0; l < kLanes; ++l) {
+      const double term = a[j + l] * f[j + l];
+      value[l] += term;
+      magnitude[l] += std::abs(term);
+    }
+  }
+  for (; j < columns; ++j) {
+    const double term = a[j] * f[j];
+    value[0] += term;
+    magnitude[0] += std::abs(term);
+  }
+  return {(value[0] + value[1]) + (value[2] + value[3]), (magnitude[0] + magnitude[1]) + (magnitude[2] + magnitude[3])};
+}
+
+double PermutedLcp::ResidualShare(Index p, double w_p) const {
+  return std::abs(w_p) / (b_scale * std::sqrt(diagonal[p]) * b_norm);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// A dense working copy of an LCP for pivoting methods: scaled, and with rows and columns in an order of the method's
+/// choosing, so that the rows of one kind (active, watched, ...) are contiguous and products with blocks of A are plain
+/// loops over columns.
+///
+/// Scaling: A~ = S A S, b~ = t S b, f~ = t S^-1 f, w~ = t S w, with powers of two S_ii that bring A_ii into [1, 4) and
+/// t that brings the largest |b~_i| into [1, 2). No entry is rounded: a singular A stays exactly singular, and problems
+/// that differ by powers of two (of A, of b, of single rows) take identical steps. A~_ii is not 1, so tolerances must
+/// be relative to it.
+///
+/// "Position" is the current place of a row, row[p] its index in the problem. Initial order: bilateral rows, unilateral
+/// rows, rows with A_ii = 0; the last kind is not part of A. Memory: one n x n copy. Only Reserve allocates.
+struct PermutedLcp {
+  using Index = Eigen::Index;
+
+  void Reserve(Index max_rows);
+
+  /// O(n^2). False, with nothing loaded, if an A_ii < 0.
+  /// @param problem  its DenseA() is read as it stands, so one triangle does not speak for the other
+  bool Load(const LcpProblem& problem);
+
+  /// Exchanges the rows and columns at two positions.  O(n)
+  void Swap(Index p, Index q);
+
+  double* column(Index p) { return A.data() + p * stride; }
+  const double* column(Index p) const { return A.data() + p * stride; }
+
+  /// out[p] += sum over columns j < columns of A_pj x_j, for p in [begin, end). Groups of zero x_j are skipped.
+  void AddColumns(Index begin, Index end, Index columns, const double* x, double* out) const;
+
+  struct Sum {
+    double value;      ///< w_p = b_p + sum over j < columns of A_pj f_j
+    double magnitude;  ///< the same sum of absolute values: rounding of w_p is of the order epsilon times this
+  };
+  /// Reads column p for row p (equal up to LcpProblem::kSymmetryTolerance).  O(columns)
+  Sum FreshW(Index p, Index columns) const;
+
+  /// The units of the problem as given.
+  double GivenForce(Index p) const { return f[p] * (scale[row[static_cast<size_t>(p)]] / b_scale); }
+  double ScaledForce(Index p, double given) const { return given * b_scale / scale[row[static_cast<size_t>(p)]]; }
+  double ScaledW(Index p, double given) const { return given * b_scale * scale[row[static_cast<size_t>(p)]]; }
+  double GivenW(Index p) const { return w[p] / (b_scale * scale[row[static_cast<size_t>(p)]]); }
+  /// |w_p| / (sqrt(A_pp) |D^-1/2 b|_2), the share that row p alone would have in rho.
+  double ResidualShare(Index p, double w_p) const;
+
+  Index n = 0;
+  Index nonzero = 0;    ///< rows with A_ii > 0: positions [0, nonzero)
+  Index bilateral = 0;  ///< bilateral rows among them: initial positions [0, bilateral)
+  Index stride = 0;
+  double b_scale = 1;                 ///< t
+  double b_norm = 1;                  ///< |D^-1/2 b|_2 in given units, D_ii = 1 where A_ii = 0; 1 when b = 0
+  Eigen::VectorXd A;                  ///< column p starts at p * stride
+  Eigen::VectorXd diagonal, b, f, w;  ///< by position
+  Eigen::VectorXd scale;              ///< S, by row of the problem
+  std::vector<Index> row;             ///< position -> row of the problem
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,217 @@
+#include "solvers/suitesparse_interior.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lcpbench {
+namespace {
+
+constexpr double kStepToBoundary = 0.99;        // early, where accuracy of the direction is not worth the boundary
+constexpr double kLateStepToBoundary = 0.9995;  // once mu is small, for superlinear convergence
+constexpr double kLateMu = 1e-4;
+constexpr double kShift = 1.5;       // Mehrotra's starting shift
+constexpr double kPoorStep = 0.05;   // shorter steps count as stagnation, as do ...
+constexpr double kPoorFall = 0.5;    // ... steps that leave more than this of a mu that is ...
+constexpr double kPoorMu = 1e-10;    // ... this small already, where rounding may be what stops it ...
+constexpr int kPoorSteps = 4;        // ... when this many come in a row
+constexpr double kDivergence = 1e9;  // |f^| beyond this is taken for divergence (scaled b has size 1)
+constexpr double kWarmShift = 1e-3;  // least distance from the boundary of a warm start
+// Gondzio's corrector: aimed-for step, box around mu, and the gain that makes a corrector worth keeping.
+constexpr double kAimedStep = 0.3;
+constexpr double kAimedGrowth = 1.1;
+constexpr double kBoxLow = 0.1;
+constexpr double kBoxHigh = 10;
+constexpr double kLeastGain = 0.01;
+
+}  // namespace
+
+void InteriorPoint::Reserve(Index n) {
+  for (Eigen::VectorXd* v : {&f_, &w_, &df_, &dw_, &affine_df_, &affine_dw_, &trial_df_, &trial_dw_, &theta_, &defect_,
+                             &target_, &right_, &correction_, &product_}) {
+    v->setZero(n);
+  }
+}
+
+InteriorPoint::Progress InteriorPoint::StartCold(SuitesparseRun* run) {
+  ScaledSystem& system = run->system();
+  const Index n = system.size();
+  poor_steps_ = 0;
+  for (Index i = 0; i < n; ++i) theta_[i] = system.unilateral(i) ? 1.0 : run->own().proximal;
+  if (!run->Factorize(theta_)) return Progress::kStopped;
+  for (Index i = 0; i < n; ++i) right_[i] = system.idle(i) ? 0.0 : -system.b()[i];
+  system.Solve(right_, &f_);
+  // (A + I) f = -b: the gap of a unilateral row is -f, so one of the two is positive already.
+  double least_f = 0, least_w = 0;
+  for (Index i = 0; i < n; ++i) {
+    w_[i] = 0;
+    if (system.idle(i)) f_[i] = 0;
+    if (!system.unilateral(i)) continue;
+    w_[i] = -f_[i];
+    least_f = std::min(least_f, f_[i]);
+    least_w = std::min(least_w, w_[i]);
+  }
+  const double shift_f = -kShift * least_f;
+  const double shift_w = -kShift * least_w;
+  double sum_f = 0, sum_w = 0, gap = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (!system.unilateral(i)) continue;
+    f_[i] += shift_f;
+    w_[i] += shift_w;
+    sum_f += f_[i];
+    sum_w += w_[i];
+    gap += f_[i] * w_[i];
+  }
+  // Scaled b has size 1, so 1 stands in where the equality solve left f = w = 0 or products of 0.
+  const double more_f = gap > 0 ? gap / (2 * sum_w) : 1.0;
+  const double more_w = gap > 0 ? gap / (2 * sum_f) : 1.0;
+  for (Index i = 0; i < n; ++i) {
+    if (!system.unilateral(i)) continue;
+    f_[i] += more_f;
+    w_[i] += more_w;
+  }
+  Measure(run);
+  return Progress::kGood;
+}
+
+void InteriorPoint::StartWarm(SuitesparseRun* run, const Eigen::VectorXd& f) {
+  ScaledSystem& system = run->system();
+  const Index n = system.size();
+  poor_steps_ = 0;
+  for (Index i = 0; i < n; ++i) f_[i] = system.idle(i) ? 0.0 : f[i];
+  system.Multiply(f_, &w_);
+  double shift = kWarmShift;
+  for (Index i = 0; i < n; ++i) {
+    w_[i] = system.unilateral(i) ? w_[i] + system.b()[i] : 0.0;
+    if (system.unilateral(i)) shift = std::max(shift, std::abs(std::min(f_[i], w_[i])));
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (!system.unilateral(i)) continue;
+    f_[i] = std::max(f_[i], 0.0) + shift;
+    w_[i] = std::max(w_[i], 0.0) + shift;
+  }
+  Measure(run);
+}
+
+void InteriorPoint::Measure(SuitesparseRun* run) {
+  const ScaledSystem& system = run->system();
+  system.Multiply(f_, &defect_);
+  mu_ = 0;
+  residual_ = 0;
+  contacts_ = 0;
+  for (Index i = 0; i < f_.size(); ++i) {
+    if (system.idle(i)) {
+      defect_[i] = 0;
+      continue;
+    }
+    defect_[i] += system.b()[i] - w_[i];
+    residual_ = std::max(residual_, std::abs(defect_[i]));
+    if (!system.unilateral(i)) continue;
+    mu_ += f_[i] * w_[i];
+    ++contacts_;
+  }
+  if (contacts_ > 0) mu_ /= contacts_;
+}
+
+bool InteriorPoint::FactorizeStep(SuitesparseRun* run) {
+  const ScaledSystem& system = run->system();
+  for (Index i = 0; i < f_.size(); ++i) {
+    // Without the cap, quotients of a row that has left would overflow into its neighbours as NaN.
+    theta_[i] = system.unilateral(i) ? std::min(w_[i] / f_[i], ScaledSystem::kOut) : 0.0;
+    right_[i] = theta_[i] + run->own().proximal;
+  }
+  return run->Factorize(right_);
+}
+
+void InteriorPoint::SolveRefined(SuitesparseRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+  ScaledSystem& system = run->system();
+  system.Solve(r, x);
+  system.Multiply(*x, &product_);
+  for (Index i = 0; i < f_.size(); ++i) {
+    product_[i] = system.idle(i) ? 0.0 : r[i] - product_[i] - theta_[i] * (*x)[i];
+  }
+  system.Solve(product_, &correction_);
+  *x += correction_;
+}
+
+void InteriorPoint::Direction(SuitesparseRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df,
+                              Eigen::VectorXd* dw) {
+  const ScaledSystem& system = run->system();
+  for (Index i = 0; i < f_.size(); ++i) {
+    right_[i] = -defect_[i];
+    if (system.unilateral(i)) right_[i] += (target[i] - f_[i] * w_[i]) / f_[i];
+  }
+  SolveRefined(run, right_, df);
+  for (Index i = 0; i < f_.size(); ++i) {
+    if (system.idle(i)) (*df)[i] = 0;
+    (*dw)[i] = system.unilateral(i) ? (target[i] - f_[i] * w_[i] - w_[i] * (*df)[i]) / f_[i] : 0.0;
+  }
+}
+
+double InteriorPoint::MaxStep(const ScaledSystem& system, const Eigen::VectorXd& df, const Eigen::VectorXd& dw) const {
+  double inverse = 0;
+  for (Index i = 0; i < f_.size(); ++i) {
+    if (!system.unilateral(i)) continue;
+    inverse = std::max({inverse, -df[i] / f_[i], -dw[i] / w_[i]});
+  }
+  return inverse > 0 ? 1 / inverse : 2.0;
+}
+
+void InteriorPoint::CorrectCentrality(SuitesparseRun* run, double target_mu) {
+  const ScaledSystem& system = run->system();
+  double step = std::min(1.0, MaxStep(system, df_, dw_));
+  for (int k = 0; k < run->own().correctors && step < 1.0 - kLeastGain; ++k) {
+    const double aimed = std::min(1.0, kAimedGrowth * step + kAimedStep);
+    for (Index i = 0; i < f_.size(); ++i) {
+      if (!system.unilateral(i)) continue;
+      const double product = (f_[i] + aimed * df_[i]) * (w_[i] + aimed * dw_[i]);
+      const double clipped = std::clamp(product, kBoxLow * target_mu, kBoxHigh * target_mu);
+      trial_dw_[i] = target_[i] + std::max(clipped - product, -kBoxHigh * target_mu);
+    }
+    target_.swap(trial_dw_);  // trial_dw_ keeps the old target until the corrector has proved itself
+    affine_dw_ = trial_dw_;
+    Direction(run, target_, &trial_df_, &trial_dw_);
+    const double improved = std::min(1.0, MaxStep(system, trial_df_, trial_dw_));
+    if (!(improved >= step + kLeastGain)) {
+      target_ = affine_dw_;
+      return;
+    }
+    df_.swap(trial_df_);
+    dw_.swap(trial_dw_);
+    step = improved;
+  }
+}
+
+InteriorPoint::Progress InteriorPoint::Step(SuitesparseRun* run) {
+  const ScaledSystem& system = run->system();
+  const Index n = f_.size();
+  if (!FactorizeStep(run)) return Progress::kStopped;
+  ++run->statistics().interior_steps;
+
+  target_.setZero();
+  Direction(run, target_, &affine_df_, &affine_dw_);
+  const double affine_step = std::min(1.0, MaxStep(system, affine_df_, affine_dw_));
+  double affine_mu = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (!system.unilateral(i)) continue;
+    affine_mu += (f_[i] + affine_step * affine_df_[i]) * (w_[i] + affine_step * affine_dw_[i]);
+  }
+  affine_mu /= contacts_;
+  const double ratio = affine_mu / mu_;
+  const double target_mu = ratio * ratio * ratio * mu_;
+  for (Index i = 0; i < n; ++i) target_[i] = target_mu - affine_df_[i] * affine_dw_[i];
+  Direction(run, target_, &df_, &dw_);
+  CorrectCentrality(run, target_mu);
+
+  const double boundary = mu_ < kLateMu ? kLateStepToBoundary : kStepToBoundary;
+  const double step = std::min(1.0, boundary * MaxStep(system, df_, dw_));
+  if (!std::isfinite(step) || !df_.allFinite()) return Progress::kStagnant;
+  const double mu_before = mu_;
+  f_ += step * df_;
+  w_ += step * dw_;
+  Measure(run);
+  if (!(MaxAbs(f_) < kDivergence)) return Progress::kDiverged;
+  poor_steps_ = step < kPoorStep || (mu_ < kPoorMu && mu_ > kPoorFall * mu_before) ? poor_steps_ + 1 : 0;
+  return poor_steps_ >= kPoorSteps ? Progress::kStagnant : Progress::kGood;
+}
+
+}  // namespace lcpbench

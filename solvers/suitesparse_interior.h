@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "solvers/suitesparse_run.h"
+
+namespace lcpbench {
+
+/// Mehrotra's predictor-corrector for  w = A f + b, f_C, w_C > 0, f_C w_C = mu, w_B = 0  in scaled variables, with
+/// Gondzio's centrality correctors. [Mehrotra 1992; Gondzio 1996; Wright, Primal-Dual Interior-Point Methods, ch. 10]
+class InteriorPoint {
+ public:
+  enum class Progress {
+    kGood,
+    kStagnant,  ///< steps have become too short, or mu no longer falls
+    kDiverged,  ///< f has left every reasonable bound: infeasible or very ill-conditioned
+    kStopped,   ///< a limit, or no factorisation
+  };
+
+  void Reserve(Index n);
+  /// Regularised equality solve and Mehrotra's shift (one factorisation).
+  Progress StartCold(SuitesparseRun* run);
+  /// From f, clipped and shifted by its own natural residual (no factorisation).
+  void StartWarm(SuitesparseRun* run, const Eigen::VectorXd& f);
+  /// One step (one factorisation).
+  Progress Step(SuitesparseRun* run);
+
+  const Eigen::VectorXd& f() const { return f_; }
+  const Eigen::VectorXd& w() const { return w_; }
+  double mu() const { return mu_; }
+  /// max |A f + b - w|.
+  double residual() const { return residual_; }
+
+ private:
+  void Measure(SuitesparseRun* run);
+  bool FactorizeStep(SuitesparseRun* run);
+  void SolveRefined(SuitesparseRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
+  // Direction for the complementarity target f w + dw f + w df = target_i; rows C only.
+  void Direction(SuitesparseRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw);
+  double MaxStep(const ScaledSystem& system, const Eigen::VectorXd& df, const Eigen::VectorXd& dw) const;
+  void CorrectCentrality(SuitesparseRun* run, double target_mu);
+
+  Eigen::VectorXd f_, w_, df_, dw_, affine_df_, affine_dw_, trial_df_, trial_dw_;
+  Eigen::VectorXd theta_, defect_, target_, right_, correction_, product_;
+  double mu_ = 0;
+  double residual_ = 0;
+  int contacts_ = 0;
+  int poor_steps_ = 0;
+};
+
+}  // namespace lcpbench

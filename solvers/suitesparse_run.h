@@ -1,0 +1,82 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <limits>
+#include <string>
+
+#include "solvers/lcp/solver.h"
+#include "solvers/suitesparse.h"
+#include "solvers/suitesparse_system.h"
+
+namespace lcpbench {
+
+/// One solve of the `suitesparse` backend: limits, counters and the best iterate so far, shared by its two methods.
+class SuitesparseRun {
+ public:
+  SuitesparseRun(ScaledSystem& system, const SuitesparseOptions& own, const LcpOptions& options,
+                 SuitesparseStatistics& statistics)
+      : system_(system),
+        own_(own),
+        options_(options),
+        deadline_(options),
+        limit_(options.max_iterations > 0 ? options.max_iterations : kDefaultLimit),
+        statistics_(statistics),
+        best_f_(Eigen::VectorXd::Zero(system.size())) {}
+
+  ScaledSystem& system() { return system_; }
+  const SuitesparseOptions& own() const { return own_; }
+  const LcpOptions& options() const { return options_; }
+  SuitesparseStatistics& statistics() { return statistics_; }
+
+  /// Factorises A^ + diag(theta) if the limits allow it. False: limit_hit() or a breakdown told by system().why().
+  bool Factorize(const Eigen::VectorXd& theta) {
+    if (limit_hit()) return false;
+    if (statistics_.factorizations >= limit_) {
+      status_ = LcpStatus::kIterationLimit;
+      return false;
+    }
+    if (deadline_.Expired()) {
+      status_ = LcpStatus::kTimeLimit;
+      return false;
+    }
+    ++statistics_.factorizations;
+    return system_.Factorize(theta);
+  }
+  /// True once a limit has stopped a factorisation; limit_status() says which.
+  bool limit_hit() const { return status_ != LcpStatus::kNotRun; }
+  LcpStatus limit_status() const { return status_; }
+
+  /// Whether f (in the problem's units, w fresh) meets the tier; remembers the iterate of least rho,
+  /// one that meets the tier before all that do not.
+  bool Accept(const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+    const double rho = system_.Rho(f, w);
+    const bool meets = system_.Meets(kMargin * options_.tolerance, f, w);
+    if (meets == accepted_ ? rho < best_rho_ : meets) {
+      best_f_ = f;
+      best_rho_ = rho;
+    }
+    accepted_ = accepted_ || meets;
+    return meets;
+  }
+  const Eigen::VectorXd& best_f() const { return best_f_; }
+  double best_rho() const { return best_rho_; }
+
+ private:
+  static constexpr std::int64_t kDefaultLimit = 500;
+  // Our residual and the verdict's differ by rounding; a claim must hold in both.
+  static constexpr double kMargin = 0.9;
+
+  ScaledSystem& system_;
+  const SuitesparseOptions& own_;
+  const LcpOptions& options_;
+  Deadline deadline_;
+  std::int64_t limit_;
+  SuitesparseStatistics& statistics_;
+  LcpStatus status_ = LcpStatus::kNotRun;
+  Eigen::VectorXd best_f_;
+  bool accepted_ = false;
+  double best_rho_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace lcpbench

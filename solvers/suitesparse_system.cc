@@ -1,0 +1,330 @@
+#include "solvers/suitesparse_system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lcpbench {
+namespace {
+
+// Beyond this many entries A is not formed where the factors can do without it
+// (12 bytes an entry).
+constexpr double kAffordableEntries = 3e7;
+// Body space is taken where sum (column count of J)^2, which is about three times the entries of A for contacts of
+// rigid bodies, exceeds this multiple of the entries of J. Measured on piles and tracks: below 4 contact space needs
+// less work, above 6 body space does, though it has more rows and is factorised by columns. Large problems fill enough
+// for CHOLMOD's supernodes, which factorise contact space four times faster per flop.
+constexpr double kBodySpaceRatio = 5;
+constexpr double kLargeBodySpaceRatio = 20;
+constexpr Index kLargeRows = 20000;
+
+// Union by smaller root, so that a component's representative is its first row whatever the order of the unions.
+class DisjointSets {
+ public:
+  explicit DisjointSets(Index n) : parent_(static_cast<size_t>(n)) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int Find(int i) {
+    while (Parent(i) != i) {
+      Parent(i) = Parent(Parent(i));
+      i = Parent(i);
+    }
+    return i;
+  }
+  void Unite(int i, int j) {
+    i = Find(i);
+    j = Find(j);
+    if (i != j) Parent(std::max(i, j)) = std::min(i, j);
+  }
+
+ private:
+  int& Parent(int i) { return parent_[static_cast<size_t>(i)]; }
+  std::vector<int> parent_;
+};
+
+}  // namespace
+
+double MaxAbs(const Eigen::VectorXd& x) {
+  double largest = 0;
+  for (const double value : x) {
+    if (!(std::abs(value) <= largest)) largest = std::abs(value);
+    if (std::isnan(largest)) return largest;
+  }
+  return largest;
+}
+
+void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
+  problem_ = problem;
+  analyses_ = 0;
+  estimate_ready_ = false;
+  double contact_entries = 0;
+  if (problem.has_factors()) {
+    Eigen::VectorXd counts = Eigen::VectorXd::Zero(problem.J().cols());
+    for (Index i = 0; i < problem.size(); ++i) {
+      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) counts[it.col()] += 1;
+    }
+    for (Index k = 0; k < counts.size(); ++k) {
+      if (problem.inverse_mass()[k] > 0) contact_entries += counts[k] * counts[k];
+    }
+  }
+  a_is_affordable_ = contact_entries <= kAffordableEntries;
+  ScaleRows();
+  FindComponents();
+  const double ratio = problem.size() > kLargeRows ? kLargeBodySpaceRatio : kBodySpaceRatio;
+  body_space_ = problem.has_factors() && space != Space::kContact &&
+                (space == Space::kBody || !a_is_affordable_ ||
+                 contact_entries > ratio * static_cast<double>(problem.J().nonZeros()));
+  if (body_space_) {
+    BuildBodySpace();
+  } else {
+    BuildContactSpace();
+  }
+  extended_rows_.assign(static_cast<size_t>(problem.size()), 0);
+  extended_body_.assign(problem.has_factors() ? static_cast<size_t>(problem.J().cols()) : 0, 0);
+}
+
+void ScaledSystem::ScaleRows() {
+  const LcpProblem& problem = *problem_;
+  const Index n = problem.size();
+  diagonal_ = problem.DiagonalA();
+  root_.resize(n);
+  double sum = 0;
+  for (Index i = 0; i < n; ++i) {
+    root_[i] = diagonal_[i] > 0 ? std::sqrt(diagonal_[i]) : 1.0;
+    const double scaled = problem.b()[i] / root_[i];
+    sum += scaled * scaled;
+  }
+  b_norm_ = sum > 0 ? std::sqrt(sum) : 1.0;
+}
+
+void ScaledSystem::FindComponents() {
+  const LcpProblem& problem = *problem_;
+  const Index n = problem.size();
+  DisjointSets sets(n);
+  if (problem.has_factors()) {
+    std::vector<int> first_row(static_cast<size_t>(problem.J().cols()), -1);
+    for (Index i = 0; i < n; ++i) {
+      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+        if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+        int& first = first_row[static_cast<size_t>(it.col())];
+        if (first < 0) first = static_cast<int>(i);
+        sets.Unite(first, static_cast<int>(i));
+      }
+    }
+  } else {
+    const SparseMatrix& A = problem.SparseA();
+    for (Index i = 0; i < n; ++i) {
+      for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+        if (it.value() != 0) sets.Unite(static_cast<int>(i), static_cast<int>(it.col()));
+      }
+    }
+  }
+
+  // Number the components and find which of them f = 0 does not solve.
+  std::vector<int> number(static_cast<size_t>(n), -1);
+  std::vector<double> beta;
+  std::vector<char> live;
+  component_.assign(static_cast<size_t>(n), 0);
+  component_count_ = 0;
+  for (Index i = 0; i < n; ++i) {
+    int& c = number[static_cast<size_t>(sets.Find(static_cast<int>(i)))];
+    if (c < 0) {
+      c = component_count_++;
+      beta.push_back(0);
+      live.push_back(0);
+    }
+    component_[static_cast<size_t>(i)] = c;
+    const auto k = static_cast<size_t>(c);
+    beta[k] = std::max(beta[k], std::abs(problem.b()[i]) / root_[i]);
+    if (problem.is_bilateral(i) ? problem.b()[i] != 0 : problem.b()[i] < 0) live[k] = 1;
+  }
+  kind_.assign(static_cast<size_t>(n), RowKind::kIdle);
+  bilateral_row_.assign(static_cast<size_t>(n), 0);
+  for (const Index i : problem.bilateral_rows()) bilateral_row_[static_cast<size_t>(i)] = 1;
+  b_.resize(n);
+  force_unit_.resize(n);
+  gap_unit_.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    const auto c = static_cast<size_t>(component(i));
+    const double unit = beta[c] > 0 ? beta[c] : 1.0;
+    if (live[c] != 0 && diagonal_[i] > 0) {
+      kind_[static_cast<size_t>(i)] = problem.is_bilateral(i) ? RowKind::kBilateral : RowKind::kUnilateral;
+    }
+    force_unit_[i] = unit / root_[i];
+    gap_unit_[i] = unit * root_[i];
+    b_[i] = problem.b()[i] / gap_unit_[i];
+  }
+}
+
+void ScaledSystem::BuildContactSpace() {
+  const LcpProblem& problem = *problem_;
+  const Index n = problem.size();
+  scaled_A_ = problem.SparseA();
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(scaled_A_, i); it; ++it) {
+      it.valueRef() = it.col() == i ? (diagonal_[i] > 0 ? 1.0 : 0.0) : it.value() / root_[i] / root_[it.col()];
+    }
+  }
+  // Row-major upper triangle = column-major lower triangle of the symmetric matrix.
+  const SparseMatrix upper = scaled_A_.triangularView<Eigen::Upper>();
+  factor_.Analyze(CholmodFactor::Definiteness::kPositiveDefinite,
+                  Eigen::Map<const CholmodFactor::ColumnMatrix>(n, n, upper.nonZeros(), upper.outerIndexPtr(),
+                                                                upper.innerIndexPtr(), upper.valuePtr()));
+  ++analyses_;
+}
+
+void ScaledSystem::BuildBodySpace() {
+  const LcpProblem& problem = *problem_;
+  const Index n = problem.size();
+  const SparseMatrix& J = problem.J();
+  std::vector<int> movable(static_cast<size_t>(J.cols()), -1);
+  std::vector<double> root_inverse_mass;
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      int& column = movable[static_cast<size_t>(it.col())];
+      const double inverse_mass = problem.inverse_mass()[it.col()];
+      if (column >= 0 || inverse_mass == 0 || it.value() == 0) continue;
+      column = static_cast<int>(root_inverse_mass.size());
+      root_inverse_mass.push_back(std::sqrt(inverse_mass));
+    }
+  }
+  const auto bodies = static_cast<int>(root_inverse_mass.size());
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<Eigen::Triplet<double, int>> lower;
+  entries.reserve(static_cast<size_t>(J.nonZeros()));
+  lower.reserve(static_cast<size_t>(bodies + J.nonZeros() + n));
+  for (int k = 0; k < bodies; ++k) lower.emplace_back(k, k, -1.0);
+  for (Index i = 0; i < n; ++i) {
+    const auto row = static_cast<int>(i);
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      const int k = movable[static_cast<size_t>(it.col())];
+      if (k < 0 || it.value() == 0) continue;
+      const double value = it.value() * root_inverse_mass[static_cast<size_t>(k)] / root_[i];
+      entries.emplace_back(row, k, value);
+      lower.emplace_back(bodies + row, k, value);
+    }
+    lower.emplace_back(bodies + row, bodies + row, 1.0);
+  }
+  scaled_J_.resize(n, bodies);
+  scaled_J_.setFromTriplets(entries.begin(), entries.end());
+  CholmodFactor::ColumnMatrix matrix(bodies + n, bodies + n);
+  matrix.setFromTriplets(lower.begin(), lower.end());
+  factor_.Analyze(CholmodFactor::Definiteness::kQuasidefinite, matrix);
+  stacked_.resize(bodies + n);
+  body_.resize(bodies);
+  ++analyses_;
+}
+
+void ScaledSystem::Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const {
+  if (body_space_) {
+    body_.noalias() = scaled_J_.transpose() * x;
+    y->noalias() = scaled_J_ * body_;
+  } else {
+    y->noalias() = scaled_A_ * x;
+  }
+}
+
+void ScaledSystem::GapsExtended(const Eigen::VectorXd& f, bool with_b, Eigen::VectorXd* w) {
+  const LcpProblem& problem = *problem_;
+  using Extended = long double;
+  const Index n = size();
+  w->resize(n);
+  const auto store = [&](Index i, Extended sum) { (*w)[i] = static_cast<double>(with_b ? sum + problem.b()[i] : sum); };
+  switch (problem.given_form()) {
+    case MatrixForm::kDense: {
+      const Eigen::MatrixXd& A = problem.DenseA();
+      std::fill(extended_rows_.begin(), extended_rows_.end(), Extended(0));
+      for (Index j = 0; j < n; ++j) {
+        if (f[j] == 0) continue;
+        const Extended force = f[j];
+        for (Index i = 0; i < n; ++i) extended_rows_[static_cast<size_t>(i)] += A(i, j) * force;
+      }
+      for (Index i = 0; i < n; ++i) store(i, extended_rows_[static_cast<size_t>(i)]);
+      break;
+    }
+    case MatrixForm::kSparse: {
+      const SparseMatrix& A = problem.SparseA();
+      for (Index i = 0; i < n; ++i) {
+        Extended sum = 0;
+        for (SparseMatrix::InnerIterator it(A, i); it; ++it) sum += static_cast<Extended>(it.value()) * f[it.col()];
+        store(i, sum);
+      }
+      break;
+    }
+    case MatrixForm::kFactors: {
+      const SparseMatrix& J = problem.J();
+      std::fill(extended_body_.begin(), extended_body_.end(), Extended(0));
+      for (Index i = 0; i < n; ++i) {
+        if (f[i] == 0) continue;
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+          extended_body_[static_cast<size_t>(it.col())] += static_cast<Extended>(it.value()) * f[i];
+        }
+      }
+      for (Index k = 0; k < J.cols(); ++k) extended_body_[static_cast<size_t>(k)] *= problem.inverse_mass()[k];
+      for (Index i = 0; i < n; ++i) {
+        Extended sum = 0;
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+          sum += it.value() * extended_body_[static_cast<size_t>(it.col())];
+        }
+        store(i, sum);
+      }
+      break;
+    }
+  }
+}
+
+bool ScaledSystem::Factorize(const Eigen::VectorXd& theta) {
+  const Index n = size();
+  const Index first = body_space_ ? factor_.size() - n : 0;
+  for (Index i = 0; i < n; ++i) {
+    const double shift = idle(i) ? kOut : theta[i];
+    factor_.SetDiagonal(first + i, body_space_ ? shift : 1.0 + shift);
+  }
+  return factor_.Factorize();
+}
+
+void ScaledSystem::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+  if (!body_space_) {
+    factor_.Solve(r, x);
+    return;
+  }
+  stacked_.head(stacked_.size() - size()).setZero();
+  stacked_.tail(size()) = r;
+  factor_.Solve(stacked_, &stacked_);
+  *x = stacked_.tail(size());
+}
+
+double ScaledSystem::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
+  double sum = 0;
+  for (Index i = 0; i < size(); ++i) {
+    const double q = w[i] / root_[i];
+    const double residual = bilateral_row_[static_cast<size_t>(i)] != 0 ? q : std::min(root_[i] * f[i], q);
+    sum += residual * residual;
+  }
+  return std::sqrt(sum) / b_norm_;
+}
+
+double ScaledSystem::BackwardErrorBound(const Eigen::VectorXd& f, const Eigen::VectorXd& w, Index i) const {
+  const double force = diagonal_[i] * f[i];
+  const double defect = std::abs(bilateral_row_[static_cast<size_t>(i)] != 0 ? w[i] : std::min(force, w[i]));
+  if (defect == 0) return 0;
+  const double b = problem_->b()[i];
+  return defect / (std::abs(b) + std::max(std::abs(force), std::abs(w[i] - b)));
+}
+
+bool ScaledSystem::Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+  if (!(Rho(f, w) <= tolerance)) return false;
+  double worst = 0;
+  for (Index i = 0; i < size(); ++i) {
+    const double bound = BackwardErrorBound(f, w, i);
+    if (!(bound <= worst)) worst = bound;
+  }
+  if (worst <= std::sqrt(tolerance)) return true;
+  if (!a_is_affordable_ || !std::isfinite(worst)) return false;
+  if (!estimate_ready_) {
+    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense);
+    estimate_ready_ = true;
+  }
+  return estimate_.Meets(tolerance, f, w);
+}
+
+}  // namespace lcpbench
