@@ -56,6 +56,24 @@ double SeparatingFraction(const LcpProblem& problem, const Eigen::VectorXd& f, c
   return unilateral == 0 ? 0.0 : static_cast<double>(separating) / static_cast<double>(unilateral);
 }
 
+// A first solve runs on cold caches and page faults; a few more cost nothing where solves are short. Repeated solves of
+// one problem give the same answer, bit for bit (a contract that the tests check).
+double MedianSolveTime(LcpSolver& solver, const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  constexpr int kMostRuns = 5;
+  constexpr double kBudget = 0.05;  // s; longer solves run once
+  std::vector<double> times;
+  double total = 0;
+  while (static_cast<int>(times.size()) < kMostRuns && total < kBudget) {
+    const double start = SteadyNow();
+    solver.Solve(problem, options, result);
+    times.push_back(SteadyNow() - start);
+    total += times.back();
+  }
+  const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
+  std::nth_element(times.begin(), middle, times.end());
+  return *middle;
+}
+
 // How much of the progress bar a cell takes: a constant plus a term that grows with the problem.
 double Weight(const SuiteProblem& problem, const Suite& suite) {
   double weight = 0;
@@ -106,10 +124,8 @@ class AccuracyPass {
         const double start = SteadyNow();
         solver->Prepare(problem);
         const double prepared = SteadyNow();
-        solver->Solve(problem, options, &result);
-        const double solved = SteadyNow();
+        solve = CsvWriter::Cell(MedianSolveTime(*solver, problem, options, &result));
         setup = CsvWriter::Cell(prepared - start);
-        solve = CsvWriter::Cell(solved - prepared);
       }
       const std::vector<double> judged = entry.uses_tolerance ? std::vector<double>{tolerance} : suite_.tiers;
       for (const double tier : judged) WriteRow(info, shared, entry, tier, rule, result, setup, solve);

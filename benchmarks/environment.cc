@@ -9,6 +9,7 @@
 
 #include "build_info.h"
 #include "git_revision.h"
+#include "solvers/library_threads.h"
 #include "solvers/library_versions.h"
 
 namespace lcpbench {
@@ -44,6 +45,7 @@ Environment DescribeEnvironment() {
   environment.cores = static_cast<int>(std::thread::hardware_concurrency());
   environment.memory_bytes = static_cast<long long>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
   environment.os = FirstValue("/etc/os-release", "PRETTY_NAME", '=');
+  environment.library_threads = LimitLibraryThreads(1);
   environment.libraries = LibraryVersions();
   environment.libraries.emplace_back("nlohmann-json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
                                                           std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +

@@ -19,6 +19,7 @@ struct Environment {
   int cores = 0;
   long long memory_bytes = 0;
   std::string os;
+  int library_threads = 0;  ///< of BLAS and OpenMP
   std::vector<std::pair<std::string, std::string>> libraries;
 };
 

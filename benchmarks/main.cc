@@ -4,6 +4,30 @@
 #include "benchmarks/commands.h"
 #include "build_info.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/library_threads.h"
+
+namespace {
+
+// CLI11 would only say that a subcommand is missing, for `lcpbench frobnicate` and `lcpbench list frobnicate` alike.
+void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* current = &app;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const auto commands = current->get_subcommands([](const CLI::App*) { return true; });
+    if (commands.empty()) return;
+    std::string names;
+    const CLI::App* found = nullptr;
+    for (const CLI::App* command : commands) {
+      if (command->check_name(argv[i])) found = command;
+      names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    if (found == nullptr) {
+      throw lcpbench::InputError(std::string("unknown command '") + argv[i] + "', expected one of " + names);
+    }
+    current = found;
+  }
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace lcpbench;
@@ -16,6 +40,9 @@ int main(int argc, char** argv) {
     return failed->get_name() + ": " + error.what() + " (see --help)\n";
   });
 
+  // One solve, one thread: for every backend alike.
+  LimitLibraryThreads(1);
+
   CommandRun run;
   AddListCommand(app, run);
   AddGenerateCommand(app, run);
@@ -25,6 +52,7 @@ int main(int argc, char** argv) {
   AddReportCommand(app, run);
 
   try {
+    RequireKnownCommand(app, argc, argv);
     app.parse(argc, argv);
     return run();
   } catch (const CLI::ParseError& error) {

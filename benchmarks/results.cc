@@ -46,6 +46,7 @@ void WriteRunFile(const std::string& folder, const Suite& suite, const std::stri
   run["cores"] = environment.cores;
   run["memory_bytes"] = environment.memory_bytes;
   run["os"] = environment.os;
+  run["library_threads"] = environment.library_threads;
   run["libraries"] = Json::object();
   for (const auto& [name, version] : environment.libraries) run["libraries"][name] = version;
   run["tiers"] = suite.tiers;
@@ -86,14 +87,16 @@ void WritePictures(const std::string& folder, const Suite& suite) {
     LcpResult result;
     const LcpOptions options;
     // Any verified answer will do; without one the picture shows the geometry alone.
+    std::string picture = RenderSvg(system, lcp, nullptr, nullptr);
     for (const SolverEntry& entry : AllSolvers()) {
       if (!entry.available) continue;
       entry.make({})->Solve(lcp.problem, options, &result);
       const Verdict verdict = Verify(lcp.problem, result, options.tolerance);
       if (!verdict.passes) continue;
-      WriteText(folder + "/" + family + ".svg", RenderSvg(system, lcp, &result.f, &verdict.metrics.w));
+      picture = RenderSvg(system, lcp, &result.f, &verdict.metrics.w);
       break;
     }
+    WriteText(folder + "/" + family + ".svg", picture);
   }
 }
 

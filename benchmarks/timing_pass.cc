@@ -175,6 +175,7 @@ void RunTimingPass(const Suite& suite, const CellOutcomes& outcomes, const std::
                                     "--benchmark_out_format=json"};
   flags.insert(flags.end(), extra_flags.begin(), extra_flags.end());
   std::vector<char*> argv;
+  argv.reserve(flags.size());
   for (std::string& flag : flags) argv.push_back(flag.data());
   int argc = static_cast<int>(argv.size());
   benchmark::Initialize(&argc, argv.data());

@@ -1,10 +1,13 @@
 // boxes-and-discs: a stepped brick wall in running bond with discs in its joints and on its steps.
 //
 // A brick stands flat on two others: four vertex contacts (two corners of its own, two of the bricks below) against
-// three degrees of freedom, so that A is rank deficient by about a quarter of the rows and f is far from unique - what
+// three degrees of freedom, so that A is rank deficient (rank 0.72 of the rows at 1000) and f is far from unique: what
 // every stack of boxes in a physics engine looks like. Discs wedged in the joints between bricks of a course push them
 // apart, which couples the vertical stack to horizontal motion and to rotation; discs lie in the corners of the steps.
 // Vertex/straight and arc/straight contacts, all at rest: gamma = 0.
+//
+// Rows with w > 0 at the solution, seeds 1 to 5: 10-40 % at 10 rows, 24-39 % at 100, 19-33 % at 1000, 23-33 % at 3000;
+// from 1000 on another 8-20 % have f = w = 0 in a basic solution.
 //
 // Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
 

@@ -2,9 +2,11 @@
 //
 // Every disc falls at a random place and rolls down over those that lie there until it touches two supports, so that
 // each brings two rows for the two degrees of freedom that contacts can push on: isostatic. J has full rank, A is
-// nonsingular and f unique, but the rows differ in scale (masses spread over two orders of magnitude) and every
-// force depends on all that lies above it, so that A's condition number grows with the pile. Against discs-in-v this
-// tells rank deficiency apart from mere ill-conditioning.
+// nonsingular and f unique, but masses spread by up to a factor 100 and every force depends on all that lies above it:
+// the Jacobi-scaled A has condition number 6e4 at 200 rows and 1e8 at 1000. Against discs-in-v this tells rank
+// deficiency apart from mere ill-conditioning.
+//
+// Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 19-26 % at 100, 15-21 % at 1000, 17-18 % at 3000.
 //
 // An odd count is closed by a disc that stands on the crest of the pile: one row.
 
@@ -310,7 +312,8 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed) {
     }
   }
   if (rows % 2 == 1) {
-    const double r = random.Uniform(kMinRadius, kMaxRadius);
+    // Smaller than the disc that it stands on, so that it clears the walls.
+    const double r = crest_support == kFloor ? kMinRadius : random.Uniform(0.5, 0.9) * crest.r;
     crest = {crest.c + Vec2{0, crest.r + r}, r};
     scene.Touch(scene.Add(crest), crest_support);
   }

@@ -3,8 +3,11 @@
 // Convex arcs in a concave one, and the only curvature that holds bodies in: all centres turn about the track's centre
 // with one angular velocity, so that every gap rate is zero while the track rows carry the centripetal term (gamma <
 // 0). Discs have an eccentric insert and spin, so that contacts turn them and gamma differs from row to row. Each disc
-// touches the track and two neighbours: A is nonsingular and narrowly banded, f unique, and a sparse method needs O(n)
-// where a dense one needs O(n^3). Thrust travels along the whole chain.
+// touches the track and two neighbours: A is nonsingular (Jacobi-scaled condition number 6e3 at 200 rows, 2e5 at 1000)
+// and narrowly banded, f unique, and a sparse method needs O(n) where a dense one needs O(n^3). Thrust travels along
+// the whole chain.
+//
+// Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 15-35 % at 100, 20-27 % at 1000, 16-23 % at 3000.
 //
 // k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
 

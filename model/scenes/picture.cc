@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -228,8 +229,8 @@ class Drawing {
       // In halves, so that neither is ever more than 180 degrees; y is flipped, so counter-clockwise is sweep 0.
       const std::string radius = Px(arc->radius * layout_.scale);
       for (const double s : {(begin + end) / 2, end}) {
-        path += "A" + radius + " " + radius + " 0 0 " + (end > begin ? "0 " : "1 ") +
-                Px(layout_.ToPage(ToWorld(body, PieceAt(moved, s))));
+        path.append("A").append(radius).append(" ").append(radius).append(end > begin ? " 0 0 0 " : " 0 0 1 ");
+        path.append(Px(layout_.ToPage(ToWorld(body, PieceAt(moved, s)))));
       }
     } else {
       path += "L" + Px(layout_.ToPage(ToWorld(body, PieceAt(moved, end))));

@@ -2,10 +2,13 @@
 //
 // Every contact kind that turning bodies make: arc on straight floor, arc to arc, corner on arc, and discs, corners and
 // flat boxes on straight edges that turn. Rockers rotate at several rad/s about arc centres that all travel at one
-// speed, and riders slide on their tops, so that every gap rate is zero while gamma is nonzero nearly everywhere: a
-// solver is fed what goes wrong when a model gets the velocity-product terms wrong. Elements are added one by one with
-// no more rows than degrees of freedom, so that J has full rank: A is nonsingular, f unique, and the problem solvable
-// in spite of gamma (MODEL.md section 8, property 3).
+// speed, and riders slide on their tops, so that every gap rate is zero while gamma is nonzero on about 85 % of the
+// rows: a model with a wrong velocity-product term gives every solver a wrong b here. Elements are added one by one
+// with no more rows than degrees of freedom, so that J has full rank: A is nonsingular (Jacobi-scaled condition number
+// 6e3 at 200 rows, 1.5e5 at 1000), f unique, and the problem solvable in spite of gamma (MODEL.md section 8, property
+// 3).
+//
+// Rows with w > 0 at the solution, seeds 1 to 5: 10-50 % at 10 rows, 20-38 % at 100, 26-28 % at 1000, 27-29 % at 3000.
 //
 // A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
 

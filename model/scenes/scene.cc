@@ -16,7 +16,7 @@ constexpr std::array kScenes{
         "which tells methods that cope with singular A from those that need pivots of full rank.",
         &GenerateDiscsInV},
     SceneFamily{"disc-pile", "Pile of discs of many sizes and masses in a box",
-                "Isostatic with masses over two orders of magnitude: A is nonsingular but ill-conditioned, which tells "
+                "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
                 "methods whose speed depends on conditioning from direct ones.",
                 &GenerateDiscPile},
     SceneFamily{
@@ -30,7 +30,7 @@ constexpr std::array kScenes{
         "to translation - the everyday, highly redundant load of a physics engine.",
         &GenerateBoxesAndDiscs},
     SceneFamily{"rockers", "Row of rocking bodies carrying discs, boxes and poles",
-                "Every contact kind on turning edges, nonzero velocity-product terms on nearly every row, full rank: "
+                "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
                 "moderate sizes that most methods should solve, with b that depends on curvature.",
                 &GenerateRockers},
 };

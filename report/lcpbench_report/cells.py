@@ -16,6 +16,7 @@ import pandas as pd
 
 from . import formats
 from .load import Results
+from .stats import median
 from .timing import TimedCell
 
 BENCHMARK = "benchmark"
@@ -35,7 +36,7 @@ class Cell:
     excluded: str  # the rule, "" where the cell was run
     failure: str  # one or two words for the worst run, "" where all were verified
     reason: str  # a line for the worst run
-    rho: float  # largest of the verified runs; where none is, smallest of all
+    rho: float  # largest of the runs where all are verified, else the smallest of those that are not
     time_s: float  # NaN where nothing was verified
     time_source: str  # BENCHMARK, SINGLE_RUN or ""
 
@@ -84,7 +85,7 @@ class Cells:
             return timed.median
         runs = self.runs
         mask = (runs["family"] == family) & (runs["n"] == n) & (runs["solver"] == solver) & runs["verified"]
-        return float(runs.loc[mask, "setup_s"].median())
+        return median(runs.loc[mask, "setup_s"])
 
     def problem_times(self, tier: float) -> tuple[pd.DataFrame, int]:
         """Times per problem x solver at a tier for comparison, +inf where not verified or excluded.
@@ -142,11 +143,11 @@ class Cells:
         bad = tried[~tried["verified"]].sort_values("false_success", ascending=False, kind="stable")
         failure = failure_word(bad.iloc[0]) if len(bad) else "excluded" if excluded else ""
         reason = excluded or (failure_line(bad.iloc[0]) if len(bad) else "")
-        rho = good["rho"].max() if len(good) else tried["rho"].min()
+        rho = bad["rho"].min() if len(bad) else good["rho"].max()
         bench = good["bench_s"].dropna()
         times, source = (bench, BENCHMARK) if len(bench) else (good["solve_s"].dropna(), SINGLE_RUN)
         return Cell(*key, len(tried), len(good), excluded, failure, reason, float(rho),
-                    float(times.median()) if len(times) else math.nan, source if len(times) else "")
+                    median(times), source if len(times) else "")
 
 
 def _timed_seed(seeds: set[int], first: int | None) -> int:

@@ -27,6 +27,7 @@ _STYLE = {
     "lines.linewidth": 1.4, "lines.markersize": 5.2, "axes.linewidth": 0.8,
 }
 _WIDE, _NARROW, _HEIGHT = 5.2, 3.7, 4.0  # [in]; the page scales them
+_NO_TIMES = (1e-6, 1.0)  # [s] axis of a run without any time
 _PROFILE_LIMIT = 1e4  # the profile's axis ends here at the latest
 
 
@@ -144,9 +145,9 @@ def _line(axes, sizes, times, style: SolverStyle, hollow, thin=False) -> None:
     axes.plot(sizes, times, color=style.colour, linestyle=(0, (4, 2)) if thin else style.dash,
               linewidth=1.0 if thin else None, zorder=3)
     for n, t, empty in zip(sizes, times, hollow):
+        face, edge, width = ("white", style.colour, 1.3) if empty else (style.colour, "white", 0.6)
         axes.plot([n], [t], marker=style.marker, markersize=4 if thin else None, color=style.colour,
-                  markerfacecolor="white" if empty else style.colour, markeredgecolor=style.colour if empty else "white",
-                  markeredgewidth=1.3 if empty else 0.6, zorder=4)
+                  markerfacecolor=face, markeredgecolor=edge, markeredgewidth=width, zorder=4)
 
 
 def _strip_row(strip, row: int, missing, style: SolverStyle) -> None:
@@ -190,8 +191,7 @@ def _thin_out(sizes) -> list[int]:
 
 def _time_axis(axes, limits, what: str) -> None:
     axes.set_yscale("log")
-    if limits:
-        axes.set_ylim(*limits)
+    axes.set_ylim(*(limits or _NO_TIMES))
     axes.yaxis.set_major_locator(LogLocator(10, numticks=20))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda t, _: decade(t)))
     axes.yaxis.set_minor_formatter(NullFormatter())

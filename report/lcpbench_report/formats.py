@@ -96,5 +96,6 @@ def bytes_(value: float) -> str:
 
 def decade(value: float) -> str:
     """A power of ten of seconds as an axis label: 10 µs."""
-    unit, scale = next(((u, s) for u, s in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)) if value >= 0.999 * s), ("ns", 1e-9))
+    units = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6))
+    unit, scale = next(((name, size) for name, size in units if value >= 0.999 * size), ("ns", 1e-9))
     return f"{value / scale:.0f} {unit}"

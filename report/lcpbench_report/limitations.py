@@ -24,17 +24,22 @@ def limitations(cells: Cells) -> list[tuple[str, str]]:
 
 def _machine(cells: Cells) -> list:
     run = cells.results.run
-    return [("One machine", f"All times are from one machine ({run['cpu']}, {formats.plural(run['cores'], 'core')}); ratios "
-             "between solvers, and even their order, can differ on another.")]
+    return [("One machine",
+             f"All times are from one machine ({run['cpu']}, {formats.plural(run['cores'], 'core')}); ratios between "
+             "solvers, and even their order, can differ on another."
+             + (f" BLAS and OpenMP ran on {formats.plural(run['library_threads'], 'thread')}."
+                if run.get("library_threads") else " How many threads BLAS used is not known."))]
 
 
 def _build(cells: Cells) -> list:
     run, lines = cells.results.run, []
     if run["git_dirty"]:
-        lines.append(("Uncommitted changes", f"The tree differed from commit {run['git_commit'][:12]} when this was built: "
-                      "the commit alone does not reproduce it."))
+        lines.append(("Uncommitted changes",
+                      f"The tree differed from commit {run['git_commit'][:12]} when this was built: the commit alone "
+                      "does not reproduce it."))
     if run["build_type"].lower() not in ("release", "relwithdebinfo"):
-        lines.append(("Build type", f"The build type is '{run['build_type']}': times are not those of an optimised build."))
+        lines.append(("Build type",
+                      f"The build type is '{run['build_type']}': times are not those of an optimised build."))
     return lines
 
 
@@ -43,12 +48,15 @@ def _noise(cells: Cells) -> list:
     timed = [t for t in cells.results.timing if t.kind == "solve" and not t.error and t.seconds]
     spreads = [t.spread for t in timed if math.isfinite(t.spread)]
     if not timed:
-        return [("No repeated timing", "timing.json holds no timed cell: every time on this page is a single measurement.")]
+        return [("No repeated timing",
+                 "timing.json holds no timed cell: every time on this page is a median of at most five solves.")]
     if not spreads:
-        return [("Noise unknown", f"The {len(timed)} timed cells hold one repetition each, so their noise is not known.")]
+        return [("Noise unknown",
+                 f"The {len(timed)} timed cells hold one repetition each, so their noise is not known.")]
     noisy = sum(s > _NOISY_SPREAD for s in spreads)
-    return [("Noise", f"Times are medians of {run['repetitions']} repetitions of at least {run['min_time_s']:g} s. Their "
-             f"spread (max - min)/median is {formats.percent(statistics.median(spreads))} in the median cell and "
+    return [("Noise",
+             f"Times are medians of {run['repetitions']} repetitions of at least {run['min_time_s']:g} s. Their spread "
+             f" (max - min)/median is {formats.percent(statistics.median(spreads))} in the median cell and "
              f"{formats.percent(max(spreads))} in the worst; above {formats.percent(_NOISY_SPREAD)} in {noisy} of "
              f"{len(spreads)} cells. Differences below the spread mean nothing.")]
 
@@ -56,21 +64,27 @@ def _noise(cells: Cells) -> list:
 def _single_runs(cells: Cells) -> list:
     verified = [c for c in cells.all() if c.verified]
     single = [c for c in verified if c.time_source == SINGLE_RUN]
-    if not single or not any(t.kind == "solve" and t.seconds for t in cells.results.timing):
+    by_single = len(cells.results.problems) - min(cells.problem_times(tier)[1] for tier in cells.results.tiers)
+    if not by_single or not any(t.kind == "solve" and t.seconds for t in cells.results.timing):
         return []
-    return [("Single measurements", f"{len(single)} of {len(verified)} verified cells were not timed repeatedly; their time is "
-             "that of the one accuracy run, cold caches included (marked † in tables).")]
+    return [("Single measurements",
+             f"{len(single)} of {len(verified)} verified cells (family, n, solver, tier) were not timed repeatedly and "
+             f"show the accuracy pass' time, a median of at most five solves (marked † in tables). In profiles and "
+             f"rankings up to {by_single} of {len(cells.results.problems)} problems per tier are compared by "
+             "those times.")]
 
 
 def _disagreements(cells: Cells) -> list:
     found = cells.disagreements()
-    return [("Passes disagree", f"In {formats.plural(len(found), 'cell')} the timing pass judged differently from the accuracy "
-             f"pass, for example {found[0]}.")] if found else []
+    return [("Passes disagree",
+             f"In {formats.plural(len(found), 'cell')} the timing pass judged differently from the accuracy pass, for "
+             f"example {found[0]}.")] if found else []
 
 
 def _accuracy_once(cells: Cells) -> list:
-    return [("One run for accuracy", "Accuracy was measured on one run per problem, solver and tier. Solvers are meant to be "
-             "deterministic, but a verdict that hangs on the time limit can change from run to run.")]
+    return [("One run for accuracy",
+             "Accuracy was measured on one run per problem, solver and tier. Solvers are meant to be deterministic, "
+             "but a verdict that hangs on the time limit can change from run to run.")]
 
 
 def _seeds(cells: Cells) -> list:
@@ -87,25 +101,29 @@ def _limit(cells: Cells) -> list:
     hit = cells.runs[cells.runs["claim"] == "time_limit"]
     counts = hit["solver"].value_counts()
     who = ", ".join(f"{s} {counts[s]}" for s in cells.results.solvers if s in counts)
-    text = f"{len(hit)} runs ended there ({who}); with more time some would be verified." if len(hit) else "No run ended there."
+    text = "No run ended there."
+    if len(hit):
+        text = f"{formats.plural(len(hit), 'run')} ended there ({who}); with more time some might be verified."
     return [("Time limit", f"A solve may take {limit:g} s. {text}")]
 
 
 def _excluded(cells: Cells) -> list:
-    left_out = cells.runs[cells.runs["excluded"] != ""]
+    run = [solver for solver in cells.results.solvers if cells.was_run(solver)]
+    left_out = cells.runs[(cells.runs["excluded"] != "") & cells.runs["solver"].isin(run)]
     if left_out.empty:
         return []
     parts = []
     for rule, group in left_out.groupby("excluded", sort=False):
         who = ", ".join(s for s in cells.results.solvers if s in set(group["solver"]))
         parts.append(f"“{rule}” ({who}: {formats.plural(len(group), 'run')})")
-    return [("Excluded by rule", f"{formats.plural(len(left_out), 'run')} did not take place: {'; '.join(parts)}. In counts and "
-             "profiles they stand as not solved.")]
+    return [("Excluded by rule",
+             f"{formats.plural(len(left_out), 'run')} did not take place: {'; '.join(parts)}. In counts and profiles "
+             "they stand as not solved.")]
 
 
 def _unavailable(cells: Cells) -> list:
-    missing = [s["key"] for s in cells.results.run["solvers"] if not s["available"]]
-    return [("Not in this build", f"{formats.words(missing)} could not be run.")] if missing else []
+    missing = [solver for solver in cells.results.solvers if not cells.was_run(solver)]
+    return [("Not run", f"There are no results for {formats.words(missing)}.")] if missing else []
 
 
 def _tiers(cells: Cells) -> list:
@@ -115,30 +133,35 @@ def _tiers(cells: Cells) -> list:
         mine = cells.runs[cells.runs["solver"] == solver]
         loose, strict = (int(mine.loc[mine["tier"] == tier, "verified"].sum()) for tier in (loosest, strictest))
         if loose and strict < _TIER_DROP * loose:
-            lines.append((f"{solver} and strict tiers", f"{solver} is verified on {loose} problems at {formats.tier(loosest)} but "
-                          f"on {strict} at {formats.tier(strictest)}: it is judged here at tiers it is not built for. Its row "
-                          f"at {formats.tier(loosest)} is the one to read."))
+            lines.append((f"{solver} and strict tiers",
+                          f"{solver} is verified on {loose} problems at {formats.tier(loosest)} but on {strict} at "
+                          f"{formats.tier(strictest)}: it is judged here at tiers it is not built for. Its row at "
+                          f"{formats.tier(loosest)} is the one to read."))
     return lines
 
 
 def _direct(cells: Cells) -> list:
     direct = [s["key"] for s in cells.results.run["solvers"] if not s["uses_tolerance"]]
-    return [("Direct methods", f"{formats.words(direct)} ignore{'s' if len(direct) == 1 else ''} the tolerance: one run stands for "
-             "every tier, so a loose tier does not make it faster.")] if direct else []
+    return [("Direct methods",
+             f"Not steered by the tolerance: {formats.words(direct)}. One run stands for every tier, so a loose tier "
+             "does not make it faster.")] if direct else []
 
 
 def _reference(cells: Cells) -> list:
     unknown = int(cells.results.problems["separating"].isna().sum())
-    return [("No reference", f"On {formats.plural(unknown, 'problem')} no solver was verified at the strictest tier; there the "
-             "separating fraction and the error of w are not known.")] if unknown else []
+    return [("No reference",
+             f"On {formats.plural(unknown, 'problem')} no solver was verified at the strictest tier: there the "
+             "separating fraction is not known.")] if unknown else []
 
 
 def _setup(cells: Cells) -> list:
-    return [("Set-up apart", "Set-up (forms of A, allocation, symbolic analysis) is not part of the solve time; it is drawn on "
-             "its own. Who solves each problem once pays both.")]
+    return [("Set-up apart",
+             "Set-up (forms of A, allocation, symbolic analysis) is not part of the solve time; it is drawn on its "
+             "own. Who solves each problem once pays both.")]
 
 
 def _scope(cells: Cells) -> list:
-    return [("Scope", "Scenes are synthetic and frictionless; solvers were called one at a time, from cold starts, with their "
-             "default settings. rho is our measure: a library that stops on a criterion of its own may do more work than a "
-             "tier needs.")]
+    return [("Scope",
+             "Scenes are synthetic and frictionless; solvers were called one at a time, from cold starts, with their "
+             "default settings. rho is our measure: a library that stops on a criterion of its own may do more work "
+             "than a tier needs.")]

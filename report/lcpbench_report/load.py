@@ -33,9 +33,10 @@ ACCURACY_COLUMNS = {
 }
 # Key -> type; what the page cannot do without.
 RUN_KEYS = {
-    "schema": str, "suite": str, "started": str, "wall_s": (int, float, type(None)), "git_commit": str, "git_dirty": bool,
-    "compiler": str, "flags": str, "build_type": str, "cpu": str, "cores": int, "memory_bytes": (int, float), "os": str,
-    "libraries": dict, "tiers": list, "time_limit_s": (int, float, type(None)), "repetitions": int,
+    "schema": str, "suite": str, "started": str, "wall_s": (int, float, type(None)), "git_commit": str,
+    "git_dirty": bool, "compiler": str, "flags": str, "build_type": str, "cpu": str, "cores": int,
+    "memory_bytes": (int, float), "os": str, "libraries": dict,
+    "tiers": list, "time_limit_s": (int, float, type(None)), "repetitions": int,
     "min_time_s": (int, float), "seed": (int, type(None)), "solvers": list, "scenes": list, "metrics": list,
 }
 SOLVER_KEYS = {"key": str, "method": str, "source": str, "available": bool, "uses_tolerance": bool}

@@ -28,7 +28,8 @@ def render(results: Results) -> str:
         "script": Markup((_HERE / "page.js").read_text(encoding="utf-8")),
         "run": results.run, "facts": _run_facts(results), "solvers": results.solvers, "styles": styles,
         "summary": summary_lines(cells), "headline": tables.headline(cells), "rankings": tables.rankings(cells),
-        "accuracy": accuracy, "shown": _nonzero(accuracy, cells), "claims": [formats.status(c).split() for c in tables.other_claims(cells)],
+        "accuracy": accuracy, "shown": _nonzero(accuracy, cells),
+        "claims": [formats.status(c).split() for c in tables.other_claims(cells)],
         "map": tables.residual_map(cells), "failures": tables.failures(cells), "scenes": _scenes(results, cells),
         "tiers": [formats.tier(t) for t in reversed(results.tiers)],
         "timing": _timing_figures(cells, styles), "profiles": _profiles(cells, styles),
@@ -55,7 +56,8 @@ def _run_facts(results: Results) -> list[tuple[str, str]]:
         ("Libraries", libraries or formats.DASH),
         ("Tiers", ", ".join(formats.tier(t) for t in results.tiers) + " on rho"),
         ("Limits", limit),
-        ("Repetitions", f"{run['repetitions']} of at least {run['min_time_s']:g}\u202fs each (timing); one run (accuracy)"),
+        ("Repetitions",
+         f"{run['repetitions']} of at least {run['min_time_s']:g}\u202fs each (timing); one run (accuracy)"),
         ("Seeds", f"{shown}; of the campaign {run['seed'] if run['seed'] is not None else formats.DASH}"),
     ]
 
@@ -109,7 +111,8 @@ def _profiles(cells: Cells, styles: dict) -> list[dict]:
         excluded = [f"{solver} {count}" for solver in cells.results.solvers
                     if (count := int((runs["solver"] == solver).sum()))]
         picture = figures.profile_figure(times, styles)
-        found.append({"tier": name, "svg": Markup(svg.embed(picture, f"profile-{name}", f"Performance profile at {name}")),
+        found.append({"tier": name,
+                      "svg": Markup(svg.embed(picture, f"profile-{name}", f"Performance profile at {name}")),
                       "problems": len(times), "unsolved": int((times == float("inf")).all(axis=1).sum()),
                       "repeated": repeated, "excluded": ", ".join(excluded), "cut": figures.profile_cut(times),
                       "shares": [(s, formats.percent(float((times[s] < float("inf")).mean()))) for s in times.columns]})

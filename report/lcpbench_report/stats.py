@@ -1,6 +1,7 @@
 """The mathematics of the report, free of files and column names."""
 
 import math
+import statistics
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,6 +61,12 @@ def performance_profile(times: pd.DataFrame) -> dict[str, tuple[np.ndarray, np.n
         share = np.searchsorted(solved, steps, side="right") / max(len(ratios), 1)
         profile[solver] = (steps, share)
     return profile
+
+
+def median(values) -> float:
+    """Over the values that are not NaN; NaN without any."""
+    known = sorted(float(v) for v in values if not math.isnan(v))
+    return statistics.median(known) if known else math.nan
 
 
 def geometric_mean(values: list[float]) -> float:

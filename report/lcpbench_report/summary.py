@@ -70,8 +70,9 @@ def _scope(cells: Cells) -> str:
     solvers = [s for s in results.solvers if cells.was_run(s)]
     tiers = formats.words([formats.tier(t) for t in results.tiers])
     excluded = int((cells.runs["excluded"] != "").sum())
-    return (f"{formats.plural(len(problems), 'problem')} from {formats.plural(len(results.families), 'family', 'families')}, "
-            f"n = {formats.span(list(problems['n']))}; {formats.plural(len(solvers), 'solver')} at tiers {tiers}: "
+    families = formats.plural(len(results.families), "family", "families")
+    return (f"{formats.plural(len(problems), 'problem')} from {families}, n = {formats.span(list(problems['n']))}; "
+            f"{formats.plural(len(solvers), 'solver')} at tiers {tiers}: "
             f"{len(cells.runs) - excluded} answers judged, {excluded} excluded by rule.")
 
 

@@ -6,7 +6,7 @@ import pandas as pd
 
 from . import formats
 from .cells import SINGLE_RUN, Cell, Cells, failure_line, failure_word
-from .stats import nearest_sizes
+from .stats import median, nearest_sizes
 from .summary import ranking, size_classes
 
 _HEADLINE_SIZES = [10, 100, 1000]
@@ -32,8 +32,8 @@ def _headline_cell(cell: Cell | None, top: float | None, best: float) -> dict:
         return {"kind": "absent"}
     if not cell.passes:
         part = f"{cell.verified} of {cell.runs} verified" if cell.verified else ""
-        return {"kind": "excluded" if cell.excluded else "failed", "word": cell.failure, "reason": cell.reason, "part": part,
-                "rho": formats.residual(cell.rho)}
+        return {"kind": "excluded" if cell.excluded else "failed", "word": cell.failure, "reason": cell.reason,
+                "part": part, "rho": formats.residual(cell.rho)}
     return {"kind": "passed", "time": formats.seconds(cell.time_s), "rho": formats.residual(cell.rho),
             "tier": formats.tier(cell.tier), "looser": cell.tier != top, "single": cell.time_source == SINGLE_RUN,
             "best": cell.tier == top and cell.time_s == best}
@@ -84,14 +84,14 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
         "false_success": int(tried["false_success"].sum()),
         "false_infeasible": int(tried["false_infeasible"].sum()),
         "claims": [int((tried["claim"] == claim).sum()) for claim in claims],
-        "rho_median": formats.residual(good["rho"].median()), "rho_max": formats.residual(good["rho"].max()),
+        "rho_median": formats.residual(median(good["rho"])), "rho_max": formats.residual(good["rho"].max()),
         "backward_max": formats.residual(good["backward_error"].max()),
         "w_error_max": formats.residual(good["w_error"].max()),
     }
 
 
 def verdicts(cells: Cells) -> dict:
-    """One look at everything: a row per solver, a cell per family and size with the strictest tier passed by all seeds."""
+    """One look at everything: a row per solver, a cell per family and size: the strictest tier that all seeds pass."""
     tiers = list(reversed(cells.results.tiers))
     groups = [{"family": family, "sizes": cells.sizes(family)} for family in cells.results.families]
     rows = []
@@ -130,7 +130,8 @@ def residual_map(cells: Cells) -> list[dict]:
         rows = [{"problem": p.problem, "n": p.n, "seed": p.seed,
                  "cells": [_map_cell(cells, at_tier, p.problem, solver) for solver in cells.results.solvers]}
                 for p in mine.itertuples(index=False)]
-        families.append({"family": family, "rows": rows, "verified": sum(c["level"] == 1 for r in rows for c in r["cells"]),
+        verified = sum(cell["level"] == 1 for row in rows for cell in row["cells"])
+        families.append({"family": family, "rows": rows, "verified": verified,
                          "of": len(rows) * len(cells.results.solvers)})
     return families
 
@@ -162,8 +163,9 @@ def failures(cells: Cells) -> list[dict]:
     rows = []
     for (solver, tier, family, word), group in bad.groupby(["solver", "tier", "family", "word"], sort=False):
         example = group.sort_values(["n", "seed"], kind="stable").iloc[0]
+        sizes = ", ".join(str(n) for n in sorted(set(group["n"])))
         rows.append({"solver": solver, "tier": formats.tier(tier), "family": family, "word": word, "count": len(group),
-                     "sizes": ", ".join(str(n) for n in sorted(set(group["n"]))), "rho": formats.residual(example["rho"]),
+                     "sizes": sizes, "rho": formats.residual(example["rho"]),
                      "example": failure_line(example), "false": word.startswith("false"),
                      "key": (order[solver], tier, families[family], word)})
     return sorted(rows, key=lambda row: row["key"])

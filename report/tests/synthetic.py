@@ -16,9 +16,11 @@ TIERS = (1e-3, 1e-6, 1e-9)
 SOLVERS = {"dantzig": (3e-8, 2.6, 1.0), "pgs": (6e-7, 1.6, 3.5), "ipopt-qp": (4e-5, 1.5, 1.3),
            "ipopt-ncp": (9e-5, 1.6, 1.5), "suitesparse": (5e-6, 1.25, 1.2)}
 _SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" width="200" height="150" viewBox="0 0 200 150">
-<style>.body {{ fill: #dde6ee; stroke: #445; }}</style><defs><marker id="tip" markerWidth="6" markerHeight="6" refX="3" refY="3"
-orient="auto"><path d="M0 0L6 3L0 6Z" fill="#b33"/></marker></defs><path d="M10 20L100 140L190 20" fill="none" stroke="#445"/>
-<circle class="body" cx="100" cy="{0}" r="28"/><line x1="100" y1="100" x2="100" y2="60" stroke="#b33" marker-end="url(#tip)"/></svg>"""
+<style>.body {{ fill: #dde6ee; stroke: #445; }}</style>
+<defs><marker id="tip" markerWidth="6" markerHeight="6" refX="3" refY="3" orient="auto">
+<path d="M0 0L6 3L0 6Z"/></marker></defs>
+<path d="M10 20L100 140L190 20" fill="none" stroke="#445"/><circle class="body" cx="100" cy="{0}" r="28"/>
+<line x1="100" y1="100" x2="100" y2="60" stroke="#b33" marker-end="url(#tip)"/></svg>"""
 
 
 def write_results(folder: Path, seed: int = 7, families=FAMILIES, sizes=SIZES, seeds=SEEDS) -> Path:
@@ -48,7 +50,8 @@ def _run_json(families) -> dict:
         "schema": "lcpbench-run/1", "suite": "synthetic", "started": "2024-01-02T03:04:05Z", "wall_s": 1234.5,
         "git_commit": "0123456789abcdef0123456789abcdef01234567", "git_dirty": True, "compiler": "GNU 12.2.0",
         "flags": "-O3 -DNDEBUG -march=native", "build_type": "Release", "cpu": "Made-up CPU @ 3.0 GHz", "cores": 2,
-        "memory_bytes": 8 * 2**30, "os": "Debian 12", "libraries": {"Eigen": "3.4.0", "Ipopt": "3.11.9", "CHOLMOD": "3.0.14"},
+        "memory_bytes": 8 * 2**30, "os": "Debian 12",
+        "libraries": {"Eigen": "3.4.0", "Ipopt": "3.11.9", "CHOLMOD": "3.0.14"},
         "tiers": list(TIERS), "time_limit_s": 20.0, "repetitions": 5, "min_time_s": 0.1, "seed": 1,
         "solvers": [{"key": key, "method": f"method of {key}", "source": f"source of {key}", "available": True,
                      "uses_tolerance": key != "dantzig"} for key in SOLVERS],
@@ -74,7 +77,8 @@ def _run(rng, f, problem, solver, tier) -> dict:
     row |= {"solver": solver, "tier": f"{tier:.0e}", "claim": "solved", "false_success": "false",
             "false_infeasible": "false", "iterations": n}
     if solver == "dantzig" and n > 1000:
-        return row | {"iterations": "", "false_success": "", "false_infeasible": "", "claim": "", "excluded": "dense, n > 1000"}
+        empty = dict.fromkeys(("iterations", "false_success", "false_infeasible", "claim"), "")
+        return row | empty | {"excluded": "dense, n > 1000"}
     judged = min(TIERS) if solver == "dantzig" else tier
     rho = judged * 10 ** rng.uniform(-3, -0.2)
     if solver == "dantzig":
@@ -102,7 +106,8 @@ def _benchmarks(rng, rows) -> list[dict]:
     for row in rows:
         if row["solver"] == "dantzig" and float(row["tier"]) != min(TIERS):
             continue  # one run stands for every tier
-        name = f"solve/{row['family']}/{row['n']}/{row['solver']}/{float(row['tier']):.0e}/min_time:0.100/repeats:5/real_time"
+        name = f"solve/{row['family']}/{row['n']}/{row['solver']}/{float(row['tier']):.0e}"
+        name += "/min_time:0.100/repeats:5/real_time"
         if row["excluded"] or row["passes"] == "false":
             found.append({"name": name, "run_name": name, "run_type": "iteration", "error_occurred": True,
                           "error_message": row["excluded"] or row["reason"]})

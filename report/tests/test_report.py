@@ -225,6 +225,11 @@ class OnSyntheticResults(unittest.TestCase):
             self.assertEqual(math.isnan(cell.time_s), cell.verified == 0)
             self.assertEqual(cell.passes, cell.reason == "")
 
+    def test_rho_of_a_cell_with_failures_is_that_of_a_failure(self):
+        for cell in self.cells.all():
+            if 0 < cell.verified < cell.runs:
+                self.assertGreater(cell.rho, cell.tier)
+
     def test_strictest_is_the_strictest_tier_that_all_seeds_pass(self):
         self.assertEqual(self.cells.strictest("rockers", 300, "ipopt-qp").tier, 1e-6)
         self.assertEqual(self.cells.strictest("discs-in-v", 10, "pgs").tier, 1e-9)
@@ -398,7 +403,8 @@ class IncompleteResults(unittest.TestCase):
     def test_a_solver_that_is_not_in_the_build_keeps_its_row(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         mine = table["solver"] == "ipopt-ncp"
-        table.loc[mine, [c for c in table.columns if c not in ("problem", "family", "n", "seed", "solver", "tier")]] = ""
+        kept = ("problem", "family", "n", "seed", "solver", "tier")
+        table.loc[mine, [c for c in table.columns if c not in kept]] = ""
         table.loc[mine, "excluded"] = "not in this build"
         table.to_csv(self.folder / "accuracy.csv", index=False)
         (self.folder / "timing.json").write_text('{"benchmarks": []}', encoding="utf-8")
@@ -417,7 +423,8 @@ class IncompleteResults(unittest.TestCase):
 
 
 class EmbeddedPicture(unittest.TestCase):
-    PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="80px" height="60px">
+    PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"
+      width="80px" height="60px">
       <style>/* x */ * {fill: red} .a, #b {stroke: url(#g)} svg {color: blue}</style><script>alert(1)</script>
       <linearGradient id="g"/><circle id="b" class="a" fill="url(#g)" onclick="alert(1)"/>
       <use xlink:href="#b"/><image href="https://example.org/x.png"/></svg>"""
