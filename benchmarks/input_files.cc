@@ -38,6 +38,8 @@ int ForEachLine(const std::vector<std::string>& files,
       std::size_t number = 0;
       bool any = false;
       while (std::getline(input, line)) {
+        // Data that break off within a line: the line is no one's mistake.
+        if (input.eof() && gzip && !gzip->error().empty()) break;
         ++number;
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         any = true;

@@ -79,12 +79,15 @@ std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact,
   const Vec2 dv = RelativeVelocity(contact, bodies);
   const double vn = Dot(contact.n, dv);
   const double u = Dot(Perp(contact.n), dv);
+  const double omega1 = bodies[static_cast<size_t>(contact.body1)].omega;
   const double omega2 = bodies[static_cast<size_t>(contact.body2)].omega;
   const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
   switch (contact.kind) {
-    case RecordedKind::kVertexStraight:
     case RecordedKind::kStraightCurved:
-      // Exact at any gap: the arm R2 of a vertex/straight row leads to the vertex, and radius1 contains the gap.
+      // Exact at any gap: radius1 contains it.
+      break;
+    case RecordedKind::kVertexStraight:
+      add(Correction::kVertexAboveEdge, -contact.distance * (omega1 - omega2) * (omega1 - omega2));
       break;
     case RecordedKind::kVertexCurved:
     case RecordedKind::kRope:
@@ -95,7 +98,7 @@ std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact,
       break;
     case RecordedKind::kVertexVertex:
       add_normal_derivative(contact.radius2);
-      add(Correction::kSecondVertex, 2 * omega2 * u);
+      add(Correction::kVertexAboveVertex, 2 * omega1 * u);
       break;
     case RecordedKind::kJoint:
       if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * omega2 * u);
@@ -131,8 +134,10 @@ CorrectionText Text(Correction correction) {
   switch (correction) {
     case Correction::kNormalDerivative:
       return {"normal-derivative", "-vn^2/rho"};
-    case Correction::kSecondVertex:
-      return {"second-vertex", "2 omega2 u"};
+    case Correction::kVertexAboveEdge:
+      return {"vertex-above-edge", "-d (omega1 - omega2)^2"};
+    case Correction::kVertexAboveVertex:
+      return {"vertex-above-vertex", "2 omega1 u"};
     case Correction::kJointAxis:
       return {"joint-axis", "-2 omega2 u"};
     case Correction::kRodLength:
@@ -155,9 +160,9 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
   rebuilt.weight = {1, 0};
   switch (contact.kind) {
     case RecordedKind::kVertexStraight:
-      // R2 leads to the vertex; the edge is d below it.
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      constraint.feature2 = LineThrough(body2, contact.R2 - d * contact.n, contact.n);
+      // Both arms lead to the edge; the vertex is d above it.
+      constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
+      constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
       break;
     case RecordedKind::kVertexCurved:
       constraint.feature1 = VertexAt(body1, contact.R1);
@@ -173,8 +178,9 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       break;
     case RecordedKind::kVertexVertex:
       constraint.type = ConstraintType::kRod;
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      constraint.feature2 = VertexAt(body2, contact.R2 - d * contact.n);
+      // Both arms lead to vertex 2.
+      constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
+      constraint.feature2 = VertexAt(body2, contact.R2);
       constraint.length = d;
       rebuilt.gap_offset = d;
       break;

@@ -25,9 +25,13 @@ enum class Correction {
   /// It sets n' = dv/rho, whose part along n is not perpendicular to n: n is a unit vector, so n' = (u/rho) t.
   /// Where q = n'.dv is used (curved edge 2, vertex/vertex, rods, ropes):  -vn^2/rho.
   kNormalDerivative,
-  /// Of two vertices it takes vertex 2 to be where vertex 1 is. The vertex fixed in body 2 is at p2 = p1 - d n, where
-  /// v2 and n.a2 differ by -omega2 d t and +omega2^2 d:  (u + omega2 d)^2/d - u^2/d - omega2^2 d = 2 omega2 u.
-  kSecondVertex,
+  /// A vertex of body 1 above a straight edge is taken to be where its foot is (R1 leads to p2). The vertex is at
+  /// p1 = p2 + d n, where t.v1 differs by omega1 d and n.a1 by -omega1^2 d; and the edge point below it adds -omega2^2
+  /// d:
+  /// 2 omega2 (u + omega1 d) - omega1^2 d - omega2^2 d - 2 omega2 u = -d (omega1 - omega2)^2.
+  kVertexAboveEdge,
+  /// The same of two vertices:  (u + omega1 d)^2/d - omega1^2 d - u^2/d = 2 omega1 u.
+  kVertexAboveVertex,
   /// A joint's pair of rows says p1 = p2, along two axes. Its A has the arms of axes that are fixed in the world (an
   /// axis turning with body 2 would have t.(p1 - p2) added to its arm), its b the term 2 omega2 u of turning ones:
   /// -2 omega2 u.
@@ -39,7 +43,7 @@ enum class Correction {
   kPathGap,
 };
 
-inline constexpr size_t kCorrectionCount = 5;
+inline constexpr size_t kCorrectionCount = 6;
 
 struct CorrectionText {
   const char* key;
