@@ -3,8 +3,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <optional>
 
 #include "benchmarks/commands.h"
+#include "benchmarks/gzip_input.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
@@ -27,11 +29,17 @@ int ForEachLine(const std::vector<std::string>& files,
         file.open(path);
         if (!file) throw InputError(path + ": cannot be opened for reading");
       }
-      std::istream& input = standard_input ? std::cin : file;
+      std::istream& source = standard_input ? std::cin : file;
+      std::optional<GzipBuffer> gzip;
+      if (LooksLikeGzip(source)) gzip.emplace(source);
+      std::istream decompressed(gzip ? &*gzip : nullptr);
+      std::istream& input = gzip ? decompressed : source;
       std::string line;
       std::size_t number = 0;
       bool any = false;
       while (std::getline(input, line)) {
+        // Data that break off within a line: the line is no one's mistake.
+        if (input.eof() && gzip && !gzip->error().empty()) break;
         ++number;
         if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
         any = true;
@@ -42,6 +50,7 @@ int ForEachLine(const std::vector<std::string>& files,
           status = kMisuse;
         }
       }
+      if (gzip && !gzip->error().empty()) throw InputError(name + ": " + gzip->error());
       if (!any) throw InputError(name + ": is empty, expected JSON lines");
     } catch (const InputError& error) {
       Tell(error);

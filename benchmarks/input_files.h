@@ -7,7 +7,8 @@
 
 namespace lcpbench {
 
-/// Calls `handle(line, "file:line")` for every non-empty line of every file ("-" is standard input). A line or file
+/// Calls `handle(line, "file:line")` for every non-empty line of every file ("-" is standard input), plain or
+/// compressed by gzip, told apart by the first byte. A line or file
 /// that is refused with InputError is told on standard error, one line each, and the next one is taken, so that nothing
 /// already computed is lost. A file without any line is refused as well.
 /// @return 0, or 2 when something was refused

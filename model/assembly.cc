@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/closest_points.h"
+#include "model/connector_row.h"
 #include "model/contact_row.h"
 #include "model/trig.h"
 #include "solvers/lcp/input_error.h"
@@ -33,6 +34,10 @@ const char* TypeText(ConstraintType type) {
       return "path joint";
     case ConstraintType::kPin:
       return "pin";
+    case ConstraintType::kRod:
+      return "rod";
+    case ConstraintType::kRope:
+      return "rope";
   }
   return "constraint";
 }
@@ -131,6 +136,10 @@ class Assembler {
         case ConstraintType::kPin:
           AddPinRows(i);
           break;
+        case ConstraintType::kRod:
+        case ConstraintType::kRope:
+          AddConnectorRow(i);
+          break;
       }
     } catch (const InputError& error) {
       throw InputError(ConstraintText(i) + " between " + BodyText(system_, Body1(i)) + " and " +
@@ -173,19 +182,50 @@ class Assembler {
     AddRow(i, info, row.J);
   }
 
-  void AddPinRows(size_t i) {
-    const Constraint& constraint = system_.constraints[i];
+  // The attachment points of a constraint between two vertices.
+  std::array<Vec2, 2> RequireVertices(const Constraint& constraint) const {
     const auto* vertex1 = std::get_if<Vertex>(&constraint.feature1);
     const auto* vertex2 = std::get_if<Vertex>(&constraint.feature2);
     if (vertex1 == nullptr || vertex2 == nullptr) {
-      throw InputError("a pin needs two vertices; feature 1: " + Describe(constraint.feature1) +
-                       "; feature 2: " + Describe(constraint.feature2));
+      throw InputError("a " + std::string(TypeText(constraint.type)) + " needs two vertices; feature 1: " +
+                       Describe(constraint.feature1) + "; feature 2: " + Describe(constraint.feature2));
     }
     RequireValid(constraint.feature1);
     RequireValid(constraint.feature2);
+    return {vertex1->p, vertex2->p};
+  }
+
+  // A rope's gap is L - |p1 - p2|, so its whole row is that of a rod negated.
+  void AddConnectorRow(size_t i) {
+    const Constraint& constraint = system_.constraints[i];
+    const auto [vertex1, vertex2] = RequireVertices(constraint);
     const Body& body1 = system_.bodies[Body1(i)];
     const Body& body2 = system_.bodies[Body2(i)];
-    const PinRows pin = ComputePinRows(vertex1->p, rotation_[Body1(i)], body1, vertex2->p, rotation_[Body2(i)], body2);
+    const auto [points, row] = ComputeConnectorRow(vertex1, rotation_[Body1(i)], body1, vertex2, rotation_[Body2(i)],
+                                                   body2, constraint.length);
+    const bool rod = constraint.type == ConstraintType::kRod;
+    const double sign = rod ? 1 : -1;
+    RowInfo info;
+    info.constraint = static_cast<int>(i);
+    info.axis = 'n';
+    info.bilateral = rod;
+    info.p1 = body1.x + points.R1;
+    info.p2 = body2.x + points.R2;
+    info.n = sign * points.n;
+    info.d = sign * (points.d - constraint.length);
+    info.d_dot = sign * row.d_dot;
+    info.gamma = sign * row.gamma;
+    std::array<double, 6> J = row.J;
+    for (double& entry : J) entry *= sign;
+    AddRow(i, info, J);
+  }
+
+  void AddPinRows(size_t i) {
+    const Constraint& constraint = system_.constraints[i];
+    const auto [vertex1, vertex2] = RequireVertices(constraint);
+    const Body& body1 = system_.bodies[Body1(i)];
+    const Body& body2 = system_.bodies[Body2(i)];
+    const PinRows pin = ComputePinRows(vertex1, rotation_[Body1(i)], body1, vertex2, rotation_[Body2(i)], body2);
     for (const size_t axis : {size_t{0}, size_t{1}}) {
       RowInfo info;
       info.constraint = static_cast<int>(i);

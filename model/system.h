@@ -13,6 +13,8 @@ enum class ConstraintType {
   kContact,    ///< unilateral: gap >= 0, f >= 0; one row
   kPathJoint,  ///< bilateral: a vertex kept on an edge; one row
   kPin,        ///< bilateral: two vertices kept together; two rows, world x then y
+  kRod,        ///< bilateral: two vertices kept at distance `length`, d = |p1 - p2| - length; one row
+  kRope,       ///< unilateral: two vertices at most `length` apart, d = length - |p1 - p2|, f >= 0 pulls; one row
 };
 
 /// A constraint between two features of two bodies (indices into ContactSystem::bodies, different).
@@ -28,6 +30,8 @@ struct Constraint {
   std::optional<double> s2;
   /// Without start values, the local minimum whose gap is closest to this is meant [m].
   double nominal_gap = 0;
+  /// Of a rod or rope [m], > 0; ignored by all others.
+  double length = 0;
 };
 
 /// Bodies and the constraints between them at one instant: what assembly turns into an LCP.
