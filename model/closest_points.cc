@@ -82,7 +82,7 @@ ClosestPoints Solve(const Round<T>& round1, const Line<T>& line2, VecOf<T> dx) {
 }
 
 template <class T>
-ClosestPoints SolveClosedForm(const Pair& pair) {
+ClosestPoints SolveClosedForm(const Pair& pair, Angles angles) {
   const auto& [feature1, feature2] = pair;
   const VecOf<T> dx = Difference<T>(feature1.x, feature2.x);
   const auto* line1 = std::get_if<StraightEdge>(&feature1.feature);
@@ -92,12 +92,11 @@ ClosestPoints SolveClosedForm(const Pair& pair) {
         "two straight edges have no unique contact point (D = 0): flush edges are two vertex/straight contacts");
   }
   if (line1 != nullptr) {
-    return Swapped(
-        Solve(PlaceRound<T>(feature2.feature, feature2.rotation), PlaceLine<T>(*line1, feature1.rotation), -dx));
+    return Swapped(Solve(PlaceRound<T>(feature2, angles), PlaceLine<T>(feature1, angles), -dx));
   }
-  const Round<T> round1 = PlaceRound<T>(feature1.feature, feature1.rotation);
-  if (line2 != nullptr) return Solve(round1, PlaceLine<T>(*line2, feature2.rotation), dx);
-  return Solve(round1, PlaceRound<T>(feature2.feature, feature2.rotation), dx, pair);
+  const Round<T> round1 = PlaceRound<T>(feature1, angles);
+  if (line2 != nullptr) return Solve(round1, PlaceLine<T>(feature2, angles), dx);
+  return Solve(round1, PlaceRound<T>(feature2, angles), dx, pair);
 }
 
 // How far away an arc's centre is, by its radius and from the centre of mass; 0 for other features.
@@ -106,10 +105,19 @@ double CenterDistance(const Feature& feature) {
   return arc == nullptr ? 0 : arc->radius + Norm(arc->center);
 }
 
+double ContactArms(const ClosestPoints& c) { return Norm(c.R1) + Norm(c.R2) + std::abs(c.d); }
+
+// Turning one of two edges by e moves their contact point by about e/D; the arms show whether that matters.
+bool DependsStronglyOnAngles(const ClosestPoints& c) {
+  return !c.curvature1.is_vertex() && !c.curvature2.is_vertex() && std::abs(c.D()) * ContactArms(c) * kFarCenter < 1;
+}
+
 ClosestPoints SolveClosedForm(const Pair& pair) {
-  const ClosestPoints c = SolveClosedForm<double>(pair);
+  const ClosestPoints c = SolveClosedForm<double>(pair, Angles::kRounded);
+  if (DependsStronglyOnAngles(c)) return SolveClosedForm<DoubleDouble>(pair, Angles::kExact);
   const double far = std::max(CenterDistance(pair.feature1.feature), CenterDistance(pair.feature2.feature));
-  return far > kFarCenter * (Norm(c.R1) + Norm(c.R2) + std::abs(c.d)) ? SolveClosedForm<DoubleDouble>(pair) : c;
+  if (far > kFarCenter * ContactArms(c)) return SolveClosedForm<DoubleDouble>(pair, Angles::kRounded);
+  return c;
 }
 
 bool HasVertex(const ClosestPoints& c) { return c.curvature1.is_vertex() || c.curvature2.is_vertex(); }
@@ -146,8 +154,8 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
 
 // Of the stationary points, the regular one whose gap is closest to the nominal one; of irregular ones if need be, so
 // that the refusal can say what is wrong with it.
-ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required) {
-  const StationaryPoints found = SearchStationaryPoints(pair.feature1, pair.feature2, start);
+ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required, Angles angles) {
+  const StationaryPoints found = SearchStationaryPoints(pair.feature1, pair.feature2, start, angles);
   if (found.points.empty()) pair.Refuse(found.failure);
   const auto is_better = [&](const ClosestPoints& a, const ClosestPoints& b) {
     const bool a_regular = IsRegular(a, required);
@@ -155,6 +163,12 @@ ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regulari
     return std::abs(a.d - start.nominal_gap) < std::abs(b.d - start.nominal_gap);
   };
   return *std::min_element(found.points.begin(), found.points.end(), is_better);
+}
+
+ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required) {
+  const ClosestPoints c = SolveBySearch(pair, start, required, Angles::kRounded);
+  if (!DependsStronglyOnAngles(c) || !IsRegular(c, required)) return c;
+  return SolveBySearch(pair, {c.s1, c.s2, c.d}, required, Angles::kExact);
 }
 
 }  // namespace

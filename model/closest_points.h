@@ -14,6 +14,8 @@ struct PlacedFeature {
   const Feature& feature;
   Vec2 x;             ///< the body's centre of mass [m]
   Rotation rotation;  ///< SinCos(theta)
+  /// Where given, pairs whose contact point depends strongly on the angle are placed by it to twice the digits.
+  std::optional<double> theta = std::nullopt;
 };
 
 /// Which of a pair's stationary points is meant. A search along general curves starts at s1, s2 where they are given;
@@ -81,9 +83,11 @@ inline constexpr double kSingularD = 1e-10;
 /// curve enters by its 2-jet at the closest point, its osculating circle there, and so must be searched anew at every
 /// configuration. [MODEL.md section 4]
 ///
-/// The first two are closed forms, O(1). Where an arc is nearly straight, its radius or its centre's arm more than
-/// kFarCenter times the contact arms and the gap, they are evaluated in DoubleDouble: the gap is then a difference of
-/// lengths that a double cannot hold.
+/// The first two are closed forms, O(1), evaluated in double. Where an arc is nearly straight, its radius or its
+/// centre's arm more than kFarCenter times the contact arms and the gap, they are evaluated in DoubleDouble: the gap is
+/// then a difference of lengths that a double cannot hold. And where the edges nearly match, so that turning one of
+/// them by e moves the contact point by more than kFarCenter e times the arms, cos theta and sin theta are taken to 32
+/// digits too, of arcs and general curves alike.
 /// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
 /// errata 2, 5, 11]
 /// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two curved edges.

@@ -30,12 +30,15 @@ constexpr double kLongestBezierStep = 0.1;
 constexpr double kConvergedStep = 1e-18;
 // Below this the residual may be rounding, which no step decreases.
 constexpr double kSmallStep = 1e-12;
+// A residual this small, in radians or parts of the curves' size, counts as a solution where the Jacobian is singular.
+constexpr double kNearlySolved = 1e-6;
 // What a residual must decrease by, as a part of what a linear function would.
 constexpr double kSufficientDecrease = 1e-4;
 
 double LongestStep(const SmoothCurve& curve) { return curve.is_oval() ? kLongestOvalStep : kLongestBezierStep; }
 
-// A system of one or two equations at given places: Newton's step, and a measure of how far from solved it is.
+// A system of one or two equations at given places: Newton's step, and a dimensionless measure of how far from solved
+// it is.
 template <size_t count>
 struct Equations {
   std::array<Wide, count> step;
@@ -47,17 +50,26 @@ using Curves = std::array<const SmoothCurve*, count>;
 template <size_t count>
 using Places = std::array<WidePlace, count>;
 
-// Evaluate(places) -> Equations<count>. Empty where the iteration does not converge.
+// Where the iteration ended.
+template <size_t count>
+struct Ending {
+  Places<count> places;
+  bool converged = false;
+  bool nearly_solved = false;  // the equations hold roughly, whether converged or not
+};
+
+// evaluate(places) -> Equations<count>.
 template <size_t count, class Evaluate>
-std::optional<Places<count>> Newton(const Curves<count>& curves, Places<count> places, const Evaluate& evaluate) {
+Ending<count> Newton(const Curves<count>& curves, Places<count> places, const Evaluate& evaluate) {
   Equations<count> now = evaluate(places);
+  const auto stopped = [&] { return Ending<count>{places, false, now.residual <= kNearlySolved}; };
   for (int i = 0; i < kMostSteps; ++i) {
     // The longest part of the step, in units of what each curve allows.
     double excess = 0;
     double length = 0;
     for (size_t k = 0; k < count; ++k) {
       const double part = std::abs(now.step[k].hi);
-      if (!std::isfinite(part)) return std::nullopt;
+      if (!std::isfinite(part)) return stopped();
       excess = std::max(excess, part / LongestStep(*curves[k]));
       length = std::max(length, part);
     }
@@ -66,12 +78,12 @@ std::optional<Places<count>> Newton(const Curves<count>& curves, Places<count> p
       for (size_t k = 0; k < count; ++k) to[k] = curves[k]->Moved(places[k], Wide(factor) * now.step[k]);
       return to;
     };
-    if (length <= kConvergedStep) return moved(1);
+    if (length <= kConvergedStep) return {moved(1), true, true};
     double factor = excess > 1 ? 1 / excess : 1;
     Places<count> next = moved(factor);
     Equations<count> then = evaluate(next);
     for (int k = 0; !(then.residual <= (1 - kSufficientDecrease * factor) * now.residual) && length > kSmallStep; ++k) {
-      if (k == kMostHalvings) return std::nullopt;
+      if (k == kMostHalvings) return stopped();
       factor /= 2;
       next = moved(factor);
       then = evaluate(next);
@@ -79,7 +91,7 @@ std::optional<Places<count>> Newton(const Curves<count>& curves, Places<count> p
     places = next;
     now = then;
   }
-  return std::nullopt;
+  return stopped();
 }
 
 // The chord between the unit vectors a and -b: 0 where they are opposite, monotone in the angle up to parallel.
@@ -152,16 +164,26 @@ std::string Beyond(const SmoothCurve& curve, const WidePlace& place) {
 }
 
 const char* const kDiverged = "the search for the closest points does not converge from its start";
+const char* const kEndsInSingularity =
+    "curvature match, or vertex at a centre of curvature: the search for the closest points ends where D = 0";
 const char* const kNothingFound = "the features have no stationary point of the distance";
+
+// Why a search did not converge, given the point it stopped at.
+const char* WhyStopped(const ClosestPoints& c, bool nearly_solved) {
+  constexpr double kNearlySingular = 1e-6;
+  const bool vertex = c.curvature1.is_vertex() || c.curvature2.is_vertex();
+  const double scale = vertex ? 1 : std::abs(c.curvature1.s) + std::abs(c.curvature2.s) + c.curvature_floor;
+  return nearly_solved && std::abs(c.D()) <= kNearlySingular * scale ? kEndsInSingularity : kDiverged;
+}
 
 CurvaturePair Curvature(const WideJet& jet) { return {1, ToDouble(jet.kappa)}; }
 
 // A vertex or arc on body 1 and a curve on body 2.
 class RoundAndCurve {
  public:
-  RoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2)
-      : round_(PlaceRound<Wide>(round1.feature, round1.rotation)),
-        curve_(curve2.feature, curve2.rotation),
+  RoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, Angles angles)
+      : round_(PlaceRound<Wide>(round1, angles)),
+        curve_(curve2, angles),
         q_(Difference<Wide>(round1.x, curve2.x) + round_.U) {}
 
   StationaryPoints Search(std::optional<double> s2) const {
@@ -188,19 +210,20 @@ class RoundAndCurve {
 
  private:
   void Finish(const WidePlace& start, StationaryPoints* found) const {
-    const auto place = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
+    const Ending<1> ending = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
       const WideJet jet = curve_.At(at[0]);
       const VecOf<Wide> to_q = q_ - jet.c;
       const Wide g = Dot(jet.d1, to_q);
       const Wide slope = Dot(jet.d2, to_q) - Dot(jet.d1, jet.d1);
-      return Equations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1)))};
+      return Equations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve_.size()};
     });
-    if (!place) {
-      found->failure = kDiverged;
-    } else if (!IsOnCurve(curve_, (*place)[0])) {
-      found->failure = Beyond(curve_, (*place)[0]);
+    const WidePlace& place = ending.places[0];
+    if (!ending.converged) {
+      found->failure = WhyStopped(At(place), ending.nearly_solved);
+    } else if (!IsOnCurve(curve_, place)) {
+      found->failure = Beyond(curve_, place);
     } else {
-      found->points.push_back(At((*place)[0]));
+      found->points.push_back(At(place));
     }
   }
 
@@ -232,10 +255,8 @@ class RoundAndCurve {
 // A curve on body 1 and a straight edge on body 2.
 class CurveAndLine {
  public:
-  CurveAndLine(const PlacedFeature& curve1, const PlacedFeature& line2)
-      : curve_(curve1.feature, curve1.rotation),
-        line_(PlaceLine<Wide>(std::get<StraightEdge>(line2.feature), line2.rotation)),
-        dx_(Difference<Wide>(curve1.x, line2.x)) {}
+  CurveAndLine(const PlacedFeature& curve1, const PlacedFeature& line2, Angles angles)
+      : curve_(curve1, angles), line_(PlaceLine<Wide>(line2, angles)), dx_(Difference<Wide>(curve1.x, line2.x)) {}
 
   StationaryPoints Search(std::optional<double> s1) const {
     StationaryPoints found;
@@ -250,21 +271,20 @@ class CurveAndLine {
 
  private:
   void Finish(const WidePlace& start, StationaryPoints* found) const {
-    const auto place = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
+    const Ending<1> ending = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
       const WideJet jet = curve_.At(at[0]);
       return Equations<1>{{-Dot(jet.d1, line_.normal) / Dot(jet.d2, line_.normal)}, NotOpposite(jet.N, line_.normal)};
     });
-    if (!place) {
+    const WidePlace& place = ending.places[0];
+    const WideJet jet = curve_.At(place);
+    if (!ending.converged) {
+      found->failure = WhyStopped(At(place, jet), ending.nearly_solved);
+    } else if (!IsOnCurve(curve_, place)) {
+      found->failure = Beyond(curve_, place);
+    } else if (!AreOpposite(jet.N, line_.normal)) {
       found->failure = kDiverged;
-    } else if (!IsOnCurve(curve_, (*place)[0])) {
-      found->failure = Beyond(curve_, (*place)[0]);
     } else {
-      const WideJet jet = curve_.At((*place)[0]);
-      if (AreOpposite(jet.N, line_.normal)) {
-        found->points.push_back(At((*place)[0], jet));
-      } else {
-        found->failure = kDiverged;
-      }
+      found->points.push_back(At(place, jet));
     }
   }
 
@@ -296,9 +316,9 @@ class CurveAndLine {
 
 class CurveAndCurve {
  public:
-  CurveAndCurve(const PlacedFeature& curve1, const PlacedFeature& curve2)
-      : curve1_(curve1.feature, curve1.rotation),
-        curve2_(curve2.feature, curve2.rotation),
+  CurveAndCurve(const PlacedFeature& curve1, const PlacedFeature& curve2, Angles angles)
+      : curve1_(curve1, angles),
+        curve2_(curve2, angles),
         dx_(Difference<Wide>(curve1.x, curve2.x)),
         size_(curve1_.size() + curve2_.size()) {}
 
@@ -382,7 +402,7 @@ class CurveAndCurve {
   }
 
   void Finish(const Places<2>& start, StationaryPoints* found) const {
-    const auto places = Newton<2>({&curve1_, &curve2_}, start, [&](const Places<2>& at) {
+    const Ending<2> ending = Newton<2>({&curve1_, &curve2_}, start, [&](const Places<2>& at) {
       const WideJet j1 = curve1_.At(at[0]);
       const WideJet j2 = curve2_.At(at[1]);
       const VecOf<Wide> between = dx_ + (j1.c - j2.c);
@@ -399,21 +419,23 @@ class CurveAndCurve {
                            (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
                           std::sqrt(turned * turned + offset * offset)};
     });
-    if (!places) {
-      found->failure = kDiverged;
-      return;
-    }
-    const auto& [place1, place2] = *places;
-    if (!IsOnCurve(curve1_, place1) || !IsOnCurve(curve2_, place2)) {
-      found->failure = IsOnCurve(curve1_, place1) ? Beyond(curve2_, place2) : Beyond(curve1_, place1);
-      return;
-    }
+    const auto& [place1, place2] = ending.places;
     const WideJet j1 = curve1_.At(place1);
     const WideJet j2 = curve2_.At(place2);
-    if (!AreOpposite(j1.N, j2.N)) {
+    if (!ending.converged) {
+      found->failure = WhyStopped(At(place1, j1, place2, j2), ending.nearly_solved);
+    } else if (!IsOnCurve(curve1_, place1)) {
+      found->failure = Beyond(curve1_, place1);
+    } else if (!IsOnCurve(curve2_, place2)) {
+      found->failure = Beyond(curve2_, place2);
+    } else if (!AreOpposite(j1.N, j2.N)) {
       found->failure = kDiverged;
-      return;
+    } else {
+      found->points.push_back(At(place1, j1, place2, j2));
     }
+  }
+
+  ClosestPoints At(const WidePlace& place1, const WideJet& j1, const WidePlace& place2, const WideJet& j2) const {
     ClosestPoints c;
     const VecOf<Wide> n = j2.N;
     c.n = ToVec2(n);
@@ -428,7 +450,7 @@ class CurveAndCurve {
     c.owner = 2;
     c.s1 = curve1_.Parameter(place1);
     c.s2 = curve2_.Parameter(place2);
-    found->points.push_back(c);
+    return c;
   }
 
   SmoothCurve curve1_;
@@ -469,7 +491,7 @@ std::vector<double> Numbers(const PlacedFeature& placed) {
 }  // namespace
 
 StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
-                                        const SearchStart& start) {
+                                        const SearchStart& start, Angles angles) {
   for (const std::optional<double>& s : {start.s1, start.s2}) {
     if (s && !std::isfinite(*s)) return {{}, "a start value of the search is not finite"};
   }
@@ -477,19 +499,19 @@ StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const Pla
   const bool second = SmoothCurve::Holds(feature2.feature);
   if (first && second) {
     if (Numbers(feature2) < Numbers(feature1)) {
-      StationaryPoints found = Swapped(CurveAndCurve(feature2, feature1).Search(start.s2, start.s1));
+      StationaryPoints found = Swapped(CurveAndCurve(feature2, feature1, angles).Search(start.s2, start.s1));
       for (ClosestPoints& c : found.points) c.owner = 2;
       return found;
     }
-    return CurveAndCurve(feature1, feature2).Search(start.s1, start.s2);
+    return CurveAndCurve(feature1, feature2, angles).Search(start.s1, start.s2);
   }
   const PlacedFeature& other = first ? feature2 : feature1;
   if (std::holds_alternative<StraightEdge>(other.feature)) {
-    return first ? CurveAndLine(feature1, feature2).Search(start.s1)
-                 : Swapped(CurveAndLine(feature2, feature1).Search(start.s2));
+    return first ? CurveAndLine(feature1, feature2, angles).Search(start.s1)
+                 : Swapped(CurveAndLine(feature2, feature1, angles).Search(start.s2));
   }
-  return first ? Swapped(RoundAndCurve(feature2, feature1).Search(start.s1))
-               : RoundAndCurve(feature1, feature2).Search(start.s2);
+  return first ? Swapped(RoundAndCurve(feature2, feature1, angles).Search(start.s1))
+               : RoundAndCurve(feature1, feature2, angles).Search(start.s2);
 }
 
 }  // namespace lcpbench

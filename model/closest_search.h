@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "model/closest_points.h"
+#include "model/double_double.h"
 
 namespace lcpbench {
 
@@ -37,7 +38,8 @@ struct StationaryPoints {
 /// The owner of the normal is the straight edge or the curve; of two curved edges, body 2's by convention. Swapping the
 /// features swaps every result bit by bit but for that owner.
 /// @param feature1, feature2  valid; two general curves, or one and any other feature
+/// @param angles  exact ones take about 10 microseconds each and need the features' theta
 StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
-                                        const SearchStart& start);
+                                        const SearchStart& start, Angles angles = Angles::kRounded);
 
 }  // namespace lcpbench

@@ -146,7 +146,7 @@ EdgePoint EvaluateEdge(const Feature& edge, double s) {
     return {arc->center + arc->radius * radial, arc->radius * Perp(radial), -arc->radius * radial, sign * radial,
             sign / arc->radius};
   }
-  const SmoothCurve curve(edge, {});
+  const SmoothCurve curve({edge, {}, {}});
   const CurvePlace<DoubleDouble> place = curve.FromParameter(s);
   CurveJet<DoubleDouble> jet = curve.At(place);
   if (const auto* oval = std::get_if<SuperellipseEdge>(&edge)) {

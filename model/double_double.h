@@ -162,4 +162,14 @@ inline VecOf<DoubleDouble> LiftRotation<DoubleDouble>(Rotation r) {
   return Unit(VecOf<DoubleDouble>{r.cos, r.sin});
 }
 
+/// To 32 digits, by MPFR.
+inline VecOf<DoubleDouble> ExactRotation(double theta) {
+  const RotationParts parts = SinCosParts(theta);
+  return {FastTwoSum(parts.high.cos, parts.low.cos), FastTwoSum(parts.high.sin, parts.low.sin)};
+}
+
+/// How the angles of a pair are placed in DoubleDouble: as unit vectors along their rounded cosine and sine, a turn by
+/// 1e-16 away, or exactly.
+enum class Angles { kRounded, kExact };
+
 }  // namespace lcpbench

@@ -15,28 +15,39 @@ std::optional<double> Round<T>::Parameter(Vec2 N) const {
 template struct Round<double>;
 template struct Round<DoubleDouble>;
 
-template <class T>
-Round<T> PlaceRound(const Feature& vertex_or_arc, Rotation rotation) {
-  const VecOf<T> turn = LiftRotation<T>(rotation);
-  if (const auto* vertex = std::get_if<Vertex>(&vertex_or_arc)) {
-    return {Turn(turn, Lift<T>(vertex->p)), 0, true, rotation};
-  }
-  const auto& arc = std::get<ArcEdge>(vertex_or_arc);
-  const double rho = arc.side == Side::kConvex ? arc.radius : -arc.radius;
-  return {Turn(turn, Lift<T>(arc.center)), rho, false, rotation};
+template <>
+VecOf<double> TurnOf<double>(const PlacedFeature& placed, Angles /*angles*/) {
+  return LiftRotation<double>(placed.rotation);
 }
-template Round<double> PlaceRound(const Feature& vertex_or_arc, Rotation rotation);
-template Round<DoubleDouble> PlaceRound(const Feature& vertex_or_arc, Rotation rotation);
+template <>
+VecOf<DoubleDouble> TurnOf<DoubleDouble>(const PlacedFeature& placed, Angles angles) {
+  if (angles == Angles::kExact && placed.theta) return ExactRotation(*placed.theta);
+  return LiftRotation<DoubleDouble>(placed.rotation);
+}
 
 template <class T>
-Line<T> PlaceLine(const StraightEdge& edge, Rotation rotation) {
-  const VecOf<T> turn = LiftRotation<T>(rotation);
+Round<T> PlaceRound(const PlacedFeature& placed, Angles angles) {
+  const VecOf<T> turn = TurnOf<T>(placed, angles);
+  if (const auto* vertex = std::get_if<Vertex>(&placed.feature)) {
+    return {Turn(turn, Lift<T>(vertex->p)), 0, true, placed.rotation};
+  }
+  const auto& arc = std::get<ArcEdge>(placed.feature);
+  const double rho = arc.side == Side::kConvex ? arc.radius : -arc.radius;
+  return {Turn(turn, Lift<T>(arc.center)), rho, false, placed.rotation};
+}
+template Round<double> PlaceRound(const PlacedFeature& placed, Angles angles);
+template Round<DoubleDouble> PlaceRound(const PlacedFeature& placed, Angles angles);
+
+template <class T>
+Line<T> PlaceLine(const PlacedFeature& placed, Angles angles) {
+  const auto& edge = std::get<StraightEdge>(placed.feature);
+  const VecOf<T> turn = TurnOf<T>(placed, angles);
   const VecOf<T> along = Lift<T>(edge.b) - Lift<T>(edge.a);
   const VecOf<T> direction = Turn(turn, Unit(along));
   return {Turn(turn, Lift<T>(edge.a)), direction, -Perp(direction), Norm(along)};
 }
-template Line<double> PlaceLine(const StraightEdge& edge, Rotation rotation);
-template Line<DoubleDouble> PlaceLine(const StraightEdge& edge, Rotation rotation);
+template Line<double> PlaceLine(const PlacedFeature& placed, Angles angles);
+template Line<DoubleDouble> PlaceLine(const PlacedFeature& placed, Angles angles);
 
 ClosestPoints Swapped(const ClosestPoints& c) {
   ClosestPoints swapped = c;

@@ -28,12 +28,17 @@ struct Line {
   T length{};
 };
 
-/// @param vertex_or_arc  of that kind
+/// The (cos, sin) that turns a feature into the world; a double has room for rounded angles only.
 template <class T>
-Round<T> PlaceRound(const Feature& vertex_or_arc, Rotation rotation);
+VecOf<T> TurnOf(const PlacedFeature& placed, Angles angles);
 
+/// @param placed  a vertex or an arc
 template <class T>
-Line<T> PlaceLine(const StraightEdge& edge, Rotation rotation);
+Round<T> PlaceRound(const PlacedFeature& placed, Angles angles);
+
+/// @param placed  a straight edge
+template <class T>
+Line<T> PlaceLine(const PlacedFeature& placed, Angles angles);
 
 /// x1 - x2, without rounding where T has room for it.
 template <class T>

@@ -107,24 +107,26 @@ bool SmoothCurve::Holds(const Feature& feature) {
 }
 
 template <class T>
-void SmoothCurve::Frame<T>::Set(const Feature& feature, Rotation rotation) {
-  const VecOf<T> body = LiftRotation<T>(rotation);
+void SmoothCurve::Frame<T>::Set(const PlacedFeature& placed, Angles angles) {
+  const VecOf<T> body = TurnOf<T>(placed, angles);
   std::visit(
       [&](const auto& edge) {
         using Edge = std::decay_t<decltype(edge)>;
         if constexpr (std::is_same_v<Edge, EllipseEdge> || std::is_same_v<Edge, SuperellipseEdge>) {
-          turn = Turn(body, LiftRotation<T>(SinCos(edge.phi)));
+          const Vertex origin;
+          turn = Turn(body, TurnOf<T>({origin, {}, SinCos(edge.phi), edge.phi}, angles));
           offset = Turn(body, Lift<T>(edge.center));
         } else if constexpr (std::is_same_v<Edge, BezierEdge>) {
           for (size_t i = 0; i < P.size(); ++i) P[i] = Turn(body, Lift<T>(edge.P[i]));
         }
       },
-      feature);
+      placed.feature);
 }
 
-SmoothCurve::SmoothCurve(const Feature& feature, Rotation rotation) {
-  frame_.Set(feature, rotation);
-  wide_frame_.Set(feature, rotation);
+SmoothCurve::SmoothCurve(const PlacedFeature& placed, Angles angles) {
+  const Feature& feature = placed.feature;
+  frame_.Set(placed, angles);
+  wide_frame_.Set(placed, angles);
   if (const auto* ellipse = std::get_if<EllipseEdge>(&feature)) {
     a_ = ellipse->a;
     b_ = ellipse->b;

@@ -3,9 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "model/closest_points.h"
 #include "model/double_double.h"
 #include "model/feature.h"
-#include "model/trig.h"
+#include "model/placed_shapes.h"
 
 namespace lcpbench {
 
@@ -27,7 +28,7 @@ struct CurveJet {
   T kappa{};   ///< signed curvature
 };
 
-/// An ellipse, superellipse or Bezier curve of a body turned by `rotation`, prepared for many evaluations, in double
+/// An ellipse, superellipse or Bezier curve of a body, prepared for many evaluations, in double
 /// (brackets) and DoubleDouble (answers). Ovals are searched by tau, not by their own parameter: tau spreads over a
 /// flat oval as evenly as over a round one, which a superellipse's polar angle does not.
 class SmoothCurve {
@@ -35,8 +36,9 @@ class SmoothCurve {
   /// Whether `feature` is of a kind that is searched along: ellipse, superellipse, Bezier.
   static bool Holds(const Feature& feature);
 
-  /// @param feature  valid, of a kind that Holds
-  SmoothCurve(const Feature& feature, Rotation rotation);
+  /// @param placed  its feature valid, of a kind that Holds
+  /// @param angles  of the body (where its theta is given) and of an oval's axes, for DoubleDouble
+  explicit SmoothCurve(const PlacedFeature& placed, Angles angles = Angles::kRounded);
 
   bool is_oval() const { return is_oval_; }
   /// Largest extent from the middle: the greater semi-axis, or the length of the control polygon [m].
@@ -79,7 +81,7 @@ class SmoothCurve {
     VecOf<T> turn;              // oval: (cos, sin) of theta + phi
     VecOf<T> offset;            // oval: its centre
     std::array<VecOf<T>, 4> P;  // Bezier
-    void Set(const Feature& feature, Rotation rotation);
+    void Set(const PlacedFeature& placed, Angles angles);
   };
   template <class T>
   const Frame<T>& FrameOf() const;

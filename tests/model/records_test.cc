@@ -18,7 +18,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kOracleTolerance = 1e-11;  // MODEL.md section 10
+// MODEL.md section 10 asks for 1e-11; the search and the rows are worth 1e-14.
+constexpr double kOracleTolerance = 1e-13;
 
 // The lines of a reference file; empty where the data are absent.
 std::vector<std::string> OracleLines(const std::string& file) {
