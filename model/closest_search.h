@@ -33,7 +33,7 @@ struct StationaryPoints {
 /// centre, kSamples directions of the plane; so neither flat nor sharp parts go unseen), the residual is computed with
 /// the other curve's facing place, which is known in closed form for ovals and is the root of a quadratic for Bezier
 /// curves; each change of sign is narrowed and then finished by Newton's method. Two stationary points closer together
-/// than the samples can escape. About 0.1 ms.
+/// than the samples can escape. About 0.05 to 0.5 ms, against 3 to 15 microseconds from start values.
 ///
 /// The owner of the normal is the straight edge or the curve; of two curved edges, body 2's by convention. Swapping the
 /// features swaps every result bit by bit but for that owner.

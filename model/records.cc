@@ -107,6 +107,7 @@ class Field {
         key == "phi") {
       return "a number";
     }
+    if (key == "a" || key == "b") return "a number (of a straight edge, an array of two)";
     if (key == "m") return "an integer";
     if (key == "P") return "an array of four points";
     return "an array of two numbers";

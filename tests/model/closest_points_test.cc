@@ -289,6 +289,22 @@ TEST(SinCos, IsCorrectlyRounded) {
   }
 }
 
+TEST(SinCos, PartsAddUpToThirtyTwoDigitsAndStartWithTheRoundedValue) {
+  using Exact = boost::multiprecision::cpp_bin_float_100;
+  Random random(12);
+  for (int i = 0; i < 500; ++i) {
+    const double theta = i == 0 ? 0 : random.Uniform(-10, 10);
+    const RotationParts parts = SinCosParts(theta);
+    EXPECT_EQ(parts.high.cos, SinCos(theta).cos);
+    EXPECT_EQ(parts.high.sin, SinCos(theta).sin);
+    const auto error = [](double high, double low, const Exact& value) {
+      return static_cast<double>(abs(Exact(high) + Exact(low) - value));
+    };
+    EXPECT_LE(error(parts.high.cos, parts.low.cos, cos(Exact(theta))), 2e-32);
+    EXPECT_LE(error(parts.high.sin, parts.low.sin, sin(Exact(theta))), 2e-32);
+  }
+}
+
 TEST(SinCos, IsNotANumberForAnglesThatAreNotFinite) {
   for (const double theta : {kInfinity, -kInfinity, kNaN}) {
     EXPECT_TRUE(std::isnan(SinCos(theta).sin));
