@@ -107,6 +107,7 @@ bool IsOnCurve(const SmoothCurve& curve, const WidePlace& place) {
 // The parameters a curve is sampled at, ascending: spread evenly, ends included, and those facing given normals.
 std::vector<double> Samples(const SmoothCurve& curve, const std::vector<Vec2>& outward_normals) {
   std::vector<double> samples;
+  samples.reserve(kSamples + curve.ends().size() + 2 * outward_normals.size() + 1);
   const double begin = curve.is_oval() ? -kTwoPi / 2 : -SmoothCurve::kEndSlack;
   const double span = curve.is_oval() ? kTwoPi : 1 + 2 * SmoothCurve::kEndSlack;
   const int intervals = curve.is_oval() ? kSamples : kSamples - 1;
@@ -122,6 +123,7 @@ std::vector<double> Samples(const SmoothCurve& curve, const std::vector<Vec2>& o
 
 std::vector<Vec2> EvenDirections() {
   std::vector<Vec2> directions;
+  directions.reserve(kSamples);
   for (int i = 0; i < kSamples; ++i) {
     const Rotation r = SinCos(kTwoPi * i / kSamples);
     directions.push_back({r.cos, r.sin});
@@ -131,8 +133,10 @@ std::vector<Vec2> EvenDirections() {
 
 // The normals that face a curve's evenly spread points and its ends.
 std::vector<Vec2> FacingNormals(const SmoothCurve& curve) {
+  const std::vector<double> samples = Samples(curve, {});
   std::vector<Vec2> normals;
-  for (const double tau : Samples(curve, {})) normals.push_back(-ToVec2(curve.At(curve.Place(tau)).N));
+  normals.reserve(samples.size());
+  for (const double tau : samples) normals.push_back(-ToVec2(curve.At(curve.Place(tau)).N));
   return normals;
 }
 
