@@ -165,8 +165,8 @@ class Assembler {
     const Constraint& constraint = system_.constraints[i];
     const Body& body1 = system_.bodies[Body1(i)];
     const Body& body2 = system_.bodies[Body2(i)];
-    const ClosestPoints closest = FindClosestPoints({constraint.feature1, body1.x, rotation_[Body1(i)]},
-                                                    {constraint.feature2, body2.x, rotation_[Body2(i)]},
+    const ClosestPoints closest = FindClosestPoints({constraint.feature1, body1.x, rotation_[Body1(i)], body1.theta},
+                                                    {constraint.feature2, body2.x, rotation_[Body2(i)], body2.theta},
                                                     {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
     const ContactRow row = ComputeContactRow(closest, body1, body2);
     RowInfo info;

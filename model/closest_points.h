@@ -1,8 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
+#include "model/curve.h"
 #include "model/feature.h"
 #include "model/trig.h"
 #include "model/vec2.h"
@@ -14,11 +14,14 @@ struct PlacedFeature {
   const Feature& feature;
   Vec2 x;             ///< the body's centre of mass [m]
   Rotation rotation;  ///< SinCos(theta)
+  /// Where given, pairs whose contact point depends strongly on the angle are placed by it to twice the digits.
+  std::optional<double> theta = std::nullopt;
 };
 
 /// Which of a pair's stationary points is meant. A search along general curves starts at s1, s2 where they are given;
-/// otherwise it takes the local minimum whose gap is closest to nominal_gap. Circles and lines have one local minimum
-/// at most, so today's closed forms need neither.
+/// otherwise it takes the local minimum (of a path joint: any stationary point with D != 0) whose gap is closest to
+/// nominal_gap. Circles and lines have one local minimum at most and closed forms that need neither. A Bezier curve's
+/// start is held to its neighbourhood.
 struct SearchStart {
   std::optional<double> s1;
   std::optional<double> s2;
@@ -45,10 +48,13 @@ struct ClosestPoints {
   double moment2 = 0;
   CurvaturePair curvature1;
   CurvaturePair curvature2;
-  /// The body whose edge defines n: of two arcs body 2, by convention. Never changes n.
+  /// Where a general curve can be flat, what counts as curved [1/m]; joins |kappa1| + |kappa2| in the test of D.
+  double curvature_floor = 0;
+  /// The body whose edge defines n: of two curved edges body 2, by convention, but of an arc and a general curve the
+  /// curve's. Never changes n.
   int owner = 2;
-  /// Curve parameters of p1, p2 (feature.h); none for a vertex. For information: no row depends on them, and an arc's
-  /// angle (in (-pi, pi]) comes from the library's atan2.
+  /// Curve parameters of p1, p2 (feature.h); none for a vertex. For information and as the next search's start: no row
+  /// depends on them, and angles (in (-pi, pi]) come from the library's atan2.
   std::optional<double> s1;
   std::optional<double> s2;
 
@@ -64,26 +70,34 @@ enum class Regularity {
   kNonzeroD,      ///< path joint: D != 0, beyond rounding; either side of the edge
 };
 
-/// D counts as zero up to this: times |kappa1| + |kappa2| for two edges, as it is for vertex and edge.
+/// D counts as zero up to this: times |kappa1| + |kappa2| (+ curvature_floor) for two edges, as it is for vertex and
+/// edge.
 inline constexpr double kSingularD = 1e-10;
 
-/// The closest points of two features, in closed form: O(1).  [MODEL.md section 2]
+/// The closest points of two features.  [MODEL.md section 2]
 ///   vertex or arc / straight (q on the edge's line):   d = n.(c - q) - rho,   n the edge's normal
 ///   vertex or arc / vertex or arc:                     d = sigma |c1 - c2| - (rho1 + rho2),
 ///                                                      n = sigma (c1 - c2) / |c1 - c2|,  sigma = sign(rho1 + rho2)
-/// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex.
+///   anything / ellipse, superellipse, Bezier curve:    SearchStationaryPoints (closest_search.h)
+/// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex. A general
+/// curve enters by its 2-jet at the closest point, its osculating circle there, and so must be searched anew at every
+/// configuration. [MODEL.md section 4]
+///
+/// The first two are closed forms, O(1), evaluated in double. Where an arc is nearly straight, its radius or its
+/// centre's arm more than kFarCenter times the contact arms and the gap, they are evaluated in DoubleDouble: the gap is
+/// then a difference of lengths that a double cannot hold. And where the edges nearly match, so that turning one of
+/// them by e moves the contact point by more than kFarCenter e times the arms, cos theta and sin theta are taken to 32
+/// digits too, of arcs and general curves alike.
 /// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
 /// errata 2, 5, 11]
-/// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two arcs.
+/// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two curved edges.
 /// @throws InputError naming the condition and both features, for invalid geometry (RequireValid), vertex/vertex,
-///         straight/straight, equal radii of a convex and a concave arc, and wherever `required` does not hold
+///         straight/straight, equal radii of a convex and a concave arc, a search that does not converge or leaves a
+///         Bezier curve, and wherever `required` does not hold
 ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
                                 const SearchStart& start = {}, Regularity required = Regularity::kLocalMinimum);
 
-/// @throws InputError unless every number is finite, the edge's length > 0, the radius > 0 with a finite curvature
-void RequireValid(const Feature& feature);
-
-/// One line for error texts: the kind and its numbers.
-std::string Describe(const Feature& feature);
+/// A double keeps 16 digits of a length; beyond this ratio the closed forms would lose more than one of them.
+inline constexpr double kFarCenter = 16;
 
 }  // namespace lcpbench

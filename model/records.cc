@@ -92,7 +92,7 @@ class Field {
 
   [[noreturn]] void Unsupported(const std::string& type) const {
     throw UnsupportedFeatureError("unsupported feature '" + type + "' at " + path_ +
-                                  ": expected vertex, straight or arc");
+                                  ": expected vertex, straight, arc, ellipse, superellipse or bezier");
   }
 
  private:
@@ -103,9 +103,13 @@ class Field {
     if (key == "body1" || key == "body2") return "a body (of a system: its index)";
     if (key == "feature1" || key == "feature2") return "a feature";
     if (key == "bodies" || key == "contacts") return "an array";
-    if (key == "mass" || key == "inertia" || key == "theta" || key == "omega" || key == "torque" || key == "radius") {
+    if (key == "mass" || key == "inertia" || key == "theta" || key == "omega" || key == "torque" || key == "radius" ||
+        key == "phi") {
       return "a number";
     }
+    if (key == "a" || key == "b") return "a number (of a straight edge, an array of two)";
+    if (key == "m") return "an integer";
+    if (key == "P") return "an array of four points";
     return "an array of two numbers";
   }
 
@@ -140,6 +144,21 @@ Feature ParseFeature(const Field& field) {
   if (type == "vertex") return Vertex{field["p"].Vector()};
   if (type == "straight") return StraightEdge{field["a"].Vector(), field["b"].Vector()};
   if (type == "arc") return ArcEdge{field["center"].Vector(), field["radius"].Number(), ParseSide(field["side"])};
+  if (type == "ellipse") {
+    return EllipseEdge{field["center"].Vector(), field["a"].Number(), field["b"].Number(), field["phi"].Number(),
+                       ParseSide(field["side"])};
+  }
+  if (type == "superellipse") {
+    return SuperellipseEdge{field["center"].Vector(), field["a"].Number(),   field["b"].Number(),
+                            field["m"].Integer(),     field["phi"].Number(), ParseSide(field["side"])};
+  }
+  if (type == "bezier") {
+    const std::vector<Field> points = field["P"].Items();
+    BezierEdge edge;
+    if (points.size() != edge.P.size()) field["P"].Mismatch("an array of four points");
+    for (size_t i = 0; i < points.size(); ++i) edge.P[i] = points[i].Vector();
+    return edge;
+  }
   field.Unsupported(type);
 }
 

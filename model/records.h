@@ -14,8 +14,10 @@ namespace lcpbench {
 ///   path      `kind` "path", as above
 ///   contact   any other or no `kind`, as above
 /// Fields: body {mass, inertia, fixed, x, theta, v, omega, force, torque}; feature {type: vertex, p | straight, a, b |
-/// arc, center, radius, side: convex or concave}, all in the body frame; start values s1, s2 (null or absent: none) and
-/// nominal_gap where known. SI units. Everything else is ignored; `expect`, the reference answer, is never read.
+/// arc, center, radius, side | ellipse, center, a, b, phi, side | superellipse, center, a, b, m, phi, side | bezier, P:
+/// four points}, side convex or concave, as feature.h defines them, all in the body frame; start values s1, s2 (null or
+/// absent: none) and nominal_gap where known. SI units. Everything else is ignored; `expect`, the reference answer, is
+/// never read.
 
 /// A feature of a type that this version does not know.
 class UnsupportedFeatureError : public InputError {

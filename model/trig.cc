@@ -27,7 +27,7 @@ bool RoundsUniquely(long double value, double* rounded) {
 // One evaluation's variables, kept per thread because MPFR allocates for each.
 class MpfrSinCos {
  public:
-  MpfrSinCos() { mpfr_inits2(std::numeric_limits<double>::digits, theta_, sin_, cos_, nullptr); }
+  explicit MpfrSinCos(int digits) { mpfr_inits2(digits, theta_, sin_, cos_, nullptr); }
   ~MpfrSinCos() {
     mpfr_clears(theta_, sin_, cos_, nullptr);
     mpfr_free_cache();
@@ -39,6 +39,13 @@ class MpfrSinCos {
   Rotation operator()(double theta) {
     mpfr_set_d(theta_, theta, MPFR_RNDN);
     mpfr_sin_cos(sin_, cos_, theta_, MPFR_RNDN);
+    return {mpfr_get_d(cos_, MPFR_RNDN), mpfr_get_d(sin_, MPFR_RNDN)};
+  }
+
+  // Of the last evaluation, in more digits than a double has: what rounding to double left.
+  Rotation Remainder(Rotation high) {
+    mpfr_sub_d(cos_, cos_, high.cos, MPFR_RNDN);
+    mpfr_sub_d(sin_, sin_, high.sin, MPFR_RNDN);
     return {mpfr_get_d(cos_, MPFR_RNDN), mpfr_get_d(sin_, MPFR_RNDN)};
   }
 
@@ -57,8 +64,18 @@ Rotation SinCos(double theta) {
     const auto wide = static_cast<long double>(theta);
     if (RoundsUniquely(std::sin(wide), &r.sin) && RoundsUniquely(std::cos(wide), &r.cos)) return r;
   }
-  thread_local MpfrSinCos mpfr;
+  thread_local MpfrSinCos mpfr(std::numeric_limits<double>::digits);
   return mpfr(theta);
+}
+
+RotationParts SinCosParts(double theta) {
+  // Beyond two doubles' digits, so that rounding to the first does not depend on the second's.
+  constexpr int kDigits = 160;
+  thread_local MpfrSinCos mpfr(kDigits);
+  RotationParts parts;
+  parts.high = mpfr(theta);
+  parts.low = mpfr.Remainder(parts.high);
+  return parts;
 }
 
 }  // namespace lcpbench

@@ -33,6 +33,10 @@ ContactSystem RandomSystem(unsigned seed) {
     constraint.body2 = first;
     constraint.feature1 = c.feature1;
     constraint.feature2 = c.feature2;
+    const SearchStart start = c.Start();
+    constraint.s1 = start.s1;
+    constraint.s2 = start.s2;
+    constraint.nominal_gap = start.nominal_gap;
     if (random.Uniform(0, 1) < 0.3) {
       c.body2.fixed = true;
       c.body2.acceleration = random.Vector(3);
@@ -248,6 +252,7 @@ TEST(Assembly, SwappingBodiesLeavesLcpUnchangedBitByBit) {
       if (constraint.type == ConstraintType::kPin) continue;  // its axes are the world's: swapping turns the sign
       std::swap(constraint.body1, constraint.body2);
       std::swap(constraint.feature1, constraint.feature2);
+      std::swap(constraint.s1, constraint.s2);
     }
     const AssembledLcp swapped = AssembleContactLcp(system);
     EXPECT_EQ(swapped.problem.b(), given.problem.b());
@@ -382,6 +387,13 @@ TEST(Assembly, IsFiniteOrRefusedForInputsOfAnyMagnitude) {
         *arc = {wild_vector(arc->center), wild(arc->radius), arc->side};
       } else if (auto* edge = std::get_if<StraightEdge>(feature)) {
         *edge = {wild_vector(edge->a), wild_vector(edge->b)};
+      } else if (auto* ellipse = std::get_if<EllipseEdge>(feature)) {
+        *ellipse = {wild_vector(ellipse->center), wild(ellipse->a), wild(ellipse->b), wild(ellipse->phi),
+                    ellipse->side};
+      } else if (auto* oval = std::get_if<SuperellipseEdge>(feature)) {
+        *oval = {wild_vector(oval->center), wild(oval->a), wild(oval->b), oval->m, wild(oval->phi), oval->side};
+      } else if (auto* bezier = std::get_if<BezierEdge>(feature)) {
+        for (Vec2& p : bezier->P) p = wild_vector(p);
       }
     }
     try {

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -16,6 +19,7 @@ namespace lcpbench::testing {
 namespace {
 
 constexpr int kCases = 300;
+constexpr int kGeneralCases = 40;  // of each of the many kinds with a general curve
 constexpr double kRounding = 1e-12;
 
 // Scaled as the reference data are: |x - y| / (1 + |y|).
@@ -27,15 +31,6 @@ ContactRow RowOf(const ContactCase& c) { return ComputeContactRow(c.Closest(), c
 
 // The gap of section 2 in long double along a smooth random motion: independent of the code under test, which also has
 // other arms, another order of evaluation and no time.
-struct LongVec {
-  long double x = 0;
-  long double y = 0;
-};
-LongVec operator+(LongVec a, LongVec b) { return {a.x + b.x, a.y + b.y}; }
-LongVec operator-(LongVec a, LongVec b) { return {a.x - b.x, a.y - b.y}; }
-long double Dot(LongVec a, LongVec b) { return a.x * b.x + a.y * b.y; }
-LongVec Long(Vec2 a) { return {static_cast<long double>(a.x), static_cast<long double>(a.y)}; }
-
 struct Acceleration {
   Vec2 a;
   double alpha = 0;
@@ -47,12 +42,9 @@ struct LongPose {
   LongVec x;
   long double theta = 0;
 
-  LongVec Turn(LongVec c) const {
-    const long double cosine = std::cos(theta);
-    const long double sine = std::sin(theta);
-    return {cosine * c.x - sine * c.y, sine * c.x + cosine * c.y};
-  }
+  LongVec Turn(LongVec c) const { return Turned(c, theta); }
   LongVec World(Vec2 c) const { return x + Turn(Long(c)); }
+  LongVec Point(const Feature& feature, long double s) const { return x + Turn(LongPoint(feature, s)); }
 };
 
 LongPose PoseAt(const Body& body, const Acceleration& acceleration, long double t) {
@@ -65,18 +57,78 @@ LongPose PoseAt(const Body& body, const Acceleration& acceleration, long double 
           along(body.theta, body.omega, acceleration.alpha, acceleration.angular_jerk)};
 }
 
-long double LongGap(const Feature& feature1, const LongPose& pose1, const Feature& feature2, const LongPose& pose2) {
-  if (IsStraight(feature1)) return LongGap(feature2, pose2, feature1, pose1);
-  const LongVec c1 = pose1.World(Center(feature1));
-  const auto rho1 = static_cast<long double>(SignedRadius(feature1));
+// The gap where the features' tangents are parallel and the connecting line is normal to them, by Newton's method with
+// difference quotients: an error e of the parameters changes the gap by the order of e^2 only.
+class LongSearch {
+ public:
+  LongSearch(const Feature& feature1, const LongPose& pose1, const Feature& feature2, const LongPose& pose2)
+      : feature1_(feature1), feature2_(feature2), pose1_(pose1), pose2_(pose2) {}
+
+  long double Gap(std::optional<double> start1, std::optional<double> start2) const {
+    std::array<long double, 2> s = {static_cast<long double>(start1.value_or(0)),
+                                    static_cast<long double>(start2.value_or(0))};
+    for (int i = 0; i < 12; ++i) {
+      const long double h = 1e-6L;
+      const std::array<long double, 2> f = Residuals(s);
+      const std::array<long double, 2> f1 = Residuals({s[0] + h, s[1]});
+      const std::array<long double, 2> f2 = Residuals({s[0], s[1] + h});
+      const long double a = (f1[0] - f[0]) / h, b = (f2[0] - f[0]) / h;
+      const long double c = (f1[1] - f[1]) / h, d = (f2[1] - f[1]) / h;
+      const long double determinant = a * d - b * c;
+      s[0] -= (d * f[0] - b * f[1]) / determinant;
+      s[1] -= (a * f[1] - c * f[0]) / determinant;
+    }
+    const bool vertex2 = std::holds_alternative<Vertex>(feature2_);
+    const LongVec along = vertex2 ? Tangent(feature1_, pose1_, s[0]) : Tangent(feature2_, pose2_, s[1]);
+    const LongVec outward = LongVec{along.y, -along.x};
+    const auto sign = static_cast<long double>(vertex2 ? -MaterialSide(feature1_) : MaterialSide(feature2_));
+    return sign * Dot(outward, pose1_.Point(feature1_, s[0]) - pose2_.Point(feature2_, s[1]));
+  }
+
+ private:
+  static LongVec Tangent(const Feature& feature, const LongPose& pose, long double s) {
+    const long double h = 1e-5L;
+    const LongVec chord = pose.Point(feature, s + h) - pose.Point(feature, s - h);
+    return (1 / Norm(chord)) * chord;
+  }
+
+  std::array<long double, 2> Residuals(const std::array<long double, 2>& s) const {
+    const LongVec between = pose1_.Point(feature1_, s[0]) - pose2_.Point(feature2_, s[1]);
+    // A vertex has no parameter: hold it.
+    if (std::holds_alternative<Vertex>(feature1_)) return {s[0], Dot(between, Tangent(feature2_, pose2_, s[1]))};
+    if (std::holds_alternative<Vertex>(feature2_)) return {Dot(between, Tangent(feature1_, pose1_, s[0])), s[1]};
+    const LongVec along1 = Tangent(feature1_, pose1_, s[0]);
+    const LongVec along2 = Tangent(feature2_, pose2_, s[1]);
+    return {Cross(along1, along2), Dot(between, along2)};
+  }
+
+  const Feature& feature1_;
+  const Feature& feature2_;
+  const LongPose& pose1_;
+  const LongPose& pose2_;
+};
+
+bool IsGeneral(const Feature& feature) {
+  return !std::holds_alternative<Vertex>(feature) && !std::holds_alternative<ArcEdge>(feature) && !IsStraight(feature);
+}
+
+// @param closest  where to look, for general curves: the search's own result at a nearby time
+long double LongGap(const Feature& feature1, const LongPose& pose1, const Feature& feature2, const LongPose& pose2,
+                    const ClosestPoints& closest) {
+  if (IsGeneral(feature1) || IsGeneral(feature2)) {
+    return LongSearch(feature1, pose1, feature2, pose2).Gap(closest.s1, closest.s2);
+  }
+  if (IsStraight(feature1)) return LongGap(feature2, pose2, feature1, pose1, closest);
+  const LongVec c1 = pose1.World(Center(feature1, {}));
+  const auto rho1 = static_cast<long double>(SignedRadius(feature1, {}));
   if (const auto* edge2 = std::get_if<StraightEdge>(&feature2)) {
     const LongVec along = pose2.Turn(Long(edge2->b) - Long(edge2->a));
     const long double length = std::sqrt(Dot(along, along));
     const LongVec outward = {along.y / length, -along.x / length};
     return Dot(outward, c1 - pose2.World(edge2->a)) - rho1;
   }
-  const LongVec between = c1 - pose2.World(Center(feature2));
-  const long double rho = rho1 + static_cast<long double>(SignedRadius(feature2));
+  const LongVec between = c1 - pose2.World(Center(feature2, {}));
+  const long double rho = rho1 + static_cast<long double>(SignedRadius(feature2, {}));
   return (rho > 0 ? 1 : -1) * std::sqrt(Dot(between, between)) - rho;
 }
 
@@ -105,7 +157,8 @@ class EveryContactKind : public ::testing::TestWithParam<PairKind> {
   template <class Check>
   void OverCases(unsigned seed, const Check& check) {
     Random random(seed);
-    for (int i = 0; i < kCases; ++i) {
+    const int cases = GetParam().is_general() ? kGeneralCases : kCases;
+    for (int i = 0; i < cases; ++i) {
       SCOPED_TRACE(i);
       const ContactCase c = RandomContact(GetParam(), &random);
       check(c, &random);
@@ -121,15 +174,15 @@ TEST_P(EveryContactKind, RowGivesTheDerivativesOfTheGapAlongAnyMotion) {
   OverCases(1, [](const ContactCase& c, Random* random) {
     const Acceleration a1 = RandomAcceleration(random);
     const Acceleration a2 = RandomAcceleration(random);
+    const ClosestPoints closest = c.Closest();
     const auto gap = [&](int k) {
       const long double t = static_cast<long double>(k) * 2e-5L;
-      return LongGap(c.feature1, PoseAt(c.body1, a1, t), c.feature2, PoseAt(c.body2, a2, t));
+      return LongGap(c.feature1, PoseAt(c.body1, a1, t), c.feature2, PoseAt(c.body2, a2, t), closest);
     };
     const long double h = 2e-5L;
     const long double g0 = gap(0), p1 = gap(1), m1 = gap(-1), p2 = gap(2), m2 = gap(-2);
     const auto d_dot = static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h));
     const auto d_ddot = static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * g0) / (12 * h * h));
-    const ClosestPoints closest = c.Closest();
     const ContactRow row = ComputeContactRow(closest, c.body1, c.body2);
     ExpectClose(closest.d, static_cast<double>(g0), 1e-14, "d");
     ExpectClose(row.d_dot, d_dot, 1e-8, "d'");
@@ -158,9 +211,7 @@ TEST_P(EveryContactKind, NormalTurnsWithOmegaN) {
 
 TEST_P(EveryContactKind, SwappingBodiesGivesTheSwappedRowBitByBit) {
   OverCases(3, [](const ContactCase& c, Random*) {
-    ContactCase swapped = c;
-    std::swap(swapped.body1, swapped.body2);
-    std::swap(swapped.feature1, swapped.feature2);
+    const ContactCase swapped = c.Swapped();
     const ClosestPoints p = c.Closest();
     const ClosestPoints q = swapped.Closest();
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
@@ -190,10 +241,11 @@ TEST_P(EveryContactKind, RowIsTheSameForArmsToContactPointsAndCenters) {
     ExpectClose(row.J[5], -Cross(p.R2, p.n), kRounding, "arm to p2");
     ExpectClose(row.J[5], -Cross(p1 - c.body2.x, p.n), kRounding, "arm to p1");
     if (!IsStraight(c.feature1)) {
-      ExpectClose(row.J[2], Cross(ToWorld(c.body1, Center(c.feature1)) - c.body1.x, p.n), kRounding, "arm to c1");
+      ExpectClose(row.J[2], Cross(ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x, p.n), kRounding, "arm to c1");
     }
     if (!IsStraight(c.feature2)) {
-      ExpectClose(row.J[5], -Cross(ToWorld(c.body2, Center(c.feature2)) - c.body2.x, p.n), kRounding, "arm to c2");
+      ExpectClose(row.J[5], -Cross(ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x, p.n), kRounding,
+                  "arm to c2");
     }
   });
 }
@@ -202,10 +254,10 @@ TEST_P(ContactKindWithCenters, CurvatureFormEqualsCenterForm) {
   OverCases(5, [](const ContactCase& c, Random*) {
     const ClosestPoints p = c.Closest();
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
-    const Vec2 U1 = ToWorld(c.body1, Center(c.feature1)) - c.body1.x;
-    const Vec2 U2 = ToWorld(c.body2, Center(c.feature2)) - c.body2.x;
+    const Vec2 U1 = ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x;
+    const Vec2 U2 = ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x;
     const Vec2 t = Perp(p.n);
-    const double L = SignedRadius(c.feature1) + SignedRadius(c.feature2) + p.d;
+    const double L = SignedRadius(c.feature1, p.s1) + SignedRadius(c.feature2, p.s2) + p.d;
     const double turn = Dot(t, MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
     const double gamma =
         -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
@@ -217,17 +269,14 @@ TEST_P(ContactKindWithCenters, CurvatureFormEqualsCenterForm) {
 TEST_P(ContactKindWithStraightEdge, CurvatureFormEqualsAttachedNormalForm) {
   OverCases(6, [](const ContactCase& given, Random* random) {
     ContactCase c = given;
-    if (IsStraight(c.feature1)) {
-      std::swap(c.body1, c.body2);
-      std::swap(c.feature1, c.feature2);
-    }
+    if (IsStraight(c.feature1)) c = c.Swapped();
     const Acceleration a1 = RandomAcceleration(random);
     const Acceleration a2 = RandomAcceleration(random);
     const auto edge = std::get<StraightEdge>(c.feature2);
     // Any material point of the edge's line, not only the foot of the centre.
     const Vec2 q = ToWorld(c.body2, edge.a + random->Uniform(-1, 2) * (edge.b - edge.a));
-    const Vec2 c1 = ToWorld(c.body1, Center(c.feature1));
     const ClosestPoints p = c.Closest();
+    const Vec2 c1 = ToWorld(c.body1, Center(c.feature1, p.s1));
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
     const Vec2 t = Perp(p.n);
     const Material center = MaterialPoint(c.body1, a1, c1 - c.body1.x);
@@ -272,7 +321,7 @@ INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithStraightEdge, ::testing::ValuesIn(P
 TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
   Random random(8);
   for (const PairKind& kind : AllPairKinds()) {
-    if (kind.shape2 != Shape::kStraight) continue;
+    if (kind.shape2 != Shape::kStraight) continue;  // with every shape on body 1
     for (const Shape arc : {Shape::kConvexArc, Shape::kConcaveArc}) {
       for (int i = 0; i < kCases; ++i) {
         const ContactCase c = RandomContact(kind, &random);
@@ -291,6 +340,196 @@ TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
         }
         ASSERT_FALSE(HasFailure());
       }
+    }
+  }
+}
+
+void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance) {
+  ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
+  ExpectClose(x.d_dot, y.d_dot, tolerance, "d'");
+  ExpectClose(x.slip, y.slip, tolerance, "u");
+  ExpectClose(x.omega_n, y.omega_n, tolerance, "omega_n");
+  for (size_t k = 0; k < 6; ++k) ExpectClose(x.J[k], y.J[k], tolerance, "J");
+}
+
+// The same contact with one feature of body 2 replaced by another description of it.
+template <class Describe>
+void ExpectSameRowsAs(Shape shape2, const Describe& describe) {
+  Random random(20);
+  for (const PairKind& kind : AllPairKinds()) {
+    if (kind.shape2 != shape2) continue;
+    for (int i = 0; i < kGeneralCases; ++i) {
+      SCOPED_TRACE(kind.name);
+      const ContactCase c = RandomContact(kind, &random);
+      ContactCase other = c;
+      other.feature2 = describe(c.feature2, c.Closest().s2.value(), &other.s2);
+      EXPECT_NEAR(other.Closest().d, c.Closest().d, kRounding);
+      ExpectSameRow(RowOf(other), RowOf(c), 1e-11);
+      ASSERT_FALSE(::testing::Test::HasFailure());
+    }
+  }
+}
+
+TEST(ContactRow, EllipseOfEqualSemiAxesActsAsTheArc) {
+  for (const Shape shape : {Shape::kConvexArc, Shape::kConcaveArc}) {
+    ExpectSameRowsAs(shape, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+      const auto& arc = std::get<ArcEdge>(feature);
+      const double phi = 0.7;
+      *start = s2 - phi;
+      return EllipseEdge{arc.center, arc.radius, arc.radius, phi, arc.side};
+    });
+  }
+}
+
+TEST(ContactRow, SuperellipseOfExponentTwoActsAsTheEllipse) {
+  for (const Shape shape : {Shape::kConvexEllipse, Shape::kConcaveEllipse}) {
+    ExpectSameRowsAs(shape, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+      const auto& e = std::get<EllipseEdge>(feature);
+      *start = std::atan2(e.b * std::sin(s2), e.a * std::cos(s2));
+      return SuperellipseEdge{e.center, e.a, e.b, 2, e.phi, e.side};
+    });
+  }
+}
+
+TEST(ContactRow, StraightBezierCurveActsAsTheStraightEdge) {
+  ExpectSameRowsAs(Shape::kStraight, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+    const auto& e = std::get<StraightEdge>(feature);
+    const Vec2 third = (1.0 / 3) * (e.b - e.a);
+    *start = s2;
+    return BezierEdge{{e.a, e.a + third, e.b - third, e.b}};
+  });
+}
+
+// The unified formula and the geometry of section 2 in 100 digits, for arcs (or vertices) and straight edges.
+using Exact = boost::multiprecision::cpp_bin_float_100;
+
+struct ExactVec {
+  Exact x;
+  Exact y;
+};
+ExactVec operator+(const ExactVec& a, const ExactVec& b) { return {a.x + b.x, a.y + b.y}; }
+ExactVec operator-(const ExactVec& a, const ExactVec& b) { return {a.x - b.x, a.y - b.y}; }
+ExactVec operator*(const Exact& s, const ExactVec& a) { return {s * a.x, s * a.y}; }
+Exact Dot(const ExactVec& a, const ExactVec& b) { return a.x * b.x + a.y * b.y; }
+Exact Cross(const ExactVec& a, const ExactVec& b) { return a.x * b.y - a.y * b.x; }
+ExactVec Lift(Vec2 a) { return {a.x, a.y}; }
+
+struct ExactRow {
+  double d = 0;
+  double J2 = 0;
+  double J5 = 0;
+  double gamma = 0;
+};
+
+ExactRow ExactRowOf(const ContactCase& c) {
+  const auto turned = [](const Body& body, const ExactVec& a) {
+    const Exact cosine = cos(Exact(body.theta));
+    const Exact sine = sin(Exact(body.theta));
+    return ExactVec{cosine * a.x - sine * a.y, sine * a.x + cosine * a.y};
+  };
+  const ExactVec dx = Lift(c.body1.x) - Lift(c.body2.x);
+  const ExactVec U1 = turned(c.body1, Lift(Center(c.feature1, {})));
+  const Exact rho1 = SignedRadius(c.feature1, {});
+  const Exact rho2 = SignedRadius(c.feature2, {});
+  const bool vertex1 = rho1 == 0;
+  ExactVec n;
+  ExactVec R2;
+  Exact d;
+  if (const auto* edge = std::get_if<StraightEdge>(&c.feature2)) {
+    const ExactVec along = turned(c.body2, Lift(edge->b) - Lift(edge->a));
+    const Exact length = sqrt(Dot(along, along));
+    n = {along.y / length, -along.x / length};
+    d = Dot(n, dx + U1 - turned(c.body2, Lift(edge->a))) - rho1;
+    R2 = dx + U1 - (rho1 + d) * n;
+  } else {
+    const ExactVec U2 = turned(c.body2, Lift(Center(c.feature2, {})));
+    const ExactVec between = dx + U1 - U2;
+    const Exact distance = sqrt(Dot(between, between));
+    const Exact sigma = rho1 + rho2 > 0 ? 1 : -1;
+    n = (sigma / distance) * between;
+    d = sigma * distance - rho1 - rho2;
+    R2 = U2 + rho2 * n;
+  }
+  const ExactVec R1 = U1 - rho1 * n;
+  const Exact r1 = vertex1 ? 0 : 1;
+  const Exact s1 = vertex1 ? Exact(1) : Exact(1 / rho1);
+  const Exact s2 = rho2 == 0 ? Exact(0) : Exact(1 / rho2);
+  const Exact w1 = c.body1.omega;
+  const Exact w2 = c.body2.omega;
+  const ExactVec t = {-n.y, n.x};
+  const Exact u = Dot(t, Lift(c.body1.v) - Lift(c.body2.v)) + w1 * Dot(n, R1) - w2 * Dot(n, R2);
+  const Exact D = r1 * s2 + s1 + d * s1 * s2;
+  const Exact curved = s1 * s2 * u * u + 2 * u * (r1 * s2 * w1 + s1 * w2) - r1 * (w1 - w2) * (w1 - w2) -
+                       d * (r1 * s2 * w1 * w1 + s1 * w2 * w2);
+  const Exact gamma = w2 * w2 * Dot(n, R2) - w1 * w1 * Dot(n, R1) + curved / D;
+  return {static_cast<double>(d), static_cast<double>(Cross(R1, n)), static_cast<double>(-Cross(R2, n)),
+          static_cast<double>(gamma)};
+}
+
+// gamma by the centre form, in double: [MODEL.md section 4]
+double GammaByCenters(const ContactCase& c, const ClosestPoints& p) {
+  const Vec2 U1 = Rotate(SinCos(c.body1.theta), Center(c.feature1, {}));
+  const Vec2 U2 = Rotate(SinCos(c.body2.theta), Center(c.feature2, {}));
+  const double L = SignedRadius(c.feature1, {}) + SignedRadius(c.feature2, {}) + p.d;
+  const double turn = Dot(Perp(p.n), MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
+  return -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
+}
+
+// One of body 2's arcs, or body 1's on a straight edge, of a radius up to 1e9 bodies.
+TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
+  Random random(21);
+  for (const double radius : {1e3, 1e6, 1e9}) {
+    double worst_by_centers = 0;
+    for (const PairKind& kind : ClosedPairKinds()) {
+      const bool on_straight = kind.shape2 == Shape::kStraight && kind.shape1 == Shape::kConvexArc;
+      const bool on_arc = kind.shape2 == Shape::kConvexArc || kind.shape2 == Shape::kConcaveArc;
+      if (kind.shape1 == Shape::kStraight || IsConcave(kind.shape1) || (!on_straight && !on_arc)) continue;
+      for (int i = 0; i < kCases; ++i) {
+        SCOPED_TRACE(kind.name);
+        ContactCase c = RandomContact(kind, &random);
+        if (on_straight) {
+          c.feature1 = FeatureThrough(kind.shape1, c.body1, c.p1, -c.n, radius, &random);
+          // gamma has the term -radius (omega1 - omega2)^2: of order 1 when the bodies turn alike.
+          c.body1.omega = c.body2.omega + random.Uniform(-1, 1) / std::sqrt(radius);
+        } else {
+          c.feature2 = FeatureThrough(kind.shape2, c.body2, c.p2, c.n, radius, &random);
+        }
+        const ClosestPoints p = c.Closest();
+        const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+        const ExactRow exact = ExactRowOf(c);
+        ExpectClose(p.d, exact.d, 1e-15, "d");
+        ExpectClose(row.J[2], exact.J2, 1e-14, "J2");
+        ExpectClose(row.J[5], exact.J5, 1e-14, "J5");
+        ExpectClose(row.gamma, exact.gamma, 1e-12, "gamma");
+        if (!on_straight) {
+          const double error = std::abs(GammaByCenters(c, p) - exact.gamma) / (1 + std::abs(exact.gamma));
+          worst_by_centers = std::max(worst_by_centers, error);
+        }
+        ASSERT_FALSE(HasFailure());
+      }
+    }
+    EXPECT_GT(worst_by_centers, 1e-16 * radius) << "the centre form loses the radius's digits";
+  }
+}
+
+// Both edges nearly straight: the contact point is then where two angles nearly agree.
+TEST(ContactRow, NearlyFlatArcsOnEachOtherKeepAllDigitsOfTheirPlace) {
+  Random random(22);
+  for (const double radius : {1e3, 1e6, 1e9}) {
+    for (int i = 0; i < kCases; ++i) {
+      ContactCase c = RandomContact(ClosedPairKinds()[4], &random);
+      const Shape shape2 = i % 2 == 0 ? Shape::kConvexArc : Shape::kConcaveArc;
+      c.feature1 = FeatureThrough(Shape::kConvexArc, c.body1, c.p1, -c.n, radius, &random);
+      c.feature2 = FeatureThrough(shape2, c.body2, c.p2, c.n, 2 * radius, &random);
+      c.body1.omega = c.body2.omega + random.Uniform(-1, 1) / std::sqrt(radius);
+      const ClosestPoints p = c.Closest();
+      const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+      const ExactRow exact = ExactRowOf(c);
+      ExpectClose(p.d, exact.d, 1e-14, "d");
+      ExpectClose(row.J[2], exact.J2, 1e-13, "J2");
+      ExpectClose(row.J[5], exact.J5, 1e-13, "J5");
+      ExpectClose(row.gamma, exact.gamma, 1e-11, "gamma");
+      ASSERT_FALSE(HasFailure());
     }
   }
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/assembly.h"
+#include "model/curve.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench::testing {
@@ -18,7 +19,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kOracleTolerance = 1e-11;  // MODEL.md section 10
+// MODEL.md section 10 asks for 1e-11; the search and the rows are worth 1e-14.
+constexpr double kOracleTolerance = 1e-13;
 
 // The lines of a reference file; empty where the data are absent.
 std::vector<std::string> OracleLines(const std::string& file) {
@@ -30,19 +32,6 @@ std::vector<std::string> OracleLines(const std::string& file) {
 
 #define SKIP_WITHOUT_ORACLE(lines) \
   if ((lines).empty()) GTEST_SKIP() << "no reference data under " LCPBENCH_SHARED_DIR "/data/oracle"
-
-// Whether a record names only features of this version.
-bool IsSupported(const Json& record) {
-  const auto known = [](const Json& feature) {
-    const std::string type = feature["type"];
-    return type == "vertex" || type == "straight" || type == "arc";
-  };
-  if (!record.contains("contacts")) return known(record["feature1"]) && known(record["feature2"]);
-  for (const Json& contact : record["contacts"]) {
-    if (!known(contact["feature1"]) || !known(contact["feature2"])) return false;
-  }
-  return true;
-}
 
 // Compares every number of a reference value, of whatever shape, by |x - x_ref| <= tolerance (1 + |x_ref|).
 void ExpectMatches(const Json& found, const Json& expected, const std::string& what) {
@@ -72,7 +61,6 @@ TEST(OracleRecords, ContactsAreReproduced) {
   for (const std::string& line : lines) {
     const Json record = Json::parse(line);
     SCOPED_TRACE(record["id"]);
-    if (!IsSupported(record)) continue;
     const Json answer = Json::parse(AssembleRecord(line, "contacts"));
     ASSERT_TRUE(answer.contains("rows")) << answer;
     ASSERT_EQ(answer["rows"].size(), 1U);
@@ -91,7 +79,6 @@ TEST(OracleRecords, JointsAreReproduced) {
   for (const std::string& line : lines) {
     const Json record = Json::parse(line);
     SCOPED_TRACE(record["id"]);
-    if (!IsSupported(record)) continue;
     const Json answer = Json::parse(AssembleRecord(line, "joints"));
     ASSERT_TRUE(answer.contains("rows")) << answer;
     const Json& expect = record["expect"];
@@ -119,7 +106,6 @@ TEST(OracleRecords, SystemsAreReproduced) {
   for (const std::string& line : lines) {
     const Json record = Json::parse(line);
     SCOPED_TRACE(record["id"]);
-    if (!IsSupported(record)) continue;
     const Json answer = Json::parse(AssembleRecord(line, "systems"));
     const Json& expect = record["expect"];
     ExpectFieldsMatch(answer, expect, {"J", "gamma", "A", "b", "d", "d_dot"});
@@ -147,13 +133,32 @@ TEST(OracleRecords, SingularOnesAreRefusedWithAReason) {
   }
 }
 
-TEST(OracleRecords, CurvesOfLaterVersionsAreRefusedByName) {
-  const std::vector<std::string> lines = OracleLines("contacts.jsonl");
-  SKIP_WITHOUT_ORACLE(lines);
-  for (const std::string& line : lines) {
-    if (IsSupported(Json::parse(line))) continue;
-    const std::string error = Json::parse(AssembleRecord(line, "contacts"))["error"];
-    EXPECT_EQ(error.rfind("unsupported feature '", 0), 0U) << error;
+// Every start value removed: the search must find the meant minimum by nominal_gap (0 where a record has none).
+Json WithoutStarts(Json record) {
+  record.erase("s1");
+  record.erase("s2");
+  if (record.contains("contacts")) {
+    for (Json& contact : record["contacts"]) {
+      contact.erase("s1");
+      contact.erase("s2");
+    }
+  }
+  return record;
+}
+
+TEST(OracleRecords, AreReproducedWithoutStartValuesToo) {
+  for (const char* file : {"contacts.jsonl", "joints.jsonl", "systems.jsonl"}) {
+    const std::vector<std::string> lines = OracleLines(file);
+    SKIP_WITHOUT_ORACLE(lines);
+    for (const std::string& line : lines) {
+      const Json record = Json::parse(line);
+      SCOPED_TRACE(record["id"]);
+      if (record.contains("kind") && record["kind"] == "pin") continue;
+      const Json answer = Json::parse(AssembleRecord(WithoutStarts(record).dump(), file));
+      ASSERT_TRUE(answer.contains("rows")) << answer;
+      const Json& row = record.contains("contacts") ? answer : answer["rows"][0];
+      ExpectFieldsMatch(row, record["expect"], {"d", "d_dot", "J", "gamma", "A", "b"});
+    }
   }
 }
 
@@ -241,6 +246,50 @@ TEST(Records, ParsedSystemKeepsEveryField) {
   EXPECT_EQ(std::get<ArcEdge>(system.constraints[0].feature2).radius, 1.5);
 }
 
+TEST(Records, CurvesAreReadWithAllTheirFields) {
+  Json record = SomeContact();
+  record["feature1"] = {{"type", "ellipse"}, {"center", {1, 2}}, {"a", 3}, {"b", 4}, {"phi", 5}, {"side", "concave"}};
+  record["feature2"] = {{"type", "superellipse"}, {"center", {1, 2}}, {"a", 3}, {"b", 4}, {"m", 6}, {"phi", 5},
+                        {"side", "convex"}};
+  ContactSystem system = ParseSystemRecord(record.dump(), "");
+  const auto ellipse = std::get<EllipseEdge>(system.constraints[0].feature1);
+  EXPECT_EQ(Describe(ellipse), "concave ellipse with center (1, 2), semi-axes 3 and 4, phi 5");
+  const auto oval = std::get<SuperellipseEdge>(system.constraints[0].feature2);
+  EXPECT_EQ(Describe(oval), "convex superellipse with center (1, 2), semi-axes 3 and 4, phi 5, m 6");
+  record["feature1"] = {{"type", "bezier"}, {"P", {{0, 1}, {2, 3}, {4, 5}, {6, 7}}}};
+  system = ParseSystemRecord(record.dump(), "");
+  EXPECT_EQ(Describe(std::get<BezierEdge>(system.constraints[0].feature1)),
+            "Bezier curve of (0, 1), (2, 3), (4, 5), (6, 7)");
+}
+
+TEST(Records, CurvesWithWrongFieldsAreRefusedNamingThem) {
+  const Json oval = {{"type", "superellipse"}, {"center", {0, 0}}, {"a", 1}, {"b", 2}, {"m", 4}, {"phi", 0},
+                     {"side", "convex"}};
+  const Json bezier = {{"type", "bezier"}, {"P", {{0, 0}, {1, 0}, {1, 1}, {0, 1}}}};
+  const auto error_with = [](const Json& feature) {
+    Json record = SomeContact();
+    record["feature2"] = feature;
+    return InputErrorOf(record.dump());
+  };
+  for (const auto& [key, value] : oval.items()) {
+    Json feature = oval;
+    feature.erase(key);
+    EXPECT_EQ(error_with(feature).rfind("file.jsonl:7: /feature2/" + key + ": missing field", 0), 0U);
+  }
+  Json feature = oval;
+  feature["m"] = 2.5;
+  EXPECT_EQ(error_with(feature), "file.jsonl:7: /feature2/m: expected an integer, found 2.5");
+  feature = oval;
+  feature["a"] = {1, 2};
+  EXPECT_EQ(error_with(feature), "file.jsonl:7: /feature2/a: expected a number, found an array of 2");
+  feature = bezier;
+  feature["P"].erase(3);
+  EXPECT_EQ(error_with(feature), "file.jsonl:7: /feature2/P: expected an array of four points, found an array of 3");
+  feature = bezier;
+  feature["P"][2] = 1;
+  EXPECT_EQ(error_with(feature), "file.jsonl:7: /feature2/P/2: expected an array of two numbers, found 1");
+}
+
 TEST(Records, ModelErrorsComeWithTheId) {
   std::vector<std::pair<Json, std::string>> cases;
   const auto add = [&](Json record, const Json::json_pointer& where, const Json& value, const std::string& error) {
@@ -248,7 +297,10 @@ TEST(Records, ModelErrorsComeWithTheId) {
     cases.emplace_back(std::move(record), error);
   };
   add(SomeContact(), Json::json_pointer("/feature2/radius"), -1, "radius must be > 0");
-  add(SomeContact(), Json::json_pointer("/feature1/type"), "ellipse", "unsupported feature 'ellipse'");
+  add(SomeContact(), Json::json_pointer("/feature1/type"), "clothoid", "unsupported feature 'clothoid'");
+  const Json odd = {{"type", "superellipse"}, {"center", {0, 0}}, {"a", 1}, {"b", 2}, {"m", 3}, {"phi", 0},
+                    {"side", "convex"}};
+  add(SomeContact(), Json::json_pointer("/feature2"), odd, "m must be even and >= 2");
   add(SomeContact(), Json::json_pointer("/body1/mass"), 0, "mass of a movable body");
   add(SomeContact(), Json::json_pointer("/kind"), "pin", "a pin needs two vertices");
   add(SomeSystem(), Json::json_pointer("/contacts/0/body2"), 2, "body index 2");
