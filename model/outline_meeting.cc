@@ -25,7 +25,13 @@ double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b) {
   return Norm(p - a - t * along);
 }
 
+BoundingBox BoxOf(Vec2 a, Vec2 b) {
+  return {{std::min(a.x, b.x), std::min(a.y, b.y)}, {std::max(a.x, b.x), std::max(a.y, b.y)}};
+}
+
+// The boxes keep segments apart that follow each other on one line, whose sides are mere rounding.
 bool Intersect(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  if (!Overlap(BoxOf(a, b), BoxOf(c, d))) return false;
   const double c_side = Cross(b - a, c - a);
   const double d_side = Cross(b - a, d - a);
   const double a_side = Cross(d - c, a - c);
@@ -141,8 +147,8 @@ void EnclosedPiece::EncloseBezier(const BezierEdge& edge) {
 
 BoundingBox EnclosedPiece::Bounds(double margin) const {
   const double around = height_ + margin;
-  return {{std::min(begin_.x, end_.x) - around, std::min(begin_.y, end_.y) - around},
-          {std::max(begin_.x, end_.x) + around, std::max(begin_.y, end_.y) + around}};
+  const BoundingBox box = BoxOf(begin_, end_);
+  return {{box.lower.x - around, box.lower.y - around}, {box.upper.x + around, box.upper.y + around}};
 }
 
 bool AppendEnclosed(const OutlinePiece& piece, std::vector<EnclosedPiece>* pieces) {
