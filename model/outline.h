@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "model/outline_curves.h"
+#include "model/outline_piece.h"
 #include "model/vec2.h"
 
 namespace lcpbench {

@@ -226,6 +226,7 @@ int WindingNumber(const std::vector<EnclosedPiece>& loop, Vec2 point, double tol
     }
     const Vec2 from = piece.begin() - point;
     const Vec2 to = piece.end() - point;
+    // Only the nearest whole number of turns counts, so that the library's atan2 is exact enough.
     angle += std::atan2(Cross(from, to), Dot(from, to));
   }
   return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "model/broad_phase.h"
-#include "model/outline_curves.h"
+#include "model/outline_piece.h"
 #include "model/vec2.h"
 
 namespace lcpbench {

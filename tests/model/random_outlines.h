@@ -9,7 +9,7 @@
 
 #include "model/angle.h"
 #include "model/outline.h"
-#include "model/outline_curves.h"
+#include "model/outline_piece.h"
 #include "model/trig.h"
 #include "tests/model/random_contacts.h"
 

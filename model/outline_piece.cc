@@ -1,4 +1,4 @@
-#include "model/outline_curves.h"
+#include "model/outline_piece.h"
 
 #include <algorithm>
 #include <charconv>
@@ -8,6 +8,7 @@
 
 #include "model/closest_points.h"
 #include "model/outline_checks.h"
+#include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
