@@ -58,11 +58,14 @@ struct BezierEdge {
 /// A closed set: a new kind fails to compile until every visitor handles it.
 using Feature = std::variant<Vertex, StraightEdge, ArcEdge, EllipseEdge, SuperellipseEdge, BezierEdge>;
 
-/// The piece s_begin..s_end of an edge (a + s (b - a), or center + radius (cos s, sin s)): one part of a body's
-/// outline. Counter-clockwise around the material: s_begin < s_end on convex arcs and straight edges, s_begin > s_end
-/// on concave.
+/// The edges that outlines are made of. A closed set, too.
+using OutlineCurve = std::variant<StraightEdge, ArcEdge, EllipseEdge, SuperellipseEdge, BezierEdge>;
+
+/// The piece s_begin..s_end of an edge, by the parameter s of its declaration: one part of a body's outline. The
+/// material lies on the left of the direction of travel: s_begin < s_end on straight and Bezier edges and on convex
+/// curves, s_begin > s_end on concave curves.
 struct OutlineEdge {
-  std::variant<StraightEdge, ArcEdge> edge;
+  OutlineCurve edge;
   double s_begin = 0;
   double s_end = 1;
 };

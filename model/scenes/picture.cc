@@ -1,4 +1,5 @@
 #include "model/scenes/picture.h"
+#include "model/outline_piece.h"
 
 #include <algorithm>
 #include <array>
@@ -213,6 +214,9 @@ class Drawing {
     const bool backwards = depth > 0;
     const double begin = backwards ? piece.s_end : piece.s_begin;
     const double end = backwards ? piece.s_begin : piece.s_end;
+    if (!std::holds_alternative<StraightEdge>(piece.edge) && !std::holds_alternative<ArcEdge>(piece.edge)) {
+      return SampledPath(body, piece, begin, end, depth, move);
+    }
     OutlineEdge moved = piece;
     const double inward = depth / layout_.scale;
     if (auto* line = std::get_if<StraightEdge>(&moved.edge)) {
@@ -234,6 +238,23 @@ class Drawing {
       }
     } else {
       path += "L" + Px(layout_.ToPage(ToWorld(body, PieceAt(moved, end))));
+    }
+    return path;
+  }
+
+  /// As PiecePath, for curves that SVG has no command for: a polygon fine enough for the eye.
+  std::string SampledPath(const Body& body, const OutlineEdge& piece, double begin, double end, double depth,
+                          std::string_view move) const {
+    constexpr int kSegments = 96;
+    const double travel = piece.s_end > piece.s_begin ? 1 : -1;
+    std::string path(move);
+    for (int k = 0; k <= kSegments; ++k) {
+      const double s = begin + (end - begin) * k / kSegments;
+      const Vec2 along = travel * CurveDirection(piece.edge, s);
+      const Vec2 inward = (1 / std::max(Norm(along), std::numeric_limits<double>::min())) * Perp(along);
+      const Vec2 point = PieceAt(piece, s) + (depth / layout_.scale) * inward;
+      if (k > 0) path += "L";
+      path += Px(layout_.ToPage(ToWorld(body, point)));
     }
     return path;
   }

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "model/outline_piece.h"
 #include "model/scenes/parts.h"
 #include "model/trig.h"
 
@@ -35,22 +36,26 @@ void AddOutline(const Body& body, Bounds* bounds) {
 }  // namespace
 
 EdgeKind KindOf(const OutlineEdge& piece) {
-  const auto* arc = std::get_if<ArcEdge>(&piece.edge);
-  if (arc == nullptr) return EdgeKind::kStraight;
-  return arc->side == Side::kConvex ? EdgeKind::kConvex : EdgeKind::kConcave;
+  struct Visitor {
+    EdgeKind operator()(const StraightEdge& /*edge*/) const { return EdgeKind::kStraight; }
+    // A free-form edge may turn either way; its ends tell which way it turns on the whole.
+    EdgeKind operator()(const BezierEdge& edge) const {
+      return Cross(edge.P[1] - edge.P[0], edge.P[3] - edge.P[2]) >= 0 ? EdgeKind::kConvex : EdgeKind::kConcave;
+    }
+    EdgeKind operator()(const ArcEdge& edge) const { return Of(edge.side); }
+    EdgeKind operator()(const EllipseEdge& edge) const { return Of(edge.side); }
+    EdgeKind operator()(const SuperellipseEdge& edge) const { return Of(edge.side); }
+    static EdgeKind Of(Side side) { return side == Side::kConvex ? EdgeKind::kConvex : EdgeKind::kConcave; }
+  };
+  return std::visit(Visitor{}, piece.edge);
 }
 
 bool IsFullCircle(const OutlineEdge& piece) {
-  return KindOf(piece) != EdgeKind::kStraight && std::abs(piece.s_end - piece.s_begin) >= 2 * kPi * (1 - 1e-9);
+  return std::holds_alternative<ArcEdge>(piece.edge) && std::abs(piece.s_end - piece.s_begin) >= 2 * kPi * (1 - 1e-9);
 }
 
 /// Body-frame point of an outline piece at parameter s.
-Vec2 PieceAt(const OutlineEdge& piece, double s) {
-  if (const auto* line = std::get_if<StraightEdge>(&piece.edge)) return line->a + s * (line->b - line->a);
-  const auto& arc = std::get<ArcEdge>(piece.edge);
-  const Rotation direction = SinCos(s);
-  return arc.center + arc.radius * Vec2{direction.cos, direction.sin};
-}
+Vec2 PieceAt(const OutlineEdge& piece, double s) { return CurvePoint(piece.edge, s); }
 
 Vec2 ToWorld(const Body& body, Vec2 p) { return body.x + Rotate(SinCos(body.theta), p); }
 
