@@ -301,6 +301,7 @@ DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   DantzigOptions options;
   options.rank_tolerance =
       reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
+  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
   if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
     options.order = DantzigOrder::kMostNegative;
   }
@@ -308,10 +309,15 @@ DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-DantzigSolver::DantzigSolver(DantzigOptions options) : engine_(std::make_unique<Engine>(options)) {}
+DantzigSolver::DantzigSolver(DantzigOptions options)
+    : max_rows_(options.max_rows), engine_(std::make_unique<Engine>(options)) {}
 DantzigSolver::~DantzigSolver() = default;
 
 std::string DantzigSolver::WhyUnsupported(const LcpProblem& problem) const {
+  if (problem.size() > max_rows_) {
+    return std::to_string(problem.size()) + " rows are more than max_rows = " + std::to_string(max_rows_) +
+           " of this dense solver";
+  }
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 

@@ -22,7 +22,11 @@ struct DantzigOptions {
   double rank_tolerance = 1e-12;
   DantzigOrder order = DantzigOrder::kIndex;
 
-  /// Keys `rank_tolerance` and `order` (index, most-negative). @throws InputError for others
+  /// Larger problems are refused as unsupported before anything is allocated: three n x n arrays take 2.4 GB at the
+  /// default, and pivoting on them minutes. In [1, 100000].
+  Index max_rows = 10'000;
+
+  /// Keys `rank_tolerance`, `order` (index, most-negative) and `max_rows`. @throws InputError for others
   static DantzigOptions FromSettings(const Settings& settings);
 };
 
@@ -74,7 +78,7 @@ class DantzigSolver final : public LcpSolver {
   explicit DantzigSolver(DantzigOptions options = {});
   ~DantzigSolver() override;
 
-  /// Refuses A that is not numerically symmetric.
+  /// Refuses A that is not numerically symmetric, and more than max_rows rows.
   std::string WhyUnsupported(const LcpProblem& problem) const override;
   void Reserve(Index max_rows) override;
 
@@ -84,6 +88,7 @@ class DantzigSolver final : public LcpSolver {
 
  private:
   class Engine;
+  Index max_rows_;
   std::unique_ptr<Engine> engine_;
 };
 

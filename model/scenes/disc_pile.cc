@@ -245,7 +245,10 @@ class PileScene {
 
   int Add(const Disc& disc) {
     // Densities from 20 to 320: with the radii, masses spread over a factor 100.
-    const double density = 20 * random_->Uniform(1, 2) * static_cast<double>(1 << random_->Integer(4));
+    // One draw per statement: within an expression the order of evaluation is the compiler's choice, and with it the
+    // bits.
+    const double share = random_->Uniform(1, 2);
+    const double density = 20 * share * static_cast<double>(1 << random_->Integer(4));
     Body body = MakeDisc(disc.c, disc.r, density);
     // Nothing depends on a disc's angle; a nonzero one exercises the frames.
     body.theta = random_->Uniform(-kPi, kPi);

@@ -12,7 +12,7 @@ class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
 
-  /// 64 random bits.
+  /// 64 random bits. Draw once per statement: C++ leaves the order of two draws in one expression to the compiler.
   std::uint64_t Bits() {
     state_ += 0x9E3779B97F4A7C15U;
     std::uint64_t z = state_;

@@ -227,7 +227,8 @@ class RockerRow {
   void AddPoleRider() {
     const double width = 0.14 * last_.radius;
     const double height = random_->Uniform(0.5, 0.8) * last_.radius;
-    const double lean = random_->Sign() * random_->Uniform(0.1, 0.3);
+    const double side = random_->Sign();  // one draw per statement: the order within an expression is not defined
+    const double lean = side * random_->Uniform(0.1, 0.3);
     const Vec2 p = TopPoint(0.25);
     // Turned to the left it stands on its left corner.
     const Vec2 corner = BoxCorner(width, height, lean > 0 ? 0 : 1);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <ostream>
 #include <set>
 #include <string>
@@ -19,6 +20,7 @@
 #include "model/scenes/random.h"
 #include "model/trig.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -296,6 +298,23 @@ TEST(SceneCurvature, EntersBWhereBodiesMove) {
     const auto curved = std::count_if(lcp.rows.begin(), lcp.rows.end(),
                                       [](const RowInfo& row) { return std::abs(row.gamma) > 1e-3 * kGravity; });
     EXPECT_GE(curved, 100) << key;
+  }
+}
+
+// The bits are the same whatever the compiler's flags: these hashes were made by the release build and hold under the
+// sanitizers as well. They change only when a family is changed on purpose.
+TEST(SceneBits, AreTheSameInEveryBuild) {
+  constexpr std::pair<const char*, std::uint64_t> kHashes[] = {
+      {"discs-in-v", 0x1fa96ae0ff329304U},      {"disc-pile", 0x964df322121427d4U}, {"disc-track", 0x746837131367549dU},
+      {"boxes-and-discs", 0x782512c0e1e6ed53U}, {"rockers", 0x866c51ff35fd232dU},
+  };
+  for (const auto& [key, expected] : kHashes) {
+    // FNV-1a over the problem's text, whose numbers read back to the same doubles.
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const char c : FormatLcpRecord(AssembleContactLcp(GenerateScene(key, 60, 5)).problem, true)) {
+      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+    }
+    EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
   }
 }
 

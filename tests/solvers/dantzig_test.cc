@@ -17,6 +17,7 @@
 #include "solvers/dense_ldlt.h"
 #include "solvers/lcp/json_lines.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/test_problems.h"
 
 // Counts allocations of this program: Eigen takes its memory from malloc, not from operator new. Sanitizers bring an
 // allocator of their own.
@@ -507,6 +508,16 @@ TEST(Dantzig, SolvingAgainDoesNotAllocate) {
     }
   }
 #endif
+}
+
+TEST(Dantzig, RefusesMoreRowsThanItsDenseArraysAreMeantFor) {
+  const LcpProblem problem = PlantedProblem(8, 4, 1, 0, 0).problem;
+  LcpResult result;
+  DantzigSolver(DantzigOptions::FromSettings({{"max_rows", "7"}})).Solve(problem, {}, &result);
+  EXPECT_EQ(result.status, LcpStatus::kUnsupported);
+  EXPECT_NE(result.detail.find("max_rows"), std::string::npos);
+  DantzigSolver(DantzigOptions::FromSettings({{"max_rows", "8"}})).Solve(problem, {}, &result);
+  EXPECT_EQ(result.status, LcpStatus::kSolved);
 }
 
 }  // namespace
