@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "model/angle.h"
+#include "model/outline.h"
+#include "model/outline_curves.h"
+#include "model/trig.h"
+#include "tests/model/random_contacts.h"
+
+namespace lcpbench::testing {
+
+enum class EdgeKind { kStraight, kArc, kEllipse, kSuperellipse, kBezier };
+inline constexpr int kEdgeKinds = 5;
+
+inline int RandomInteger(int count, Random* random) {
+  return static_cast<int>(random->Uniform(0, static_cast<double>(count)));
+}
+
+/// All lengths times `scale`.
+inline OutlinePiece Scaled(OutlinePiece piece, double scale) {
+  if (auto* e = std::get_if<StraightEdge>(&piece.edge)) *e = {scale * e->a, scale * e->b};
+  if (auto* e = std::get_if<ArcEdge>(&piece.edge)) *e = {scale * e->center, scale * e->radius, e->side};
+  if (auto* e = std::get_if<EllipseEdge>(&piece.edge)) {
+    *e = {scale * e->center, scale * e->a, scale * e->b, e->phi, e->side};
+  }
+  if (auto* e = std::get_if<SuperellipseEdge>(&piece.edge)) {
+    *e = {scale * e->center, scale * e->a, scale * e->b, e->m, e->phi, e->side};
+  }
+  if (auto* e = std::get_if<BezierEdge>(&piece.edge)) {
+    for (Vec2& p : e->P) p = scale * p;
+  }
+  return piece;
+}
+
+inline Outline Scaled(Outline outline, double scale) {
+  for (OutlineLoop& loop : outline.loops) {
+    for (OutlinePiece& piece : loop) piece = Scaled(piece, scale);
+  }
+  return outline;
+}
+
+/// A piece from p to q that stays near its chord: a gently curved piece of the kind, anywhere, moved there by a
+/// similarity.
+inline OutlinePiece RandomPieceBetween(Vec2 p, Vec2 q, EdgeKind kind, Random* random) {
+  if (kind == EdgeKind::kStraight) return {StraightEdge{p, q}, 0, 1};
+  const bool convex = random->Uniform(0, 1) < 0.5;
+  const Side side = convex ? Side::kConvex : Side::kConcave;
+  const double low = random->Uniform(-3, 3);
+  const double high = low + random->Uniform(0.3, 0.8);
+  OutlinePiece piece{ArcEdge{{}, 1, side}, convex ? low : high, convex ? high : low};
+  if (kind == EdgeKind::kEllipse) {
+    piece.edge = EllipseEdge{{}, 1, random->Uniform(0.8, 1.3), random->Uniform(-3, 3), side};
+  } else if (kind == EdgeKind::kSuperellipse) {
+    const int m = 2 + 2 * RandomInteger(2, random);
+    piece.edge = SuperellipseEdge{{}, 1, random->Uniform(0.8, 1.3), m, random->Uniform(-3, 3), side};
+  } else if (kind == EdgeKind::kBezier) {
+    piece.edge =
+        BezierEdge{{Vec2{0, 0}, Vec2{1, random->Uniform(-0.3, 0.3)}, Vec2{2, random->Uniform(-0.3, 0.3)}, Vec2{3, 0}}};
+    piece.s_begin = random->Uniform(0, 0.2);
+    piece.s_end = random->Uniform(0.8, 1);
+  }
+  const Vec2 chord = CurvePoint(piece.edge, piece.s_end) - CurvePoint(piece.edge, piece.s_begin);
+  const Vec2 wanted = q - p;
+  piece = Scaled(piece, Norm(wanted) / Norm(chord));
+  piece = Transformed(piece, AngleOf({Dot(chord, wanted), Cross(chord, wanted)}), {});
+  return Transformed(piece, 0, p - CurvePoint(piece.edge, piece.s_begin));
+}
+
+/// A closed loop of 5 to 9 random edges between vertices near the unit circle about `center` times `radius`.
+inline OutlineLoop RandomLoop(Vec2 center, double radius, bool counter_clockwise, Random* random) {
+  const int vertices = 5 + RandomInteger(5, random);
+  std::vector<Vec2> corners;
+  for (int k = 0; k < vertices; ++k) {
+    const double turn = (k + random->Uniform(-0.15, 0.15)) / vertices;
+    const Rotation u = SinCos(2 * std::numbers::pi * (counter_clockwise ? turn : -turn));
+    corners.push_back(center + (radius * random->Uniform(0.9, 1.1)) * Vec2{u.cos, u.sin});
+  }
+  OutlineLoop loop;
+  for (int k = 0; k < vertices; ++k) {
+    const auto kind = static_cast<EdgeKind>(RandomInteger(kEdgeKinds, random));
+    loop.push_back(RandomPieceBetween(corners[static_cast<std::size_t>(k)],
+                                      corners[static_cast<std::size_t>((k + 1) % vertices)], kind, random));
+  }
+  return loop;
+}
+
+/// A valid outline of all kinds of edges, with up to two holes.
+inline Outline RandomOutline(Random* random) {
+  const Vec2 center = random->Vector(2);
+  Outline outline{"random", {RandomLoop(center, 1, true, random)}};
+  const int holes = RandomInteger(3, random);
+  for (int k = 0; k < holes; ++k) {
+    outline.loops.push_back(RandomLoop(center + Vec2{k == 0 ? -0.33 : 0.33, 0}, 0.2, false, random));
+  }
+  return outline;
+}
+
+}  // namespace lcpbench::testing
