@@ -78,6 +78,40 @@ class SampledLoop {
     return {World(e.c), Rotate(rotation_, e.d1), Rotate(rotation_, e.d2)};
   }
 
+  /// The place nearest to a point on the outline: the nearest sample's surroundings, searched by golden section.
+  LoopPlace Nearest(Vec2 p) const {
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < size(); ++i) {
+      if (Norm(points_[i] - p) < Norm(points_[best] - p)) best = i;
+    }
+    const LoopPlace after = places_[best];
+    const LoopPlace before = places_[(best + size() - 1) % size()];
+    LoopPlace nearest = after;
+    for (const LoopPlace& from : {after, before}) {
+      const double range = high(from.piece) - low(from.piece);
+      const double per_sample = 2 * range * static_cast<double>(loop_->size()) / static_cast<double>(size());
+      const LoopPlace found = NearestBetween(p, from.piece, std::max(low(from.piece), from.s - per_sample),
+                                             std::min(high(from.piece), from.s + per_sample));
+      if (Norm(At(found).c - p) < Norm(At(nearest).c - p)) nearest = found;
+    }
+    return nearest;
+  }
+
+  /// The place and those `step` of its piece to either side, beyond an end on the neighbour.
+  std::vector<LoopPlace> Around(const LoopPlace& place, double step) const {
+    std::vector<LoopPlace> around = {place};
+    const double length = step * (high(place.piece) - low(place.piece));
+    for (const double s : {place.s - length, place.s + length}) {
+      const LoopPlace held{place.piece, std::clamp(s, low(place.piece), high(place.piece))};
+      around.push_back(held);
+      const std::optional<LoopPlace> next = Neighbour(held);
+      if (!next) continue;
+      const double room = step * (high(next->piece) - low(next->piece));
+      around.push_back({next->piece, next->s == low(next->piece) ? next->s + room : next->s - room});
+    }
+    return around;
+  }
+
   Vec2 OutwardNormal(const LoopPlace& place) const {
     return Rotate(rotation_, EvaluateEdge(features_[place.piece], place.s).N);
   }
@@ -98,6 +132,21 @@ class SampledLoop {
   }
 
  private:
+  LoopPlace NearestBetween(Vec2 p, std::size_t piece, double from, double to) const {
+    constexpr double kGolden = 0.6180339887498949;
+    constexpr int kSteps = 60;
+    for (int i = 0; i < kSteps; ++i) {
+      const double s1 = to - kGolden * (to - from);
+      const double s2 = from + kGolden * (to - from);
+      if (Norm(At({piece, s1}).c - p) < Norm(At({piece, s2}).c - p)) {
+        to = s2;
+      } else {
+        from = s1;
+      }
+    }
+    return {piece, from + (to - from) / 2};
+  }
+
   Vec2 World(Vec2 c) const { return pose_.x + Rotate(rotation_, c); }
 
   const OutlineLoop* loop_;

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <iostream>
 #include <string>
 #include <tuple>
 
+#include "model/shapes.h"
 #include "solvers/lcp/input_error.h"
 #include "tests/model/gap_sampling.h"
 #include "tests/model/random_contacts.h"
@@ -28,7 +30,7 @@ struct Tally {
   int overlapping = 0;  // left out
   int minima = 0;
   int at_vertices = 0;
-  int unconfirmed = 0;  // detected, not sampled, but confirmed as minima by a descent from nearby
+  int unconfirmed = 0;  // detected, not sampled, but confirmed as minima by their surroundings
   int undecided = 0;    // descents that did not converge
   double worst_gap = 0;
 };
@@ -130,27 +132,18 @@ class Comparison {
  private:
   static constexpr double kSamePlace = 1e-5;
 
-  // Whether descents from the samples around a point lead back to it.
+  // Whether no pair of places near the feet is nearer: for minima in valleys narrower than the samples.
   bool IsMinimum(const ClosestPoints& c) const {
-    const Vec2 p1 = c_.pose1.x + c.R1;
-    const Vec2 p2 = c_.pose2.x + c.R2;
-    const auto nearest = [](const SampledLoop& loop, Vec2 p) {
-      std::size_t best = 0;
-      for (std::size_t i = 1; i < loop.size(); ++i) {
-        if (Norm(loop.points()[i] - p) < Norm(loop.points()[best] - p)) best = i;
-      }
-      return best;
-    };
-    const std::size_t i = nearest(loop1_, p1);
-    const std::size_t j = nearest(loop2_, p2);
-    Descent descent(loop1_, loop2_);
-    for (const std::size_t di : {0u, 1u, static_cast<unsigned>(loop1_.size()) - 1}) {
-      for (const std::size_t dj : {0u, 1u, static_cast<unsigned>(loop2_.size()) - 1}) {
-        const auto found = descent.Run(loop1_.place((i + di) % loop1_.size()), loop2_.place((j + dj) % loop2_.size()));
-        if (found && IsSame(*found, p1, p2, kSamePlace)) return true;
+    const LoopPlace foot1 = loop1_.Nearest(c_.pose1.x + c.R1);
+    const LoopPlace foot2 = loop2_.Nearest(c_.pose2.x + c.R2);
+    for (const double step : {1e-3, 1e-5}) {
+      for (const LoopPlace& place1 : loop1_.Around(foot1, step)) {
+        for (const LoopPlace& place2 : loop2_.Around(foot2, step)) {
+          if (Norm(loop1_.At(place1).c - loop2_.At(place2).c) < c.d - 1e-13) return false;
+        }
       }
     }
-    return false;
+    return true;
   }
 
   const Configuration& c_;
@@ -185,8 +178,9 @@ TEST_P(NarrowPhase, FindsTheMinimaThatDenseSamplingFinds) {
   RecordProperty("minima", tally.minima);
   std::cout << NameOf(kind1) << (inside ? " around " : " beside ") << NameOf(kind2) << ": " << tally.configurations
             << " configurations (" << tally.overlapping << " overlapping), " << tally.minima << " minima, "
-            << tally.at_vertices << " of them at vertices, " << tally.unconfirmed << " confirmed by descent only, "
-            << tally.undecided << " descents undecided, gaps within " << tally.worst_gap << " m\n";
+            << tally.at_vertices << " of them at vertices, " << tally.unconfirmed
+            << " confirmed by their surroundings only, " << tally.undecided << " descents undecided, gaps within "
+            << tally.worst_gap << " m\n";
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Kinds>& info) {
@@ -199,6 +193,173 @@ INSTANTIATE_TEST_SUITE_P(AllKinds, NarrowPhase,
                          ::testing::Combine(::testing::Range(0, kEdgeKinds), ::testing::Range(0, kEdgeKinds),
                                             ::testing::Bool()),
                          CaseName);
+
+// Outlines of several kinds of edges, most of them joined smoothly.
+std::vector<Outline> ReadyMadeShapes() {
+  return {Gear({}),
+          Cam(0.6, 0.2, 0.9),
+          Capsule(1.5, 0.4),
+          DShape(0.7, 0.8),
+          RoundedBox(1.6, 0.9, 0.25),
+          Bowl(1.2, 0.9, 0.8),
+          HalfDisc(0.9),
+          Box(1.5, 0.8),
+          Ellipse(1.2, 0.2),
+          Superellipse(1, 0.7, 6)};
+}
+
+TEST(NarrowPhaseOfShapes, FindsTheMinimaThatDenseSamplingFinds) {
+  Random random(77);
+  Tally tally;
+  const std::vector<Outline> shapes = ReadyMadeShapes();
+  const int cases = CasesPerPair() / 20;
+  for (const Outline& shape1 : shapes) {
+    for (const Outline& shape2 : shapes) {
+      for (int k = 0; k < cases; ++k) {
+        Configuration c{shape1, shape2, {random.Vector(3), random.Uniform(-3, 3)}, {}, random.Uniform(0.02, 0.4)};
+        const Rotation u = SinCos(random.Uniform(-3.14, 3.14));
+        c.pose2 = {c.pose1.x - 5.0 * Vec2{u.cos, u.sin}, random.Uniform(-3, 3)};
+        Approach(&c, {u.cos, u.sin}, 0.01);
+        Comparison(c, shape1.name + " and " + shape2.name + ", case " + std::to_string(k)).Run(&tally);
+      }
+    }
+  }
+  EXPECT_LE(tally.overlapping, tally.configurations / 100);
+  std::cout << tally.configurations << " configurations, " << tally.minima << " minima, " << tally.unconfirmed
+            << " confirmed by their surroundings only, gaps within " << tally.worst_gap << " m\n";
+}
+
+std::vector<GapMinimum> Detect(const Configuration& c, double penetration = 0) {
+  return FindGapMinima(PlaceOutline(c.outline1, c.pose1.x, c.pose1.theta),
+                       PlaceOutline(c.outline2, c.pose2.x, c.pose2.theta), {c.reach, penetration});
+}
+
+Configuration AnyConfiguration(Random* random) {
+  const auto kind1 = static_cast<EdgeKind>(RandomInteger(kEdgeKinds, random));
+  const auto kind2 = static_cast<EdgeKind>(RandomInteger(kEdgeKinds, random));
+  return RandomConfiguration(kind1, kind2, random->Uniform(0, 1) < 0.5, random);
+}
+
+bool IsAmong(const std::vector<GapMinimum>& minima, Vec2 R1, Vec2 R2, double tolerance) {
+  return std::any_of(minima.begin(), minima.end(), [&](const GapMinimum& m) {
+    return Norm(m.closest.R1 - R1) <= tolerance && Norm(m.closest.R2 - R2) <= tolerance;
+  });
+}
+
+TEST(NarrowPhaseOfShapes, ExchangingTheBodiesExchangesTheMinima) {
+  Random random(5);
+  for (int k = 0; k < 300; ++k) {
+    const Configuration c = AnyConfiguration(&random);
+    const Configuration exchanged{c.outline2, c.outline1, c.pose2, c.pose1, c.reach};
+    const std::vector<GapMinimum> minima = Detect(c);
+    const std::vector<GapMinimum> others = Detect(exchanged);
+    ASSERT_EQ(minima.size(), others.size()) << k;
+    for (const GapMinimum& m : minima) EXPECT_TRUE(IsAmong(others, m.closest.R2, m.closest.R1, 1e-9)) << k;
+  }
+}
+
+// Small overlaps: pushed into each other along a contact's normal, the bodies still have that contact, as deep.
+TEST(NarrowPhaseOfShapes, FollowsAContactIntoPenetration) {
+  Random random(6);
+  int followed = 0;
+  for (int k = 0; k < 300; ++k) {
+    Configuration c = AnyConfiguration(&random);
+    const std::vector<GapMinimum> minima = Detect(c);
+    if (minima.empty()) continue;
+    const auto nearest = std::min_element(minima.begin(), minima.end(),
+                                          [](const auto& a, const auto& b) { return a.closest.d < b.closest.d; });
+    // A minimum persists along its own normal: the feet stay where they are, only D changes with d.
+    const double depth = 1e-6;
+    c.pose2.x = c.pose2.x + (nearest->closest.d + depth) * nearest->closest.n;
+    const auto pushed = Detect(c, 1e-3);
+    const auto& before = nearest->closest;
+    const auto found = std::find_if(pushed.begin(), pushed.end(), [&](const GapMinimum& m) {
+      return Norm(m.closest.R1 - before.R1) <= 1e-6 && Norm(m.closest.R2 - before.R2) <= 1e-6;
+    });
+    ASSERT_NE(found, pushed.end()) << k;
+    EXPECT_NEAR(found->closest.d, -depth, 1e-12) << k;
+    ++followed;
+  }
+  EXPECT_GE(followed, 250);
+}
+
+TEST(NarrowPhaseOfShapes, IsTheSameFarFromTheOriginAndAtAnyScale) {
+  Random random(7);
+  for (int k = 0; k < 200; ++k) {
+    const Configuration c = AnyConfiguration(&random);
+    const std::vector<GapMinimum> minima = Detect(c);
+    for (const double scale : {1e-6, 1.0, 1e6}) {
+      const Vec2 shift = scale == 1 ? Vec2{0x1p20, -0x1p21} : Vec2{};
+      const Configuration moved{Scaled(c.outline1, scale),
+                                Scaled(c.outline2, scale),
+                                {scale * c.pose1.x + shift, c.pose1.theta},
+                                {scale * c.pose2.x + shift, c.pose2.theta},
+                                scale * c.reach};
+      const std::vector<GapMinimum> others = Detect(moved);
+      ASSERT_EQ(minima.size(), others.size()) << k << " " << scale;
+      for (std::size_t i = 0; i < minima.size(); ++i) {
+        // Positions at 1e6 m are known to 1e-10 m.
+        EXPECT_NEAR(others[i].closest.d / scale, minima[i].closest.d, 1e-8) << k << " " << scale;
+      }
+    }
+  }
+}
+
+// A ball rolled over the joins of straight edges and arcs touches a convex outline once, wherever it is.
+TEST(NarrowPhaseOfShapes, ABallOnAConvexOutlineTouchesItOnceAtJoinsAndVertices) {
+  Random random(8);
+  const double radius = 0.3;
+  for (const Outline& shape :
+       {RoundedBox(2, 1, 0.2), Capsule(1, 0.5), Cam(0.6, 0.2, 0.9), Box(2, 1), DShape(1, 0.7), HalfDisc(1)}) {
+    const double theta = random.Uniform(-3, 3);
+    const Rotation r = SinCos(theta);
+    for (const OutlinePiece& piece : shape.loops[0]) {
+      const Vec2 end = CurvePoint(piece.edge, piece.s_end);
+      const Vec2 along = CurveDirection(piece.edge, piece.s_end);
+      const Vec2 t = (1 / Norm(along)) * along;
+      for (const double beyond : {0.0, 1e-16, -1e-16, 1e-13, -1e-13, 1e-11, -1e-11, 1e-10, -1e-10, 3e-10, -3e-10, 1e-9,
+                                  -1e-9, 1e-8, -1e-8, 1e-6, -1e-6, 1e-3, -1e-3}) {
+        const Vec2 center = end + beyond * t - radius * Perp(t);
+        const Configuration c{shape, Disc(radius), {{}, theta}, {Rotate(r, center), 0}, 1e-3};
+        EXPECT_EQ(Detect(c, 1e-3).size(), 1u) << shape.name << " " << beyond;
+      }
+    }
+  }
+}
+
+// Slender ellipses: tip to flat side, by the closed form at the axes.
+TEST(NarrowPhaseOfShapes, SlenderEllipsesTouchAtTheirAxes) {
+  for (const double b : {1e-2, 1e-4, 1e-6}) {
+    const Configuration tip_on_side{
+        Ellipse(1, b), Ellipse(1, b), {{0, 0}, 0}, {{0.25, 1 + b + 1e-9}, 1.5707963267948966}, 1e-3};
+    const auto minima = Detect(tip_on_side);
+    ASSERT_EQ(minima.size(), 1u) << b;
+    EXPECT_NEAR(minima[0].closest.R1.x, 0.25, 1e-3) << b;
+    const Configuration tip_on_tip{Ellipse(1, b), Ellipse(1, b), {{0, 0}, 0}, {{2 + 1e-9, 0}, 0}, 1e-3};
+    ASSERT_EQ(Detect(tip_on_tip).size(), 1u) << b;
+    EXPECT_NEAR(Detect(tip_on_tip)[0].closest.d, 1e-9, 1e-15) << b;
+  }
+}
+
+// A floor that is an arc of a radius up to 1e9 times the ball's.
+TEST(NarrowPhaseOfShapes, ABallOnANearlyStraightArcTouchesIt) {
+  for (const double radius : {1e3, 1e6, 1e9}) {
+    for (const Side side : {Side::kConvex, Side::kConcave}) {
+      const bool convex = side == Side::kConvex;
+      // The arc's top or bottom is the origin; half a width of 2 m to either side.
+      const double half = 2 / radius;
+      const double middle = convex ? 1.5707963267948966 : -1.5707963267948966;
+      const Outline floor{"floor",
+                          {{{ArcEdge{{0, convex ? -radius : radius}, radius, side},
+                             convex ? middle - half : middle + half, convex ? middle + half : middle - half}}}};
+      for (const double x : {-1.5, 0.0, 1.0, 1.9, 2.1}) {
+        const double rise = x * x / (2 * radius) * (convex ? -1 : 1);
+        const Configuration c{floor, Disc(0.5), {}, {{x, 0.5 + rise}, 0.3}, 1e-5 * (1 + 1e3 / radius)};
+        EXPECT_EQ(Detect(c, 1e-5 * (1 + 1e3 / radius)).size(), x < 2 ? 1u : 0u) << radius << " " << x;
+      }
+    }
+  }
+}
 
 }  // namespace
 }  // namespace lcpbench
