@@ -229,6 +229,32 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaThatDenseSamplingFinds) {
             << " confirmed by their surroundings only, gaps within " << tally.worst_gap << " m\n";
 }
 
+// Ovals in holes of nearly their own shape: curvatures nearly match, D is small and changes its sign several times.
+TEST(NarrowPhaseOfShapes, FindsTheMinimaOfSnugOvals) {
+  Random random(9);
+  Tally tally;
+  const double turn = 2 * std::numbers::pi;
+  const int cases = CasesPerPair();
+  for (int k = 0; k < cases; ++k) {
+    const double a = 1;
+    const double b = random.Uniform(0.5, 1);
+    const double play = random.Uniform(0.01, 0.1);
+    const double phi = random.Uniform(-3, 3);
+    const int m = 2 + 2 * RandomInteger(2, &random);
+    const double slimmer = random.Uniform(0, 0.5) * play;
+    Configuration c;
+    c.outline1 = {"hole", {{{SuperellipseEdge{{}, a, b, m, phi, Side::kConcave}, turn, 0}}}};
+    c.outline2 = {"oval", {{{SuperellipseEdge{{}, a - play, b - play - slimmer, m, phi, Side::kConvex}, 0, turn}}}};
+    c.pose2 = {random.Vector(0.3 * play), random.Uniform(-0.1, 0.1) * play};
+    c.reach = 3 * play;
+    Comparison(c, "case " + std::to_string(k)).Run(&tally);
+  }
+  EXPECT_LE(tally.overlapping, tally.configurations / 10);
+  std::cout << tally.configurations << " configurations, " << tally.overlapping << " overlapping, " << tally.minima
+            << " minima, " << tally.unconfirmed << " confirmed by their surroundings only, " << tally.undecided
+            << " undecided, gaps within " << tally.worst_gap << " m\n";
+}
+
 std::vector<GapMinimum> Detect(const Configuration& c, double penetration = 0) {
   return FindGapMinima(PlaceOutline(c.outline1, c.pose1.x, c.pose1.theta),
                        PlaceOutline(c.outline2, c.pose2.x, c.pose2.theta), {c.reach, penetration});
