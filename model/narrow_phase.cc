@@ -30,6 +30,16 @@ double SingularThreshold(const CurvaturePair& c1, const CurvaturePair& c2) {
   return kSingularD * (vertex ? 1 : std::abs(c1.s) + std::abs(c2.s));
 }
 
+// Feet of one minimum, found from spans that join, differ by less [m].
+double SamePlace(const NormalSpan& span1, const NormalSpan& span2) {
+  constexpr double kSlacks = 4 * NormalSpan::kSlack;
+  return kSlacks * (span1.reach() + span2.reach());
+}
+
+bool IsSame(const ClosestPoints& c, Vec2 n, Vec2 R1, Vec2 R2, double near) {
+  return Norm(c.n - n) <= kSameNormal && Norm(c.R1 - R1) <= near && Norm(c.R2 - R2) <= near;
+}
+
 class SpanPair {
  public:
   SpanPair(const PlacedOutline& body1, int span1, const PlacedOutline& body2, int span2, const GapRange& range,
@@ -277,7 +287,12 @@ class SpanPair {
 
   void FinishNear(const Node& node) {
     if (!IsInRange(node.d, Margin() + kSearchMargin * (std::abs(node.d) + reach_))) return;
-    Finish(span1_.Parameter(node.p1.place), span2_.Parameter(node.p2.place));
+    // At the ends of spans the neighbours find the same minimum; the search for it is what costs.
+    const double near = SamePlace(span1_, span2_);
+    const bool known = std::any_of(minima_->begin(), minima_->end(), [&](const GapMinimum& m) {
+      return IsSame(m.closest, node.n, node.p1.arm, node.p2.arm, near);
+    });
+    if (!known) Finish(span1_.Parameter(node.p1.place), span2_.Parameter(node.p2.place));
   }
 
   void Finish(std::optional<double> s1, std::optional<double> s2) {
@@ -366,17 +381,12 @@ void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std:
   };
   std::stable_sort(minima->begin(), minima->end(), before);
   const auto spread = [&](const GapMinimum& m) {
-    constexpr double kSlacks = 4 * NormalSpan::kSlack;
-    const NormalSpan& span1 = body1.spans[static_cast<std::size_t>(m.span1)];
-    const NormalSpan& span2 = body2.spans[static_cast<std::size_t>(m.span2)];
-    return kSlacks * (span1.reach() + span2.reach());
+    return SamePlace(body1.spans[static_cast<std::size_t>(m.span1)], body2.spans[static_cast<std::size_t>(m.span2)]);
   };
   std::vector<GapMinimum> kept;
   for (const GapMinimum& m : *minima) {
     const bool repeated = std::any_of(kept.begin(), kept.end(), [&](const GapMinimum& k) {
-      const double near = spread(m) + spread(k);
-      return Norm(k.closest.n - m.closest.n) <= kSameNormal && Norm(k.closest.R1 - m.closest.R1) <= near &&
-             Norm(k.closest.R2 - m.closest.R2) <= near;
+      return IsSame(k.closest, m.closest.n, m.closest.R1, m.closest.R2, spread(m) + spread(k));
     });
     if (!repeated) kept.push_back(m);
   }

@@ -35,7 +35,8 @@ struct GapMinimum {
   std::optional<double> s2;
 };
 
-/// Appends the local minima of the gap between two spans that lie in `range`: at most a few.
+/// Appends the local minima of the gap between two spans that lie in `range`, at most a few, but for those of general
+/// curves that `minima` (of the same two bodies) holds already.
 ///
 /// With n from body 2 to body 1, p2(n) the point of span 2 with outward normal n and p1(n) that of span 1 with -n, the
 /// gap's stationary points are the zeros of g(n) = t.(p1 - p2), t = Perp(n), over the directions that both spans have

@@ -11,9 +11,7 @@
 #include <vector>
 
 #include "model/assembly.h"
-#include "model/curve.h"
-#include "model/mass_properties.h"
-#include "model/outline_checks.h"
+#include "model/narrow_phase.h"
 #include "model/scenes/scene.h"
 #include "model/shapes.h"
 #include "solvers/lcp/input_error.h"
@@ -164,16 +162,68 @@ TEST(Detection, ABallAtTheSmoothJoinOfAStraightAndAnArcTouchesOnce) {
   }
 }
 
+// Gears have more spans than kManySpans, so that every one has a box of its own; the narrow phase alone must agree.
 TEST(Detection, GearsTouchWhereTheirTeethDo) {
   const GearShape shape;
-  Workshop shop;
-  shop.Add(Gear(shape), {});
-  shop.Add(Gear(shape), {1.9, 0}, 0.2);
-  const auto rows = shop.Rows(0.05);
-  for (const RowInfo& row : rows) {
-    EXPECT_LE(std::abs(row.d), 0.05);
+  std::size_t found = 0;
+  for (const double turned : {0.0, 0.1, 0.2, 0.35}) {
+    Workshop shop;
+    shop.Add(Gear(shape), {});
+    shop.Add(Gear(shape), {1.85, 0}, turned);
+    const auto contacts = shop.Detect(0.05, 0.05);
+    const auto minima =
+        FindGapMinima(PlaceOutline(Gear(shape), {}, 0), PlaceOutline(Gear(shape), {1.85, 0}, turned), {0.05, 0.05});
+    ASSERT_EQ(contacts.size(), minima.size()) << turned;
+    found += contacts.size();
+    for (std::size_t k = 0; k < minima.size(); ++k) EXPECT_EQ(contacts[k].nominal_gap, minima[k].closest.d) << turned;
   }
-  EXPECT_GE(rows.size(), 1u);
+  EXPECT_GE(found, 2u);
+}
+
+TEST(Detection, ManyBodiesInOneTrackTouchItOnceEach) {
+  Workshop shop;
+  shop.Add(Ring(6, 5), {}, 0, true);
+  const int count = 40;
+  for (int k = 0; k < count; ++k) {
+    // Ellipses standing with their tips on the track, discs between them.
+    const double angle = 2 * kPi * k / count;
+    const Rotation u = SinCos(angle);
+    const double a = k % 2 == 0 ? 0.3 : 0.2;
+    shop.Add(k % 2 == 0 ? Ellipse(a, 0.2) : Disc(a), (5 - a - 1e-7) * Vec2{u.cos, u.sin}, angle);
+  }
+  const auto contacts = shop.Detect();
+  ASSERT_EQ(contacts.size(), static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) {
+    EXPECT_EQ(contacts[static_cast<std::size_t>(k)].body2, k + 1);
+    EXPECT_NEAR(contacts[static_cast<std::size_t>(k)].nominal_gap, 1e-7, 1e-14);
+  }
+}
+
+TEST(Detection, FixedBodiesDoNotTouchEachOther) {
+  Workshop shop;
+  shop.Add(Box(2, 1), {0, 0}, 0, true);
+  shop.Add(Box(2, 1), {0.5, 1}, 0, true);
+  EXPECT_TRUE(shop.Detect().empty());
+}
+
+TEST(Detection, RefusesBadInputNamingBodyAndEdge) {
+  Workshop shop;
+  Outline box = Box(2, 1);
+  std::get<StraightEdge>(box.loops[0][2].edge).b = std::get<StraightEdge>(box.loops[0][2].edge).a;
+  shop.Add(box, {0, 0});
+  shop.Add(Box(1, 1), {0, 1});
+  try {
+    shop.Detect();
+    FAIL() << "expected an error";
+  } catch (const InputError& error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("body '" + box.name + "'"), std::string::npos) << text;
+    EXPECT_NE(text.find("edge 2"), std::string::npos) << text;
+  }
+  Workshop valid;
+  valid.Add(Box(1, 1), {0, 1});
+  EXPECT_THROW(valid.Detect(0, 0), InputError);
+  EXPECT_THROW(valid.Detect(1e-6, -1), InputError);
 }
 
 using PairOfPoints = std::tuple<int, int>;

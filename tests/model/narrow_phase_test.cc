@@ -136,7 +136,8 @@ class Comparison {
   bool IsMinimum(const ClosestPoints& c) const {
     const LoopPlace foot1 = loop1_.Nearest(c_.pose1.x + c.R1);
     const LoopPlace foot2 = loop2_.Nearest(c_.pose2.x + c.R2);
-    for (const double step : {1e-3, 1e-5}) {
+    // Small: beyond a re-entrant corner close by, the outline may come nearer.
+    for (const double step : {1e-5, 1e-6}) {
       for (const LoopPlace& place1 : loop1_.Around(foot1, step)) {
         for (const LoopPlace& place2 : loop2_.Around(foot2, step)) {
           if (Norm(loop1_.At(place1).c - loop2_.At(place2).c) < c.d - 1e-13) return false;
