@@ -17,6 +17,9 @@
 namespace lcpbench {
 namespace {
 
+// Of a benchmark that is not timed, in units of one that is.
+constexpr double kFailureWeight = 0.01;
+
 std::string TierName(double tier) {
   char text[16];
   std::snprintf(text, sizeof text, "%.0e", tier);
@@ -91,7 +94,9 @@ class ProgressReporter : public benchmark::BenchmarkReporter {
   explicit ProgressReporter(double total) : bar_("timing  ", total) {}
   bool ReportContext(const Context& /*context*/) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
-    if (!runs.empty()) bar_.Advance(1, runs.front().run_name.str());
+    // A benchmark reports twice: its repetitions, then their aggregates. One that failed takes no time.
+    if (runs.empty() || runs.front().run_type != Run::RT_Iteration) return;
+    bar_.Advance(runs.front().error_occurred ? kFailureWeight : 1, runs.front().run_name.str());
   }
 
  private:
@@ -109,7 +114,7 @@ class TimingPass {
     }
   }
 
-  int registered() const { return registered_; }
+  double total_weight() const { return total_weight_; }
 
  private:
   void RegisterSolver(const SuiteProblem& info, const SolverEntry& entry) {
@@ -138,11 +143,12 @@ class TimingPass {
   }
 
   void RegisterFailure(const std::string& name, const std::string& reason) {
-    Register(name, false, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); });
+    Register(
+        name, false, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); }, kFailureWeight);
   }
 
   template <typename Function>
-  void Register(const std::string& name, bool manual_time, Function function) {
+  void Register(const std::string& name, bool manual_time, Function function, double weight = 1) {
     auto* registered = benchmark::RegisterBenchmark(name.c_str(), std::move(function));
     registered->Unit(benchmark::kMicrosecond)->MinTime(suite_.min_time_s)->Repetitions(suite_.repetitions);
     if (manual_time) {
@@ -150,13 +156,13 @@ class TimingPass {
     } else {
       registered->UseRealTime();
     }
-    ++registered_;
+    total_weight_ += weight;
   }
 
   const Suite& suite_;
   const CellOutcomes& outcomes_;
   CurrentCell current_;
-  int registered_ = 0;
+  double total_weight_ = 0;
 };
 
 void AddContext(const Environment& environment) {
@@ -184,7 +190,7 @@ void RunTimingPass(const Suite& suite, const CellOutcomes& outcomes, const std::
   AddContext(DescribeEnvironment());
   TimingPass pass(suite, outcomes);
   pass.RegisterAll();
-  ProgressReporter reporter(pass.registered());
+  ProgressReporter reporter(pass.total_weight());
   benchmark::RunSpecifiedBenchmarks(&reporter);
   benchmark::Shutdown();
 }

@@ -130,7 +130,7 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
       contact.s1 = minimum.s1;
       contact.s2 = minimum.s2;
       contact.nominal_gap = minimum.closest.d;
-      contacts.push_back(std::move(contact));
+      contacts.push_back(contact);
     }
   }
   return contacts;
