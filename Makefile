@@ -31,11 +31,14 @@ build: configure
 test: build
 	@ctest --preset $(PRESET) -j $(JOBS)
 
-run: build
+# Only the command: a newcomer's first report should not wait for the tests to compile.
+run: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
 	@$(BUILD)/lcpbench run --suite $(SUITE) --output $(RESULTS)
 
 report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
+	@echo "report: $(CURDIR)/build/report/index.html"
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)
