@@ -7,19 +7,13 @@
 #include <variant>
 #include <vector>
 
+#include "model/overloaded.h"
 #include "model/smooth_curve.h"
 #include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
 namespace {
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
 
 std::string Text(double value) { return NumberText(value); }
 

@@ -12,18 +12,12 @@
 #include <vector>
 
 #include "model/outline_checks.h"
+#include "model/overloaded.h"
 #include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
 namespace {
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
 
 // An edge, or a part of one: the region between it and its chord.
 struct Segment {

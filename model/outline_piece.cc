@@ -8,18 +8,12 @@
 
 #include "model/closest_points.h"
 #include "model/outline_checks.h"
+#include "model/overloaded.h"
 #include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
 namespace {
-
-template <class... Ts>
-struct Overloaded : Ts... {
-  using Ts::operator()...;
-};
-template <class... Ts>
-Overloaded(Ts...) -> Overloaded<Ts...>;
 
 // The shortest text that reads back as the same double.
 std::string Text(double value) {
