@@ -1,7 +1,6 @@
 // The lcpbench command as its users meet it: exit status, standard output, standard error.
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <cstdio>
 #include <filesystem>
@@ -13,24 +12,14 @@
 
 #include "model/scenes/scene.h"
 #include "solvers/registry.h"
+#include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string error;
-};
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using Outcome = CommandOutcome;
 
 std::vector<std::string> Lines(const std::string& text) {
   std::vector<std::string> lines;
@@ -39,35 +28,14 @@ std::vector<std::string> Lines(const std::string& text) {
   return lines;
 }
 
-class Command : public testing::Test {
+class Command : public CommandTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("lcpbench_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  Outcome Run(const std::string& arguments, const std::string& input = "") {
-    Write("stdin", input);
-    const std::string command = std::string(LCPBENCH_COMMAND) + " " + arguments + " < " + Path("stdin") + " > " +
-                                Path("stdout") + " 2> " + Path("stderr");
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
-  }
-
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  void Write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
-
   void ExpectMisuse(const std::string& arguments, const std::string& mentions, const std::string& input = "") {
     const Outcome outcome = Run(arguments, input);
     EXPECT_EQ(outcome.status, 2) << arguments;
     EXPECT_EQ(Lines(outcome.error).size(), 1u) << arguments << "\n" << outcome.error;
     EXPECT_NE(outcome.error.find(mentions), std::string::npos) << arguments << "\n" << outcome.error;
   }
-
-  fs::path folder_;
 };
 
 constexpr char kProblem[] = R"({"id":"p","A":[[2,1],[1,2]],"b":[-5,-4]})";

@@ -1,7 +1,6 @@
 // lcpbench replay and compressed input, as users meet them; and the public recordings, where they are at hand.
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <array>
@@ -22,6 +21,7 @@
 #include "benchmarks/gzip_input.h"
 #include "model/replay.h"
 #include "model/replay_record.h"
+#include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
 namespace {
@@ -30,18 +30,7 @@ namespace fs = std::filesystem;
 
 const fs::path kRecordings = fs::path(LCPBENCH_SHARED_DIR) / "data" / "myphysicslab" / "contact_problems.jsonl.gz";
 
-struct Outcome {
-  int status = -1;
-  std::string out;
-  std::string error;
-};
-
-std::string ReadFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
+using Outcome = CommandOutcome;
 
 std::string Unzip(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -55,37 +44,14 @@ std::string Unzip(const fs::path& path) {
 
 size_t LineCount(const std::string& text) { return static_cast<size_t>(std::count(text.begin(), text.end(), '\n')); }
 
-class ReplayCommand : public testing::Test {
+class ReplayCommand : public CommandTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::path(testing::TempDir()) / (std::string("lcpbench_replay_") + info->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  Outcome Run(const std::string& arguments, const std::string& input = "") {
-    Write("stdin", input);
-    const std::string command = std::string(LCPBENCH_COMMAND) + " " + arguments + " < " + Path("stdin") + " > " +
-                                Path("stdout") + " 2> " + Path("stderr");
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
-  }
-
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-
   void ExpectMisuse(const std::string& input, const std::string& mentions) {
     const Outcome outcome = Run("replay -", input);
     EXPECT_EQ(outcome.status, 2) << mentions;
     EXPECT_EQ(LineCount(outcome.error), 1u) << outcome.error;
     EXPECT_NE(outcome.error.find(mentions), std::string::npos) << outcome.error;
   }
-
-  fs::path folder_;
 };
 
 // A disc about to leave a disc: vn = 0.5 makes n' = dv/rho wrong by vn^2/rho = 0.125.
