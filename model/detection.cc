@@ -40,6 +40,10 @@ void AppendBlocks(int body, const PlacedOutline& placed, double margin, std::vec
   }
 }
 
+bool IsExcluded(const DetectionOptions& options, int i, int j) {
+  return std::binary_search(options.excluded.begin(), options.excluded.end(), std::pair(i, j));
+}
+
 void RequireValid(const DetectionOptions& options) {
   if (!(std::isfinite(options.tolerance) && options.tolerance > 0)) {
     throw InputError("contact detection: the tolerance must be finite and > 0");
@@ -110,7 +114,7 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
     const Body& body2 = bodies[static_cast<std::size_t>(j)];
     const PlacedOutline& placed1 = placed[static_cast<std::size_t>(i)];
     const PlacedOutline& placed2 = placed[static_cast<std::size_t>(j)];
-    const bool skip = i == j || (body1.fixed && body2.fixed);
+    const bool skip = i == j || (body1.fixed && body2.fixed) || IsExcluded(options, i, j);
     minima.clear();
     try {
       for (; k < pairs.size() && bodies_of(pairs[k]) == std::pair(i, j); ++k) {

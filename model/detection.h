@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/outline.h"
@@ -14,17 +15,18 @@ struct DetectionOptions {
   double tolerance = 0;
   /// Deepest penetration that is a contact [m], >= 0. Deeper overlaps are left out: they are errors of the positions.
   double penetration = 0;
+  /// Pairs (body1 < body2), sorted, that have no contacts with each other, such as bodies that a joint holds together.
+  std::span<const std::pair<int, int>> excluded;
 };
 
 /// The contacts of bodies with outlines: every local minimum of the gap between two bodies' outlines within
 /// -penetration <= d <= tolerance, as kContact constraints with the features of the two edges (or edge and vertex), and
-/// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts. Of convex corners the vertices are
-/// features; vertex against vertex is not reported [MODEL.md section 2].
-/// At joins of edges a contact is reported for one of the two (narrow_phase.h); flush straight edges give the two
-/// contacts at the overlap's ends.
-/// Broad phase by FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a feature.
-/// O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2, features along the
-/// outlines), whatever the order of the search.
+/// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts, and excluded pairs none. Of convex
+/// corners the vertices are features; vertex against vertex is not reported [MODEL.md section 2]. At joins of edges a
+/// contact is reported for one of the two (narrow_phase.h); flush straight edges give the two contacts at the overlap's
+/// ends. Broad phase by FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a
+/// feature. O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2, features
+/// along the outlines), whatever the order of the search.
 /// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); null for none.
 ///                  Pieces valid as RequireValidPiece demands, which is checked; loops may be open chains
 /// @throws InputError for invalid options or pieces, and for a curvature match, naming the bodies and both features

@@ -9,31 +9,43 @@
 namespace lcpbench {
 namespace {
 
+// The sequence form of a family that is described by its instant alone.
+template <ContactSystem (*generate)(int, std::uint64_t)>
+World InMotion(int rows, std::uint64_t seed) {
+  return WorldOf(generate(rows, seed));
+}
+
 constexpr std::array kScenes{
     SceneFamily{
         "discs-in-v", "Equal discs stacked in a V of two walls",
         "Redundant contacts and force paths as long as the stack is high: A is rank deficient and f not unique, "
         "which tells methods that cope with singular A from those that need pivots of full rank.",
-        &GenerateDiscsInV},
+        &GenerateDiscsInV, &InMotion<&GenerateDiscsInV>, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"disc-pile", "Pile of discs of many sizes and masses in a box",
                 "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
                 "methods whose speed depends on conditioning from direct ones.",
-                &GenerateDiscPile},
+                &GenerateDiscPile, &InMotion<&GenerateDiscPile>, MotionLevel::kVelocity, 1e-3},
     SceneFamily{
         "disc-track", "Chain of spinning discs sliding inside a concave track",
         "Convex arcs in a concave one with centripetal terms; A is nonsingular and narrowly banded, which tells "
         "methods that use sparsity from those that fill a dense matrix.",
-        &GenerateDiscTrack},
+        &GenerateDiscTrack, &InMotion<&GenerateDiscTrack>, MotionLevel::kAcceleration, 1e-2},
     SceneFamily{
         "boxes-and-discs", "Brick wall in running bond with discs in joints and on steps",
         "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
         "to translation - the everyday, highly redundant load of a physics engine.",
-        &GenerateBoxesAndDiscs},
+        &GenerateBoxesAndDiscs, &InMotion<&GenerateBoxesAndDiscs>, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"rockers", "Row of rocking bodies carrying discs, boxes and poles",
                 "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
                 "moderate sizes that most methods should solve, with b that depends on curvature.",
-                &GenerateRockers},
+                &GenerateRockers, &InMotion<&GenerateRockers>, MotionLevel::kVelocity, 1e-3},
 };
+
+const SceneFamily& FindSceneFor(std::string_view key, int rows) {
+  const SceneFamily& scene = FindScene(key);
+  if (rows < 1) throw InputError("scene '" + std::string(key) + "': expected rows >= 1, found " + std::to_string(rows));
+  return scene;
+}
 
 }  // namespace
 
@@ -49,9 +61,11 @@ const SceneFamily& FindScene(std::string_view key) {
 }
 
 ContactSystem GenerateScene(std::string_view key, int rows, std::uint64_t seed) {
-  const SceneFamily& scene = FindScene(key);
-  if (rows < 1) throw InputError("scene '" + std::string(key) + "': expected rows >= 1, found " + std::to_string(rows));
-  return scene.generate(rows, seed);
+  return FindSceneFor(key, rows).generate(rows, seed);
+}
+
+World StartScene(std::string_view key, int rows, std::uint64_t seed) {
+  return FindSceneFor(key, rows).start(rows, seed);
 }
 
 }  // namespace lcpbench

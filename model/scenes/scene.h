@@ -4,17 +4,27 @@
 #include <span>
 #include <string_view>
 
+#include "model/motion/motion.h"
 #include "model/system.h"
+#include "model/world.h"
 
 namespace lcpbench {
 
-/// A named, seeded family of contact systems: one acceleration-level problem for every number of rows and seed.
+/// A named, seeded family of scenes: for every number of rows and seed one acceleration-level problem, and a world in
+/// motion that meets a sequence of them.
 struct SceneFamily {
   std::string_view key;      ///< [a-z0-9-]+
   std::string_view title;    ///< a few words
   std::string_view purpose;  ///< what the family tells apart, one or two sentences
   /// The system with exactly `rows` rows (>= 1); the same seed gives the same bits on every x86-64 machine.
   ContactSystem (*generate)(int rows, std::uint64_t seed);
+  /// The sequence form: the world that starts moving, its size meant as in `generate` (as many rows where all bodies
+  /// touch). The same bits for the same seed.
+  World (*start)(int rows, std::uint64_t seed);
+  /// The level that suits the scene: kVelocity for piles, where event location would stall.
+  MotionLevel level;
+  /// Time between two problems of its sequence, and the time step at the velocity level [s].
+  double step;
 };
 
 /// In the report's order.
@@ -25,5 +35,8 @@ const SceneFamily& FindScene(std::string_view key);
 
 /// FindScene(key).generate(rows, seed).  @throws InputError for an unknown key or rows < 1
 ContactSystem GenerateScene(std::string_view key, int rows, std::uint64_t seed);
+
+/// FindScene(key).start(rows, seed).  @throws InputError as GenerateScene
+World StartScene(std::string_view key, int rows, std::uint64_t seed);
 
 }  // namespace lcpbench

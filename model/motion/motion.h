@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "model/assembly.h"
+#include "model/system.h"
+#include "model/world.h"
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// The mechanics that a world moves by.
+enum class MotionLevel {
+  kAcceleration,  ///< forces from the contact LCP at every evaluation, events located, impacts simultaneous
+  kVelocity,      ///< time stepping: one LCP of impulses a step, no events [Anitescu, Potra 1997]
+};
+
+/// What an LCP met on the way stands for. [MODEL.md sections 8, 9]
+enum class MotionProblemKind {
+  kAcceleration,  ///< w gap accelerations, f forces; b = J M^-1 F + gamma, without any stabilisation
+  kImpact,        ///< w = J v+ + e J v-, f impulses
+  kTimeStep,      ///< w = J v+ + d / h, f impulses
+};
+
+/// One LCP of a motion as the solver met it, together with its answer. References are valid during the call only.
+struct MotionProblem {
+  MotionProblemKind kind = MotionProblemKind::kAcceleration;
+  double time = 0;  ///< [s]
+  const ContactSystem& system;
+  const std::vector<RowInfo>& rows;
+  const LcpProblem& problem;
+  const LcpResult& result;
+};
+
+/// Called once for every accepted step (at its beginning) and every impact; not for evaluations within a step.
+using MotionObserver = std::function<void(const MotionProblem&)>;
+
+/// Why a motion stopped moving.
+enum class MotionStatus {
+  kMoving,
+  kSolverFailed,  ///< no finite forces or impulses to go on with
+  kStalled,       ///< more events than MotionOptions allow within one step's time
+};
+
+struct MotionStatistics {
+  std::int64_t steps = 0;
+  std::int64_t solves = 0;         ///< LCPs given to the solver
+  std::int64_t failed_solves = 0;  ///< of these, not answered by kSolved: the motion went on with the best point given
+  std::int64_t impacts = 0;
+  double worst_penetration = 0;  ///< deepest -d of a contact row met [m], >= 0
+  double worst_joint_error = 0;  ///< largest |d| of a bilateral row met [m]
+  double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
+};
+
+/// A world in motion under a solver. Not thread-safe; the solver must outlive it.
+/// The same world, options, solver and build give the same bits.
+class Motion {
+ public:
+  virtual ~Motion() = default;
+
+  /// Moves on by `duration` [s], > 0 and finite, or until status() is not kMoving any more.
+  /// @throws InputError for a duration that is not, and where geometry is singular (assembly.h, detection.h)
+  virtual void Advance(double duration) = 0;
+
+  const World& world() const { return world_; }
+  double time() const { return time_; }  ///< [s] from the start
+  MotionStatus status() const { return status_; }
+  /// In words, where status() is not kMoving.
+  const std::string& detail() const { return detail_; }
+  const MotionStatistics& statistics() const { return statistics_; }
+  void set_observer(MotionObserver observer) { observer_ = std::move(observer); }
+
+ protected:
+  explicit Motion(World world) : world_(std::move(world)) { RequireValid(world_); }
+
+  World world_;
+  double time_ = 0;
+  MotionStatus status_ = MotionStatus::kMoving;
+  std::string detail_;
+  MotionStatistics statistics_;
+  MotionObserver observer_;
+};
+
+}  // namespace lcpbench
