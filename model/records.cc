@@ -13,8 +13,6 @@ namespace {
 
 using OrderedJson = nlohmann::ordered_json;
 
-enum class RecordKind { kSystem, kPin, kPath, kContact };
-
 Body ParseBody(const JsonField& field) {
   Body body;
   body.mass = field["mass"].Number();
@@ -57,47 +55,53 @@ Feature ParseFeature(const JsonField& field) {
                                 ": expected vertex, straight, arc, ellipse, superellipse or bezier");
 }
 
-// The features and the search's start, which single contacts and the contacts of a system share.
+// What single constraints and those of a system share, once the type is known.
 void ParseFeatures(const JsonField& field, Constraint* constraint) {
   constraint->feature1 = ParseFeature(field["feature1"]);
   constraint->feature2 = ParseFeature(field["feature2"]);
   if (field.Has("s1")) constraint->s1 = field["s1"].NumberOrNull();
   if (field.Has("s2")) constraint->s2 = field["s2"].NumberOrNull();
   if (field.Has("nominal_gap")) constraint->nominal_gap = field["nominal_gap"].Number();
+  const bool has_length = constraint->type == ConstraintType::kRod || constraint->type == ConstraintType::kRope;
+  if (has_length) constraint->length = field["length"].Number();
 }
 
-ConstraintType ParseConstraintType(const JsonField& field) {
-  return field.Choice<ConstraintType>(
-      {{"unilateral", ConstraintType::kContact}, {"path", ConstraintType::kPathJoint}, {"pin", ConstraintType::kPin}});
+Constraint ParseConstraint(const JsonField& field) {
+  Constraint constraint;
+  constraint.type = field["type"].Choice<ConstraintType>({{"unilateral", ConstraintType::kContact},
+                                                          {"path", ConstraintType::kPathJoint},
+                                                          {"pin", ConstraintType::kPin},
+                                                          {"rod", ConstraintType::kRod},
+                                                          {"rope", ConstraintType::kRope}});
+  constraint.body1 = field["body1"].Integer();
+  constraint.body2 = field["body2"].Integer();
+  ParseFeatures(field, &constraint);
+  return constraint;
 }
 
-RecordKind KindOf(const JsonField& record) {
-  if (record.Has("bodies") || record.Has("contacts")) return RecordKind::kSystem;
-  if (!record.Has("kind")) return RecordKind::kContact;
+// Contacts carry the names of their two features, if any, as their kind.
+ConstraintType TypeOfSingle(const JsonField& record) {
+  if (!record.Has("kind")) return ConstraintType::kContact;
   const std::string kind = record["kind"].String();
-  if (kind == "pin") return RecordKind::kPin;
-  return kind == "path" ? RecordKind::kPath : RecordKind::kContact;
+  if (kind == "pin") return ConstraintType::kPin;
+  if (kind == "path") return ConstraintType::kPathJoint;
+  if (kind == "rod") return ConstraintType::kRod;
+  if (kind == "rope") return ConstraintType::kRope;
+  return ConstraintType::kContact;
 }
 
-ContactSystem ParseSystem(const JsonField& record, RecordKind kind) {
+bool IsSystem(const JsonField& record) { return record.Has("bodies") || record.Has("contacts"); }
+
+ContactSystem ParseSystem(const JsonField& record) {
   ContactSystem system;
   system.name = record["id"].String();
-  if (kind == RecordKind::kSystem) {
+  if (IsSystem(record)) {
     for (const JsonField& body : record["bodies"].Items()) system.bodies.push_back(ParseBody(body));
-    for (const JsonField& contact : record["contacts"].Items()) {
-      Constraint constraint;
-      constraint.type = ParseConstraintType(contact["type"]);
-      constraint.body1 = contact["body1"].Integer();
-      constraint.body2 = contact["body2"].Integer();
-      ParseFeatures(contact, &constraint);
-      system.constraints.push_back(constraint);
-    }
+    for (const JsonField& contact : record["contacts"].Items()) system.constraints.push_back(ParseConstraint(contact));
     return system;
   }
   Constraint constraint;
-  constraint.type = kind == RecordKind::kPin    ? ConstraintType::kPin
-                    : kind == RecordKind::kPath ? ConstraintType::kPathJoint
-                                                : ConstraintType::kContact;
+  constraint.type = TypeOfSingle(record);
   system.bodies = {ParseBody(record["body1"]), ParseBody(record["body2"])};
   system.bodies[0].name = "body1";
   system.bodies[1].name = "body2";
@@ -166,30 +170,20 @@ OrderedJson SystemRow(const RowInfo& row) {
           {"d_dot", row.d_dot}};
 }
 
-void AddAnswer(const ContactSystem& system, RecordKind kind, OrderedJson* out) {
-  const AssembledLcp lcp = AssembleContactLcp(system);
+void AddSystem(const AssembledLcp& lcp, OrderedJson* out) {
   OrderedJson rows = OrderedJson::array();
-  switch (kind) {
-    case RecordKind::kContact:
-    case RecordKind::kPath:
-      rows.push_back(NormalRow(lcp));
-      (*out)["rows"] = std::move(rows);
-      return;
-    case RecordKind::kPin:
-      for (size_t i = 0; i < lcp.rows.size(); ++i) rows.push_back(PinRow(lcp, i));
-      (*out)["rows"] = std::move(rows);
-      (*out)["g"] = Column(lcp.rows, &RowInfo::d);
-      (*out)["g_dot"] = Column(lcp.rows, &RowInfo::d_dot);
-      AddMatrices(lcp, out);
-      return;
-    case RecordKind::kSystem:
-      for (const RowInfo& row : lcp.rows) rows.push_back(SystemRow(row));
-      (*out)["rows"] = std::move(rows);
-      AddMatrices(lcp, out);
-      (*out)["d"] = Column(lcp.rows, &RowInfo::d);
-      (*out)["d_dot"] = Column(lcp.rows, &RowInfo::d_dot);
-      return;
-  }
+  for (const RowInfo& row : lcp.rows) rows.push_back(SystemRow(row));
+  (*out)["rows"] = std::move(rows);
+  AddMatrices(lcp, out);
+  (*out)["d"] = Column(lcp.rows, &RowInfo::d);
+  (*out)["d_dot"] = Column(lcp.rows, &RowInfo::d_dot);
+}
+
+void AddPin(const AssembledLcp& lcp, OrderedJson* out) {
+  (*out)["rows"] = OrderedJson::array({PinRow(lcp, 0), PinRow(lcp, 1)});
+  (*out)["g"] = Column(lcp.rows, &RowInfo::d);
+  (*out)["g_dot"] = Column(lcp.rows, &RowInfo::d_dot);
+  AddMatrices(lcp, out);
 }
 
 }  // namespace
@@ -197,24 +191,30 @@ void AddAnswer(const ContactSystem& system, RecordKind kind, OrderedJson* out) {
 ContactSystem ParseSystemRecord(std::string_view line, const std::string& where) {
   const nlohmann::json json = ParseJsonObject(line, where);
   const JsonField record(json, where);
-  return ParseSystem(record, KindOf(record));
+  return ParseSystem(record);
 }
 
 std::string AssembleRecord(std::string_view line, const std::string& where) {
   const nlohmann::json json = ParseJsonObject(line, where);
   const JsonField record(json, where);
   OrderedJson out = {{"id", record["id"].String()}};
-  const RecordKind kind = KindOf(record);
   ContactSystem system;
   try {
-    system = ParseSystem(record, kind);
+    system = ParseSystem(record);
   } catch (const UnsupportedFeatureError& error) {
     out["error"] = error.what();
     return out.dump();
   }
   // From here on every InputError is about the model, not about the file.
   try {
-    AddAnswer(system, kind, &out);
+    const AssembledLcp lcp = AssembleContactLcp(system);
+    if (IsSystem(record)) {
+      AddSystem(lcp, &out);
+    } else if (system.constraints[0].type == ConstraintType::kPin) {
+      AddPin(lcp, &out);
+    } else {
+      out["rows"] = OrderedJson::array({NormalRow(lcp)});
+    }
   } catch (const InputError& error) {
     out["error"] = error.what();
   }
