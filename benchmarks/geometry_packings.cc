@@ -122,9 +122,9 @@ Packing MakeMixedWall(int contacts, std::uint64_t seed) {
 }
 
 constexpr std::array kPackings = {
-    PackingFamily{"disc-pile", "closed forms: discs of many sizes", MakeDiscPile},
-    PackingFamily{"ellipses", "the search along general curves", MakeEllipses},
-    PackingFamily{"mixed-wall", "outlines of several edges: flush sides, corners, curves", MakeMixedWall},
+    PackingFamily{"disc-pile", MakeDiscPile},
+    PackingFamily{"ellipses", MakeEllipses},
+    PackingFamily{"mixed-wall", MakeMixedWall},
 };
 
 }  // namespace

@@ -20,12 +20,10 @@ struct Packing {
   std::vector<const Outline*> OutlinePointers() const;
 };
 
-/// A family of packings of any number of contacts.
+/// Packings of any number of contacts.
 struct PackingFamily {
   std::string_view key;
-  std::string_view purpose;
-  /// @param contacts  wanted, >= 100; detection finds about as many (within a sixth, tested): the packing has a
-  /// boundary
+  /// @param contacts  wanted, >= 100; detection finds about as many, to 20 %: a packing has a boundary
   Packing (*make)(int contacts, std::uint64_t seed);
 };
 
