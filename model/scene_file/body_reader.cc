@@ -1,7 +1,9 @@
 #include "model/scene_file/body_reader.h"
 
+#include <cmath>
 #include <optional>
 #include <utility>
+#include <variant>
 
 #include "model/scene_file/fields.h"
 #include "model/trig.h"
@@ -83,6 +85,28 @@ void ReadState(const JsonField& field, Vec2 origin, Body* body) {
   body->v = body->v + body->omega * Perp(arm);
 }
 
+bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
+
+Vec2 InRange(Vec2 point, const JsonField& field) {
+  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
+  return point;
+}
+
+// What is derived from numbers in range may lie outside: of every body that is read, all numbers can be written.
+void RequireInRange(const Body& body, const JsonField& field) {
+  const auto positive = [](double value) { return value >= 1 / kLargestNumber && value <= kLargestNumber; };
+  if (!positive(body.mass)) field.Fail("the mass must lie within 1e-30..1e30, but is " + Text(body.mass));
+  if (!positive(body.inertia)) field.Fail("the inertia must lie within 1e-30..1e30, but is " + Text(body.inertia));
+  if (!IsInRange(body.x)) field.Fail("the position of the centre of mass must lie within -1e30..1e30");
+  if (!IsInRange(body.v)) field.Fail("the velocity of the centre of mass must lie within -1e30..1e30");
+  for (const OutlineEdge& edge : body.outline) {
+    const auto* arc = std::get_if<ArcEdge>(&edge.edge);
+    if (!(Reach(edge) <= kLargestNumber) || (arc != nullptr && !positive(arc->radius))) {
+      field.Fail("lengths must lie within 1e-30..1e30, but not those of its " + DescribeCurve(edge.edge));
+    }
+  }
+}
+
 Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   field.RequireOnlyKeys({"name", "shape", "fixed", "density", "mass", "inertia", "center_of_mass", "position", "angle",
                          "velocity", "angular_velocity", "acceleration", "angular_acceleration"});
@@ -99,6 +123,7 @@ Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   if (shape != nullptr) {
     body.outline = AllPieces(IsZero(*origin) ? shape->outline : Transformed(shape->outline, 0, -*origin));
   }
+  RequireInRange(body, field);
   return body;
 }
 
@@ -110,18 +135,19 @@ int SceneBodies::Find(const JsonField& name) const {
   return found->second;
 }
 
-Vec2 SceneBodies::BodyPoint(int body, Vec2 drawn) const {
+Vec2 SceneBodies::ReadPoint(const JsonField& field, int body) const {
+  const Vec2 drawn = ReadVector(field);
   const Vec2 origin = origins[static_cast<std::size_t>(body)];
-  return IsZero(origin) ? drawn : drawn - origin;
+  return IsZero(origin) ? drawn : InRange(drawn - origin, field);
 }
 
 Vec2 SceneBodies::WorldPoint(int body, Vec2 point) const {
   return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point);
 }
 
-Vec2 SceneBodies::PointAt(int body, Vec2 world) const {
+Vec2 SceneBodies::ReadPlace(const JsonField& field, int body) const {
   const Rotation r = SinCos((*this)[body].theta);
-  return Rotate({r.cos, -r.sin}, world - (*this)[body].x);
+  return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
 }
 
 SceneBodies ReadBodies(const JsonField& field, const NamedShapes& shapes, std::size_t most_edges) {

@@ -25,12 +25,12 @@ struct SceneBodies {
 
   /// The body that a field names.
   int Find(const JsonField& name) const;
-  /// A point of the drawing in body coordinates.
-  Vec2 BodyPoint(int body, Vec2 drawn) const;
+  /// The point of the drawing that a field states, in body coordinates.
+  Vec2 ReadPoint(const JsonField& field, int body) const;
   /// A body-frame point in the world.
   Vec2 WorldPoint(int body, Vec2 point) const;
-  /// The body-frame point that lies there now.
-  Vec2 PointAt(int body, Vec2 world) const;
+  /// The body-frame point that lies now where a field states, in the world.
+  Vec2 ReadPlace(const JsonField& field, int body) const;
 };
 
 /// Reads "bodies". @param most_edges  of all bodies together, so that many bodies of one long shape stay an error

@@ -39,14 +39,13 @@ class JointReader {
   }
 
  private:
-  Vec2 Point(const char* key, int body) const { return bodies_.BodyPoint(body, ReadVector(field_[key])); }
+  Vec2 Point(const char* key, int body) const { return bodies_.ReadPoint(field_[key], body); }
 
   void ReadPin() {
     if (field_.Has("at")) {
       field_.RequireOnlyKeys({"type", "body1", "body2", "at"});
-      const Vec2 at = ReadVector(field_["at"]);
-      joint_.feature1 = Vertex{bodies_.PointAt(joint_.body1, at)};
-      joint_.feature2 = Vertex{bodies_.PointAt(joint_.body2, at)};
+      joint_.feature1 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body1)};
+      joint_.feature2 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body2)};
       return;
     }
     field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
@@ -68,7 +67,10 @@ class JointReader {
     const Vec2 p1 = bodies_.WorldPoint(joint_.body1, std::get<Vertex>(joint_.feature1).p);
     const Vec2 p2 = bodies_.WorldPoint(joint_.body2, std::get<Vertex>(joint_.feature2).p);
     joint_.length = Norm(p1 - p2);
-    if (!(joint_.length > 0)) field_.Fail("the points coincide: expected \"length\", or points apart from each other");
+    if (!(joint_.length >= 1 / kLargestNumber && joint_.length <= kLargestNumber)) {
+      field_.Fail("the points coincide (distance " + Text(joint_.length) +
+                  "): expected \"length\", or points apart from each other");
+    }
   }
 
   void ReadPath() {
@@ -92,7 +94,9 @@ class JointReader {
       const Vec2 origin = bodies_.origins[static_cast<std::size_t>(body)];
       const OutlinePiece piece = ReadEdge(edge, std::nullopt).piece;
       const bool moves = origin.x != 0 || origin.y != 0;
-      curve = moves ? Transformed(piece, 0, -origin).edge : piece.edge;
+      const OutlinePiece moved = moves ? Transformed(piece, 0, -origin) : piece;
+      if (!(Reach(moved) <= kLargestNumber)) edge.Fail("lengths must lie below 1e30");
+      curve = moved.edge;
     } else {
       const std::vector<OutlineEdge>& outline = bodies_[body].outline;
       if (outline.empty()) edge.Mismatch("an edge as an object: the body has no shape");

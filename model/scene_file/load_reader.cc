@@ -47,7 +47,7 @@ class LoadReader {
   Attachment ReadAttachment(const JsonField& field, const char* body_key, const char* point_key) const {
     const int body = bodies_.Find(field[body_key]);
     if (!field.Has(point_key)) return {body, {}};
-    return {body, bodies_.BodyPoint(body, ReadVector(field[point_key]))};
+    return {body, bodies_.ReadPoint(field[point_key], body)};
   }
 
   SceneBodies& bodies_;
