@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -258,6 +260,18 @@ TEST(SceneFile, EverySettingAndLoadArrives) {
 
 TEST(SceneFile, AWorldWithoutANameTakesThatOfItsFile) {
   EXPECT_EQ(ParseScene(R"({"lcpbench_scene": 1, "bodies": []})", "folder/two discs.json").world.name, "two discs");
+}
+
+TEST(SceneFile, TheReadmesExampleIsAScene) {
+  std::ostringstream readme;
+  readme << std::ifstream(LCPBENCH_SOURCE_DIR "/README.md").rdbuf();
+  const std::string text = readme.str();
+  const std::size_t begin = text.find("{\n      \"lcpbench_scene\": 1");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string end = "\n    }\n";
+  const World world = Parse(text.substr(begin, text.find(end, begin) + end.size() - begin)).world;
+  EXPECT_EQ(world.bodies.size(), 3U);
+  EXPECT_EQ(world.joints.size(), 1U);
 }
 
 TEST(SceneFile, AFileThatIsNotThereIsNamed) {
