@@ -7,7 +7,11 @@ SUITE   ?= default
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
 
-.PHONY: help deps configure build test report run geometry-benchmark check format install clean
+# How long and with which new inputs `make fuzz` goes on.
+FUZZ_SECONDS ?= 60
+FUZZ_CORPUS  := build/fuzz/corpus
+
+.PHONY: help deps configure build test report run geometry-benchmark check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
@@ -16,6 +20,7 @@ help:
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
+	@echo "make fuzz     feed the scene reader mutated scene files for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
 	@echo "make clean    remove build/"
 	@echo "PRESET=release|debug|asan chooses the build (now: $(PRESET))"
@@ -50,6 +55,15 @@ check: configure
 
 format:
 	@git ls-files '*.h' '*.cc' | xargs clang-format -i
+
+fuzz: deps
+	@command -v clang++ > /dev/null || { echo "make fuzz needs clang and libclang-rt-14-dev (apt-get install)"; exit 2; }
+	@cmake --preset fuzz > build/configure-fuzz.log 2>&1 || { cat build/configure-fuzz.log; exit 1; }
+	@cmake --build --preset fuzz -j $(JOBS)
+	@mkdir -p $(FUZZ_CORPUS)
+	@build/fuzz/tests/fuzz/scene_reader_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 \
+	  -dict=tests/fuzz/scene.dict -artifact_prefix=build/fuzz/ -print_final_stats=1 \
+	  $(FUZZ_CORPUS) data/scenes tests/fuzz/corpus
 
 install: build
 	@cmake --install $(BUILD) $(if $(PREFIX),--prefix $(PREFIX))

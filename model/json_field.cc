@@ -70,6 +70,16 @@ std::optional<double> JsonField::NumberOrNull() const {
   return value_.get<double>();
 }
 
+std::vector<std::pair<std::string, JsonField>> JsonField::Members() const {
+  if (!value_.is_object()) Mismatch("an object");
+  std::vector<std::pair<std::string, JsonField>> members;
+  members.reserve(value_.size());
+  for (const auto& [key, value] : value_.items()) {
+    members.emplace_back(key, JsonField(value, where_, path_ + "/" + PointerToken(key)));
+  }
+  return members;
+}
+
 bool JsonField::Boolean() const {
   if (!value_.is_boolean()) Mismatch("true or false");
   return value_.get<bool>();
@@ -118,6 +128,26 @@ void JsonField::Mismatch(const std::string& expected) const {
                                 ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
                                 : Excerpt(value_);
   throw InputError(where_ + ": " + Path() + ": expected " + expected + ", found " + found);
+}
+
+void JsonField::Fail(const std::string& problem) const { throw InputError(where_ + ": " + Path() + ": " + problem); }
+
+std::string PointerToken(std::string_view key) {
+  constexpr size_t kLongest = 60;
+  // Printed as a JSON string without its quotes.
+  const std::string text = Json(key).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+  std::string token;
+  for (const char c : text.substr(1, text.size() - 2)) {
+    if (c == '~') {
+      token += "~0";
+    } else if (c == '/') {
+      token += "~1";
+    } else {
+      token += c;
+    }
+  }
+  if (token.size() > kLongest) token = token.substr(0, kLongest) + "...";
+  return token;
 }
 
 Json ParseJsonObject(std::string_view line, const std::string& where) {

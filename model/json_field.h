@@ -31,6 +31,9 @@ class JsonField {
   std::vector<JsonField> Items(std::optional<size_t> size = std::nullopt) const;
 
   bool IsNull() const { return value_.is_null(); }
+  bool IsArray() const { return value_.is_array(); }
+  bool IsString() const { return value_.is_string(); }
+  bool IsObject() const { return value_.is_object(); }
   double Number() const;
   std::optional<double> NumberOrNull() const;
   bool Boolean() const;
@@ -44,9 +47,14 @@ class JsonField {
   Vec2 Vector() const;
   std::vector<double> Numbers(size_t size) const;
 
+  /// Members of an object by key, in the order of their keys.
+  std::vector<std::pair<std::string, JsonField>> Members() const;
+
   /// JSON pointer to this value; "/" for the document.
   std::string Path() const { return path_.empty() ? "/" : path_; }
   [[noreturn]] void Mismatch(const std::string& expected) const;
+  /// Throws InputError: where, path and the problem in words.
+  [[noreturn]] void Fail(const std::string& problem) const;
 
  private:
   const nlohmann::json& value_;
@@ -63,6 +71,9 @@ T JsonField::Choice(std::initializer_list<std::pair<const char*, T>> choices) co
   }
   Mismatch(expected);
 }
+
+/// A key as a part of a JSON pointer [RFC 6901], in one line of ASCII and cut off where it is long.
+std::string PointerToken(std::string_view key);
 
 /// The JSON object that `line` holds. @throws InputError naming where, if it is not one
 nlohmann::json ParseJsonObject(std::string_view line, const std::string& where);

@@ -1,0 +1,111 @@
+"""The published JSON Schema of scene files accepts the examples and refuses what is malformed."""
+
+import copy
+import json
+import unittest
+from pathlib import Path
+
+import jsonschema
+
+_SCENES = Path(__file__).resolve().parents[2] / "data" / "scenes"
+_SCHEMA = _SCENES / "scene.schema.json"
+
+# As small as a scene can be that has one of each; every malformed scene below is this one with one change.
+_SCENE = {
+    "lcpbench_scene": 1,
+    "gravity": [0, -9.81],
+    "motion": {"level": "velocity", "step": 0.01, "restitution": 0.5},
+    "shapes": {"disc": {"disc": {"radius": 1}}},
+    "bodies": [
+        {"name": "floor", "fixed": True, "shape": {"chains": [[[1, 0], [0, 0]]]}, "angular_acceleration": 1},
+        {"name": "ball", "shape": "disc", "density": 1, "position": [0, 1]},
+        {"name": "drop", "shape": {"path": [[0, 0], {"arc": {"to": [1, 0], "bulge": 1}}, [0, 0]]}, "mass": 2},
+    ],
+    "joints": [{"type": "rod", "body1": "ball", "point1": [0, 0], "body2": "floor", "point2": [0, 0]}],
+    "loads": {
+        "springs": [{"body1": "ball", "body2": "floor", "point2": [1, 1], "stiffness": 1, "rest_length": 0}],
+        "attraction": {"strength": 1},
+    },
+}
+_REMOVED = object()
+
+# What is changed, and into what.
+_MALFORMED = [
+    (("lcpbench_scene",), 2),
+    (("lcpbench_scene",), _REMOVED),
+    (("bodies",), _REMOVED),
+    (("bodies",), {}),
+    (("colour",), "red"),
+    (("gravity",), -9.81),
+    (("gravity",), [0, -9.81, 0]),
+    (("gravity",), [0, 1e31]),
+    (("motion", "level"), "position"),
+    (("motion", "step"), 0),
+    (("motion", "restitution"), 1.5),
+    (("shapes", "disc", "disc", "radius"), -1),
+    (("shapes", "disc", "disc", "radius"), "1"),
+    (("shapes", "disc", "disc", "diameter"), 2),
+    (("shapes", "disc", "box"), {"width": 1, "height": 1}),
+    (("shapes", "disc"), {}),
+    (("bodies", 0, "center_of_mass"), [0, 0]),
+    (("bodies", 0, "shape", "chains"), [[0, 0], [1, 0]]),
+    (("bodies", 1, "name"), ""),
+    (("bodies", 1, "name"), _REMOVED),
+    (("bodies", 1, "name"), "two\nlines"),
+    (("bodies", 1, "density"), _REMOVED),
+    (("bodies", 1, "mass"), 1),
+    (("bodies", 1, "fixed"), "no"),
+    (("bodies", 1, "acceleration"), [0, 0]),
+    (("bodies", 2, "center_of_mass"), [0, 0]),
+    (("bodies", 2, "shape", "path", 1, "arc", "bulge"), 0),
+    (("bodies", 2, "shape", "path", 1, "arc", "radius"), 1),
+    (("bodies", 2, "shape", "path", 1, "arc", "to"), _REMOVED),
+    (("bodies", 2, "shape", "path", 1), {"spline": {"to": [1, 0]}}),
+    (("joints", 0, "type"), "weld"),
+    (("joints", 0, "length"), 0),
+    (("joints", 0, "point1"), _REMOVED),
+    (("loads", "springs", 0, "stiffness"), -1),
+    (("loads", "springs", 0, "body1"), 0),
+    (("loads", "attraction", "strength"), None),
+    (("loads", "magnet"), {}),
+]
+
+
+def _changed(path, value):
+    scene = copy.deepcopy(_SCENE)
+    parent = scene
+    for key in path[:-1]:
+        parent = parent[key]
+    if value is _REMOVED:
+        del parent[path[-1]]
+    else:
+        parent[path[-1]] = value
+    return scene
+
+
+class SceneSchema(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        schema = json.loads(_SCHEMA.read_text(encoding="utf-8"))
+        jsonschema.Draft7Validator.check_schema(schema)
+        cls.validator = jsonschema.Draft7Validator(schema)
+
+    def test_every_example_is_valid(self):
+        examples = sorted(set(_SCENES.glob("*.json")) - {_SCHEMA})
+        self.assertGreaterEqual(len(examples), 8)
+        for path in examples:
+            with self.subTest(path.name):
+                errors = list(self.validator.iter_errors(json.loads(path.read_text(encoding="utf-8"))))
+                self.assertEqual([error.message for error in errors], [])
+
+    def test_the_small_scene_is_valid_before_it_is_changed(self):
+        self.validator.validate(_SCENE)
+
+    def test_malformed_scenes_are_refused(self):
+        for path, value in _MALFORMED:
+            with self.subTest("/".join(map(str, path)), value=value):
+                self.assertFalse(self.validator.is_valid(_changed(path, value)))
+
+
+if __name__ == "__main__":
+    unittest.main()
