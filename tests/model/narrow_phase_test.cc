@@ -30,7 +30,8 @@ struct Tally {
   int overlapping = 0;  // left out
   int minima = 0;
   int at_vertices = 0;
-  int unconfirmed = 0;  // detected, not sampled, but confirmed as minima by their surroundings
+  int unconfirmed = 0;  // detected, not sampled, but confirmed as minima by the distance's derivatives
+  int flush_ends = 0;   // second contacts of nearly flush edges
   int undecided = 0;    // descents that did not converge
   double worst_gap = 0;
 };
@@ -111,6 +112,7 @@ class Comparison {
       bool found = false;
       for (std::size_t k = 0; k < detected.size(); ++k) {
         const ClosestPoints& closest = detected[k].closest;
+        if (detected[k].is_flush_end) continue;
         if (!IsSame(m, c_.pose1.x + closest.R1, c_.pose2.x + closest.R2, kSamePlace)) continue;
         EXPECT_FALSE(found) << name_ << ": reported twice";
         found = true;
@@ -121,8 +123,11 @@ class Comparison {
       EXPECT_TRUE(found) << name_ << ": missed d = " << m.d << " at (" << m.p1.x << ", " << m.p1.y << "), vertices "
                          << m.at_vertex1 << m.at_vertex2 << ", reach " << c_.reach;
     }
+    CheckFlushEnds(detected, tally);
     for (std::size_t k = 0; k < detected.size(); ++k) {
-      if (used[k] || detected[k].closest.d > c_.reach * (1 - 1e-9)) continue;
+      for (std::size_t i = 0; i < k; ++i)
+        EXPECT_FALSE(AreSame(detected[i], detected[k])) << name_ << ": reported twice";
+      if (used[k] || detected[k].is_flush_end || detected[k].closest.d > c_.reach * (1 - 1e-9)) continue;
       ++tally->unconfirmed;
       EXPECT_TRUE(IsMinimum(detected[k].closest))
           << name_ << ": spurious d = " << detected[k].closest.d << ", D = " << detected[k].closest.D();
@@ -132,19 +137,33 @@ class Comparison {
  private:
   static constexpr double kSamePlace = 1e-5;
 
-  // Whether no pair of places near the feet is nearer: for minima in valleys narrower than the samples.
+  static bool AreSame(const GapMinimum& a, const GapMinimum& b) {
+    return Norm(a.closest.R1 - b.closest.R1) + Norm(a.closest.R2 - b.closest.R2) + Norm(a.closest.n - b.closest.n) <
+           kSamePlace;
+  }
+
+  // For minima in valleys narrower than the samples.
   bool IsMinimum(const ClosestPoints& c) const {
-    const LoopPlace foot1 = loop1_.Nearest(c_.pose1.x + c.R1);
-    const LoopPlace foot2 = loop2_.Nearest(c_.pose2.x + c.R2);
-    // Small: beyond a re-entrant corner close by, the outline may come nearer.
-    for (const double step : {1e-5, 1e-6}) {
-      for (const LoopPlace& place1 : loop1_.Around(foot1, step)) {
-        for (const LoopPlace& place2 : loop2_.Around(foot2, step)) {
-          if (Norm(loop1_.At(place1).c - loop2_.At(place2).c) < c.d - 1e-13) return false;
-        }
-      }
+    return IsLocalMinimum(loop1_, loop1_.Nearest(c_.pose1.x + c.R1), loop2_, loop2_.Nearest(c_.pose2.x + c.R2));
+  }
+
+  // The second contacts of nearly flush edges, the only ones that are no minima: all of them, and no others.
+  void CheckFlushEnds(const std::vector<GapMinimum>& detected, Tally* tally) const {
+    const std::vector<FlushEnd> ends = FlushEnds(loop1_, loop2_, c_.reach);
+    const auto is_at = [&](const GapMinimum& m, Vec2 p) {
+      return std::min(Norm(c_.pose1.x + m.closest.R1 - p), Norm(c_.pose2.x + m.closest.R2 - p)) < kSamePlace;
+    };
+    for (const FlushEnd& end : ends) {
+      if (!end.certain) continue;
+      ++tally->flush_ends;
+      EXPECT_TRUE(std::any_of(detected.begin(), detected.end(), [&](const GapMinimum& m) { return is_at(m, end.p); }))
+          << name_ << ": missed an end of flush edges at (" << end.p.x << ", " << end.p.y << ")";
     }
-    return true;
+    for (const GapMinimum& m : detected) {
+      if (!m.is_flush_end) continue;
+      EXPECT_TRUE(std::any_of(ends.begin(), ends.end(), [&](const FlushEnd& end) { return is_at(m, end.p); }))
+          << name_ << ": no end of flush edges, d = " << m.closest.d;
+    }
   }
 
   const Configuration& c_;
@@ -179,9 +198,8 @@ TEST_P(NarrowPhase, FindsTheMinimaThatDenseSamplingFinds) {
   RecordProperty("minima", tally.minima);
   std::cout << NameOf(kind1) << (inside ? " around " : " beside ") << NameOf(kind2) << ": " << tally.configurations
             << " configurations (" << tally.overlapping << " overlapping), " << tally.minima << " minima, "
-            << tally.at_vertices << " of them at vertices, " << tally.unconfirmed
-            << " confirmed by their surroundings only, " << tally.undecided << " descents undecided, gaps within "
-            << tally.worst_gap << " m\n";
+            << tally.at_vertices << " of them at vertices, " << tally.unconfirmed << " confirmed by derivatives only, "
+            << tally.undecided << " descents undecided, gaps within " << tally.worst_gap << " m\n";
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Kinds>& info) {
@@ -227,7 +245,7 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaThatDenseSamplingFinds) {
   }
   EXPECT_LE(tally.overlapping, tally.configurations / 100);
   std::cout << tally.configurations << " configurations, " << tally.minima << " minima, " << tally.unconfirmed
-            << " confirmed by their surroundings only, gaps within " << tally.worst_gap << " m\n";
+            << " confirmed by derivatives only, gaps within " << tally.worst_gap << " m\n";
 }
 
 // Ovals in holes of nearly their own shape: curvatures nearly match, D is small and changes its sign several times.
@@ -252,7 +270,7 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaOfSnugOvals) {
   }
   EXPECT_LE(tally.overlapping, tally.configurations / 10);
   std::cout << tally.configurations << " configurations, " << tally.overlapping << " overlapping, " << tally.minima
-            << " minima, " << tally.unconfirmed << " confirmed by their surroundings only, " << tally.undecided
+            << " minima, " << tally.unconfirmed << " confirmed by derivatives only, " << tally.undecided
             << " undecided, gaps within " << tally.worst_gap << " m\n";
 }
 
