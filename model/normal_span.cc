@@ -84,12 +84,15 @@ void AppendBezierPart(const BezierEdge& edge, double s0, double s1, int depth, R
 }
 
 void AppendBezier(const OutlinePiece& piece, Rotation rotation, std::vector<NormalSpan>* spans) {
+  // A part no longer than this [of s] would have control points that coincide but for rounding: what rounding makes of
+  // the inflection at an end of vanishing curvature.
+  constexpr double kShortest = 1e-9;
   const auto& edge = std::get<BezierEdge>(piece.edge);
   std::vector<double> cuts = {piece.s_begin};
   const Feature feature = edge;
   const SmoothCurve curve(PlacedFeature{feature, Vec2{}, Rotation{}});
   for (const double s : curve.ends()) {
-    if (s > piece.s_begin && s < piece.s_end) cuts.push_back(s);
+    if (s > cuts.back() + kShortest && s < piece.s_end - kShortest) cuts.push_back(s);
   }
   cuts.push_back(piece.s_end);
   for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {

@@ -167,9 +167,12 @@ class Descent {
       std::array<bool, 2> pinned = {false, false};
       for (std::size_t k = 0; k < 2; ++k) pinned[k] = !Hop(k);
       if (!Step(pinned)) {
+        // Outlines that cross have no normal between them to be stationary along.
         constexpr double kStationary = 1e-7;
+        constexpr double kCrossing = 1e-12;
+        const bool crosses = Value(at_) < kCrossing * kCrossing;
         for (std::size_t k = 0; k < 2; ++k) {
-          if (!pinned[k] && std::abs(Slope(at_, k)) > kStationary) return std::nullopt;
+          if (!crosses && !pinned[k] && std::abs(Slope(at_, k)) > kStationary) return std::nullopt;
         }
         SampledMinimum found;
         found.p1 = loops_[0]->At(at_[0]).c;
@@ -252,8 +255,31 @@ class Descent {
       const double length = slope < 0 ? 1 : -1;
       step = {length, -(f2 + h12 * length) / h22};
     }
+    // Next to a minimum rounding hides whether the distance falls, but the slopes show it.
+    constexpr double kNear = 1e-6;
+    if (Steepest(at_, pinned) < kNear) return Polish(step, pinned);
     // Along the valley both move in proportion, up to the first end; where that does not help, one at a time.
     return Advance(step) || Advance({step[0], 0}) || Advance({0, step[1]});
+  }
+
+  // The steepest slope of the places that are not pinned.
+  double Steepest(const Places& at, const std::array<bool, 2>& pinned) const {
+    double slope = 0;
+    for (std::size_t k = 0; k < 2; ++k) slope = std::max(slope, pinned[k] ? 0 : std::abs(Slope(at, k)));
+    return slope;
+  }
+
+  // The whole step within both pieces, if it makes the slopes less.
+  bool Polish(const std::array<double, 2>& step, const std::array<bool, 2>& pinned) {
+    Places to = at_;
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (pinned[k]) continue;
+      to[k].s += step[k];
+      if (to[k].s <= loops_[k]->low(at_[k].piece) || to[k].s >= loops_[k]->high(at_[k].piece)) return false;
+    }
+    if (!(Steepest(to, pinned) < Steepest(at_, pinned))) return false;
+    at_ = to;
+    return true;
   }
 
   // Moves by the step, or a part of it, if that brings the places nearer to each other.
@@ -275,7 +301,7 @@ class Descent {
         const double high = loops_[k]->high(at_[k].piece);
         to[k].s = at_[k].s + factor * step[k];
         // To the end itself, which rounding may have missed.
-        constexpr double kAtEnd = 1e-15;
+        constexpr double kAtEnd = 1e-12;
         if (to[k].s <= low + kAtEnd * (high - low)) to[k].s = low;
         if (to[k].s >= high - kAtEnd * (high - low)) to[k].s = high;
       }
