@@ -18,6 +18,8 @@ namespace {
 constexpr double kNarrow = 0.9952;
 /// Sine of the angle below which a change of sign of D is no longer pursued [rad].
 constexpr double kFinest = 1e-9;
+/// What normals may be off by from rounding [rad].
+constexpr double kNormalRounding = 1e-14;
 /// Sine of the angle [about 0.6 degrees] up to which straight edges count as lying on each other.
 constexpr double kNearlyFlush = 1e-2;
 /// Normals equal up to this are the same, for minima at the same place.
@@ -119,6 +121,7 @@ class SpanPair {
     const double u = Dot(along, from_begin) / Dot(along, along);
     if (u < -kSearchMargin || u > 1 + kSearchMargin) return;
     is_flush_end_ = !faces;
+    is_beside_cone_ = !other.cone().Contains(-n, kNormalRounding);
     if (is_flush_end_ && !IsFlushEnd(straight, other, from_begin)) return;
     std::optional<double> s_straight = straight.StraightParameter(u);
     std::optional<double> s_other = other.Parameter(p.place);
@@ -145,8 +148,7 @@ class SpanPair {
       const Vec2 edge = *far_end - vertex.center();
       const double length = Norm(edge);
       const double slope = Dot(n, edge) / length;
-      constexpr double kRounding = 1e-14;
-      if (std::abs(slope) > kNearlyFlush || slope > kRounding || sense * Dot(t, edge) < 0) return false;
+      if (std::abs(slope) > kNearlyFlush || slope > kNormalRounding || sense * Dot(t, edge) < 0) return false;
       const double other_end = std::clamp(place + Dot(t, edge), 0.0, straight.chord());
       const double part = (other_end - place) / Dot(t, edge);
       return part > kSearchMargin && IsInRange(Dot(n, from_begin) + part * Dot(n, edge), 0);
@@ -341,7 +343,7 @@ class SpanPair {
       const StationaryPoints found = SearchStationaryPoints(placed1, placed2, start);
       if (found.points.empty()) {
         // A foot just beyond the end of a Bezier curve is one of the next edge.
-        if (found.failure == SearchFailure::kBeyondEnd) return;
+        if (found.failure == SearchFailure::kBeyondEnd || is_beside_cone_) return;
         throw InputError(found.failure_text + "; feature 1: " + Describe(span1_.feature()) +
                          "; feature 2: " + Describe(span2_.feature()));
       }
@@ -382,7 +384,8 @@ class SpanPair {
   GapRange range_;
   double reach_;
   Vec2 dx_;
-  bool is_flush_end_ = false;  // what is being finished is no minimum of the distance
+  bool is_beside_cone_ = false;  // the straight span's normal is the other's within its slack only: it may have no foot
+  bool is_flush_end_ = false;    // what is being finished is no minimum of the distance
   std::vector<GapMinimum>* minima_;
 };
 

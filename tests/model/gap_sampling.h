@@ -91,23 +91,27 @@ class SampledLoop {
     return {World(e.c), Rotate(rotation_, e.d1), Rotate(rotation_, e.d2)};
   }
 
-  /// The place nearest to a point on the outline: the nearest sample's surroundings, searched by golden section.
+  /// The place nearest to a point on the outline, by golden section around every sample that may be next to it: beside
+  /// a sharp corner the nearest sample may be one of the wrong edge.
   LoopPlace Nearest(Vec2 p) const {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < size(); ++i) {
-      if (Norm(points_[i] - p) < Norm(points_[best] - p)) best = i;
+    double least = Norm(points_[0] - p);
+    double spacing = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      least = std::min(least, Norm(points_[i] - p));
+      spacing = std::max(spacing, Norm(points_[(i + 1) % size()] - points_[i]));
     }
-    const LoopPlace after = places_[best];
-    const LoopPlace before = places_[(best + size() - 1) % size()];
-    LoopPlace nearest = after;
-    for (const LoopPlace& from : {after, before}) {
-      const double range = high(from.piece) - low(from.piece);
-      const double per_sample = 2 * range * static_cast<double>(loop_->size()) / static_cast<double>(size());
-      const LoopPlace found = NearestBetween(p, from.piece, std::max(low(from.piece), from.s - per_sample),
-                                             std::min(high(from.piece), from.s + per_sample));
-      if (Norm(At(found).c - p) < Norm(At(nearest).c - p)) nearest = found;
+    std::optional<LoopPlace> nearest;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (Norm(points_[i] - p) > least + spacing) continue;
+      const LoopPlace& from = places_[i];
+      const double low = this->low(from.piece);
+      const double high = this->high(from.piece);
+      const double per_sample = (high - low) * static_cast<double>(loop_->size()) / static_cast<double>(size());
+      const LoopPlace found =
+          NearestBetween(p, from.piece, std::max(low, from.s - per_sample), std::min(high, from.s + per_sample));
+      if (!nearest || Norm(At(found).c - p) < Norm(At(*nearest).c - p)) nearest = found;
     }
-    return nearest;
+    return *nearest;
   }
 
   Vec2 OutwardNormal(const LoopPlace& place) const {

@@ -146,7 +146,13 @@ class Comparison {
 
   // For minima in valleys narrower than the samples.
   bool IsMinimum(const ClosestPoints& c) const {
-    return IsLocalMinimum(loop1_, loop1_.Nearest(c_.pose1.x + c.R1), loop2_, loop2_.Nearest(c_.pose2.x + c.R2));
+    const Vec2 p1 = c_.pose1.x + c.R1;
+    const Vec2 p2 = c_.pose2.x + c.R2;
+    const LoopPlace place1 = loop1_.Nearest(p1);
+    const LoopPlace place2 = loop2_.Nearest(p2);
+    EXPECT_LE(Norm(loop1_.At(place1).c - p1) + Norm(loop2_.At(place2).c - p2), 1e-8)
+        << name_ << ": not on the outlines";
+    return IsLocalMinimum(loop1_, place1, loop2_, place2);
   }
 
   // The second contacts of nearly flush edges, the only ones that are no minima: all of them, and no others.
