@@ -114,7 +114,7 @@ std::string WhyInvalid(const Feature& feature) {
                         [&](const SuperellipseEdge& e) {
                           CheckOval(require, e);
                           require(e.m >= 2 && e.m % 2 == 0 && e.m <= kMaxSuperellipseExponent,
-                                  "the exponent m = " + std::to_string(e.m) + " must be even and in 2.." +
+                                  "the exponent m must be even and >= 2, and at most " +
                                       std::to_string(kMaxSuperellipseExponent));
                         },
                         [&](const BezierEdge& e) {

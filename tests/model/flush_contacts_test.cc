@@ -219,5 +219,17 @@ TEST(FlushContacts, ASuperellipseOnItsFlatSideTouchesOnceOrIsRefusedByName) {
   }
 }
 
+// Next to an inflection the normal turns back: tilted one way a curve has a minimum and a maximum there, the other way
+// nothing. Neither is an error.
+TEST(FlushContacts, AnInflectionThatLiesFlushOnAFloorTouchesOnOneSideOnly) {
+  const Outline wave{"wave", {{{BezierEdge{{Vec2{-1, 0.2}, Vec2{-0.5, -0.2}, Vec2{0.5, 0.2}, Vec2{1, -0.2}}}, 0, 1}}}};
+  for (double tilt = 1e-11; tilt < 1e-3; tilt *= 3) {
+    for (const double side : {1.0, -1.0}) {
+      const ContactSystem system = Detected({wave, {0, 1e-6}, side * tilt}, {Floor(), {}, 0}, 1e-3);
+      EXPECT_EQ(system.constraints.size(), side > 0 ? 1u : 0u) << side * tilt;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lcpbench
