@@ -156,7 +156,7 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
 // that the refusal can say what is wrong with it.
 ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required, Angles angles) {
   const StationaryPoints found = SearchStationaryPoints(pair.feature1, pair.feature2, start, angles);
-  if (found.points.empty()) pair.Refuse(found.failure);
+  if (found.points.empty()) pair.Refuse(found.failure_text);
   const auto is_better = [&](const ClosestPoints& a, const ClosestPoints& b) {
     const bool a_regular = IsRegular(a, required);
     if (a_regular != IsRegular(b, required)) return a_regular;

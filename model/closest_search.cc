@@ -8,7 +8,9 @@
 #include <utility>
 #include <variant>
 
+#include "model/curve_samples.h"
 #include "model/placed_shapes.h"
+#include "model/safeguarded_newton.h"
 #include "model/smooth_curve.h"
 
 namespace lcpbench {
@@ -17,82 +19,6 @@ namespace {
 using Wide = DoubleDouble;
 using WidePlace = CurvePlace<Wide>;
 using WideJet = CurveJet<Wide>;
-
-constexpr int kSamples = 128;
-constexpr double kTwoPi = 6.283185307179586;
-
-// Newton's method. Steps are in tau or s, of order 1 over the whole curve.
-constexpr int kMostSteps = 100;
-constexpr int kMostHalvings = 40;
-constexpr double kLongestOvalStep = 0.5;
-constexpr double kLongestBezierStep = 0.1;
-// Far above the rounding of DoubleDouble, far below that of double: one more step is taken from here, which squares it.
-constexpr double kConvergedStep = 1e-18;
-// Below this the residual may be rounding, which no step decreases.
-constexpr double kSmallStep = 1e-12;
-// A residual this small, in radians or parts of the curves' size, counts as a solution where the Jacobian is singular.
-constexpr double kNearlySolved = 1e-6;
-// What a residual must decrease by, as a part of what a linear function would.
-constexpr double kSufficientDecrease = 1e-4;
-
-double LongestStep(const SmoothCurve& curve) { return curve.is_oval() ? kLongestOvalStep : kLongestBezierStep; }
-
-// A system of one or two equations at given places: Newton's step, and a dimensionless measure of how far from solved
-// it is.
-template <size_t count>
-struct Equations {
-  std::array<Wide, count> step;
-  double residual = 0;
-};
-
-template <size_t count>
-using Curves = std::array<const SmoothCurve*, count>;
-template <size_t count>
-using Places = std::array<WidePlace, count>;
-
-// Where the iteration ended.
-template <size_t count>
-struct Ending {
-  Places<count> places;
-  bool converged = false;
-  bool nearly_solved = false;  // the equations hold roughly, whether converged or not
-};
-
-// evaluate(places) -> Equations<count>.
-template <size_t count, class Evaluate>
-Ending<count> Newton(const Curves<count>& curves, Places<count> places, const Evaluate& evaluate) {
-  Equations<count> now = evaluate(places);
-  const auto stopped = [&] { return Ending<count>{places, false, now.residual <= kNearlySolved}; };
-  for (int i = 0; i < kMostSteps; ++i) {
-    // The longest part of the step, in units of what each curve allows.
-    double excess = 0;
-    double length = 0;
-    for (size_t k = 0; k < count; ++k) {
-      const double part = std::abs(now.step[k].hi);
-      if (!std::isfinite(part)) return stopped();
-      excess = std::max(excess, part / LongestStep(*curves[k]));
-      length = std::max(length, part);
-    }
-    const auto moved = [&](double factor) {
-      Places<count> to;
-      for (size_t k = 0; k < count; ++k) to[k] = curves[k]->Moved(places[k], Wide(factor) * now.step[k]);
-      return to;
-    };
-    if (length <= kConvergedStep) return {moved(1), true, true};
-    double factor = excess > 1 ? 1 / excess : 1;
-    Places<count> next = moved(factor);
-    Equations<count> then = evaluate(next);
-    for (int k = 0; !(then.residual <= (1 - kSufficientDecrease * factor) * now.residual) && length > kSmallStep; ++k) {
-      if (k == kMostHalvings) return stopped();
-      factor /= 2;
-      next = moved(factor);
-      then = evaluate(next);
-    }
-    places = next;
-    now = then;
-  }
-  return stopped();
-}
 
 // The chord between the unit vectors a and -b: 0 where they are opposite, monotone in the angle up to parallel.
 double NotOpposite(VecOf<Wide> a, VecOf<Wide> b) { return ToDouble(Norm(a + b)); }
@@ -104,57 +30,6 @@ bool IsOnCurve(const SmoothCurve& curve, const WidePlace& place) {
   return curve.is_oval() || (place.x.hi >= -SmoothCurve::kEndSlack && place.x.hi <= 1 + SmoothCurve::kEndSlack);
 }
 
-// The parameters a curve is sampled at, ascending: spread evenly, ends included, and those facing given normals.
-std::vector<double> Samples(const SmoothCurve& curve, const std::vector<Vec2>& outward_normals) {
-  std::vector<double> samples;
-  samples.reserve(kSamples + curve.ends().size() + 2 * outward_normals.size() + 1);
-  const double begin = curve.is_oval() ? -kTwoPi / 2 : -SmoothCurve::kEndSlack;
-  const double span = curve.is_oval() ? kTwoPi : 1 + 2 * SmoothCurve::kEndSlack;
-  const int intervals = curve.is_oval() ? kSamples : kSamples - 1;
-  for (int i = 0; i < kSamples; ++i) samples.push_back(begin + span * i / intervals);
-  for (const double end : curve.ends()) samples.push_back(end);
-  for (const Vec2 n : outward_normals) {
-    for (const double tau : curve.WithNormal(n)) samples.push_back(tau);
-  }
-  std::sort(samples.begin(), samples.end());
-  if (curve.is_oval()) samples.push_back(samples.front() + kTwoPi);
-  return samples;
-}
-
-std::vector<Vec2> EvenDirections() {
-  std::vector<Vec2> directions;
-  directions.reserve(kSamples);
-  for (int i = 0; i < kSamples; ++i) {
-    const Rotation r = SinCos(kTwoPi * i / kSamples);
-    directions.push_back({r.cos, r.sin});
-  }
-  return directions;
-}
-
-// The normals that face a curve's evenly spread points and its ends.
-std::vector<Vec2> FacingNormals(const SmoothCurve& curve) {
-  const std::vector<double> samples = Samples(curve, {});
-  std::vector<Vec2> normals;
-  normals.reserve(samples.size());
-  for (const double tau : samples) normals.push_back(-ToVec2(curve.At(curve.Place(tau)).N));
-  return normals;
-}
-
-// Narrows a bracket of a sign change of f to about 1e-9 of itself, by bisection: f may be steep or flat at its ends.
-double Narrowed(double low, double high, const std::function<double(double)>& f) {
-  constexpr int kBisections = 30;
-  const bool negative = f(low) < 0;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = low + (high - low) / 2;
-    if ((f(middle) < 0) == negative) {
-      low = middle;
-    } else {
-      high = middle;
-    }
-  }
-  return low + (high - low) / 2;
-}
-
 WidePlace Widened(const SmoothCurve& curve, double tau) {
   const CurvePlace<double> place = curve.Place(tau);
   if (!curve.is_oval()) return {place.x, 0.0};
@@ -162,22 +37,45 @@ WidePlace Widened(const SmoothCurve& curve, double tau) {
   return {unit.x, unit.y};
 }
 
-std::string Beyond(const SmoothCurve& curve, const WidePlace& place) {
-  return "the closest point lies beyond the end of the Bezier curve (s = " + std::to_string(curve.Parameter(place)) +
-         ", expected 0 <= s <= 1)";
+const char* Text(SearchFailure failure) {
+  switch (failure) {
+    case SearchFailure::kStartNotFinite:
+      return "a start value of the search is not finite";
+    case SearchFailure::kNoStationaryPoint:
+      return "the features have no stationary point of the distance";
+    case SearchFailure::kDiverged:
+      return "the search for the closest points does not converge from its start";
+    case SearchFailure::kSingular:
+      return "curvature match, or vertex at a centre of curvature: the search for the closest points ends where D = 0";
+    case SearchFailure::kBeyondEnd:
+      return "the closest point lies beyond the end of the Bezier curve";
+    case SearchFailure::kNone:
+      break;
+  }
+  return "";
 }
 
-const char* const kDiverged = "the search for the closest points does not converge from its start";
-const char* const kEndsInSingularity =
-    "curvature match, or vertex at a centre of curvature: the search for the closest points ends where D = 0";
-const char* const kNothingFound = "the features have no stationary point of the distance";
+void Fail(SearchFailure failure, StationaryPoints* found) {
+  found->failure = failure;
+  found->failure_text = Text(failure);
+}
+
+void FailBeyondEnd(const SmoothCurve& curve, const WidePlace& place, StationaryPoints* found) {
+  Fail(SearchFailure::kBeyondEnd, found);
+  found->failure_text += " (s = " + std::to_string(curve.Parameter(place)) + ", expected 0 <= s <= 1)";
+}
+
+void FailIfNothingFound(StationaryPoints* found) {
+  if (found->points.empty() && found->failure == SearchFailure::kNone) Fail(SearchFailure::kNoStationaryPoint, found);
+}
 
 // Why a search did not converge, given the point it stopped at.
-const char* WhyStopped(const ClosestPoints& c, bool nearly_solved) {
+SearchFailure WhyStopped(const ClosestPoints& c, bool nearly_solved) {
   constexpr double kNearlySingular = 1e-6;
   const bool vertex = c.curvature1.is_vertex() || c.curvature2.is_vertex();
   const double scale = vertex ? 1 : std::abs(c.curvature1.s) + std::abs(c.curvature2.s) + c.curvature_floor;
-  return nearly_solved && std::abs(c.D()) <= kNearlySingular * scale ? kEndsInSingularity : kDiverged;
+  const bool singular = nearly_solved && std::abs(c.D()) <= kNearlySingular * scale;
+  return singular ? SearchFailure::kSingular : SearchFailure::kDiverged;
 }
 
 CurvaturePair Curvature(const WideJet& jet) { return {1, ToDouble(jet.kappa)}; }
@@ -201,31 +99,32 @@ class RoundAndCurve {
       const CurveJet<double> jet = curve_.At(curve_.Place(tau));
       return Dot(jet.d1, q - jet.c);
     };
-    const std::vector<double> samples = Samples(curve_, EvenDirections());
+    const std::vector<double> samples = CurveSamples(curve_, EvenDirections());
     double before = residual(samples[0]);
     for (size_t i = 1; i < samples.size(); ++i) {
       const double after = residual(samples[i]);
-      if ((before < 0) != (after < 0)) Finish(Widened(curve_, Narrowed(samples[i - 1], samples[i], residual)), &found);
+      if ((before < 0) != (after < 0))
+        Finish(Widened(curve_, NarrowedSignChange(samples[i - 1], samples[i], residual)), &found);
       before = after;
     }
-    if (found.points.empty() && found.failure.empty()) found.failure = kNothingFound;
+    FailIfNothingFound(&found);
     return found;
   }
 
  private:
   void Finish(const WidePlace& start, StationaryPoints* found) const {
-    const Ending<1> ending = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
+    const NewtonEnding<1> ending = SafeguardedNewton<1>({&curve_}, {start}, [&](const CurvePlaces<1>& at) {
       const WideJet jet = curve_.At(at[0]);
       const VecOf<Wide> to_q = q_ - jet.c;
       const Wide g = Dot(jet.d1, to_q);
       const Wide slope = Dot(jet.d2, to_q) - Dot(jet.d1, jet.d1);
-      return Equations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve_.size()};
+      return CurveEquations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve_.size()};
     });
     const WidePlace& place = ending.places[0];
     if (!ending.converged) {
-      found->failure = WhyStopped(At(place), ending.nearly_solved);
+      Fail(WhyStopped(At(place), ending.nearly_solved), found);
     } else if (!IsOnCurve(curve_, place)) {
-      found->failure = Beyond(curve_, place);
+      FailBeyondEnd(curve_, place, found);
     } else {
       found->points.push_back(At(place));
     }
@@ -269,24 +168,25 @@ class CurveAndLine {
       return found;
     }
     for (const double tau : curve_.WithNormal(-ToVec2(line_.normal))) Finish(Widened(curve_, tau), &found);
-    if (found.points.empty() && found.failure.empty()) found.failure = kNothingFound;
+    FailIfNothingFound(&found);
     return found;
   }
 
  private:
   void Finish(const WidePlace& start, StationaryPoints* found) const {
-    const Ending<1> ending = Newton<1>({&curve_}, {start}, [&](const Places<1>& at) {
+    const NewtonEnding<1> ending = SafeguardedNewton<1>({&curve_}, {start}, [&](const CurvePlaces<1>& at) {
       const WideJet jet = curve_.At(at[0]);
-      return Equations<1>{{-Dot(jet.d1, line_.normal) / Dot(jet.d2, line_.normal)}, NotOpposite(jet.N, line_.normal)};
+      return CurveEquations<1>{{-Dot(jet.d1, line_.normal) / Dot(jet.d2, line_.normal)},
+                               NotOpposite(jet.N, line_.normal)};
     });
     const WidePlace& place = ending.places[0];
     const WideJet jet = curve_.At(place);
     if (!ending.converged) {
-      found->failure = WhyStopped(At(place, jet), ending.nearly_solved);
+      Fail(WhyStopped(At(place, jet), ending.nearly_solved), found);
     } else if (!IsOnCurve(curve_, place)) {
-      found->failure = Beyond(curve_, place);
+      FailBeyondEnd(curve_, place, found);
     } else if (!AreOpposite(jet.N, line_.normal)) {
-      found->failure = kDiverged;
+      Fail(SearchFailure::kDiverged, found);
     } else {
       found->points.push_back(At(place, jet));
     }
@@ -345,7 +245,7 @@ class CurveAndCurve {
     } else {
       SearchAll(&found);
     }
-    if (found.points.empty() && found.failure.empty()) found.failure = kNothingFound;
+    FailIfNothingFound(&found);
     return found;
   }
 
@@ -383,14 +283,14 @@ class CurveAndCurve {
       }
       return std::nullopt;
     };
-    const std::vector<double> samples = Samples(lead, FacingNormals(other));
+    const std::vector<double> samples = CurveSamples(lead, FacingNormals(other));
     std::vector<Facing> before = FacingPlaces(lead, other, from_lead, samples[0]);
     for (size_t i = 1; i < samples.size(); ++i) {
       std::vector<Facing> after = FacingPlaces(lead, other, from_lead, samples[i]);
       for (const Facing& b : before) {
         for (const Facing& a : after) {
           if (a.piece != b.piece || (a.offset < 0) == (b.offset < 0)) continue;
-          const double tau = Narrowed(samples[i - 1], samples[i], [&](double at) {
+          const double tau = NarrowedSignChange(samples[i - 1], samples[i], [&](double at) {
             const std::optional<Facing> facing = facing_on(at, a.piece);
             return facing ? facing->offset : b.offset;
           });
@@ -398,15 +298,16 @@ class CurveAndCurve {
           if (!facing) continue;
           const WidePlace lead_place = Widened(lead, tau);
           const WidePlace other_place = Widened(other, facing->tau);
-          Finish(second_leads ? Places<2>{other_place, lead_place} : Places<2>{lead_place, other_place}, found);
+          Finish(second_leads ? CurvePlaces<2>{other_place, lead_place} : CurvePlaces<2>{lead_place, other_place},
+                 found);
         }
       }
       before = std::move(after);
     }
   }
 
-  void Finish(const Places<2>& start, StationaryPoints* found) const {
-    const Ending<2> ending = Newton<2>({&curve1_, &curve2_}, start, [&](const Places<2>& at) {
+  void Finish(const CurvePlaces<2>& start, StationaryPoints* found) const {
+    const NewtonEnding<2> ending = SafeguardedNewton<2>({&curve1_, &curve2_}, start, [&](const CurvePlaces<2>& at) {
       const WideJet j1 = curve1_.At(at[0]);
       const WideJet j2 = curve2_.At(at[1]);
       const VecOf<Wide> between = dx_ + (j1.c - j2.c);
@@ -419,21 +320,21 @@ class CurveAndCurve {
       const Wide determinant = parallel_by_1 * normal_by_2 - parallel_by_2 * normal_by_1;
       const double turned = NotOpposite(j1.N, j2.N);
       const double offset = ToDouble(normal / Norm(j2.d1)) / size_;
-      return Equations<2>{{(parallel_by_2 * normal - normal_by_2 * parallel) / determinant,
-                           (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
-                          std::sqrt(turned * turned + offset * offset)};
+      return CurveEquations<2>{{(parallel_by_2 * normal - normal_by_2 * parallel) / determinant,
+                                (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
+                               std::sqrt(turned * turned + offset * offset)};
     });
     const auto& [place1, place2] = ending.places;
     const WideJet j1 = curve1_.At(place1);
     const WideJet j2 = curve2_.At(place2);
     if (!ending.converged) {
-      found->failure = WhyStopped(At(place1, j1, place2, j2), ending.nearly_solved);
+      Fail(WhyStopped(At(place1, j1, place2, j2), ending.nearly_solved), found);
     } else if (!IsOnCurve(curve1_, place1)) {
-      found->failure = Beyond(curve1_, place1);
+      FailBeyondEnd(curve1_, place1, found);
     } else if (!IsOnCurve(curve2_, place2)) {
-      found->failure = Beyond(curve2_, place2);
+      FailBeyondEnd(curve2_, place2, found);
     } else if (!AreOpposite(j1.N, j2.N)) {
-      found->failure = kDiverged;
+      Fail(SearchFailure::kDiverged, found);
     } else {
       found->points.push_back(At(place1, j1, place2, j2));
     }
@@ -497,7 +398,11 @@ std::vector<double> Numbers(const PlacedFeature& placed) {
 StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
                                         const SearchStart& start, Angles angles) {
   for (const std::optional<double>& s : {start.s1, start.s2}) {
-    if (s && !std::isfinite(*s)) return {{}, "a start value of the search is not finite"};
+    if (s && !std::isfinite(*s)) {
+      StationaryPoints found;
+      Fail(SearchFailure::kStartNotFinite, &found);
+      return found;
+    }
   }
   const bool first = SmoothCurve::Holds(feature1.feature);
   const bool second = SmoothCurve::Holds(feature2.feature);

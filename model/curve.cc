@@ -29,7 +29,7 @@ std::string OvalText(const Oval& oval, const char* kind) {
 }
 
 template <class Require, class Oval>
-void RequireOval(const Require& require, const Oval& oval) {
+void CheckOval(const Require& require, const Oval& oval) {
   require(IsFinite(oval.center) && std::isfinite(oval.a) && std::isfinite(oval.b) && std::isfinite(oval.phi),
           "a number is not finite");
   require(oval.a > 0 && oval.b > 0, "the semi-axes must be > 0");
@@ -37,6 +37,7 @@ void RequireOval(const Require& require, const Oval& oval) {
   const double less = std::min(oval.a, oval.b);
   require(std::isfinite(greater / less / less), "the curvature overflows");
   require(less / greater / greater > 0, "the curvature underflows");
+  require(greater / kMaxAspectRatio <= less, "aspect ratio " + Text(greater / less) + ", at most 1e6 is accepted");
 }
 
 // Where |c'| can vanish on [0, 1]: at zeros of c'_x and c'_y, or, where one of them only grazes zero, at its extremum.
@@ -92,9 +93,10 @@ std::string Describe(const Feature& feature) {
       feature);
 }
 
-void RequireValid(const Feature& feature) {
-  const auto require = [&](bool holds, const char* condition) {
-    if (!holds) throw InputError("invalid geometry, " + std::string(condition) + ": " + Describe(feature));
+std::string WhyInvalid(const Feature& feature) {
+  std::string why;
+  const auto require = [&](bool holds, const std::string& condition) {
+    if (!holds && why.empty()) why = condition;
   };
   std::visit(Overloaded{[&](const Vertex& v) { require(IsFinite(v.p), "a coordinate is not finite"); },
                         [&](const StraightEdge& e) {
@@ -108,10 +110,12 @@ void RequireValid(const Feature& feature) {
                           require(e.radius > 0, "the radius must be > 0");
                           require(std::isfinite(1 / e.radius), "the curvature 1/radius overflows");
                         },
-                        [&](const EllipseEdge& e) { RequireOval(require, e); },
+                        [&](const EllipseEdge& e) { CheckOval(require, e); },
                         [&](const SuperellipseEdge& e) {
-                          RequireOval(require, e);
-                          require(e.m >= 2 && e.m % 2 == 0, "m must be even and >= 2");
+                          CheckOval(require, e);
+                          require(e.m >= 2 && e.m % 2 == 0 && e.m <= kMaxSuperellipseExponent,
+                                  "the exponent m must be even and >= 2, and at most " +
+                                      std::to_string(kMaxSuperellipseExponent));
                         },
                         [&](const BezierEdge& e) {
                           double largest = 0;
@@ -120,9 +124,16 @@ void RequireValid(const Feature& feature) {
                             largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
                           }
                           require(std::isfinite(largest * largest), "the control points' distance overflows");
-                          require(IsRegular(e), "the speed |c'| vanishes on the curve");
+                          if (why.empty())
+                            require(IsRegular(e), "the derivative vanishes, speed |c'| = 0, on the curve");
                         }},
              feature);
+  return why;
+}
+
+void RequireValid(const Feature& feature) {
+  const std::string why = WhyInvalid(feature);
+  if (!why.empty()) throw InputError("invalid geometry, " + why + ": " + Describe(feature));
 }
 
 EdgePoint EvaluateEdge(const Feature& edge, double s) {

@@ -28,9 +28,18 @@ struct EdgePoint {
 /// @throws InputError for a vertex and for an s that is not finite
 EdgePoint EvaluateEdge(const Feature& edge, double s);
 
-/// @throws InputError unless every number is finite, lengths, radii and semi-axes are > 0 with finite curvatures, m is
-///         even and >= 2, and a Bezier curve's speed |c'| vanishes nowhere on [0, 1] (beyond 1e-10 of its largest
-///         control step)
+/// The largest m of a superellipse: beyond it the corners are sharper than any use of the curve.
+inline constexpr int kMaxSuperellipseExponent = 1000;
+/// How slender a (super)ellipse may be: the ratio of its semi-axes.
+inline constexpr double kMaxAspectRatio = 1e6;
+
+/// What a feature of a contact or a piece of an outline must satisfy, in words, where it does not; else empty: every
+/// number is finite; lengths, radii and semi-axes are > 0 with finite curvatures; semi-axes differ by a factor of at
+/// most kMaxAspectRatio; m is even and in 2..kMaxSuperellipseExponent; and a Bezier curve's speed |c'| vanishes nowhere
+/// on [0, 1] (beyond 1e-10 of its largest control step).
+std::string WhyInvalid(const Feature& feature);
+
+/// @throws InputError naming the condition and the feature, unless WhyInvalid is empty
 void RequireValid(const Feature& feature);
 
 /// One line for error texts: the kind and its numbers.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "model/closest_search.h"
@@ -17,6 +18,10 @@ namespace {
 constexpr double kNarrow = 0.9952;
 /// Sine of the angle below which a change of sign of D is no longer pursued [rad].
 constexpr double kFinest = 1e-9;
+/// What normals may be off by from rounding [rad].
+constexpr double kNormalRounding = 1e-14;
+/// Sine of the angle [about 0.6 degrees] up to which straight edges count as lying on each other.
+constexpr double kNearlyFlush = 1e-2;
 /// Normals equal up to this are the same, for minima at the same place.
 constexpr double kSameNormal = 1e-6;
 
@@ -59,6 +64,9 @@ class SpanPair {
     const bool straight1 = span1_.kind() == NormalSpan::Kind::kStraight;
     const bool straight2 = span2_.kind() == NormalSpan::Kind::kStraight;
     if (straight1 && straight2) return;
+    const bool join1 = span1_.kind() == NormalSpan::Kind::kJoin;
+    const bool join2 = span2_.kind() == NormalSpan::Kind::kJoin;
+    if ((join1 && !straight2) || (join2 && !straight1)) return;
     const bool concave1 = !span1_.is_convex();
     const bool concave2 = !span2_.is_convex();
     if ((concave1 && (concave2 || straight2)) || (concave2 && straight1)) return;
@@ -100,7 +108,11 @@ class SpanPair {
   // A straight span against one that has a point facing it. to_other: from the straight span's body to the other.
   void SearchStraight(const NormalSpan& straight, const NormalSpan& other, Vec2 to_other) {
     const Vec2 n = straight.cone().first();
-    if (!other.cone().Contains(-n, NormalSpan::kSlack)) return;
+    const bool point = other.kind() == NormalSpan::Kind::kVertex || other.kind() == NormalSpan::Kind::kJoin;
+    const bool faces = other.kind() != NormalSpan::Kind::kJoin && other.cone().Contains(-n, NormalSpan::kSlack);
+    if (!faces && !point) return;
+    // A curve that begins flatly has no foot to find there: the contact is the join's.
+    if (other.IsFlatWhere(-n)) return;
     const SpanPoint p = other.At(-n);
     const Vec2 along = straight.end() - straight.begin();
     const Vec2 from_begin = to_other + p.arm - straight.begin();
@@ -108,6 +120,9 @@ class SpanPair {
     if (!IsInRange(Dot(n, from_begin), margin)) return;
     const double u = Dot(along, from_begin) / Dot(along, along);
     if (u < -kSearchMargin || u > 1 + kSearchMargin) return;
+    is_flush_end_ = !faces;
+    is_beside_cone_ = !other.cone().Contains(-n, kNormalRounding);
+    if (is_flush_end_ && !IsFlushEnd(straight, other, from_begin)) return;
     std::optional<double> s_straight = straight.StraightParameter(u);
     std::optional<double> s_other = other.Parameter(p.place);
     if (&straight == &span1_) {
@@ -115,6 +130,30 @@ class SpanPair {
     } else {
       Finish(s_other, s_straight);
     }
+  }
+
+  // Whether a vertex or join is the farther end of the overlap of its own straight edge with a straight span.
+  // from_begin: the vertex, from the straight span's begin.
+  bool IsFlushEnd(const NormalSpan& straight, const NormalSpan& vertex, Vec2 from_begin) const {
+    const Vec2 n = straight.cone().first();
+    if (vertex.is_flat_end() && Dot(vertex.cone().first(), n) < 0 &&
+        std::abs(Cross(vertex.cone().first(), n)) <= NormalSpan::kSlack) {
+      return true;
+    }
+    const Vec2 t = Unit(straight.end() - straight.begin());
+    const double place = Dot(t, from_begin);
+    // The material of either edge is on its left, so that edges that face each other run opposite ways.
+    const auto overlaps = [&](const std::optional<Vec2>& far_end, double sense) {
+      if (!far_end) return false;
+      const Vec2 edge = *far_end - vertex.center();
+      const double length = Norm(edge);
+      const double slope = Dot(n, edge) / length;
+      if (std::abs(slope) > kNearlyFlush || slope > kNormalRounding || sense * Dot(t, edge) < 0) return false;
+      const double other_end = std::clamp(place + Dot(t, edge), 0.0, straight.chord());
+      const double part = (other_end - place) / Dot(t, edge);
+      return part > kSearchMargin && IsInRange(Dot(n, from_begin) + part * Dot(n, edge), 0);
+    };
+    return overlaps(vertex.straight_before(), 1) || overlaps(vertex.straight_after(), -1);
   }
 
   void SearchRound() {
@@ -304,8 +343,8 @@ class SpanPair {
       const StationaryPoints found = SearchStationaryPoints(placed1, placed2, start);
       if (found.points.empty()) {
         // A foot just beyond the end of a Bezier curve is one of the next edge.
-        if (found.failure.find("beyond the end") != std::string::npos) return;
-        throw InputError(found.failure + "; feature 1: " + Describe(span1_.feature()) +
+        if (found.failure == SearchFailure::kBeyondEnd || is_beside_cone_) return;
+        throw InputError(found.failure_text + "; feature 1: " + Describe(span1_.feature()) +
                          "; feature 2: " + Describe(span2_.feature()));
       }
       closest = found.points.front();
@@ -317,13 +356,17 @@ class SpanPair {
       closest = FindClosestPoints(placed1, placed2);
       if (!IsHeld(closest)) return;
     }
-    minima_->push_back({index1_, index2_, closest, s1, s2});
+    minima_->push_back({index1_, index2_, closest, s1, s2, is_flush_end_});
   }
 
   // Whether a stationary point lies on both spans and in the range, and is a minimum, not a maximum, of the distance.
   bool IsHeld(const ClosestPoints& c) const {
     if (!IsInRange(c.d, 0)) return false;
-    if (!span1_.Holds(c.R1, -c.n) || !span2_.Holds(c.R2, c.n)) return false;
+    // The end of a flush edge is where it is, whatever normals its vertex has.
+    const auto holds = [&](const NormalSpan& span, Vec2 arm, Vec2 outward) {
+      return (is_flush_end_ && span.kind() != NormalSpan::Kind::kStraight) || span.Holds(arm, outward);
+    };
+    if (!holds(span1_, c.R1, -c.n) || !holds(span2_, c.R2, c.n)) return false;
     // Across a wide gap D > 0 holds for maxima too.
     const auto is_ahead = [&](const CurvaturePair& edge) { return edge.is_vertex() || 1 + c.d * edge.s > 0; };
     return is_ahead(c.curvature1) && is_ahead(c.curvature2);
@@ -341,6 +384,8 @@ class SpanPair {
   GapRange range_;
   double reach_;
   Vec2 dx_;
+  bool is_beside_cone_ = false;  // the straight span's normal is the other's within its slack only: it may have no foot
+  bool is_flush_end_ = false;    // what is being finished is no minimum of the distance
   std::vector<GapMinimum>* minima_;
 };
 
@@ -376,8 +421,9 @@ void FindGapMinima(const PlacedOutline& body1, int span1, const PlacedOutline& b
 }
 
 void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std::vector<GapMinimum>* minima) {
+  // Minima go before ends of flush edges at the same place.
   const auto before = [](const GapMinimum& a, const GapMinimum& b) {
-    return std::pair(a.span1, a.span2) < std::pair(b.span1, b.span2);
+    return std::tuple(a.is_flush_end, a.span1, a.span2) < std::tuple(b.is_flush_end, b.span1, b.span2);
   };
   std::stable_sort(minima->begin(), minima->end(), before);
   const auto spread = [&](const GapMinimum& m) {
@@ -390,6 +436,9 @@ void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std:
     });
     if (!repeated) kept.push_back(m);
   }
+  std::stable_sort(kept.begin(), kept.end(), [](const GapMinimum& a, const GapMinimum& b) {
+    return std::pair(a.span1, a.span2) < std::pair(b.span1, b.span2);
+  });
   minima->swap(kept);
 }
 

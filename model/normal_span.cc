@@ -84,12 +84,15 @@ void AppendBezierPart(const BezierEdge& edge, double s0, double s1, int depth, R
 }
 
 void AppendBezier(const OutlinePiece& piece, Rotation rotation, std::vector<NormalSpan>* spans) {
+  // A part no longer than this [of s] would have control points that coincide but for rounding: what rounding makes of
+  // the inflection at an end of vanishing curvature.
+  constexpr double kShortest = 1e-9;
   const auto& edge = std::get<BezierEdge>(piece.edge);
   std::vector<double> cuts = {piece.s_begin};
   const Feature feature = edge;
   const SmoothCurve curve(PlacedFeature{feature, Vec2{}, Rotation{}});
   for (const double s : curve.ends()) {
-    if (s > piece.s_begin && s < piece.s_end) cuts.push_back(s);
+    if (s > cuts.back() + kShortest && s < piece.s_end - kShortest) cuts.push_back(s);
   }
   cuts.push_back(piece.s_end);
   for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
@@ -113,6 +116,63 @@ double Extent(const OutlineLoop& loop) {
   double extent = 0;
   for (const OutlinePiece& piece : loop) extent = std::max(extent, Reach(piece));
   return extent;
+}
+
+// Where a straight span goes over into a convex curve: whether that curve is flat there.
+std::optional<bool> FlatnessOfJoin(const NormalSpan& before, const NormalSpan& after, Vec2 normal) {
+  const bool from_straight = before.kind() == NormalSpan::Kind::kStraight;
+  if (from_straight == (after.kind() == NormalSpan::Kind::kStraight)) return std::nullopt;
+  const NormalSpan& curve = from_straight ? after : before;
+  if (!curve.is_convex()) return std::nullopt;
+  // Arcs have their contact points in closed form, however flat they are.
+  if (curve.kind() == NormalSpan::Kind::kArc) return false;
+  return std::abs(curve.At(normal).curvature.s) * curve.chord() <= NormalSpan::kFlatEnd;
+}
+
+void AppendLoop(const OutlineLoop& loop, Rotation rotation, std::vector<NormalSpan>* spans) {
+  const double closure = NormalSpan::kSlack * Extent(loop);
+  // Between which spans of edges each joint of the loop's pieces is.
+  struct Joint {
+    std::size_t before = 0;
+    std::size_t after = 0;
+    std::optional<NormalSpan> vertex;
+    bool flat = false;
+  };
+  std::vector<NormalSpan> edges;
+  std::vector<Joint> joints(loop.size());
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    joints[(k + loop.size() - 1) % loop.size()].after = edges.size();
+    AppendPiece(loop[k], rotation, &edges);
+    joints[k].before = edges.size() - 1;
+  }
+  for (std::size_t k = 0; k < loop.size(); ++k) {
+    const OutlinePiece& piece = loop[k];
+    const OutlinePiece& next = loop[(k + 1) % loop.size()];
+    const Vec2 p = CurvePoint(next.edge, next.s_begin);
+    if (Norm(p - CurvePoint(piece.edge, piece.s_end)) > closure) continue;
+    const Vec2 first = OutwardNormal(piece.edge, piece.s_end, piece.s_begin < piece.s_end ? 1 : -1);
+    const Vec2 last = OutwardNormal(next.edge, next.s_begin, next.s_begin < next.s_end ? 1 : -1);
+    const double turn = Cross(first, last);
+    Joint& joint = joints[k];
+    const bool smooth = std::abs(turn) <= NormalSpan::kSlack && Dot(first, last) > 0;
+    const std::optional<bool> flat =
+        smooth ? FlatnessOfJoin(edges[joint.before], edges[joint.after], Rotate(rotation, first)) : std::nullopt;
+    if (turn > kRoundingSlack) {
+      joint.vertex = NormalSpan::OfVertex(p, first, last, rotation);
+    } else if (flat) {
+      joint.vertex = NormalSpan::OfJoin(p, first, rotation);
+    }
+    joint.flat = flat.value_or(false);
+  }
+  for (Joint& joint : joints) {
+    if (joint.vertex) NormalSpan::Connect(&edges[joint.before], &*joint.vertex, &edges[joint.after], joint.flat);
+  }
+  // Every piece's spans, then the vertex at its end.
+  std::size_t edge = 0;
+  for (Joint& joint : joints) {
+    for (; edge <= joint.before; ++edge) spans->push_back(std::move(edges[edge]));
+    if (joint.vertex) spans->push_back(std::move(*joint.vertex));
+  }
 }
 
 }  // namespace
@@ -140,6 +200,22 @@ NormalSpan NormalSpan::OfVertex(Vec2 p, Vec2 first_normal, Vec2 last_normal, Rot
   span.angle_ = AngleBetween(first, last);
   span.begin_ = span.end_ = span.center_ = Rotate(rotation, p);
   return span;
+}
+
+NormalSpan NormalSpan::OfJoin(Vec2 p, Vec2 normal, Rotation rotation) {
+  const Vec2 n = Rotate(rotation, normal);
+  NormalSpan span(Kind::kJoin, Vertex{p}, {n, n, 0});
+  span.begin_ = span.end_ = span.center_ = Rotate(rotation, p);
+  return span;
+}
+
+void NormalSpan::Connect(NormalSpan* before, NormalSpan* vertex, NormalSpan* after, bool flat) {
+  if (before->kind_ == Kind::kStraight) vertex->straight_before_ = before->begin_;
+  if (after->kind_ == Kind::kStraight) vertex->straight_after_ = after->end_;
+  if (!flat) return;
+  vertex->is_flat_end_ = true;
+  NormalSpan* curve = before->kind_ == Kind::kStraight ? after : before;
+  curve->flat_normals_.push_back(vertex->cone_.first());
 }
 
 NormalSpan NormalSpan::OfStraight(const OutlineCurve& curve, double s_begin, double s_end, Rotation rotation) {
@@ -211,7 +287,7 @@ double NormalSpan::reach() const {
 BoundingBox NormalSpan::Bounds() const {
   BoundingBox box = {{std::min(begin_.x, end_.x), std::min(begin_.y, end_.y)},
                      {std::max(begin_.x, end_.x), std::max(begin_.y, end_.y)}};
-  if (kind_ == Kind::kVertex || kind_ == Kind::kStraight) return box;
+  if (kind_ == Kind::kVertex || kind_ == Kind::kJoin || kind_ == Kind::kStraight) return box;
   for (const Vec2 axis : {Vec2{1, 0}, Vec2{0, 1}, Vec2{-1, 0}, Vec2{0, -1}}) {
     if (!cone_.Contains(axis, kSlack)) continue;
     const Vec2 p = At(axis).arm;
@@ -232,6 +308,7 @@ SpanPoint NormalSpan::At(Vec2 n) const {
     case Kind::kBezier:
       return BezierAt(n);
     case Kind::kVertex:
+    case Kind::kJoin:
     case Kind::kStraight:
       break;
   }
@@ -308,8 +385,13 @@ std::optional<double> NormalSpan::StraightParameter(double u) const {
   return s_begin_ + std::clamp(u, 0.0, 1.0) * (s_end_ - s_begin_);
 }
 
+bool NormalSpan::IsFlatWhere(Vec2 n) const {
+  return std::any_of(flat_normals_.begin(), flat_normals_.end(),
+                     [&](Vec2 flat) { return Dot(flat, n) > 0 && std::abs(Cross(flat, n)) <= kSlack; });
+}
+
 bool NormalSpan::Holds(Vec2 arm, Vec2 outward) const {
-  if (kind_ == Kind::kVertex) return cone_.Contains(outward, kSlack);
+  if (kind_ == Kind::kVertex || kind_ == Kind::kJoin) return cone_.Contains(outward, kSlack);
   // Beyond half a turn the chord does not tell; along less, the foot's projection on the chord is the sharper test.
   if (kind_ == Kind::kArc && angle_ > kPi / 2) return cone_.Contains(outward, kSlack);
   if (kind_ == Kind::kStraight) {
@@ -327,19 +409,7 @@ bool NormalSpan::Holds(Vec2 arm, Vec2 outward) const {
 
 std::vector<NormalSpan> NormalSpans(const Outline& outline, Rotation rotation) {
   std::vector<NormalSpan> spans;
-  for (const OutlineLoop& loop : outline.loops) {
-    const double closure = NormalSpan::kSlack * Extent(loop);
-    for (std::size_t k = 0; k < loop.size(); ++k) {
-      const OutlinePiece& piece = loop[k];
-      const OutlinePiece& next = loop[(k + 1) % loop.size()];
-      AppendPiece(piece, rotation, &spans);
-      const Vec2 p = CurvePoint(next.edge, next.s_begin);
-      if (Norm(p - CurvePoint(piece.edge, piece.s_end)) > closure) continue;
-      const Vec2 first = OutwardNormal(piece.edge, piece.s_end, piece.s_begin < piece.s_end ? 1 : -1);
-      const Vec2 last = OutwardNormal(next.edge, next.s_begin, next.s_begin < next.s_end ? 1 : -1);
-      if (Cross(first, last) > kRoundingSlack) spans.push_back(NormalSpan::OfVertex(p, first, last, rotation));
-    }
-  }
+  for (const OutlineLoop& loop : outline.loops) AppendLoop(loop, rotation, &spans);
   return spans;
 }
 

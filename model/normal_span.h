@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -42,18 +43,24 @@ struct SpanPoint {
 /// A part of a body's outline along which the outward normal turns one way only, so that a point is known by its
 /// normal: a convex corner (the normal turns, the point stays), a straight edge (the reverse), an arc, or a part of a
 /// general curve between its axes (oval) or inflections (Bezier) that turns by at most a quarter turn. A Bezier part
-/// that hardly turns at all (kFlatTurn) counts as straight.
+/// that hardly turns at all (kFlatTurn) counts as straight. A join is the end of a straight edge that goes over into a
+/// convex curve without a corner: a point with one normal, for straight edges that lie flush (narrow_phase.h).
 class NormalSpan {
  public:
-  enum class Kind { kVertex, kStraight, kArc, kOval, kBezier };
+  enum class Kind { kVertex, kJoin, kStraight, kArc, kOval, kBezier };
 
   /// Feet may lie this far beyond a span's ends, relative to its chord, and normals beyond its cone [rad]: what joins
   /// are open by, and how much straight edges may lack to count as flush.
   static constexpr double kSlack = 1e-9;
   /// Parts of Bezier curves that turn by less [rad] are searched as straight edges.
   static constexpr double kFlatTurn = 1e-7;
+  /// A curve whose curvature, times its size, is less where it joins a straight edge goes over into it flatly: no
+  /// contact point can be found by its normal there. Turned by kSlack, a curve of at least this curvature moves its
+  /// contact point by 1e-5 of its size, and its gap by 1e-14.
+  static constexpr double kFlatEnd = 1e-4;
 
   static NormalSpan OfVertex(Vec2 p, Vec2 first_normal, Vec2 last_normal, Rotation rotation);
+  static NormalSpan OfJoin(Vec2 p, Vec2 normal, Rotation rotation);
   static NormalSpan OfStraight(const OutlineCurve& curve, double s_begin, double s_end, Rotation rotation);
   static NormalSpan OfArc(const ArcEdge& arc, double s_begin, double s_end, Rotation rotation);
   static NormalSpan OfOval(const OutlineCurve& oval, double s_begin, double s_end, Rotation rotation);
@@ -75,6 +82,14 @@ class NormalSpan {
   double chord() const { return Norm(end_ - begin_); }
   /// The lengths that points are computed from [m]: rounding errors are a few epsilon of it.
   double reach() const;
+  /// The far ends of the straight edges that end at a vertex or join: of the one before it and of the one after it
+  /// along the outline, as arms in world axes.
+  const std::optional<Vec2>& straight_before() const { return straight_before_; }
+  const std::optional<Vec2>& straight_after() const { return straight_after_; }
+  /// Whether a straight edge goes over into a curve flatly (kFlatEnd) at this vertex or join.
+  bool is_flat_end() const { return is_flat_end_; }
+  /// Whether a curve goes over into a straight edge flatly (kFlatEnd) where its normal is n, within kSlack.
+  bool IsFlatWhere(Vec2 n) const;
   /// World axes, relative to the body's centre of mass.
   BoundingBox Bounds() const;
 
@@ -84,6 +99,9 @@ class NormalSpan {
   std::optional<double> Parameter(Vec2 place) const;
   /// The straight span's parameter at the fraction u of its length.
   std::optional<double> StraightParameter(double u) const;
+  /// Records the neighbours of a vertex or join: of the spans before and after it, those that are straight.
+  /// @param flat  one of them is straight, and the other one flat there
+  static void Connect(NormalSpan* before, NormalSpan* vertex, NormalSpan* after, bool flat);
   /// Whether the foot of the span's curve at `arm`, with that outward normal, lies on the span (within kSlack).
   bool Holds(Vec2 arm, Vec2 outward) const;
 
@@ -109,10 +127,15 @@ class NormalSpan {
   std::array<Vec2, 4> P_{};  // Bezier, world axes
   double s_begin_ = 0;
   double s_end_ = 1;
+  bool is_flat_end_ = false;             // vertex, join
+  std::optional<Vec2> straight_before_;  // vertex, join
+  std::optional<Vec2> straight_after_;
+  std::vector<Vec2> flat_normals_;  // of a curve's ends that are flat joins
 };
 
 /// The spans of an outline placed by `rotation`, loop after loop, every piece followed by the vertex at its end where
-/// that is a convex corner. Smooth joins and re-entrant corners have none, nor have the ends of open chains.
+/// that is a convex corner, or by a join. Other smooth joins and re-entrant corners have none, nor have the ends of
+/// open chains.
 /// @param outline  in the body frame, pieces valid (RequireValidPiece); loops may be open or run either way
 std::vector<NormalSpan> NormalSpans(const Outline& outline, Rotation rotation);
 

@@ -4,9 +4,6 @@
 
 namespace lcpbench {
 
-/// How slender a shape may be: the ratio of the semi-axes of every (super)ellipse, and of the whole outline the root of
-/// the ratio of its principal second moments of area (a / b of an ellipse, length / width of a box, 1 of a ring).
-inline constexpr double kMaxAspectRatio = 1e6;
 /// Joints may be open by this, relative to the outline's extent (the diagonal of its bounding box) ...
 inline constexpr double kClosureTolerance = 1e-9;
 /// ... edges shorter than this are refused as having zero length ...
@@ -22,7 +19,8 @@ inline constexpr double kTouchTolerance = 1e-10;
 ///   a Bezier edge whose derivative vanishes; an edge shorter than kMinEdgeLength; an open joint;
 ///   edges that meet other than at their joint, of the same loop or of two, and vertices of zero angle (cusps);
 ///   an outer boundary that runs clockwise, a hole that runs counter-clockwise; a hole outside the outer boundary or
-///   inside another hole; an aspect ratio beyond kMaxAspectRatio.
+///   inside another hole; an aspect ratio of the whole outline, the root of the ratio of its principal second moments
+///   of area (a / b of an ellipse, length / width of a box, 1 of a ring), beyond kMaxAspectRatio (curve.h).
 /// Meeting edges are found by subdivision: a piece of an edge lies within a distance h of its chord, h falls with the
 /// square of its length, and chords further apart than h1 + h2 prove that pieces do not meet. Neighbours are told apart
 /// by the cones of their tangents at the joint. About O(n log n) for n edges that stay clear of each other; edges that

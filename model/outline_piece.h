@@ -4,6 +4,7 @@
 #include <string>
 #include <variant>
 
+#include "model/curve.h"
 #include "model/feature.h"
 #include "model/vec2.h"
 
@@ -11,9 +12,6 @@ namespace lcpbench {
 
 /// The name under which outlines, their checks and their mass properties speak of a piece.
 using OutlinePiece = OutlineEdge;
-
-/// The largest m of a superellipse: beyond it the corners are sharper than any use of the curve.
-inline constexpr int kMaxSuperellipseExponent = 1000;
 
 /// x^n by repeated multiplication, n >= 0: the same bits everywhere.
 double IntegerPower(double x, int n);
@@ -41,9 +39,9 @@ OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift);
 /// One line for error texts: the kind and its numbers.
 std::string DescribeCurve(const OutlineCurve& curve);
 
-/// @throws InputError, beginning with `where`, unless every number is finite, lengths and radii are > 0, m is even and
-///         in 2..kMaxSuperellipseExponent, semi-axes differ by a factor of at most kMaxAspectRatio (outline_checks.h),
-///         and the parameter range is one the kind allows, in the sense of travel that its side demands
+/// @throws InputError, beginning with `where`, unless the edge is valid (WhyInvalid, curve.h) and the parameter range
+/// is
+///         one the kind allows, in the sense of travel that its side demands
 void RequireValidPiece(const OutlinePiece& piece, const std::string& where);
 
 }  // namespace lcpbench

@@ -209,15 +209,18 @@ TEST(Curve, InvalidOnesAreRefusedNamingConditionAndCurve) {
       {ellipse(1, 1, 0, kInfinity), "not finite"},
       {ellipse(1e200, 1e-200), "overflows"},
       {oval(1, 0, 4), "must be > 0"},
-      {oval(1, 1, 3), "even and >= 2"},
-      {oval(1, 1, 0), "even and >= 2"},
-      {oval(1, 1, -4), "even and >= 2"},
+      {oval(1, 1, 3), "even and >= 2, and at most 1000"},
+      {oval(1, 1, 0), "even and >= 2, and at most 1000"},
+      {oval(1, 1, -4), "even and >= 2, and at most 1000"},
+      {oval(1, 1, 1002), "even and >= 2, and at most 1000"},
       {oval(1, 1, 4, kNaN), "not finite"},
-      {bezier({0, 0}, {0, 0}, {0, 0}, {0, 0}), "|c'| vanishes"},
-      {bezier({0, 0}, {0, 0}, {1, 0}, {1, 1}), "|c'| vanishes"},
-      {bezier({0, 0}, {1, 0}, {1, 1}, {1, 1}), "|c'| vanishes"},
-      {bezier({0, 0}, {1, 1}, {0, 1}, {1, 0}), "|c'| vanishes"},   // a cusp at 1/2
-      {bezier({0, 0}, {2, 0}, {-1, 0}, {1, 0}), "|c'| vanishes"},  // there and back
+      {oval(1.1e6, 1, 4), "aspect ratio"},
+      {ellipse(1, 0.9e-6), "aspect ratio"},
+      {bezier({0, 0}, {0, 0}, {0, 0}, {0, 0}), "derivative vanishes"},
+      {bezier({0, 0}, {0, 0}, {1, 0}, {1, 1}), "derivative vanishes"},
+      {bezier({0, 0}, {1, 0}, {1, 1}, {1, 1}), "derivative vanishes"},
+      {bezier({0, 0}, {1, 1}, {0, 1}, {1, 0}), "derivative vanishes"},   // a cusp at 1/2
+      {bezier({0, 0}, {2, 0}, {-1, 0}, {1, 0}), "derivative vanishes"},  // there and back
       {bezier({0, kNaN}, {1, 0}, {1, 1}, {1, 2}), "not finite"},
       {bezier({-1e200, 0}, {1e200, 0}, {1, 1}, {1, 2}), "overflows"},
   };
@@ -229,6 +232,7 @@ TEST(Curve, InvalidOnesAreRefusedNamingConditionAndCurve) {
   }
   EXPECT_EQ(Refusal(ellipse(1, 1e-6)), "");
   EXPECT_EQ(Refusal(oval(1e-6, 1, 100)), "");
+  EXPECT_EQ(Refusal(oval(1, 1, 1000)), "");
   EXPECT_EQ(Refusal(bezier({0, 0}, {1, 0}, {1, 1}, {0, 1})), "");
   EXPECT_EQ(Refusal(bezier({0, 0}, {1, 1}, {2, 2}, {3, 3})), "");
 }

@@ -68,6 +68,19 @@ class SampledLoop {
   }
   const Pose& pose() const { return pose_; }
 
+  std::size_t pieces() const { return loop_->size(); }
+  bool IsStraight(std::size_t piece) const { return std::holds_alternative<StraightEdge>((*loop_)[piece].edge); }
+  /// Whether two pieces meet here in a convex corner, or smoothly with the other one convex.
+  bool IsConvexAt(const LoopPlace& end) const {
+    constexpr double kSmooth = 1e-9;
+    const LoopPlace other = *Neighbour(end);
+    const bool is_end = end.s == (*loop_)[end.piece].s_end;
+    const Vec2 N = OutwardNormal(end);
+    const Vec2 N_other = OutwardNormal(other);
+    const double turn = is_end ? Cross(N, N_other) : Cross(N_other, N);
+    return turn > kSmooth || (turn > -kSmooth && EvaluateEdge(features_[other.piece], other.s).kappa > 0);
+  }
+
   struct Jet {
     Vec2 c;
     Vec2 d1;
@@ -78,38 +91,27 @@ class SampledLoop {
     return {World(e.c), Rotate(rotation_, e.d1), Rotate(rotation_, e.d2)};
   }
 
-  /// The place nearest to a point on the outline: the nearest sample's surroundings, searched by golden section.
+  /// The place nearest to a point on the outline, by golden section around every sample that may be next to it: beside
+  /// a sharp corner the nearest sample may be one of the wrong edge.
   LoopPlace Nearest(Vec2 p) const {
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < size(); ++i) {
-      if (Norm(points_[i] - p) < Norm(points_[best] - p)) best = i;
+    double least = Norm(points_[0] - p);
+    double spacing = 0;
+    for (std::size_t i = 0; i < size(); ++i) {
+      least = std::min(least, Norm(points_[i] - p));
+      spacing = std::max(spacing, Norm(points_[(i + 1) % size()] - points_[i]));
     }
-    const LoopPlace after = places_[best];
-    const LoopPlace before = places_[(best + size() - 1) % size()];
-    LoopPlace nearest = after;
-    for (const LoopPlace& from : {after, before}) {
-      const double range = high(from.piece) - low(from.piece);
-      const double per_sample = 2 * range * static_cast<double>(loop_->size()) / static_cast<double>(size());
-      const LoopPlace found = NearestBetween(p, from.piece, std::max(low(from.piece), from.s - per_sample),
-                                             std::min(high(from.piece), from.s + per_sample));
-      if (Norm(At(found).c - p) < Norm(At(nearest).c - p)) nearest = found;
+    std::optional<LoopPlace> nearest;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (Norm(points_[i] - p) > least + spacing) continue;
+      const LoopPlace& from = places_[i];
+      const double low = this->low(from.piece);
+      const double high = this->high(from.piece);
+      const double per_sample = (high - low) * static_cast<double>(loop_->size()) / static_cast<double>(size());
+      const LoopPlace found =
+          NearestBetween(p, from.piece, std::max(low, from.s - per_sample), std::min(high, from.s + per_sample));
+      if (!nearest || Norm(At(found).c - p) < Norm(At(*nearest).c - p)) nearest = found;
     }
-    return nearest;
-  }
-
-  /// The place and those `step` of its piece to either side, beyond an end on the neighbour.
-  std::vector<LoopPlace> Around(const LoopPlace& place, double step) const {
-    std::vector<LoopPlace> around = {place};
-    const double length = step * (high(place.piece) - low(place.piece));
-    for (const double s : {place.s - length, place.s + length}) {
-      const LoopPlace held{place.piece, std::clamp(s, low(place.piece), high(place.piece))};
-      around.push_back(held);
-      const std::optional<LoopPlace> next = Neighbour(held);
-      if (!next) continue;
-      const double room = step * (high(next->piece) - low(next->piece));
-      around.push_back({next->piece, next->s == low(next->piece) ? next->s + room : next->s - room});
-    }
-    return around;
+    return *nearest;
   }
 
   Vec2 OutwardNormal(const LoopPlace& place) const {
@@ -169,9 +171,12 @@ class Descent {
       std::array<bool, 2> pinned = {false, false};
       for (std::size_t k = 0; k < 2; ++k) pinned[k] = !Hop(k);
       if (!Step(pinned)) {
+        // Outlines that cross have no normal between them to be stationary along.
         constexpr double kStationary = 1e-7;
+        constexpr double kCrossing = 1e-12;
+        const bool crosses = Value(at_) < kCrossing * kCrossing;
         for (std::size_t k = 0; k < 2; ++k) {
-          if (!pinned[k] && std::abs(Slope(at_, k)) > kStationary) return std::nullopt;
+          if (!crosses && !pinned[k] && std::abs(Slope(at_, k)) > kStationary) return std::nullopt;
         }
         SampledMinimum found;
         found.p1 = loops_[0]->At(at_[0]).c;
@@ -254,18 +259,55 @@ class Descent {
       const double length = slope < 0 ? 1 : -1;
       step = {length, -(f2 + h12 * length) / h22};
     }
+    // Next to a minimum rounding hides whether the distance falls, but the slopes show it.
+    constexpr double kNear = 1e-6;
+    if (Steepest(at_, pinned) < kNear) return Polish(step, pinned);
+    // Along the valley both move in proportion, up to the first end; where that does not help, one at a time.
+    return Advance(step) || Advance({step[0], 0}) || Advance({0, step[1]});
+  }
+
+  // The steepest slope of the places that are not pinned.
+  double Steepest(const Places& at, const std::array<bool, 2>& pinned) const {
+    double slope = 0;
+    for (std::size_t k = 0; k < 2; ++k) slope = std::max(slope, pinned[k] ? 0 : std::abs(Slope(at, k)));
+    return slope;
+  }
+
+  // The whole step within both pieces, if it makes the slopes less.
+  bool Polish(const std::array<double, 2>& step, const std::array<bool, 2>& pinned) {
+    Places to = at_;
+    for (std::size_t k = 0; k < 2; ++k) {
+      if (pinned[k]) continue;
+      to[k].s += step[k];
+      if (to[k].s <= loops_[k]->low(at_[k].piece) || to[k].s >= loops_[k]->high(at_[k].piece)) return false;
+    }
+    if (!(Steepest(to, pinned) < Steepest(at_, pinned))) return false;
+    at_ = to;
+    return true;
+  }
+
+  // Moves by the step, or a part of it, if that brings the places nearer to each other.
+  bool Advance(const std::array<double, 2>& step) {
     const double before = Value(at_);
     double factor = 1;
     // Small steps only, so as not to leave the valley.
     constexpr double kLongest = 0.05;
     for (std::size_t k = 0; k < 2; ++k) {
-      const double longest = kLongest * (loops_[k]->high(at_[k].piece) - loops_[k]->low(at_[k].piece));
+      const double low = loops_[k]->low(at_[k].piece);
+      const double high = loops_[k]->high(at_[k].piece);
+      const double longest = std::min(kLongest * (high - low), step[k] < 0 ? at_[k].s - low : high - at_[k].s);
       if (std::abs(step[k]) > longest) factor = std::min(factor, longest / std::abs(step[k]));
     }
     for (int i = 0; i < 50; ++i, factor /= 2) {
       Places to = at_;
       for (std::size_t k = 0; k < 2; ++k) {
-        to[k].s = std::clamp(at_[k].s + factor * step[k], loops_[k]->low(at_[k].piece), loops_[k]->high(at_[k].piece));
+        const double low = loops_[k]->low(at_[k].piece);
+        const double high = loops_[k]->high(at_[k].piece);
+        to[k].s = at_[k].s + factor * step[k];
+        // To the end itself, which rounding may have missed.
+        constexpr double kAtEnd = 1e-12;
+        if (to[k].s <= low + kAtEnd * (high - low)) to[k].s = low;
+        if (to[k].s >= high - kAtEnd * (high - low)) to[k].s = high;
       }
       if (to[0].s == at_[0].s && to[1].s == at_[1].s) return false;
       if (Value(to) < before) {
@@ -279,6 +321,118 @@ class Descent {
   std::array<const SampledLoop*, 2> loops_;
   Places at_;
 };
+
+/// Whether the distance of two outlines has a local minimum at two places, by its derivatives along the pieces that
+/// meet there. It must not fall to either side: within a piece its slope is zero; at an end, where two pieces meet, it
+/// rises, or is level, along each. And where it is level, its second derivatives must be positive definite.
+/// Finite steps instead of derivatives cannot decide this: a re-entrant corner may be nearer than any step, and beyond
+/// it the outline comes nearer, though the foot on this side is a minimum in its own neighbourhood.
+inline bool IsLocalMinimum(const SampledLoop& loop1, const LoopPlace& place1, const SampledLoop& loop2,
+                           const LoopPlace& place2) {
+  // A foot as near to an end as this, relative to the piece, is taken to be there.
+  constexpr double kAtEnd = 1e-9;
+  constexpr double kLevel = 1e-7;
+  // A piece at the foot, and the sense in which s may change: 1, -1, or 0 for both.
+  struct Side {
+    LoopPlace place;
+    double sense = 0;
+  };
+  const auto sides_of = [&](const SampledLoop& loop, LoopPlace place) {
+    const double low = loop.low(place.piece);
+    const double high = loop.high(place.piece);
+    const bool at_low = place.s - low <= kAtEnd * (high - low);
+    const bool at_high = high - place.s <= kAtEnd * (high - low);
+    std::vector<Side> sides;
+    if (!at_low && !at_high) return std::vector<Side>{{place, 0}};
+    place.s = at_low ? low : high;
+    sides.push_back({place, at_low ? 1.0 : -1.0});
+    const LoopPlace next = *loop.Neighbour(place);
+    sides.push_back({next, next.s == loop.low(next.piece) ? 1.0 : -1.0});
+    return sides;
+  };
+  for (const Side& side1 : sides_of(loop1, place1)) {
+    for (const Side& side2 : sides_of(loop2, place2)) {
+      const auto j1 = loop1.At(side1.place);
+      const auto j2 = loop2.At(side2.place);
+      const Vec2 v = j1.c - j2.c;
+      const double slope1 = Dot(v, j1.d1) / (Norm(v) * Norm(j1.d1));
+      const double slope2 = -Dot(v, j2.d1) / (Norm(v) * Norm(j2.d1));
+      const auto falls = [&](double slope, double sense) {
+        return sense == 0 ? std::abs(slope) > kLevel : sense * slope < -kLevel;
+      };
+      if (falls(slope1, side1.sense) || falls(slope2, side2.sense)) return false;
+      // Of |v|^2 / 2, by lengths along the pieces.
+      const double h11 = 1 + Dot(v, j1.d2) / Dot(j1.d1, j1.d1);
+      const double h22 = 1 - Dot(v, j2.d2) / Dot(j2.d1, j2.d1);
+      const double h12 = Dot(j1.d1, j2.d1) / (Norm(j1.d1) * Norm(j2.d1));
+      const bool level1 = std::abs(slope1) <= kLevel;
+      const bool level2 = std::abs(slope2) <= kLevel;
+      if ((level1 && !(h11 > 0)) || (level2 && !(h22 > 0))) return false;
+      if (level1 && level2 && !(h11 * h22 - h12 * h12 > 0)) return false;
+    }
+  }
+  return true;
+}
+
+/// Where straight edges of two outlines lie on each other at a small angle, the overlap's end with the larger gap: no
+/// minimum of the distance, but reported as the second contact of flush edges (narrow_phase.h).
+struct FlushEnd {
+  Vec2 p;               ///< the end of either edge there
+  bool certain = true;  ///< whether the rule holds or not is not within rounding of its limits
+};
+
+/// @param reach  the largest gap that counts at either end
+inline std::vector<FlushEnd> FlushEnds(const SampledLoop& loop1, const SampledLoop& loop2, double reach) {
+  constexpr double kLargestSine = 1e-2;
+  constexpr double kDoubt = 1e-3;  // relative: the gaps' own dependence on which edge they are taken from
+  struct Edge {
+    Vec2 begin;
+    Vec2 end;
+    bool ends_convexly[2];
+  };
+  const auto edges_of = [](const SampledLoop& loop) {
+    std::vector<Edge> edges;
+    for (std::size_t k = 0; k < loop.pieces(); ++k) {
+      if (!loop.IsStraight(k)) continue;
+      const LoopPlace first{k, loop.low(k)};
+      const LoopPlace last{k, loop.high(k)};
+      edges.push_back({loop.At(first).c, loop.At(last).c, {loop.IsConvexAt(first), loop.IsConvexAt(last)}});
+    }
+    return edges;
+  };
+  std::vector<FlushEnd> ends;
+  for (const Edge& edge1 : edges_of(loop1)) {
+    for (const Edge& edge2 : edges_of(loop2)) {
+      const Vec2 along = edge2.end - edge2.begin;
+      const double length = Norm(along);
+      const Vec2 t = (1 / length) * along;
+      const Vec2 n = -Perp(t);
+      const Vec2 along1 = edge1.end - edge1.begin;
+      const double sine = std::abs(Cross(t, along1)) / Norm(along1);
+      if (sine > (1 + kDoubt) * kLargestSine || Dot(t, along1) > 0) continue;
+      // Edge 1 as a height over edge 2, which its end comes first along.
+      const auto place = [&](Vec2 p) { return Dot(t, p - edge2.begin); };
+      const auto height = [&](Vec2 p) { return Dot(n, p - edge2.begin); };
+      const double from = std::max(0.0, place(edge1.end));
+      const double to = std::min(length, place(edge1.begin));
+      if (to <= from) continue;
+      const double slope = (height(edge1.begin) - height(edge1.end)) / (place(edge1.begin) - place(edge1.end));
+      const double gap_from = height(edge1.end) + slope * (from - place(edge1.end));
+      const double gap_to = height(edge1.end) + slope * (to - place(edge1.end));
+      const double largest = std::max(gap_from, gap_to);
+      const double least = std::min(gap_from, gap_to);
+      if (least < 0 || largest > (1 + kDoubt) * reach) continue;
+      const bool farther_to = gap_to > gap_from;
+      const bool of_edge1 = farther_to ? place(edge1.begin) <= length : place(edge1.end) >= 0;
+      const Edge& owner = of_edge1 ? edge1 : edge2;
+      const bool at_begin = of_edge1 == farther_to;
+      if (!owner.ends_convexly[at_begin ? 0 : 1]) continue;
+      const bool certain = sine < (1 - kDoubt) * kLargestSine && largest < (1 - kDoubt) * reach;
+      ends.push_back({at_begin ? owner.begin : owner.end, certain});
+    }
+  }
+  return ends;
+}
 
 inline double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b) {
   const Vec2 along = b - a;
