@@ -86,22 +86,22 @@ ContactWatch::ContactWatch(const World& world, double flush_angle) : finder_(wor
     surface.radius = Norm({reach_x, reach_y});
     const double side = std::min(all.upper.x - all.lower.x, all.upper.y - all.lower.y);
     if (!body.fixed && side > 0 && (thinnest_ == 0 || side < thinnest_)) thinnest_ = side;
-    connected_.push_back(HasOutline(body));
     surfaces_.push_back(std::move(surface));
   }
   for (const Constraint& joint : world.joints) {
+    joined_.push_back(std::minmax(joint.body1, joint.body2));
     if (joint.type != ConstraintType::kRope) continue;
     ropes_.push_back(joint);
     const std::array<std::pair<int, const Feature*>, 2> ends = {
         {{joint.body1, &joint.feature1}, {joint.body2, &joint.feature2}}};
     for (const auto& [body, feature] : ends) {
       const auto index = static_cast<std::size_t>(body);
-      connected_[index] = true;
       if (const auto* end = std::get_if<Vertex>(feature)) {
         surfaces_[index].radius = std::max(surfaces_[index].radius, Norm(end->p));
       }
     }
   }
+  std::sort(joined_.begin(), joined_.end());
 }
 
 TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* constraint) {
@@ -149,21 +149,37 @@ std::vector<Constraint> ContactWatch::Find(std::span<const Body> bodies, double 
   return found;
 }
 
-double ContactWatch::FastestApproach(std::span<const Body> bodies, std::span<const double> accelerations,
-                                     double duration) const {
-  double first = 0;
-  double second = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!connected_[i]) continue;
+double ContactWatch::LongestStep(std::span<const Body> bodies, std::span<const double> accelerations, double stride,
+                                 double step) const {
+  const std::size_t count = bodies.size();
+  std::vector<double> speed(count);
+  std::vector<double> gain(count);
+  for (std::size_t i = 0; i < count; ++i) {
     const double r = surfaces_[i].radius;
-    const double speed = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
-    const double gain =
-        Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
-    const double fastest = speed + duration * gain;
-    second = std::max(second, std::min(fastest, first));
-    first = std::max(first, fastest);
+    speed[i] = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
+    gain[i] = Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
   }
-  return first + second;
+  const auto shorten = [&](std::size_t i, std::size_t j, double room) {
+    const double v = speed[i] + speed[j];
+    const double a = gain[i] + gain[j];
+    // The root of v t + a t^2 / 2 = room.
+    if (v * step + a * step * step / 2 > room) step = 2 * room / (v + std::sqrt(v * v + 2 * a * room));
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (surfaces_[i].spans.empty()) continue;
+    for (std::size_t j = i + 1; j < count; ++j) {
+      if (surfaces_[j].spans.empty() || (bodies[i].fixed && bodies[j].fixed)) continue;
+      if (std::binary_search(joined_.begin(), joined_.end(), std::pair(static_cast<int>(i), static_cast<int>(j)))) {
+        continue;
+      }
+      const double clearance = Norm(bodies[i].x - bodies[j].x) - surfaces_[i].radius - surfaces_[j].radius;
+      shorten(i, j, std::max(stride, clearance));
+    }
+  }
+  for (const Constraint& rope : ropes_) {
+    shorten(static_cast<std::size_t>(rope.body1), static_cast<std::size_t>(rope.body2), stride);
+  }
+  return step;
 }
 
 }  // namespace lcpbench

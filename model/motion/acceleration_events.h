@@ -6,6 +6,7 @@
 
 #include "model/motion/acceleration_contacts.h"
 #include "model/motion/acceleration_flow.h"
+#include "model/motion/acceleration_interpolant.h"
 
 namespace lcpbench {
 
@@ -16,6 +17,7 @@ struct StepBegin {
   MotionState state;
   std::vector<Body> bodies;
   std::vector<Constraint> held;
+  std::vector<Constraint> watched;  ///< contacts and ropes within the range, held or not
   AnsweredLcp answered;  ///< rows in the order of the flow's held set
   std::vector<double> accelerations;
 };
@@ -54,9 +56,9 @@ class StepEvents {
   struct Event {
     Value value;
     double begin_value = 0;
-    double tolerance = 0;  // of the time [s]
     bool smooth = false;
     std::optional<Constraint> approaching;
+    bool is_at_end = true;  // found there, not only at the beginning
   };
 
   std::vector<Body> BodiesAt(double step, const MotionState& state) const;
@@ -67,7 +69,12 @@ class StepEvents {
   // Cuts the end where a gap closed and opened again.
   bool AddApproaches(StepEnd* end, std::vector<Event>* events) const;
   double Level(double begin_gap) const;
-  void Narrow(const Event& event, StepEnd* end) const;
+  // What was or is near: found at the end, and found at the beginning only (its features then may have met first).
+  std::vector<Constraint> Candidates(const StepEnd& end, const std::vector<Body>& bodies) const;
+  Event ApproachOf(const Constraint& constraint, double begin_gap) const;
+  // The time on the interpolant at which the event has just happened.
+  double Estimate(const Event& event, const StepInterpolant& between, double latest) const;
+  void Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const;
   bool IsThere(const Constraint& constraint, const StepEnd& end) const;
 
   EventOptions options_;
