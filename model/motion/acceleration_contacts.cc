@@ -24,8 +24,8 @@ const Body& At(std::span<const Body> bodies, int index) { return bodies[static_c
 TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& body2) {
   const Vec2 vertex1 = std::get<Vertex>(rope.feature1).p;
   const Vec2 vertex2 = std::get<Vertex>(rope.feature2).p;
-  const auto [points, row] = ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta),
-                                                 body2, rope.length);
+  const auto [points, row] =
+      ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta), body2, rope.length);
   return {-points.n, points.R1, points.R2, rope.length - points.d, -row.d_dot};
 }
 
@@ -33,30 +33,30 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 
 bool IsSameFeature(const Feature& a, const Feature& b) {
   if (a.index() != b.index()) return false;
-  return std::visit(
-      Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
-                 [&](const StraightEdge& p) {
-                   const auto& q = std::get<StraightEdge>(b);
-                   return Same(p.a, q.a) && Same(p.b, q.b);
-                 },
-                 [&](const ArcEdge& p) {
-                   const auto& q = std::get<ArcEdge>(b);
-                   return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
-                 },
-                 [&](const EllipseEdge& p) {
-                   const auto& q = std::get<EllipseEdge>(b);
-                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi && p.side == q.side;
-                 },
-                 [&](const SuperellipseEdge& p) {
-                   const auto& q = std::get<SuperellipseEdge>(b);
-                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m && p.phi == q.phi &&
-                          p.side == q.side;
-                 },
-                 [&](const BezierEdge& p) {
-                   const auto& q = std::get<BezierEdge>(b);
-                   return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
-                 }},
-      a);
+  return std::visit(Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
+                               [&](const StraightEdge& p) {
+                                 const auto& q = std::get<StraightEdge>(b);
+                                 return Same(p.a, q.a) && Same(p.b, q.b);
+                               },
+                               [&](const ArcEdge& p) {
+                                 const auto& q = std::get<ArcEdge>(b);
+                                 return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
+                               },
+                               [&](const EllipseEdge& p) {
+                                 const auto& q = std::get<EllipseEdge>(b);
+                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi &&
+                                        p.side == q.side;
+                               },
+                               [&](const SuperellipseEdge& p) {
+                                 const auto& q = std::get<SuperellipseEdge>(b);
+                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m &&
+                                        p.phi == q.phi && p.side == q.side;
+                               },
+                               [&](const BezierEdge& p) {
+                                 const auto& q = std::get<BezierEdge>(b);
+                                 return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
+                               }},
+                    a);
 }
 
 bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b) {
@@ -108,10 +108,9 @@ TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* cons
   const Body& body1 = At(bodies, constraint->body1);
   const Body& body2 = At(bodies, constraint->body2);
   if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, body1, body2);
-  const ClosestPoints closest =
-      FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
-                        {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
-                        {constraint->s1, constraint->s2, constraint->nominal_gap});
+  const ClosestPoints closest = FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
+                                                  {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
+                                                  {constraint->s1, constraint->s2, constraint->nominal_gap});
   if (constraint->s1) constraint->s1 = closest.s1;
   if (constraint->s2) constraint->s2 = closest.s2;
   constraint->nominal_gap = closest.d;

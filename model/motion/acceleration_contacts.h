@@ -15,8 +15,8 @@ namespace lcpbench {
 
 /// Where the two features of a unilateral constraint are closest, and how fast that changes. World frame.
 struct TouchPoint {
-  Vec2 n;           ///< unit normal from body 2 to body 1
-  Vec2 R1;          ///< arms from the centres of mass to the closest points [m]
+  Vec2 n;   ///< unit normal from body 2 to body 1
+  Vec2 R1;  ///< arms from the centres of mass to the closest points [m]
   Vec2 R2;
   double d = 0;      ///< gap [m]; of a rope, length - distance
   double d_dot = 0;  ///< [m/s]

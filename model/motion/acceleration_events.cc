@@ -122,7 +122,7 @@ bool StepEvents::AddReleases(const StepEnd& end, std::vector<Event>* events) con
   return true;
 }
 
-bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) const {
+bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) {
   std::vector<Body> bodies = BodiesAt(end->step, end->state);
   const std::vector<TouchPoint> held_points = [&] {
     std::vector<TouchPoint> points;
@@ -140,27 +140,28 @@ bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) const {
     const Constraint& found = candidates[k];
     const std::optional<TouchPoint> last = TryEvaluate(bodies, found);
     if (!last || is_held(found, *last)) continue;
-    const std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, found);
-    // An overlap that deep was there before, or a corner came into sight between two edges: not a gap that closed.
-    if (!first || first->d < -options_.contact_tolerance) continue;
-    Event event = ApproachOf(found, first->d);
-    event.is_at_end = k < end->found.size();
-    if (event.value(end->step, end->state) <= 0) {
-      events->push_back(std::move(event));
+    const std::optional<Event> event = ApproachOf(found, *end, k < end->found.size());
+    if (!event) continue;
+    if (event->value(end->step, end->state) <= 0) {
+      events->push_back(*event);
       continue;
     }
-    if (!(first->d_dot < 0 && last->d_dot > 0)) continue;
+    // Open at both ends: it may have closed and opened again.
+    if (event->begin > 0 || last->d_dot <= 0) continue;
+    const std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, found);
+    if (!first || first->d_dot >= 0) continue;
     double deepest = 0;
     const double time = DeepestTime(first->d, first->d_dot, last->d, last->d_dot, end->step, &deepest);
     if (!(deepest < 0) || !(time > 0)) continue;
     StepEnd inner{time, StateAfter(time), {}, {}, false};
     try {
-      if (event.value(time, inner.state) > 0) continue;
+      if (event->value(time, inner.state) > 0) continue;
     } catch (const InputError&) {
       continue;
     }
     inner.found = watch_.Find(BodiesAt(time, inner.state), options_.range);
     *end = std::move(inner);
+    between_.reset();
     return false;
   }
   return true;
@@ -184,31 +185,68 @@ std::vector<Constraint> StepEvents::Candidates(const StepEnd& end, const std::ve
   return candidates;
 }
 
-StepEvents::Event StepEvents::ApproachOf(const Constraint& constraint, double begin_gap) const {
-  const double level = Level(begin_gap);
+const StepInterpolant& StepEvents::Between(const StepEnd& end) {
+  if (!between_) {
+    const std::vector<double> accelerations =
+        ConstrainedFlow::Accelerations(flow_->system(), flow_->Solve(end.state, begin_.time + end.step));
+    between_.emplace(begin_.bodies, end.step, begin_.state, begin_.accelerations, end.state, accelerations);
+  }
+  return *between_;
+}
+
+double StepEvents::InSightFrom(const Constraint& constraint, const StepEnd& end) {
+  const auto in_sight = [&](const std::vector<Body>& bodies) {
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
+    return touch && watch_.LiesOn(bodies, constraint, *touch);
+  };
+  if (in_sight(begin_.bodies)) return 0;
+  const StepInterpolant& between = Between(end);
+  double before = 0;
+  double after = end.step;
+  while (after - before > kTimeFraction * end.step) {
+    const double middle = before + (after - before) / 2;
+    if (!(middle > before && middle < after)) break;
+    (in_sight(BodiesAt(middle, between.At(middle))) ? after : before) = middle;
+  }
+  return after;
+}
+
+std::optional<StepEvents::Event> StepEvents::ApproachOf(const Constraint& constraint, const StepEnd& end,
+                                                        bool is_at_end) {
   Event event;
+  event.smooth = true;
+  event.approaching = constraint;
+  event.is_at_end = is_at_end;
+  std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, constraint);
+  const std::optional<TouchPoint> last = TryEvaluate(BodiesAt(end.step, end.state), constraint);
+  const bool closes = last && last->d <= -options_.event_depth;
+  if (is_at_end && closes) {
+    event.begin = InSightFrom(constraint, end);
+    if (event.begin > 0) first = TryEvaluate(BodiesAt(event.begin, Between(end).At(event.begin)), constraint);
+  }
+  if (!first || first->d < -options_.contact_tolerance) return std::nullopt;
+  const double level = Level(first->d);
+  event.begin_value = first->d - level;
   event.value = [this, constraint, level](double step, const MotionState& state) {
     Constraint followed = constraint;
     return ContactWatch::Evaluate(BodiesAt(step, state), &followed).d - level;
   };
-  event.begin_value = begin_gap - level;
-  event.smooth = true;
-  event.approaching = constraint;
   return event;
 }
 
 double StepEvents::Estimate(const Event& event, const StepInterpolant& between, double latest) const {
   const auto value = [&](double step) { return event.value(step, between.At(step)); };
-  double before = 0;
+  double before = event.begin;
   double after = latest;
   const double tolerance = (event.approaching ? kDepthFraction : 1) * kTimeFraction * latest;
   const double last = value(latest);
-  if (!(last < 0)) return latest;
+  if (!(last < 0) || !(latest > before)) return latest;
   if (event.smooth) {
     constexpr std::uintmax_t kMostEvaluations = 60;
     std::uintmax_t evaluations = kMostEvaluations;
     const auto close = [tolerance](double a, double b) { return std::abs(b - a) <= tolerance; };
-    after = boost::math::tools::toms748_solve(value, 0.0, latest, event.begin_value, last, close, evaluations).second;
+    after =
+        boost::math::tools::toms748_solve(value, before, latest, event.begin_value, last, close, evaluations).second;
   } else {
     while (after - before > tolerance) {
       const double middle = before + (after - before) / 2;
@@ -222,7 +260,7 @@ double StepEvents::Estimate(const Event& event, const StepInterpolant& between, 
 void StepEvents::Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
   const double depth = kDepthFraction * options_.event_depth;
   StepEnd after = *end;
-  double before = 0;
+  double before = event.begin;
   double step = Estimate(event, between, end->step);
   double width = kTimeFraction * end->step;
   constexpr int kMostSteps = 60;
@@ -258,6 +296,7 @@ bool StepEvents::IsThere(const Constraint& constraint, const StepEnd& end) const
 }
 
 std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
+  between_.reset();
   StepEnd end{step, std::move(state), {}, {}, false};
   end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
   std::vector<Event> events;
@@ -270,10 +309,7 @@ std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
   if (!AddReleases(end, &events)) return std::nullopt;
 
   if (events.empty()) return end;
-  const std::vector<double> accelerations =
-      ConstrainedFlow::Accelerations(flow_->system(), flow_->Solve(end.state, begin_.time + end.step));
-  const StepInterpolant between(begin_.bodies, end.step, begin_.state, begin_.accelerations, end.state, accelerations);
-
+  const StepInterpolant between = Between(end);
   std::vector<const Event*> missed;
   for (const Event& event : events) {
     if (event.value(end.step, end.state) > 0) continue;  // later than another

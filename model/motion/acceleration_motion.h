@@ -52,9 +52,9 @@ void RequireValid(const AccelerationOptions& options);
 /// Motion at the acceleration level: between events, Fehlberg 7(8) steps on accelerations from the contact LCP at every
 /// evaluation; events located; impacts simultaneous. [MODEL.md sections 8, 9]
 ///
-/// A step. Contacts are found from outlines (d <= eps_d); those with |d'| <= eps_v make the LCP that observers see. Rows
-/// with w > 0 leave, and the rest is held for one step, its closest points searched anew at every evaluation, so that
-/// the equations are smooth within it. It ends early at the first of these events:
+/// A step. Contacts are found from outlines (d <= eps_d); those with |d'| <= eps_v make the LCP that observers see.
+/// Rows with w > 0 leave, and the rest is held for one step, its closest points searched anew at every evaluation, so
+/// that the equations are smooth within it. It ends early at the first of these events:
 ///   approach   a gap outside the held set falls to 0 (less 1e-4 eps_d)
 ///   release    a held contact's f falls to 0
 ///   passage    a held contact's foot leaves its edge (so a new step begins on the next one, with its curvature)
@@ -62,15 +62,16 @@ void RequireValid(const AccelerationOptions& options);
 /// Shi 1995], bisection for passages).
 ///
 /// No tunnelling: a step is so short that no two bodies approach by more than half of search_range, or the distance
-/// between the circles around them where that is longer (by their speeds, spins and present accelerations). Gaps and overlaps within search_range are looked for at its end;
-/// an overlap counts if its gap was open at the beginning, and a gap that closed and opened again is looked into. What
-/// can go unseen is a corner that clips another corner by less than half of search_range and is out again.
+/// between the circles around them where that is longer (by their speeds, spins and present accelerations). Gaps and
+/// overlaps within search_range are looked for at its end; an overlap counts if its gap was open at the beginning, and
+/// a gap that closed and opened again is looked into. What can go unseen is a corner that clips another corner by less
+/// than half of search_range and is out again.
 ///
 /// Impacts: when a touching row (d <= 0) approaches faster than eps_v, repeated until none does.
 ///
 /// Drift: where an accepted step leaves violations above position_threshold or velocity_threshold, positions or
-/// velocities are moved onto the constraints by the smallest change in the kinetic metric (projection.h, impact.h), with
-/// the same solver; not part of b. Contacts that carry a force and separate, by errors, are pulled back likewise.
+/// velocities are moved onto the constraints by the smallest change in the kinetic metric (projection.h, impact.h),
+/// with the same solver; not part of b. Contacts that carry a force and separate, by errors, are pulled back likewise.
 ///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
