@@ -1,0 +1,337 @@
+#include "model/motion/acceleration_events.h"
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+/// Events are located to this fraction of a step: its end lies behind them by no more.
+constexpr double kTimeFraction = 1e-9;
+/// Approaches are located more closely, to this fraction of the event depth below their level.
+constexpr double kDepthFraction = 0.01;
+/// Shorter steps are not given up for a gap that cannot be followed [s].
+constexpr double kShortestCut = 1e-13;
+/// Gaps that start below the event depth are met this fraction of it deeper.
+constexpr double kLower = 1e-3;
+/// Forces and accelerations below this fraction of the largest are zero to a solver.
+constexpr double kNegligible = 1e-8;
+
+double LargestOf(const Eigen::VectorXd& values) { return values.size() == 0 ? 0 : values.lpNorm<Eigen::Infinity>(); }
+
+// The gap and its rate of a constraint followed from its start values; nothing where it is singular.
+std::optional<TouchPoint> TryEvaluate(const std::vector<Body>& bodies, Constraint constraint) {
+  try {
+    return ContactWatch::Evaluate(bodies, &constraint);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
+// The time of the smallest value of the cubic with these values and slopes at 0 and `step`, by samples.
+double DeepestTime(double d0, double v0, double d1, double v1, double step, double* deepest) {
+  constexpr int kSamples = 16;
+  double time = 0;
+  *deepest = d0;
+  for (int k = 1; k < kSamples; ++k) {
+    const double u = static_cast<double>(k) / kSamples;
+    const double d = (1 + 2 * u) * (1 - u) * (1 - u) * d0 + u * (1 - u) * (1 - u) * step * v0 +
+                     u * u * (3 - 2 * u) * d1 - u * u * (1 - u) * step * v1;
+    if (d < *deepest) {
+      *deepest = d;
+      time = u * step;
+    }
+  }
+  return time;
+}
+
+}  // namespace
+
+StepEvents::StepEvents(const EventOptions& options, const ContactWatch& watch, const StepBegin& begin,
+                       ConstrainedFlow* flow)
+    : options_(options), watch_(watch), begin_(begin), flow_(flow) {}
+
+std::vector<Body> StepEvents::BodiesAt(double step, const MotionState& state) const {
+  std::vector<Body> bodies = begin_.bodies;
+  flow_->Place(state, begin_.time + step, &bodies);
+  return bodies;
+}
+
+MotionState StepEvents::StateAfter(double step) const {
+  MotionState state;
+  flow_->Step(begin_.state, begin_.time, step, &state, nullptr);
+  return state;
+}
+
+// A contact that bounced at its level must fall below it again, but hardly deeper: a bounce that falls further than it
+// rose gains speed, and would never come to rest.
+double StepEvents::Level(double begin_gap) const {
+  return std::min(-options_.event_depth, begin_gap - kLower * options_.event_depth);
+}
+
+void StepEvents::AddPassages(const StepEnd& end, std::vector<Event>* events) const {
+  const std::vector<Body> bodies = BodiesAt(end.step, end.state);
+  const auto lies_on = [this](const std::vector<Body>& at, Constraint constraint) {
+    const TouchPoint touch = ContactWatch::Evaluate(at, &constraint);
+    return watch_.LiesOn(at, constraint, touch);
+  };
+  for (const Constraint& held : begin_.held) {
+    if (lies_on(bodies, held) || !lies_on(begin_.bodies, held)) continue;
+    Event event;
+    event.value = [this, lies_on, held](double step, const MotionState& state) {
+      return lies_on(BodiesAt(step, state), held) ? 1.0 : -1.0;
+    };
+    event.begin_value = 1;
+    events->push_back(std::move(event));
+  }
+}
+
+bool StepEvents::AddReleases(const StepEnd& end, std::vector<Event>* events) const {
+  if (begin_.held.empty()) return true;
+  const AnsweredLcp last = flow_->Solve(end.state, begin_.time + end.step);
+  const Eigen::VectorXd& begin_f = begin_.answered.result.f;
+  const Eigen::VectorXd& f = last.result.f;
+  const Eigen::VectorXd& diagonal = last.lcp.problem.DiagonalA();
+  Eigen::VectorXd w;
+  last.lcp.problem.ComputeW(f, &w);
+  const double scale = kNegligible * LargestOf(last.lcp.problem.b());
+  for (Index i = 0; i < f.size(); ++i) {
+    if (last.lcp.problem.is_bilateral(i)) continue;
+    const double A = diagonal[i] > 0 ? diagonal[i] : 1;
+    const RowInfo& row = last.lcp.rows[static_cast<std::size_t>(i)];
+    // A contact that opened and was then held at its speed: it should have been left alone, and met again.
+    const bool was_free = begin_f[i] * A <= scale && row.d_dot > options_.velocity_tolerance;
+    if (was_free && f[i] * A > scale && end.step > options_.shortest_step) return false;
+    if (!(begin_f[i] * A > scale && w[i] > scale && f[i] * A <= scale)) continue;
+    Event event;
+    event.value = [this, i, A](double step, const MotionState& state) {
+      const AnsweredLcp answered = flow_->Solve(state, begin_.time + step);
+      Eigen::VectorXd rates;
+      answered.lcp.problem.ComputeW(answered.result.f, &rates);
+      return answered.result.f[i] * A - rates[i];
+    };
+    event.begin_value = begin_f[i] * A;
+    event.smooth = true;
+    events->push_back(std::move(event));
+  }
+  return true;
+}
+
+bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) {
+  std::vector<Body> bodies = BodiesAt(end->step, end->state);
+  const std::vector<TouchPoint> held_points = [&] {
+    std::vector<TouchPoint> points;
+    for (Constraint held : begin_.held) points.push_back(ContactWatch::Evaluate(bodies, &held));
+    return points;
+  }();
+  const auto is_held = [&](const Constraint& constraint, const TouchPoint& touch) {
+    for (std::size_t k = 0; k < held_points.size(); ++k) {
+      if (IsSameContact(constraint, touch, begin_.held[k], held_points[k])) return true;
+    }
+    return false;
+  };
+  const std::vector<Constraint> candidates = Candidates(*end, bodies);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const Constraint& found = candidates[k];
+    const std::optional<TouchPoint> last = TryEvaluate(bodies, found);
+    if (!last || is_held(found, *last)) continue;
+    const std::optional<Event> event = ApproachOf(found, *end, k < end->found.size());
+    if (!event) continue;
+    if (event->value(end->step, end->state) <= 0) {
+      events->push_back(*event);
+      continue;
+    }
+    // Open at both ends: it may have closed and opened again.
+    if (event->begin > 0 || last->d_dot <= 0) continue;
+    const std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, found);
+    if (!first || first->d_dot >= 0) continue;
+    double deepest = 0;
+    const double time = DeepestTime(first->d, first->d_dot, last->d, last->d_dot, end->step, &deepest);
+    if (!(deepest < 0) || !(time > 0)) continue;
+    StepEnd inner{time, StateAfter(time), {}, {}, false};
+    try {
+      if (event->value(time, inner.state) > 0) continue;
+    } catch (const InputError&) {
+      continue;
+    }
+    inner.found = watch_.Find(BodiesAt(time, inner.state), options_.range);
+    *end = std::move(inner);
+    between_.reset();
+    return false;
+  }
+  return true;
+}
+
+std::vector<Constraint> StepEvents::Candidates(const StepEnd& end, const std::vector<Body>& bodies) const {
+  std::vector<Constraint> candidates = end.found;
+  std::vector<std::optional<TouchPoint>> points;
+  for (const Constraint& found : end.found) points.push_back(TryEvaluate(bodies, found));
+  for (const Constraint& watched : begin_.watched) {
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, watched);
+    if (!touch || std::abs(touch->d) > options_.range) continue;
+    bool known = false;
+    for (std::size_t k = 0; k < points.size() && !known; ++k) {
+      known = points[k] && IsSameContact(candidates[k], *points[k], watched, *touch);
+    }
+    if (known) continue;
+    candidates.push_back(watched);
+    points.push_back(touch);
+  }
+  return candidates;
+}
+
+const StepInterpolant& StepEvents::Between(const StepEnd& end) {
+  if (!between_) {
+    const std::vector<double> accelerations =
+        ConstrainedFlow::Accelerations(flow_->system(), flow_->Solve(end.state, begin_.time + end.step));
+    between_.emplace(begin_.bodies, end.step, begin_.state, begin_.accelerations, end.state, accelerations);
+  }
+  return *between_;
+}
+
+double StepEvents::InSightFrom(const Constraint& constraint, const StepEnd& end) {
+  const auto in_sight = [&](const std::vector<Body>& bodies) {
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
+    return touch && watch_.LiesOn(bodies, constraint, *touch);
+  };
+  if (in_sight(begin_.bodies)) return 0;
+  const StepInterpolant& between = Between(end);
+  double before = 0;
+  double after = end.step;
+  while (after - before > kTimeFraction * end.step) {
+    const double middle = before + (after - before) / 2;
+    if (!(middle > before && middle < after)) break;
+    (in_sight(BodiesAt(middle, between.At(middle))) ? after : before) = middle;
+  }
+  return after;
+}
+
+std::optional<StepEvents::Event> StepEvents::ApproachOf(const Constraint& constraint, const StepEnd& end,
+                                                        bool is_at_end) {
+  Event event;
+  event.smooth = true;
+  event.approaching = constraint;
+  event.is_at_end = is_at_end;
+  std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, constraint);
+  const std::optional<TouchPoint> last = TryEvaluate(BodiesAt(end.step, end.state), constraint);
+  const bool closes = last && last->d <= -options_.event_depth;
+  if (is_at_end && closes) {
+    event.begin = InSightFrom(constraint, end);
+    if (event.begin > 0) first = TryEvaluate(BodiesAt(event.begin, Between(end).At(event.begin)), constraint);
+  }
+  if (!first || first->d < -options_.contact_tolerance) return std::nullopt;
+  const double level = Level(first->d);
+  event.begin_value = first->d - level;
+  event.value = [this, constraint, level](double step, const MotionState& state) {
+    Constraint followed = constraint;
+    return ContactWatch::Evaluate(BodiesAt(step, state), &followed).d - level;
+  };
+  return event;
+}
+
+double StepEvents::Estimate(const Event& event, const StepInterpolant& between, double latest) const {
+  const auto value = [&](double step) { return event.value(step, between.At(step)); };
+  double before = event.begin;
+  double after = latest;
+  const double tolerance = (event.approaching ? kDepthFraction : 1) * kTimeFraction * latest;
+  const double last = value(latest);
+  if (!(last < 0) || !(latest > before)) return latest;
+  if (event.smooth) {
+    constexpr std::uintmax_t kMostEvaluations = 60;
+    std::uintmax_t evaluations = kMostEvaluations;
+    const auto close = [tolerance](double a, double b) { return std::abs(b - a) <= tolerance; };
+    after =
+        boost::math::tools::toms748_solve(value, before, latest, event.begin_value, last, close, evaluations).second;
+  } else {
+    while (after - before > tolerance) {
+      const double middle = before + (after - before) / 2;
+      if (!(middle > before && middle < after)) break;
+      (value(middle) > 0 ? before : after) = middle;
+    }
+  }
+  return after;
+}
+
+void StepEvents::Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
+  const double depth = kDepthFraction * options_.event_depth;
+  StepEnd after = *end;
+  double before = event.begin;
+  double step = Estimate(event, between, end->step);
+  double width = kTimeFraction * end->step;
+  constexpr int kMostSteps = 60;
+  for (int k = 0; k < kMostSteps; ++k) {
+    if (!(step > before && step < after.step)) step = before + (after.step - before) / 2;
+    if (!(step > before && step < after.step)) break;
+    MotionState state = StateAfter(step);
+    const double g = event.value(step, state);
+    double next = step + width;
+    if (event.approaching) {
+      Constraint followed = *event.approaching;
+      const double rate = ContactWatch::Evaluate(BodiesAt(step, state), &followed).d_dot;
+      next = step - (g + depth / 2) / rate;
+    }
+    if (g > 0) {
+      before = step;
+      width *= 2;
+    } else {
+      after.step = step;
+      after.state = std::move(state);
+      if (!event.approaching || g >= -depth || after.step - before <= kShortestCut) break;
+    }
+    step = next;
+  }
+  after.at_event = true;
+  *end = std::move(after);
+}
+
+bool StepEvents::IsThere(const Constraint& constraint, const StepEnd& end) const {
+  const std::vector<Body> bodies = BodiesAt(end.step, end.state);
+  const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
+  return touch && touch->d <= options_.contact_tolerance && watch_.LiesOn(bodies, constraint, *touch);
+}
+
+std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
+  between_.reset();
+  StepEnd end{step, std::move(state), {}, {}, false};
+  end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
+  std::vector<Event> events;
+  constexpr int kMostCuts = 8;
+  for (int cut = 0; cut < kMostCuts; ++cut) {
+    events.clear();
+    if (AddApproaches(&end, &events)) break;
+  }
+  AddPassages(end, &events);
+  if (!AddReleases(end, &events)) return std::nullopt;
+
+  if (events.empty()) return end;
+  const StepInterpolant between = Between(end);
+  std::vector<const Event*> missed;
+  for (const Event& event : events) {
+    if (event.value(end.step, end.state) > 0) continue;  // later than another
+    StepEnd cut = end;
+    Narrow(event, between, &cut);
+    if (event.approaching && !IsThere(*event.approaching, cut)) {
+      if (event.is_at_end) missed.push_back(&event);
+      continue;
+    }
+    if (event.approaching) cut.touching.push_back(*event.approaching);
+    end = std::move(cut);
+  }
+  // A gap that closed where its features are not the closest ones, and an overlap at the end: shorter steps show which
+  // features met.
+  for (const Event* event : missed) {
+    if (end.step <= kShortestCut || event->value(end.step, end.state) > 0) continue;
+    const std::vector<Body> bodies = BodiesAt(end.step, end.state);
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, *event->approaching);
+    if (touch && watch_.LiesOn(bodies, *event->approaching, *touch)) return std::nullopt;
+  }
+  if (end.at_event) end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
+  return end;
+}
+
+}  // namespace lcpbench
