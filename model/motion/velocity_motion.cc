@@ -28,8 +28,18 @@ void RequireInRange(const VelocityOptions& options) {
   Require(std::isfinite(options.reach) && options.reach >= 1, "reach", "a finite number >= 1");
   Require(positive(options.contact_gap), "contact_gap", "a finite number > 0");
   Require(positive(options.max_depth), "max_depth", "a finite number > 0");
+  Require(positive(options.doubtful_depth), "doubtful_depth", "a finite number > 0");
   Require(positive(options.depth_clamp), "depth_clamp", "a finite number > 0");
   Require(options.stabilisation >= 0 && options.stabilisation <= 1, "stabilisation", "a number in [0, 1]");
+}
+
+// Whether parting at `shallow` parts `deep` as well: see VelocityOptions::doubtful_depth.
+bool IsGhostBeside(const RowInfo& deep, const RowInfo& shallow) {
+  constexpr double kSameWay = 0.9;  // cosine of the angle between normals
+  // A corner's contact lies on both faces that meet there: behind them but for rounding.
+  const double slack = 0.1 * -deep.d;
+  return shallow.d > deep.d && Dot(deep.n, shallow.n) < kSameWay && Dot(shallow.p2 - deep.p2, deep.n) <= slack &&
+         Dot(shallow.p1 - deep.p1, deep.n) >= -slack;
 }
 
 struct Extent {
@@ -118,6 +128,29 @@ double VelocityMotion::LargestSpeed(const Eigen::VectorXd& v_free) const {
     largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radii_[i]);
   }
   return largest;
+}
+
+std::vector<Constraint> VelocityMotion::WithoutGhosts(const ContactSystem& system,
+                                                      const std::vector<RowInfo>& rows) const {
+  const auto constraint = [&](const RowInfo& row) -> const Constraint& {
+    return system.constraints[static_cast<std::size_t>(row.constraint)];
+  };
+  const auto first = std::find_if(rows.begin(), rows.end(),
+                                  [&](const RowInfo& row) { return constraint(row).type == ConstraintType::kContact; });
+  std::vector<Constraint> contacts;
+  // Contacts come after the joints, one row each, and those of one pair of bodies follow each other.
+  for (auto begin = first; begin != rows.end();) {
+    const auto end = std::find_if(begin, rows.end(), [&](const RowInfo& row) {
+      return constraint(row).body1 != constraint(*begin).body1 || constraint(row).body2 != constraint(*begin).body2;
+    });
+    for (auto row = begin; row != end; ++row) {
+      const bool ghost = row->d < -options_.doubtful_depth * size_ &&
+                         std::any_of(begin, end, [&](const RowInfo& other) { return IsGhostBeside(*row, other); });
+      if (!ghost) contacts.push_back(constraint(*row));
+    }
+    begin = end;
+  }
+  return contacts;
 }
 
 double VelocityMotion::DepthTerm(const RowInfo& row, bool contact, double h) const {
@@ -217,8 +250,13 @@ void VelocityMotion::Step(double h) {
   SetLoads(world_.loads, world_.bodies);
   const Eigen::VectorXd v_free = FreeVelocity(h);
   const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
-  const ContactSystem system = InstantOf(world_, finder_.Find(world_.bodies, range, options_.max_depth * size_));
-  const AssembledLcp lcp = AssembleContactLcp(system);
+  ContactSystem system = InstantOf(world_, finder_.Find(world_.bodies, range, options_.max_depth * size_));
+  AssembledLcp lcp = AssembleContactLcp(system);
+  std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows);
+  if (world_.joints.size() + contacts.size() < system.constraints.size()) {
+    system = InstantOf(world_, std::move(contacts));
+    lcp = AssembleContactLcp(system);
+  }
   NoteGaps(lcp.rows);
   GuessImpulses(system, lcp.rows);
 

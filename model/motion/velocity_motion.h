@@ -22,9 +22,12 @@ struct VelocityOptions {
   double reach = 1.5;
   /// [sizes], > 0: above the rounding of gaps, where everything is at rest.
   double contact_gap = 1e-6;
-  /// Deeper overlaps are not seen as contacts [sizes], > 0. Small on purpose: a corner that lies a little below a face
-  /// lies deep below the face around the next corner, and must not be pushed out there.
-  double max_depth = 0.02;
+  /// Deeper overlaps are not seen as contacts [sizes], > 0.
+  double max_depth = 0.25;
+  /// A corner that lies a little below a face may lie deep below the face around the next corner, and must not be
+  /// pushed out there: contacts deeper than this [sizes], > 0, count only if the two bodies have no shallower one that
+  /// lies behind both surfaces of the deeper and faces another way.
+  double doubtful_depth = 0.02;
   /// delta [sizes], > 0: no more than this depth (or joint error) is undone in one step.
   double depth_clamp = 0.01;
   /// The share of the (clamped) depth or joint error that one step undoes, in [0, 1]. 1 is the scheme as published.
@@ -73,6 +76,7 @@ class VelocityMotion final : public Motion {
   void Step(double h);
   Eigen::VectorXd FreeVelocity(double h) const;
   double LargestSpeed(const Eigen::VectorXd& v_free) const;
+  std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::vector<RowInfo>& rows) const;
   double DepthTerm(const RowInfo& row, bool contact, double h) const;
   void NoteGaps(const std::vector<RowInfo>& rows);
   void GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows);

@@ -350,6 +350,29 @@ TEST(VelocityMotion, LeavesADiscInPeaceThatIsWiderThanItsSlot) {
   EXPECT_NEAR(driven.motion.world().bodies[1].v.y, -kG * 0.1, 1e-9);
 }
 
+TEST(VelocityMotion, DoesNotPushACornerOutThroughTheFaceAroundTheNextCorner) {
+  // The upper box overhangs: its lower left corner rests on the lower one, 1 cm from that one's right side.
+  const Body floor = Walls({{5, 0}, {-5, 0}});
+  Body lower = At(MakeBody(Box(1, 0.2), 100), {0, 0.1 - 1e-6});
+  Body upper = At(MakeBody(Box(1, 0.2), 100), {0.99, 0.3 - 3e-6});
+  Body prop = At(MakeBody(Box(0.2, 0.2), 100), {1.2, 0.1 - 1e-6});
+  lower.fixed = prop.fixed = true;
+  const World world = WorldWith({floor, lower, prop, upper}, {0, -kG});
+  Driven driven(world);
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    for (const RowInfo& row : met.rows) EXPECT_GT(row.d, -1e-5);
+  });
+  driven.motion.Advance(0.1);
+  EXPECT_EQ(driven.motion.world().bodies[3].x.x, 0.99);
+  EXPECT_NEAR(driven.motion.world().bodies[3].x.y, 0.3, 1e-5);
+
+  VelocityOptions credulous;
+  credulous.doubtful_depth = credulous.max_depth;
+  Driven pushed(world, credulous);
+  pushed.motion.Advance(0.1);
+  EXPECT_GT(pushed.motion.world().bodies[3].x.x, 0.995);
+}
+
 TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
   VelocityOptions options;
   options.step = 1e-2;
@@ -441,6 +464,7 @@ TEST(VelocityMotion, RefusesOptionsOutsideTheirRanges) {
   refuses([](VelocityOptions* o) { o->reach = 0.5; });
   refuses([](VelocityOptions* o) { o->contact_gap = 0; });
   refuses([](VelocityOptions* o) { o->max_depth = -1; });
+  refuses([](VelocityOptions* o) { o->doubtful_depth = 0; });
   refuses([](VelocityOptions* o) { o->depth_clamp = std::nan(""); });
   refuses([](VelocityOptions* o) { o->stabilisation = 2; });
   VelocityMotion motion(world, {}, *solver);
