@@ -15,11 +15,11 @@ struct MotionArguments {
   std::vector<std::string> scenes = {"disc-track", "disc-pile", "boxes-and-discs"};
   std::vector<std::string> solvers;
   std::vector<double> tolerances = {1e-3, 1e-6, 1e-9};
-  int size = 40;
+  int size = 20;
   std::uint64_t seed = 1;
-  int steps = 300;
+  int steps = 200;
   double dt = 0;  // the scene's own
-  double time_limit_s = 2;
+  double budget_s = 10;
   std::string output = "build/results/motion";
 };
 
@@ -46,7 +46,7 @@ int Run(const MotionArguments& arguments) {
   study.size = arguments.size;
   study.seed = arguments.seed;
   study.steps = arguments.steps;
-  study.time_limit_s = arguments.time_limit_s;
+  study.budget_s = arguments.budget_s;
   const Interruption interruption;
   std::cout << FormatMotionTable(RunMotionStudy(study, arguments.output)) << std::flush;
   return Interruption::Requested() ? Interruption::ExitStatus() : 0;
@@ -58,7 +58,9 @@ void AddMotionCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<MotionArguments>();
   CLI::App* motion =
       app.add_subcommand("motion", "Lets every solver drive the same scenes: what its error does to motion");
-  motion->add_option("--scenes", arguments->scenes, "NAME or NAME@acceleration, NAME@velocity")
+  motion
+      ->add_option("--scenes", arguments->scenes,
+                   "Scene keys or scene files (.json), each with @acceleration or @velocity or its own level")
       ->delimiter(',')
       ->capture_default_str();
   motion->add_option("--solvers", arguments->solvers, "Only these solvers")->delimiter(',');
@@ -69,7 +71,8 @@ void AddMotionCommand(CLI::App& app, CommandRun& run) {
   motion->add_option("--seed", arguments->seed, "Of the scenes")->capture_default_str();
   motion->add_option("--steps", arguments->steps, "Steps of --dt each")->capture_default_str();
   motion->add_option("--dt", arguments->dt, "Seconds per step [default: each scene's own]");
-  motion->add_option("--time-limit", arguments->time_limit_s, "Seconds per solve")->capture_default_str();
+  motion->add_option("--budget", arguments->budget_s, "Seconds per motion; longer ones are stopped")
+      ->capture_default_str();
   motion->add_option("-o,--output", arguments->output, "Folder of motion.csv")->capture_default_str();
   motion->footer(
       "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, the\n"

@@ -95,7 +95,11 @@ int WriteSequence(const SequenceArguments& arguments) {
   if (to_file && !file) throw InputError(arguments.output + ": cannot be opened for writing");
   SequenceWriter writer(to_file ? file : std::cout, to_file ? arguments.output : "standard output", arguments.solver,
                         arguments.tolerance, arguments.with_matrix);
-  motion->set_observer([&writer](const MotionProblem& met) { writer.Write(met); });
+  motion->set_observer([&writer](const MotionProblem& met) {
+    // One step of many events can take long.
+    Interruption::Check();
+    writer.Write(met);
+  });
 
   EnergyRecord energy(motion->world());
   std::optional<InputError> failure;
@@ -108,6 +112,8 @@ int WriteSequence(const SequenceArguments& arguments) {
         motion->Advance(scene.step);
       } catch (const InputError& error) {
         failure = error;
+        break;
+      } catch (const Interrupted&) {
         break;
       }
       energy.Note(motion->world());
@@ -127,7 +133,8 @@ void AddSequenceCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<SequenceArguments>();
   CLI::App* sequence =
       app.add_subcommand("sequence", "Lets a scene move and writes the LCPs that it meets as JSON lines");
-  sequence->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes)")->required();
+  sequence->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes), or a scene file (.json)")
+      ->required();
   sequence->add_option("--size", arguments->size, "Number of rows n at the start")->capture_default_str();
   sequence->add_option("--seed", arguments->seed, "The same seed gives the same start, bit for bit")
       ->capture_default_str();

@@ -26,6 +26,10 @@ Interruption::~Interruption() {
 
 bool Interruption::Requested() { return received != 0; }
 
+void Interruption::Check() {
+  if (Requested()) throw Interrupted();
+}
+
 int Interruption::ExitStatus() { return 128 + received; }
 
 }  // namespace lcpbench

@@ -47,12 +47,18 @@ struct Reference {
 
 double PositiveOrOne(double scale) { return scale > 0 ? scale : 1; }
 
+/// Thrown out of a motion that has used up its time.
+struct BudgetSpent {};
+
 /// What the answers within one interval between samples were like.
 class Watch {
  public:
-  Watch(double tolerance, MotionOutcome* total) : tolerance_(tolerance), total_(total) {}
+  Watch(double tolerance, double budget_s, MotionOutcome* total)
+      : tolerance_(tolerance), end_(SteadyNow() + budget_s), total_(total) {}
 
   void operator()(const MotionProblem& met) {
+    Interruption::Check();
+    if (SteadyNow() > end_) throw BudgetSpent();
     for (const RowInfo& row : met.rows) {
       double& worst = row.bilateral ? joint_error : penetration;
       worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
@@ -74,6 +80,7 @@ class Watch {
 
  private:
   double tolerance_;
+  double end_;
   MotionOutcome* total_;
 };
 
@@ -91,11 +98,24 @@ class Study {
     Reference reference;
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kReferenceSolver);
     const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, solver.get());
+    const double end = SteadyNow() + study_.budget_s;
+    motion->set_observer([end](const MotionProblem&) {
+      Interruption::Check();
+      if (SteadyNow() > end) throw BudgetSpent();
+    });
     reference.instants.push_back(InstantOf(motion->world()));
     reference.scale = KineticEnergy(motion->world().bodies);
     for (int k = 0; k < study_.steps && motion->status() == MotionStatus::kMoving; ++k) {
-      if (Interruption::Requested()) break;
-      motion->Advance(scene.step);
+      try {
+        Interruption::Check();
+        motion->Advance(scene.step);
+      } catch (const InputError&) {
+        break;  // the solvers' motions are compared with what there is
+      } catch (const BudgetSpent&) {
+        break;
+      } catch (const Interrupted&) {
+        break;
+      }
       reference.instants.push_back(InstantOf(motion->world()));
       reference.scale = std::max(reference.scale, KineticEnergy(motion->world().bodies));
       bar_->Advance(1, scene.name + ": reference");
@@ -111,7 +131,7 @@ class Study {
     outcome.tolerance = tolerance;
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
     const std::unique_ptr<Motion> motion = Start(scene, tolerance, solver.get());
-    Watch watch(tolerance, &outcome);
+    Watch watch(tolerance, study_.budget_s, &outcome);
     motion->set_observer([&watch](const MotionProblem& met) { watch(met); });
 
     const double scale = PositiveOrOne(reference.scale);
@@ -125,6 +145,10 @@ class Study {
         motion->Advance(scene.step);
       } catch (const InputError& error) {
         outcome.stopped = error.what();
+      } catch (const BudgetSpent&) {
+        outcome.stopped = "not finished within " + CsvWriter::Cell(study_.budget_s) + " s";
+      } catch (const Interrupted&) {
+        break;
       }
       if (motion->status() != MotionStatus::kMoving) outcome.stopped = motion->detail();
       const bool stopped = !outcome.stopped.empty();
@@ -165,7 +189,8 @@ class Study {
   std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, LcpSolver* solver) const {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
-    lcp.time_limit_s = study_.time_limit_s;
+    // The acceleration level takes no limit; there the budget has to do.
+    lcp.time_limit_s = study_.budget_s;
     return MakeMotion(scene, lcp, *solver);
   }
 
@@ -213,7 +238,7 @@ void RequireValid(const MotionStudy& study) {
   }
   for (const std::string& solver : study.solvers) MakeSolver(solver);
   if (study.steps < 1) throw InputError("motion: steps: expected a number >= 1");
-  if (!(study.time_limit_s > 0)) throw InputError("motion: time limit: expected seconds > 0");
+  if (!(study.budget_s > 0)) throw InputError("motion: budget: expected seconds > 0");
 }
 
 }  // namespace

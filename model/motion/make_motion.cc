@@ -8,13 +8,10 @@
 namespace lcpbench {
 
 std::unique_ptr<Motion> MakeMotion(MotionLevel level, World world, const MotionOptions& options, LcpSolver& solver) {
-  switch (level) {
-    case MotionLevel::kVelocity:
-      return std::make_unique<VelocityMotion>(std::move(world), options.velocity, solver);
-    case MotionLevel::kAcceleration:
-      break;
+  if (level == MotionLevel::kAcceleration) {
+    return std::make_unique<AccelerationMotion>(std::move(world), options.acceleration, solver);
   }
-  throw InputError("motion at the acceleration level is not in this build");
+  return std::make_unique<VelocityMotion>(std::move(world), options.velocity, solver);
 }
 
 std::string_view ToString(MotionLevel level) {

@@ -3,6 +3,7 @@
 #include <memory>
 #include <string_view>
 
+#include "model/motion/acceleration_motion.h"
 #include "model/motion/motion.h"
 #include "model/motion/velocity_motion.h"
 #include "model/world.h"
@@ -12,6 +13,7 @@ namespace lcpbench {
 
 /// The options of every level; each motion reads its own.
 struct MotionOptions {
+  AccelerationOptions acceleration;
   VelocityOptions velocity;
 };
 
