@@ -84,6 +84,17 @@ class Watch {
   MotionOutcome* total_;
 };
 
+/// The largest deviations from the reference since the last sample; NaN where there was none to compare with.
+struct Deviation {
+  double energy = std::numeric_limits<double>::quiet_NaN();
+  double distance = std::numeric_limits<double>::quiet_NaN();
+
+  void Note(double of_energy, double of_place) {
+    energy = std::fmax(energy, of_energy);
+    distance = std::fmax(distance, of_place);
+  }
+};
+
 const std::vector<std::string> kColumns = {
     "scene",        "level",  "size",         "seed",        "solver",          "tolerance", "step",
     "time",         "energy", "energy_error", "penetration", "joint_error",     "distance",  "rho",
@@ -98,7 +109,8 @@ class Study {
     Reference reference;
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kReferenceSolver);
     const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, solver.get());
-    const double end = SteadyNow() + study_.budget_s;
+    constexpr double kPatience = 3;  // without it nothing can be compared
+    const double end = SteadyNow() + kPatience * study_.budget_s;
     motion->set_observer([end](const MotionProblem&) {
       Interruption::Check();
       if (SteadyNow() > end) throw BudgetSpent();
@@ -137,8 +149,8 @@ class Study {
     const double scale = PositiveOrOne(reference.scale);
     const double start = reference.instants.front().energy;
     const int interval = std::max(1, study_.steps / kSamples);
-    WriteSample(outcome, start, 0, watch);
-    double sampled_error = 0;
+    WriteSample(outcome, start, {0, 0}, watch);
+    Deviation deviation;
     for (int k = 1; k <= study_.steps; ++k) {
       if (Interruption::Requested()) break;
       try {
@@ -160,21 +172,19 @@ class Study {
       outcome.failed = statistics.failed_solves;
       outcome.solve_time_s = statistics.solve_time_s;
       outcome.energy_drift = (now.energy - start) / scale;
-      double distance = 0;
       if (static_cast<std::size_t>(k) < reference.instants.size() && !stopped) {
         const Instant& expected = reference.instants[static_cast<std::size_t>(k)];
-        sampled_error = std::max(sampled_error, std::abs(now.energy - expected.energy) / scale);
-        distance = Distance(now, expected);
+        deviation.Note(std::abs(now.energy - expected.energy) / scale, Distance(now, expected));
+        outcome.energy_error = std::max(outcome.energy_error, deviation.energy);
+        outcome.distance = std::max(outcome.distance, deviation.distance);
       }
-      outcome.energy_error = std::max(outcome.energy_error, sampled_error);
-      outcome.distance = std::max(outcome.distance, distance);
       outcome.penetration = std::max(outcome.penetration, watch.penetration);
       outcome.joint_error = std::max(outcome.joint_error, watch.joint_error);
       outcome.rho = std::max(outcome.rho, watch.rho);
       if (k % interval == 0 || k == study_.steps || stopped) {
-        WriteSample(outcome, now.energy, distance, watch, sampled_error);
+        WriteSample(outcome, now.energy, deviation, watch);
         watch.Restart();
-        sampled_error = 0;
+        deviation = {};
       }
       bar_->Advance(1, scene.name + ": " + key);
       if (stopped) {
@@ -194,8 +204,7 @@ class Study {
     return MakeMotion(scene, lcp, *solver);
   }
 
-  void WriteSample(const MotionOutcome& outcome, double energy, double distance, const Watch& watch,
-                   double energy_error = 0) {
+  void WriteSample(const MotionOutcome& outcome, double energy, const Deviation& deviation, const Watch& watch) {
     using Csv = CsvWriter;
     csv_.Row({outcome.scene,
               std::string(ToString(outcome.level)),
@@ -206,10 +215,10 @@ class Study {
               std::to_string(outcome.steps),
               Csv::Cell(outcome.time),
               Csv::Cell(energy),
-              Csv::Cell(energy_error),
+              Csv::Cell(deviation.energy),
               Csv::Cell(watch.penetration),
               Csv::Cell(watch.joint_error),
-              Csv::Cell(distance),
+              Csv::Cell(deviation.distance),
               Csv::Cell(watch.rho),
               Csv::Cell(outcome.solve_time_s),
               std::to_string(outcome.solves),

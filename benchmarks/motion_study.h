@@ -15,8 +15,9 @@ struct MotionStudy {
   std::vector<double> tolerances;    ///< direct methods run at the least one only
   int size = 0;                      ///< rows at the start, as told to the scenes; for the files only
   std::uint64_t seed = 0;
-  int steps = 0;         ///< of MovingScene::step each
-  double budget_s = 10;  ///< wall clock of one motion; what takes longer is stopped, and said to be
+  int steps = 0;  ///< of MovingScene::step each
+  double budget_s =
+      10;  ///< wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference
 };
 
 /// One scene driven by one solver at one tolerance, from the start to `time`.

@@ -9,7 +9,7 @@ from . import figures, formats
 from .figures import FuncFormatter, LogLocator, NullFormatter, plt
 from .style import SolverStyle
 
-_QUANTITIES = (("energy_error", "energy error"), ("penetration", "penetration [m]"))
+_QUANTITIES = (("energy_error", "energy error"), ("penetration", "deepest penetration so far [m]"))
 _FLOOR = 1e-17  # smaller values are rounding, and stand on the axis' lower end
 _DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5)))  # loosest tolerance first
 
@@ -22,11 +22,13 @@ def figure(table: pd.DataFrame, styles: dict[str, SolverStyle]) -> str:
         picture, axes = plt.subplots(1, 2, figsize=(9.4, 3.4), constrained_layout=True)
         for pane, (column, label) in zip(axes, _QUANTITIES):
             for (solver, tolerance), run in table.groupby(["solver", "tolerance"], sort=False):
-                values = run[column].clip(lower=_FLOOR).iloc[1:]
-                pane.plot(run["time"].iloc[1:], values, color=styles[solver].colour, linestyle=dashes[tolerance],
-                          linewidth=1.1, zorder=3)
-                if run["stopped"].iloc[-1]:
-                    pane.plot(run["time"].iloc[-1:], run[column].clip(lower=_FLOOR).iloc[-1:], marker="x",
+                values = run[column].cummax() if column == "penetration" else run[column]
+                values = values.clip(lower=_FLOOR).iloc[1:].dropna()
+                times = run["time"].loc[values.index]
+                pane.plot(times, values, color=styles[solver].colour, linestyle=dashes[tolerance], linewidth=1.1,
+                          zorder=3)
+                if run["stopped"].iloc[-1] and len(values):
+                    pane.plot(times.iloc[-1:], values.iloc[-1:], marker="x",
                               markersize=6, markeredgewidth=1.5, color=styles[solver].colour, zorder=4, clip_on=False)
             _axes(pane, label)
         axes[0].legend(handles=[Line2D([], [], color="#1c2430", linestyle=dashes[t], linewidth=1.1,
