@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from . import motion
 from .errors import ReportError
 from .timing import TimedCell, read_timing
 
@@ -53,6 +54,7 @@ class Results:
     accuracy: pd.DataFrame
     timing: list[TimedCell]
     pictures: dict[str, str] = field(default_factory=dict)  # family -> SVG text
+    motion: pd.DataFrame | None = None  # motion.csv, where there is one
 
     @property
     def tiers(self) -> list[float]:
@@ -87,6 +89,9 @@ def load_results(folder: Path) -> Results:
     accuracy["tier"] = [match_tier(tier, run["tiers"]) for tier in accuracy["tier"]]
     results = Results(run, problems, accuracy, [], _read_pictures(folder, run))
     results.timing = read_timing(_read_json(folder, "timing.json"), results.families, results.solvers, run["tiers"])
+    if motion.is_present(folder):
+        results.motion = _read_table(folder, motion.FILE, motion.COLUMNS)
+        motion.check(results.motion, results.solvers)
     return results
 
 

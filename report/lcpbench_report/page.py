@@ -5,7 +5,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import figures, formats, svg, tables
+from . import figures, formats, motion, motion_figure, svg, tables
 from .cells import BENCHMARK, SINGLE_RUN, Cells
 from .limitations import limitations
 from .load import Results
@@ -33,6 +33,7 @@ def render(results: Results) -> str:
         "map": tables.residual_map(cells), "failures": tables.failures(cells), "scenes": _scenes(results, cells),
         "tiers": [formats.tier(t) for t in reversed(results.tiers)],
         "timing": _timing_figures(cells, styles), "profiles": _profiles(cells, styles),
+        "motion": _motion(results, styles),
         "limitations": limitations(cells), "sources": _time_sources(cells),
         "verdicts": tables.verdicts(cells), "levels": level_colours(len(results.tiers)),
     }
@@ -116,6 +117,23 @@ def _profiles(cells: Cells, styles: dict) -> list[dict]:
                       "problems": len(times), "unsolved": int((times == float("inf")).all(axis=1).sum()),
                       "repeated": repeated, "excluded": ", ".join(excluded), "cut": figures.profile_cut(times),
                       "shares": [(s, formats.percent(float((times[s] < float("inf")).mean()))) for s in times.columns]})
+    return found
+
+
+def _motion(results: Results, styles: dict) -> list[dict]:
+    if results.motion is None:
+        return []
+    found = []
+    for scene, level in motion.scenes(results.motion):
+        table = motion.of_scene(results.motion, scene, level)
+        used = [solver for solver in results.solvers if solver in set(table["solver"])]
+        label = f"Energy error and penetration over time for {scene} at the {level} level"
+        name = "".join(c if c.isalnum() else "-" for c in scene.lower())
+        rows = motion.summary(table, used)
+        found.append({"scene": scene, "level": level, "solvers": used, "rows": rows,
+                      "joints": any(row["joint"] != "0" for row in rows),
+                      "stops": [row for row in rows if row["stopped"]],
+                      "svg": Markup(svg.embed(motion_figure.figure(table, styles), f"motion-{name}-{level}", label))})
     return found
 
 

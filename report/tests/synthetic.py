@@ -6,6 +6,7 @@ import math
 import random
 from pathlib import Path
 
+from lcpbench_report import motion
 from lcpbench_report.load import ACCURACY_COLUMNS, PROBLEM_COLUMNS
 
 FAMILIES = ("discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "rockers")
@@ -120,6 +121,26 @@ def _benchmarks(rng, rows) -> list[dict]:
         found.append({"name": name, "run_name": name, "run_type": "iteration",
                       "real_time": float(rows[0]["setup_s"]) * 1e9, "time_unit": "ns"})
     return found
+
+
+def write_motion(folder: Path, scenes=(("disc-pile", "velocity"), ("disc-track", "acceleration"))) -> None:
+    """Adds motion.csv: errors of each solver proportional to its tolerance; pgs stops early at the loosest."""
+    rows = []
+    for scene, level in scenes:
+        for solver in SOLVERS:
+            for tier in TIERS if solver != "dantzig" else TIERS[-1:]:
+                for step in range(0, 101, 10):
+                    stops = solver == "pgs" and tier == TIERS[0] and step == 50
+                    error = tier * step if solver != "dantzig" else 0.0
+                    rows.append({"scene": scene, "level": level, "size": 20, "seed": 1, "solver": solver,
+                                 "tolerance": f"{tier:g}", "step": step, "time": step * 1e-3, "energy": -error,
+                                 "energy_error": error, "penetration": error / 10, "joint_error": 0,
+                                 "distance": 2 * error, "rho": tier / 2, "solve_time_s": step * 1e-4, "solves": step,
+                                 "failed": 0, "not_passed": 0, "false_successes": 1 if stops else 0,
+                                 "stopped": "not finite" if stops else ""})
+                    if stops:
+                        break
+    _write_csv(folder / motion.FILE, motion.COLUMNS, rows)
 
 
 def _write_csv(path: Path, columns, rows) -> None:

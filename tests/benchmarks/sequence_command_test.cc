@@ -1,0 +1,178 @@
+// lcpbench sequence and lcpbench motion as their users meet them.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "solvers/lcp/json_lines.h"
+#include "solvers/registry.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<std::string> Lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<Json> Records(const std::string& text) {
+  std::vector<Json> records;
+  for (const std::string& line : Lines(text)) records.push_back(Json::parse(line));
+  return records;
+}
+
+class SequenceCommand : public CommandTest {
+ protected:
+  void ExpectMisuse(const std::string& arguments, const std::string& mentions) {
+    const CommandOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(Lines(outcome.error).size(), 1u) << arguments << "\n" << outcome.error;
+    EXPECT_NE(outcome.error.find(mentions), std::string::npos) << arguments << "\n" << outcome.error;
+  }
+};
+
+TEST_F(SequenceCommand, WritesOneVerifiedProblemPerTimeStepWithItsChanges) {
+  const CommandOutcome outcome = Run("sequence disc-pile --size 30 --steps 120 --seed 3");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const std::vector<Json> records = Records(outcome.out);
+  ASSERT_EQ(records.size(), 120u);
+  std::size_t rows = 0;
+  std::size_t changes = 0;
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    const Json& motion = records[k].at("motion");
+    EXPECT_EQ(motion.at("step"), k);
+    EXPECT_NEAR(motion.at("time").get<double>(), 1e-3 * static_cast<double>(k), 1e-12);
+    EXPECT_EQ(motion.at("kind"), "time_step");
+    EXPECT_TRUE(motion.at("verdict").at("passes").get<bool>());
+    // Every row came from somewhere.
+    EXPECT_EQ(records[k].at("n").get<std::size_t>(), rows - motion.at("left").size() + motion.at("entered").size());
+    rows = records[k].at("n").get<std::size_t>();
+    if (k > 0) changes += motion.at("entered").size() + motion.at("left").size() + motion.at("activated").size();
+  }
+  EXPECT_GT(changes, 0u);
+  EXPECT_NE(outcome.error.find("120 problems"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("worst penetration"), std::string::npos) << outcome.error;
+}
+
+TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
+  const std::string file = Path("x.jsonl");
+  ASSERT_EQ(Run("sequence boxes-and-discs --size 25 --steps 20 --with-matrix -o " + file).status, 0);
+  const std::vector<LcpRecord> records = ReadLcpFile(file);
+  ASSERT_EQ(records.size(), 20u);
+  const std::vector<Json> written = Records(ReadFile(file));
+  for (std::size_t k = 0; k < records.size(); ++k) {
+    EXPECT_EQ(Json::parse(FormatLcpRecord(records[k].problem, true)).at("A"), written[k].at("A"));
+    EXPECT_TRUE(records[k].problem.has_factors());
+  }
+  const CommandOutcome solved = Run("solve --solver suitesparse " + file);
+  EXPECT_EQ(solved.status, 0) << solved.error;
+  const std::vector<Json> answers = Records(solved.out);
+  ASSERT_EQ(answers.size(), 20u);
+  for (const Json& answer : answers) EXPECT_TRUE(answer.at("verdict").at("passes").get<bool>());
+}
+
+TEST_F(SequenceCommand, IsTheSameFileTwiceUnderEverySolver) {
+  for (const SolverEntry& solver : AllSolvers()) {
+    if (!solver.available) continue;
+    const std::string arguments =
+        "sequence disc-pile --size 12 --steps 15 --tolerance 1e-6 --solver " + std::string(solver.key);
+    const CommandOutcome first = Run(arguments);
+    EXPECT_EQ(first.status, 0) << first.error;
+    EXPECT_EQ(Lines(first.out).size(), 15u);
+    EXPECT_EQ(first.out, Run(arguments).out) << solver.key;
+  }
+}
+
+TEST_F(SequenceCommand, TakesSceneFilesAndTheAccelerationLevel) {
+  const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/data/scenes/newtons_cradle.json";
+  const CommandOutcome outcome = Run("sequence " + file + " --level acceleration --steps 60");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  int first_of_step = 0;
+  int impacts = 0;
+  for (const Json& record : Records(outcome.out)) {
+    (record.at("motion").at("kind") == "impact" ? impacts : first_of_step)++;
+  }
+  EXPECT_EQ(first_of_step, 60);  // the cradle hangs on joints: there is an LCP at every instant
+  EXPECT_EQ(Run("sequence " + file + " --level velocity --dt 0.002 --steps 10").status, 0);
+}
+
+TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
+  const std::string file = Path("x.jsonl");
+  const pid_t child = fork();
+  if (child == 0) {
+    std::freopen(Path("stderr").c_str(), "w", stderr);
+    execl(LCPBENCH_COMMAND, LCPBENCH_COMMAND, "sequence", "disc-pile", "--size", "20", "--steps", "100000000", "-o",
+          file.c_str(), static_cast<char*>(nullptr));
+    _exit(127);
+  }
+  ASSERT_GT(child, 0);
+  // Interrupted as soon as something is there, however slow the machine.
+  while (ReadFile(file).find('\n') == std::string::npos) std::this_thread::yield();
+  kill(child, SIGINT);
+  int status = 0;
+  waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGINT);
+  const std::string text = ReadFile(file);
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_GE(ReadLcpFile(file).size(), 1u);
+  EXPECT_NE(ReadFile(Path("stderr")).find("worst penetration"), std::string::npos);
+}
+
+TEST_F(SequenceCommand, MisuseIsOneLineAndStatusTwo) {
+  ExpectMisuse("sequence nowhere", "nowhere");
+  ExpectMisuse("sequence missing.json", "missing.json");
+  ExpectMisuse("sequence disc-pile --level sideways", "sideways");
+  ExpectMisuse("sequence disc-pile --solver nobody", "nobody");
+  ExpectMisuse("sequence disc-pile --tolerance 2", "--tolerance");
+  ExpectMisuse("sequence disc-pile --steps 0", "--steps");
+  ExpectMisuse("sequence disc-pile --dt -1", "--dt");
+  ExpectMisuse("sequence disc-pile -o " + Path("no/such/folder/x.jsonl"), "no/such/folder");
+  ExpectMisuse("motion --scenes disc-pile@upwards", "upwards");
+  ExpectMisuse("motion --solvers nobody", "nobody");
+  ExpectMisuse("motion --budget 0 --scenes disc-pile -o " + Path("m"), "budget");
+}
+
+TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
+  const CommandOutcome outcome =
+      Run("motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
+          "--budget 60 -o " +
+          Path("m"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const std::vector<std::string> rows = Lines(ReadFile(Path("m") + "/motion.csv"));
+  std::size_t motions = 0;
+  for (const SolverEntry& solver : AllSolvers()) motions += !solver.available ? 0 : solver.uses_tolerance ? 2 : 1;
+  EXPECT_EQ(rows.size(), 1 + 3 * motions * 31);
+  for (const char* scene : {"disc-pile, velocity level", "boxes-and-discs, velocity level", "disc-track, velocity"}) {
+    EXPECT_NE(outcome.out.find(scene), std::string::npos) << outcome.out;
+  }
+  // dantzig at 1e-9 is the reference itself but for what it is told.
+  std::size_t exact = 0;
+  for (const std::string& row : rows) {
+    std::vector<std::string> cells;
+    std::istringstream stream(row);
+    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    if (cells[4] != "dantzig") continue;
+    EXPECT_LE(std::stod(cells[9]), 1e-9) << row;
+    EXPECT_LE(std::stod(cells[12]), 1e-9) << row;
+    ++exact;
+  }
+  EXPECT_EQ(exact, 3u * 31u);
+}
+
+}  // namespace
+}  // namespace lcpbench
