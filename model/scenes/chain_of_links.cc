@@ -1,0 +1,160 @@
+// chain-of-links: links joined by pins, lying over a turning drum.
+//
+// Two pin rows for every contact: the chain is stiff along itself and loose across, its tension is a long sum over the
+// links, and each contact force is what the tension's turn at that link leaves of it. Methods that treat joints one by
+// one pass tension on by one link a sweep; direct ones see a band. Links have different lengths, so that their contact
+// (straight edge on arc) lies off their middles; chain and drum turn about the drum's centre together, and gamma holds
+// the centripetal terms. J has full rank. Condition numbers grow with the fourth power of the number of links, as those
+// of a beam.
+//
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
+//
+// k links make 3 k - 2 rows; what is missing is closed by ropes from the chain's ends to pegs that turn with the drum,
+// one row each.
+//
+// In motion: the drum goes on turning at its speed, gravity pulls the chain's ends down, and the chain slides off where
+// no rope holds it.
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "model/angle.h"
+#include "model/mass_properties.h"
+#include "model/scenes/families.h"
+#include "model/scenes/mechanism_parts.h"
+#include "model/scenes/parts.h"
+#include "model/shapes.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kDensity = 50;
+constexpr double kLinkRadius = 0.05;
+/// From a joint to the next link's contact point, along the link [m].
+constexpr double kMinArm = 0.12;
+constexpr double kMaxArm = 0.25;
+/// The part of the drum that a long chain covers [rad].
+constexpr double kSpan = 3.4;
+constexpr double kMinDrum = 0.6;
+/// Of the ropes at the chain's ends, and of the pegs that they are tied to [m].
+constexpr double kRope = 0.2;
+constexpr double kPegRadius = 0.04;
+/// Largest centripetal acceleration over gravity.
+constexpr double kCentripetal = 0.3;
+
+/// The direction turned clockwise by the angle of a right triangle with these legs; hypotenuse^2 = near^2 + far^2.
+Vec2 TurnedClockwise(Vec2 direction, double near, double far) {
+  const double hypotenuse = std::sqrt(near * near + far * far);
+  const Vec2 turned = Rotate({near / hypotenuse, -far / hypotenuse}, direction);
+  return (1 / Norm(turned)) * turned;
+}
+
+class Chain {
+ public:
+  Chain(ContactSystem* system, int rows, Random* random) : system_(system), random_(random) {
+    constexpr int kRowsPerLink = 3;
+    const int links = (rows + 2) / kRowsPerLink;
+    const int ropes = (rows + 2) % kRowsPerLink;
+    std::vector<double> arms;  // arms[i] from joint i to the contacts on both its sides
+    double length = 0;
+    for (int joint = 0; joint <= links; ++joint) {
+      arms.push_back(random->Uniform(kMinArm, kMaxArm));
+      length += 2 * arms.back();
+    }
+    const double drum = std::max(kMinDrum, length / kSpan - kLinkRadius);
+    rim_ = {{}, drum, Side::kConvex};
+    const double centripetal = kCentripetal * kGravity * random->Uniform(0.3, 1);
+    speed_ = random->Sign() * std::sqrt(centripetal / drum);
+    Body body = MakeFixed("drum");
+    body.omega = speed_;
+    body.outline = {FullCircle({}, drum, Side::kConvex)};
+    drum_ = AddBody(system, "drum", body);
+    if (ropes > 0) {
+      Body pegs = MakeFixed("pegs");
+      pegs.omega = speed_;
+      pegs_ = AddBody(system, "pegs", pegs);
+    }
+
+    const double covered = std::min(kSpan, length / drum);
+    const double lean = random->Uniform(-0.2, 0.2);
+    const Rotation start = SinCos(kPi / 2 + covered / 2 + lean);
+    Vec2 joint{start.cos, start.sin};
+    for (int link = 0; link < links; ++link) {
+      const double behind = arms[static_cast<std::size_t>(link)];
+      const double ahead = arms[static_cast<std::size_t>(link) + 1];
+      const double height = drum + kLinkRadius;
+      const Vec2 foot = TurnedClockwise(joint, height, behind);
+      AddLink(foot, behind, ahead);
+      if (link == 0 && ropes > 1) AddRope(joint, behind, -1);
+      joint = TurnedClockwise(foot, height, ahead);
+      if (link == links - 1 && ropes > 0) AddRope(joint, ahead, 1);
+    }
+  }
+
+ private:
+  struct Link {
+    int body = -1;
+    double half = 0;  ///< from its middle to its joints
+  };
+
+  /// A link that touches the drum at `foot` (unit), its joints `behind` and `ahead` of there along the tangent.
+  void AddLink(Vec2 foot, double behind, double ahead) {
+    const Vec2 along = -Perp(foot);
+    const double half = (behind + ahead) / 2;
+    Body body = MakeBody(Capsule(2 * half, kLinkRadius), kDensity);
+    body.name.clear();
+    body.theta = AngleOf(along);
+    body.x = (rim_.radius + kLinkRadius) * foot + ((ahead - behind) / 2) * along;
+    TurnAboutOrigin(&body, speed_);
+    const Link previous = last_;
+    last_ = {AddBody(system_, "link", body), half};
+    if (previous.body >= 0) AddPin(system_, last_.body, {-half, 0}, previous.body, {previous.half, 0});
+    AddContact(system_, last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, rim_);
+  }
+
+  /// From the last link's end at the joint, in direction `joint` (unit), to a peg on the drum as far ahead of the end
+  /// (+1) or behind it (-1). `arm` is the end's distance from the contact point. Pegs are a body of their own, because
+  /// bodies that a joint connects do not touch each other.
+  void AddRope(Vec2 joint, double arm, double side) {
+    const double height = rim_.radius + kLinkRadius;
+    const double distance = std::sqrt(height * height + arm * arm);
+    const double sine = kRope / distance;
+    const Vec2 peg = distance * Rotate({std::sqrt((1 - sine) * (1 + sine)), -side * sine}, joint);
+    Body& pegs = system_->bodies[static_cast<std::size_t>(pegs_)];
+    pegs.outline.push_back(FullCircle(peg, kPegRadius, Side::kConvex));
+    lcpbench::AddRope(system_, last_.body, {side * last_.half, 0}, pegs_, peg);
+  }
+
+  ContactSystem* system_;
+  Random* random_;
+  ArcEdge rim_;
+  double speed_ = 0;
+  int drum_ = -1;
+  int pegs_ = -1;
+  Link last_;
+};
+
+}  // namespace
+
+ContactSystem GenerateChainOfLinks(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("chain-of-links", rows, seed);
+  const Chain chain(&system, rows, &random);
+  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
+  LoadEnds(&system);
+  return system;
+}
+
+World StartChainOfLinks(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("chain-of-links", rows, seed);
+  const Chain chain(&system, rows, &random);
+  Loads loads;
+  loads.gravity = {0, -kGravity};
+  return SetInMotion(std::move(system), std::move(loads));
+}
+
+}  // namespace lcpbench
