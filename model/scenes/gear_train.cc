@@ -4,7 +4,8 @@
 // row), so that J is square on the gears' degrees of freedom and of full rank: A is nonsingular, and its Schur
 // complement in the pins is tridiagonal. Two thirds of the rows are bilateral, which tells methods that eliminate
 // joints from those that carry them as inequalities; tooth contacts lie on either flank at random, so that active and
-// separating contacts alternate without pattern. Flanks are circular arcs that turn: gamma is nonzero in every row.
+// separating contacts alternate without pattern. Flanks are circular arcs that turn: gamma is nonzero in every
+// tooth contact (Jacobi-scaled condition number of A 2e4 at 200 rows, 5e5 at 1000).
 //
 // Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
 //
@@ -208,8 +209,8 @@ class GearTrain {
     AddMotor();
     for (int rollers = 0; rollers < rows % kRowsPerGear; ++rollers) AddRoller(rollers);
     for (int gear = 0; gear < rows / kRowsPerGear; ++gear) AddGear(gear % 2 == 0 ? 1 : -1);
-    const double right = last_axle_.x + 1;
-    system->bodies[static_cast<std::size_t>(frame_)].outline = {WholeEdge({right, kFloor}, {-1, kFloor})};
+    const double right = last_axle_.x + kFloorBeyond;
+    system->bodies[static_cast<std::size_t>(frame_)].outline = {WholeEdge({right, kFloor}, {-kFloorBeyond, kFloor})};
   }
 
   /// Brakes: a torque against each gear's sense of rotation, up to that of its weight at the pitch circle.
@@ -227,6 +228,7 @@ class GearTrain {
  private:
   static constexpr int kRowsPerGear = 3;
   static constexpr double kFloor = -2;
+  static constexpr double kFloorBeyond = 5;  // rollers fall off and roll away
 
   const GearKind& DrawKind() { return kinds_[static_cast<std::size_t>(random_->Integer(kMaxTeeth - kMinTeeth + 1))]; }
   const Body& Last() const { return system_->bodies[static_cast<std::size_t>(last_)]; }

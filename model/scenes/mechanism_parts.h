@@ -41,7 +41,7 @@ ContactRow LastRow(const ContactSystem& system);
 /// at a contact shift its force's lower bound from 0 to l: where l exceeds the force it would bear otherwise, the row
 /// separates for certain, and otherwise it is held closed. So no seed gives an active set of all rows or of none.
 void LoadEnds(ContactSystem* system);
-inline constexpr double kEndLoad = 100;  ///< [m/s^2]: some times what the families' loads and velocities amount to
+inline constexpr double kEndLoad = 300;  ///< [m/s^2]: many times what the families' loads and velocities amount to
 
 /// The body's outline as a fixed body has it that turns about the drawing's origin.
 Body MakeKinematic(std::string name, const Outline& outline);

@@ -4,7 +4,7 @@
 // unilateral ones: at random, ropes that only pull and round buffers that only push. Braking and pulling parts of the
 // train thus alternate, and the active set is a matter of all loads along it. A's Schur complement in the path joints
 // is tridiagonal. The track's curvature enters gamma with the square of the speed, and near the flat sides of a
-// superellipse it vanishes. J has full rank.
+// superellipse it vanishes. J has full rank (Jacobi-scaled condition number of A 2e3 at 200 rows, 5e4 at 1000).
 //
 // Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
 //
@@ -48,7 +48,7 @@ constexpr double kMinTrack = 1.2;  ///< greater semi-axis [m]
 /// Centripetal acceleration over gravity on a circle of the greater semi-axis.
 constexpr double kCentripetal = 0.5;
 /// The thrust of the first car in motion, over its weight.
-constexpr double kThrust = 3;
+constexpr double kThrust = 0.5;
 
 /// A closed curve about the origin that points are placed on by their distances.
 class Track {
@@ -272,6 +272,8 @@ World StartOvalTrain(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("oval-train", rows, seed);
   const Train train(&system, rows, &random);
+  // Where on the track a joint lies now is no start for the search once the car has moved on.
+  for (Constraint& constraint : system.constraints) constraint.s2.reset();
   Loads loads;
   loads.gravity = {0, -kGravity};
   if (train.first_car() >= 0) {

@@ -48,7 +48,7 @@ constexpr std::array kScenes{
                 "the whole row, which tells methods that use a band from those that fill a dense matrix.",
                 &GenerateCamFollower, &StartCamFollower, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"newtons-cradle", "Row of touching pendulums on rods, ropes and arms",
-                "Pushes travel along the whole row, in waves of squeezed and parted balls: tells methods that pass on "
+                "Squeezed balls form blocks as long as the row, and ropes go slack: tells methods that pass pushes on "
                 "one neighbour a sweep from those that solve at once.",
                 &GenerateNewtonsCradle, &StartNewtonsCradle, MotionLevel::kAcceleration, 1e-2},
     SceneFamily{"chain-of-links", "Chain of pinned links lying over a turning drum",

@@ -6,7 +6,8 @@
 // ovals (general curves in the arc and against each other) lie in sectors that know nothing of each other: A falls into
 // blocks, which tells methods that find or use independent parts from those whose cost grows with the whole. Loads
 // pull every way, and the same sector is full at the bottom and falling at the top. The common motion meets every
-// constraint, so that the problem is solvable for every seed.
+// constraint, so that the problem is solvable for every seed. J has full rank, and A is well conditioned (Jacobi-scaled
+// 2e2 at 200 and at 1000 rows).
 //
 // Rows with w > 0 at the solution, seeds 1 to 5: @SHARES@.
 //
