@@ -8,8 +8,9 @@
 //
 // Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
 //
-// k links make 3 k - 2 rows; what is missing is closed by ropes from the chain's ends to pegs that turn with the drum,
-// one row each.
+// k links make 3 k - 2 rows; what is missing is closed by a rope from the chain's end to a peg that turns with the
+// drum, and by a ball on the first link, one row each. (Ropes at both ends would nearly be a self-stress, with forces
+// beyond all loads.)
 //
 // In motion: the drum goes on turning at its speed, gravity pulls the chain's ends down, and a chain that no rope holds
 // slides off into the round casing.
@@ -38,9 +39,9 @@ constexpr double kMaxArm = 0.25;
 /// The part of the drum that a long chain covers [rad].
 constexpr double kSpan = 3.4;
 constexpr double kMinDrum = 0.6;
-/// Of the ropes at the chain's ends, and of the pegs that they are tied to [m].
-constexpr double kRope = 0.2;
-constexpr double kPegRadius = 0.04;
+constexpr double kRope = 0.2;        ///< length of the rope at the chain's end [m]
+constexpr double kPegRadius = 0.04;  ///< that it is tied to [m]
+constexpr double kBallRadius = 0.08;
 /// Between the drum and its casing [m]: wider than any link is long.
 constexpr double kCasing = 0.8;
 /// Largest centripetal acceleration over gravity.
@@ -58,7 +59,7 @@ class Chain {
   Chain(ContactSystem* system, int rows, Random* random) : system_(system), random_(random) {
     constexpr int kRowsPerLink = 3;
     const int links = (rows + 2) / kRowsPerLink;
-    const int ropes = (rows + 2) % kRowsPerLink;
+    const int missing = (rows + 2) % kRowsPerLink;
     std::vector<double> arms;  // arms[i] from joint i to the contacts on both its sides
     double length = 0;
     for (int joint = 0; joint <= links; ++joint) {
@@ -73,10 +74,10 @@ class Chain {
     body.omega = speed_;
     body.outline = {FullCircle({}, drum, Side::kConvex)};
     drum_ = AddBody(system, "drum", body);
-    if (ropes > 0) {
-      Body pegs = MakeFixed("pegs");
-      pegs.omega = speed_;
-      pegs_ = AddBody(system, "pegs", pegs);
+    if (missing > 0) {
+      Body peg = MakeFixed("peg");
+      peg.omega = speed_;
+      peg_ = AddBody(system, "peg", peg);
     }
 
     Body casing = MakeFixed("casing");
@@ -93,9 +94,9 @@ class Chain {
       const double height = drum + kLinkRadius;
       const Vec2 foot = TurnedClockwise(joint, height, behind);
       AddLink(foot, behind, ahead);
-      if (link == 0 && ropes > 1) AddRope(joint, behind, -1);
+      if (link == 0 && missing == 2) AddBall(foot);
       joint = TurnedClockwise(foot, height, ahead);
-      if (link == links - 1 && ropes > 0) AddRope(joint, ahead, 1);
+      if (link == links - 1 && missing > 0) AddRope(joint, ahead);
     }
   }
 
@@ -120,17 +121,25 @@ class Chain {
     AddContact(system_, last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, rim_);
   }
 
-  /// From the last link's end at the joint, in direction `joint` (unit), to a peg on the drum as far ahead of the end
-  /// (+1) or behind it (-1). `arm` is the end's distance from the contact point. Pegs are a body of their own, because
-  /// bodies that a joint connects do not touch each other.
-  void AddRope(Vec2 joint, double arm, double side) {
+  /// A ball on the outer side of the last link, above its contact point.
+  void AddBall(Vec2 foot) {
+    Body body = MakeDisc((rim_.radius + 2 * kLinkRadius + kBallRadius) * foot, kBallRadius, kDensity);
+    TurnAboutOrigin(&body, speed_);
+    const int ball = AddBody(system_, "ball", body);
+    const StraightEdge top{{last_.half, kLinkRadius}, {-last_.half, kLinkRadius}};
+    AddContact(system_, ball, Circle(kBallRadius), last_.body, top);
+  }
+
+  /// From the chain's end at the joint, in direction `joint` (unit), to a peg on the drum ahead of it. `arm` is the
+  /// end's distance from the contact point. The peg is a body of its own, because bodies that a joint connects do not
+  /// touch each other.
+  void AddRope(Vec2 joint, double arm) {
     const double height = rim_.radius + kLinkRadius;
     const double distance = std::sqrt(height * height + arm * arm);
     const double sine = kRope / distance;
-    const Vec2 peg = distance * Rotate({std::sqrt((1 - sine) * (1 + sine)), -side * sine}, joint);
-    Body& pegs = system_->bodies[static_cast<std::size_t>(pegs_)];
-    pegs.outline.push_back(FullCircle(peg, kPegRadius, Side::kConvex));
-    lcpbench::AddRope(system_, last_.body, {side * last_.half, 0}, pegs_, peg);
+    const Vec2 end = distance * Rotate({std::sqrt((1 - sine) * (1 + sine)), -sine}, joint);
+    system_->bodies[static_cast<std::size_t>(peg_)].outline = {FullCircle(end, kPegRadius, Side::kConvex)};
+    lcpbench::AddRope(system_, last_.body, {last_.half, 0}, peg_, end);
   }
 
   ContactSystem* system_;
@@ -138,7 +147,7 @@ class Chain {
   ArcEdge rim_;
   double speed_ = 0;
   int drum_ = -1;
-  int pegs_ = -1;
+  int peg_ = -1;
   Link last_;
 };
 
@@ -149,7 +158,8 @@ ContactSystem GenerateChainOfLinks(int rows, std::uint64_t seed) {
   ContactSystem system = EmptyScene("chain-of-links", rows, seed);
   const Chain chain(&system, rows, &random);
   ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
-  LoadEnds(&system);
+  // A push across a taut chain is borne by many times its tension: no squeeze.
+  LoadEnds(&system, {.squeeze = 0, .burst = 200});
   return system;
 }
 

@@ -203,7 +203,6 @@ class MeshSearch {
 class GearTrain {
  public:
   GearTrain(ContactSystem* system, int rows, Random* random) : system_(system), random_(random) {
-    for (int teeth = kMinTeeth; teeth <= kMaxTeeth; ++teeth) kinds_.push_back(MakeGearKind(teeth));
     Body frame = MakeFixed("frame");
     frame_ = AddBody(system, "frame", frame);
     AddMotor();
@@ -230,7 +229,15 @@ class GearTrain {
   static constexpr double kFloor = -2;
   static constexpr double kFloorBeyond = 5;  // rollers fall off and roll away
 
-  const GearKind& DrawKind() { return kinds_[static_cast<std::size_t>(random_->Integer(kMaxTeeth - kMinTeeth + 1))]; }
+  const GearKind& DrawKind() {
+    // Checking a gear's outline takes longer than placing a hundred gears.
+    static const std::vector<GearKind> kinds = [] {
+      std::vector<GearKind> all;
+      for (int teeth = kMinTeeth; teeth <= kMaxTeeth; ++teeth) all.push_back(MakeGearKind(teeth));
+      return all;
+    }();
+    return kinds[static_cast<std::size_t>(random_->Integer(kMaxTeeth - kMinTeeth + 1))];
+  }
   const Body& Last() const { return system_->bodies[static_cast<std::size_t>(last_)]; }
 
   void AddMotor() {
@@ -302,7 +309,6 @@ class GearTrain {
 
   ContactSystem* system_;
   Random* random_;
-  std::vector<GearKind> kinds_;
   int frame_ = -1;
   int last_ = -1;
   const GearKind* last_kind_ = nullptr;

@@ -115,13 +115,13 @@ void TurnAboutOrigin(Body* body, double omega) {
 
 ContactRow LastRow(const ContactSystem& system) { return RowOf(system, system.constraints.back()); }
 
-void LoadEnds(ContactSystem* system) {
+void LoadEnds(ContactSystem* system, const EndLoads& loads) {
   const std::vector<Constraint>& constraints = system->constraints;
   const auto first = std::find_if(constraints.begin(), constraints.end(), IsUnilateral);
   const auto last = std::find_if(constraints.rbegin(), constraints.rend(), IsUnilateral);
   if (first == constraints.end() || &*first == &*last) return;
-  PushApart(system, *first, -kEndLoad);
-  PushApart(system, *last, kEndLoad);
+  PushApart(system, *first, -loads.squeeze);
+  PushApart(system, *last, loads.burst);
 }
 
 Body MakeKinematic(std::string name, const Outline& outline) {

@@ -36,12 +36,17 @@ void TurnAboutOrigin(Body* body, double omega);
 /// still has to cancel.
 ContactRow LastRow(const ContactSystem& system);
 
+/// The loads of the first and the last unilateral constraint, as gap accelerations that they alone would give [m/s^2]:
+/// several times what the families' other loads and velocities amount to.
+struct EndLoads {
+  double squeeze = 300;
+  double burst = 600;
+};
 /// Pulls the two sides of the first unilateral constraint together, and pushes those of the last apart, with equal and
-/// opposite forces along its normal that alone would give it a gap acceleration of kEndLoad. Opposite forces of size l
-/// at a contact shift its force's lower bound from 0 to l: where l exceeds the force it would bear otherwise, the row
-/// separates for certain, and otherwise it is held closed. So no seed gives an active set of all rows or of none.
-void LoadEnds(ContactSystem* system);
-inline constexpr double kEndLoad = 300;  ///< [m/s^2]: many times what the families' loads and velocities amount to
+/// opposite forces along its normal. Opposite forces of size l at a contact shift the lower bound of its force from 0
+/// to l: if l exceeds the force that it would bear otherwise, the row separates for certain, and if -l is below it, the
+/// row stays closed. So hardly a seed gives an active set of all rows or of none, however few rows there are.
+void LoadEnds(ContactSystem* system, const EndLoads& loads = {});
 
 /// The body's outline as a fixed body has it that turns about the drawing's origin.
 Body MakeKinematic(std::string name, const Outline& outline);
