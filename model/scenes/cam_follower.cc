@@ -8,7 +8,8 @@
 // cam and enters gamma with the cams' angular velocity. J has full rank (Jacobi-scaled condition number of A 2e4 at 200
 // rows, 5e5 at 1000).
 //
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 33-60 % at 10 rows, 28-41 % at 100, 35-40 % at
+// 1000, 32-36 % at 3000.
 //
 // A coupled cam with its follower makes six rows, a cam of prescribed motion with follower three, one that carries a
 // loose ball one row.

@@ -7,7 +7,8 @@
 // separating contacts alternate without pattern. Flanks are circular arcs that turn: gamma is nonzero in every
 // tooth contact (Jacobi-scaled condition number of A 2e4 at 200 rows, 5e5 at 1000).
 //
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 25-75 % at 10 rows, 38-68 % at 100, 48-54 % at
+// 1000, 50-54 % at 3000.
 //
 // k gears make 3 k rows; what is missing is closed by rollers on the motor's teeth, one row each. Gears turn at the
 // speeds at which their teeth stay in contact, and are placed where the ratios deviate least from those of the counts
@@ -100,9 +101,9 @@ GearKind MakeGearKind(int teeth) {
   shape.flank_radius = kFlankRadius * kModule;
   kind.body = MakeBody(Gear(shape), kDensity);
   // Pieces of a tooth: clockwise flank, tip land, counter-clockwise flank, root land.
-  constexpr int kPieces = 4;
+  constexpr std::size_t kPieces = 4;
   for (int tooth = 0; tooth < teeth; ++tooth) {
-    const OutlineEdge* pieces = &kind.body.outline[static_cast<std::size_t>(kPieces * tooth)];
+    const OutlineEdge* pieces = &kind.body.outline[kPieces * static_cast<std::size_t>(tooth)];
     const FlankFeature right = FlankOf(pieces[0]);
     const FlankFeature land = FlankOf(pieces[1]);
     const FlankFeature left = FlankOf(pieces[2]);
@@ -260,7 +261,7 @@ class GearTrain {
     const double pitch = 2 * kPi / last_kind_->teeth;
     const double top = std::round((kPi / 2 - motor.theta) / pitch);
     const int tooth = (static_cast<int>(top) + index + 2 * last_kind_->teeth) % last_kind_->teeth;
-    const OutlineEdge& land = motor.outline[static_cast<std::size_t>(4 * tooth + 1)];
+    const OutlineEdge& land = motor.outline[4 * static_cast<std::size_t>(tooth) + 1];
     const double radius = kRollerRadius * kModule;
     const Vec2 direction = Direction(motor.theta + (land.s_begin + land.s_end) / 2);
     Body roller = MakeDisc(last_axle_ + (last_kind_->tip_radius + radius) * direction, radius, kDensity);

@@ -39,8 +39,8 @@ ContactRow LastRow(const ContactSystem& system);
 /// The loads of the first and the last unilateral constraint, as gap accelerations that they alone would give [m/s^2]:
 /// several times what the families' other loads and velocities amount to.
 struct EndLoads {
-  double squeeze = 300;
-  double burst = 600;
+  double squeeze = 100;
+  double burst = 200;
 };
 /// Pulls the two sides of the first unilateral constraint together, and pushes those of the last apart, with equal and
 /// opposite forces along its normal. Opposite forces of size l at a contact shift the lower bound of its force from 0

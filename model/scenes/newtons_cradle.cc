@@ -8,7 +8,8 @@
 // the row.) Gusts lift balls against their weight: it is mostly ropes that go slack. gamma is the centripetal term of
 // the supports. J has full rank, and A is banded (Jacobi-scaled condition number 5e3 at 200 rows, 1e5 at 1000).
 //
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 12-33 % at 10 rows, 6-13 % at 100, 9-11 % at
+// 1000, 9-12 % at 3000.
 //
 // k balls make 2 k - 1 rows, and one more for each rigid arm: their number sets the parity.
 //

@@ -6,7 +6,8 @@
 // is tridiagonal. The track's curvature enters gamma with the square of the speed, and near the flat sides of a
 // superellipse it vanishes. J has full rank (Jacobi-scaled condition number of A 2e3 at 200 rows, 5e4 at 1000).
 //
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: @SHARES@.
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 67 % at 10 rows, 42-67 % at 100, 45-52 % at
+// 1000, 49-52 % at 3000.
 //
 // k cars make 3 k - 1 rows; what is missing is closed by a trolley with a single path joint (one row), coupled to the
 // last car (two rows).

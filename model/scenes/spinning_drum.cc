@@ -9,7 +9,7 @@
 // constraint, so that the problem is solvable for every seed. J has full rank, and A is well conditioned (Jacobi-scaled
 // 2e2 at 200 and at 1000 rows).
 //
-// Rows with w > 0 at the solution, seeds 1 to 5: @SHARES@.
+// Rows with w > 0 at the solution, seeds 1 to 5: 10-20 % at 10 rows, 21-35 % at 100, 14-22 % at 1000, 13-22 % at 3000.
 //
 // Balls bring two rows each; a chain of k ovals 2 k - 1.
 //
@@ -107,7 +107,7 @@ Vec2 Turned(Vec2 direction, double sine) {
 
 class Drum {
  public:
-  Drum(ContactSystem* system, int rows, Random* random) : system_(system), random_(random) {
+  Drum(ContactSystem* system, int rows, Random* random) : system_(system) {
     const std::vector<Sector> sectors = PlanSectors(rows, random);
     double length = 0;
     for (const Sector& sector : sectors) length += sector.Length();
@@ -266,7 +266,6 @@ class Drum {
   }
 
   ContactSystem* system_;
-  Random* random_;
   double radius_ = 0;
   ArcEdge wall_;
   int drum_ = -1;
@@ -280,7 +279,7 @@ ContactSystem GenerateSpinningDrum(int rows, std::uint64_t seed) {
   ContactSystem system = EmptyScene("spinning-drum", rows, seed);
   const Drum drum(&system, rows, &random);
   ApplyLoads(&system, {.weight = kGravity, .gust = kGravity}, &random);
-  LoadEnds(&system);
+  LoadEnds(&system, {.squeeze = 50, .burst = 100});
   return system;
 }
 
