@@ -300,6 +300,7 @@ class GearTrain {
       best_kind = &kind;
       best_axle = axle;
     }
+    best.bodies[1].name.clear();
     const int gear = AddBody(system_, "gear", best.bodies[1]);
     AddPin(system_, gear, best_kind->axle, frame_, best_axle);
     AddContact(system_, gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);
