@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "model/system.h"
+#include "model/world.h"
 
 namespace lcpbench {
 
@@ -14,5 +15,20 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed);
 ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed);
 ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed);
 ContactSystem GenerateRockers(int rows, std::uint64_t seed);
+
+// Mechanisms: one-problem form, and the world that starts moving.
+
+ContactSystem GenerateGearTrain(int rows, std::uint64_t seed);
+World StartGearTrain(int rows, std::uint64_t seed);
+ContactSystem GenerateCamFollower(int rows, std::uint64_t seed);
+World StartCamFollower(int rows, std::uint64_t seed);
+ContactSystem GenerateNewtonsCradle(int rows, std::uint64_t seed);
+World StartNewtonsCradle(int rows, std::uint64_t seed);
+ContactSystem GenerateChainOfLinks(int rows, std::uint64_t seed);
+World StartChainOfLinks(int rows, std::uint64_t seed);
+ContactSystem GenerateSpinningDrum(int rows, std::uint64_t seed);
+World StartSpinningDrum(int rows, std::uint64_t seed);
+ContactSystem GenerateOvalTrain(int rows, std::uint64_t seed);
+World StartOvalTrain(int rows, std::uint64_t seed);
 
 }  // namespace lcpbench

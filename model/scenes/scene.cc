@@ -39,6 +39,30 @@ constexpr std::array kScenes{
                 "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
                 "moderate sizes that most methods should solve, with b that depends on curvature.",
                 &GenerateRockers, &InMotion<&GenerateRockers>, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"gear-train", "Train of gears on pins driven by a motor",
+                "Two bilateral rows for every tooth contact, on flanks at random: tells methods that eliminate joints "
+                "from those that carry them along, with gamma from turning arcs in every row.",
+                &GenerateGearTrain, &StartGearTrain, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"cam-follower", "Row of coupled cams with spring-loaded followers in guides",
+                "Pins, coupling rods and path joints around few contacts of arcs, flanks and ellipses; the rods couple "
+                "the whole row, which tells methods that use a band from those that fill a dense matrix.",
+                &GenerateCamFollower, &StartCamFollower, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"newtons-cradle", "Row of touching pendulums on rods, ropes and arms",
+                "Squeezed balls form blocks as long as the row, and ropes go slack: tells methods that pass pushes on "
+                "one neighbour a sweep from those that solve at once.",
+                &GenerateNewtonsCradle, &StartNewtonsCradle, MotionLevel::kAcceleration, 1e-2},
+    SceneFamily{"chain-of-links", "Chain of pinned links lying over a turning drum",
+                "Two pin rows for every contact, and a tension that sums up along the chain: stiff along, loose "
+                "across, which tells direct methods from those that pass forces on link by link.",
+                &GenerateChainOfLinks, &StartChainOfLinks, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"spinning-drum", "Balls and ovals between the baffles of a turning drum",
+                "A kinematic body whose motion and acceleration enter b, and independent sectors of balls and general "
+                "curves: tells methods that use blocks from those whose cost grows with the whole.",
+                &GenerateSpinningDrum, &StartSpinningDrum, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"oval-train", "Train on a closed oval track, coupled by ropes and buffers",
+                "Two path joints a car on an ellipse or superellipse, couplings that only pull or only push: the "
+                "active set is a matter of the loads along the whole train.",
+                &GenerateOvalTrain, &StartOvalTrain, MotionLevel::kVelocity, 1e-3},
 };
 
 const SceneFamily& FindSceneFor(std::string_view key, int rows) {

@@ -1,0 +1,363 @@
+// cam-follower: a row of cams, coupled by rods to turn together, each lifting a spring-loaded follower in a guide.
+//
+// Bilateral rows of three kinds (pins, coupling rods, path joints along the guides) around few contacts: arc, straight
+// flank and ellipse against rollers, knife edges and flat faces. The rods couple the whole row, so that a push on any
+// follower is felt by every cam: A is block tridiagonal, which tells methods that use this from those that fill a dense
+// matrix. Half of the followers have some play in their guide and lean on one wall of it, instead of being kept by path
+// joints: two contacts of straight edges each, which open when the follower tilts away. Curvature changes from cam to
+// cam and enters gamma with the cams' angular velocity. J has full rank (Jacobi-scaled condition number of A 2e4 at 200
+// rows, 5e5 at 1000).
+//
+// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 33-60 % at 10 rows, 28-41 % at 100, 35-40 % at
+// 1000, 32-36 % at 3000.
+//
+// A coupled cam with its follower makes six rows, a cam of prescribed motion with follower three, one that carries a
+// loose ball one row.
+//
+// In motion: the first cams turn at constant speed and drive the others through the rods; gravity and springs close the
+// followers.
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/mass_properties.h"
+#include "model/scenes/families.h"
+#include "model/scenes/mechanism_parts.h"
+#include "model/scenes/parts.h"
+#include "model/shapes.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kCamDensity = 60;
+constexpr double kFollowerDensity = 30;
+constexpr double kSpacing = 1;  ///< of cam axles [m]
+/// The crank arm of the coupling rods, common to all cams in the world [m].
+constexpr double kCrank = 0.07;
+constexpr double kMinSpeed = 3;  ///< of the cams [rad/s]
+constexpr double kMaxSpeed = 6;
+/// Largest distance of a follower's axis from the cam's axle [m].
+constexpr double kMaxOffset = 0.03;
+constexpr double kFollowerHeight = 0.6;
+/// The guide's wall begins above every cam and ends above every follower [m].
+constexpr double kWallBottom = 0.45;
+constexpr double kWallTop = 1.3;
+constexpr double kWallWidth = 0.08;
+/// Of a loose follower between its walls [m].
+constexpr double kPlay = 0.01;
+constexpr double kSpringAnchor = 1.5;
+/// Force of a follower's spring as it stands, over its weight.
+constexpr double kMinPreload = 0.5;
+constexpr double kMaxPreload = 2;
+constexpr double kSpringRest = 1.2;  ///< [m]: longer than any spring of the scene, so that all are compressed
+
+/// A highest contact: what a follower comes to rest on.
+struct Top {
+  double height = 0;  ///< of the follower's reference point [m]
+  Feature feature;    ///< of the cam
+};
+
+/// The height at which a circle of that radius (0: a point) on the vertical line at world x touches the cam from above.
+std::optional<Top> TopForCircle(const Body& cam, double x, double radius) {
+  const Rotation turn = SinCos(cam.theta);
+  std::optional<Top> top;
+  const auto keep = [&](double height, const Feature& feature) {
+    if (!top || height > top->height) top = Top{height, feature};
+  };
+  for (const OutlineEdge& piece : cam.outline) {
+    if (const auto* arc = std::get_if<ArcEdge>(&piece.edge)) {
+      const Vec2 center = WorldPoint(cam, arc->center);
+      const double reach = arc->radius + radius;
+      const double aside = x - center.x;
+      if (std::abs(aside) >= reach) continue;
+      const double rise = std::sqrt((reach - aside) * (reach + aside));
+      // The arcs of a hull are told from the rest of their circles by the normal: forward of the flanks' normal or not.
+      const Vec2 normal = Rotate({turn.cos, -turn.sin}, (1 / reach) * Vec2{aside, rise});
+      const double limit = SinCos(piece.s_begin).cos;
+      const bool is_nose = piece.s_begin < 0;
+      if (is_nose == (normal.x > limit)) keep(center.y + rise, *arc);
+    } else if (const auto* flank = std::get_if<StraightEdge>(&piece.edge)) {
+      const Vec2 a = WorldPoint(cam, flank->a);
+      const Vec2 along = WorldPoint(cam, flank->b) - a;
+      const double length = Norm(along);
+      const Vec2 outward = (-1 / length) * Perp(along);
+      if (outward.y <= 0) continue;
+      const double height = a.y + (radius - outward.x * (x - a.x)) / outward.y;
+      const double foot = Dot(Vec2{x, height} - a, along) / (length * length);
+      if (foot >= 0 && foot <= 1) keep(height, *flank);
+    }
+  }
+  return top;
+}
+
+/// The height of the cam's highest point: where a horizontal face touches it.
+Top TopForFace(const Body& cam) {
+  std::optional<Top> top;
+  for (const OutlineEdge& piece : cam.outline) {
+    double height = 0;
+    Feature feature;
+    if (const auto* arc = std::get_if<ArcEdge>(&piece.edge)) {
+      height = WorldPoint(cam, arc->center).y + arc->radius;
+      feature = *arc;
+    } else if (const auto* oval = std::get_if<EllipseEdge>(&piece.edge)) {
+      const Rotation turn = SinCos(cam.theta);
+      const double along = oval->a * turn.sin;
+      const double across = oval->b * turn.cos;
+      height = WorldPoint(cam, oval->center).y + std::sqrt(along * along + across * across);
+      feature = *oval;
+    } else {
+      continue;
+    }
+    if (!top || height > top->height) top = Top{height, feature};
+  }
+  return *top;
+}
+
+class CamRow {
+ public:
+  CamRow(ContactSystem* system, int rows, Random* random)
+      : system_(system), random_(random), speed_(random->Sign() * random->Uniform(kMinSpeed, kMaxSpeed)) {
+    const double crank_angle = random->Uniform(kPi / 4, 3 * kPi / 4);
+    const Rotation crank = SinCos(crank_angle);
+    crank_ = kCrank * Vec2{crank.cos, crank.sin};
+    frame_ = AddBody(system, "frame", MakeFixed("frame"));
+
+    constexpr int kDriven = 6;
+    constexpr int kDriving = 3;
+    for (int ball = 0; ball < rows % kDriving; ++ball) AddBall(AddDrivingCam(false));
+    int left = rows / kDriving;
+    const int driving = left == 0 ? 0 : (left % 2 == 1 ? 1 : 2);
+    for (int k = 0; k < driving; ++k) AddFollower(AddDrivingCam(true));
+    for (left -= driving; left > 0; left -= kDriven / kDriving) AddFollower(AddDrivenCam());
+
+    std::vector<OutlineEdge>& outline = system->bodies[static_cast<std::size_t>(frame_)].outline;
+    outline.push_back(WholeEdge({axle_.x + kFloorBeyond, kFloor}, {-kFloorBeyond, kFloor}));
+    for (const double x : walls_) {
+      const Vec2 low{x, kWallBottom};
+      const Vec2 high{x + kWallWidth, kWallTop};
+      outline.push_back(WholeEdge(low, {high.x, low.y}));
+      outline.push_back(WholeEdge({high.x, low.y}, high));
+      outline.push_back(WholeEdge(high, {low.x, high.y}));
+      outline.push_back(WholeEdge({low.x, high.y}, low));
+    }
+  }
+
+  const std::vector<Spring>& springs() const { return springs_; }
+
+ private:
+  static constexpr double kFloor = -1;
+  static constexpr double kFloorBeyond = 5;  // balls fall off and roll away
+  static constexpr double kBallRadius = 0.07;
+
+  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
+
+  /// A cam, its axle at the drawing's origin: a hull of two circles or an eccentric ellipse.
+  Outline DrawShape(bool oval_allowed) {
+    if (oval_allowed && random_->Uniform() < 0.3) {
+      const double a = random_->Uniform(0.16, 0.2);
+      const double b = random_->Uniform(0.1, 0.14);
+      const double eccentricity = random_->Uniform(0.02, 0.06);
+      return Transformed(Ellipse(a, b), 0, {eccentricity, 0});
+    }
+    const double base = random_->Uniform(0.12, 0.16);
+    const double nose = random_->Uniform(0.04, 0.07);
+    const double distance = random_->Uniform(0.15, 0.2);
+    return Cam(base, nose, distance);
+  }
+
+  Vec2 NextAxle() {
+    axle_.x = cams_ == 0 ? 0 : axle_.x + kSpacing;
+    ++cams_;
+    return axle_;
+  }
+
+  int AddDrivingCam(bool oval_allowed) {
+    Body cam = MakeKinematic("motor " + std::to_string(cams_), DrawShape(oval_allowed));
+    cam.theta = random_->Uniform(0, 2 * kPi);
+    cam.x = NextAxle();
+    cam.omega = speed_;
+    last_cam_ = AddBody(system_, "motor", cam);
+    return last_cam_;
+  }
+
+  int AddDrivenCam() {
+    Body cam = MakeBody(DrawShape(true), kCamDensity);
+    const Vec2 axle_point = -cam.x;
+    cam.name.clear();
+    cam.theta = random_->Uniform(0, 2 * kPi);
+    const Vec2 axle = NextAxle();
+    const Vec2 arm = -Rotate(SinCos(cam.theta), axle_point);
+    cam.x = axle + arm;
+    cam.omega = speed_;
+    cam.v = speed_ * Perp(arm);
+    const int before = last_cam_;
+    last_cam_ = AddBody(system_, "cam", cam);
+    AddPin(system_, last_cam_, axle_point, frame_, axle);
+    const Vec2 crank_before = axle - Vec2{kSpacing, 0} + crank_;
+    AddRod(system_, last_cam_, BodyPoint(Get(last_cam_), axle + crank_), before, BodyPoint(Get(before), crank_before));
+    return last_cam_;
+  }
+
+  void AddBall(int cam) {
+    const double x = axle_.x + random_->Uniform(-kMaxOffset, kMaxOffset);
+    const Top top = *TopForCircle(Get(cam), x, kBallRadius);
+    const int ball = AddBody(system_, "ball", MakeDisc({x, top.height}, kBallRadius, kFollowerDensity));
+    AddContact(system_, ball, Circle(kBallRadius), cam, top.feature);
+    RideAlong(ball);
+  }
+
+  /// The vertical velocity at which the last contact, of that body, lasts.
+  void RideAlong(int body) {
+    const ContactRow row = LastRow(*system_);
+    Get(body).v.y = -row.d_dot / row.J[1];
+  }
+
+  void AddFollower(int cam) {
+    const bool oval = std::holds_alternative<EllipseEdge>(Get(cam).outline[0].edge);
+    const double x = axle_.x + random_->Uniform(-kMaxOffset, kMaxOffset);
+    const double half_width = random_->Uniform(0.06, 0.09);
+    const double kind = random_->Uniform();
+    int body = -1;
+    if (oval || kind < 0.35) {
+      const Top top = TopForFace(Get(cam));
+      // A face wide enough for the highest point of every cam in every position.
+      const double width = 0.5;
+      body = AddFollowerBody(Tappet(width, half_width), {x, top.height});
+      AddContact(system_, body, Underside(body), cam, top.feature);
+    } else if (kind < 0.7) {
+      const Top top = *TopForCircle(Get(cam), x, half_width);
+      body = AddFollowerBody(Roller(half_width), {x, top.height});
+      AddContact(system_, body, Underside(body), cam, top.feature);
+    } else {
+      const Top top = *TopForCircle(Get(cam), x, 0);
+      body = AddFollowerBody(KnifeEdge(half_width), {x, top.height});
+      AddContact(system_, body, Vertex{BodyPoint(Get(body), {x, top.height})}, cam, top.feature);
+    }
+    RideAlong(body);
+    AddGuide(body, x, half_width);
+    AddSpring(body, x);
+  }
+
+  /// The feature of a follower's first piece, its underside.
+  Feature Underside(int body) {
+    return std::visit([](const auto& edge) -> Feature { return edge; }, Get(body).outline[0].edge);
+  }
+
+  /// The outline's frame has its origin at the follower's lowest point or, of a roller, at the roller's centre.
+  int AddFollowerBody(const Outline& outline, Vec2 at) {
+    Body body = MakeBody(outline, kFollowerDensity);
+    body.name.clear();
+    body.x = body.x + at;
+    return AddBody(system_, "follower", body);
+  }
+
+  static OutlineLoop Polygon(const std::vector<Vec2>& corners) {
+    OutlineLoop loop;
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+      loop.push_back(WholeEdge(corners[k], corners[(k + 1) % corners.size()]));
+    }
+    return loop;
+  }
+
+  /// A flat plate below a stem.
+  static Outline Tappet(double width, double half) {
+    constexpr double kPlate = 0.05;
+    const double w = width / 2;
+    return {"tappet",
+            {Polygon({{-w, 0},
+                      {w, 0},
+                      {w, kPlate},
+                      {half, kPlate},
+                      {half, kFollowerHeight},
+                      {-half, kFollowerHeight},
+                      {-half, kPlate},
+                      {-w, kPlate}})}};
+  }
+  static Outline Roller(double half) {
+    OutlineLoop loop = Polygon({{half, 0}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, 0}});
+    loop.pop_back();
+    loop.insert(loop.begin(), OutlineEdge{ArcEdge{{}, half, Side::kConvex}, -kPi, 0});
+    return {"roller follower", {loop}};
+  }
+  static Outline KnifeEdge(double half) {
+    return {"knife edge",
+            {Polygon(
+                {{0, 0}, {half, 1.5 * half}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, 1.5 * half}})}};
+  }
+
+  void AddGuide(int body, double x, double half_width) {
+    if (random_->Uniform() < 0.5) {
+      const StraightEdge axis{{x, 0}, {x, 1}};
+      // The axis passes the centre of mass at a distance of rounding.
+      const double aside = x - Get(body).x.x;
+      for (const double height : {-0.1, 0.2}) AddPathJoint(system_, body, {aside, height}, frame_, axis);
+      return;
+    }
+    // The follower's left side lies on the wall's right face from the wall's bottom up to the follower's top.
+    const Body& follower = Get(body);
+    const double face = x - half_width;
+    walls_.push_back(face - kWallWidth);
+    walls_.push_back(x + half_width + kPlay);
+    const StraightEdge wall{{face, kWallBottom}, {face, kWallTop}};
+    double top = 0;
+    for (const OutlineEdge& piece : follower.outline) {
+      if (const auto* line = std::get_if<StraightEdge>(&piece.edge)) top = std::max(top, line->a.y);
+    }
+    const Vec2 corner{face - follower.x.x, top};
+    const Vec2 below{corner.x, kWallBottom - follower.x.y};
+    AddContact(system_, body, Vertex{corner}, frame_, wall);
+    AddContact(system_, body, StraightEdge{corner, below}, frame_, Vertex{{face, kWallBottom}});
+  }
+
+  /// Compressed between the frame and the follower's centre of mass.
+  void AddSpring(int body, double x) {
+    const Body& follower = Get(body);
+    Spring spring;
+    spring.end1 = {frame_, {x, kSpringAnchor}};
+    spring.end2 = {body, {x - follower.x.x, 0}};
+    spring.rest_length = kSpringRest;
+    const double compression = kSpringRest - (kSpringAnchor - follower.x.y);
+    spring.stiffness = random_->Uniform(kMinPreload, kMaxPreload) * follower.mass * kGravity / compression;
+    springs_.push_back(spring);
+  }
+
+  ContactSystem* system_;
+  Random* random_;
+  double speed_;
+  Vec2 crank_;
+  Vec2 axle_;
+  int frame_ = -1;
+  int cams_ = 0;
+  int last_cam_ = -1;
+  std::vector<double> walls_;  // their left faces
+  std::vector<Spring> springs_;
+};
+
+}  // namespace
+
+ContactSystem GenerateCamFollower(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("cam-follower", rows, seed);
+  const CamRow cams(&system, rows, &random);
+  ApplyLoads(&system, {.weight = kGravity, .gust = 3 * kGravity}, &random);
+  for (const Spring& spring : cams.springs()) ApplySpring(spring, system.bodies);
+  LoadEnds(&system);
+  return system;
+}
+
+World StartCamFollower(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("cam-follower", rows, seed);
+  const CamRow cams(&system, rows, &random);
+  Loads loads;
+  loads.gravity = {0, -kGravity};
+  loads.springs = cams.springs();
+  return SetInMotion(std::move(system), std::move(loads));
+}
+
+}  // namespace lcpbench
