@@ -5,8 +5,10 @@
 #include <memory>
 #include <optional>
 
+#include "benchmarks/animation_page.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/picture_solution.h"
+#include "benchmarks/progress.h"
 #include "benchmarks/scene_motion.h"
 #include "benchmarks/scene_source.h"
 #include "model/assembly.h"
@@ -26,6 +28,8 @@ struct SceneArguments {
   std::string level;
   double time = 0;
   std::string output = "-";
+  std::string animate;
+  AnimationOptions animation;
 };
 
 void Write(const std::string& path, const std::string& text) {
@@ -85,11 +89,41 @@ int DrawScene(const SceneArguments& arguments) {
   return 0;
 }
 
+/// Exit status 1 where the motion stopped before its time; the page shows it up to there.
+int AnimateScene(const SceneArguments& arguments) {
+  if (!arguments.animate.ends_with(".html")) {
+    throw InputError("--animate: expected a file that ends in .html, found '" + arguments.animate + "'");
+  }
+  const SceneSource source = LoadScene(arguments.scene, arguments.size, arguments.seed);
+  const std::string key = arguments.solver.empty() ? DefaultSolver() : arguments.solver;
+  const auto solver = MakeSolver(key);
+  const auto motion = Start(arguments, source, *solver);
+  Animation animation;
+  {
+    ProgressBar progress("animate", 1);
+    double done = 0;
+    animation = RecordAnimation(motion.get(), arguments.animation, [&](double share) {
+      progress.Advance(share - done, Short(motion->time()) + " s");
+      done = share;
+    });
+  }
+  const MotionLevel level = arguments.level.empty() ? source.level : MotionLevelOf(arguments.level);
+  animation.caption = key + ", " + ToString(level) + " level";
+  Write(arguments.animate, RenderAnimationPage(animation));
+  if (animation.stopped.empty()) return 0;
+  std::cerr << "lcpbench: the motion stopped at " << Short(motion->time()) << " s: " << animation.stopped << std::endl;
+  return 1;
+}
+
+int RunScene(const SceneArguments& arguments) {
+  return arguments.animate.empty() ? DrawScene(arguments) : AnimateScene(arguments);
+}
+
 }  // namespace
 
 void AddSceneCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<SceneArguments>();
-  CLI::App* scene = app.add_subcommand("scene", "Draws a scene, its contacts and their forces");
+  CLI::App* scene = app.add_subcommand("scene", "Draws a scene, its contacts and their forces, or its motion");
   scene->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes) or scene file")->required();
   scene->add_option("--size", arguments->size, "Number of rows n, of a scene family")->capture_default_str();
   scene->add_option("--seed", arguments->seed, "The same seed gives the same scene")->capture_default_str();
@@ -97,7 +131,15 @@ void AddSceneCommand(CLI::App& app, CommandRun& run) {
   scene->add_option("--level", arguments->level, "acceleration or velocity; default: what suits the scene");
   scene->add_option("--time", arguments->time, "Draw the scene after this time in motion [s]")->capture_default_str();
   scene->add_option("-o,--output", arguments->output, "SVG file, or - for standard output")->capture_default_str();
-  scene->callback([arguments, &run] { run = [arguments] { return DrawScene(*arguments); }; });
+  CLI::Option* animate =
+      scene->add_option("--animate", arguments->animate, "HTML page of the motion, instead of a picture");
+  scene->add_option("--duration", arguments->animation.duration, "Of the motion [s]")
+      ->needs(animate)
+      ->capture_default_str();
+  scene->add_option("--fps", arguments->animation.fps, "Frames per second of its time")
+      ->needs(animate)
+      ->capture_default_str();
+  scene->callback([arguments, &run] { run = [arguments] { return RunScene(*arguments); }; });
 }
 
 }  // namespace lcpbench
