@@ -81,6 +81,9 @@ function short(value) {
   return value.toFixed(Math.min(5, Math.max(0, 2 - Math.floor(Math.log10(size))))).replace("-", "\u2212");
 }
 
+// As short, of numbers that are round.
+const round = (value) => short(value).replace(/(\.\d*?)0+$/, "$1").replace(/\.$/, "");
+
 function superscript(exponent) {
   return String(exponent).replace(/./g, (c) => (c === "-" ? "\u207b" : "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[Number(c)]));
 }

@@ -272,7 +272,7 @@ function drawScale() {
   const length = roundDown(110 / view.scale);
   const width = length * view.scale;
   const y = view.height - 14;
-  const text = `${short(length)} m`;
+  const text = `${round(length)} m`;
   context.font = "12px Helvetica, Arial, sans-serif";
   context.fillStyle = "rgba(255,255,255,.85)";
   context.fillRect(8, y - 9, width + context.measureText(text).width + 16, 18);

@@ -172,7 +172,8 @@ function resize() {
   fitView();
   if (keep) Object.assign(view, keep, {scale: view.fit * keep.zoom});
   preparePlot();
-  player.dirty = true;
+  // At once: a canvas that changes its size is empty.
+  show();
 }
 
 async function start() {

@@ -42,7 +42,7 @@ function preparePlot() {
     pen.moveTo(plot.left, y);
     pen.lineTo(plot.width - plot.right, y);
     pen.stroke();
-    pen.fillText(energy === 0 ? "0 J" : short(energy), plot.left - 6, y + 4);
+    pen.fillText(energy === 0 ? "0 J" : round(energy), plot.left - 6, y + 4);
   }
   const duration = timeOf(frameCount - 1);
   for (const time of duration > 0 ? ticks(duration, plot.width < 500 ? 4 : 8) : [0]) {
@@ -52,7 +52,7 @@ function preparePlot() {
     pen.lineTo(x, plot.height - plot.bottom + 3);
     pen.stroke();
     pen.textAlign = x > plot.width - 24 ? "right" : "center";
-    pen.fillText(`${short(time)} s`, Math.min(x, plot.width), plot.height - 6);
+    pen.fillText(`${round(time)} s`, Math.min(x, plot.width), plot.height - 6);
   }
   for (const {color, dash, width, values} of energies) {
     pen.strokeStyle = color;
@@ -87,6 +87,6 @@ function drawPlot(frame) {
   const change = energies[2].values[k] - energies[2].values[0];
   // Differences below the digits of what they are taken from are not a change.
   const size = highestEnergy + Math.abs(lowestPotential);
-  element("change").textContent = `${change > 0 ? "+" : ""}${short(Math.abs(change) < 1e-14 * size ? 0 : change)} J`;
+  element("change").textContent = Math.abs(change) < 1e-14 * size ? "0 J" : `${change > 0 ? "+" : ""}${short(change)} J`;
 }
 
