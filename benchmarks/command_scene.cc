@@ -9,7 +9,6 @@
 #include "benchmarks/commands.h"
 #include "benchmarks/picture_solution.h"
 #include "benchmarks/progress.h"
-#include "benchmarks/scene_motion.h"
 #include "benchmarks/scene_source.h"
 #include "model/assembly.h"
 #include "model/scenes/picture.h"
@@ -50,16 +49,17 @@ std::string DefaultSolver() {
   throw InputError("this build has no solver");
 }
 
-std::unique_ptr<Motion> Start(const SceneArguments& arguments, const SceneSource& source, LcpSolver& solver) {
-  const MotionLevel level = arguments.level.empty() ? source.level : MotionLevelOf(arguments.level);
-  return StartMotion(source, level, solver);
+SceneSource Load(const SceneArguments& arguments) {
+  SceneSource source = LoadScene(arguments.scene, arguments.size, arguments.seed);
+  if (!arguments.level.empty()) source.level = MotionLevelFromString(arguments.level);
+  return source;
 }
 
 /// The scene as its family gives it, or after moving on by --time.
 ContactSystem SystemAt(const SceneArguments& arguments, const SceneSource& source, World* world) {
   if (!(arguments.time > 0)) return source.problem ? *source.problem : InstantWithContacts(source.world);
   const auto solver = MakeSolver(arguments.solver.empty() ? DefaultSolver() : arguments.solver);
-  const auto motion = Start(arguments, source, *solver);
+  const auto motion = StartMotion(source, *solver);
   motion->Advance(arguments.time);
   if (motion->status() != MotionStatus::kMoving) {
     throw InputError("scene '" + source.world.name + "' stopped at " + Short(motion->time()) +
@@ -74,7 +74,7 @@ int DrawScene(const SceneArguments& arguments) {
     throw InputError("--output: expected a file that ends in .svg, found '" + arguments.output + "'");
   }
   if (!(arguments.time >= 0 && std::isfinite(arguments.time))) throw InputError("--time: expected seconds >= 0");
-  const SceneSource source = LoadScene(arguments.scene, arguments.size, arguments.seed);
+  const SceneSource source = Load(arguments);
   World world = source.world;
   const ContactSystem system = SystemAt(arguments, source, &world);
   const AssembledLcp lcp = AssembleContactLcp(system);
@@ -94,10 +94,10 @@ int AnimateScene(const SceneArguments& arguments) {
   if (!arguments.animate.ends_with(".html")) {
     throw InputError("--animate: expected a file that ends in .html, found '" + arguments.animate + "'");
   }
-  const SceneSource source = LoadScene(arguments.scene, arguments.size, arguments.seed);
+  const SceneSource source = Load(arguments);
   const std::string key = arguments.solver.empty() ? DefaultSolver() : arguments.solver;
   const auto solver = MakeSolver(key);
-  const auto motion = Start(arguments, source, *solver);
+  const auto motion = StartMotion(source, *solver);
   Animation animation;
   {
     ProgressBar progress("animate", 1);
@@ -107,8 +107,7 @@ int AnimateScene(const SceneArguments& arguments) {
       done = share;
     });
   }
-  const MotionLevel level = arguments.level.empty() ? source.level : MotionLevelOf(arguments.level);
-  animation.caption = key + ", " + ToString(level) + " level";
+  animation.caption = key + ", " + std::string(ToString(source.level)) + " level";
   Write(arguments.animate, RenderAnimationPage(animation));
   if (animation.stopped.empty()) return 0;
   std::cerr << "lcpbench: the motion stopped at " << Short(motion->time()) << " s: " << animation.stopped << std::endl;

@@ -17,6 +17,8 @@ void AddAssembleCommand(CLI::App& app, CommandRun& run);
 void AddReplayCommand(CLI::App& app, CommandRun& run);
 void AddRunCommand(CLI::App& app, CommandRun& run);
 void AddReportCommand(CLI::App& app, CommandRun& run);
+void AddSequenceCommand(CLI::App& app, CommandRun& run);
+void AddMotionCommand(CLI::App& app, CommandRun& run);
 
 /// Exit status for a user's mistake.
 inline constexpr int kMisuse = 2;

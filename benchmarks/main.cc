@@ -52,6 +52,8 @@ int main(int argc, char** argv) {
   AddReplayCommand(app, run);
   AddRunCommand(app, run);
   AddReportCommand(app, run);
+  AddSequenceCommand(app, run);
+  AddMotionCommand(app, run);
 
   try {
     RequireKnownCommand(app, argc, argv);

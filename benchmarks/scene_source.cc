@@ -1,12 +1,12 @@
 #include "benchmarks/scene_source.h"
 
 #include <algorithm>
-#include <filesystem>
+#include <utility>
 
 #include "model/motion/contact_finder.h"
+#include "model/scene_file/scene_file.h"
 #include "model/scenes/picture_layout.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -14,8 +14,13 @@ namespace {
 bool IsPath(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".json"); }
 
 SceneSource LoadSceneFile(const std::string& path) {
-  if (!std::filesystem::is_regular_file(path)) throw InputError(path + ": no such file");
-  throw InputError(path + ": this build reads no scene files");
+  SceneFile file = ReadSceneFile(path);
+  SceneSource source;
+  source.world = std::move(file.world);
+  source.level = file.level.value_or(source.level);
+  source.step = file.step.value_or(source.step);
+  source.restitution = file.restitution.value_or(source.restitution);
+  return source;
 }
 
 }  // namespace
@@ -23,7 +28,12 @@ SceneSource LoadSceneFile(const std::string& path) {
 SceneSource LoadScene(const std::string& name_or_file, int size, std::uint64_t seed) {
   if (IsPath(name_or_file)) return LoadSceneFile(name_or_file);
   const SceneFamily& family = FindScene(name_or_file);
-  return {StartScene(name_or_file, size, seed), GenerateScene(name_or_file, size, seed), family.level, family.step};
+  SceneSource source;
+  source.world = StartScene(name_or_file, size, seed);
+  source.problem = GenerateScene(name_or_file, size, seed);
+  source.level = family.level;
+  source.step = family.step;
+  return source;
 }
 
 ContactSystem InstantWithContacts(const World& world) {
@@ -33,6 +43,13 @@ ContactSystem InstantWithContacts(const World& world) {
   const double median = MedianExtent(world.bodies, bounds);
   const double size = median > 0 ? median : 1;
   return InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
+}
+
+std::unique_ptr<Motion> StartMotion(const SceneSource& source, LcpSolver& solver) {
+  MotionOptions options;
+  options.velocity.step = source.step;
+  options.velocity.restitution = source.restitution;
+  return MakeMotion(source.level, source.world, options, solver);
 }
 
 }  // namespace lcpbench

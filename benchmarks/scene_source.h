@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 
-#include "model/motion/motion.h"
+#include "model/motion/make_motion.h"
 #include "model/system.h"
 #include "model/world.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -17,6 +19,7 @@ struct SceneSource {
   std::optional<ContactSystem> problem;
   MotionLevel level = MotionLevel::kVelocity;  ///< what suits the scene
   double step = 1e-3;                          ///< time step at the velocity level [s]
+  double restitution = 0;                      ///< of impacts, in [0, 1]
 };
 
 /// @param name_or_file  a key of AllScenes(), or a path (with a '/' or ending in .json)
@@ -27,6 +30,10 @@ SceneSource LoadScene(const std::string& name_or_file, int size, std::uint64_t s
 /// One instant of a world: its joints, and the contacts found between its outlines within kFoundGap.
 /// @throws InputError as DetectContacts
 ContactSystem InstantWithContacts(const World& world);
+
+/// The world, ready to move as the source says under `solver`, which must outlive it.
+/// @throws InputError as MakeMotion
+std::unique_ptr<Motion> StartMotion(const SceneSource& source, LcpSolver& solver);
 
 // In units of the median extent of the movable bodies: what counts as touching, and the deepest overlap that a motion
 // may have left.

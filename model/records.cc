@@ -1,124 +1,21 @@
 #include "model/records.h"
 
 #include <Eigen/Core>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "model/assembly.h"
+#include "model/json_field.h"
 
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::json;
 using OrderedJson = nlohmann::ordered_json;
 
 enum class RecordKind { kSystem, kPin, kPath, kContact };
 
-// A value with the way to it, so that every error can say where it is.
-class Field {
- public:
-  Field(const Json& value, const std::string& where, std::string path)
-      : value_(value), where_(where), path_(std::move(path)) {}
-
-  bool Has(const char* key) const { return value_.is_object() && value_.contains(key); }
-
-  Field operator[](const char* key) const {
-    if (!value_.is_object()) Mismatch("an object");
-    const auto it = value_.find(key);
-    if (it == value_.end()) {
-      throw InputError(where_ + ": " + path_ + "/" + key + ": missing field, expected " + Expected(key));
-    }
-    return {*it, where_, path_ + "/" + key};
-  }
-
-  std::vector<Field> Items() const {
-    if (!value_.is_array()) Mismatch("an array");
-    std::vector<Field> items;
-    items.reserve(value_.size());
-    for (size_t i = 0; i < value_.size(); ++i) items.emplace_back(value_[i], where_, path_ + "/" + std::to_string(i));
-    return items;
-  }
-
-  double Number() const {
-    if (!value_.is_number()) Mismatch("a number");
-    return value_.get<double>();
-  }
-
-  bool Boolean() const {
-    if (!value_.is_boolean()) Mismatch("true or false");
-    return value_.get<bool>();
-  }
-
-  std::string String() const {
-    if (!value_.is_string()) Mismatch("a string");
-    return value_.get<std::string>();
-  }
-
-  int Integer() const {
-    if (value_.is_number_unsigned()) {
-      const auto number = value_.get<unsigned long long>();
-      if (number <= static_cast<unsigned long long>(std::numeric_limits<int>::max())) return static_cast<int>(number);
-    } else if (value_.is_number_integer()) {
-      const auto number = value_.get<long long>();
-      if (number >= std::numeric_limits<int>::min()) return static_cast<int>(number);
-    }
-    Mismatch("an integer");
-  }
-
-  Vec2 Vector() const {
-    if (!value_.is_array() || value_.size() != 2) Mismatch("an array of two numbers");
-    const std::vector<Field> items = Items();
-    return {items[0].Number(), items[1].Number()};
-  }
-
-  std::optional<double> NumberOrNull() const {
-    if (value_.is_null()) return std::nullopt;
-    if (!value_.is_number()) Mismatch("a number or null");
-    return value_.get<double>();
-  }
-
-  [[noreturn]] void Mismatch(const std::string& expected) const {
-    constexpr size_t kLongestExcerpt = 60;
-    // A nested value is only named: printing it could be long, and as deep as its author liked.
-    std::string found = value_.is_structured()
-                            ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
-                            : value_.dump(-1, ' ', /*ensure_ascii=*/true);
-    if (found.size() > kLongestExcerpt) found = found.substr(0, kLongestExcerpt) + "...";
-    throw InputError(where_ + ": " + (path_.empty() ? "/" : path_) + ": expected " + expected + ", found " + found);
-  }
-
-  [[noreturn]] void Unsupported(const std::string& type) const {
-    throw UnsupportedFeatureError("unsupported feature '" + type + "' at " + path_ +
-                                  ": expected vertex, straight, arc, ellipse, superellipse or bezier");
-  }
-
- private:
-  // What a field that is missing should have held.
-  static std::string Expected(const std::string& key) {
-    if (key == "id" || key == "type" || key == "side") return "a string";
-    if (key == "fixed") return "true or false";
-    if (key == "body1" || key == "body2") return "a body (of a system: its index)";
-    if (key == "feature1" || key == "feature2") return "a feature";
-    if (key == "bodies" || key == "contacts") return "an array";
-    if (key == "mass" || key == "inertia" || key == "theta" || key == "omega" || key == "torque" || key == "radius" ||
-        key == "phi") {
-      return "a number";
-    }
-    if (key == "a" || key == "b") return "a number (of a straight edge, an array of two)";
-    if (key == "m") return "an integer";
-    if (key == "P") return "an array of four points";
-    return "an array of two numbers";
-  }
-
-  const Json& value_;
-  const std::string& where_;
-  std::string path_;
-};
-
-Body ParseBody(const Field& field) {
+Body ParseBody(const JsonField& field) {
   Body body;
   body.mass = field["mass"].Number();
   body.inertia = field["inertia"].Number();
@@ -132,14 +29,11 @@ Body ParseBody(const Field& field) {
   return body;
 }
 
-Side ParseSide(const Field& field) {
-  const std::string side = field.String();
-  if (side == "convex") return Side::kConvex;
-  if (side == "concave") return Side::kConcave;
-  field.Mismatch("\"convex\" or \"concave\"");
+Side ParseSide(const JsonField& field) {
+  return field.Choice<Side>({{"convex", Side::kConvex}, {"concave", Side::kConcave}});
 }
 
-Feature ParseFeature(const Field& field) {
+Feature ParseFeature(const JsonField& field) {
   const std::string type = field["type"].String();
   if (type == "vertex") return Vertex{field["p"].Vector()};
   if (type == "straight") return StraightEdge{field["a"].Vector(), field["b"].Vector()};
@@ -153,17 +47,18 @@ Feature ParseFeature(const Field& field) {
                             field["m"].Integer(),     field["phi"].Number(), ParseSide(field["side"])};
   }
   if (type == "bezier") {
-    const std::vector<Field> points = field["P"].Items();
+    const std::vector<JsonField> points = field["P"].Items();
     BezierEdge edge;
     if (points.size() != edge.P.size()) field["P"].Mismatch("an array of four points");
     for (size_t i = 0; i < points.size(); ++i) edge.P[i] = points[i].Vector();
     return edge;
   }
-  field.Unsupported(type);
+  throw UnsupportedFeatureError("unsupported feature '" + type + "' at " + field.Path() +
+                                ": expected vertex, straight, arc, ellipse, superellipse or bezier");
 }
 
 // The features and the search's start, which single contacts and the contacts of a system share.
-void ParseFeatures(const Field& field, Constraint* constraint) {
+void ParseFeatures(const JsonField& field, Constraint* constraint) {
   constraint->feature1 = ParseFeature(field["feature1"]);
   constraint->feature2 = ParseFeature(field["feature2"]);
   if (field.Has("s1")) constraint->s1 = field["s1"].NumberOrNull();
@@ -171,15 +66,12 @@ void ParseFeatures(const Field& field, Constraint* constraint) {
   if (field.Has("nominal_gap")) constraint->nominal_gap = field["nominal_gap"].Number();
 }
 
-ConstraintType ParseConstraintType(const Field& field) {
-  const std::string type = field.String();
-  if (type == "unilateral") return ConstraintType::kContact;
-  if (type == "path") return ConstraintType::kPathJoint;
-  if (type == "pin") return ConstraintType::kPin;
-  field.Mismatch("\"unilateral\", \"path\" or \"pin\"");
+ConstraintType ParseConstraintType(const JsonField& field) {
+  return field.Choice<ConstraintType>(
+      {{"unilateral", ConstraintType::kContact}, {"path", ConstraintType::kPathJoint}, {"pin", ConstraintType::kPin}});
 }
 
-RecordKind KindOf(const Field& record) {
+RecordKind KindOf(const JsonField& record) {
   if (record.Has("bodies") || record.Has("contacts")) return RecordKind::kSystem;
   if (!record.Has("kind")) return RecordKind::kContact;
   const std::string kind = record["kind"].String();
@@ -187,12 +79,12 @@ RecordKind KindOf(const Field& record) {
   return kind == "path" ? RecordKind::kPath : RecordKind::kContact;
 }
 
-ContactSystem ParseSystem(const Field& record, RecordKind kind) {
+ContactSystem ParseSystem(const JsonField& record, RecordKind kind) {
   ContactSystem system;
   system.name = record["id"].String();
   if (kind == RecordKind::kSystem) {
-    for (const Field& body : record["bodies"].Items()) system.bodies.push_back(ParseBody(body));
-    for (const Field& contact : record["contacts"].Items()) {
+    for (const JsonField& body : record["bodies"].Items()) system.bodies.push_back(ParseBody(body));
+    for (const JsonField& contact : record["contacts"].Items()) {
       Constraint constraint;
       constraint.type = ParseConstraintType(contact["type"]);
       constraint.body1 = contact["body1"].Integer();
@@ -212,18 +104,6 @@ ContactSystem ParseSystem(const Field& record, RecordKind kind) {
   ParseFeatures(record, &constraint);
   system.constraints = {constraint};
   return system;
-}
-
-Json ParseJson(std::string_view line, const std::string& where) {
-  try {
-    Json json = Json::parse(line);
-    if (!json.is_object()) Field(json, where, "").Mismatch("an object");
-    return json;
-  } catch (const Json::parse_error& error) {
-    throw InputError(where + ": not valid JSON, at byte " + std::to_string(error.byte));
-  } catch (const Json::out_of_range&) {
-    throw InputError(where + ": not valid JSON, a number is out of the range of double");
-  }
 }
 
 OrderedJson ToJson(Vec2 a) { return OrderedJson::array({a.x, a.y}); }
@@ -315,14 +195,14 @@ void AddAnswer(const ContactSystem& system, RecordKind kind, OrderedJson* out) {
 }  // namespace
 
 ContactSystem ParseSystemRecord(std::string_view line, const std::string& where) {
-  const Json json = ParseJson(line, where);
-  const Field record(json, where, "");
+  const nlohmann::json json = ParseJsonObject(line, where);
+  const JsonField record(json, where);
   return ParseSystem(record, KindOf(record));
 }
 
 std::string AssembleRecord(std::string_view line, const std::string& where) {
-  const Json json = ParseJson(line, where);
-  const Field record(json, where, "");
+  const nlohmann::json json = ParseJsonObject(line, where);
+  const JsonField record(json, where);
   OrderedJson out = {{"id", record["id"].String()}};
   const RecordKind kind = KindOf(record);
   ContactSystem system;

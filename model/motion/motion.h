@@ -36,7 +36,8 @@ struct MotionProblem {
   const LcpResult& result;
 };
 
-/// Called once for every accepted step (at its beginning) and every impact; not for evaluations within a step.
+/// Called once for every accepted step (at its beginning) and every impact; not for evaluations within a step. A time
+/// step's problem that was found unsolvable comes with its ray before the relaxed one that was solved instead.
 using MotionObserver = std::function<void(const MotionProblem&)>;
 
 /// Why a motion stopped moving.
@@ -50,6 +51,7 @@ struct MotionStatistics {
   std::int64_t steps = 0;
   std::int64_t solves = 0;         ///< LCPs given to the solver
   std::int64_t failed_solves = 0;  ///< of these, not answered by kSolved: the motion went on with the best point given
+  std::int64_t unsolvable = 0;     ///< of these, answered by kInfeasible
   std::int64_t impacts = 0;
   double worst_penetration = 0;  ///< deepest -d of a contact row met [m], >= 0
   double worst_joint_error = 0;  ///< largest |d| of a bilateral row met [m]

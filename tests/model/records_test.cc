@@ -334,7 +334,7 @@ TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
       {SomeContact(), "/body2/x", {1, 2, 3}, "/body2/x: expected an array of two numbers, found an array of 3"},
       {SomeContact(), "/body2/x/1", "a", "/body2/x/1: expected a number, found \"a\""},
       {SomeContact(), "/body2", 4, "/body2: expected an object, found 4"},
-      {SomeContact(), "/feature2/side", "left", "/feature2/side: expected \"convex\" or \"concave\", found \"left\""},
+      {SomeContact(), "/feature2/side", "left", "/feature2/side: expected one of convex, concave, found \"left\""},
       {SomeContact(), "/feature2/type", 1, "/feature2/type: expected a string, found 1"},
       {SomeContact(), "/s1", "a", "/s1: expected a number or null, found \"a\""},
       {SomeSystem(), "/bodies", 1, "/bodies: expected an array, found 1"},
@@ -342,7 +342,7 @@ TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
       {SomeSystem(), "/contacts/0/body1", 0.5, "/contacts/0/body1: expected an integer, found 0.5"},
       {SomeSystem(), "/contacts/0/body1", 1e10, "/contacts/0/body1: expected an integer, found 10000000000.0"},
       {SomeSystem(), "/contacts/0/type", "glue",
-       "/contacts/0/type: expected \"unilateral\", \"path\" or \"pin\", found \"glue\""},
+       "/contacts/0/type: expected one of unilateral, path, pin, found \"glue\""},
   };
   for (const Case& c : cases) {
     Json record = c.record;

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "model/motion/motion.h"
+#include "model/motion/row_matching.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+
+/// How a problem differs from the one before it. Rows are told to be the same by RowMatching; indices are rows of the
+/// problem itself but for `left`, which are rows of the one before.
+struct ActiveSetChange {
+  std::vector<int> entered;
+  std::vector<int> left;
+  std::vector<int> activated;    ///< in both, active (D f > w, D = A_ii) here only; unilateral rows
+  std::vector<int> deactivated;  ///< in both, active there only
+};
+
+/// Compares every problem of a motion with the one before.
+class ActiveSetHistory {
+ public:
+  /// @param w  Metrics::w of the answer
+  ActiveSetChange Follow(const MotionProblem& met, const Eigen::VectorXd& w);
+
+ private:
+  RowMatching matching_;
+  std::vector<bool> active_;  // of the problem before
+};
+
+/// What a sequence consists of, for its summary.
+struct SequenceCounts {
+  std::vector<Index> rows;           ///< of every problem written
+  std::int64_t failed = 0;           ///< not claimed solved
+  std::int64_t not_passed = 0;       ///< does not pass the tolerance
+  std::int64_t false_successes = 0;  ///< claimed solved and does not pass
+};
+
+/// Writes the LCPs of a motion as JSON lines: FormatLcpRecord, and a member "motion" that readers of problems pass
+/// over (fields in RESULTS.md). Flushed after every line, so that an interrupted run keeps what it has.
+class SequenceWriter {
+ public:
+  /// @param out        not owned; must outlive the writer
+  /// @param name       names the stream in errors
+  SequenceWriter(std::ostream& out, std::string name, std::string solver, double tolerance, bool with_matrix);
+
+  /// The sequence's next step begins. Of the acceleration problems until the next call the first one is written: how
+  /// many steps the integrator takes in between is its own matter. Impacts and time steps are written all.
+  void BeginStep(int step);
+
+  /// Judges and writes one problem.
+  /// @throws InputError where it cannot be written
+  void Write(const MotionProblem& met);
+
+  const SequenceCounts& counts() const { return counts_; }
+
+ private:
+  std::ostream& out_;
+  std::string name_;
+  std::string solver_;
+  double tolerance_;
+  bool with_matrix_;
+  int step_ = 0;
+  bool acceleration_written_ = false;
+  ActiveSetHistory history_;
+  SequenceCounts counts_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,169 @@
+#include "model/motion/acceleration_contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <variant>
+
+#include "model/closest_points.h"
+#include "model/connector_row.h"
+#include "model/contact_row.h"
+#include "model/detection.h"
+#include "model/overloaded.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+bool Same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
+
+bool HasOutline(const Body& body) { return !body.outline.empty(); }
+
+const Body& At(std::span<const Body> bodies, int index) { return bodies[static_cast<std::size_t>(index)]; }
+
+TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& body2) {
+  const Vec2 vertex1 = std::get<Vertex>(rope.feature1).p;
+  const Vec2 vertex2 = std::get<Vertex>(rope.feature2).p;
+  const auto [points, row] = ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta),
+                                                 body2, rope.length);
+  return {-points.n, points.R1, points.R2, rope.length - points.d, -row.d_dot};
+}
+
+}  // namespace
+
+bool IsSameFeature(const Feature& a, const Feature& b) {
+  if (a.index() != b.index()) return false;
+  return std::visit(
+      Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
+                 [&](const StraightEdge& p) {
+                   const auto& q = std::get<StraightEdge>(b);
+                   return Same(p.a, q.a) && Same(p.b, q.b);
+                 },
+                 [&](const ArcEdge& p) {
+                   const auto& q = std::get<ArcEdge>(b);
+                   return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
+                 },
+                 [&](const EllipseEdge& p) {
+                   const auto& q = std::get<EllipseEdge>(b);
+                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi && p.side == q.side;
+                 },
+                 [&](const SuperellipseEdge& p) {
+                   const auto& q = std::get<SuperellipseEdge>(b);
+                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m && p.phi == q.phi &&
+                          p.side == q.side;
+                 },
+                 [&](const BezierEdge& p) {
+                   const auto& q = std::get<BezierEdge>(b);
+                   return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
+                 }},
+      a);
+}
+
+bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b) {
+  if (a.body1 != b.body1 || a.body2 != b.body2 || a.type != b.type) return false;
+  const double arms = Norm(at_a.R1) + Norm(at_a.R2);
+  const double apart = std::max(Norm(at_a.R1 - at_b.R1), Norm(at_a.R2 - at_b.R2));
+  const bool same_features = IsSameFeature(a.feature1, b.feature1) && IsSameFeature(a.feature2, b.feature2);
+  if (same_features) return (!a.s1 && !a.s2) || apart <= kApart * arms;
+  return apart <= kSamePlace * arms && Norm(at_a.n - at_b.n) <= kSamePlace;
+}
+
+ContactWatch::ContactWatch(const World& world, double flush_angle) : finder_(world), flush_angle_(flush_angle) {
+  for (const Body& body : world.bodies) {
+    Surface surface;
+    if (HasOutline(body)) surface.spans = NormalSpans(OutlineOf(body), Rotation{});
+    BoundingBox all{{0, 0}, {0, 0}};
+    bool first = true;
+    for (const NormalSpan& span : surface.spans) {
+      const BoundingBox box = span.Bounds();
+      if (first) all = box;
+      first = false;
+      all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
+      all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
+    }
+    const double reach_x = std::max(std::abs(all.lower.x), std::abs(all.upper.x));
+    const double reach_y = std::max(std::abs(all.lower.y), std::abs(all.upper.y));
+    surface.radius = Norm({reach_x, reach_y});
+    const double side = std::min(all.upper.x - all.lower.x, all.upper.y - all.lower.y);
+    if (!body.fixed && side > 0 && (thinnest_ == 0 || side < thinnest_)) thinnest_ = side;
+    connected_.push_back(HasOutline(body));
+    surfaces_.push_back(std::move(surface));
+  }
+  for (const Constraint& joint : world.joints) {
+    if (joint.type != ConstraintType::kRope) continue;
+    ropes_.push_back(joint);
+    const std::array<std::pair<int, const Feature*>, 2> ends = {
+        {{joint.body1, &joint.feature1}, {joint.body2, &joint.feature2}}};
+    for (const auto& [body, feature] : ends) {
+      const auto index = static_cast<std::size_t>(body);
+      connected_[index] = true;
+      if (const auto* end = std::get_if<Vertex>(feature)) {
+        surfaces_[index].radius = std::max(surfaces_[index].radius, Norm(end->p));
+      }
+    }
+  }
+}
+
+TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* constraint) {
+  const Body& body1 = At(bodies, constraint->body1);
+  const Body& body2 = At(bodies, constraint->body2);
+  if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, body1, body2);
+  const ClosestPoints closest =
+      FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
+                        {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
+                        {constraint->s1, constraint->s2, constraint->nominal_gap});
+  if (constraint->s1) constraint->s1 = closest.s1;
+  if (constraint->s2) constraint->s2 = closest.s2;
+  constraint->nominal_gap = closest.d;
+  return {closest.n, closest.R1, closest.R2, closest.d, ComputeContactRow(closest, body1, body2).d_dot};
+}
+
+bool ContactWatch::LiesOn(const Surface& surface, const Body& body, const Feature& feature, Vec2 arm,
+                          Vec2 outward) const {
+  const Rotation forward = SinCos(body.theta);
+  const Rotation back{forward.cos, -forward.sin};
+  const Vec2 local_arm = Rotate(back, arm);
+  const Vec2 local_normal = Rotate(back, outward);
+  return std::any_of(surface.spans.begin(), surface.spans.end(), [&](const NormalSpan& span) {
+    if (!IsSameFeature(span.feature(), feature)) return false;
+    if (span.kind() == NormalSpan::Kind::kVertex) return span.cone().Contains(local_normal, flush_angle_);
+    return span.Holds(local_arm, local_normal);
+  });
+}
+
+bool ContactWatch::LiesOn(std::span<const Body> bodies, const Constraint& constraint, const TouchPoint& touch) const {
+  if (constraint.type == ConstraintType::kRope) return true;
+  const auto on = [&](int index, const Feature& feature, Vec2 arm, Vec2 outward) {
+    return LiesOn(surfaces_[static_cast<std::size_t>(index)], At(bodies, index), feature, arm, outward);
+  };
+  return on(constraint.body1, constraint.feature1, touch.R1, -touch.n) &&
+         on(constraint.body2, constraint.feature2, touch.R2, touch.n);
+}
+
+std::vector<Constraint> ContactWatch::Find(std::span<const Body> bodies, double range) const {
+  std::vector<Constraint> found;
+  if (thinnest_ > 0) found = finder_.Find(bodies, range, range);
+  for (Constraint rope : ropes_) {
+    if (std::abs(Evaluate(bodies, &rope).d) <= range) found.push_back(rope);
+  }
+  return found;
+}
+
+double ContactWatch::FastestApproach(std::span<const Body> bodies, std::span<const double> accelerations,
+                                     double duration) const {
+  double first = 0;
+  double second = 0;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    if (!connected_[i]) continue;
+    const double r = surfaces_[i].radius;
+    const double speed = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
+    const double gain =
+        Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
+    const double fastest = speed + duration * gain;
+    second = std::max(second, std::min(fastest, first));
+    first = std::max(first, fastest);
+  }
+  return first + second;
+}
+
+}  // namespace lcpbench

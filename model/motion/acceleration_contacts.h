@@ -1,0 +1,79 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "model/body.h"
+#include "model/motion/contact_finder.h"
+#include "model/normal_span.h"
+#include "model/system.h"
+#include "model/vec2.h"
+#include "model/world.h"
+
+namespace lcpbench {
+
+/// Where the two features of a unilateral constraint are closest, and how fast that changes. World frame.
+struct TouchPoint {
+  Vec2 n;           ///< unit normal from body 2 to body 1
+  Vec2 R1;          ///< arms from the centres of mass to the closest points [m]
+  Vec2 R2;
+  double d = 0;      ///< gap [m]; of a rope, length - distance
+  double d_dot = 0;  ///< [m/s]
+};
+
+/// The unilateral constraints between moving bodies: contacts found from outlines, and ropes that may become taut.
+/// Features are meant locally (feature.h), so that a contact can be followed beyond the end of its edges: as a gap that
+/// is smooth in time. Whether the bodies really are closest there is another question, which LiesOn answers.
+class ContactWatch {
+ public:
+  /// @param world       its bodies' outlines are kept, positions are given later
+  /// @param flush_angle how far a normal may leave a corner's cone [rad] before a contact at that corner is none: two
+  ///                    straight edges that lie flush within this keep both their contacts
+  ContactWatch(const World& world, double flush_angle);
+
+  /// The closest points of a constraint's features; general curves from its start values, which are moved to the points
+  /// found.  @throws InputError where they are singular or not found
+  static TouchPoint Evaluate(std::span<const Body> bodies, Constraint* constraint);
+
+  /// Whether the closest points lie on the outlines: feet on their edges, normals in their corners' cones.
+  bool LiesOn(std::span<const Body> bodies, const Constraint& constraint, const TouchPoint& touch) const;
+
+  /// All contacts and ropes with -range <= d <= range, as DetectContacts.
+  std::vector<Constraint> Find(std::span<const Body> bodies, double range) const;
+
+  /// The thinnest movable body's smaller side of its bounding box [m]; 0 if no movable body has an outline.
+  double ThinnestBody() const { return thinnest_; }
+
+  /// A bound on the speed at which any two surfaces can approach each other while bodies move for `duration` with the
+  /// accelerations that they have now: the sum of the two fastest bodies' |v| + |omega| r and what is added on the way.
+  /// @param accelerations  three a body
+  double FastestApproach(std::span<const Body> bodies, std::span<const double> accelerations, double duration) const;
+
+ private:
+  struct Surface {
+    std::vector<NormalSpan> spans;  // body frame
+    double radius = 0;              // of the circle about the centre of mass that holds the outline
+  };
+
+  bool LiesOn(const Surface& surface, const Body& body, const Feature& feature, Vec2 arm, Vec2 outward) const;
+
+  ContactFinder finder_;
+  std::vector<Surface> surfaces_;
+  std::vector<Constraint> ropes_;
+  std::vector<bool> connected_;  // has an outline, a rope: what can touch
+  double flush_angle_;
+  double thinnest_ = 0;
+};
+
+/// The same kind and numbers, bit for bit.
+bool IsSameFeature(const Feature& a, const Feature& b);
+
+/// Whether two constraints stand for one contact: the same features of the same bodies, or closest points and normals
+/// that agree within kSamePlace (an edge and its neighbour at a smooth join). Curves can have several contacts with the
+/// same features, kApart of the arms from each other at least.
+bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b);
+
+inline constexpr double kSamePlace = 1e-7;
+inline constexpr double kApart = 1e-3;
+
+}  // namespace lcpbench

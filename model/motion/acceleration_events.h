@@ -1,0 +1,79 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "model/motion/acceleration_contacts.h"
+#include "model/motion/acceleration_flow.h"
+
+namespace lcpbench {
+
+/// Where a step starts: the instant, the held contacts (a part of the flow's held set, after its bilateral rows) and
+/// their LCP.
+struct StepBegin {
+  double time = 0;  ///< [s]
+  MotionState state;
+  std::vector<Body> bodies;
+  std::vector<Constraint> held;
+  AnsweredLcp answered;  ///< rows in the order of the flow's held set
+  std::vector<double> accelerations;
+};
+
+struct EventOptions {
+  double contact_tolerance = 0;  ///< [m]
+  double velocity_tolerance = 0;
+  double range = 0;            ///< gaps and overlaps that are looked for [m]
+  double event_depth = 0;      ///< how far below 0 a gap is when its impact is due [m], > 0
+  double shortest_step = 0;    ///< below this no step is given up for what cannot be resolved [s]
+};
+
+/// The end of a step, perhaps at an event.
+struct StepEnd {
+  double step = 0;  ///< [s]
+  MotionState state;
+  std::vector<Constraint> found;     ///< contacts and ropes within the range at the end
+  std::vector<Constraint> touching;  ///< those whose approach ended the step
+  bool at_event = false;
+};
+
+/// Finds the first event of a step. See AccelerationMotion for what events are.
+class StepEvents {
+ public:
+  /// All must outlive this; `flow` holds the contacts of `begin`.
+  StepEvents(const EventOptions& options, const ContactWatch& watch, const StepBegin& begin, ConstrainedFlow* flow);
+
+  /// Looks at a whole step to `state` and cuts it at the first event.
+  /// @return nothing if the step should be tried again with half its length
+  /// @throws InputError, NoFinitePoint as ConstrainedFlow
+  std::optional<StepEnd> Cut(double step, MotionState state);
+
+ private:
+  // Positive before an event, negative or zero after.
+  using Value = std::function<double(double step, const MotionState& state)>;
+  struct Event {
+    Value value;
+    double begin_value = 0;
+    double tolerance = 0;  // of the time [s]
+    bool smooth = false;
+    std::optional<Constraint> approaching;
+  };
+
+  std::vector<Body> BodiesAt(double step, const MotionState& state) const;
+  MotionState StateAfter(double step) const;
+  void AddPassages(const StepEnd& end, std::vector<Event>* events) const;
+  // False if a contact outside its set was held: the step is too long.
+  bool AddReleases(const StepEnd& end, std::vector<Event>* events) const;
+  // Cuts the end where a gap closed and opened again.
+  bool AddApproaches(StepEnd* end, std::vector<Event>* events) const;
+  double Level(double begin_gap) const;
+  void Narrow(const Event& event, StepEnd* end) const;
+  bool IsThere(const Constraint& constraint, const StepEnd& end) const;
+
+  EventOptions options_;
+  const ContactWatch& watch_;
+  const StepBegin& begin_;
+  ConstrainedFlow* flow_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,79 @@
+#include "model/motion/projection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+void AddToPositions(const Eigen::VectorXd& change, std::span<Body> bodies) {
+  Index k = 0;
+  for (Body& body : bodies) {
+    if (!body.fixed) {
+      body.x = body.x + Vec2{change[k], change[k + 1]};
+      body.theta += change[k + 2];
+    }
+    k += 3;
+  }
+}
+
+}  // namespace
+
+LcpProblem WithRightHandSide(const AssembledLcp& lcp, const Eigen::VectorXd& b) {
+  const LcpProblem& given = lcp.problem;
+  return LcpProblem::FromFactors(given.id(), given.J(), given.inverse_mass(), b,
+                                 RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
+}
+
+Eigen::VectorXd DisplacementOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Eigen::VectorXd forces = problem.J().transpose() * f;
+  return problem.inverse_mass().cwiseProduct(forces);
+}
+
+void AddToVelocities(const Eigen::VectorXd& change, std::span<Body> bodies) {
+  Index k = 0;
+  for (Body& body : bodies) {
+    if (!body.fixed) {
+      body.v = body.v + Vec2{change[k], change[k + 1]};
+      body.omega += change[k + 2];
+    }
+    k += 3;
+  }
+}
+
+double WorstViolation(const std::vector<RowInfo>& rows) {
+  double worst = 0;
+  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+  return worst;
+}
+
+double ProjectPositions(double goal, const DisplacementSolver& solve, ContactSystem* system) {
+  AssembledLcp lcp = AssembleContactLcp(*system);
+  double violation = WorstViolation(lcp.rows);
+  for (int round = 0; round < kMostProjections && violation > goal; ++round) {
+    Eigen::VectorXd gaps(static_cast<Index>(lcp.rows.size()));
+    for (std::size_t i = 0; i < lcp.rows.size(); ++i) gaps[static_cast<Index>(i)] = lcp.rows[i].d;
+    const LcpProblem problem = WithRightHandSide(lcp, gaps);
+    LcpResult result;
+    solve(problem, &result);
+    const std::vector<Body> before = system->bodies;
+    AddToPositions(DisplacementOf(problem, result.f), system->bodies);
+    double left = violation;
+    try {
+      lcp = AssembleContactLcp(*system);
+      left = WorstViolation(lcp.rows);
+    } catch (const InputError&) {
+      // A displacement so large that geometry became singular was no correction.
+    }
+    if (!(left < violation)) {
+      system->bodies = before;
+      break;
+    }
+    violation = left;
+  }
+  return violation;
+}
+
+}  // namespace lcpbench

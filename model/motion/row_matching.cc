@@ -1,0 +1,106 @@
+#include "model/motion/row_matching.h"
+
+#include <algorithm>
+#include <cstring>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+#include <variant>
+
+#include "model/overloaded.h"
+
+namespace lcpbench {
+namespace {
+
+// Features are constants of their bodies, so that equal bytes are equal features.
+class KeyText {
+ public:
+  void Add(double value) {
+    char bytes[sizeof value];
+    std::memcpy(bytes, &value, sizeof value);
+    text_.append(bytes, sizeof value);
+  }
+  void Add(int value) { Add(static_cast<double>(value)); }
+  void Add(Vec2 value) {
+    Add(value.x);
+    Add(value.y);
+  }
+  void Add(Side side) { Add(static_cast<int>(side)); }
+
+  void Add(const Feature& feature) {
+    Add(static_cast<int>(feature.index()));
+    std::visit(
+        Overloaded{
+            [this](const Vertex& vertex) { Add(vertex.p); },
+            [this](const StraightEdge& edge) { AddAll(edge.a, edge.b); },
+            [this](const ArcEdge& arc) { AddAll(arc.center, arc.radius, arc.side); },
+            [this](const EllipseEdge& edge) { AddAll(edge.center, edge.a, edge.b, edge.phi, edge.side); },
+            [this](const SuperellipseEdge& edge) { AddAll(edge.center, edge.a, edge.b, edge.m, edge.phi, edge.side); },
+            [this](const BezierEdge& edge) {
+              for (const Vec2 point : edge.P) Add(point);
+            },
+        },
+        feature);
+  }
+
+  template <typename... Values>
+  void AddAll(const Values&... values) {
+    (Add(values), ...);
+  }
+
+  std::string Take() { return std::move(text_); }
+
+ private:
+  std::string text_;
+};
+
+std::string KeyOf(const Constraint& constraint, char axis) {
+  KeyText key;
+  key.AddAll(static_cast<int>(constraint.type), static_cast<int>(axis), constraint.body1, constraint.body2,
+             constraint.feature1, constraint.feature2);
+  return key.Take();
+}
+
+}  // namespace
+
+std::vector<std::optional<int>> RowMatching::Follow(const ContactSystem& system, const std::vector<RowInfo>& rows) {
+  std::unordered_map<std::string, std::pair<std::vector<int>, std::vector<int>>> places;  // before, now
+  for (std::size_t i = 0; i < keys_.size(); ++i) places[keys_[i]].first.push_back(static_cast<int>(i));
+  std::vector<std::string> keys;
+  std::vector<Vec2> normals;
+  keys.reserve(rows.size());
+  normals.reserve(rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const RowInfo& row = rows[i];
+    keys.push_back(KeyOf(system.constraints[static_cast<std::size_t>(row.constraint)], row.axis));
+    normals.push_back(row.n);
+    if (const auto found = places.find(keys.back()); found != places.end()) {
+      found->second.second.push_back(static_cast<int>(i));
+    }
+  }
+
+  std::vector<std::optional<int>> previous(rows.size());
+  std::vector<std::tuple<double, int, int>> candidates;  // distance, before, now
+  for (const auto& [key, pair] : places) {
+    candidates.clear();
+    for (const int before : pair.first) {
+      for (const int now : pair.second) {
+        const Vec2 turned = normals[static_cast<std::size_t>(now)] - normals_[static_cast<std::size_t>(before)];
+        candidates.emplace_back(Dot(turned, turned), before, now);
+      }
+    }
+    std::sort(candidates.begin(), candidates.end());
+    std::vector<int> taken;
+    for (const auto& [distance, before, now] : candidates) {
+      std::optional<int>& match = previous[static_cast<std::size_t>(now)];
+      if (match || std::find(taken.begin(), taken.end(), before) != taken.end()) continue;
+      match = before;
+      taken.push_back(before);
+    }
+  }
+  keys_ = std::move(keys);
+  normals_ = std::move(normals);
+  return previous;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,87 @@
+#include "model/scene_file/fields.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+
+namespace lcpbench {
+
+double ReadNumber(const JsonField& field) {
+  const double number = field.Number();
+  if (!(std::abs(number) <= kLargestNumber)) field.Mismatch("a number within -1e30..1e30");
+  return number;
+}
+
+double ReadPositive(const JsonField& field) {
+  const double number = field.Number();
+  if (!(number >= 1 / kLargestNumber && number <= kLargestNumber)) {
+    field.Mismatch("a number > 0, within 1e-30..1e30");
+  }
+  return number;
+}
+
+double ReadNonNegative(const JsonField& field) {
+  const double number = field.Number();
+  if (!(number >= 0 && number <= kLargestNumber)) field.Mismatch("a number >= 0, at most 1e30");
+  return number;
+}
+
+Vec2 ReadVector(const JsonField& field) {
+  const Vec2 vector = field.Vector();
+  if (!(std::abs(vector.x) <= kLargestNumber && std::abs(vector.y) <= kLargestNumber)) {
+    field.Fail("expected numbers within -1e30..1e30, found " + Text(vector));
+  }
+  return vector;
+}
+
+double ReadNumber(const JsonField& object, const char* key, double otherwise) {
+  return object.Has(key) ? ReadNumber(object[key]) : otherwise;
+}
+
+Vec2 ReadVector(const JsonField& object, const char* key, Vec2 otherwise) {
+  return object.Has(key) ? ReadVector(object[key]) : otherwise;
+}
+
+void RequireName(const std::string& name, const JsonField& field) {
+  constexpr unsigned char kFirstPrintable = 0x20;
+  constexpr unsigned char kDelete = 0x7f;
+  const bool printable = std::all_of(name.begin(), name.end(), [](char c) {
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= kFirstPrintable && byte != kDelete;
+  });
+  if (name.empty() || name.size() > kLongestName || !printable) {
+    field.Fail("expected a name of 1 to " + std::to_string(kLongestName) + " bytes without control characters");
+  }
+}
+
+std::string ReadName(const JsonField& field) {
+  std::string name = field.String();
+  RequireName(name, field);
+  return name;
+}
+
+const char* OnlyKey(const JsonField& object, std::initializer_list<const char*> known) {
+  object.RequireOnlyKeys(known);
+  const char* only = nullptr;
+  std::string names;
+  int count = 0;
+  for (const char* key : known) {
+    names += (names.empty() ? "" : ", ") + std::string(key);
+    if (!object.Has(key)) continue;
+    only = key;
+    ++count;
+  }
+  if (count != 1) object.Mismatch("an object with exactly one of the keys " + names);
+  return only;
+}
+
+std::string Text(double value) {
+  std::array<char, 32> buffer{};
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
+  return {buffer.data(), end};
+}
+
+std::string Text(Vec2 p) { return "(" + Text(p.x) + ", " + Text(p.y) + ")"; }
+
+}  // namespace lcpbench

@@ -1,0 +1,515 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "model/mass_properties.h"
+#include "model/motion/velocity_motion.h"
+#include "model/scenes/parts.h"
+#include "model/scenes/random.h"
+#include "model/scenes/scene.h"
+#include "model/shapes.h"
+#include "model/trig.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kG = 9.81;
+
+Body At(Body body, Vec2 x, Vec2 v = {}, double omega = 0) {
+  body.x = x;
+  body.v = v;
+  body.omega = omega;
+  return body;
+}
+
+Body DiscBody(double radius, Vec2 x, Vec2 v = {}, double omega = 0) {
+  return At(MakeBody(Disc(radius), 10), x, v, omega);
+}
+
+/// A fixed body with straight edges a-b, b-c, ...; material on the left.
+Body Walls(const std::vector<Vec2>& corners) {
+  Body walls = MakeFixed("walls");
+  for (std::size_t k = 0; k + 1 < corners.size(); ++k) walls.outline.push_back(WholeEdge(corners[k], corners[k + 1]));
+  return walls;
+}
+
+World WorldWith(std::vector<Body> bodies, Vec2 gravity) {
+  World world;
+  world.name = "test";
+  world.bodies = std::move(bodies);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) world.bodies[i].name = "body " + std::to_string(i);
+  world.loads.gravity = gravity;
+  return world;
+}
+
+/// `count` discs of random radii above each other with room between, in an open box of width 1.
+World FallingDiscs(int count, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Body> bodies{Walls({{0.5, 10}, {0.5, 0}, {-0.5, 0}, {-0.5, 10}})};
+  for (int i = 0; i < count; ++i) {
+    const double radius = random.Uniform(0.07, 0.13);
+    const double x = random.Uniform(-0.3, 0.3);
+    bodies.push_back(DiscBody(radius, {x, 0.15 + 0.3 * i}));
+  }
+  return WorldWith(std::move(bodies), {0, -kG});
+}
+
+double Energy(const World& world, const std::vector<Body>& bodies) {
+  return KineticEnergy(bodies) + PotentialEnergy(world.loads, bodies);
+}
+
+struct Driven {
+  explicit Driven(const World& world, const VelocityOptions& options = {}, std::string_view key = "dantzig")
+      : solver(MakeSolver(key)), motion(world, options, *solver) {}
+  std::unique_ptr<LcpSolver> solver;
+  VelocityMotion motion;
+};
+
+TEST(VelocityMotion, FallsFreelyByTheSumOfItsSteps) {
+  VelocityOptions options;
+  options.step = 1.0 / 128;  // exact sums
+  Driven driven(WorldWith({DiscBody(0.1, {0, 5}, {1, 2}, 3)}, {0, -8}), options);
+  const int n = 100;
+  driven.motion.Advance(n * options.step);
+  const Body& body = driven.motion.world().bodies[0];
+  const double h = options.step;
+  EXPECT_NEAR(body.x.x, n * h, 1e-14);
+  EXPECT_NEAR(body.x.y, 5 + 2 * n * h - 8 * h * h * n * (n + 1) / 2, 1e-12);
+  EXPECT_NEAR(body.v.y, 2 - 8 * n * h, 1e-13);
+  EXPECT_EQ(body.theta, 3 * n * h);
+  EXPECT_EQ(driven.motion.statistics().steps, n);
+  EXPECT_EQ(driven.motion.time(), n * h);
+}
+
+TEST(VelocityMotion, HoldsARestingBodyByItsWeight) {
+  const std::vector<Body> bodies{DiscBody(0.3, {0, 0.3}), At(MakeBody(Box(0.8, 0.4), 10), {0, 0.2})};
+  for (const Body& body : bodies) {
+    Driven driven(WorldWith({Walls({{5, 0}, {-5, 0}}), body}, {0, -kG}));
+    int steps = 0;
+    driven.motion.set_observer([&](const MotionProblem& met) {
+      EXPECT_EQ(met.kind, MotionProblemKind::kTimeStep);
+      EXPECT_GE(met.problem.size(), 1);
+      EXPECT_NEAR(met.result.f.sum(), body.mass * kG * 1e-3, 1e-9 * body.mass * kG * 1e-3);
+      ++steps;
+    });
+    driven.motion.Advance(0.2);
+    EXPECT_EQ(steps, 200);
+    EXPECT_LT(driven.motion.statistics().worst_penetration, 1e-12);
+    const Body& after = driven.motion.world().bodies[1];
+    EXPECT_NEAR(after.x.y, body.x.y, 1e-12);
+    EXPECT_NEAR(after.v.y, 0, 1e-12);
+    EXPECT_NEAR(after.omega, 0, 1e-12);
+  }
+}
+
+// E+ - E = -|v+ - v|_M^2 / 2 - p.c for constant forces, c = b - J v^: the law that the header states.
+void ExpectEnergyLaw(const World& world, const VelocityOptions& options, int steps) {
+  Driven driven(world, options);
+  double expected = 0;
+  double depth_gain = 0;
+  std::vector<Body> before;
+  Eigen::VectorXd p;
+  Eigen::VectorXd c;
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    before = met.system.bodies;
+    Eigen::VectorXd v(3 * static_cast<Index>(before.size()));
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const Body& body = before[i];
+      const double h = body.fixed ? 0 : options.step;
+      const Vec2 free = body.v + (h / body.mass) * body.force;
+      v.segment<3>(3 * static_cast<Index>(i)) << free.x, free.y, body.omega + h / body.inertia * body.torque;
+    }
+    p = met.result.f;
+    c = met.problem.b() - met.problem.J() * v;
+  });
+  double scale = 0;
+  for (int k = 0; k < steps; ++k) {
+    const double energy = Energy(world, driven.motion.world().bodies);
+    driven.motion.Advance(options.step);
+    const std::vector<Body>& after = driven.motion.world().bodies;
+    expected = -p.dot(c);
+    depth_gain = -p.dot(c.cwiseMin(0.0));
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      if (after[i].fixed) continue;
+      const Vec2 dv = after[i].v - before[i].v;
+      const double domega = after[i].omega - before[i].omega;
+      expected -= (after[i].mass * Dot(dv, dv) + after[i].inertia * domega * domega) / 2;
+    }
+    const double change = Energy(world, after) - energy;
+    scale = std::max({scale, std::abs(energy), KineticEnergy(after)});
+    ASSERT_NEAR(change, expected, 1e-10 * scale) << "step " << k;
+    ASSERT_LE(change, depth_gain + 1e-10 * scale) << "step " << k;
+  }
+  EXPECT_EQ(driven.motion.statistics().failed_solves, 0);
+}
+
+TEST(VelocityMotion, ChangesEnergyByTheLawOfTheScheme) {
+  VelocityOptions options;
+  options.step = 5e-3;
+  for (const std::uint64_t seed : {1, 2, 3}) ExpectEnergyLaw(FallingDiscs(12, seed), options, 300);
+  options.restitution = 0.7;
+  ExpectEnergyLaw(FallingDiscs(5, 4), options, 200);
+  options = {};
+  for (const char* key : {"disc-pile", "boxes-and-discs", "disc-track", "discs-in-v"}) {
+    SCOPED_TRACE(key);
+    ExpectEnergyLaw(StartScene(key, 40, 1), options, 60);
+  }
+}
+
+TEST(VelocityMotion, PilesComeToRest) {
+  VelocityOptions options;
+  options.step = 4e-3;
+  const World world = FallingDiscs(15, 7);
+  Driven driven(world, options);
+  const double fallen = PotentialEnergy(world.loads, world.bodies);
+  driven.motion.Advance(12);
+  const auto& bodies = driven.motion.world().bodies;
+  EXPECT_LT(KineticEnergy(bodies), 1e-9 * fallen);
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    EXPECT_LT(std::abs(bodies[i].x.x), 0.5);
+    EXPECT_GT(bodies[i].x.y, 0.06);
+    EXPECT_LT(bodies[i].x.y, 1.5);
+  }
+  // Impacts move surfaces by V h along curves of radius r: depths of (V h)^2 / r, here 6 m/s * 4 ms on 0.07 m.
+  EXPECT_LT(driven.motion.statistics().worst_penetration, 0.01);
+  EXPECT_EQ(driven.motion.statistics().failed_solves, 0);
+}
+
+TEST(VelocityMotion, ConservesMomentumAndAngularMomentumWithoutLoads) {
+  for (const double e : {0.0, 0.5, 1.0}) {
+    Random random(11);
+    std::vector<Body> bodies;
+    for (int i = 0; i < 12; ++i) {
+      const Vec2 place{0.5 * (i % 4) - 0.75, 0.5 * (i / 4) - 0.5};
+      const Vec2 inward = -1 * place;
+      const Body shape = i % 3 == 0 ? MakeBody(Box(0.3, 0.2), 10) : MakeBody(Disc(0.12), 20);
+      bodies.push_back(At(shape, place, inward, random.Uniform(-2, 2)));
+    }
+    const World world = WorldWith(bodies, {});
+    VelocityOptions options;
+    options.restitution = e;
+    Driven driven(world, options);
+    double impulse = 0;
+    driven.motion.set_observer([&](const MotionProblem& met) { impulse += met.result.f.sum(); });
+    driven.motion.Advance(1);
+    const auto& after = driven.motion.world().bodies;
+    EXPECT_GT(impulse, 1);  // they did meet
+    const double scale = impulse + 1;
+    EXPECT_NEAR(Momentum(after).x, Momentum(bodies).x, 1e-12 * scale);
+    EXPECT_NEAR(Momentum(after).y, Momentum(bodies).y, 1e-12 * scale);
+    EXPECT_NEAR(AngularMomentum(after), AngularMomentum(bodies), 1e-12 * scale);
+    if (e == 0) {
+      EXPECT_LT(KineticEnergy(after), KineticEnergy(bodies));
+    }
+  }
+}
+
+TEST(VelocityMotion, BouncesWithItsRestitution) {
+  for (const double e : {0.0, 0.3, 1.0}) {
+    VelocityOptions options;
+    options.restitution = e;
+    Driven driven(WorldWith({Walls({{1, 0}, {-1, 0}}), DiscBody(0.1, {0, 0.2}, {0, -2})}, {}), options);
+    driven.motion.Advance(0.1);
+    EXPECT_NEAR(driven.motion.world().bodies[1].v.y, 2 * e, 1e-12);
+  }
+}
+
+// The disc's centre is a pendulum of length R - r; after a quarter of its period it passes the lowest point.
+TEST(VelocityMotion, SlidesInAConcaveTrackWithAnErrorOfOrderOne) {
+  const double track = 1;
+  const double radius = 0.2;
+  const double length = track - radius;
+  const Rotation start = SinCos(1.0);
+  Body rail = MakeFixed("rail");
+  rail.outline = {FullCircle({}, track, Side::kConcave)};
+  const World world = WorldWith({rail, DiscBody(radius, {length * start.sin, -length * start.cos})}, {0, -kG});
+  const double quarter = std::sqrt(length / kG) * std::comp_ellint_1(SinCos(0.5).sin);
+  const double speed = std::sqrt(2 * kG * length * (1 - start.cos));
+  std::vector<double> place_errors;
+  std::vector<double> speed_errors;
+  for (const int steps : {200, 400, 800}) {
+    VelocityOptions options;
+    options.step = quarter / steps;
+    Driven driven(world, options);
+    driven.motion.Advance(quarter);
+    EXPECT_EQ(driven.motion.statistics().steps, steps);
+    const Body& disc = driven.motion.world().bodies[1];
+    place_errors.push_back(Norm(disc.x - Vec2{0, -length}));
+    speed_errors.push_back(std::abs(Norm(disc.v) - speed));
+    // One step moves the disc by V h along a circle: (V h)^2 / 2 (1/r - 1/R), r for the disc's centre's path.
+    EXPECT_LT(driven.motion.statistics().worst_penetration, 2 * speed * speed * options.step * options.step / length);
+  }
+  for (std::size_t k = 0; k + 1 < place_errors.size(); ++k) {
+    EXPECT_NEAR(place_errors[k] / place_errors[k + 1], 2, 0.05) << place_errors[k];
+    // Where the speed is largest its own error is of order 2.
+    EXPECT_NEAR(speed_errors[k] / speed_errors[k + 1], 4, 0.1) << speed_errors[k];
+  }
+  EXPECT_LT(place_errors.back(), 0.01 * length);
+}
+
+TEST(VelocityMotion, KeepsAChainOfPinsTogetherToTheSquareOfTheStep) {
+  const double half = 0.25;
+  std::vector<Body> bodies{MakeFixed("ceiling")};
+  World world;
+  for (int i = 0; i < 6; ++i) {
+    bodies.push_back(At(MakeBody(Box(2 * half, 0.1), 10), {half * (2 * i + 1), 0}));
+  }
+  world = WorldWith(bodies, {0, -kG});
+  for (int i = 0; i < 6; ++i) {
+    Constraint pin;
+    pin.type = ConstraintType::kPin;
+    pin.body1 = i + 1;
+    pin.body2 = i;
+    pin.feature1 = Vertex{{-half, 0}};
+    pin.feature2 = Vertex{{i == 0 ? 0 : half, 0}};
+    world.joints.push_back(pin);
+  }
+  std::vector<double> errors;
+  for (const double h : {2e-3, 1e-3, 5e-4}) {
+    VelocityOptions options;
+    options.step = h;
+    Driven driven(world, options);
+    double spin = 0;
+    for (int k = 0; k < 50; ++k) {
+      driven.motion.Advance(0.02);
+      for (const Body& body : driven.motion.world().bodies) spin = std::max(spin, std::abs(body.omega));
+    }
+    const MotionStatistics& statistics = driven.motion.statistics();
+    EXPECT_GT(spin, 1);
+    // A step turns each arm by omega h: its end leaves its tangent by (omega h)^2 half / 2, for both bodies of a pin.
+    EXPECT_LT(statistics.worst_joint_error, 1.5 * spin * spin * h * h * half);
+    EXPECT_EQ(statistics.failed_solves, 0);
+    errors.push_back(statistics.worst_joint_error);
+  }
+  EXPECT_LT(errors[2], errors[0] / 8);
+}
+
+TEST(VelocityMotion, CarriesBodiesOnALiftWithAPrescribedAcceleration) {
+  Body lift = Walls({{1, 0}, {-1, 0}});
+  lift.v = {0.5, -0.25};
+  lift.acceleration = {0, 2};
+  Driven driven(WorldWith({lift, DiscBody(0.1, {0, 0.1}, {0, -0.25})}, {0, -kG}));
+  driven.motion.Advance(1);
+  const Body& moved = driven.motion.world().bodies[0];
+  EXPECT_NEAR(moved.x.x, 0.5, 1e-12);
+  EXPECT_NEAR(moved.x.y, -0.25 + 1, 1e-12);
+  EXPECT_NEAR(moved.v.y, 1.75, 1e-12);
+  EXPECT_NEAR(driven.motion.world().bodies[1].x.y - moved.x.y, 0.1, 1e-9);
+  EXPECT_LT(driven.motion.statistics().worst_penetration, 1e-9);
+}
+
+TEST(VelocityMotion, ReportsTheRayOfWallsThatCloseOnADiscAndGoesOn) {
+  // Material lies on the left of an edge.
+  Body left = Walls({{0, -1}, {0, 1}});
+  Body right = Walls({{0, 1}, {0, -1}});
+  left.x = {-0.11, 0};
+  left.v = {0.1, 0};
+  right.x = {0.11, 0};
+  right.v = {-0.1, 0};
+  Driven driven(WorldWith({left, right, DiscBody(0.1, {0, 0})}, {}));
+  int rays = 0;
+  int solved = 0;
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    if (met.result.status == LcpStatus::kSolved) ++solved;
+    if (met.result.status != LcpStatus::kInfeasible) return;
+    ASSERT_TRUE(met.result.farkas_ray.has_value());
+    EXPECT_TRUE(VerifyFarkasRay(met.problem, *met.result.farkas_ray).accepted);
+    ++rays;
+  });
+  driven.motion.Advance(0.11);  // the walls touch the disc after 0.1 s
+  EXPECT_EQ(driven.motion.status(), MotionStatus::kMoving);
+  EXPECT_GE(rays, 9);
+  EXPECT_EQ(driven.motion.statistics().unsolvable, rays);
+  EXPECT_EQ(driven.motion.statistics().steps, solved);
+  EXPECT_NEAR(driven.motion.time(), 0.11, 1e-12);
+  EXPECT_NEAR(driven.motion.world().bodies[2].x.x, 0, 1e-9);
+  EXPECT_NEAR(driven.motion.world().bodies[0].x.x, -0.099, 1e-12);
+  EXPECT_GT(driven.motion.statistics().worst_penetration, 5e-4);
+}
+
+TEST(VelocityMotion, LeavesADiscInPeaceThatIsWiderThanItsSlot) {
+  const Body slot = Walls({{0.0999, 1}, {0.0999, -1}, {-0.0999, -1}, {-0.0999, 1}});
+  Driven driven(WorldWith({slot, DiscBody(0.1, {0, 0})}, {0, -kG}));
+  driven.motion.Advance(0.1);
+  const MotionStatistics& statistics = driven.motion.statistics();
+  EXPECT_EQ(statistics.unsolvable, 100);
+  EXPECT_EQ(statistics.solves, 200);
+  // Relaxed steps only keep it from sinking deeper: it falls through the slot.
+  EXPECT_NEAR(driven.motion.world().bodies[1].x.x, 0, 1e-12);
+  EXPECT_NEAR(driven.motion.world().bodies[1].v.y, -kG * 0.1, 1e-9);
+}
+
+TEST(VelocityMotion, DoesNotPushACornerOutThroughTheFaceAroundTheNextCorner) {
+  // The upper box overhangs: its lower left corner rests on the lower one, 1 cm from that one's right side.
+  const Body floor = Walls({{5, 0}, {-5, 0}});
+  Body lower = At(MakeBody(Box(1, 0.2), 100), {0, 0.1 - 1e-6});
+  Body upper = At(MakeBody(Box(1, 0.2), 100), {0.99, 0.3 - 3e-6});
+  Body prop = At(MakeBody(Box(0.2, 0.2), 100), {1.2, 0.1 - 1e-6});
+  lower.fixed = prop.fixed = true;
+  const World world = WorldWith({floor, lower, prop, upper}, {0, -kG});
+  Driven driven(world);
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    for (const RowInfo& row : met.rows) EXPECT_GT(row.d, -1e-5);
+  });
+  driven.motion.Advance(0.1);
+  EXPECT_EQ(driven.motion.world().bodies[3].x.x, 0.99);
+  EXPECT_NEAR(driven.motion.world().bodies[3].x.y, 0.3, 1e-5);
+
+  VelocityOptions credulous;
+  credulous.doubtful_depth = credulous.max_depth;
+  Driven pushed(world, credulous);
+  pushed.motion.Advance(0.1);
+  EXPECT_GT(pushed.motion.world().bodies[3].x.x, 0.995);
+}
+
+TEST(VelocityMotion, LetsNothingThroughAtTenDiametersAStep) {
+  VelocityOptions options;
+  options.step = 1e-2;
+  for (const double e : {0.0, 1.0}) {
+    options.restitution = e;
+    Driven driven(WorldWith({Walls({{50, 0}, {-50, 0}}), DiscBody(0.1, {0, 7.3}, {30, -200})}, {}), options);
+    for (int k = 0; k < 20; ++k) {
+      driven.motion.Advance(0.01);
+      EXPECT_GT(driven.motion.world().bodies[1].x.y, 0.1 - 1e-12);
+    }
+  }
+}
+
+std::vector<std::uint64_t> StateBits(const World& world) {
+  std::vector<std::uint64_t> bits;
+  for (const Body& body : world.bodies) {
+    for (const double value : {body.x.x, body.x.y, body.theta, body.v.x, body.v.y, body.omega}) {
+      bits.push_back(std::bit_cast<std::uint64_t>(value));
+    }
+  }
+  return bits;
+}
+
+TEST(VelocityMotion, GivesTheSameBitsTwice) {
+  for (const char* key : {"dantzig", "pgs"}) {
+    Driven first(FallingDiscs(10, 3), {}, key);
+    Driven second(FallingDiscs(10, 3), {}, key);
+    first.motion.Advance(0.5);
+    second.motion.Advance(0.5);
+    EXPECT_EQ(StateBits(first.motion.world()), StateBits(second.motion.world())) << key;
+  }
+}
+
+class VelocityMotionSolvers : public testing::TestWithParam<SolverEntry> {};
+
+TEST_P(VelocityMotionSolvers, DriveASmallPileWithVerifiedAnswers) {
+  if (!GetParam().available) GTEST_SKIP() << "not in this build";
+  VelocityOptions options;
+  options.step = 4e-3;
+  options.lcp.tolerance = 1e-6;
+  const World world = FallingDiscs(6, 5);
+  Driven driven(world, options, GetParam().key);
+  Driven reference(world, options);
+  int judged = 0;
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    const Verdict verdict = Verify(met.problem, met.result, options.lcp.tolerance);
+    EXPECT_TRUE(verdict.passes) << "t = " << met.time << ": " << met.result.status << ", " << met.result.detail << ", "
+                                << verdict.reason;
+    ++judged;
+  });
+  driven.motion.Advance(0.4);
+  reference.motion.Advance(0.4);
+  EXPECT_EQ(judged, 100);
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    EXPECT_LT(Norm(driven.motion.world().bodies[i].x - reference.motion.world().bodies[i].x), 1e-3);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, VelocityMotionSolvers, testing::ValuesIn(AllSolvers()), [](const auto& param) {
+  std::string name(param.param.key);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+});
+
+TEST(VelocityMotion, StartsFromTheImpulsesOfTheStepBefore) {
+  VelocityOptions options;
+  options.step = 4e-3;
+  std::int64_t sweeps[2] = {0, 0};
+  for (const bool warm : {false, true}) {
+    options.warm_start = warm;
+    Driven driven(FallingDiscs(10, 3), options, "pgs");
+    driven.motion.set_observer([&](const MotionProblem& met) { sweeps[warm] += met.result.iterations; });
+    driven.motion.Advance(2);
+  }
+  EXPECT_LT(sweeps[1], sweeps[0] / 2);
+}
+
+TEST(VelocityMotion, RefusesOptionsOutsideTheirRanges) {
+  const World world = FallingDiscs(1, 1);
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
+  const auto refuses = [&](const std::function<void(VelocityOptions*)>& change) {
+    VelocityOptions options;
+    change(&options);
+    EXPECT_THROW(VelocityMotion(world, options, *solver), InputError);
+  };
+  refuses([](VelocityOptions* o) { o->step = 0; });
+  refuses([](VelocityOptions* o) { o->step = std::numeric_limits<double>::infinity(); });
+  refuses([](VelocityOptions* o) { o->restitution = 1.1; });
+  refuses([](VelocityOptions* o) { o->reach = 0.5; });
+  refuses([](VelocityOptions* o) { o->contact_gap = 0; });
+  refuses([](VelocityOptions* o) { o->max_depth = -1; });
+  refuses([](VelocityOptions* o) { o->doubtful_depth = 0; });
+  refuses([](VelocityOptions* o) { o->depth_clamp = std::nan(""); });
+  refuses([](VelocityOptions* o) { o->stabilisation = 2; });
+  VelocityMotion motion(world, {}, *solver);
+  EXPECT_THROW(motion.Advance(0), InputError);
+  EXPECT_THROW(motion.Advance(std::nan("")), InputError);
+}
+
+TEST(RowMatching, FollowsRowsThroughChangesOfOrder) {
+  const ContactSystem system = GenerateScene("boxes-and-discs", 60, 2);
+  ContactSystem shuffled = system;
+  std::reverse(shuffled.constraints.begin(), shuffled.constraints.end());
+  shuffled.constraints.erase(shuffled.constraints.begin() + 7);
+  RowMatching matching;
+  const auto first = matching.Follow(system, AssembleContactLcp(system).rows);
+  EXPECT_TRUE(std::none_of(first.begin(), first.end(), [](const auto& match) { return match.has_value(); }));
+  const auto second = matching.Follow(shuffled, AssembleContactLcp(shuffled).rows);
+  ASSERT_EQ(second.size(), 59u);
+  for (int i = 0; i < 59; ++i) EXPECT_EQ(second[static_cast<std::size_t>(i)], 59 - (i < 7 ? i : i + 1));
+}
+
+TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
+  ContactSystem system;
+  system.bodies = {MakeFixed("bowl"), MakeDisc({}, 1, 1)};
+  for (int k = 0; k < 3; ++k) {
+    Constraint contact;
+    contact.body1 = 1;
+    contact.body2 = 0;
+    contact.feature1 = Circle(1);
+    contact.feature2 = Circle(3);
+    system.constraints.push_back(contact);
+  }
+  const auto row = [](int constraint, double angle) {
+    RowInfo info;
+    info.constraint = constraint;
+    const Rotation direction = SinCos(angle);
+    info.n = {direction.cos, direction.sin};
+    return info;
+  };
+  RowMatching matching;
+  matching.Follow(system, {row(0, 0), row(1, 2), row(2, 4)});
+  const auto found = matching.Follow(system, {row(0, 4.1), row(1, 0.1)});
+  EXPECT_EQ(found, (std::vector<std::optional<int>>{2, 0}));
+  const auto back = matching.Follow(system, {row(0, 0.2), row(1, 2), row(2, 4.2)});
+  EXPECT_EQ(back, (std::vector<std::optional<int>>{1, std::nullopt, 0}));
+}
+
+}  // namespace
+}  // namespace lcpbench
