@@ -44,7 +44,12 @@ class Listener {
   static Vec2 PointOf(const MotionProblem& problem, const RowInfo& row) {
     const ConstraintType type = problem.system.constraints[static_cast<std::size_t>(row.constraint)].type;
     const bool distant = type == ConstraintType::kRod || type == ConstraintType::kRope;
-    return distant ? row.p1 : 0.5 * (row.p1 + row.p2);
+    return distant ? (OnBody2(problem, row) ? row.p2 : row.p1) : 0.5 * (row.p1 + row.p2);
+  }
+
+  static bool OnBody2(const MotionProblem& problem, const RowInfo& row) {
+    const Constraint& constraint = problem.system.constraints[static_cast<std::size_t>(row.constraint)];
+    return problem.system.bodies[static_cast<std::size_t>(constraint.body1)].fixed;
   }
 
   static std::vector<AnimationForce> ForcesOf(const MotionProblem& problem) {
@@ -54,10 +59,11 @@ class Listener {
       const RowInfo& row = problem.rows[i];
       const double f = problem.result.f[static_cast<Index>(i)];
       if (!std::isfinite(f) || f == 0) continue;
+      const Vec2 force = (OnBody2(problem, row) ? -f : f) * row.n;
       if (row.axis == 'y' && row.constraint == constraint) {
-        forces.back().force = forces.back().force + f * row.n;  // the two rows of a pin are one force
+        forces.back().force = forces.back().force + force;  // the two rows of a pin are one force
       } else {
-        forces.push_back({PointOf(problem, row), f * row.n});
+        forces.push_back({PointOf(problem, row), force});
       }
       constraint = row.constraint;
     }

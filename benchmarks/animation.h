@@ -10,7 +10,7 @@
 
 namespace lcpbench {
 
-/// The force of one constraint on its body 1, world frame.
+/// The force of one constraint on its body 1, or on body 2 where body 1 is fixed; world frame.
 struct AnimationForce {
   Vec2 at;     ///< [m]
   Vec2 force;  ///< [N]

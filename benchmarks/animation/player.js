@@ -139,7 +139,7 @@ function writeLegend() {
   }
   if (arrowPerNewton > 0) {
     items.push([`<svg width="34" height="10"><path d="M0 5h26" stroke="${scene.colors.force}" stroke-width="2.2"/><path d="M34 5L25 1V9Z" fill="${scene.colors.force}"/></svg>`,
-                `force on body 1: ${short(scene.typicalForce)} N are ${short(kArrowBodies * scene.bodySize)} m long, at most ${short(kArrowCut * kArrowBodies * scene.bodySize)} m`]);
+                `force: ${short(scene.typicalForce)} N are ${short(kArrowBodies * scene.bodySize)} m long, at most ${short(kArrowCut * kArrowBodies * scene.bodySize)} m`]);
   }
   if (scene.largestImpulse > 0) {
     items.push([`<svg width="12" height="12"><circle cx="6" cy="6" r="5" fill="none" stroke="${scene.colors.force}" stroke-width="1.5"/></svg>`,

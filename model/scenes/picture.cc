@@ -28,6 +28,22 @@ void AppendTitle(const Picture& picture, const std::string& caption, std::string
           "</tspan></text>\n";
 }
 
+/// Where springs and dampers are fastened, world frame.
+std::vector<Vec2> EndsOf(const ContactSystem& system, const Loads* loads) {
+  std::vector<Vec2> ends;
+  const auto add = [&](const auto& connectors) {
+    for (const auto& connector : connectors) {
+      for (const Attachment& end : {connector.end1, connector.end2}) {
+        ends.push_back(ToWorld(system.bodies[static_cast<std::size_t>(end.body)], end.point));
+      }
+    }
+  };
+  if (loads == nullptr) return ends;
+  add(loads->springs);
+  add(loads->dampers);
+  return ends;
+}
+
 /// The scene once, as a definition that every strip is a window on.
 void AppendScene(const Picture& picture, std::string* out) {
   *out += "<defs>\n";
@@ -71,7 +87,7 @@ Picture::Picture(const ContactSystem& drawn, const AssembledLcp& assembled, cons
       lcp(assembled),
       f(forces),
       loads(drawn_loads),
-      layout(MakeLayout(drawn, assembled)),
+      layout(MakeLayout(drawn, assembled, EndsOf(drawn, drawn_loads))),
       id(Identifier(drawn.name)) {
   Classify(accelerations);
   hatch = std::clamp(0.4 * layout.body_size, 4.0, 9.0);

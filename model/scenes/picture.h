@@ -23,10 +23,10 @@ struct PictureExtras {
 /// prescribed) in a colour of their own with an arrow for their motion; unbounded ones (floors, the rim of a track) are
 /// hatched on the material side and clipped. Every contact is marked at its point with its normal, by a shape that says
 /// whether it bears force; joints, rods, ropes, springs and dampers have the usual symbols; forces are arrows, on body
-/// 1, of a length proportional to f, with their values where there is room. Line widths shrink with the bodies, and
-/// what could not be read is left out. Rows much wider than high are broken into strips. A legend below gives the
-/// counts and both scales. Every body is an element with its name, mass and state as its tooltip. Identifiers start
-/// with the system's name, so that pictures of different systems can share a page.
+/// 1 (on body 2 where body 1 is fixed), of a length proportional to f, with their values where there is room. Line
+/// widths shrink with the bodies, and what could not be read is left out. Rows much wider than high are broken into
+/// strips. A legend below gives the counts and both scales. Every body is an element with its name, mass and state as
+/// its tooltip. Identifiers start with the system's name, so that pictures of different systems can share a page.
 ///
 /// @param lcp  AssembleContactLcp(system)
 /// @param f    n forces, or nullptr

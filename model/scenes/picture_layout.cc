@@ -41,7 +41,7 @@ Bounds ViewOf(const std::vector<Body>& bodies, const std::vector<Bounds>& bounds
     if (!bodies[i].fixed) view.Add(bounds[i]);
   }
   for (const Vec2 p : points) view.Add(p);
-  constexpr double kMuchLarger = 1.6;
+  constexpr double kMuchLarger = 3;
   const double largest = kMuchLarger * view.extent();
   Bounds whole = view;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -62,11 +62,11 @@ double MedianExtent(const std::vector<Body>& bodies, const std::vector<Bounds>& 
   return *middle;
 }
 
-Layout MakeLayout(const ContactSystem& system, const AssembledLcp& lcp) {
+Layout MakeLayout(const ContactSystem& system, const AssembledLcp& lcp, const std::vector<Vec2>& more) {
   std::vector<Bounds> bounds;
   bounds.reserve(system.bodies.size());
   for (const Body& body : system.bodies) bounds.push_back(BoundsOf(body));
-  std::vector<Vec2> points;
+  std::vector<Vec2> points = more;
   for (const RowInfo& row : lcp.rows) {
     points.push_back(row.p1);
     points.push_back(row.p2);

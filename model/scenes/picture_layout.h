@@ -56,7 +56,8 @@ struct Layout {
   PageMap MapOf(const Body& body) const { return {ToPage(body.x), scale, SinCos(body.theta), body.theta, true}; }
 };
 
-/// Fits what ViewOf says into kPageWidth x kMaxDrawingHeight. Rows much wider than high are broken into strips.
-Layout MakeLayout(const ContactSystem& system, const AssembledLcp& lcp);
+/// Fits what ViewOf says of the bodies, the rows and `more` points into kPageWidth x kMaxDrawingHeight. Rows much wider
+/// than high are broken into strips.
+Layout MakeLayout(const ContactSystem& system, const AssembledLcp& lcp, const std::vector<Vec2>& more);
 
 }  // namespace lcpbench

@@ -119,7 +119,7 @@ void AddScales(const Picture& picture, Flow* flow) {
   if (picture.arrow_scale > 0) {
     const double force = RoundDown(kArrow / picture.arrow_scale);
     const double length = force * picture.arrow_scale;
-    flow->Add(length, Short(force) + " N on body 1", [&](Vec2 p) {
+    flow->Add(length, Short(force) + " N", [&](Vec2 p) {
       std::string symbol;
       AppendArrow(p, p + Vec2{length, 0}, picture.arrow, kForceColor, &symbol);
       return symbol;

@@ -19,11 +19,17 @@ bool IsContact(const Picture& picture, const RowInfo& row) {
   return picture.system.constraints[static_cast<std::size_t>(row.constraint)].type == ConstraintType::kContact;
 }
 
-/// Where the row's force acts on body 1.
+/// Whether the force on body 2 is shown: of a fixed body it would say nothing.
+bool OnBody2(const Picture& picture, const RowInfo& row) {
+  const Constraint& constraint = picture.system.constraints[static_cast<std::size_t>(row.constraint)];
+  return picture.system.bodies[static_cast<std::size_t>(constraint.body1)].fixed;
+}
+
+/// Where the row's force acts on the body it is shown on.
 Vec2 PointOf(const Picture& picture, const RowInfo& row) {
   const ConstraintType type = picture.system.constraints[static_cast<std::size_t>(row.constraint)].type;
   const bool distant = type == ConstraintType::kRod || type == ConstraintType::kRope;
-  return picture.layout.ToPage(distant ? row.p1 : 0.5 * (row.p1 + row.p2));
+  return picture.layout.ToPage(distant ? (OnBody2(picture, row) ? row.p2 : row.p1) : 0.5 * (row.p1 + row.p2));
 }
 
 std::vector<Force> CollectForces(const Picture& picture) {
@@ -36,6 +42,7 @@ std::vector<Force> CollectForces(const Picture& picture) {
       total = total + (*picture.f)[static_cast<Index>(i + 1)] * rows[i + 1].n;
       ++i;
     }
+    if (OnBody2(picture, rows[i])) total = -total;
     const Vec2 length = picture.arrow_scale * Vec2{total.x, -total.y};
     constexpr double kVisible = 0.5;  // [px]
     if (!IsFinite(length) || Norm(length) < kVisible) continue;

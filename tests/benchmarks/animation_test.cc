@@ -132,6 +132,7 @@ FreeFlight Touching(MotionProblemKind kind) {
   Constraint contact;
   contact.body1 = 1;
   contact.body2 = 0;
+  flight.system.bodies = flight.world().bodies;
   flight.system.constraints = {contact};
   RowInfo row;
   row.p1 = row.p2 = {0.25, 0.5};
