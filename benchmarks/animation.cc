@@ -88,6 +88,8 @@ class Listener {
   std::vector<AnimationImpact> impacts_;
 };
 
+double FrameCount(const AnimationOptions& options) { return std::ceil(options.duration * options.fps - 1e-9); }
+
 AnimationFrame FrameOf(const Motion& motion) {
   AnimationFrame frame;
   frame.time = motion.time();
@@ -101,13 +103,15 @@ AnimationFrame FrameOf(const Motion& motion) {
 
 }  // namespace
 
-Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
-                          const std::function<void(double)>& progress) {
+void RequireValid(const AnimationOptions& options) {
   if (!(options.duration > 0 && std::isfinite(options.duration))) throw InputError("--duration: expected seconds > 0");
   if (!(options.fps > 0 && std::isfinite(options.fps))) throw InputError("--fps: expected frames per second > 0");
-  const double count = std::ceil(options.duration * options.fps - 1e-9);
-  if (count > kMaxFrames) throw InputError("--duration, --fps: expected at most 20000 frames");
+  if (FrameCount(options) > kMaxFrames) throw InputError("--duration, --fps: expected at most 20000 frames");
+}
 
+Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
+                          const std::function<void(double)>& progress) {
+  RequireValid(options);
   Animation animation;
   animation.world = motion->world();
   animation.fps = options.fps;
@@ -115,7 +119,7 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   motion->set_observer([&listener](const MotionProblem& problem) { listener(problem); });
   const double start = motion->time();
   animation.frames.push_back(FrameOf(*motion));
-  const int frames = static_cast<int>(count);
+  const int frames = static_cast<int>(FrameCount(options));
   for (int k = 1; k <= frames && motion->status() == MotionStatus::kMoving; ++k) {
     // From the start, so that rounding does not add up.
     motion->Advance(start + k / options.fps - motion->time());

@@ -53,6 +53,8 @@ struct AnimationOptions {
   double fps = 60;      ///< > 0; at most kMaxFrames frames in all
 };
 inline constexpr double kMaxFrames = 20000;
+/// @throws InputError naming the command's option
+void RequireValid(const AnimationOptions& options);
 
 /// Moves on and takes a picture at the start and after every 1 / fps, until the duration is reached or the motion stops
 /// by itself. Takes over the motion's observer. Impulses of time steps are divided by their step, so that both levels

@@ -94,6 +94,7 @@ int AnimateScene(const SceneArguments& arguments) {
   if (!arguments.animate.ends_with(".html")) {
     throw InputError("--animate: expected a file that ends in .html, found '" + arguments.animate + "'");
   }
+  RequireValid(arguments.animation);
   const SceneSource source = Load(arguments);
   const std::string key = arguments.solver.empty() ? DefaultSolver() : arguments.solver;
   const auto solver = MakeSolver(key);
