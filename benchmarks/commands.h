@@ -11,6 +11,7 @@ using CommandRun = std::function<int()>;
 
 void AddListCommand(CLI::App& app, CommandRun& run);
 void AddGenerateCommand(CLI::App& app, CommandRun& run);
+void AddSceneCommand(CLI::App& app, CommandRun& run);
 void AddSolveCommand(CLI::App& app, CommandRun& run);
 void AddAssembleCommand(CLI::App& app, CommandRun& run);
 void AddReplayCommand(CLI::App& app, CommandRun& run);

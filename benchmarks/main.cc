@@ -46,6 +46,7 @@ int main(int argc, char** argv) {
   CommandRun run;
   AddListCommand(app, run);
   AddGenerateCommand(app, run);
+  AddSceneCommand(app, run);
   AddSolveCommand(app, run);
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);

@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include "benchmarks/environment.h"
+#include "benchmarks/picture_solution.h"
 #include "model/assembly.h"
 #include "model/scenes/picture.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/metric_table.h"
-#include "solvers/lcp/verify.h"
 
 namespace lcpbench {
 namespace {
@@ -84,19 +84,10 @@ void WritePictures(const std::string& folder, const Suite& suite) {
   for (const std::string& family : suite.families) {
     const ContactSystem system = GenerateScene(family, kPictureRows, suite.seeds.front());
     const AssembledLcp lcp = AssembleContactLcp(system);
-    LcpResult result;
-    const LcpOptions options;
     // Any verified answer will do; without one the picture shows the geometry alone.
-    std::string picture = RenderSvg(system, lcp, nullptr, nullptr);
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (!entry.available) continue;
-      entry.make({})->Solve(lcp.problem, options, &result);
-      const Verdict verdict = Verify(lcp.problem, result, options.tolerance);
-      if (!verdict.passes) continue;
-      picture = RenderSvg(system, lcp, &result.f, &verdict.metrics.w);
-      break;
-    }
-    WriteText(folder + "/" + family + ".svg", picture);
+    const PictureSolution solution = SolveForPicture(lcp.problem, "");
+    WriteText(folder + "/" + family + ".svg",
+              RenderSvg(system, lcp, solution.found ? &solution.f : nullptr, solution.found ? &solution.w : nullptr));
   }
 }
 

@@ -42,6 +42,16 @@ std::string Short(double value) {
   return Number(value, decimals);
 }
 
+double RoundDown(double value) {
+  double decade = 1;
+  while (decade > value && decade > 1e-300) decade /= 10;
+  while (decade * 10 <= value && decade < 1e300) decade *= 10;
+  for (const double step : {5.0, 2.0}) {
+    if (step * decade <= value) return step * decade;
+  }
+  return decade;
+}
+
 std::string Escape(std::string_view text) {
   std::string escaped;
   for (const char c : text) {

@@ -1,0 +1,96 @@
+// ---- "#selftest": the page works its own controls
+
+const selftestErrors = [];
+window.addEventListener("error", (event) => selftestErrors.push(event.message));
+window.addEventListener("unhandledrejection", (event) => selftestErrors.push(String(event.reason)));
+
+async function selftest() {
+  const check = (holds, what) => { if (!holds) selftestErrors.push(what); };
+  const nextFrame = () => new Promise((resolve) => requestAnimationFrame(resolve));
+  const wait = async (frames) => { for (let k = 0; k < frames; ++k) await nextFrame(); };
+  const key = (name, shift = false) => canvas.dispatchEvent(new KeyboardEvent("keydown", {key: name, shiftKey: shift, bubbles: true}));
+  const frame = () => player.frame;
+  const image = (target) => target.toDataURL();
+  const last = frameCount - 1;
+
+  await wait(3);
+  check(frame() === 0 && !player.playing, "starts paused at the first frame");
+  const [first, firstPlot] = [image(canvas), image(plotCanvas)];
+
+  element("play").click();
+  const started = performance.now();
+  while (frame() === 0 && performance.now() - started < 5000) await nextFrame();
+  check(player.playing && frame() > 0, "play moves on");
+  check(element("play").getAttribute("aria-label") === "Pause", "the play button becomes a pause button");
+  element("play").click();
+  const paused = frame();
+  await wait(5);
+  check(!player.playing && frame() === paused, "pause stops");
+
+  const middle = Math.floor(last / 2);
+  element("scrub").value = middle;
+  element("scrub").dispatchEvent(new Event("input"));
+  await wait(2);
+  check(frame() === middle, "scrubbing goes to the frame");
+  check(image(canvas) !== first, "scrubbing changes the picture");
+  check(image(plotCanvas) !== firstPlot, "scrubbing moves the cursor");
+  check(element("time").textContent.startsWith(timeOf(middle).toFixed(scene.duration < 2 ? 3 : 2)), "the time is that of the frame");
+  check(element("total").textContent === `${short(energies[2].values[middle])} J`, "the energy is that of the frame");
+
+  key("ArrowRight");
+  check(frame() === Math.min(last, middle + 1), "the right arrow key goes one frame on");
+  key("Home");
+  check(frame() === 0, "home goes to the start");
+  key("ArrowRight", true);
+  check(frame() === Math.min(last, 10), "shift goes ten frames");
+  key("Home");
+  await wait(2);
+  check(image(canvas) === first, "the first frame looks as before");
+  key(" ");
+  check(player.playing, "space plays");
+  key(" ");
+  check(!player.playing, "space pauses");
+  key("End");
+  check(frame() === last, "end goes to the end");
+  element("play").click();
+  check(frame() === 0 && player.playing, "play at the end starts over");
+  element("speed").value = "4";
+  setPlaying(true, last - 0.01);
+  await wait(4);
+  check(frame() === last && !player.playing, "the end stops");
+
+  const rect = plotCanvas.getBoundingClientRect();
+  scrubTo(plotFrame(plotX(middle)));
+  check(frame() === middle && rect.width > 0, "the plot's places are frames");
+  const fitted = view.scale;
+  key("+");
+  check(view.scale > fitted, "plus zooms in");
+  key("0");
+  check(view.scale === fitted, "zero fits");
+  const [x, y] = toPage(...[scene.view[0], scene.view[1]]);
+  check(x >= 0 && x <= view.width && y >= 0 && y <= view.height, "all of the scene is in view");
+  check(document.documentElement.scrollWidth <= window.innerWidth, "nothing sticks out sideways");
+
+  const result = selftestErrors.length === 0 ? "passed" : "failed: " + selftestErrors.join("; ");
+  element("selftest").textContent = result;
+  element("selftest").hidden = false;
+}
+
+// What the page shows, as numbers: the test compares them with the motion.
+function selftestSample() {
+  return [0, Math.floor((frameCount - 1) / 2), frameCount - 1].map((k) => {
+    player.frames.place(k);
+    return scene.bodies.map((body) => body.now);
+  });
+}
+
+start().then(async () => {
+  if (location.hash !== "#selftest" || !player.frames) return;
+  await selftest();
+  // For a browser without a screen, where nobody reads the page.
+  console.log(`selftest sample ${JSON.stringify(selftestSample())}`);
+  console.log(`selftest ${element("selftest").textContent}`);
+}, (error) => {
+  notice(`This page cannot be shown: ${error.message}`);
+  throw error;
+});
