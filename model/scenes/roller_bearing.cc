@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <vector>
 
 #include "model/scenes/families.h"
@@ -27,19 +28,18 @@ namespace {
 
 /// Of every bearing's outer ring; with the frame's corner at (0, 0), neighbours touch without rounding.
 constexpr double kOuterRadius = 0.75;
-constexpr double kMinShaft = 0.10;
-constexpr double kMaxShaft = 0.14;
-constexpr double kMinRoller = 0.04;  ///< range of a row's radius of load rollers
-constexpr double kMaxRoller = 0.055;
+constexpr double kOuterThickness = 0.1;
+constexpr double kInnerThickness = 0.05;
+/// Rows of rollers in a bearing: the most that the rows left suffice for.
+struct BearingSize {
+  int roller_rows = 1;
+  int rows = 0;           ///< of the whole bearing, about
+  double min_radius = 0;  ///< range of each row's radius of load rollers
+  double max_radius = 0;
+};
+constexpr BearingSize kSizes[] = {{3, 270, 0.040, 0.055}, {2, 110, 0.07, 0.09}, {1, 0, 0.10, 0.14}};
 constexpr double kMinSpacer = 0.6;  ///< radius over that of load rollers
 constexpr double kMaxSpacer = 0.9;
-constexpr double kThickness = 0.05;  ///< of inner rings
-/// Rows of rollers in a bearing, and the rows left from which on there are as many.
-constexpr int kMostRollerRows = 3;
-constexpr int kRowsForThree = 200;
-constexpr int kRowsForTwo = 90;
-/// Rows that a bearing brings, about.
-constexpr double kRowsPerBearing = 170;
 constexpr double kDensity = 60;
 /// In-plane gravity times the square root of the number of bearings [m/s^2]: weights shall not outgrow the random gusts
 /// where bearings stand high.
@@ -73,7 +73,7 @@ class Bearings {
  public:
   Bearings(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
     frame_ = AddBody(system, "frame", MakeFixed("frame"));
-    columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(rows / kRowsPerBearing))));
+    columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rows) / kSizes[0].rows))));
   }
 
   void Build() {
@@ -92,13 +92,15 @@ class Bearings {
   void AddBearing() {
     const int column = count_ % columns_;
     const Vec2 middle{(2 * column + 1) * kOuterRadius, (2 * (count_ / columns_) + 1) * kOuterRadius};
-    const int roller_rows = left_ >= kRowsForThree ? kMostRollerRows : left_ >= kRowsForTwo ? 2 : 1;
+    const BearingSize& size =
+        *std::find_if(std::begin(kSizes), std::end(kSizes), [this](const BearingSize& s) { return left_ >= s.rows; });
+    // From the outside inwards: whatever is left is the shaft.
+    const double bore = kOuterRadius - kOuterThickness;
     std::vector<double> roller_radii;
-    const double shaft_radius = random_->Uniform(kMinShaft, kMaxShaft);
-    double bore = shaft_radius - kThickness;
-    for (int k = 0; k < roller_rows; ++k) {
-      roller_radii.push_back(random_->Uniform(kMinRoller, kMaxRoller));
-      bore += kThickness + 2 * roller_radii.back();
+    double shaft_radius = bore - (size.roller_rows - 1) * kInnerThickness;
+    for (int k = 0; k < size.roller_rows; ++k) {
+      roller_radii.push_back(random_->Uniform(size.min_radius, size.max_radius));
+      shaft_radius -= 2 * roller_radii.back();
     }
     const int ring = AddBody(system_, "outer ring", MakeRing(middle, kOuterRadius, bore, kDensity));
     rings_.push_back(ring);
@@ -118,10 +120,10 @@ class Bearings {
     if (left_ < 2) return;
     Races races{middle, -1, -1, shaft_radius, 0, 0};
     races.inner = AddBody(system_, "shaft", MakeDisc(middle, shaft_radius, kDensity));
-    for (int k = 0; k < roller_rows; ++k) {
-      const bool last = k + 1 == roller_rows;
+    for (int k = 0; k < size.roller_rows; ++k) {
+      const bool last = k + 1 == size.roller_rows;
       races.outer_radius = last ? bore : races.inner_radius + 2 * roller_radii[static_cast<std::size_t>(k)];
-      const double rim_radius = races.outer_radius + kThickness;
+      const double rim_radius = races.outer_radius + kInnerThickness;
       races.outer = last ? ring : AddBody(system_, "ring", MakeRing(middle, rim_radius, races.outer_radius, kDensity));
       const double speed = std::sqrt(random_->Uniform(0.1, 1) * kCentripetal * kGravity / races.pitch_radius());
       races.orbit = random_->Sign() * speed;

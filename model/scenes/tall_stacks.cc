@@ -12,8 +12,8 @@
 //
 // Rows with w > 0 at the solution, seeds 1 to 5: KSHARE
 //
-// The heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others either way:
-// one that presses down closes its whole stack.
+// The topmost and heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others
+// either way: one that presses down closes its whole stack.
 //
 // As a sequence: the same velocities under gravity alone; the stacks fall apart.
 //
@@ -42,7 +42,7 @@ constexpr double kBeamHeight = 0.2;
 constexpr double kLightest = 0.01;  ///< [kg]
 constexpr int kMostDecades = 6;     ///< of mass
 constexpr double kMaxSpeed = 1;     ///< sideways [m/s]
-constexpr double kMaxSpin = 10;     ///< of discs and ovals [rad/s]
+constexpr double kMaxSpin = 3;      ///< of discs and ovals [rad/s]
 constexpr double kWeight = 0.05 * kGravity;
 
 enum class Kind { kBox, kDisc, kOval };
@@ -143,6 +143,7 @@ class Stacks {
       if (left_ == 1 && element.kind == Kind::kBox) element.kind = Kind::kDisc;
       top = Put(element, Mass(profile, decades, k, bodies), kLightest * PowerOfTen(decades), top);
     }
+    if (lift_) lifted_.push_back(top.body);
   }
 
   Element NewElement() {
