@@ -220,6 +220,7 @@ Vec2 OvalFront::GuessCenter(const PlacedOval& oval, int left, int right) const {
 bool OvalFront::PlaceInPocket(int left, int right, PlacedOval* oval) const {
   if (left < 0 && right < 0) return false;
   oval->c = GuessCenter(*oval, left, right);
+  double last_length = 2 * bowl_radius_;
   for (int i = 0; i < kMaxNewton; ++i) {
     const OvalGap gap1 = GapTo(*oval, left);
     const OvalGap gap2 = GapTo(*oval, right);
@@ -230,13 +231,13 @@ bool OvalFront::PlaceInPocket(int left, int right, PlacedOval* oval) const {
     const double length = Norm(step);
     const double longest = oval->b / 2;
     oval->c = oval->c + (length > longest ? longest / length : 1.0) * step;
-    constexpr double kConverged = 1e-15;
-    if (length <= kConverged * bowl_radius_) return true;
+    // Steps shrink by their squares until only rounding is left of them.
+    constexpr double kRounding = 1e-14;
+    if (length <= kRounding * bowl_radius_ && length >= last_length / 4) return true;
+    if (length == 0) return true;
+    last_length = length;
   }
-  // Rounding may keep the last digits moving.
-  constexpr double kTouching = 1e-14;
-  const double worst = std::max(std::abs(GapTo(*oval, left).d), std::abs(GapTo(*oval, right).d));
-  return worst <= kTouching * (bowl_radius_ + largest_);
+  return false;
 }
 
 /// Something else that the oval is not clear of, that which overlaps it deepest; of the bowl, the side where the oval

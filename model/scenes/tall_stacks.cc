@@ -3,14 +3,14 @@
 // The masses of a stack differ by a ratio of 10 to 10^6 (the first group's is 10^6, the others draw a power of ten),
 // the heaviest never below the lightest: all light with the heaviest on top, rising by decades from the floor, or light
 // and heavy by turns. Forces differ as much, and the light bodies between heavy ones make A ill-conditioned for any
-// scaling (of the Jacobi-scaled A without the dependent rows KCOND): methods that sweep locally need as many sweeps as
-// the mass ratio, and an absolute tolerance means nothing.
+// scaling (of the Jacobi-scaled A without the dependent rows 6e6 to 3e7 at 200 and at 1000 rows): methods that sweep
+// locally need as many sweeps as the mass ratio, and an absolute tolerance means nothing.
 //
 // Contacts are flat (box on box or floor, two rows), round on flat, and round on round (one row); discs and ovals roll
 // and slide over one another, so that gamma is nonzero there and depends on curvature. A beam stands on three stacks of
-// the same height and overhangs by its own contacts: rank KRANK of the rows at 1000.
+// the same height and overhangs by its own contacts: rank 0.97 of the rows at 1000.
 //
-// Rows with w > 0 at the solution, seeds 1 to 5: KSHARE
+// Rows with w > 0 at the solution, seeds 1 to 5: 10-50 % at 10 rows, 14-40 % at 100, 20-23 % at 1000, 23 % at 3000.
 //
 // The topmost and heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others
 // either way: one that presses down closes its whole stack.
