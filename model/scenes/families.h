@@ -15,6 +15,16 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed);
 ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed);
 ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed);
 ContactSystem GenerateRockers(int rows, std::uint64_t seed);
+ContactSystem GenerateOvalsInBowl(int rows, std::uint64_t seed);
+World StartOvalsInBowl(int rows, std::uint64_t seed);
+ContactSystem GenerateRollerBearing(int rows, std::uint64_t seed);
+World StartRollerBearing(int rows, std::uint64_t seed);
+ContactSystem GenerateRoundedWall(int rows, std::uint64_t seed);
+World StartRoundedWall(int rows, std::uint64_t seed);
+ContactSystem GenerateTallStacks(int rows, std::uint64_t seed);
+World StartTallStacks(int rows, std::uint64_t seed);
+ContactSystem GenerateBilliardsBreak(int rows, std::uint64_t seed);
+World StartBilliardsBreak(int rows, std::uint64_t seed);
 
 // Mechanisms: one-problem form, and the world that starts moving.
 

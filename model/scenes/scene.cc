@@ -63,6 +63,26 @@ constexpr std::array kScenes{
                 "Two path joints a car on an ellipse or superellipse, couplings that only pull or only push: the "
                 "active set is a matter of the loads along the whole train.",
                 &GenerateOvalTrain, &StartOvalTrain, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"ovals-in-bowl", "Pile of ellipses in a round bowl",
+                "General curves whose contact points must be searched, normals that miss the centres of mass, b that "
+                "depends on curvature; nonsingular, with every force depending on the whole pile above.",
+                &GenerateOvalsInBowl, &StartOvalsInBowl, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"roller-bearing", "Rollers between concentric races",
+                "Convex arcs in concave ones, highly redundant, with rings that touch hundreds of rollers: dense "
+                "blocks in A, which tell methods that form A from those that work with J.",
+                &GenerateRollerBearing, &StartRollerBearing, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"rounded-wall", "Wall of bricks with rounded corners",
+                "Flat contacts through corner arcs, up to six rows a brick against three degrees of freedom: the most "
+                "redundant wall, with A far from full rank.",
+                &GenerateRoundedWall, &StartRoundedWall, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"tall-stacks", "Stacks with mass ratios up to a million",
+                "Heavy bodies on light ones: forces and the eigenvalues of A spread over as many orders of magnitude, "
+                "which tells direct methods from those that sweep locally, and relative from absolute tolerances.",
+                &GenerateTallStacks, &StartTallStacks, MotionLevel::kVelocity, 1e-3},
+    SceneFamily{"billiards-break", "Rack of discs pressed, or broken, by a cue ball",
+                "Equal masses and nothing fixed: the redundancy of a lattice alone. Its sequence is a series of "
+                "simultaneous impacts.",
+                &GenerateBilliardsBreak, &StartBilliardsBreak, MotionLevel::kAcceleration, 2e-3},
 };
 
 const SceneFamily& FindSceneFor(std::string_view key, int rows) {

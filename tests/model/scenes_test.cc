@@ -10,19 +10,21 @@
 #include <ostream>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "model/assembly.h"
+#include "model/motion/contact_finder.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/picture.h"
 #include "model/scenes/random.h"
-#include "model/trig.h"
+#include "model/world.h"
 #include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/model/scene_checks.h"
 
 namespace lcpbench {
 
@@ -31,62 +33,20 @@ static void PrintTo(const SceneFamily& scene, std::ostream* out) { *out << scene
 
 namespace {
 
-/// The smallest radius or half-width of any body in any family [m]: what gaps are compared with.
-constexpr double kSize = 0.02;
+using lcpbench::testing::ContactsOfPairs;
+using lcpbench::testing::HashOf;
+using lcpbench::testing::kSceneSize;
+using lcpbench::testing::Solid;
 
-class Scenes : public testing::TestWithParam<SceneFamily> {
+class Scenes : public ::testing::TestWithParam<SceneFamily> {
  protected:
   static ContactSystem Generate(int rows, std::uint64_t seed) { return GetParam().generate(rows, seed); }
 };
 
-std::string ParamName(const testing::TestParamInfo<SceneFamily>& info) {
+std::string ParamName(const ::testing::TestParamInfo<SceneFamily>& info) {
   std::string name(info.param.key);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
-}
-
-Vec2 ToWorld(const Body& body, Vec2 p) { return body.x + Rotate(SinCos(body.theta), p); }
-
-/// World points along a body's outline, ends of pieces included.
-std::vector<Vec2> OutlinePoints(const Body& body) {
-  constexpr int kSamples = 120;
-  std::vector<Vec2> points;
-  for (const OutlineEdge& piece : body.outline) {
-    for (int k = 0; k <= kSamples; ++k) {
-      const double s = piece.s_begin + (piece.s_end - piece.s_begin) * k / kSamples;
-      if (const auto* line = std::get_if<StraightEdge>(&piece.edge)) {
-        points.push_back(ToWorld(body, line->a + s * (line->b - line->a)));
-      } else {
-        const auto& arc = std::get<ArcEdge>(piece.edge);
-        const Rotation direction = SinCos(s);
-        points.push_back(ToWorld(body, arc.center + arc.radius * Vec2{direction.cos, direction.sin}));
-      }
-    }
-  }
-  return points;
-}
-
-/// How far inside an outline piece's material side the world point p lies.
-double DepthBehind(const Body& body, const OutlineEdge& piece, Vec2 p) {
-  if (const auto* line = std::get_if<StraightEdge>(&piece.edge)) {
-    const Vec2 a = ToWorld(body, line->a);
-    const Vec2 along = ToWorld(body, line->b) - a;
-    return Cross(along, p - a) / Norm(along);
-  }
-  const auto& arc = std::get<ArcEdge>(piece.edge);
-  const double inside = arc.radius - Norm(p - ToWorld(body, arc.center));
-  return arc.side == Side::kConvex ? inside : -inside;
-}
-
-/// How deep p lies inside the body. Movable bodies of the scenes are convex, an intersection of discs and half-planes;
-/// a fixed body's material is the union of what lies behind its edges.
-double Depth(const Body& body, Vec2 p) {
-  double depth = body.fixed ? -1e300 : 1e300;
-  for (const OutlineEdge& piece : body.outline) {
-    const double behind = DepthBehind(body, piece, p);
-    depth = body.fixed ? std::max(depth, behind) : std::min(depth, behind);
-  }
-  return depth;
 }
 
 TEST_P(Scenes, GiveExactlyTheRowsAskedFor) {
@@ -96,10 +56,11 @@ TEST_P(Scenes, GiveExactlyTheRowsAskedFor) {
   for (const int rows : sizes) {
     for (const std::uint64_t seed : {0ULL, 1ULL, 2ULL, 3ULL, 12345678901234567ULL, ~0ULL}) {
       const ContactSystem system = Generate(rows, seed);
-      ASSERT_EQ(static_cast<int>(system.constraints.size()), rows) << system.name;
+      int count = 0;
       for (const Constraint& constraint : system.constraints) {
-        ASSERT_EQ(constraint.type, ConstraintType::kContact) << system.name;
+        count += constraint.type == ConstraintType::kPin ? 2 : 1;
       }
+      ASSERT_EQ(count, rows) << system.name;
     }
     ASSERT_EQ(static_cast<int>(AssembleContactLcp(Generate(rows, 1)).rows.size()), rows);
   }
@@ -127,9 +88,12 @@ TEST_P(Scenes, HaveLastingContactInEveryRow) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const ContactSystem system = Generate(rows, seed);
       double speed = 1;
-      for (const Body& body : system.bodies) speed = std::max(speed, Norm(body.v));
+      for (const Body& body : system.bodies) {
+        const double spin = body.omega == 0 ? 0 : std::abs(body.omega) * Solid(body).reach();
+        speed = std::max(speed, Norm(body.v) + spin);
+      }
       for (const RowInfo& row : AssembleContactLcp(system).rows) {
-        ASSERT_LE(std::abs(row.d), 1e-9 * kSize) << system.name;
+        ASSERT_LE(std::abs(row.d), 1e-9 * kSceneSize) << system.name;
         ASSERT_LE(std::abs(row.d_dot), 1e-10 * speed) << system.name;
       }
     }
@@ -141,22 +105,74 @@ TEST_P(Scenes, DoNotOverlapAndTouchOnlyWhereListed) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const ContactSystem system = Generate(rows, seed);
       std::set<std::pair<int, int>> listed;
-      for (const Constraint& c : system.constraints) listed.insert(std::minmax(c.body1, c.body2));
-      std::vector<std::vector<Vec2>> points;
-      for (const Body& body : system.bodies) points.push_back(OutlinePoints(body));
+      std::set<std::pair<int, int>> jointed;
+      for (const Constraint& c : system.constraints) {
+        (c.type == ConstraintType::kContact ? listed : jointed).insert(std::minmax(c.body1, c.body2));
+      }
+      std::vector<Solid> solids;
+      for (const Body& body : system.bodies) solids.emplace_back(body);
       const int count = static_cast<int>(system.bodies.size());
       for (int i = 0; i < count; ++i) {
         const Body& body = system.bodies[static_cast<std::size_t>(i)];
-        if (body.fixed) continue;
+        const std::vector<Vec2> points = solids[static_cast<std::size_t>(i)].Points();
         for (int j = 0; j < count; ++j) {
-          if (i == j) continue;
           const Body& other = system.bodies[static_cast<std::size_t>(j)];
-          const double allowed = listed.contains(std::minmax(i, j)) ? 1e-9 * kSize : -1e-6 * kSize;
-          for (const Vec2 p : points[static_cast<std::size_t>(i)]) {
-            ASSERT_LE(Depth(other, p), allowed) << system.name << ": " << body.name << " in " << other.name;
+          // Bodies that share a joint do not touch: they may lie over each other.
+          if (i == j || jointed.contains(std::minmax(i, j)) || (body.fixed && other.fixed)) continue;
+          const Solid& solid = solids[static_cast<std::size_t>(j)];
+          const bool touching = listed.contains(std::minmax(i, j));
+          if (!other.fixed && !touching &&
+              Norm(body.x - other.x) > solids[static_cast<std::size_t>(i)].reach() + solid.reach() + kSceneSize) {
+            continue;
+          }
+          const double allowed = touching ? 1e-9 * kSceneSize : -1e-6 * kSceneSize;
+          for (const Vec2 p : points) {
+            ASSERT_LE(solid.Depth(p), allowed) << system.name << ": " << body.name << " in " << other.name;
           }
         }
       }
+    }
+  }
+}
+
+TEST_P(Scenes, ShowTheirListedContactsToDetection) {
+  for (const int rows : {1, 2, 5, 12, 60, 301, 2000}) {
+    for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+      const ContactSystem system = Generate(rows, seed);
+      const World world = WorldOf(system);
+      // Less than what bodies that do not touch are apart.
+      constexpr double kTolerance = 0.5e-6 * kSceneSize;
+      const auto found = ContactFinder(world).Find(world.bodies, kTolerance, kTolerance);
+      ASSERT_EQ(ContactsOfPairs(found), ContactsOfPairs(system.constraints)) << system.name;
+    }
+  }
+}
+
+TEST_P(Scenes, StartAsWorldsOfTheSameBodies) {
+  for (const int rows : {1, 2, 10, 150}) {
+    const ContactSystem system = Generate(rows, 4);
+    const World world = GetParam().start(rows, 4);
+    const World again = GetParam().start(rows, 4);
+    ASSERT_NO_THROW(RequireValid(world));
+    ASSERT_EQ(world.bodies.size(), system.bodies.size());
+    bool same_place = true;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+      const Body& body = world.bodies[i];
+      EXPECT_EQ(body.name, system.bodies[i].name);
+      EXPECT_EQ(body.fixed, system.bodies[i].fixed);
+      EXPECT_EQ(body.mass, system.bodies[i].mass);
+      EXPECT_EQ(body.x.x, again.bodies[i].x.x);
+      EXPECT_EQ(body.v.x, again.bodies[i].v.x);
+      EXPECT_EQ(body.omega, again.bodies[i].omega);
+      same_place = same_place && Norm(body.x - system.bodies[i].x) == 0 && body.theta == system.bodies[i].theta;
+    }
+    constexpr double kTolerance = 0.5e-6 * kSceneSize;
+    const auto found = ContactFinder(world).Find(world.bodies, kTolerance, kTolerance);
+    for (const RowInfo& row : AssembleContactLcp(InstantOf(world, found)).rows) {
+      EXPECT_LE(std::abs(row.d), row.bilateral ? 1e-9 * kSceneSize : kTolerance);
+    }
+    if (same_place) {
+      EXPECT_EQ(ContactsOfPairs(found), ContactsOfPairs(system.constraints)) << world.name;
     }
   }
 }
@@ -180,10 +196,11 @@ TEST_P(Scenes, HaveSoundBodies) {
       EXPECT_TRUE(touching.contains(static_cast<int>(i))) << body.name;
       EXPECT_GT(body.mass, 0);
       EXPECT_GT(body.inertia, 0);
-      double reach = 0;
-      for (const Vec2 p : OutlinePoints(body)) reach = std::max(reach, Norm(p - body.x));
-      EXPECT_LT(body.inertia, body.mass * reach * reach) << body.name << ": mass outside its outline";
-      EXPECT_GT(Depth(body, body.x), 0) << body.name << ": centre of mass outside its outline";
+      const Solid solid(body);
+      EXPECT_LT(body.inertia, body.mass * solid.reach() * solid.reach()) << body.name << ": mass outside its outline";
+      if (!solid.has_hole()) {
+        EXPECT_GT(solid.Depth(body.x), 0) << body.name << ": centre of mass outside its outline";
+      }
       EXPECT_GT(Norm(body.force), 0);
     }
   }
@@ -195,16 +212,23 @@ TEST_P(Scenes, MixActiveAndSeparatingRows) {
   for (const int rows : {10, 30, 100, 300, 1000}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const ContactSystem system = Generate(rows, seed);
-      const LcpProblem problem = AssembleContactLcp(system).problem;
+      const AssembledLcp lcp = AssembleContactLcp(system);
+      const LcpProblem& problem = lcp.problem;
       LcpResult result;
       solver->Solve(problem, {}, &result);
       const Verdict verdict = Verify(problem, result, 1e-9);
       ASSERT_TRUE(verdict.passes) << system.name << ": " << result.detail << ' ' << verdict.reason;
       const Eigen::ArrayXd root = problem.DiagonalA().array().sqrt();
       const double scale = (problem.b().array() / root).matrix().norm() / std::sqrt(rows);
-      const auto separating = (verdict.metrics.w.array() / root > 1e-7 * scale).count();
-      EXPECT_GE(separating, 0.05 * rows) << system.name;
-      EXPECT_LE(separating, 0.80 * rows) << system.name;
+      int unilateral = 0;
+      int separating = 0;
+      for (Index i = 0; i < rows; ++i) {
+        if (lcp.rows[static_cast<std::size_t>(i)].bilateral) continue;
+        ++unilateral;
+        if (verdict.metrics.w[i] / root[i] > 1e-7 * scale) ++separating;
+      }
+      EXPECT_GE(separating, 0.05 * unilateral) << system.name;
+      EXPECT_LE(separating, 0.80 * unilateral) << system.name;
     }
   }
 }
@@ -246,7 +270,7 @@ TEST_P(Scenes, DrawEveryBodyInWellFormedSvg) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, Scenes, testing::ValuesIn(AllScenes().begin(), AllScenes().end()), ParamName);
+INSTANTIATE_TEST_SUITE_P(Families, Scenes, ::testing::ValuesIn(AllScenes().begin(), AllScenes().end()), ParamName);
 
 /// Rank of the Jacobi-scaled A.
 Index RankOf(const LcpProblem& problem) {
@@ -309,18 +333,16 @@ TEST(SceneBits, AreTheSameInEveryBuild) {
       {"boxes-and-discs", 0x782512c0e1e6ed53U}, {"rockers", 0x866c51ff35fd232dU},
   };
   for (const auto& [key, expected] : kHashes) {
-    // FNV-1a over the problem's text, whose numbers read back to the same doubles.
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char c : FormatLcpRecord(AssembleContactLcp(GenerateScene(key, 60, 5)).problem, true)) {
-      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-    }
+    const std::uint64_t hash = HashOf(GenerateScene(key, 60, 5));
     EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
   }
 }
 
 TEST(SceneTable, FindsByKeyAndRefusesTheRest) {
-  EXPECT_EQ(AllScenes().size(), 5U);
+  std::set<std::string_view> keys;
   for (const SceneFamily& scene : AllScenes()) {
+    EXPECT_TRUE(keys.insert(scene.key).second) << scene.key;
+    EXPECT_EQ(scene.key.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-"), std::string_view::npos);
     EXPECT_EQ(FindScene(scene.key).generate, scene.generate);
     EXPECT_FALSE(scene.title.empty());
     EXPECT_FALSE(scene.purpose.empty());

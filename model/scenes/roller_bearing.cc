@@ -1,0 +1,239 @@
+// roller-bearing: bearings with rows of rollers between concentric races, side by side and on top of one another.
+//
+// A shaft turns in one to three rings that turn in one another, with a row of rollers between each two: convex arcs on
+// a convex race and in a concave one, the closest fit of curvatures in any family. Load rollers touch both races, the
+// spacers between them one race and both neighbours; a spacer's place is left free in every row. A roller that is held
+// by both races cannot give way: A is rank deficient (rank 0.83 of the rows at 1000) and a load on the shaft spreads
+// over half the rollers in proportions that f leaves open. Rings are bodies with dozens of contacts, dense blocks in A.
+// The outer rings stand in rows on the floor of a frame and on one another, and pass on what presses on them. Rollers
+// orbit, each row at its own speed, with all gap rates zero: every race row has a centripetal term (gamma != 0).
+//
+// Rows with w > 0 at the solution, seeds 1 to 5: 20-80 % at 10 rows, 16-27 % at 100, 9-11 % at 1000, 8-10 % at 3000;
+// from 100 on another 11-18 % have f = w = 0 in a basic solution.
+//
+// As a sequence: the same speeds under gravity, with a load on every shaft.
+//
+// The last bearing ends where the rows do; a single row left is a disc on its top (or, alone, on the floor).
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <vector>
+
+#include "model/scenes/families.h"
+#include "model/scenes/packing_parts.h"
+#include "model/trig.h"
+
+namespace lcpbench {
+namespace {
+
+/// Of every bearing's outer ring; with the frame's corner at (0, 0), neighbours touch without rounding.
+constexpr double kOuterRadius = 0.75;
+constexpr double kOuterThickness = 0.1;
+constexpr double kInnerThickness = 0.05;
+/// Rows of rollers in a bearing: the most that the rows left suffice for.
+struct BearingSize {
+  int roller_rows = 1;
+  int rows = 0;           ///< of the whole bearing, about
+  double min_radius = 0;  ///< range of each row's radius of load rollers
+  double max_radius = 0;
+};
+constexpr BearingSize kSizes[] = {{3, 270, 0.040, 0.055}, {2, 110, 0.07, 0.09}, {1, 0, 0.10, 0.14}};
+constexpr double kMinSpacer = 0.6;  ///< radius over that of load rollers
+constexpr double kMaxSpacer = 0.9;
+constexpr double kDensity = 60;
+/// In-plane gravity times the square root of the number of bearings [m/s^2]: weights shall not outgrow the random gusts
+/// where bearings stand high.
+constexpr double kWeight = 0.3 * kGravity;
+/// Largest centripetal acceleration over gravity.
+constexpr double kCentripetal = 0.3;
+/// Load on a shaft in the sequence, over its weight.
+constexpr double kShaftLoad = 20;
+
+/// The space between two rings that a row of rollers runs in.
+struct Races {
+  Vec2 middle;
+  int inner = 0;  ///< body
+  int outer = 0;
+  double inner_radius = 0;
+  double outer_radius = 0;
+  double orbit = 0;  ///< angular velocity of the rollers about the middle [rad/s]
+
+  double pitch_radius() const { return (inner_radius + outer_radius) / 2; }
+  double roller_radius() const { return (outer_radius - inner_radius) / 2; }
+};
+
+/// What the next roller of a row touches.
+struct Roller {
+  int body = -1;
+  double radius = 0;
+  double distance = 0;  ///< from the middle
+};
+
+class Bearings {
+ public:
+  Bearings(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
+    frame_ = AddBody(system, "frame", MakeFixed("frame"));
+    columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rows) / kSizes[0].rows))));
+  }
+
+  void Build() {
+    while (left_ >= 2) AddBearing();
+    if (left_ == 1) AddTopDisc();
+    const double width = (2 * columns_ + 1) * kOuterRadius;
+    const int stories = 1 + count_ / columns_;
+    const double height = 2 * kOuterRadius * stories;
+    system_->bodies[static_cast<std::size_t>(frame_)].outline = {WholeEdge({width, height}, {width, 0}),
+                                                                 WholeEdge({width, 0}, {}), WholeEdge({}, {0, height})};
+  }
+
+  int count() const { return count_; }
+
+ private:
+  /// At the next place of the rows of bearings: two rows for its outer ring, the others inside.
+  void AddBearing() {
+    const int column = count_ % columns_;
+    const int story = count_ / columns_;
+    const Vec2 middle{(2 * column + 1) * kOuterRadius, (2 * story + 1) * kOuterRadius};
+    const BearingSize& size =
+        *std::find_if(std::begin(kSizes), std::end(kSizes), [this](const BearingSize& s) { return left_ >= s.rows; });
+    // From the outside inwards: whatever is left is the shaft.
+    const double bore = kOuterRadius - kOuterThickness;
+    std::vector<double> roller_radii;
+    double shaft_radius = bore - (size.roller_rows - 1) * kInnerThickness;
+    for (int k = 0; k < size.roller_rows; ++k) {
+      roller_radii.push_back(random_->Uniform(size.min_radius, size.max_radius));
+      shaft_radius -= 2 * roller_radii.back();
+    }
+    const int ring = AddBody(system_, "outer ring", MakeRing(middle, kOuterRadius, bore, kDensity));
+    rings_.push_back(ring);
+    ++count_;
+    const ArcEdge rim = Circle(kOuterRadius);
+    if (column > 0) {
+      Touch(ring, rim, rings_[rings_.size() - 2], rim);
+    } else {
+      Touch(ring, rim, frame_, StraightEdge{{}, {0, 1}});
+    }
+    if (count_ > columns_) {
+      Touch(ring, rim, rings_[rings_.size() - 1 - static_cast<std::size_t>(columns_)], rim);
+    } else {
+      Touch(ring, rim, frame_, StraightEdge{{1, 0}, {}});
+    }
+
+    if (left_ < 2) return;
+    Races races{middle, -1, -1, shaft_radius, 0, 0};
+    races.inner = AddBody(system_, "shaft", MakeDisc(middle, shaft_radius, kDensity));
+    for (int k = 0; k < size.roller_rows; ++k) {
+      const bool last = k + 1 == size.roller_rows;
+      races.outer_radius = last ? bore : races.inner_radius + 2 * roller_radii[static_cast<std::size_t>(k)];
+      const double rim_radius = races.outer_radius + kInnerThickness;
+      races.outer = last ? ring : AddBody(system_, "ring", MakeRing(middle, rim_radius, races.outer_radius, kDensity));
+      const double speed = std::sqrt(random_->Uniform(0.1, 1) * kCentripetal * kGravity / races.pitch_radius());
+      races.orbit = random_->Sign() * speed;
+      FillRow(races);
+      races.inner = races.outer;
+      races.inner_radius = rim_radius;
+    }
+  }
+
+  /// Load rollers and spacers by turns, as many as the circle and the rows left allow.
+  void FillRow(const Races& races) {
+    // Free between the last and the first, over the load rollers' radius.
+    constexpr double kSlack = 0.3;
+    const double r = races.roller_radius();
+    const Rotation start = SinCos(random_->Uniform(0, 2 * kPi));
+    Vec2 direction{start.cos, start.sin};
+    const Vec2 first = races.pitch_radius() * direction;
+    Roller previous;
+    bool past_half = false;
+    for (int k = 0; left_ >= (k > 0 && k % 2 == 0 ? 3 : 2); ++k) {
+      Roller next{-1, r, races.pitch_radius()};
+      bool on_inner = true;
+      if (k % 2 == 1) {
+        next.radius = r * random_->Uniform(kMinSpacer, kMaxSpacer);
+        on_inner = random_->Uniform() < 0.5;
+        next.distance = on_inner ? races.inner_radius + next.radius : races.outer_radius - next.radius;
+      }
+      if (k > 0) {
+        direction = NextDirection(direction, previous, next);
+        const Vec2 x = next.distance * direction;
+        past_half = past_half || Cross(first, x) < 0;
+        const bool full_turn = past_half && Cross(first, x) >= 0;
+        if (full_turn || (past_half && Norm(x - first) < next.radius + (1 + kSlack) * r)) break;
+      }
+      next.body = AddRoller(races, next.distance * direction, next.radius);
+      const ArcEdge rim = Circle(next.radius);
+      if (k % 2 == 0 || on_inner) Touch(next.body, rim, races.inner, Circle(races.inner_radius));
+      if (k % 2 == 0 || !on_inner) Touch(next.body, rim, races.outer, ArcEdge{{}, races.outer_radius, Side::kConcave});
+      if (k > 0) Touch(next.body, rim, previous.body, Circle(previous.radius));
+      previous = next;
+    }
+  }
+
+  /// From one roller's direction to that of the next, which touches it: a load roller and a spacer have centres whose
+  /// distances from the middle differ by as much as their radii, so that the triangle with sides a, b and r1 + r2 has
+  /// sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b) = r1 r2 / (a b).
+  static Vec2 NextDirection(Vec2 direction, const Roller& previous, const Roller& next) {
+    const double square = previous.radius * next.radius / (previous.distance * next.distance);
+    const Rotation step{1 - 2 * square, 2 * std::sqrt(square * (1 - square))};
+    const Vec2 turned = Rotate(step, direction);
+    return (1 / Norm(turned)) * turned;
+  }
+
+  int AddRoller(const Races& races, Vec2 from_middle, double radius) {
+    Body roller = MakeDisc(races.middle + from_middle, radius, kDensity * random_->Uniform(1, 2));
+    roller.v = races.orbit * Perp(from_middle);
+    // As if rolling on the inner race at rest; no row depends on it.
+    roller.omega = races.orbit * Norm(from_middle) / radius;
+    return AddBody(system_, "roller", roller);
+  }
+
+  /// One row on top of the last bearing, or on the floor.
+  void AddTopDisc() {
+    constexpr double kRadius = 0.1;
+    if (rings_.empty()) {
+      Touch(AddBody(system_, "disc", MakeDisc({kOuterRadius, kRadius}, kRadius, kDensity)), Circle(kRadius), frame_,
+            StraightEdge{{1, 0}, {}});
+      return;
+    }
+    const Vec2 top = system_->bodies[static_cast<std::size_t>(rings_.back())].x + Vec2{0, kOuterRadius + kRadius};
+    Touch(AddBody(system_, "disc", MakeDisc(top, kRadius, kDensity)), Circle(kRadius), rings_.back(),
+          Circle(kOuterRadius));
+  }
+
+  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
+    AddContact(system_, body1, feature1, body2, feature2);
+    --left_;
+  }
+
+  ContactSystem* system_;
+  int left_;  ///< rows still to be made
+  Random* random_;
+  int frame_ = 0;
+  int columns_ = 1;
+  int count_ = 0;
+  std::vector<int> rings_;  ///< outer ones
+};
+
+}  // namespace
+
+ContactSystem GenerateRollerBearing(int rows, std::uint64_t seed) {
+  Random random(seed);
+  ContactSystem system = EmptyScene("roller-bearing", rows, seed);
+  Bearings bearings(&system, rows, &random);
+  bearings.Build();
+  ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + bearings.count()), .gust = kGravity}, &random);
+  return system;
+}
+
+World StartRollerBearing(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateRollerBearing(rows, seed), {0, -kGravity});
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const Body& body = world.bodies[i];
+    if (!body.name.starts_with("shaft")) continue;
+    world.loads.wrenches.push_back({{static_cast<int>(i), {}}, {0, -kShaftLoad * body.mass * kGravity}, 0});
+  }
+  return world;
+}
+
+}  // namespace lcpbench
