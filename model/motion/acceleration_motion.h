@@ -58,8 +58,9 @@ void RequireValid(const AccelerationOptions& options);
 ///   approach   a gap outside the held set falls to 0 (less 1e-4 eps_d)
 ///   release    a held contact's f falls to 0
 ///   passage    a held contact's foot leaves its edge (so a new step begins on the next one, with its curvature)
-/// Each is a sign change over the step, narrowed by repeated steps from the same beginning (TOMS 748 [Alefeld, Potra,
-/// Shi 1995], bisection for passages).
+/// Each is a sign change over the step, found on an interpolant of degree 5 (TOMS 748 [Alefeld, Potra, Shi 1995],
+/// bisection for passages) and then met by steps from the same beginning, safeguarded Newton for approaches. A gap
+/// between features that come into sight behind a join is followed from that moment.
 ///
 /// No tunnelling: a step is so short that no two bodies approach by more than half of search_range, or the distance
 /// between the circles around them where that is longer (by their speeds, spins and present accelerations). Gaps and
@@ -75,8 +76,7 @@ void RequireValid(const AccelerationOptions& options);
 ///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
-/// + - * / sqrt and correctly rounded functions only, but for the solver and for bodies on general curves' start
-/// values: with a solver of that kind the same bits on every machine.
+/// + - * / sqrt and correctly rounded functions only, so with a solver of that kind the same bits on every machine.
 class AccelerationMotion final : public Motion {
  public:
   /// @param solver  must outlive this

@@ -78,7 +78,7 @@ struct Run {
 // A solver and a motion under it.
 class Mover {
  public:
-  explicit Mover(const World& world, AccelerationOptions options = {}, std::string_view solver = "dantzig")
+  explicit Mover(const World& world, const AccelerationOptions& options = {}, std::string_view solver = "dantzig")
       : solver_(MakeSolver(solver)), motion_(world, options, *solver_) {}
   AccelerationMotion* operator->() { return &motion_; }
   AccelerationMotion& operator*() { return motion_; }
@@ -249,7 +249,7 @@ TEST(AccelerationMotion, BilliardsKeepTheirEnergy) {
   Random random(3);
   std::vector<Body> bodies = {Fixed(Room(4, 3))};
   for (int k = 0; k < 9; ++k) {
-    Body disc = Movable(Disc(0.15 + 0.01 * k), {-1.2 + 1.2 * (k % 3), -0.9 + 0.9 * (k / 3)});
+    Body disc = Movable(Disc(0.15 + 0.01 * k), {-1.2 + 1.2 * (k % 3), -0.9 + 0.9 * std::floor(k / 3.0)});
     disc.v = 2 * random.InUnitDisc();
     bodies.push_back(disc);
   }
@@ -262,7 +262,7 @@ TEST(AccelerationMotion, FreeBodiesKeepMomentumAndAngularMomentum) {
   Random random(8);
   std::vector<Body> bodies;
   for (int k = 0; k < 8; ++k) {
-    const Vec2 x{-1.5 + k % 4, -0.5 + k / 4};
+    const Vec2 x{-1.5 + k % 4, -0.5 + std::floor(k / 4.0)};
     const Outline outline = k % 3 == 0 ? Ellipse(0.35, 0.2) : k % 3 == 1 ? RoundedBox(0.5, 0.4, 0.1) : Box(0.4, 0.4);
     Body body = Movable(outline, x, random.Uniform(0, 6));
     // Inwards, so that they meet.
@@ -284,6 +284,7 @@ TEST(AccelerationMotion, FreeBodiesKeepMomentumAndAngularMomentum) {
 
 std::vector<Body> Cradle(int count, double gap) {
   std::vector<Body> balls;
+  balls.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k) balls.push_back(Movable(Disc(0.1), {(0.2 + gap) * k, 0}));
   balls[0].x.x -= 0.3;
   balls[0].v = {1, 0};
@@ -477,7 +478,7 @@ TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
   std::vector<Body> bodies = {Fixed(Bowl(1.6, 1.4, 1.2))};
   for (int k = 0; k < 6; ++k) {
     const Outline outline = k % 2 == 0 ? Ellipse(0.16, 0.1) : RoundedBox(0.3, 0.2, 0.05);
-    bodies.push_back(Movable(outline, {-0.4 + 0.4 * (k % 3), -0.6 + 0.45 * (k / 3)}, random.Uniform(0, 6)));
+    bodies.push_back(Movable(outline, {-0.4 + 0.4 * (k % 3), -0.6 + 0.45 * std::floor(k / 3.0)}, random.Uniform(0, 6)));
   }
   const World world = WorldWith("bowl", bodies);
   AccelerationOptions options;
