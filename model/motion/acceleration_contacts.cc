@@ -24,8 +24,8 @@ const Body& At(std::span<const Body> bodies, int index) { return bodies[static_c
 TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& body2) {
   const Vec2 vertex1 = std::get<Vertex>(rope.feature1).p;
   const Vec2 vertex2 = std::get<Vertex>(rope.feature2).p;
-  const auto [points, row] = ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta),
-                                                 body2, rope.length);
+  const auto [points, row] =
+      ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta), body2, rope.length);
   return {-points.n, points.R1, points.R2, rope.length - points.d, -row.d_dot};
 }
 
@@ -33,30 +33,30 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 
 bool IsSameFeature(const Feature& a, const Feature& b) {
   if (a.index() != b.index()) return false;
-  return std::visit(
-      Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
-                 [&](const StraightEdge& p) {
-                   const auto& q = std::get<StraightEdge>(b);
-                   return Same(p.a, q.a) && Same(p.b, q.b);
-                 },
-                 [&](const ArcEdge& p) {
-                   const auto& q = std::get<ArcEdge>(b);
-                   return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
-                 },
-                 [&](const EllipseEdge& p) {
-                   const auto& q = std::get<EllipseEdge>(b);
-                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi && p.side == q.side;
-                 },
-                 [&](const SuperellipseEdge& p) {
-                   const auto& q = std::get<SuperellipseEdge>(b);
-                   return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m && p.phi == q.phi &&
-                          p.side == q.side;
-                 },
-                 [&](const BezierEdge& p) {
-                   const auto& q = std::get<BezierEdge>(b);
-                   return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
-                 }},
-      a);
+  return std::visit(Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
+                               [&](const StraightEdge& p) {
+                                 const auto& q = std::get<StraightEdge>(b);
+                                 return Same(p.a, q.a) && Same(p.b, q.b);
+                               },
+                               [&](const ArcEdge& p) {
+                                 const auto& q = std::get<ArcEdge>(b);
+                                 return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
+                               },
+                               [&](const EllipseEdge& p) {
+                                 const auto& q = std::get<EllipseEdge>(b);
+                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi &&
+                                        p.side == q.side;
+                               },
+                               [&](const SuperellipseEdge& p) {
+                                 const auto& q = std::get<SuperellipseEdge>(b);
+                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m &&
+                                        p.phi == q.phi && p.side == q.side;
+                               },
+                               [&](const BezierEdge& p) {
+                                 const auto& q = std::get<BezierEdge>(b);
+                                 return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
+                               }},
+                    a);
 }
 
 bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b) {
@@ -86,32 +86,31 @@ ContactWatch::ContactWatch(const World& world, double flush_angle) : finder_(wor
     surface.radius = Norm({reach_x, reach_y});
     const double side = std::min(all.upper.x - all.lower.x, all.upper.y - all.lower.y);
     if (!body.fixed && side > 0 && (thinnest_ == 0 || side < thinnest_)) thinnest_ = side;
-    connected_.push_back(HasOutline(body));
     surfaces_.push_back(std::move(surface));
   }
   for (const Constraint& joint : world.joints) {
+    joined_.push_back(std::minmax(joint.body1, joint.body2));
     if (joint.type != ConstraintType::kRope) continue;
     ropes_.push_back(joint);
     const std::array<std::pair<int, const Feature*>, 2> ends = {
         {{joint.body1, &joint.feature1}, {joint.body2, &joint.feature2}}};
     for (const auto& [body, feature] : ends) {
       const auto index = static_cast<std::size_t>(body);
-      connected_[index] = true;
       if (const auto* end = std::get_if<Vertex>(feature)) {
         surfaces_[index].radius = std::max(surfaces_[index].radius, Norm(end->p));
       }
     }
   }
+  std::sort(joined_.begin(), joined_.end());
 }
 
 TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* constraint) {
   const Body& body1 = At(bodies, constraint->body1);
   const Body& body2 = At(bodies, constraint->body2);
   if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, body1, body2);
-  const ClosestPoints closest =
-      FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
-                        {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
-                        {constraint->s1, constraint->s2, constraint->nominal_gap});
+  const ClosestPoints closest = FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
+                                                  {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
+                                                  {constraint->s1, constraint->s2, constraint->nominal_gap});
   if (constraint->s1) constraint->s1 = closest.s1;
   if (constraint->s2) constraint->s2 = closest.s2;
   constraint->nominal_gap = closest.d;
@@ -149,21 +148,37 @@ std::vector<Constraint> ContactWatch::Find(std::span<const Body> bodies, double 
   return found;
 }
 
-double ContactWatch::FastestApproach(std::span<const Body> bodies, std::span<const double> accelerations,
-                                     double duration) const {
-  double first = 0;
-  double second = 0;
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (!connected_[i]) continue;
+double ContactWatch::LongestStep(std::span<const Body> bodies, std::span<const double> accelerations, double stride,
+                                 double step) const {
+  const std::size_t count = bodies.size();
+  std::vector<double> speed(count);
+  std::vector<double> gain(count);
+  for (std::size_t i = 0; i < count; ++i) {
     const double r = surfaces_[i].radius;
-    const double speed = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
-    const double gain =
-        Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
-    const double fastest = speed + duration * gain;
-    second = std::max(second, std::min(fastest, first));
-    first = std::max(first, fastest);
+    speed[i] = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
+    gain[i] = Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
   }
-  return first + second;
+  const auto shorten = [&](std::size_t i, std::size_t j, double room) {
+    const double v = speed[i] + speed[j];
+    const double a = gain[i] + gain[j];
+    // The root of v t + a t^2 / 2 = room.
+    if (v * step + a * step * step / 2 > room) step = 2 * room / (v + std::sqrt(v * v + 2 * a * room));
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    if (surfaces_[i].spans.empty()) continue;
+    for (std::size_t j = i + 1; j < count; ++j) {
+      if (surfaces_[j].spans.empty() || (bodies[i].fixed && bodies[j].fixed)) continue;
+      if (std::binary_search(joined_.begin(), joined_.end(), std::pair(static_cast<int>(i), static_cast<int>(j)))) {
+        continue;
+      }
+      const double clearance = Norm(bodies[i].x - bodies[j].x) - surfaces_[i].radius - surfaces_[j].radius;
+      shorten(i, j, std::max(stride, clearance));
+    }
+  }
+  for (const Constraint& rope : ropes_) {
+    shorten(static_cast<std::size_t>(rope.body1), static_cast<std::size_t>(rope.body2), stride);
+  }
+  return step;
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "model/body.h"
@@ -14,8 +15,8 @@ namespace lcpbench {
 
 /// Where the two features of a unilateral constraint are closest, and how fast that changes. World frame.
 struct TouchPoint {
-  Vec2 n;           ///< unit normal from body 2 to body 1
-  Vec2 R1;          ///< arms from the centres of mass to the closest points [m]
+  Vec2 n;   ///< unit normal from body 2 to body 1
+  Vec2 R1;  ///< arms from the centres of mass to the closest points [m]
   Vec2 R2;
   double d = 0;      ///< gap [m]; of a rope, length - distance
   double d_dot = 0;  ///< [m/s]
@@ -44,10 +45,12 @@ class ContactWatch {
   /// The thinnest movable body's smaller side of its bounding box [m]; 0 if no movable body has an outline.
   double ThinnestBody() const { return thinnest_; }
 
-  /// A bound on the speed at which any two surfaces can approach each other while bodies move for `duration` with the
-  /// accelerations that they have now: the sum of the two fastest bodies' |v| + |omega| r and what is added on the way.
+  /// The longest step of at most `step` [s] in which no two bodies that can touch approach each other by more than
+  /// `stride` [m], or, where that is longer, by the distance between the circles around them. A body's surface moves by
+  /// at most (|v| + r |omega|) t + (|a| + r |alpha|) t^2 / 2.  O(bodies^2), a few operations a pair.
   /// @param accelerations  three a body
-  double FastestApproach(std::span<const Body> bodies, std::span<const double> accelerations, double duration) const;
+  double LongestStep(std::span<const Body> bodies, std::span<const double> accelerations, double stride,
+                     double step) const;
 
  private:
   struct Surface {
@@ -60,7 +63,7 @@ class ContactWatch {
   ContactFinder finder_;
   std::vector<Surface> surfaces_;
   std::vector<Constraint> ropes_;
-  std::vector<bool> connected_;  // has an outline, a rope: what can touch
+  std::vector<std::pair<int, int>> joined_;  // sorted
   double flush_angle_;
   double thinnest_ = 0;
 };

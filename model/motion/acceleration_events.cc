@@ -11,9 +11,14 @@
 namespace lcpbench {
 namespace {
 
-/// Impacts are located to this fraction of a step, other events, where forces are continuous, to that one.
-constexpr double kImpactFraction = 1e-13;
-constexpr double kSmoothFraction = 1e-9;
+/// Events are located to this fraction of a step: its end lies behind them by no more.
+constexpr double kTimeFraction = 1e-9;
+/// Approaches are located more closely, to this fraction of the event depth below their level.
+constexpr double kDepthFraction = 0.01;
+/// Shorter steps are not given up for a gap that cannot be followed [s].
+constexpr double kShortestCut = 1e-13;
+/// Gaps that start below the event depth are met this fraction of it deeper.
+constexpr double kLower = 1e-3;
 /// Forces and accelerations below this fraction of the largest are zero to a solver.
 constexpr double kNegligible = 1e-8;
 
@@ -63,7 +68,11 @@ MotionState StepEvents::StateAfter(double step) const {
   return state;
 }
 
-double StepEvents::Level(double begin_gap) const { return std::min(0.0, begin_gap) - options_.event_depth; }
+// A contact that bounced at its level must fall below it again, but hardly deeper: a bounce that falls further than it
+// rose gains speed, and would never come to rest.
+double StepEvents::Level(double begin_gap) const {
+  return std::min(-options_.event_depth, begin_gap - kLower * options_.event_depth);
+}
 
 void StepEvents::AddPassages(const StepEnd& end, std::vector<Event>* events) const {
   const std::vector<Body> bodies = BodiesAt(end.step, end.state);
@@ -78,7 +87,6 @@ void StepEvents::AddPassages(const StepEnd& end, std::vector<Event>* events) con
       return lies_on(BodiesAt(step, state), held) ? 1.0 : -1.0;
     };
     event.begin_value = 1;
-    event.tolerance = kSmoothFraction * end.step;
     events->push_back(std::move(event));
   }
 }
@@ -108,14 +116,13 @@ bool StepEvents::AddReleases(const StepEnd& end, std::vector<Event>* events) con
       return answered.result.f[i] * A - rates[i];
     };
     event.begin_value = begin_f[i] * A;
-    event.tolerance = kSmoothFraction * end.step;
     event.smooth = true;
     events->push_back(std::move(event));
   }
   return true;
 }
 
-bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) const {
+bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) {
   std::vector<Body> bodies = BodiesAt(end->step, end->state);
   const std::vector<TouchPoint> held_points = [&] {
     std::vector<TouchPoint> points;
@@ -128,66 +135,155 @@ bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) const {
     }
     return false;
   };
-  for (const Constraint& found : end->found) {
+  const std::vector<Constraint> candidates = Candidates(*end, bodies);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const Constraint& found = candidates[k];
     const std::optional<TouchPoint> last = TryEvaluate(bodies, found);
     if (!last || is_held(found, *last)) continue;
-    const std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, found);
-    // An overlap that deep was there before, or a corner came into sight between two edges: not a gap that closed.
-    if (!first || first->d < -options_.contact_tolerance) continue;
-    const double level = Level(first->d);
-    if (last->d > level) {
-      if (!(first->d_dot < 0 && last->d_dot > 0)) continue;
-      double deepest = 0;
-      const double time = DeepestTime(first->d, first->d_dot, last->d, last->d_dot, end->step, &deepest);
-      if (!(deepest < level) || !(time > 0)) continue;
-      StepEnd inner{time, StateAfter(time), {}, {}, false};
-      const std::optional<TouchPoint> between = TryEvaluate(BodiesAt(time, inner.state), found);
-      if (!between || between->d > level) continue;
-      inner.found = watch_.Find(BodiesAt(time, inner.state), options_.range);
-      *end = std::move(inner);
-      return false;
+    const std::optional<Event> event = ApproachOf(found, *end, k < end->found.size());
+    if (!event) continue;
+    if (event->value(end->step, end->state) <= 0) {
+      events->push_back(*event);
+      continue;
     }
-    Event event;
-    event.value = [this, found, level](double step, const MotionState& state) {
-      Constraint constraint = found;
-      return ContactWatch::Evaluate(BodiesAt(step, state), &constraint).d - level;
-    };
-    event.begin_value = first->d - level;
-    event.tolerance = kImpactFraction * end->step;
-    event.smooth = true;
-    event.approaching = found;
-    events->push_back(std::move(event));
+    // Open at both ends: it may have closed and opened again.
+    if (event->begin > 0 || last->d_dot <= 0) continue;
+    const std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, found);
+    if (!first || first->d_dot >= 0) continue;
+    double deepest = 0;
+    const double time = DeepestTime(first->d, first->d_dot, last->d, last->d_dot, end->step, &deepest);
+    if (!(deepest < 0) || !(time > 0)) continue;
+    StepEnd inner{time, StateAfter(time), {}, {}, false};
+    try {
+      if (event->value(time, inner.state) > 0) continue;
+    } catch (const InputError&) {
+      continue;
+    }
+    inner.found = watch_.Find(BodiesAt(time, inner.state), options_.range);
+    *end = std::move(inner);
+    between_.reset();
+    return false;
   }
   return true;
 }
 
-void StepEvents::Narrow(const Event& event, StepEnd* end) const {
-  StepEnd after = *end;
-  const auto value = [&](double step) {
-    MotionState state = StateAfter(step);
-    const double g = event.value(step, state);
-    if (g <= 0 && step <= after.step) {
-      after.step = step;
-      after.state = std::move(state);
+std::vector<Constraint> StepEvents::Candidates(const StepEnd& end, const std::vector<Body>& bodies) const {
+  std::vector<Constraint> candidates = end.found;
+  std::vector<std::optional<TouchPoint>> points;
+  for (const Constraint& found : end.found) points.push_back(TryEvaluate(bodies, found));
+  for (const Constraint& watched : begin_.watched) {
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, watched);
+    if (!touch || std::abs(touch->d) > options_.range) continue;
+    bool known = false;
+    for (std::size_t k = 0; k < points.size() && !known; ++k) {
+      known = points[k] && IsSameContact(candidates[k], *points[k], watched, *touch);
     }
-    return g;
+    if (known) continue;
+    candidates.push_back(watched);
+    points.push_back(touch);
+  }
+  return candidates;
+}
+
+const StepInterpolant& StepEvents::Between(const StepEnd& end) {
+  if (!between_) {
+    const std::vector<double> accelerations =
+        ConstrainedFlow::Accelerations(flow_->system(), flow_->Solve(end.state, begin_.time + end.step));
+    between_.emplace(begin_.bodies, end.step, begin_.state, begin_.accelerations, end.state, accelerations);
+  }
+  return *between_;
+}
+
+double StepEvents::InSightFrom(const Constraint& constraint, const StepEnd& end) {
+  const auto in_sight = [&](const std::vector<Body>& bodies) {
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
+    return touch && watch_.LiesOn(bodies, constraint, *touch);
   };
-  const double end_value = event.value(end->step, end->state);
+  if (in_sight(begin_.bodies)) return 0;
+  const StepInterpolant& between = Between(end);
+  double before = 0;
+  double after = end.step;
+  while (after - before > kTimeFraction * end.step) {
+    const double middle = before + (after - before) / 2;
+    if (!(middle > before && middle < after)) break;
+    (in_sight(BodiesAt(middle, between.At(middle))) ? after : before) = middle;
+  }
+  return after;
+}
+
+std::optional<StepEvents::Event> StepEvents::ApproachOf(const Constraint& constraint, const StepEnd& end,
+                                                        bool is_at_end) {
+  Event event;
+  event.smooth = true;
+  event.approaching = constraint;
+  event.is_at_end = is_at_end;
+  std::optional<TouchPoint> first = TryEvaluate(begin_.bodies, constraint);
+  const std::optional<TouchPoint> last = TryEvaluate(BodiesAt(end.step, end.state), constraint);
+  const bool closes = last && last->d <= -options_.event_depth;
+  if (is_at_end && closes) {
+    event.begin = InSightFrom(constraint, end);
+    if (event.begin > 0) first = TryEvaluate(BodiesAt(event.begin, Between(end).At(event.begin)), constraint);
+  }
+  if (!first || first->d < -options_.contact_tolerance) return std::nullopt;
+  const double level = Level(first->d);
+  event.begin_value = first->d - level;
+  event.value = [this, constraint, level](double step, const MotionState& state) {
+    Constraint followed = constraint;
+    return ContactWatch::Evaluate(BodiesAt(step, state), &followed).d - level;
+  };
+  return event;
+}
+
+double StepEvents::Estimate(const Event& event, const StepInterpolant& between, double latest) const {
+  const auto value = [&](double step) { return event.value(step, between.At(step)); };
+  double before = event.begin;
+  double after = latest;
+  const double tolerance = (event.approaching ? kDepthFraction : 1) * kTimeFraction * latest;
+  const double last = value(latest);
+  if (!(last < 0) || !(latest > before)) return latest;
   if (event.smooth) {
     constexpr std::uintmax_t kMostEvaluations = 60;
     std::uintmax_t evaluations = kMostEvaluations;
-    const double tolerance = event.tolerance;
     const auto close = [tolerance](double a, double b) { return std::abs(b - a) <= tolerance; };
-    if (end_value < 0) {
-      boost::math::tools::toms748_solve(value, 0.0, end->step, event.begin_value, end_value, close, evaluations);
-    }
+    after =
+        boost::math::tools::toms748_solve(value, before, latest, event.begin_value, last, close, evaluations).second;
   } else {
-    double before = 0;
-    while (after.step - before > event.tolerance) {
-      const double middle = before + (after.step - before) / 2;
-      if (!(middle > before && middle < after.step)) break;
-      if (value(middle) > 0) before = middle;
+    while (after - before > tolerance) {
+      const double middle = before + (after - before) / 2;
+      if (!(middle > before && middle < after)) break;
+      (value(middle) > 0 ? before : after) = middle;
     }
+  }
+  return after;
+}
+
+void StepEvents::Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
+  const double depth = kDepthFraction * options_.event_depth;
+  StepEnd after = *end;
+  double before = event.begin;
+  double step = Estimate(event, between, end->step);
+  double width = kTimeFraction * end->step;
+  constexpr int kMostSteps = 60;
+  for (int k = 0; k < kMostSteps; ++k) {
+    if (!(step > before && step < after.step)) step = before + (after.step - before) / 2;
+    if (!(step > before && step < after.step)) break;
+    MotionState state = StateAfter(step);
+    const double g = event.value(step, state);
+    double next = step + width;
+    if (event.approaching) {
+      Constraint followed = *event.approaching;
+      const double rate = ContactWatch::Evaluate(BodiesAt(step, state), &followed).d_dot;
+      next = step - (g + depth / 2) / rate;
+    }
+    if (g > 0) {
+      before = step;
+      width *= 2;
+    } else {
+      after.step = step;
+      after.state = std::move(state);
+      if (!event.approaching || g >= -depth || after.step - before <= kShortestCut) break;
+    }
+    step = next;
   }
   after.at_event = true;
   *end = std::move(after);
@@ -200,6 +296,7 @@ bool StepEvents::IsThere(const Constraint& constraint, const StepEnd& end) const
 }
 
 std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
+  between_.reset();
   StepEnd end{step, std::move(state), {}, {}, false};
   end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
   std::vector<Event> events;
@@ -211,23 +308,27 @@ std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
   AddPassages(end, &events);
   if (!AddReleases(end, &events)) return std::nullopt;
 
-  bool missed = false;
-  std::vector<const Event*> met;
+  if (events.empty()) return end;
+  const StepInterpolant between = Between(end);
+  std::vector<const Event*> missed;
   for (const Event& event : events) {
     if (event.value(end.step, end.state) > 0) continue;  // later than another
     StepEnd cut = end;
-    Narrow(event, &cut);
+    Narrow(event, between, &cut);
     if (event.approaching && !IsThere(*event.approaching, cut)) {
-      missed = true;
+      if (event.is_at_end) missed.push_back(&event);
       continue;
     }
+    if (event.approaching) cut.touching.push_back(*event.approaching);
     end = std::move(cut);
-    met.push_back(&event);
   }
-  const bool touched = std::any_of(met.begin(), met.end(), [](const Event* event) { return event->approaching; });
-  if (missed && !touched && step > options_.shortest_step * kSmoothFraction) return std::nullopt;
-  for (const Event* event : met) {
-    if (event->approaching) end.touching.push_back(*event->approaching);
+  // A gap that closed where its features are not the closest ones, and an overlap at the end: shorter steps show which
+  // features met.
+  for (const Event* event : missed) {
+    if (end.step <= kShortestCut || event->value(end.step, end.state) > 0) continue;
+    const std::vector<Body> bodies = BodiesAt(end.step, end.state);
+    const std::optional<TouchPoint> touch = TryEvaluate(bodies, *event->approaching);
+    if (touch && watch_.LiesOn(bodies, *event->approaching, *touch)) return std::nullopt;
   }
   if (end.at_event) end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
   return end;

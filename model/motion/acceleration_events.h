@@ -6,6 +6,7 @@
 
 #include "model/motion/acceleration_contacts.h"
 #include "model/motion/acceleration_flow.h"
+#include "model/motion/acceleration_interpolant.h"
 
 namespace lcpbench {
 
@@ -16,16 +17,17 @@ struct StepBegin {
   MotionState state;
   std::vector<Body> bodies;
   std::vector<Constraint> held;
-  AnsweredLcp answered;  ///< rows in the order of the flow's held set
+  std::vector<Constraint> watched;  ///< contacts and ropes within the range, held or not
+  AnsweredLcp answered;             ///< rows in the order of the flow's held set
   std::vector<double> accelerations;
 };
 
 struct EventOptions {
   double contact_tolerance = 0;  ///< [m]
   double velocity_tolerance = 0;
-  double range = 0;            ///< gaps and overlaps that are looked for [m]
-  double event_depth = 0;      ///< how far below 0 a gap is when its impact is due [m], > 0
-  double shortest_step = 0;    ///< below this no step is given up for what cannot be resolved [s]
+  double range = 0;          ///< gaps and overlaps that are looked for [m]
+  double event_depth = 0;    ///< how far below 0 a gap is when its impact is due [m], > 0
+  double shortest_step = 0;  ///< below this no step is given up for what cannot be resolved [s]
 };
 
 /// The end of a step, perhaps at an event.
@@ -53,10 +55,11 @@ class StepEvents {
   using Value = std::function<double(double step, const MotionState& state)>;
   struct Event {
     Value value;
+    double begin = 0;  // of the time in which the event can be [s], and the value there
     double begin_value = 0;
-    double tolerance = 0;  // of the time [s]
     bool smooth = false;
     std::optional<Constraint> approaching;
+    bool is_at_end = true;  // found there, not only at the beginning
   };
 
   std::vector<Body> BodiesAt(double step, const MotionState& state) const;
@@ -65,15 +68,26 @@ class StepEvents {
   // False if a contact outside its set was held: the step is too long.
   bool AddReleases(const StepEnd& end, std::vector<Event>* events) const;
   // Cuts the end where a gap closed and opened again.
-  bool AddApproaches(StepEnd* end, std::vector<Event>* events) const;
+  bool AddApproaches(StepEnd* end, std::vector<Event>* events);
   double Level(double begin_gap) const;
-  void Narrow(const Event& event, StepEnd* end) const;
+  // What was or is near: found at the end, and found at the beginning only (its features then may have met first).
+  std::vector<Constraint> Candidates(const StepEnd& end, const std::vector<Body>& bodies) const;
+  // The approach of features that are closest to each other from some time on, with the gap that they have then.
+  // Nothing if that is an overlap: it was there before, or a corner came into sight between two edges.
+  std::optional<Event> ApproachOf(const Constraint& constraint, const StepEnd& end, bool is_at_end);
+  const StepInterpolant& Between(const StepEnd& end);
+  // When the contact's points come onto the outlines for good; 0 if they are there at the beginning.
+  double InSightFrom(const Constraint& constraint, const StepEnd& end);
+  // The time on the interpolant at which the event has just happened.
+  double Estimate(const Event& event, const StepInterpolant& between, double latest) const;
+  void Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const;
   bool IsThere(const Constraint& constraint, const StepEnd& end) const;
 
   EventOptions options_;
   const ContactWatch& watch_;
   const StepBegin& begin_;
   ConstrainedFlow* flow_;
+  std::optional<StepInterpolant> between_;
 };
 
 }  // namespace lcpbench

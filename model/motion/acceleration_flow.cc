@@ -99,7 +99,9 @@ void ConstrainedFlow::Derivative(const MotionState& state, double time, MotionSt
 void ConstrainedFlow::Step(const MotionState& from, double time, double step, MotionState* to, MotionState* error) {
   to->resize(from.size());
   MotionState estimate(from.size());
-  const auto derivative = [this](const MotionState& state, MotionState& out, double at) { Derivative(state, at, &out); };
+  const auto derivative = [this](const MotionState& state, MotionState& out, double at) {
+    Derivative(state, at, &out);
+  };
   stepper_->fehlberg.do_step(derivative, from, time, *to, step, estimate);
   if (error != nullptr) *error = std::move(estimate);
 }

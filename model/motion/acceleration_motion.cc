@@ -92,8 +92,9 @@ void RequireValid(const AccelerationOptions& options) {
   if (!range || !std::isfinite(options.search_range)) {
     throw InputError("acceleration motion: the search range must be 0 or above the contact tolerance");
   }
-  if (!(options.projection_threshold > 0 && options.projection_threshold <= 1)) {
-    throw InputError("acceleration motion: the projection threshold must be in (0, 1]");
+  const auto is_fraction = [](double value) { return value > 0 && value <= 1; };
+  if (!is_fraction(options.position_threshold) || !is_fraction(options.velocity_threshold)) {
+    throw InputError("acceleration motion: the thresholds of corrections must be in (0, 1]");
   }
   if (options.max_events < 1) throw InputError("acceleration motion: the limit of events must be at least 1");
   RequireValid(WithTolerance(options.impact, options.velocity_tolerance));
@@ -173,6 +174,8 @@ void AccelerationMotion::UpdateContacts(const std::vector<Constraint>& known, co
     add(constraint, kDeepest * options_.contact_tolerance, false);
   }
   contacts_ = std::move(contacts);
+  watched_ = contacts_;
+  watched_.insert(watched_.end(), found.begin(), found.end());
 }
 
 ContactSystem AccelerationMotion::SystemOf(const std::vector<Constraint>& contacts) const {
@@ -195,6 +198,18 @@ ImpulseSolver AccelerationMotion::ObservedImpulses() {
   };
 }
 
+ImpulseSolver AccelerationMotion::Impulses() {
+  return [this](const ContactSystem& /*system*/, const std::vector<RowInfo>& /*rows*/, const LcpProblem& problem,
+                LcpResult* result) { solver_.Solve(problem, nullptr, result); };
+}
+
+void AccelerationMotion::TakeVelocities(const ContactSystem& system) {
+  for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
+    world_.bodies[i].v = system.bodies[i].v;
+    world_.bodies[i].omega = system.bodies[i].omega;
+  }
+}
+
 std::vector<Constraint> AccelerationMotion::LastingContacts() const {
   std::vector<Constraint> lasting;
   for (Constraint contact : contacts_) {
@@ -205,7 +220,7 @@ std::vector<Constraint> AccelerationMotion::LastingContacts() const {
 }
 
 void AccelerationMotion::CorrectPositions() {
-  const double threshold = options_.projection_threshold * options_.contact_tolerance;
+  const double threshold = options_.position_threshold * options_.contact_tolerance;
   ContactSystem system = SystemOf(contacts_);
   const AssembledLcp lcp = AssembleContactLcp(system);
   for (const RowInfo& row : lcp.rows) {
@@ -224,16 +239,28 @@ void AccelerationMotion::CorrectPositions() {
 }
 
 void AccelerationMotion::CorrectVelocities() {
-  const double threshold = options_.projection_threshold * options_.velocity_tolerance;
+  const double threshold = options_.velocity_threshold * options_.velocity_tolerance;
   ContactSystem system = SystemOf(LastingContacts());
   if (system.constraints.empty() || WorstApproach(AssembleContactLcp(system).rows) <= threshold) return;
-  const auto solve = [this](const ContactSystem& /*system*/, const std::vector<RowInfo>& /*rows*/,
-                            const LcpProblem& problem, LcpResult* result) { solver_.Solve(problem, nullptr, result); };
-  StopApproach(options_.impact, solve, &system);
-  for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
-    world_.bodies[i].v = system.bodies[i].v;
-    world_.bodies[i].omega = system.bodies[i].omega;
+  StopApproach(options_.impact, Impulses(), &system);
+  TakeVelocities(system);
+}
+
+bool AccelerationMotion::HoldTogether(const AnsweredLcp& answered, const std::vector<Constraint>& lasting) {
+  const double threshold = options_.velocity_threshold * options_.velocity_tolerance;
+  const std::vector<RowInfo>& rows = answered.lcp.rows;
+  std::vector<Constraint> loaded;
+  bool separates = false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].bilateral || answered.result.f[static_cast<Index>(i)] <= 0) continue;
+    loaded.push_back(lasting[static_cast<std::size_t>(rows[i].constraint) - bilateral_.size()]);
+    separates = separates || rows[i].d_dot > threshold;
   }
+  if (!separates) return false;
+  ContactSystem system = SystemOf(loaded);
+  StopSeparation(options_.impact, Impulses(), &system);
+  TakeVelocities(system);
+  return true;
 }
 
 bool AccelerationMotion::ResolveDueImpact() {
@@ -246,10 +273,7 @@ bool AccelerationMotion::ResolveDueImpact() {
   ++statistics_.impacts;
   ContactSystem system = SystemOf(contacts_);
   ResolveImpact(options_.impact, ObservedImpulses(), &system);
-  for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
-    world_.bodies[i].v = system.bodies[i].v;
-    world_.bodies[i].omega = system.bodies[i].omega;
-  }
+  TakeVelocities(system);
   return true;
 }
 
@@ -277,7 +301,11 @@ StepBegin AccelerationMotion::Begin() {
   flow_.Hold(rows, options_.warm_start ? last_f_ : Eigen::VectorXd());
   MotionState state = ConstrainedFlow::StateOf(world_.bodies);
   AnsweredLcp answered = flow_.Solve(state, time_);
-  StepBegin begin{time_, std::move(state), world_.bodies, {}, std::move(answered), {}};
+  if (HoldTogether(answered, lasting)) {
+    state = ConstrainedFlow::StateOf(world_.bodies);
+    answered = flow_.Solve(state, time_);
+  }
+  StepBegin begin{time_, std::move(state), world_.bodies, {}, watched_, std::move(answered), {}};
   const LcpProblem problem = begin.answered.lcp.problem;
   Observe(MotionProblemKind::kAcceleration, flow_.system(), begin.answered.lcp.rows, problem, begin.answered.result);
   begin.accelerations = ConstrainedFlow::Accelerations(flow_.system(), begin.answered);
@@ -305,10 +333,8 @@ StepBegin AccelerationMotion::Begin() {
 }
 
 double AccelerationMotion::LongestStep(const StepBegin& begin, double end) const {
-  double step = std::min({next_step_, options_.largest_step, end - time_});
-  const double speed = watch_.FastestApproach(begin.bodies, begin.accelerations, step);
-  if (speed * step > kStride * range_) step = kStride * range_ / speed;
-  return step;
+  const double step = std::min({next_step_, options_.largest_step, end - time_});
+  return watch_.LongestStep(begin.bodies, begin.accelerations, kStride * range_, step);
 }
 
 void AccelerationMotion::Step(double end) {

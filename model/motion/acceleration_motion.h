@@ -32,9 +32,12 @@ struct AccelerationOptions {
   /// Bodies that are nearer than this are watched [m]; 0 for a quarter of the thinnest movable body's bounding box. No
   /// surface moves by more than half of it towards another in one step.
   double search_range = 0;
-  /// Positions and velocities are corrected where contacts and joints violate more than this fraction of
-  /// contact_tolerance and velocity_tolerance, in (0, 1].
-  double projection_threshold = 0.1;
+  /// Positions are corrected where contacts and joints violate more than this fraction of contact_tolerance, in (0, 1].
+  /// A correction x changes the energy by f x: it should be rare.
+  double position_threshold = 0.1;
+  /// Velocities are corrected beyond this fraction of velocity_tolerance, in (0, 1]. A correction u changes the energy
+  /// by m u^2 / 2, which is nothing, and stops drift where it begins.
+  double velocity_threshold = 1e-3;
   /// Requested of the solver, as LcpOptions::tolerance.
   double lcp_tolerance = 1e-9;
   /// Solves within a step start from the forces at its beginning.
@@ -49,25 +52,26 @@ void RequireValid(const AccelerationOptions& options);
 /// Motion at the acceleration level: between events, Fehlberg 7(8) steps on accelerations from the contact LCP at every
 /// evaluation; events located; impacts simultaneous. [MODEL.md sections 8, 9]
 ///
-/// A step. Contacts are found from outlines (d <= eps_d); those with |d'| <= eps_v make the LCP that observers see. Rows
-/// with w > 0 leave, and the rest is held for one step, its closest points searched anew at every evaluation, so that
-/// the equations are smooth within it. It ends early at the first of these events:
+/// A step. Contacts are found from outlines (d <= eps_d); those with |d'| <= eps_v make the LCP that observers see.
+/// Rows with w > 0 leave, and the rest is held for one step, its closest points searched anew at every evaluation, so
+/// that the equations are smooth within it. It ends early at the first of these events:
 ///   approach   a gap outside the held set falls to 0 (less 1e-4 eps_d)
 ///   release    a held contact's f falls to 0
 ///   passage    a held contact's foot leaves its edge (so a new step begins on the next one, with its curvature)
 /// Each is a sign change over the step, narrowed by repeated steps from the same beginning (TOMS 748 [Alefeld, Potra,
 /// Shi 1995], bisection for passages).
 ///
-/// No tunnelling: a step is so short that no two surfaces approach by more than half of search_range (the two fastest
-/// bodies' speeds, spins and present accelerations). Gaps and overlaps within search_range are looked for at its end;
-/// an overlap counts if its gap was open at the beginning, and a gap that closed and opened again is looked into. What
-/// can go unseen is a corner that clips another corner by less than half of search_range and is out again.
+/// No tunnelling: a step is so short that no two bodies approach by more than half of search_range, or the distance
+/// between the circles around them where that is longer (by their speeds, spins and present accelerations). Gaps and
+/// overlaps within search_range are looked for at its end; an overlap counts if its gap was open at the beginning, and
+/// a gap that closed and opened again is looked into. What can go unseen is a corner that clips another corner by less
+/// than half of search_range and is out again.
 ///
 /// Impacts: when a touching row (d <= 0) approaches faster than eps_v, repeated until none does.
 ///
-/// Drift: where an accepted step leaves violations above projection_threshold, positions and velocities are moved onto
-/// the constraints by the smallest change in the kinetic metric (projection.h), with the same solver; not part of b.
-/// Positions moved by x change the energy by f x, so it is left alone as long as integration errors keep the contacts.
+/// Drift: where an accepted step leaves violations above position_threshold or velocity_threshold, positions or
+/// velocities are moved onto the constraints by the smallest change in the kinetic metric (projection.h, impact.h),
+/// with the same solver; not part of b. Contacts that carry a force and separate, by errors, are pulled back likewise.
 ///
 /// A solver that fails is asked for its best point, with which the motion goes on; forces that are not finite end it as
 /// kSolverFailed. Observers are called where there is an LCP: not for steps without any row.
@@ -92,6 +96,8 @@ class AccelerationMotion final : public Motion {
   void Settle();
   void CorrectPositions();
   void CorrectVelocities();
+  // Stops contacts that separate although they carry a force; true if there was one.
+  bool HoldTogether(const AnsweredLcp& answered, const std::vector<Constraint>& lasting);
   bool ResolveDueImpact();
   void CountEvent(const char* what);
   std::vector<Constraint> LastingContacts() const;
@@ -100,7 +106,9 @@ class AccelerationMotion final : public Motion {
   double LongestStep(const StepBegin& begin, double end) const;
   void Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
                const LcpProblem& problem, const LcpResult& result) const;
+  ImpulseSolver Impulses();
   ImpulseSolver ObservedImpulses();
+  void TakeVelocities(const ContactSystem& system);
 
   AccelerationOptions options_;
   CountedSolver solver_;
@@ -109,6 +117,7 @@ class AccelerationMotion final : public Motion {
   ConstrainedFlow flow_;
   std::vector<Constraint> bilateral_;
   std::vector<Constraint> contacts_;  // d <= eps_d, at the present positions
+  std::vector<Constraint> watched_;   // within the range there
   Eigen::VectorXd last_f_;
   double next_step_;
   int events_ = 0;  // since events_begin_

@@ -126,6 +126,20 @@ void StopApproach(const ImpactOptions& options, const ImpulseSolver& solve, Cont
   CopyVelocities(touching, system);
 }
 
+void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system) {
+  // In reversed motion the contacts approach.
+  const auto reverse = [](ContactSystem* reversed) {
+    for (Body& body : reversed->bodies) {
+      body.v = -body.v;
+      body.omega = -body.omega;
+    }
+  };
+  reverse(system);
+  CompressOnly(solve, system);
+  reverse(system);
+  StopApproach(options, solve, system);
+}
+
 double WorstApproach(const std::vector<RowInfo>& rows) {
   double worst = 0;
   for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.d_dot) : -row.d_dot);

@@ -52,6 +52,10 @@ void ResolveImpact(const ImpactOptions& options, const ImpulseSolver& solve, Con
 /// rows have d' = 0 and unilateral ones d' >= 0.
 void StopApproach(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system);
 
+/// The opposite, for contacts that are known to last but separate by rounding: the smallest change of velocity after
+/// which every row of `system` has d' <= 0, then StopApproach.
+void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system);
+
 /// The fastest approach max(-d', 0) of unilateral rows and |d'| of bilateral ones.
 double WorstApproach(const std::vector<RowInfo>& rows);
 

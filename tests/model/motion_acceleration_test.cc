@@ -2,7 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <boost/math/quadrature/tanh_sinh.hpp>
+#include <array>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>
 #include <cmath>
 #include <cstdlib>
@@ -67,9 +68,7 @@ World WorldWith(std::string name, std::vector<Body> bodies, Vec2 gravity = {0, -
   return world;
 }
 
-double Energy(const World& world) {
-  return KineticEnergy(world.bodies) + PotentialEnergy(world.loads, world.bodies);
-}
+double Energy(const World& world) { return KineticEnergy(world.bodies) + PotentialEnergy(world.loads, world.bodies); }
 
 struct Run {
   double worst_drift = 0;  // of the energy, absolute
@@ -129,7 +128,7 @@ TEST(AccelerationMotion, ADiscSlidesInAConcaveTrackWithThePeriodOfAPendulum) {
   disc.omega = 0.7;
   Mover mover(WorldWith("disc in track", {Track(R), disc}));
   ExpectConserved(&mover, disc.mass * kG * length * (1 - std::cos(amplitude)));
-  EXPECT_DOUBLE_EQ(mover.body(1).omega, 0.7);
+  EXPECT_NEAR(mover.body(1).omega, 0.7, 1e-12);
   const double period = 4 * std::sqrt(length / kG) * boost::math::ellint_1(std::sin(amplitude / 2));
   // Starts at the right turning point: at whole periods it is back.
   Mover again(WorldWith("disc in track, period", {Track(R), disc}));
@@ -138,26 +137,27 @@ TEST(AccelerationMotion, ADiscSlidesInAConcaveTrackWithThePeriodOfAPendulum) {
   EXPECT_NEAR(Norm(again.body(1).v), 0, 1e-7);
 }
 
-
 // The time between the turning points of q, whose kinetic energy is inertia(q) q'^2 / 2 and whose potential energy is
 // potential(q), even in q: a whole period.
 double PeriodOf(const std::function<double(double)>& inertia, const std::function<double(double)>& potential,
                 double amplitude) {
   // q = amplitude sin s removes the singularity at the turning point.
-  boost::math::quadrature::tanh_sinh<double> integrator;
   const auto integrand = [&](double s) {
     const double q = amplitude * std::sin(s);
     const double drop = potential(amplitude) - potential(q);
     return amplitude * std::cos(s) * std::sqrt(inertia(q) / (2 * drop));
   };
-  return 4 * integrator.integrate(integrand, 0.0, kPi / 2 * (1 - 1e-9));
+  constexpr unsigned kOneInterval = 0;
+  return 4 * boost::math::quadrature::gauss_kronrod<double, 61>::integrate(integrand, 0.0, kPi / 2, kOneInterval);
 }
 
 TEST(AccelerationMotion, AnEllipseRocksAndSlidesOnAPlaneWithItsExactPeriod) {
   const double a = 0.5;
   const double b = 0.3;
   const double amplitude = 0.9;
-  const auto height = [&](double q) { return std::sqrt(a * a * std::sin(q) * std::sin(q) + b * b * std::cos(q) * std::cos(q)); };
+  const auto height = [&](double q) {
+    return std::sqrt(a * a * std::sin(q) * std::sin(q) + b * b * std::cos(q) * std::cos(q));
+  };
   Body ellipse = Movable(Ellipse(a, b), {0, height(amplitude)}, amplitude);
   ellipse.v = {0.4, 0};
   const double m = ellipse.mass;
@@ -219,8 +219,8 @@ TEST(AccelerationMotion, ADiscPassesFromAFloorIntoAnArcAndBack) {
   const double L = R - r;
   const double v0 = 1.2;
   // A floor that turns up into a quarter pipe at the origin.
-  const Body pipe = Fixed({"quarter pipe",
-                           {{{ArcEdge{{0, R}, R, Side::kConcave}, 0, -kPi / 2}, {StraightEdge{{0, 0}, {-30, 0}}, 0, 1}}}});
+  const Body pipe = Fixed(
+      {"quarter pipe", {{{ArcEdge{{0, R}, R, Side::kConcave}, 0, -kPi / 2}, {StraightEdge{{0, 0}, {-30, 0}}, 0, 1}}}});
   Body disc = Movable(Disc(r), {-0.5, r});
   disc.v = {v0, 0};
   const World world = WorldWith("disc over a join", {pipe, disc});
@@ -325,7 +325,8 @@ Constraint Joint(ConstraintType type, int body1, Vec2 p1, int body2, Vec2 p2, do
 // centre of mass (0: it does not turn).
 void ExpectPendulum(const std::string& name, const Constraint& joint, double length, bool turns) {
   const double amplitude = 1.3;
-  Body body = Movable(Box(0.3, 0.2), {length * std::sin(amplitude), -length * std::cos(amplitude)}, turns ? amplitude : 0);
+  Body body =
+      Movable(Box(0.3, 0.2), {length * std::sin(amplitude), -length * std::cos(amplitude)}, turns ? amplitude : 0);
   World world = WorldWith(name, {Anchor(), body});
   world.joints = {joint};
   const double swung = turns ? body.inertia + body.mass * length * length : body.mass * length * length;
@@ -335,7 +336,8 @@ void ExpectPendulum(const std::string& name, const Constraint& joint, double len
   again->Advance(5 * period);
   EXPECT_NEAR(Norm(again.body(1).x - body.x), 0, 1e-7);
   Mover mover(world);
-  ExpectConserved(&mover, body.mass * kG * length * (1 - std::cos(amplitude)), kSeconds, Norm(again.body(1).x - body.x));
+  ExpectConserved(&mover, body.mass * kG * length * (1 - std::cos(amplitude)), kSeconds,
+                  Norm(again.body(1).x - body.x));
 }
 
 TEST(AccelerationMotion, APendulumOnAPinSwingsWithItsPeriod) {
@@ -364,8 +366,10 @@ TEST(AccelerationMotion, ABeadRunsAroundAnEllipseAndKeepsItsEnergy) {
 }
 
 TEST(AccelerationMotion, ADoublePendulumKeepsItsEnergyAndItsJoints) {
-  World world = WorldWith("double pendulum", {Anchor(), Movable(Box(0.8, 0.1), {0.4, 0}), Movable(Box(0.6, 0.1), {1.1, 0})});
-  world.joints = {Joint(ConstraintType::kPin, 1, {-0.4, 0}, 0, {}), Joint(ConstraintType::kPin, 2, {-0.3, 0}, 1, {0.4, 0})};
+  World world =
+      WorldWith("double pendulum", {Anchor(), Movable(Box(0.8, 0.1), {0.4, 0}), Movable(Box(0.6, 0.1), {1.1, 0})});
+  world.joints = {Joint(ConstraintType::kPin, 1, {-0.4, 0}, 0, {}),
+                  Joint(ConstraintType::kPin, 2, {-0.3, 0}, 1, {0.4, 0})};
   Mover mover(world);
   ExpectConserved(&mover, world.bodies[1].mass * kG);
 }
@@ -412,7 +416,7 @@ TEST(AccelerationMotion, ABouncingBallKeepsItsTimetable) {
   // All bounces are over after this, and the ball rests.
   mover->Advance(t0 + 2 * t0 * e / (1 - e) + 0.5 - mover->time());
   EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
-  EXPECT_NEAR(mover.body(1).x.y, r, 1e-9);
+  EXPECT_NEAR(mover.body(1).x.y, r, 1e-8);
   EXPECT_NEAR(mover.body(1).v.y, 0, 1e-9);
   // Down to the resting speed: v0 e^k >= 1e-4.
   EXPECT_EQ(mover->statistics().impacts, static_cast<int>(std::ceil(std::log(1e-4 / v0) / std::log(e))) + 1);
@@ -433,29 +437,311 @@ TEST(AccelerationMotion, WithoutARestingSpeedBouncingStalls) {
   EXPECT_EQ(mover->time(), stopped);
 }
 
-TEST(AccelerationMotion, DampersTakeTheEnergyThatTheyDissipate) {
-  World world = WorldWith("damped chain", {Anchor(), Movable(Disc(0.1), {0.5, 0}), Movable(Box(0.2, 0.1), {1, 0.1}), Floor()});
-  world.bodies[3].x = {0, -0.9};
-  world.joints = {Joint(ConstraintType::kPin, 1, {-0.5, 0}, 0, {})};
-  world.loads.springs = {{{1, {}}, {2, {0.1, 0}}, 8, 0.2}};
-  world.loads.dampers = {{{1, {}}, {2, {0.1, 0}}, 0.05}, {{0, {0, 1}}, {2, {}}, 0.02}};
+// Integrates the dampers' power beside the motion, by Boole's rule, as long as nothing hits: e = 0 takes energy of its
+// own.
+void ExpectDampersToTakeWhatIsLost(const World& world, double seconds) {
+  constexpr double kFrame = 0.001;
+  constexpr std::array<double, 5> kWeights = {7, 32, 12, 32, 7};
   Mover mover(world);
   const double begin = Energy(world);
   double dissipated = 0;
-  // Simpson's rule; contacts make corners in the power, not jumps, and e = 0 impacts would take energy of their own.
-  constexpr double kFrame = 0.002;
   double power = DampingPower(world.loads, mover->world().bodies);
-  for (int k = 0; k < 1000; ++k) {
-    mover->Advance(kFrame);
-    const double middle = DampingPower(world.loads, mover->world().bodies);
-    mover->Advance(kFrame);
-    const double end = DampingPower(world.loads, mover->world().bodies);
-    dissipated += (2 * kFrame) / 6 * (power + 4 * middle + end);
-    power = end;
-    if (mover->statistics().impacts > 0) break;
-    ASSERT_NEAR(Energy(mover->world()) - begin, dissipated, 1e-8);
+  while (mover->time() < seconds) {
+    double sum = kWeights[0] * power;
+    for (std::size_t k = 1; k < 5; ++k) {
+      mover->Advance(kFrame);
+      power = DampingPower(world.loads, mover->world().bodies);
+      sum += kWeights[k] * power;
+    }
+    dissipated += 4 * kFrame * sum / 90;
+    ASSERT_EQ(mover->statistics().impacts, 0);
+    ASSERT_NEAR(Energy(mover->world()) - begin, dissipated, 1e-9) << mover->time();
   }
-  EXPECT_LT(dissipated, -1e-3);
+  EXPECT_LT(dissipated, -5e-3);
+}
+
+TEST(AccelerationMotion, DampersTakeTheEnergyThatTheyDissipate) {
+  World chain = WorldWith("damped chain", {Anchor(), Movable(Disc(0.1), {0.5, 0}), Movable(Box(0.2, 0.1), {1, 0.1})});
+  chain.joints = {Joint(ConstraintType::kPin, 1, {-0.5, 0}, 0, {})};
+  for (Body& body : chain.bodies) body.outline.clear();
+  chain.loads.springs = {{{1, {}}, {2, {0.1, 0}}, 8, 0.6}};
+  chain.loads.dampers = {{{1, {}}, {2, {0.1, 0}}, 0.05}, {{0, {0, 1}}, {2, {}}, 0.02}};
+  ExpectDampersToTakeWhatIsLost(chain, 2);
+  World track = WorldWith("damped disc in track", {Track(1), Movable(Disc(0.2), {0.48, -0.64})});
+  track.loads.dampers = {{{0, {0, 2}}, {1, {}}, 0.05}};
+  ExpectDampersToTakeWhatIsLost(track, 2);
+}
+
+TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
+  Random random(21);
+  std::vector<Body> bodies = {Fixed(Bowl(1.6, 1.4, 1.2))};
+  for (int k = 0; k < 6; ++k) {
+    const Outline outline = k % 2 == 0 ? Ellipse(0.16, 0.1) : RoundedBox(0.3, 0.2, 0.05);
+    bodies.push_back(Movable(outline, {-0.4 + 0.4 * (k % 3), -0.6 + 0.45 * (k / 3)}, random.Uniform(0, 6)));
+  }
+  const World world = WorldWith("bowl", bodies);
+  AccelerationOptions options;
+  options.impact.restitution = 0.3;
+  Mover first(world, options);
+  Mover second(world, options);
+  const double started = SteadyNow();
+  first->Advance(1);
+  Print("ovals in a bowl, 1 s", 0, 0, first->statistics(), SteadyNow() - started);
+  second->Advance(1);
+  EXPECT_EQ(first->status(), MotionStatus::kMoving) << first->detail();
+  EXPECT_EQ(first->statistics().solves, second->statistics().solves);
+  EXPECT_GT(first->statistics().impacts, 10);
+  EXPECT_LE(first->statistics().worst_penetration, options.contact_tolerance);
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const Body& a = first.body(i);
+    const Body& b = second.body(i);
+    EXPECT_TRUE(a.x.x == b.x.x && a.x.y == b.x.y && a.theta == b.theta) << i;
+    EXPECT_TRUE(a.v.x == b.v.x && a.v.y == b.v.y && a.omega == b.omega) << i;
+  }
+}
+
+TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {
+  for (const double tilt : {0.3, -0.7, 1e-4}) {
+    const World world = WorldWith("falling box", {Floor(), Movable(Box(0.4, 0.2), {0, 0.6}, tilt)});
+    AccelerationOptions options;
+    options.impact.restitution = 0.4;
+    Mover mover(world, options);
+    const double started = SteadyNow();
+    mover->Advance(5);
+    Print("box falling flat", 0, 0, mover->statistics(), SteadyNow() - started);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+    EXPECT_NEAR(mover.body(1).theta, 0, 1e-5) << tilt;
+    EXPECT_NEAR(mover.body(1).x.y, 0.1, 1e-5) << tilt;
+    EXPECT_NEAR(mover.body(1).omega, 0, 1e-5) << tilt;
+    EXPECT_LE(mover->statistics().worst_penetration, options.contact_tolerance);
+  }
+}
+
+TEST(AccelerationMotion, AStackOfBoxesStaysWhereItIs) {
+  std::vector<Body> bodies = {Floor()};
+  for (int k = 0; k < 4; ++k) bodies.push_back(Movable(Box(0.4 - 0.05 * k, 0.2), {0.02 * k, 0.1 + 0.2 * k}));
+  Mover mover(WorldWith("stack of boxes", bodies));
+  ExpectConserved(&mover, bodies[1].mass * kG * 0.1, 2);
+  for (std::size_t i = 1; i < bodies.size(); ++i) EXPECT_NEAR(Norm(mover.body(i).x - bodies[i].x), 0, 1e-8) << i;
+}
+
+TEST(AccelerationMotion, ARoundedBoxTumblesElasticallyWithoutLosingEnergy) {
+  Body box = Movable(RoundedBox(0.3, 0.5, 0.12), {0, 0.25});
+  box.omega = 1.5;
+  const World world = WorldWith("tumbling rounded box", {Floor(), box});
+  Mover mover(world, Elastic());
+  ExpectConserved(&mover, KineticEnergy(world.bodies), 5);
+}
+
+TEST(AccelerationMotion, AKinematicTableCarriesADisc) {
+  Body table = Fixed(Box(2, 0.2), {0.3, 0});
+  table.v = {0.5, 0.2};
+  table.acceleration = {-0.3, 0.8};
+  const double r = 0.25;
+  Mover mover(WorldWith("lift", {table, Movable(Disc(r), {0, 0.1 + r})}), {});
+  // Meets the disc with 0.2 m/s: e = 0 makes that the disc's, too.
+  mover->Advance(1.25);
+  const double t = mover->time();
+  EXPECT_DOUBLE_EQ(mover.body(0).x.x, 0.3 + t * (0.5 - 0.3 * t / 2));
+  EXPECT_DOUBLE_EQ(mover.body(0).x.y, t * (0.2 + 0.8 * t / 2));
+  EXPECT_NEAR(mover.body(1).x.x, 0, 1e-12);
+  EXPECT_NEAR(mover.body(1).x.y, 0.1 + r + t * (0.2 + 0.8 * t / 2), 1e-9);
+  EXPECT_NEAR(mover.body(1).v.y, 0.2 + 0.8 * t, 1e-9);
+}
+
+TEST(AccelerationMotion, ASpinningRoundDrumLeavesADiscAloneAndAnOvalOneThrowsIt) {
+  const Outline round{"drum", {{{ArcEdge{{}, 1, Side::kConcave}, 2 * kPi, 0}}}};
+  const Outline oval{"drum", {{{EllipseEdge{{}, 1, 0.8, 0, Side::kConcave}, 2 * kPi, 0}}}};
+  const std::array<Outline, 2> drums = {round, oval};
+  for (const Outline& outline : drums) {
+    Body drum = Fixed(outline);
+    drum.omega = 3;
+    const World world =
+        WorldWith(&outline == &drums[0] ? "round drum" : "oval drum", {drum, Movable(Disc(0.2), {0, -0.6})});
+    Mover mover(world);
+    const double started = SteadyNow();
+    mover->Advance(2);
+    Print("kinematic drum", 0, 0, mover->statistics(), SteadyNow() - started);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+    EXPECT_DOUBLE_EQ(mover.body(0).theta, 6);
+    const bool is_round = &outline == drums.data();
+    EXPECT_EQ(std::abs(mover.body(1).x.x) < 1e-9, is_round);
+    EXPECT_LE(mover->statistics().worst_penetration, 1e-6);
+  }
+}
+
+TEST(AccelerationMotion, ARopeGetsTautAndThenHoldsADiscOnACircle) {
+  const double length = 0.8;
+  Body disc = Movable(Disc(0.1), {0.48, 0});
+  World world = WorldWith("rope", {Anchor(), disc});
+  world.joints = {Joint(ConstraintType::kRope, 1, {}, 0, {}, length)};
+  Mover mover(world);
+  // Falls freely to (0.48, -0.64), where e = 0 leaves the velocity along the circle.
+  const double v = std::sqrt(2 * kG * 0.64);
+  const double along = v * 0.6;
+  mover->Advance(v / kG + 0.05);
+  EXPECT_EQ(mover->statistics().impacts, 1);
+  EXPECT_NEAR(Norm(mover.body(1).x), length, 1e-8);
+  EXPECT_NEAR(Energy(mover->world()), disc.mass * (along * along / 2 - kG * 0.64), 1e-9);
+  // Elastic: back the way it came along the rope.
+  Mover bouncing(world, Elastic());
+  ExpectConserved(&bouncing, disc.mass * kG * 0.64, 5);
+  EXPECT_LE(Norm(bouncing.body(1).x), length + 1e-6);
+}
+
+TEST(AccelerationMotion, ABulletDoesNotPassThroughAThinWall) {
+  Random random(5);
+  for (int k = 0; k < 40; ++k) {
+    const double speed = 10 * std::pow(1000, random.Uniform());
+    Body bullet =
+        Movable(k % 2 == 0 ? Disc(0.01) : Box(0.02, 0.015), {-1, random.Uniform(-0.4, 0.4)}, random.Uniform(0, 6));
+    bullet.v = {speed, 0};
+    Mover mover(WorldWith("bullet", {Fixed(Box(0.002, 1)), bullet}, {}), Elastic());
+    mover->Advance(2 / speed);
+    EXPECT_GE(mover->statistics().impacts, 1) << k;
+    EXPECT_LT(mover.body(1).x.x, 0) << k;
+  }
+}
+
+TEST(AccelerationMotion, ADiscThatGrazesACornerBetweenTwoStepsIsSeen) {
+  // Passes under the corner so closely that gaps are open at the ends of most steps around it.
+  for (int k = 0; k < 50; ++k) {
+    const double overlap = 1e-3 * (k % 2 == 0 ? 1 : -1);
+    Body disc = Movable(Disc(0.1), {-1 - 0.003 * k, -0.1 + overlap});
+    disc.v = {2, 0};
+    Body wedge = Fixed({"wedge",
+                        {{{StraightEdge{{0, 0}, {1, 1}}, 0, 1},
+                          {StraightEdge{{1, 1}, {-1, 1}}, 0, 1},
+                          {StraightEdge{{-1, 1}, {0, 0}}, 0, 1}}}});
+    Mover mover(WorldWith("graze", {wedge, disc}, {}), Elastic());
+    mover->Advance(1);
+    EXPECT_EQ(mover->statistics().impacts, overlap > 0 ? 1 : 0) << k;
+  }
+}
+
+TEST(AccelerationMotion, ProblemsThatAreObservedAreThoseOfTheModelWithoutStabilisation) {
+  std::vector<Body> bodies = {Track(1), Movable(Disc(0.2), {0.5, -0.624}), Movable(Ellipse(0.15, 0.1), {0, -0.7})};
+  const World world = WorldWith("observed", bodies);
+  Mover mover(world);
+  std::int64_t steps = 0;
+  std::int64_t impacts = 0;
+  double last = 0;
+  mover->set_observer([&](const MotionProblem& met) {
+    EXPECT_GE(met.time, last);
+    last = met.time;
+    ASSERT_EQ(met.problem.size(), static_cast<Index>(met.rows.size()));
+    if (met.kind == MotionProblemKind::kImpact) {
+      ++impacts;
+      return;
+    }
+    ++steps;
+    const AssembledLcp again = AssembleContactLcp(met.system);
+    EXPECT_EQ(again.problem.b(), met.problem.b());
+    EXPECT_TRUE(again.problem.J().toDense() == met.problem.J().toDense());
+    for (const RowInfo& row : met.rows) {
+      EXPECT_LE(row.d, 1e-6);
+      EXPECT_LE(std::abs(row.d_dot), 1e-6);
+    }
+  });
+  mover->Advance(2);
+  EXPECT_GT(steps, 20);
+  EXPECT_LE(steps, mover->statistics().steps);
+  EXPECT_EQ(impacts, mover->statistics().impacts);
+  EXPECT_GT(impacts, 0);
+}
+
+// A solver that answers what it is told to.
+class TestSolver final : public LcpSolver {
+ public:
+  explicit TestSolver(double f) : f_(f) {}
+
+ private:
+  void DoPrepare(const LcpProblem& /*problem*/) override {}
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) override {
+    result->f.setConstant(f_);
+    result->detail = "as told";
+  }
+  double f_;
+};
+
+TEST(AccelerationMotion, ForcesThatAreNotFiniteEndTheMotion) {
+  TestSolver solver(std::nan(""));
+  AccelerationMotion motion(WorldWith("nan", {Floor(), Movable(Disc(0.1), {0, 0.3})}), {}, solver);
+  motion.Advance(3);
+  EXPECT_EQ(motion.status(), MotionStatus::kSolverFailed);
+  EXPECT_NE(motion.detail().find("as told"), std::string::npos) << motion.detail();
+  // Where it failed: at the floor.
+  EXPECT_NEAR(motion.time(), std::sqrt(2 * 0.2 / kG), 1e-9);
+  EXPECT_NEAR(motion.world().bodies[1].x.y, 0.1, 1e-9);
+}
+
+TEST(AccelerationMotion, ASolverThatFailsIsCountedAndItsBestPointTaken) {
+  TestSolver solver(0);
+  AccelerationMotion motion(WorldWith("no forces", {Floor(), Movable(Disc(0.1), {0, 0.1})}), {}, solver);
+  motion.Advance(0.01);
+  EXPECT_EQ(motion.statistics().failed_solves, motion.statistics().solves);
+  EXPECT_GT(motion.statistics().failed_solves, 0);
+  // Falls through the floor, which shows.
+  EXPECT_GT(motion.statistics().worst_penetration + std::abs(motion.world().bodies[1].x.y - 0.1), 1e-5);
+}
+
+TEST(AccelerationMotion, WallsThatCloseOnADiscDoNotThrow) {
+  Body left = Fixed(Box(0.2, 1), {-0.21, 0});
+  Body right = Fixed(Box(0.2, 1), {0.21, 0});
+  left.v = {0.1, 0};
+  right.v = {-0.1, 0};
+  Mover mover(WorldWith("press", {left, right, Movable(Disc(0.1), {0, 0})}));
+  mover->Advance(0.3);
+  EXPECT_GT(mover->statistics().failed_solves, 0);
+  EXPECT_TRUE(std::isfinite(mover.body(2).x.x));
+}
+
+TEST(AccelerationMotion, EverySolverDrivesIt) {
+  const double R = 1;
+  World world =
+      WorldWith("two discs in a track", {Track(R), Movable(Disc(0.2), {0.8, 0}), Movable(Disc(0.3), {0, -0.7})});
+  constexpr double kTime = 0.45;
+  Mover reference(world);
+  reference->Advance(kTime);
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (!entry.available) continue;
+    Mover mover(world, {}, entry.key);
+    const double started = SteadyNow();
+    mover->Advance(kTime);
+    Print("by " + std::string(entry.key), 0, 0, mover->statistics(), SteadyNow() - started);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << entry.key << ": " << mover->detail();
+    for (std::size_t i = 1; i < 3; ++i) {
+      EXPECT_NEAR(Norm(mover.body(i).x - reference.body(i).x), 0, 1e-5) << entry.key;
+    }
+  }
+}
+
+TEST(AccelerationMotion, RefusesWhatMakesNoSense) {
+  const auto solver = MakeSolver("dantzig");
+  const World world = WorldWith("fine", {Floor(), Movable(Disc(0.1), {0, 1})});
+  const auto with = [&](auto change) {
+    AccelerationOptions options;
+    change(options);
+    AccelerationMotion motion(world, options, *solver);
+  };
+  EXPECT_NO_THROW(with([](AccelerationOptions&) {}));
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.contact_tolerance = 0; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.velocity_tolerance = -1; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.absolute_error = std::nan(""); }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.largest_step = 0; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.search_range = 1e-7; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.position_threshold = 2; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.max_events = 0; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.restitution = 1.1; }), InputError);
+  EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.pair_restitution = [](int, int) { return 0.5; }; }),
+               InputError);
+  AccelerationMotion motion(world, {}, *solver);
+  EXPECT_THROW(motion.Advance(0), InputError);
+  EXPECT_THROW(motion.Advance(-1), InputError);
+  EXPECT_THROW(motion.Advance(std::numeric_limits<double>::infinity()), InputError);
+  World wrong = world;
+  wrong.bodies[1].mass = 0;
+  EXPECT_THROW(AccelerationMotion(wrong, {}, *solver), InputError);
 }
 
 }  // namespace
