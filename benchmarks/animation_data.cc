@@ -97,6 +97,7 @@ Json AddLists(const std::vector<std::vector<std::array<double, width>>>& frames,
     std::vector<std::uint16_t> before;
     for (const auto& list : frames) {
       std::vector<std::uint16_t> now;
+      now.reserve(list.size());
       for (std::size_t i = 0; i < list.size(); ++i) {
         now.push_back(quantisers[c](list[i][c]));
         words->Add(static_cast<unsigned>(now[i]) - (i < before.size() ? before[i] : 0U));
@@ -115,6 +116,7 @@ std::vector<Element> Strongest(std::vector<Element> all, double faint, Size size
   std::erase_if(all, [&](const Element& element) { return size(element) < faint; });
   if (all.size() <= kMost) return all;
   std::vector<double> sizes;
+  sizes.reserve(all.size());
   for (const Element& element : all) sizes.push_back(size(element));
   std::nth_element(sizes.begin(), sizes.begin() + kMost, sizes.end(), std::greater<>());
   const double least = sizes[kMost];
