@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 #include "solvers/dantzig.h"
@@ -133,6 +134,22 @@ std::unique_ptr<LcpSolver> MakeSolver(std::string_view key, const Settings& sett
   const SolverEntry& entry = FindSolver(key);
   if (!entry.available) throw InputError("solver '" + std::string(key) + "' is not in this build");
   return entry.make(settings);
+}
+
+std::string WorkerVersion(std::string_view key) {
+  static std::map<std::string, std::string, std::less<>> known;
+  const SolverEntry& entry = FindSolver(key);
+  if (entry.origin == SolverOrigin::kOwn || !entry.available) return {};
+  const auto found = known.find(key);
+  if (found != known.end()) return found->second;
+  std::string version;
+  try {
+    const std::unique_ptr<LcpSolver> solver = entry.make({});
+    if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) version = external->Greet().library_version;
+  } catch (const InputError&) {
+    // The solve will say what is wrong.
+  }
+  return known.emplace(key, version).first->second;
 }
 
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {

@@ -47,6 +47,10 @@ const SolverEntry& FindSolver(std::string_view key);
 /// A solver by key. @throws InputError when unknown, not in this build, or for a wrong setting
 std::unique_ptr<LcpSolver> MakeSolver(std::string_view key, const Settings& settings = {});
 
+/// The version of the library behind a peer or external solver, as its worker says; "" for own solvers, and for workers
+/// that do not start. Starts the worker on the first call.
+std::string WorkerVersion(std::string_view key);
+
 /// Adds a solver that runs as a command of the user's (solvers/external/protocol.h). Not thread-safe.
 /// @param command  program and arguments
 /// @throws InputError unless the key is new and made of a-z, 0-9, '-', '_', and the command is not empty

@@ -24,6 +24,13 @@ namespace {
 
 using Outcome = Channel::Outcome;
 
+// Which reserves terabytes of address space, in the worker too.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kAddressSanitizer = true;
+#else
+constexpr bool kAddressSanitizer = false;
+#endif
+
 // A worker that did not answer in time; it has been killed.
 struct WorkerTimeout : std::runtime_error {
   using std::runtime_error::runtime_error;
@@ -65,7 +72,7 @@ class ExternalSolver::Process {
       close(socket_);
       throw std::runtime_error("worker '" + name_ + "' cannot be started: " + std::strerror(error));
     }
-    if (options.memory_limit > 0) {
+    if (options.memory_limit > 0 && !kAddressSanitizer) {
       const rlimit limit{options.memory_limit, options.memory_limit};
       prlimit(pid_, RLIMIT_AS, &limit, nullptr);
     }

@@ -114,7 +114,10 @@ std::unique_ptr<LcpSolver> MakePeer(const PeerEntry& peer, const Settings& setti
   ExternalSolverOptions options;
   options.command = {WorkerPath(peer.worker), std::string(peer.key)};
   for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
-  return std::make_unique<ExternalSolver>(std::move(options));
+  auto solver = std::make_unique<ExternalSolver>(std::move(options));
+  // Only the worker knows its settings: a wrong one is the user's mistake, and told before any problem is read.
+  if (!settings.empty()) solver->Greet();
+  return solver;
 }
 
 }  // namespace lcpbench
