@@ -7,12 +7,13 @@ SUITE   ?= default
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
 
-.PHONY: help deps configure build test report run check format install clean
+.PHONY: help deps configure build test report run geometry-benchmark check format install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
@@ -39,6 +40,10 @@ run: configure
 report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html"
+
+geometry-benchmark: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target geometry_benchmark
+	@$(BUILD)/geometry_benchmark
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)

@@ -1,5 +1,6 @@
 #include "model/json_field.h"
 
+#include <limits>
 #include <utility>
 
 #include "solvers/lcp/input_error.h"
@@ -8,14 +9,45 @@ namespace lcpbench {
 
 using Json = nlohmann::json;
 
+namespace {
+
+// What operator[] refers to where there is no member: a value of no JSON type, which every accessor refuses.
+const Json& Missing() {
+  static const Json missing(Json::value_t::discarded);
+  return missing;
+}
+
+// A string of the document's author, printed in one line of ASCII and cut off where it is long.
+std::string Excerpt(const Json& value) {
+  constexpr size_t kLongest = 60;
+  std::string text = value.dump(-1, ' ', /*ensure_ascii=*/true);
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+}  // namespace
+
 JsonField::JsonField(const Json& value, const std::string& where, std::string path)
     : value_(value), where_(where), path_(std::move(path)) {}
 
 JsonField JsonField::operator[](const char* key) const {
   if (!value_.is_object()) Mismatch("an object");
   const auto it = value_.find(key);
-  if (it == value_.end()) throw InputError(where_ + ": " + path_ + "/" + key + ": missing field");
-  return {*it, where_, path_ + "/" + key};
+  return {it == value_.end() ? Missing() : *it, where_, path_ + "/" + key};
+}
+
+void JsonField::RequireOnlyKeys(std::initializer_list<const char*> known) const {
+  if (!value_.is_object()) Mismatch("an object");
+  for (const auto& [key, value] : value_.items()) {
+    std::string names;
+    bool found = false;
+    for (const char* name : known) {
+      found = found || key == name;
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    if (!found)
+      throw InputError(where_ + ": " + Path() + ": unknown key " + Excerpt(key) + ", expected one of " + names);
+  }
 }
 
 std::vector<JsonField> JsonField::Items(std::optional<size_t> size) const {
@@ -48,6 +80,18 @@ std::string JsonField::String() const {
   return value_.get<std::string>();
 }
 
+int JsonField::Integer() const {
+  constexpr long long kLeast = std::numeric_limits<int>::min();
+  constexpr long long kMost = std::numeric_limits<int>::max();
+  // An unsigned number can be too large for a signed one, and would come out negative.
+  const bool fits = !value_.is_number_unsigned() || value_.get<unsigned long long>() <= kMost;
+  if (value_.is_number_integer() && fits) {
+    const auto number = value_.get<long long>();
+    if (kLeast <= number && number <= kMost) return static_cast<int>(number);
+  }
+  Mismatch("an integer");
+}
+
 int JsonField::IndexBelow(size_t end) const {
   // A non-negative integer literal is stored unsigned.
   if (value_.is_number_unsigned() && value_.get<size_t>() < end) return value_.get<int>();
@@ -68,13 +112,12 @@ std::vector<double> JsonField::Numbers(size_t size) const {
 }
 
 void JsonField::Mismatch(const std::string& expected) const {
-  constexpr size_t kLongestExcerpt = 60;
+  if (value_.is_discarded()) throw InputError(where_ + ": " + Path() + ": missing field, expected " + expected);
   // A nested value is only named: printing it could be long, and as deep as its author liked.
-  std::string found = value_.is_structured()
-                          ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
-                          : value_.dump(-1, ' ', /*ensure_ascii=*/true);
-  if (found.size() > kLongestExcerpt) found = found.substr(0, kLongestExcerpt) + "...";
-  throw InputError(where_ + ": " + (path_.empty() ? "/" : path_) + ": expected " + expected + ", found " + found);
+  const std::string found = value_.is_structured()
+                                ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
+                                : Excerpt(value_);
+  throw InputError(where_ + ": " + Path() + ": expected " + expected + ", found " + found);
 }
 
 Json ParseJsonObject(std::string_view line, const std::string& where) {

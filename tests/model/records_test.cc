@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "model/assembly.h"
+#include "model/connector_row.h"
 #include "model/curve.h"
+#include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench::testing {
@@ -193,6 +195,15 @@ Json SomeSystem() {
              {"s2", 0.5}}}}};
 }
 
+// A rod or rope between the points p of two bodies, 0.7 m long; the points are about 1.6 m apart.
+Json SomeConnector(const char* kind) {
+  Json record = SomeContact();
+  record["kind"] = kind;
+  record["feature2"] = {{"type", "vertex"}, {"p", {-0.3, 0.1}}};
+  record["length"] = 0.7;
+  return record;
+}
+
 std::string InputErrorOf(const std::string& line) {
   try {
     return "no error: " + AssembleRecord(line, "file.jsonl:7");
@@ -244,6 +255,93 @@ TEST(Records, ParsedSystemKeepsEveryField) {
   EXPECT_FALSE(system.constraints[0].s1.has_value());
   EXPECT_EQ(system.constraints[0].s2, 0.5);
   EXPECT_EQ(std::get<ArcEdge>(system.constraints[0].feature2).radius, 1.5);
+}
+
+TEST(Records, RodsAndRopesAreTheRowsOfTheDistanceBetweenTheirPoints) {
+  for (const auto& [kind, sign] : {std::pair("rod", 1.0), std::pair("rope", -1.0)}) {
+    SCOPED_TRACE(kind);
+    const Json record = SomeConnector(kind);
+    const Json row = Json::parse(AssembleRecord(record.dump(), ""))["rows"][0];
+    const ContactSystem system = ParseSystemRecord(record.dump(), "");
+    const Body& body1 = system.bodies[0];
+    const Body& body2 = system.bodies[1];
+    const ConnectorRow expected =
+        ComputeConnectorRow({0.1, 0.2}, SinCos(body1.theta), body1, {-0.3, 0.1}, SinCos(body2.theta), body2, 0.7);
+    EXPECT_EQ(row["d"].get<double>(), sign * (expected.points.d - 0.7));
+    EXPECT_EQ(row["d_dot"].get<double>(), sign * expected.row.d_dot);
+    EXPECT_EQ(row["gamma"].get<double>(), sign * expected.row.gamma);
+    EXPECT_EQ(row["n"], Json({sign * expected.points.n.x, sign * expected.points.n.y}));
+    for (size_t k = 0; k < 6; ++k) EXPECT_EQ(row["J"][k].get<double>(), sign * expected.row.J[k]);
+  }
+}
+
+// The end of a pendulum 2 m long at 3 m/s, under the pivot: m v^2/L + m g pull it.
+TEST(Records, RopeHoldsThePendulumWithItsWeightAndTheCentripetalForce) {
+  Json bob = SomeBody();
+  bob["x"] = {0, -2};
+  bob["v"] = {3, 0};
+  bob["force"] = {0, -20};
+  Json pivot = SomeBody();
+  pivot["fixed"] = true;
+  pivot["x"] = {0, 0};
+  pivot["v"] = {0, 0};
+  pivot["omega"] = 0;
+  const Json at_center = {{"type", "vertex"}, {"p", {0, 0}}};
+  Json record = {{"id", "pendulum"}, {"body1", bob},          {"body2", pivot},       {"kind", "rope"},
+                 {"length", 2},      {"feature1", at_center}, {"feature2", at_center}};
+  const Json rope = Json::parse(AssembleRecord(record.dump(), ""))["rows"][0];
+  EXPECT_EQ(rope["d"], 0.0);
+  EXPECT_EQ(rope["d_dot"], 0.0);
+  EXPECT_EQ(rope["gamma"], -9.0 / 2);
+  EXPECT_EQ(rope["A"], 1.0 / 2);
+  EXPECT_EQ(rope["b"], -(9.0 / 2 + 10));
+  EXPECT_EQ(-rope["b"].get<double>() / rope["A"].get<double>(), 2 * (9.0 / 2 + 10)) << "tension [N]";
+  record["kind"] = "rod";
+  const Json rod = Json::parse(AssembleRecord(record.dump(), ""))["rows"][0];
+  EXPECT_EQ(rod["b"], 9.0 / 2 + 10);
+  EXPECT_EQ(rod["n"], Json({0.0, -1.0})) << "from body 2 to body 1";
+}
+
+TEST(Records, ConnectorsOfASystemAreThoseOfSingleRecords) {
+  Json system = SomeSystem();
+  Json answers;
+  for (const char* kind : {"rod", "rope"}) {
+    Json connector = SomeConnector(kind);
+    answers.push_back(Json::parse(AssembleRecord(connector.dump(), ""))["rows"][0]);
+    connector["type"] = kind;
+    connector["body1"] = 0;
+    connector["body2"] = 1;
+    system["contacts"].push_back(std::move(connector));
+  }
+  const Json answer = Json::parse(AssembleRecord(system.dump(), ""));
+  ASSERT_EQ(answer["rows"].size(), 3U);
+  EXPECT_FALSE(answer["rows"][0]["bilateral"].get<bool>());
+  EXPECT_TRUE(answer["rows"][1]["bilateral"].get<bool>()) << "a rod";
+  EXPECT_FALSE(answer["rows"][2]["bilateral"].get<bool>()) << "a rope";
+  for (const size_t i : {1U, 2U}) {
+    const Json& single = answers[i - 1];
+    EXPECT_EQ(answer["J"][i], single["J"]);
+    EXPECT_EQ(answer["A"][i][i], single["A"]);
+    for (const char* field : {"gamma", "b", "d", "d_dot"}) EXPECT_EQ(answer[field][i], single[field]) << field;
+    EXPECT_EQ(answer["rows"][i]["n"], single["n"]);
+  }
+}
+
+TEST(Records, LengthsAreReadForRodsAndRopesOnly) {
+  for (const char* kind : {"rod", "rope"}) {
+    Json record = SomeConnector(kind);
+    EXPECT_EQ(ParseSystemRecord(record.dump(), "").constraints[0].length, 0.7);
+    record["length"] = "long";
+    EXPECT_EQ(InputErrorOf(record.dump()), "file.jsonl:7: /length: expected a number, found \"long\"");
+    record.erase("length");
+    EXPECT_EQ(InputErrorOf(record.dump()), "file.jsonl:7: /length: missing field, expected a number");
+    Json system = SomeSystem();
+    system["contacts"][0]["type"] = kind;
+    EXPECT_EQ(InputErrorOf(system.dump()), "file.jsonl:7: /contacts/0/length: missing field, expected a number");
+  }
+  Json pin = SomeConnector("pin");
+  pin["length"] = "long";
+  EXPECT_TRUE(Json::parse(AssembleRecord(pin.dump(), "")).contains("rows"));
 }
 
 TEST(Records, CurvesAreReadWithAllTheirFields) {
@@ -303,6 +401,15 @@ TEST(Records, ModelErrorsComeWithTheId) {
   add(SomeContact(), Json::json_pointer("/feature2"), odd, "m must be even and >= 2");
   add(SomeContact(), Json::json_pointer("/body1/mass"), 0, "mass of a movable body");
   add(SomeContact(), Json::json_pointer("/kind"), "pin", "a pin needs two vertices");
+  for (const char* kind : {"rod", "rope"}) {
+    for (const double length : {0.0, -0.7}) {
+      add(SomeConnector(kind), Json::json_pointer("/length"), length, "length of a rod or rope must be finite and > 0");
+    }
+    add(SomeConnector(kind), Json::json_pointer("/feature2"), SomeContact()["feature2"], "needs two vertices");
+    Json at_once = SomeConnector(kind);
+    at_once["body2"] = at_once["body1"];
+    add(at_once, Json::json_pointer("/feature2"), at_once["feature1"], "attachment points coincide");
+  }
   add(SomeSystem(), Json::json_pointer("/contacts/0/body2"), 2, "body index 2");
   add(SomeSystem(), Json::json_pointer("/contacts/0/body2"), 0, "must differ");
   for (const auto& [record, error] : cases) {
@@ -334,7 +441,7 @@ TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
       {SomeContact(), "/body2/x", {1, 2, 3}, "/body2/x: expected an array of two numbers, found an array of 3"},
       {SomeContact(), "/body2/x/1", "a", "/body2/x/1: expected a number, found \"a\""},
       {SomeContact(), "/body2", 4, "/body2: expected an object, found 4"},
-      {SomeContact(), "/feature2/side", "left", "/feature2/side: expected \"convex\" or \"concave\", found \"left\""},
+      {SomeContact(), "/feature2/side", "left", "/feature2/side: expected one of convex, concave, found \"left\""},
       {SomeContact(), "/feature2/type", 1, "/feature2/type: expected a string, found 1"},
       {SomeContact(), "/s1", "a", "/s1: expected a number or null, found \"a\""},
       {SomeSystem(), "/bodies", 1, "/bodies: expected an array, found 1"},
@@ -342,7 +449,7 @@ TEST(Records, LinesThatAreNoRecordAreRefusedNamingPlaceExpectedAndFound) {
       {SomeSystem(), "/contacts/0/body1", 0.5, "/contacts/0/body1: expected an integer, found 0.5"},
       {SomeSystem(), "/contacts/0/body1", 1e10, "/contacts/0/body1: expected an integer, found 10000000000.0"},
       {SomeSystem(), "/contacts/0/type", "glue",
-       "/contacts/0/type: expected \"unilateral\", \"path\" or \"pin\", found \"glue\""},
+       "/contacts/0/type: expected one of unilateral, path, pin, rod, rope, found \"glue\""},
   };
   for (const Case& c : cases) {
     Json record = c.record;
