@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "benchmarks/csv.h"
+#include "benchmarks/oracle.h"
 #include "benchmarks/progress.h"
 #include "model/assembly.h"
 #include "solvers/lcp/metric_table.h"
@@ -20,8 +21,9 @@ constexpr Index kLargestRank = 1000;
 // Relative to the largest eigenvalue of the Jacobi-scaled matrix.
 constexpr double kRankTolerance = 1e-10;
 
-const std::vector<std::string> kProblemColumns = {"problem", "family", "n",      "seed",      "bodies",
-                                                  "movable", "nnz_a",  "rank_a", "separating"};
+const std::vector<std::string> kProblemColumns = {
+    "problem", "family",     "n",      "seed",        "bodies",           "movable",      "nnz_a",
+    "rank_a",  "separating", "active", "independent", "oracle_contact_s", "oracle_body_s"};
 
 std::vector<std::string> AccuracyColumns() {
   std::vector<std::string> columns = {
@@ -77,6 +79,10 @@ double MedianSolveTime(LcpSolver& solver, const LcpProblem& problem, const LcpOp
   return *middle;
 }
 
+std::string TimeCell(const std::optional<OracleTime>& oracle, double OracleTime::*member) {
+  return oracle.has_value() && (*oracle).*member >= 0 ? CsvWriter::Cell((*oracle).*member) : "";
+}
+
 // How much of the progress bar a cell takes: a constant plus a term that grows with the problem.
 double Weight(const SuiteProblem& problem, const Suite& suite) {
   double weight = 0;
@@ -107,12 +113,17 @@ class AccuracyPass {
     separating_.reset();
     for (const std::string& key : suite_.solvers) RunSolver(info, lcp.problem, FindSolver(key));
 
+    std::optional<OracleTime> oracle;
+    if (separating_.has_value()) oracle = TimeOracle(lcp.problem, best_f_, best_w_);
     const auto movable =
         std::count_if(system.bodies.begin(), system.bodies.end(), [](const Body& body) { return !body.fixed; });
     problems_.Row({info.id, info.family, std::to_string(lcp.problem.size()), std::to_string(info.seed),
                    std::to_string(system.bodies.size()), std::to_string(movable),
                    std::to_string(lcp.problem.SparseA().nonZeros()), RankCell(lcp.problem),
-                   separating_.has_value() ? CsvWriter::Cell(*separating_) : ""});
+                   separating_.has_value() ? CsvWriter::Cell(*separating_) : "",
+                   oracle.has_value() ? std::to_string(oracle->active) : "",
+                   oracle.has_value() ? std::to_string(oracle->independent) : "",
+                   TimeCell(oracle, &OracleTime::contact_s), TimeCell(oracle, &OracleTime::body_s)});
   }
 
   CellOutcomes TakeOutcomes() { return std::move(outcomes_); }
@@ -165,6 +176,8 @@ class AccuracyPass {
     }
     if (verdict.best_tier == kTiers[0] && verdict.metrics.rho < best_rho_) {
       best_rho_ = verdict.metrics.rho;
+      best_f_ = result.f;
+      best_w_ = verdict.metrics.w;
       separating_ = SeparatingFraction(problem, result.f, verdict.metrics.w, verdict.metrics.rho);
     }
     row.insert(row.end(), {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
@@ -185,6 +198,8 @@ class AccuracyPass {
   CellOutcomes outcomes_;
   double best_rho_ = 1;
   std::optional<double> separating_;
+  Eigen::VectorXd best_f_;
+  Eigen::VectorXd best_w_;
 };
 
 }  // namespace
