@@ -16,7 +16,7 @@ struct DetectionOptions {
   /// Deepest penetration that is a contact [m], >= 0. Deeper overlaps are left out: they are errors of the positions.
   double penetration = 0;
   /// Pairs (body1 < body2), sorted, that have no contacts with each other, such as bodies that a joint holds together.
-  std::span<const std::pair<int, int>> excluded;
+  std::span<const std::pair<int, int>> excluded = {};
 };
 
 /// The contacts of bodies with outlines: every local minimum of the gap between two bodies' outlines within
