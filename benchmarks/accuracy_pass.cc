@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "benchmarks/csv.h"
+#include "benchmarks/oracle.h"
 #include "benchmarks/progress.h"
 #include "model/assembly.h"
 #include "solvers/lcp/metric_table.h"
@@ -20,13 +21,15 @@ constexpr Index kLargestRank = 1000;
 // Relative to the largest eigenvalue of the Jacobi-scaled matrix.
 constexpr double kRankTolerance = 1e-10;
 
-const std::vector<std::string> kProblemColumns = {"problem", "family", "n",      "seed",      "bodies",
-                                                  "movable", "nnz_a",  "rank_a", "separating"};
+const std::vector<std::string> kProblemColumns = {
+    "problem", "family",     "n",      "seed",        "bodies",           "movable",      "nnz_a",
+    "rank_a",  "separating", "active", "independent", "oracle_contact_s", "oracle_body_s"};
 
 std::vector<std::string> AccuracyColumns() {
   std::vector<std::string> columns = {
-      "problem",       "family",           "n",          "seed",    "solver", "tier", "claim", "passes", "best_tier",
-      "false_success", "false_infeasible", "iterations", "setup_s", "solve_s"};
+      "problem", "family",    "n",         "seed",          "solver",           "tier",
+      "claim",   "passes",    "best_tier", "false_success", "false_infeasible", "iterations",
+      "setup_s", "convert_s", "solve_s"};
   for (const MetricEntry& metric : AllMetrics()) columns.emplace_back(metric.key);
   columns.insert(columns.end(), {"excluded", "detail", "reason"});
   return columns;
@@ -66,12 +69,18 @@ double MedianSolveTime(LcpSolver& solver, const LcpProblem& problem, const LcpOp
   while (static_cast<int>(times.size()) < kMostRuns && total < kBudget) {
     const double start = SteadyNow();
     solver.Solve(problem, options, result);
-    times.push_back(SteadyNow() - start);
-    total += times.back();
+    const double wall = SteadyNow() - start;
+    // Adapters of foreign code know how much of the call was the solve.
+    times.push_back(result->own_solve_s >= 0 ? result->own_solve_s : wall);
+    total += wall;
   }
   const auto middle = times.begin() + static_cast<std::ptrdiff_t>(times.size() / 2);
   std::nth_element(times.begin(), middle, times.end());
   return *middle;
+}
+
+std::string TimeCell(const std::optional<OracleTime>& oracle, double OracleTime::*member) {
+  return oracle.has_value() && (*oracle).*member >= 0 ? CsvWriter::Cell((*oracle).*member) : "";
 }
 
 // How much of the progress bar a cell takes: a constant plus a term that grows with the problem.
@@ -82,6 +91,13 @@ double Weight(const SuiteProblem& problem, const Suite& suite) {
   }
   return weight;
 }
+
+// Seconds as they are written; convert is what a solve converts besides, where the solver knows it.
+struct CellTimes {
+  std::string setup;
+  std::string convert;
+  std::string solve;
+};
 
 class AccuracyPass {
  public:
@@ -97,12 +113,17 @@ class AccuracyPass {
     separating_.reset();
     for (const std::string& key : suite_.solvers) RunSolver(info, lcp.problem, FindSolver(key));
 
+    std::optional<OracleTime> oracle;
+    if (separating_.has_value()) oracle = TimeOracle(lcp.problem, best_f_, best_w_);
     const auto movable =
         std::count_if(system.bodies.begin(), system.bodies.end(), [](const Body& body) { return !body.fixed; });
     problems_.Row({info.id, info.family, std::to_string(lcp.problem.size()), std::to_string(info.seed),
                    std::to_string(system.bodies.size()), std::to_string(movable),
                    std::to_string(lcp.problem.SparseA().nonZeros()), RankCell(lcp.problem),
-                   separating_.has_value() ? CsvWriter::Cell(*separating_) : ""});
+                   separating_.has_value() ? CsvWriter::Cell(*separating_) : "",
+                   oracle.has_value() ? std::to_string(oracle->active) : "",
+                   oracle.has_value() ? std::to_string(oracle->independent) : "",
+                   TimeCell(oracle, &OracleTime::contact_s), TimeCell(oracle, &OracleTime::body_s)});
   }
 
   CellOutcomes TakeOutcomes() { return std::move(outcomes_); }
@@ -112,8 +133,7 @@ class AccuracyPass {
     for (const double tolerance : TiersToRun(suite_, entry)) {
       const std::string rule = ExclusionRule(entry, info.size, tolerance);
       LcpResult result;
-      std::string setup;
-      std::string solve;
+      CellTimes times;
       Metrics metrics;
       if (rule.empty()) {
         const LcpProblem problem = shared.CopyOfGivenForm();  // set-up pays for every form that the solver reads
@@ -124,16 +144,17 @@ class AccuracyPass {
         const double start = SteadyNow();
         solver->Prepare(problem);
         const double prepared = SteadyNow();
-        solve = CsvWriter::Cell(MedianSolveTime(*solver, problem, options, &result));
-        setup = CsvWriter::Cell(prepared - start);
+        times.solve = CsvWriter::Cell(MedianSolveTime(*solver, problem, options, &result));
+        times.setup = CsvWriter::Cell(prepared - start);
+        if (result.own_convert_s >= 0) times.convert = CsvWriter::Cell(result.own_convert_s);
       }
       const std::vector<double> judged = entry.uses_tolerance ? std::vector<double>{tolerance} : suite_.tiers;
-      for (const double tier : judged) WriteRow(info, shared, entry, tier, rule, result, setup, solve);
+      for (const double tier : judged) WriteRow(info, shared, entry, tier, rule, result, times);
     }
   }
 
   void WriteRow(const SuiteProblem& info, const LcpProblem& problem, const SolverEntry& entry, double tier,
-                const std::string& rule, const LcpResult& result, const std::string& setup, const std::string& solve) {
+                const std::string& rule, const LcpResult& result, const CellTimes& times) {
     std::vector<std::string> row = {info.id,
                                     info.family,
                                     std::to_string(info.size),
@@ -142,7 +163,7 @@ class AccuracyPass {
                                     CsvWriter::Cell(tier)};
     std::string& outcome = outcomes_[{info.id, std::string(entry.key), tier}];
     if (!rule.empty()) {
-      row.resize(row.size() + 8 + AllMetrics().size());
+      row.resize(row.size() + 9 + AllMetrics().size());
       row.insert(row.end(), {rule, "", ""});
       accuracy_.Row(row);
       outcome = "excluded by rule: " + rule;
@@ -155,12 +176,14 @@ class AccuracyPass {
     }
     if (verdict.best_tier == kTiers[0] && verdict.metrics.rho < best_rho_) {
       best_rho_ = verdict.metrics.rho;
+      best_f_ = result.f;
+      best_w_ = verdict.metrics.w;
       separating_ = SeparatingFraction(problem, result.f, verdict.metrics.w, verdict.metrics.rho);
     }
-    row.insert(row.end(),
-               {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
-                verdict.best_tier > 0 ? CsvWriter::Cell(verdict.best_tier) : "", CsvWriter::Cell(verdict.false_success),
-                CsvWriter::Cell(verdict.false_infeasible), std::to_string(result.iterations), setup, solve});
+    row.insert(row.end(), {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
+                           verdict.best_tier > 0 ? CsvWriter::Cell(verdict.best_tier) : "",
+                           CsvWriter::Cell(verdict.false_success), CsvWriter::Cell(verdict.false_infeasible),
+                           std::to_string(result.iterations), times.setup, times.convert, times.solve});
     for (const MetricEntry& metric : AllMetrics()) {
       const double value = verdict.metrics.*metric.value;
       row.push_back(value == -1 ? "" : CsvWriter::Cell(value));
@@ -175,6 +198,8 @@ class AccuracyPass {
   CellOutcomes outcomes_;
   double best_rho_ = 1;
   std::optional<double> separating_;
+  Eigen::VectorXd best_f_;
+  Eigen::VectorXd best_w_;
 };
 
 }  // namespace

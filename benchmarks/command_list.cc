@@ -14,6 +14,13 @@ void PrintRow(std::string_view key, const std::string& text) {
   std::cout << key << std::string(key.size() < kKeyWidth ? kKeyWidth - key.size() : 1, ' ') << text << '\n';
 }
 
+// Paper or library; of a peer the library's version, which its worker knows, and licence.
+std::string DescribeSource(const SolverEntry& entry) {
+  if (entry.origin == SolverOrigin::kOwn) return entry.source;
+  const std::string version = entry.available ? WorkerVersion(entry.key) : "";
+  return entry.source + (version.empty() ? "" : " " + version) + ", " + entry.licence;
+}
+
 }  // namespace
 
 void AddListCommand(CLI::App& app, CommandRun& run) {
@@ -22,8 +29,8 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   list->add_subcommand("solvers", "Backends: key, method, source")->callback([&run] {
     run = [] {
       for (const SolverEntry& entry : AllSolvers()) {
-        PrintRow(entry.key, std::string(entry.method) + " [" + std::string(entry.source) + "]" +
-                                (entry.available ? "" : " (not in this build)"));
+        PrintRow(entry.key,
+                 entry.method + " [" + DescribeSource(entry) + "]" + (entry.available ? "" : " (not in this build)"));
       }
       return 0;
     };

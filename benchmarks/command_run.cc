@@ -4,6 +4,7 @@
 
 #include "benchmarks/accuracy_pass.h"
 #include "benchmarks/commands.h"
+#include "benchmarks/external_option.h"
 #include "benchmarks/results.h"
 #include "benchmarks/suite.h"
 #include "benchmarks/timing_pass.h"
@@ -78,8 +79,12 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
   command->add_option("--repetitions", arguments->repetitions, "Repetitions of a timing");
   command->allow_extras();
   command->footer("Flags of Google Benchmark (--benchmark_filter=..., ...) are handed on to the timing pass.");
-  command->callback([arguments, command, &run] {
-    run = [arguments, extras = command->remaining()] { return Run(*arguments, extras); };
+  const auto externals = AddExternalOption(*command);
+  command->callback([arguments, externals, command, &run] {
+    run = [arguments, externals, extras = command->remaining()] {
+      RegisterExternals(*externals);
+      return Run(*arguments, extras);
+    };
   });
 }
 

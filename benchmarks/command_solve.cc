@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "benchmarks/commands.h"
+#include "benchmarks/external_option.h"
 #include "benchmarks/input_files.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
@@ -51,10 +52,10 @@ int Solve(const SolveArguments& arguments) {
     solver->Prepare(record.problem);
     const double prepared = SteadyNow();
     solver->Solve(record.problem, options, &result);
-    const double solved = SteadyNow();
+    const double wall = SteadyNow() - prepared;
+    const double solve_s = result.own_solve_s >= 0 ? result.own_solve_s : wall;
     const Verdict verdict = Verify(record.problem, result, options.tolerance, &record.reference);
-    std::cout << FormatSolveRecord(record.problem, arguments.solver, result, verdict, prepared - start,
-                                   solved - prepared)
+    std::cout << FormatSolveRecord(record.problem, arguments.solver, result, verdict, prepared - start, solve_s)
               << std::endl;
   });
 }
@@ -73,7 +74,13 @@ void AddSolveCommand(CLI::App& app, CommandRun& run) {
   solve->add_option("--set", arguments->settings, "Option of the solver itself, NAME=VALUE; may be repeated")
       ->expected(1);
   solve->add_option("FILE", arguments->files, "JSON lines; - for standard input")->required();
-  solve->callback([arguments, &run] { run = [arguments] { return Solve(*arguments); }; });
+  const auto externals = AddExternalOption(*solve);
+  solve->callback([arguments, externals, &run] {
+    run = [arguments, externals] {
+      RegisterExternals(*externals);
+      return Solve(*arguments);
+    };
+  });
 }
 
 }  // namespace lcpbench

@@ -26,6 +26,18 @@ void WriteText(const std::string& path, const std::string& text) {
   if (!file) throw InputError(path + ": cannot be written");
 }
 
+const char* OriginKey(SolverOrigin origin) {
+  switch (origin) {
+    case SolverOrigin::kOwn:
+      return "own";
+    case SolverOrigin::kPeer:
+      return "peer";
+    case SolverOrigin::kExternal:
+      return "external";
+  }
+  return "unknown";
+}
+
 }  // namespace
 
 void WriteRunFile(const std::string& folder, const Suite& suite, const std::string& started, double wall_s) {
@@ -62,6 +74,9 @@ void WriteRunFile(const std::string& folder, const Suite& suite, const std::stri
     run["solvers"].push_back({{"key", entry.key},
                               {"method", entry.method},
                               {"source", entry.source},
+                              {"origin", OriginKey(entry.origin)},
+                              {"licence", entry.licence},
+                              {"library_version", entry.available ? WorkerVersion(entry.key) : ""},
                               {"available", entry.available},
                               {"uses_tolerance", entry.uses_tolerance}});
   }

@@ -1,9 +1,13 @@
 #include "solvers/registry.h"
 
-#include <array>
+#include <algorithm>
+#include <map>
+#include <utility>
 
 #include "solvers/dantzig.h"
+#include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt_ncp.h"
@@ -27,7 +31,7 @@ constexpr bool kHaveSuitesparse = true;
 constexpr bool kHaveSuitesparse = false;
 #endif
 
-using Factory = std::unique_ptr<LcpSolver> (*)(const Settings&);
+using Factory = std::function<std::unique_ptr<LcpSolver>(const Settings&)>;
 
 template <typename Solver, typename Options>
 std::unique_ptr<LcpSolver> Make(const Settings& settings) {
@@ -56,40 +60,72 @@ std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
-constexpr Factory kMakeIpoptQp = &Make<IpoptQpSolver, IpoptQpOptions>;
-constexpr Factory kMakeIpoptNcp = &Make<IpoptNcpSolver, IpoptNcpOptions>;
+const Factory kMakeIpoptQp = &Make<IpoptQpSolver, IpoptQpOptions>;
+const Factory kMakeIpoptNcp = &Make<IpoptNcpSolver, IpoptNcpOptions>;
 #else
-constexpr Factory kMakeIpoptQp = nullptr;
-constexpr Factory kMakeIpoptNcp = nullptr;
+const Factory kMakeIpoptQp = nullptr;
+const Factory kMakeIpoptNcp = nullptr;
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-constexpr Factory kMakeSuitesparse = &Make<SuitesparseSolver, SuitesparseOptions>;
+const Factory kMakeSuitesparse = &Make<SuitesparseSolver, SuitesparseOptions>;
 #else
-constexpr Factory kMakeSuitesparse = nullptr;
+const Factory kMakeSuitesparse = nullptr;
 #endif
 
-constexpr std::array kSolvers{
-    SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4", true,
-                false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
-    SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
-                &Never, &Make<PgsSolver, PgsOptions>},
-    SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
-                kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
-    SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
-                kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
-    SolverEntry{"suitesparse", "interior point on sparse CHOLMOD, proximal, finished by an active set",
-                "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeSuitesparse},
-};
+std::vector<SolverEntry> OwnSolvers() {
+  return {
+      SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4",
+                  true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
+      SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
+                  &Never, &Make<PgsSolver, PgsOptions>},
+      SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
+                  kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
+      SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
+                  kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
+      SolverEntry{"suitesparse", "interior point on sparse CHOLMOD, proximal, finished by an active set",
+                  "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeSuitesparse},
+  };
+}
+
+std::string NotOurs(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "another project's solver: we promise nothing for it";
+}
+
+SolverEntry EntryOf(const PeerEntry& peer) {
+  SolverEntry entry{std::string(peer.key),
+                    std::string(peer.method),
+                    std::string(peer.library),
+                    peer.available,
+                    peer.uses_tolerance,
+                    &NotOurs,
+                    {},
+                    SolverOrigin::kPeer,
+                    std::string(peer.licence)};
+  if (peer.available) {
+    entry.make = [&peer](const Settings& settings) { return MakePeer(peer, settings); };
+  }
+  return entry;
+}
+
+// Filled on the first use, so that no order of static initialisers matters.
+std::vector<SolverEntry>& Solvers() {
+  static std::vector<SolverEntry> solvers = [] {
+    std::vector<SolverEntry> all = OwnSolvers();
+    for (const PeerEntry& peer : AllPeers()) all.push_back(EntryOf(peer));
+    return all;
+  }();
+  return solvers;
+}
 
 }  // namespace
 
-std::span<const SolverEntry> AllSolvers() { return kSolvers; }
+std::span<const SolverEntry> AllSolvers() { return Solvers(); }
 
 const SolverEntry& FindSolver(std::string_view key) {
   std::string known;
-  for (const SolverEntry& entry : kSolvers) {
+  for (const SolverEntry& entry : Solvers()) {
     if (entry.key == key) return entry;
-    known += (known.empty() ? "" : ", ") + std::string(entry.key);
+    known += (known.empty() ? "" : ", ") + entry.key;
   }
   throw InputError("unknown solver '" + std::string(key) + "', expected one of " + known);
 }
@@ -98,6 +134,51 @@ std::unique_ptr<LcpSolver> MakeSolver(std::string_view key, const Settings& sett
   const SolverEntry& entry = FindSolver(key);
   if (!entry.available) throw InputError("solver '" + std::string(key) + "' is not in this build");
   return entry.make(settings);
+}
+
+std::string WorkerVersion(std::string_view key) {
+  static std::map<std::string, std::string, std::less<>> known;
+  const SolverEntry& entry = FindSolver(key);
+  if (entry.origin == SolverOrigin::kOwn || !entry.available) return {};
+  const auto found = known.find(key);
+  if (found != known.end()) return found->second;
+  std::string version;
+  try {
+    const std::unique_ptr<LcpSolver> solver = entry.make({});
+    if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) version = external->Greet().library_version;
+  } catch (const InputError&) {
+    // The solve will say what is wrong.
+  }
+  return known.emplace(key, version).first->second;
+}
+
+void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {
+  const auto is_allowed = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+  };
+  if (key.empty() || !std::all_of(key.begin(), key.end(), is_allowed)) {
+    throw InputError("external solver '" + key + "': expected a key of a-z, 0-9, '-', '_'");
+  }
+  if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
+  std::vector<SolverEntry>& solvers = Solvers();
+  const bool taken = std::any_of(solvers.begin(), solvers.end(), [&](const SolverEntry& e) { return e.key == key; });
+  if (taken) throw InputError("external solver '" + key + "': the key is taken");
+  SolverEntry entry;
+  entry.key = key;
+  entry.method = "external command";
+  entry.source = command.front();
+  entry.available = true;
+  entry.uses_tolerance = true;
+  entry.why_not_guaranteed = &NotOurs;
+  entry.origin = SolverOrigin::kExternal;
+  entry.licence = "unknown";
+  entry.make = [command](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+    ExternalSolverOptions options;
+    options.command = command;
+    for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
+    return std::make_unique<ExternalSolver>(std::move(options));
+  };
+  solvers.push_back(std::move(entry));
 }
 
 }  // namespace lcpbench

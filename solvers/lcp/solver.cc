@@ -32,6 +32,9 @@ void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
   if (options.max_iterations < 0) {
     throw InputError("iteration limit must be >= 0, found " + std::to_string(options.max_iterations));
   }
+  if (options.repetitions < 1) {
+    throw InputError("repetitions must be >= 1, found " + std::to_string(options.repetitions));
+  }
   if (options.initial_f != nullptr) {
     if (options.initial_f->size() != problem.size()) {
       throw InputError("initial f must have " + std::to_string(problem.size()) + " entries, found " +
@@ -82,6 +85,8 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   result->f.setZero(problem.size());
   result->iterations = 0;
   result->detail.clear();
+  result->own_solve_s = -1;
+  result->own_convert_s = -1;
   result->farkas_ray.reset();
   if (!problem.has_standard_bounds()) {
     result->status = LcpStatus::kUnsupported;

@@ -43,6 +43,9 @@ struct LcpOptions {
   double time_limit_s = std::numeric_limits<double>::infinity();
   /// Warm start: n values, finite; nullptr is a cold start. Not owned; must outlive the call.
   const Eigen::VectorXd* initial_f = nullptr;
+  /// How often a solver that times itself in another process (LcpResult::own_solve_s) repeats the solve, >= 1; all
+  /// others solve once.
+  std::int64_t repetitions = 1;
   /// The clock that the time limit is read from; tests inject their own.
   double (*now)() = &SteadyNow;
 };
@@ -56,6 +59,10 @@ struct LcpResult {
   std::int64_t iterations = -1;
   /// The reason in words, with an external library's own code where there is one. Empty when there is nothing to say.
   std::string detail;
+  /// Adapters of foreign code time the solve themselves [s]: the call of Solve contains conversions or a process
+  /// boundary besides, and own_convert_s says how long conversions took. Negative: the call's time is the solve's.
+  double own_solve_s = -1;
+  double own_convert_s = -1;
   /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
   std::optional<Eigen::VectorXd> farkas_ray;
 };

@@ -1,0 +1,224 @@
+#include "benchmarks/oracle.h"
+
+#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/lcp/solver.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/cholmod_factor.h"
+#endif
+
+namespace lcpbench {
+namespace {
+
+using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
+// A[rows, rows], both triangles.
+ColumnMatrix Submatrix(const SparseMatrix& A, const std::vector<Index>& rows) {
+  std::vector<int> place(static_cast<std::size_t>(A.rows()), -1);
+  for (std::size_t k = 0; k < rows.size(); ++k) place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    for (SparseMatrix::InnerIterator it(A, rows[k]); it; ++it) {
+      const int j = place[static_cast<std::size_t>(it.col())];
+      if (j >= 0) entries.emplace_back(static_cast<int>(k), j, it.value());
+    }
+  }
+  const auto n = static_cast<Index>(rows.size());
+  ColumnMatrix sub(n, n);
+  sub.setFromTriplets(entries.begin(), entries.end());
+  return sub;
+}
+
+// Up-looking LDL^T of a symmetric matrix that leaves out the rows whose pivot vanishes.
+class Elimination {
+ public:
+  explicit Elimination(const ColumnMatrix& C) : C_(C), n_(static_cast<int>(C.cols())) {
+    const auto n = static_cast<std::size_t>(n_);
+    parent_.assign(n, -1);
+    flag_.assign(n, -1);
+    columns_.resize(n);
+    pivot_.assign(n, 0);
+    y_.assign(n, 0);
+    path_.resize(n);
+    pattern_.resize(n);
+    FindTree();
+  }
+
+  std::vector<bool> KeptRows() {
+    std::vector<bool> kept(static_cast<std::size_t>(n_));
+    for (int k = 0; k < n_; ++k) kept[static_cast<std::size_t>(k)] = Eliminate(k);
+    return kept;
+  }
+
+ private:
+  struct Entry {
+    int row = 0;
+    double value = 0;
+  };
+  static std::size_t At(int i) { return static_cast<std::size_t>(i); }
+
+  void FindTree() {
+    for (int k = 0; k < n_; ++k) {
+      flag_[At(k)] = k;
+      for (ColumnMatrix::InnerIterator it(C_, k); it && it.index() < k; ++it) {
+        for (int i = it.index(); flag_[At(i)] != k; i = parent_[At(i)]) {
+          if (parent_[At(i)] == -1) parent_[At(i)] = k;
+          flag_[At(i)] = k;
+        }
+      }
+    }
+    std::fill(flag_.begin(), flag_.end(), -1);
+  }
+
+  // Row k of L; false, and a column that takes no part, if it depends on the rows before.
+  bool Eliminate(int k) {
+    int top = n_;
+    flag_[At(k)] = k;
+    double pivot = 0;
+    for (ColumnMatrix::InnerIterator it(C_, k); it && it.index() <= k; ++it) {
+      if (it.index() == k) {
+        pivot = it.value();
+        continue;
+      }
+      y_[At(it.index())] = it.value();
+      int length = 0;
+      for (int i = it.index(); flag_[At(i)] != k; i = parent_[At(i)]) {
+        path_[At(length++)] = i;
+        flag_[At(i)] = k;
+      }
+      while (length > 0) pattern_[At(--top)] = path_[At(--length)];
+    }
+    const double diagonal = pivot;
+    for (; top < n_; ++top) {
+      const int i = pattern_[At(top)];
+      const double y = y_[At(i)];
+      y_[At(i)] = 0;
+      if (pivot_[At(i)] == 0) continue;
+      for (const Entry& entry : columns_[At(i)]) y_[At(entry.row)] -= entry.value * y;
+      const double l = y / pivot_[At(i)];
+      pivot -= l * y;
+      columns_[At(i)].push_back({k, l});
+    }
+    // Entries of column i below row k do not exist yet, so y_ at k itself was reached by no update.
+    y_[At(k)] = 0;
+    const bool kept = pivot > kDependent * diagonal;
+    pivot_[At(k)] = kept ? pivot : 0;
+    return kept;
+  }
+
+  const ColumnMatrix& C_;
+  int n_;
+  std::vector<int> parent_;
+  std::vector<int> flag_;
+  std::vector<std::vector<Entry>> columns_;
+  std::vector<double> pivot_;
+  std::vector<double> y_;
+  std::vector<int> path_;
+  std::vector<int> pattern_;
+};
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+// M + J_F^T J_F / epsilon on the bodies that can move.
+ColumnMatrix BodySpaceMatrix(const LcpProblem& problem, const std::vector<Index>& rows) {
+  // Stiff against the masses, far from the limits of double: only the time matters here.
+  constexpr double kStiffness = 1e6;
+  const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
+  std::vector<int> place(static_cast<std::size_t>(inverse_mass.size()), -1);
+  int unknowns = 0;
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index c = 0; c < inverse_mass.size(); ++c) {
+    if (inverse_mass[c] == 0) continue;
+    place[static_cast<std::size_t>(c)] = unknowns;
+    entries.emplace_back(unknowns, unknowns, 1 / inverse_mass[c]);
+    ++unknowns;
+  }
+  const SparseMatrix& J = problem.J();
+  for (const Index row : rows) {
+    const double scale = kStiffness / std::max(problem.DiagonalA()[row], std::numeric_limits<double>::min());
+    for (SparseMatrix::InnerIterator p(J, row); p; ++p) {
+      for (SparseMatrix::InnerIterator q(J, row); q; ++q) {
+        const int i = place[static_cast<std::size_t>(p.col())];
+        const int j = place[static_cast<std::size_t>(q.col())];
+        if (i >= 0 && j >= 0) entries.emplace_back(i, j, scale * p.value() * q.value());
+      }
+    }
+  }
+  ColumnMatrix K(unknowns, unknowns);
+  K.setFromTriplets(entries.begin(), entries.end());
+  return K;
+}
+
+double TimeFactorisation(const ColumnMatrix& matrix) {
+  if (matrix.cols() == 0) return 0;
+  constexpr int kMostRuns = 5;
+  constexpr double kBudget = 0.2;  // s; longer ones run once
+  const ColumnMatrix lower = matrix.triangularView<Eigen::Lower>();
+  const Eigen::VectorXd right = Eigen::VectorXd::Ones(matrix.cols());
+  Eigen::VectorXd x;
+  double shortest = -1;
+  double total = 0;
+  for (int run = 0; run < kMostRuns && total < kBudget; ++run) {
+    CholmodFactor factor;
+    const double start = SteadyNow();
+    factor.Analyze(CholmodFactor::Definiteness::kPositiveDefinite, lower);
+    if (!factor.Factorize()) return -1;
+    factor.Solve(right, &x);
+    const double elapsed = SteadyNow() - start;
+    total += elapsed;
+    if (shortest < 0 || elapsed < shortest) shortest = elapsed;
+  }
+  return shortest;
+}
+#endif
+
+}  // namespace
+
+double OracleTime::best() const {
+  if (contact_s < 0 || body_s < 0) return std::max(contact_s, body_s);
+  return std::min(contact_s, body_s);
+}
+
+std::vector<Index> ActiveRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+  std::vector<Index> rows;
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.is_bilateral(i) || d[i] * f[i] > w[i]) rows.push_back(i);
+  }
+  return rows;
+}
+
+std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Index>& rows) {
+  if (rows.empty()) return {};
+  const ColumnMatrix sub = Submatrix(A, rows);
+  Eigen::AMDOrdering<int> ordering;
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> inverse;
+  ordering(sub.selfadjointView<Eigen::Upper>(), inverse);
+  const Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order = inverse.inverse();
+  ColumnMatrix permuted(sub.rows(), sub.cols());
+  permuted = sub.twistedBy(order);
+  const std::vector<bool> kept = Elimination(permuted).KeptRows();
+  std::vector<Index> independent;
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    if (kept[static_cast<std::size_t>(order.indices()[static_cast<Index>(k)])]) independent.push_back(rows[k]);
+  }
+  return independent;
+}
+
+OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+  OracleTime time;
+  const std::vector<Index> active = ActiveRows(problem, f, w);
+  const std::vector<Index> independent = IndependentRows(problem.SparseA(), active);
+  time.active = static_cast<Index>(active.size());
+  time.independent = static_cast<Index>(independent.size());
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  time.contact_s = TimeFactorisation(Submatrix(problem.SparseA(), independent));
+  if (problem.has_factors()) time.body_s = TimeFactorisation(BodySpaceMatrix(problem, active));
+#endif
+  return time;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// Not a solver but the limit of those that factorise: what an oracle that is told the active set would still have to
+/// pay, one sparse Cholesky analyse + factor + solve.
+struct OracleTime {
+  Index active = 0;       ///< rows with f > 0 at the solution, and bilateral rows
+  Index independent = 0;  ///< of these, a maximal set whose A_FF is nonsingular
+  /// Wall time of CHOLMOD's analyse, factor and solve, the shortest of a few runs [s]; negative where there is none.
+  double contact_s = -1;  ///< A_FF on the independent rows: `independent` unknowns
+  double body_s = -1;     ///< M + J_F^T J_F / epsilon on the movable bodies: 3 unknowns a body; factors only
+  /// The smaller of the two; negative where there is none.
+  double best() const;
+};
+
+/// @param f, w  a verified solution
+/// Not timed: forming A_FF, finding independent rows. O(what a sparse factorisation costs).
+OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+
+/// Rows of the active set at a solution: bilateral ones, and unilateral ones with D^1/2 f > D^-1/2 w.
+std::vector<Index> ActiveRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+
+/// A maximal subset of `rows` on which A is nonsingular to rounding: rows are eliminated one by one in a fill-reducing
+/// order, and a row whose pivot falls below kDependent times its diagonal entry depends on those before it.
+/// Up-looking sparse LDL^T. [Davis, Direct Methods for Sparse Linear Systems, 2006, sec. 4.8]
+inline constexpr double kDependent = 1e-10;
+std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Index>& rows);
+
+}  // namespace lcpbench

@@ -1,0 +1,99 @@
+// Bullet: btSolveDantzigLCP and btLemkeAlgorithm, double precision.
+//
+// Bullet keeps an error flag in a global variable and its containers in its own allocator; both stay in this worker.
+// Lemke gives up after a number of loops of its own choosing unless told (default of the class: 100); it takes
+// unilateral rows only.
+
+#include <BulletDynamics/MLCPSolvers/btDantzigLCP.h>
+#include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
+#include <LinearMath/btScalar.h>
+
+#include <array>
+#include <string>
+
+#include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/peer_library.h"
+
+namespace lcpbench {
+namespace {
+
+int NoPadding(int rows) { return rows; }
+
+bool CallDantzig(const DantzigProblem& p) {
+  // Kept between calls, as the engine does.
+  static btDantzigScratchMemory scratch;
+  return btSolveDantzigLCP(p.rows, p.A, p.x, p.b, p.w, 0, p.lower, p.upper, p.findex, scratch);
+}
+
+std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
+  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig", 0), &NoPadding,
+                                       &CallDantzig);
+}
+
+std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
+  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig-cfm", kEngineCfm),
+                                       &NoPadding, &CallDantzig);
+}
+
+/// w = M z + q, as ours. One pivot is O(n^2) on a tableau of n (2n + 2).
+class Lemke : public LcpSolver {
+ public:
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
+    return problem.bilateral_rows().empty() ? "" : "takes unilateral rows only";
+  }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    const auto n = static_cast<int>(problem.size());
+    M_.resize(n, n);
+    q_.resize(n);
+    for (int i = 0; i < n; ++i) {
+      q_[i] = problem.b()[i];
+      for (int j = 0; j < n; ++j) M_.setElem(i, j, problem.DenseA()(i, j));
+    }
+  }
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    // Enough for every sequence of pivots that is not a cycle in practice; the class's own 100 ends most early.
+    constexpr std::int64_t kPivotsPerRow = 20;
+    constexpr std::int64_t kFewestPivots = 1000;
+    const std::int64_t most = options.max_iterations > 0
+                                  ? options.max_iterations
+                                  : std::max<std::int64_t>(kFewestPivots, kPivotsPerRow * problem.size());
+    btLemkeAlgorithm lemke(M_, q_);
+    btVectorXu z;
+    TimeLibraryCall(result, [&] { z = lemke.solve(static_cast<unsigned int>(most)); });
+    const bool solved = lemke.getInfo() == 0;
+    // (w, z, z0): our f is its z, the second part.
+    const auto n = static_cast<int>(problem.size());
+    if (z.size() >= 2 * n) {
+      for (int i = 0; i < n; ++i) result->f[i] = z[n + i];
+    }
+    result->iterations = lemke.getSteps();
+    result->status = solved ? LcpStatus::kSolved : LcpStatus::kNumericalFailure;
+    if (!solved) result->detail = "the code returned failure";
+  }
+
+ private:
+  btMatrixXu M_;
+  btVectorXu q_;
+};
+
+std::unique_ptr<LcpSolver> MakeLemke(const Settings& settings) {
+  SettingsReader("bullet-lemke", settings).Finish();
+  return std::make_unique<Lemke>();
+}
+
+constexpr std::array kSolvers{PeerSolver{"bullet-dantzig", WantedForm::kDense, &MakeDantzig},
+                              PeerSolver{"bullet-dantzig-cfm", WantedForm::kDense, &MakeShiftedDantzig},
+                              PeerSolver{"bullet-lemke", WantedForm::kDense, &MakeLemke}};
+
+}  // namespace
+
+PeerLibrary ThisPeerLibrary() {
+  // 324 is 3.24.
+  constexpr int kHundred = 100;
+  return {std::to_string(btGetVersion() / kHundred) + "." + std::to_string(btGetVersion() % kHundred), "Zlib",
+          kSolvers};
+}
+
+}  // namespace lcpbench

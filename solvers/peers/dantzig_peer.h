@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/settings.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// A physics engine's dense Dantzig code: A x = b + w, lo <= x <= hi, with A row after row, rows `stride` apart. So
+/// b = -b of ours. It may overwrite everything it is given.
+struct DantzigProblem {
+  int rows = 0;
+  int stride = 0;
+  double* A = nullptr;
+  double* x = nullptr;
+  double* b = nullptr;
+  double* w = nullptr;
+  double* lower = nullptr;
+  double* upper = nullptr;
+  int* findex = nullptr;  ///< all -1: no friction
+};
+
+/// Adapter of such a code. Bilateral rows are boxes (-inf, inf). The codes have no tolerance, no limits and no way to
+/// stop: the host's time limit ends them. Each solve copies A first (timed as conversion), because it is destroyed.
+/// Dense: O(n^2) memory.
+class DantzigPeer : public LcpSolver {
+ public:
+  struct Options {
+    /// Constraint force mixing: what is added to the diagonal, relative to its largest entry. 0 is the plain code;
+    /// engines add about 1e-9 ... 1e-5, which makes redundant contacts nonsingular and forces slightly soft.
+    double cfm = 0;
+    static Options FromSettings(const Settings& settings, std::string_view owner, double default_cfm);
+  };
+  /// How many doubles lie between the beginnings of two rows; and the call itself: false where the code says it failed.
+  using Stride = int (*)(int rows);
+  using Call = bool (*)(const DantzigProblem& problem);
+
+  DantzigPeer(Options options, Stride stride, Call call) : options_(options), stride_(stride), call_(call) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+ private:
+  using Doubles = std::vector<double, Eigen::aligned_allocator<double>>;
+
+  Options options_;
+  Stride stride_;
+  Call call_;
+  // As converted, and as handed over.
+  Doubles A_;
+  Doubles b_;
+  Doubles lower_;
+  Doubles upper_;
+  Doubles work_A_;
+  Doubles work_b_;
+  Doubles work_lower_;
+  Doubles work_upper_;
+  Doubles x_;
+  Doubles w_;
+  std::vector<int> findex_;
+};
+
+/// The diagonal shift of the "-cfm" variants: what the engines' users take, and enough to get through redundant rows.
+inline constexpr double kEngineCfm = 1e-9;
+
+}  // namespace lcpbench

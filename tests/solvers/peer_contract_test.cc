@@ -1,0 +1,153 @@
+// What every adapter of another project's solver promises. The solver behind it may fail, and may claim what is not so:
+// then the verdict says so. The adapter may not: no answer of the wrong size, no status but the solver's own, no
+// problem changed on the way, nothing left over from one solve to the next.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+class PeerContract : public testing::TestWithParam<SolverEntry> {
+ protected:
+  void SetUp() override {
+    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
+    solver_ = GetParam().make({});
+  }
+
+  LcpResult Solve(const LcpProblem& problem, double tolerance) {
+    constexpr double kLimit = 2;  // s
+    LcpOptions options;
+    options.tolerance = tolerance;
+    options.time_limit_s = kLimit;
+    LcpResult result;
+    solver_->Solve(problem, options, &result);
+    return result;
+  }
+
+  void Judge(const TestProblem& test, double tolerance) {
+    SCOPED_TRACE(test.problem.id());
+    const LcpResult result = Solve(test.problem, tolerance);
+    ++problems_;
+    EXPECT_NE(result.status, LcpStatus::kNotRun);
+    EXPECT_EQ(result.f.size(), test.problem.size());
+    if (result.status == LcpStatus::kUnsupported) {
+      EXPECT_FALSE(result.detail.empty());
+      ++unsupported_;
+      return;
+    }
+    const Verdict verdict = Verify(test.problem, result, tolerance, &test.reference);
+    EXPECT_EQ(verdict.false_success, result.status == LcpStatus::kSolved && !verdict.passes);
+    if (verdict.passes && test.reference.status == LcpReference::Status::kSolved && tolerance <= 1e-9 &&
+        verdict.metrics.w_error >= 0) {
+      EXPECT_LE(verdict.metrics.w_error, 1e-4);
+    }
+    if (verdict.passes) ++passed_;
+    if (verdict.false_success) ++false_;
+  }
+
+  // For whoever reads the test's XML: the counts are no promise.
+  void Record() const {
+    RecordProperty("problems", problems_);
+    RecordProperty("passed", passed_);
+    RecordProperty("false_successes", false_);
+    RecordProperty("unsupported", unsupported_);
+  }
+
+  std::unique_ptr<LcpSolver> solver_;
+  int problems_ = 0;
+  int passed_ = 0;
+  int false_ = 0;
+  int unsupported_ = 0;
+};
+
+std::vector<SolverEntry> Peers() {
+  std::vector<SolverEntry> peers;
+  std::copy_if(AllSolvers().begin(), AllSolvers().end(), std::back_inserter(peers),
+               [](const SolverEntry& entry) { return entry.origin == SolverOrigin::kPeer; });
+  return peers;
+}
+
+std::string KeyOf(const testing::TestParamInfo<SolverEntry>& info) {
+  std::string name(info.param.key);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(Peers()), KeyOf);
+
+TEST_P(PeerContract, TextbookProblemsAreJudged) {
+  for (const TestProblem& test : TextbookProblems()) Judge(test, 1e-9);
+  Record();
+}
+
+TEST_P(PeerContract, GeneratedProblemsAreJudged) {
+  for (const TestProblem& test : GeneratedProblems()) Judge(test, 1e-6);
+  Record();
+}
+
+TEST_P(PeerContract, ExactOracleProblemsAreJudged) {
+  const std::vector<TestProblem> problems = OracleProblems();
+  if (problems.empty()) GTEST_SKIP() << "the outside oracle data is not there";
+  for (const TestProblem& test : problems) Judge(test, 1e-9);
+  Record();
+}
+
+// Unit contacts that do not see each other: what no solver gets wrong, unless its adapter confuses a sign.
+TEST_P(PeerContract, IsolatedContactsAreSolved) {
+  const Index n = 9;
+  Eigen::VectorXd b(n);
+  for (Index i = 0; i < n; ++i) b[i] = static_cast<double>(i % 5) - 2.5;
+  MatrixFacts facts;
+  facts.symmetric = facts.positive_semidefinite = true;
+  const LcpProblem problem = LcpProblem::FromDense("isolated", Eigen::MatrixXd::Identity(n, n), b, {}, facts);
+  const LcpResult result = Solve(problem, 1e-6);
+  EXPECT_TRUE(Verify(problem, result, 1e-6).passes) << ToString(result.status) << " " << result.detail;
+  EXPECT_GE(result.own_solve_s, 0);
+}
+
+// A well-conditioned joint system: either refused by name, or solved.
+TEST_P(PeerContract, BilateralRowsAreSolvedOrRefused) {
+  MatrixFacts facts;
+  facts.symmetric = facts.positive_semidefinite = true;
+  Eigen::Matrix3d A;
+  A << 2, 1, 0, 1, 2, 1, 0, 1, 2;
+  const LcpProblem problem =
+      LcpProblem::FromDense("joint", A, Eigen::Vector3d(-1, 2, -1), RowBounds::WithBilateralRows(3, {1}), facts);
+  const LcpResult result = Solve(problem, 1e-6);
+  if (result.status == LcpStatus::kUnsupported) {
+    EXPECT_FALSE(result.detail.empty());
+    return;
+  }
+  EXPECT_TRUE(Verify(problem, result, 1e-6).passes) << ToString(result.status) << " " << result.detail;
+}
+
+TEST_P(PeerContract, RepeatedSolvesAreBitwiseIdentical) {
+  for (const TestProblem& test : {PlantedProblem(20, 8, 1, 0, 0), PlantedProblem(30, 12, 2, 0, 3)}) {
+    const LcpResult first = Solve(test.problem, 1e-6);
+    Solve(PlantedProblem(7, 3, 9, 0, 0).problem, 1e-6);
+    const LcpResult again = Solve(test.problem, 1e-6);
+    EXPECT_EQ(first.status, again.status);
+    if (first.status == LcpStatus::kTimeLimit) continue;
+    EXPECT_EQ(first.f, again.f);
+  }
+}
+
+TEST_P(PeerContract, NoRowsIsSolvedAndUnknownSettingsAreRefused) {
+  EXPECT_EQ(Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), 1e-9).status,
+            LcpStatus::kSolved);
+  EXPECT_THROW(GetParam().make({{"no-such-option", "1"}}), InputError);
+}
+
+}  // namespace
+}  // namespace lcpbench
