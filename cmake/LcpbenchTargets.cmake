@@ -10,7 +10,9 @@ target_compile_options(lcpbench_warnings INTERFACE
 # The model and the problem type must give the same bits on every x86-64 machine: no fused multiply-add, no native
 # instructions. Solvers may use whatever the machine has.
 add_library(lcpbench_reproducible INTERFACE)
-target_compile_options(lcpbench_reproducible INTERFACE -ffp-contract=off)
+target_compile_options(lcpbench_reproducible INTERFACE -ffp-contract=off
+  # Told to use FMA, GCC 12 vectorises a - b c into fused subtractions all the same.
+  $<$<CXX_COMPILER_ID:GNU>:-fno-tree-slp-vectorize>)
 
 add_library(lcpbench_fast INTERFACE)
 if(LCPBENCH_NATIVE)

@@ -23,10 +23,8 @@ class ByteWriter {
   template <typename T>
   void PutArray(const T* values, std::size_t count) {
     static_assert(std::is_trivially_copyable_v<T>);
-    if (count == 0) return;
-    const std::size_t old = bytes_.size();
-    bytes_.resize(old + count * sizeof(T));
-    std::memcpy(bytes_.data() + old, values, count * sizeof(T));
+    const auto* begin = reinterpret_cast<const char*>(values);
+    bytes_.insert(bytes_.end(), begin, begin + count * sizeof(T));
   }
   void PutString(const std::string& text) {
     Put(static_cast<std::uint32_t>(text.size()));
