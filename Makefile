@@ -7,12 +7,13 @@ SUITE   ?= default
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
 
-.PHONY: help deps configure build test report run check format install clean
+.PHONY: help deps peers configure build test report run check format install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
@@ -21,6 +22,11 @@ help:
 
 deps:
 	@sh cmake/install_packages.sh packages.txt
+
+# Configuring looks again for what was not there before; building and reporting then take the workers along.
+peers:
+	@sh cmake/install_packages.sh packages-peers.txt
+	@$(MAKE) --no-print-directory configure
 
 configure: deps
 	@cmake --preset $(PRESET) > build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }

@@ -2,10 +2,12 @@
 // LCP of a symmetric positive semidefinite A is the optimality of min 1/2 f'A f + b'f over f_C >= 0, a problem with
 // bounds and no rows.
 //
-// Known limits: the extension is a reduced-gradient method with superbasic variables, meant for few nonlinear columns.
-// It steps along projected gradients and stops by the reduced costs' tolerance, absolute, in the unit of b: slow and
-// inexact where many forces are active. "Optimal", "unbounded" (a ray is passed on as a Farkas ray where there is one),
-// and the limits are reported as Clp reports them. An iteration is Clp's.
+// Known limits, of Clp 1.17: the extension is a reduced-gradient method that its authors meant for few nonlinear
+// columns. It stops by absolute tolerances, in the units of f and b, so that badly scaled rows end it early. An
+// unbounded objective (an LCP without solution) it seldom notices: it then claims "optimal" at forces of 1e16 and more,
+// or never returns, without reading its own time limit; the host's ends it. Below about 1e-12 an assertion of the
+// library fails. Its claims are passed on as they are; where it says "unbounded", its ray is passed on as the Farkas
+// ray. Iterations are Clp's.
 
 #include <ClpConfig.h>
 
