@@ -111,7 +111,7 @@ class ExactQp : public LcpSolver {
     if (solution.is_optimal()) {
       result->status = LcpStatus::kSolved;
       auto numerator = solution.variable_numerators_begin();
-      const Exact denominator = solution.variables_common_denominator();
+      const Exact& denominator = solution.variables_common_denominator();
       for (double& f : result->f) f = Round(*numerator++, denominator);
     } else if (solution.is_unbounded()) {
       result->status = LcpStatus::kInfeasible;

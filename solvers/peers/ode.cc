@@ -22,7 +22,7 @@
 #include "solvers/peers/peer_library.h"
 
 /// Hands out memory from `next` on. Its owner sets `next` back to `begin` before each use.
-class dxWorldProcessMemArena {
+class dxWorldProcessMemArena {  // NOLINT(readability-identifier-naming): the linker looks for this name
  public:
   void* next = nullptr;
   void* begin = nullptr;
