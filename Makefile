@@ -11,13 +11,14 @@ PYTHON  ?= /usr/bin/python3
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
 
-.PHONY: help deps configure build test report run geometry-benchmark check format fuzz install clean
+.PHONY: help deps peers configure build test report run geometry-benchmark check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
+	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed the scene reader mutated scene files for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
@@ -27,6 +28,11 @@ help:
 
 deps:
 	@sh cmake/install_packages.sh packages.txt
+
+# Configuring looks again for what was not there before; building and reporting then take the workers along.
+peers:
+	@sh cmake/install_packages.sh packages-peers.txt
+	@$(MAKE) --no-print-directory configure
 
 configure: deps
 	@cmake --preset $(PRESET) > build/configure-$(PRESET).log 2>&1 || { cat build/configure-$(PRESET).log; exit 1; }

@@ -26,13 +26,13 @@ bool CallDantzig(const DantzigProblem& p) {
 }
 
 std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig", 0), &NoPadding,
-                                       &CallDantzig);
+  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig", 0),
+                                       DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 
 std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
   return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig-cfm", kEngineCfm),
-                                       &NoPadding, &CallDantzig);
+                                       DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 
 /// w = M z + q, as ours. One pivot is O(n^2) on a tableau of n (2n + 2).

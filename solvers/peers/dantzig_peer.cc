@@ -18,7 +18,7 @@ DantzigPeer::Options DantzigPeer::Options::FromSettings(const Settings& settings
 
 void DantzigPeer::DoPrepare(const LcpProblem& problem) {
   const auto n = static_cast<std::size_t>(problem.size());
-  const auto stride = static_cast<std::size_t>(stride_(static_cast<int>(n)));
+  const auto stride = static_cast<std::size_t>(code_.stride(static_cast<int>(n)));
   const Eigen::MatrixXd& A = problem.DenseA();
   const double shift = options_.cfm * problem.DiagonalA().cwiseAbs().maxCoeff();
   A_.assign(n * stride, 0);
@@ -36,23 +36,29 @@ void DantzigPeer::DoPrepare(const LcpProblem& problem) {
   work_A_.resize(A_.size());
   x_.resize(stride);
   w_.resize(stride);
+  work_b_.resize(stride);
+  work_lower_.resize(stride);
+  work_upper_.resize(stride);
+  findex_.resize(stride);
 }
 
 void DantzigPeer::DoSolve(const LcpProblem& problem, const LcpOptions& /*options*/, LcpResult* result) {
+  const auto rows = static_cast<int>(problem.size());
+  const DantzigProblem call{rows,      code_.stride(rows), work_A_.data(),     x_.data(),     work_b_.data(),
+                            w_.data(), work_lower_.data(), work_upper_.data(), findex_.data()};
   TimeConversion(result, [&] {
     std::copy(A_.begin(), A_.end(), work_A_.begin());
-    work_b_ = b_;
-    work_lower_ = lower_;
-    work_upper_ = upper_;
+    std::copy(b_.begin(), b_.end(), work_b_.begin());
+    std::copy(lower_.begin(), lower_.end(), work_lower_.begin());
+    std::copy(upper_.begin(), upper_.end(), work_upper_.begin());
     std::fill(x_.begin(), x_.end(), 0);
     std::fill(w_.begin(), w_.end(), 0);
-    findex_.assign(x_.size(), -1);
+    std::fill(findex_.begin(), findex_.end(), -1);
+    if (code_.before != nullptr) code_.before(call);
   });
-  const auto rows = static_cast<int>(problem.size());
-  const DantzigProblem call{rows,      stride_(rows),      work_A_.data(),     x_.data(),     work_b_.data(),
-                            w_.data(), work_lower_.data(), work_upper_.data(), findex_.data()};
   bool solved = false;
-  TimeLibraryCall(result, [&] { solved = call_(call); });
+  TimeLibraryCall(result, [&] { solved = code_.call(call); });
+  if (code_.after != nullptr) TimeConversion(result, [&] { code_.after(call); });
   result->f = Eigen::Map<const Eigen::VectorXd>(x_.data(), problem.size());
   result->status = solved ? LcpStatus::kSolved : LcpStatus::kNumericalFailure;
   if (!solved) result->detail = "the code returned failure";

@@ -34,11 +34,18 @@ class DantzigPeer : public LcpSolver {
     double cfm = 0;
     static Options FromSettings(const Settings& settings, std::string_view owner, double default_cfm);
   };
-  /// How many doubles lie between the beginnings of two rows; and the call itself: false where the code says it failed.
-  using Stride = int (*)(int rows);
-  using Call = bool (*)(const DantzigProblem& problem);
+  /// One library's code.
+  struct Code {
+    /// How many doubles lie between the beginnings of two rows.
+    int (*stride)(int rows) = nullptr;
+    /// The call alone: false where the code says it failed.
+    bool (*call)(const DantzigProblem& problem) = nullptr;
+    /// What a code of another data layout does around each call, timed as conversion; may be null.
+    void (*before)(const DantzigProblem& problem) = nullptr;
+    void (*after)(const DantzigProblem& problem) = nullptr;
+  };
 
-  DantzigPeer(Options options, Stride stride, Call call) : options_(options), stride_(stride), call_(call) {}
+  DantzigPeer(Options options, Code code) : options_(options), code_(code) {}
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;
@@ -48,8 +55,7 @@ class DantzigPeer : public LcpSolver {
   using Doubles = std::vector<double, Eigen::aligned_allocator<double>>;
 
   Options options_;
-  Stride stride_;
-  Call call_;
+  Code code_;
   // As converted, and as handed over.
   Doubles A_;
   Doubles b_;
@@ -63,6 +69,12 @@ class DantzigPeer : public LcpSolver {
   Doubles w_;
   std::vector<int> findex_;
 };
+
+/// Rows of ODE and of what was taken from it lie a multiple of four apart.
+constexpr int PadToFour(int rows) {
+  constexpr int kLast = 3;
+  return (rows + kLast) & ~kLast;
+}
 
 /// The diagonal shift of the "-cfm" variants: what the engines' users take, and enough to get through redundant rows.
 inline constexpr double kEngineCfm = 1e-9;

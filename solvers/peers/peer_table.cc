@@ -55,13 +55,20 @@ constexpr PeerEntry Ode(std::string_view key, std::string_view method) {
   return {key, method, "ODE", "LGPL-2.1-or-later OR BSD-3-Clause", "lcpbench-worker-ode", kHaveOde, false};
 }
 constexpr PeerEntry Dart(std::string_view key, std::string_view method, bool uses_tolerance) {
-  return {key, method, "DART", "BSD-2-Clause", "lcpbench-worker-dart", kHaveDart, uses_tolerance};
+  // Its Dantzig code is ODE's, with ODE's licence.
+  return {
+      key,       method,        "DART", "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)", "lcpbench-worker-dart",
+      kHaveDart, uses_tolerance};
 }
 constexpr PeerEntry Siconos(std::string_view key, std::string_view method, bool uses_tolerance) {
   return {key, method, "Siconos", "Apache-2.0", "lcpbench-worker-siconos", kHaveSiconos, uses_tolerance};
 }
 constexpr PeerEntry Petsc(std::string_view key, std::string_view method) {
   return {key, method, "PETSc", "BSD-2-Clause", "lcpbench-worker-petsc", kHavePetsc, true};
+}
+
+constexpr PeerEntry Clp(std::string_view key, std::string_view method) {
+  return {key, method, "Clp", "EPL-1.0", "lcpbench-worker-clp", kHaveClp, true};
 }
 
 constexpr std::array kPeers{
@@ -73,6 +80,7 @@ constexpr std::array kPeers{
     Dart("dart-dantzig", "Dantzig pivoting, after ODE's", false),
     Dart("dart-dantzig-cfm", "the same with the diagonal shift that engines use (cfm)", false),
     Dart("dart-pgs", "projected Gauss-Seidel", true),
+    Dart("dart-pgs-default", "the same with the library's own options", true),
     Siconos("siconos-lexicolemke", "lexicographic Lemke pivoting", false),
     Siconos("siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function", true),
     Siconos("siconos-newton-fb-default", "the same with the library's own options", true),
@@ -90,8 +98,8 @@ constexpr std::array kPeers{
     Petsc("tao-tron-default", "the same with the library's own options"),
     PeerEntry{"cgal-qp", "exact rational QP simplex: a reference for small n", "CGAL", "GPL-3.0-or-later",
               "lcpbench-worker-cgal", kHaveCgal, false},
-    PeerEntry{"clp", "COIN-OR simplex code with its QP extension", "Clp", "EPL-2.0", "lcpbench-worker-clp", kHaveClp,
-              true},
+    Clp("clp", "COIN-OR simplex code with its QP extension"),
+    Clp("clp-default", "the same with the library's own options"),
 };
 
 }  // namespace

@@ -1,0 +1,153 @@
+// CGAL's quadratic programming simplex in exact arithmetic: a reference, not a competitor.
+//
+// The LCP of a symmetric positive semidefinite A is the optimality of min 1/2 f'A f + b'f over f_C >= 0. Every double
+// is taken exactly, and A = J M^-1 J' of factors is multiplied out without rounding, so that A is semidefinite beyond
+// doubt and the answer is that of the problem as given, rounded once, at the end. Given as a dense or sparse matrix, A
+// is taken as it stands: one that is semidefinite but for rounding can mislead the method.
+//
+// An LCP without solution is an unbounded QP; CGAL's certificate, a direction y with A y = 0, b'y < 0, y_C >= 0, is the
+// Farkas ray. There is no tolerance, no iteration limit and no clock: the host's time limit ends it. Numbers grow with
+// the size of the basis, so that problems above kLargest rows are refused. An iteration is a pivot.
+
+#include <CGAL/Gmpzf.h>
+#include <CGAL/QP_functions.h>
+#include <CGAL/QP_models.h>
+#include <CGAL/version_macros.h>
+#include <mpfr.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "solvers/peers/peer_library.h"
+
+namespace lcpbench {
+namespace {
+
+using Exact = CGAL::Gmpzf;
+using Program = CGAL::Quadratic_program<Exact>;
+using Solution = CGAL::Quadratic_program_solution<Exact>;
+
+constexpr Index kLargest = 200;
+
+// A quotient rounded to double: to far more than 53 bits, then once more.
+double Round(const Exact& numerator, const Exact& denominator) {
+  constexpr mpfr_prec_t kBits = 160;
+  mpfr_t quotient;
+  mpfr_t divisor;
+  mpfr_init2(quotient, kBits);
+  mpfr_init2(divisor, kBits);
+  mpfr_set_z_2exp(quotient, numerator.man(), numerator.exp(), MPFR_RNDN);
+  mpfr_set_z_2exp(divisor, denominator.man(), denominator.exp(), MPFR_RNDN);
+  mpfr_div(quotient, quotient, divisor, MPFR_RNDN);
+  const double rounded = mpfr_get_d(quotient, MPFR_RNDN);
+  mpfr_clear(quotient);
+  mpfr_clear(divisor);
+  return rounded;
+}
+
+// CGAL takes the entries of twice the matrix of x'D x, which is A, and of them the lower triangle.
+void SetMatrixFromFactors(const LcpProblem& problem, Program* program) {
+  const auto n = static_cast<int>(problem.size());
+  const SparseMatrix& J = problem.J();
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; ++j) {
+      Exact sum(0);
+      SparseMatrix::InnerIterator left(J, i);
+      SparseMatrix::InnerIterator right(J, j);
+      while (left && right) {
+        if (left.col() < right.col()) {
+          ++left;
+        } else if (right.col() < left.col()) {
+          ++right;
+        } else {
+          sum += Exact(left.value()) * Exact(problem.inverse_mass()[left.col()]) * Exact(right.value());
+          ++left;
+          ++right;
+        }
+      }
+      if (sum != Exact(0)) program->set_d(i, j, sum);
+    }
+  }
+}
+
+void SetMatrixFromEntries(const LcpProblem& problem, Program* program) {
+  const SparseMatrix& A = problem.SparseA();
+  for (int i = 0; i < static_cast<int>(problem.size()); ++i) {
+    for (SparseMatrix::InnerIterator entry(A, i); entry && entry.col() <= i; ++entry) {
+      if (entry.value() != 0) program->set_d(i, static_cast<int>(entry.col()), Exact(entry.value()));
+    }
+  }
+}
+
+class ExactQp : public LcpSolver {
+ public:
+  std::string WhyUnsupported(const LcpProblem& problem) const override {
+    if (problem.size() > kLargest) return "exact arithmetic: takes up to " + std::to_string(kLargest) + " rows";
+    return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
+  }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    program_ = Program(CGAL::SMALLER, true, Exact(0), false, Exact(0));
+    for (int i = 0; i < static_cast<int>(problem.size()); ++i) program_.set_c(i, Exact(problem.b()[i]));
+    for (const Index row : problem.bilateral_rows()) program_.set_l(static_cast<int>(row), false);
+    if (problem.has_factors()) {
+      SetMatrixFromFactors(problem, &program_);
+    } else {
+      SetMatrixFromEntries(problem, &program_);
+    }
+  }
+
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) override {
+    Solution solution;
+    TimeLibraryCall(result, [&] { solution = CGAL::solve_quadratic_program(program_, Exact()); });
+    result->iterations = solution.number_of_iterations();
+    TimeConversion(result, [&] { Take(solution, result); });
+  }
+
+ private:
+  static void Take(const Solution& solution, LcpResult* result) {
+    if (solution.is_optimal()) {
+      result->status = LcpStatus::kSolved;
+      auto numerator = solution.variable_numerators_begin();
+      const Exact& denominator = solution.variables_common_denominator();
+      for (double& f : result->f) f = Round(*numerator++, denominator);
+    } else if (solution.is_unbounded()) {
+      result->status = LcpStatus::kInfeasible;
+      result->farkas_ray = Direction(solution, result->f.size());
+    } else {
+      result->detail = "CGAL: infeasible, which a problem without rows cannot be";
+    }
+  }
+
+  // Its length is arbitrary: scaled to a largest entry of 1, so that no entry overflows.
+  static Eigen::VectorXd Direction(const Solution& solution, Index n) {
+    std::vector<Exact> direction;
+    Exact largest(0);
+    auto entry = solution.unboundedness_certificate_begin();
+    for (Index i = 0; i < n; ++i) {
+      direction.push_back(*entry++);
+      const Exact size = direction.back() < Exact(0) ? -direction.back() : direction.back();
+      if (largest < size) largest = size;
+    }
+    Eigen::VectorXd ray(n);
+    for (Index i = 0; i < n; ++i) ray[i] = Round(direction[static_cast<std::size_t>(i)], largest);
+    return ray;
+  }
+
+  Program program_;
+};
+
+std::unique_ptr<LcpSolver> MakeExactQp(const Settings& settings) {
+  SettingsReader("cgal-qp", settings).Finish();
+  return std::make_unique<ExactQp>();
+}
+
+constexpr std::array kSolvers{PeerSolver{"cgal-qp", WantedForm::kAsGiven, &MakeExactQp}};
+
+}  // namespace
+
+PeerLibrary ThisPeerLibrary() { return {CGAL_VERSION_STR, "GPL-3.0-or-later", kSolvers}; }
+
+}  // namespace lcpbench

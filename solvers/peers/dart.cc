@@ -1,0 +1,171 @@
+// DART's LCP solvers: a Dantzig code that descends from ODE's, and projected Gauss-Seidel. Both take
+// A x = b + w with rows of A padded to a multiple of four, and destroy A and b.
+//
+// Dantzig returns whether it succeeded, and gives up at the first step without positive length if asked to
+// (early termination), as the engine itself asks, since it falls back on Gauss-Seidel then. Otherwise it carries on
+// with "hacks" (its own word) and returns true, whatever comes of it. Option early-termination: yes, as in the engine,
+// or no.
+//
+// Gauss-Seidel returns true when no force changed by more than a tolerance in the first sweep (absolute, in the unit of
+// force) or a later one (relative to the force; forces below 1e-9 are not looked at), false after its number of sweeps.
+// Rows with A_ii < 1e-9 are left at zero. It starts from what x holds. It has no clock: sweeps are asked for in
+// portions and the time read in between; that only repeats the first-sweep test. An iteration is a sweep asked for: how
+// many of the last portion were made it does not tell.
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <dart/config.hpp>
+#include <dart/constraint/DantzigBoxedLcpSolver.hpp>
+#include <dart/constraint/PgsBoxedLcpSolver.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/peer_library.h"
+#include "solvers/peers/tier_settings.h"
+
+namespace lcpbench {
+namespace {
+
+using dart::constraint::DantzigBoxedLcpSolver;
+using dart::constraint::PgsBoxedLcpSolver;
+
+static_assert(EIGEN_MAX_ALIGN_BYTES == 16,
+              "libdart passes Eigen objects and was built for plain x86-64: no -march=native here");
+
+template <bool kEarlyTermination>
+bool CallDantzig(const DantzigProblem& p) {
+  static DantzigBoxedLcpSolver solver;
+  return solver.solve(p.rows, p.A, p.x, p.b, 0, p.lower, p.upper, p.findex, kEarlyTermination);
+}
+
+std::unique_ptr<LcpSolver> MakeDantzigPeer(const Settings& settings, std::string_view key, double default_cfm) {
+  Settings others = settings;
+  SettingsReader reader(key, settings);
+  const bool early = reader.Choice("early-termination", "yes", {"yes", "no"}) == "yes";
+  others.erase("early-termination");
+  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(others, key, default_cfm),
+                                       DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
+}
+
+std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
+  return MakeDantzigPeer(settings, "dart-dantzig", 0);
+}
+
+std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
+  return MakeDantzigPeer(settings, "dart-dantzig-cfm", kEngineCfm);
+}
+
+class Pgs : public LcpSolver {
+ public:
+  struct Options {
+    bool as_the_library_has_it = false;
+    double relative_tolerance = 0;  // 0: by the table of tier_settings.cc
+  };
+
+  explicit Pgs(Options options) : options_(options) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    rows_ = static_cast<int>(problem.size());
+    const Index stride = PadToFour(rows_);
+    A_.setZero(problem.size(), stride);
+    A_.leftCols(problem.size()) = problem.DenseA();
+    b_ = -problem.b();
+    lower_.setZero(problem.size());
+    upper_.setConstant(problem.size(), std::numeric_limits<double>::infinity());
+    for (const Index row : problem.bilateral_rows()) lower_[row] = -std::numeric_limits<double>::infinity();
+    findex_.assign(static_cast<std::size_t>(rows_), -1);
+  }
+
+  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) override {
+    TimeConversion(result, [&] {
+      work_A_ = A_;
+      work_b_ = b_;
+      if (options.initial_f != nullptr) result->f = *options.initial_f;
+    });
+    PgsBoxedLcpSolver::Option option;
+    std::int64_t most = option.mMaxIteration;
+    if (!options_.as_the_library_has_it) {
+      // The first sweep's threshold has the unit of force: never stop by it, but where nothing moves at all.
+      option.mDeltaXThreshold = 0;
+      option.mRelativeDeltaXTolerance = options_.relative_tolerance > 0
+                                            ? options_.relative_tolerance
+                                            : TierValue("dart-pgs", "relative-tolerance", options.tolerance);
+      most = static_cast<std::int64_t>(TierValue("dart-pgs", "sweeps", options.tolerance));
+    }
+    if (options.max_iterations > 0) most = options.max_iterations;
+    const Deadline deadline(options);
+    TimeLibraryCall(result, [&] { Sweep(option, most, deadline, result); });
+  }
+
+ private:
+  // About 20 ms of work: short beside any time limit, long beside what the repeated first test costs.
+  static constexpr double kPortion = 2e7;  // products
+
+  void Sweep(PgsBoxedLcpSolver::Option option, std::int64_t most, const Deadline& deadline, LcpResult* result) {
+    const auto products = static_cast<double>(A_.size());
+    const auto portion = std::max<std::int64_t>(1000, static_cast<std::int64_t>(kPortion / products));
+    result->iterations = 0;
+    while (result->iterations < most) {
+      option.mMaxIteration = static_cast<int>(std::min(portion, most - result->iterations));
+      solver_.setOption(option);
+      result->iterations += option.mMaxIteration;
+      if (solver_.solve(rows_, work_A_.data(), result->f.data(), work_b_.data(), 0, lower_.data(), upper_.data(),
+                        findex_.data(), false)) {
+        result->status = LcpStatus::kSolved;
+        return;
+      }
+      if (deadline.Expired()) {
+        result->status = LcpStatus::kTimeLimit;
+        return;
+      }
+    }
+    result->status = LcpStatus::kIterationLimit;
+  }
+
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+  Options options_;
+  PgsBoxedLcpSolver solver_;
+  int rows_ = 0;
+  RowMajor A_;
+  Eigen::VectorXd b_;
+  Eigen::VectorXd lower_;
+  Eigen::VectorXd upper_;
+  std::vector<int> findex_;
+  RowMajor work_A_;
+  Eigen::VectorXd work_b_;
+};
+
+std::unique_ptr<LcpSolver> MakePgs(const Settings& settings) {
+  SettingsReader reader("dart-pgs", settings);
+  Pgs::Options options;
+  options.relative_tolerance = reader.Number("relative-tolerance", 0, 0, 1);
+  reader.Finish();
+  return std::make_unique<Pgs>(options);
+}
+
+std::unique_ptr<LcpSolver> MakeDefaultPgs(const Settings& settings) {
+  SettingsReader("dart-pgs-default", settings).Finish();
+  Pgs::Options options;
+  options.as_the_library_has_it = true;
+  return std::make_unique<Pgs>(options);
+}
+
+constexpr std::array kSolvers{PeerSolver{"dart-dantzig", WantedForm::kDense, &MakeDantzig},
+                              PeerSolver{"dart-dantzig-cfm", WantedForm::kDense, &MakeShiftedDantzig},
+                              PeerSolver{"dart-pgs", WantedForm::kDense, &MakePgs},
+                              PeerSolver{"dart-pgs-default", WantedForm::kDense, &MakeDefaultPgs}};
+
+}  // namespace
+
+PeerLibrary ThisPeerLibrary() {
+  // The library does not tell its version at run time. Its Dantzig code keeps ODE's licence.
+  return {DART_VERSION, "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)", kSolvers};
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,40 @@
+#include "solvers/peers/tier_settings.h"
+
+#include <stdexcept>
+#include <string>
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};
+// A requested 1e-6 may arrive with the last digit off.
+constexpr double kSlack = 1 + 1e-9;
+
+constexpr std::array kTable{
+    TierOption{"dart-pgs",
+               "relative-tolerance",
+               {1e-3, 1e-6, 1e-9},
+               "largest relative change of a force in one sweep; by the rule: 163, 162 and 163 of 163 pass"},
+    TierOption{"dart-pgs", "sweeps", {1e6, 1e6, 1e6}, "its own 30 suffice for few problems: the time limit decides"},
+    TierOption{"clp",
+               "tolerance",
+               {1e-3, 1e-6, 1e-9},
+               "primal and dual tolerance alike (its own: 1e-7); by the rule: 163, 163 and 162 of 163 pass"},
+};
+
+}  // namespace
+
+std::span<const TierOption> TierTable() { return kTable; }
+
+double TierValue(std::string_view key, std::string_view option, double tolerance) {
+  for (const TierOption& row : kTable) {
+    if (row.key != key || row.option != option) continue;
+    for (std::size_t tier = 0; tier < kTableTiers.size(); ++tier) {
+      if (kTableTiers[tier] <= tolerance * kSlack) return row.values[tier];
+    }
+    return row.values.back();
+  }
+  throw std::logic_error("no tier settings for " + std::string(key) + ", " + std::string(option));
+}
+
+}  // namespace lcpbench
