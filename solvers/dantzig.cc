@@ -73,7 +73,7 @@ DantzigSolver::Engine::End DantzigSolver::Engine::EnterJoints(LcpResult* result)
     }
   }
   joints_ = m();
-  if (m() > 0) SolveForces(false);
+  if (m() > 0) SolveForces(Leaving::kAll);
   // Dependent rows, now at [m, bilateral): w = y.b, which no force changes.
   for (Index p = m(); p < lcp_.bilateral; ++p) {
     const PermutedLcp::Sum w = lcp_.FreshW(p, m());
@@ -100,35 +100,58 @@ DantzigSolver::Engine::End DantzigSolver::Engine::EnterWarmRows() {
     const double pivot = active_.SetDriven(p);
     if (pivot > rank_tolerance_ * active_.Direction(p)) active_.EnterDriven(p, pivot);
   }
-  SolveForces(false);
+  SolveForces(Leaving::kAll);
   return End::kDone;
 }
 
+// Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
+DantzigSolver::Engine::Surplus DantzigSolver::Engine::FindSurplus(Index p, double largest, bool judge_by_size) const {
+  const double f = lcp_.f[p];
+  if (f < 0) return Surplus::kNegative;
+  const double size = lcp_.diagonal[p] * f * f;
+  if (size > kSmallForce * kSmallForce * largest) return Surplus::kNone;
+  if (judge_by_size && size <= kNoise * kNoise * largest) return Surplus::kTiny;
+  return lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude ? Surplus::kNone : Surplus::kRounding;
+}
+
 // f_F = -A_FF^-1 b_F. Unilateral rows with f < 0, or f > 0 by rounding only, leave until there is none. Rounding is
-// judged by the row's own magnitudes and, with drop_rounding, also by the largest force: where all forces around a row
-// should be 0, its own magnitudes are rounding too. Returns true if rows left by that second rule: their w needs a
-// look.
-bool DantzigSolver::Engine::SolveForces(bool drop_rounding) {
+// judged by the row's own magnitudes and, at first, also by the largest force: where all forces around a row should be
+// 0, its own magnitudes are rounding too. Returns true if rows left by that second rule: their w needs a look.
+bool DantzigSolver::Engine::SolveForces(Leaving leaving) {
+  const bool judge_by_size = leaving == Leaving::kAllAndTiny;
   bool dropped_by_size = false;
   for (bool again = true; again;) {
     again = false;
     const double largest = active_.SolveForces();
+    Index worst = kNoRow;
+    double least = kInfinity;
     for (Index p = m() - 1; p >= joints_; --p) {
-      const double f = lcp_.f[p];
-      if (f >= 0) {
-        const double size = lcp_.diagonal[p] * f * f;
-        if (size > kSmallForce * kSmallForce * largest) continue;
-        const bool tiny = drop_rounding && size <= kNoise * kNoise * largest;
-        if (!tiny && lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude) continue;
-        dropped_by_size = dropped_by_size || tiny;
+      const Surplus surplus = FindSurplus(p, largest, judge_by_size);
+      if (surplus == Surplus::kNone) continue;
+      if (leaving == Leaving::kOneByOne) {
+        const double scaled = lcp_.f[p] * std::sqrt(lcp_.diagonal[p]);
+        if (scaled < least) {
+          least = scaled;
+          worst = p;
+        }
+        continue;
       }
-      lcp_.f[p] = 0;
-      lcp_.w[p] = 0;
-      active_.Leave(p);
+      dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
+      Release(p);
+      again = true;
+    }
+    if (worst != kNoRow) {
+      Release(worst);
       again = true;
     }
   }
   return dropped_by_size;
+}
+
+void DantzigSolver::Engine::Release(Index p) {
+  lcp_.f[p] = 0;
+  lcp_.w[p] = 0;
+  active_.Leave(p);
 }
 
 // Recomputes w of all rows outside F; those with w < 0 beyond rounding wait for another round, the others are watched.
@@ -210,13 +233,13 @@ DantzigSolver::Engine::End DantzigSolver::Engine::Run(LcpResult* result) {
   for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {
     end = DriveAll(result);
     if (end != End::kDone) break;
-    if (SolveForces(round == 0) && FindViolations()) continue;
+    if (SolveForces(round == 0 ? Leaving::kAllAndTiny : Leaving::kOneByOne) && FindViolations()) continue;
     const double tier_before = tier_;
     if (Publish(result)) break;
     if (round > 0 && !(tier_ < tier_before)) break;
     Refine();
     if (Publish(result)) break;
-    SolveForces(false);
+    SolveForces(Leaving::kOneByOne);
     if (!FindViolations()) break;
   }
   if (end != End::kDone) Publish(result);

@@ -228,7 +228,7 @@ DantzigSolver::Engine::End DantzigSolver::Engine::DriveAll(LcpResult* result) {
       lcp_.f[q_] = 0;
       lcp_.Swap(q_, --open_);
       if (moved) {
-        SolveForces(false);
+        SolveForces(Leaving::kAll);
         FindViolations();
       }
     } else if (end != End::kDone) {

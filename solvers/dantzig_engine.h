@@ -48,7 +48,13 @@ class DantzigSolver::Engine {
   bool IsSmall(Index p, double norm2) const;
   bool ClaimRay(Index d, double sign, LcpResult* result);
 
-  bool SolveForces(bool drop_rounding);
+  // How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
+  // itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
+  enum class Leaving { kAll, kAllAndTiny, kOneByOne };
+  enum class Surplus { kNone, kNegative, kTiny, kRounding };
+  Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
+  bool SolveForces(Leaving leaving);
+  void Release(Index p);
   bool FindViolations();
   template <typename Real>
   void ComputeWByFactors(const Eigen::VectorXd& f, Eigen::Matrix<Real, Eigen::Dynamic, 1>* body,

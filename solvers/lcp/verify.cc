@@ -189,7 +189,9 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     const Extended defect = std::abs(bilateral ? wi : std::min(force_term, wi));
     // Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its
     // own evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well.
-    const Extended rounding = kRounding * (Af.summed[k] + std::abs(static_cast<Extended>(b[i])));
+    // Nor can one below the smallest normal double: no force could be given finely enough to do better.
+    const Extended rounding = std::max<Extended>(kRounding * (Af.summed[k] + std::abs(static_cast<Extended>(b[i]))),
+                                                 std::numeric_limits<double>::min());
     RaiseTo(defect <= rounding ? Extended(0) : defect / scale, &backward);
 
     const Extended plain = bilateral ? wi : std::min(fi, wi);
