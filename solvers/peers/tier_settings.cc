@@ -20,6 +20,14 @@ constexpr std::array kTable{
                "tolerance",
                {1e-3, 1e-6, 1e-9},
                "primal and dual tolerance alike (its own: 1e-7); by the rule: 163, 163 and 162 of 163 pass"},
+    TierOption{
+        "siconos-newton-fb", "tolerance", {1e-3, 1e-6, 1e-9}, "the ladder's loosest value that passes, see the rule"},
+    TierOption{"siconos-newton-fb", "iterations", {1e6, 1e6, 1e6}, "its own 1000: the time limit decides"},
+    TierOption{"siconos-pgs", "tolerance", {1e-3, 1e-6, 1e-9}, "the ladder's loosest value that passes, see the rule"},
+    TierOption{"siconos-pgs", "iterations", {1e9, 1e9, 1e9}, "its own 10000: the time limit decides"},
+    TierOption{
+        "siconos-nsgs-sbm", "tolerance", {1e-3, 1e-6, 1e-9}, "the ladder's loosest value that passes, see the rule"},
+    TierOption{"siconos-nsgs-sbm", "iterations", {1e9, 1e9, 1e9}, "its own 1000: the time limit decides"},
 };
 
 }  // namespace
