@@ -9,8 +9,10 @@
 // Sweeps and Newton steps are asked for in portions, with the clock read in between: all that the next depends on is z,
 // so that this changes nothing. Pivoting cannot be interrupted; the host's time limit ends it.
 //
-// The block method solves each diagonal block by Lemke's method: exactly, and also where redundant rows make it
-// singular (its default, projected relaxation, prints a warning at each call).
+// The block method solves each diagonal block by Gauss-Seidel. Its default, projected relaxation, prints a warning at
+// each call; with the library's pivoting codes it passed fewer of the tuning problems, because they fail on blocks that
+// redundant rows make singular, and a block that fails ends the sweep. Iterations are pivots, sweeps or Newton steps;
+// the block method's are the sweeps within its blocks, since it does not tell its own.
 
 #include <LCP_Solvers.h>
 #include <NonSmoothDrivers.h>
@@ -73,17 +75,11 @@ struct Method {
   /// What one sweep or step costs, as a power of n of a dense problem; 0 for a method that cannot be asked in portions.
   int cost_power = 0;
   bool as_the_library_has_it = false;
-  bool takes_mirrored_rows = true;
 };
 
 class Siconos : public LcpSolver {
  public:
   Siconos(const Method& method, double tolerance) : method_(method), tolerance_(tolerance) {}
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override {
-    const bool takes = method_.takes_mirrored_rows || problem.bilateral_rows().empty();
-    return takes ? "" : "takes unilateral rows only: split in two they make its Newton matrix singular";
-  }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override { problem_.emplace(problem, method_.storage); }
@@ -109,10 +105,11 @@ class Siconos : public LcpSolver {
  private:
   // About 20 ms of work: short beside any time limit, long beside what a call costs of itself.
   static constexpr double kPortion = 2e7;  // products
+  static constexpr double kPerRow = 500;   // products that take as long as a row's solve without them
 
   OptionsPointer MakeOptions(const LcpOptions& options) const {
     OptionsPointer own(solver_options_create(method_.solver), &solver_options_delete);
-    if (method_.solver == SICONOS_LCP_NSGS_SBM) solver_options_update_internal(own.get(), 0, SICONOS_LCP_LEMKE);
+    if (method_.solver == SICONOS_LCP_NSGS_SBM) solver_options_update_internal(own.get(), 0, SICONOS_LCP_PGS);
     std::int64_t most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     if (!method_.as_the_library_has_it && method_.cost_power > 0) {
       own->dparam[SICONOS_DPARAM_TOL] =
@@ -130,27 +127,34 @@ class Siconos : public LcpSolver {
     std::int64_t portion = most;
     if (method_.cost_power > 0) {
       const auto n = static_cast<double>(problem_->size());
-      const double products = static_cast<double>(problem_->entries()) * std::pow(n, method_.cost_power - 2);
+      const double products =
+          (static_cast<double>(problem_->entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
       portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(kPortion / products));
     }
+    std::int64_t made = 0;
     result->iterations = 0;
     for (;;) {
-      own.iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(portion, most - result->iterations));
+      own.iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(portion, most - made));
       own.iparam[SICONOS_IPARAM_ITER_DONE] = 0;
       const int info = linearComplementarity_driver(problem_->get(), z->data(), w->data(), &own);
-      const int done = own.iparam[SICONOS_IPARAM_ITER_DONE];
-      result->iterations += done;
+      // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or
+      // fewer and solved.
+      const bool counts = method_.solver != SICONOS_LCP_NSGS_SBM;
+      const int asked = own.iparam[SICONOS_IPARAM_MAX_ITER];
+      const int done = counts ? own.iparam[SICONOS_IPARAM_ITER_DONE] : asked;
+      made += done;
+      result->iterations += counts ? done : own.iparam[SICONOS_LCP_IPARAM_NSGS_ITERATIONS_SUM];
       if (info == 0) {
         result->status = LcpStatus::kSolved;
         return;
       }
-      if (done < own.iparam[SICONOS_IPARAM_MAX_ITER]) {
+      if (done < asked) {
         result->status = LcpStatus::kNumericalFailure;
         result->detail = "Siconos: info " + std::to_string(info) + ", its residual " +
                          std::to_string(own.dparam[SICONOS_DPARAM_RESIDU]);
         return;
       }
-      if (result->iterations >= most) {
+      if (made >= most) {
         result->status = LcpStatus::kIterationLimit;
         return;
       }
@@ -169,8 +173,8 @@ class Siconos : public LcpSolver {
 constexpr auto kBlocks = SiconosProblem::Storage::kBlocks;
 constexpr auto kDense = SiconosProblem::Storage::kDense;
 constexpr Method kLemke{"siconos-lexicolemke", SICONOS_LCP_LEMKE};
-constexpr Method kNewton{"siconos-newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3, false, false};
-constexpr Method kNewtonDefault{"siconos-newton-fb-default", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3, true, false};
+constexpr Method kNewton{"siconos-newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3};
+constexpr Method kNewtonDefault{"siconos-newton-fb-default", SICONOS_LCP_NEWTON_FB_FBLSA, kDense, 3, true};
 constexpr Method kPgs{"siconos-pgs", SICONOS_LCP_PGS, kDense, 2};
 constexpr Method kPgsDefault{"siconos-pgs-default", SICONOS_LCP_PGS, kDense, 2, true};
 constexpr Method kBlockGaussSeidel{"siconos-nsgs-sbm", SICONOS_LCP_NSGS_SBM, kBlocks, 2};

@@ -28,6 +28,14 @@ constexpr std::array kTable{
     TierOption{
         "siconos-nsgs-sbm", "tolerance", {1e-3, 1e-6, 1e-9}, "the ladder's loosest value that passes, see the rule"},
     TierOption{"siconos-nsgs-sbm", "iterations", {1e9, 1e9, 1e9}, "its own 1000: the time limit decides"},
+    TierOption{"petsc-rsls", "tolerance", {1e-3, 1e-6, 1e-9}, "tuning"},
+    TierOption{"petsc-rsls", "iterations", {1e6, 1e6, 1e6}, "its own 50: the time limit decides"},
+    TierOption{"petsc-ssls", "tolerance", {1e-3, 1e-6, 1e-9}, "tuning"},
+    TierOption{"petsc-ssls", "iterations", {1e6, 1e6, 1e6}, "its own 50: the time limit decides"},
+    TierOption{"tao-bntr", "tolerance", {1e-3, 1e-6, 1e-9}, "tuning"},
+    TierOption{"tao-bntr", "iterations", {1e6, 1e6, 1e6}, "its own 50: the time limit decides"},
+    TierOption{"tao-tron", "tolerance", {1e-3, 1e-6, 1e-9}, "tuning"},
+    TierOption{"tao-tron", "iterations", {1e6, 1e6, 1e6}, "its own 50: the time limit decides"},
 };
 
 }  // namespace
