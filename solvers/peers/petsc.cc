@@ -145,7 +145,8 @@ class Snes : public PetscPeer {
     WatchTime(krylov, run);
     if (!method_.as_the_library_has_it) {
       const int most = IterationLimit(options, TierValue(method_.key, "iterations", options.tolerance));
-      CheckPetsc(SNESSetTolerances(made, 0, Tolerance(options), 0, most, std::numeric_limits<int>::max()));
+      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, Tolerance(options), PETSC_DEFAULT, most,
+                                   std::numeric_limits<int>::max()));
     } else if (options.max_iterations > 0) {
       CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, IterationLimit(options, 0),
                                    PETSC_DEFAULT));

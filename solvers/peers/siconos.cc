@@ -12,7 +12,7 @@
 // The block method solves each diagonal block by Gauss-Seidel. Its default, projected relaxation, prints a warning at
 // each call; with the library's pivoting codes it passed fewer of the tuning problems, because they fail on blocks that
 // redundant rows make singular, and a block that fails ends the sweep. Iterations are pivots, sweeps or Newton steps;
-// the block method's are the sweeps within its blocks, since it does not tell its own.
+// the block method does not tell its sweeps: those asked for are counted, at most twice as many and kFewest as made.
 
 #include <LCP_Solvers.h>
 #include <NonSmoothDrivers.h>
@@ -106,6 +106,7 @@ class Siconos : public LcpSolver {
   // About 20 ms of work: short beside any time limit, long beside what a call costs of itself.
   static constexpr double kPortion = 2e7;  // products
   static constexpr double kPerRow = 500;   // products that take as long as a row's solve without them
+  static constexpr std::int64_t kFewest = 16;
 
   OptionsPointer MakeOptions(const LcpOptions& options) const {
     OptionsPointer own(solver_options_create(method_.solver), &solver_options_delete);
@@ -122,39 +123,41 @@ class Siconos : public LcpSolver {
     return own;
   }
 
+  /// The most sweeps or steps between two readings of the clock.
+  std::int64_t LargestPortion(std::int64_t most) const {
+    if (method_.cost_power == 0) return most;
+    const auto n = static_cast<double>(problem_->size());
+    const double products =
+        (static_cast<double>(problem_->entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
+    return std::max<std::int64_t>(1, static_cast<std::int64_t>(kPortion / products));
+  }
+
   void Run(SolverOptions& own, const Deadline& deadline, Eigen::VectorXd* z, Eigen::VectorXd* w, LcpResult* result) {
+    // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or fewer
+    // and solved.
+    const bool counts = method_.solver != SICONOS_LCP_NSGS_SBM;
     const std::int64_t most = own.iparam[SICONOS_IPARAM_MAX_ITER];
-    std::int64_t portion = most;
-    if (method_.cost_power > 0) {
-      const auto n = static_cast<double>(problem_->size());
-      const double products =
-          (static_cast<double>(problem_->entries()) + kPerRow * n) * std::pow(n, method_.cost_power - 2);
-      portion = std::max<std::int64_t>(1, static_cast<std::int64_t>(kPortion / products));
-    }
-    std::int64_t made = 0;
+    const std::int64_t largest = LargestPortion(most);
+    std::int64_t portion = counts ? largest : std::min(kFewest, largest);
+    Eigen::VectorXd before;
     result->iterations = 0;
     for (;;) {
-      own.iparam[SICONOS_IPARAM_MAX_ITER] = static_cast<int>(std::min(portion, most - made));
+      const int asked = static_cast<int>(std::min(portion, most - result->iterations));
+      own.iparam[SICONOS_IPARAM_MAX_ITER] = asked;
       own.iparam[SICONOS_IPARAM_ITER_DONE] = 0;
+      before = *z;
       const int info = linearComplementarity_driver(problem_->get(), z->data(), w->data(), &own);
-      // The block method overwrites its count of sweeps with its residual: it has made all that were asked for, or
-      // fewer and solved.
-      const bool counts = method_.solver != SICONOS_LCP_NSGS_SBM;
-      const int asked = own.iparam[SICONOS_IPARAM_MAX_ITER];
       const int done = counts ? own.iparam[SICONOS_IPARAM_ITER_DONE] : asked;
-      made += done;
-      result->iterations += counts ? done : own.iparam[SICONOS_LCP_IPARAM_NSGS_ITERATIONS_SUM];
+      result->iterations += done;
       if (info == 0) {
         result->status = LcpStatus::kSolved;
         return;
       }
-      if (done < asked) {
-        result->status = LcpStatus::kNumericalFailure;
-        result->detail = "Siconos: info " + std::to_string(info) + ", its residual " +
-                         std::to_string(own.dparam[SICONOS_DPARAM_RESIDU]);
+      if (done < asked || *z == before) {
+        result->detail = "Siconos: gave up, its residual " + std::to_string(own.dparam[SICONOS_DPARAM_RESIDU]);
         return;
       }
-      if (made >= most) {
+      if (result->iterations >= most) {
         result->status = LcpStatus::kIterationLimit;
         return;
       }
@@ -162,6 +165,7 @@ class Siconos : public LcpSolver {
         result->status = LcpStatus::kTimeLimit;
         return;
       }
+      portion = std::min(2 * portion, largest);
     }
   }
 
