@@ -34,8 +34,10 @@ void CheckPetsc(PetscErrorCode code) {
 }
 
 void StartPetsc() {
-  // Without a launcher, OpenMPI would start a daemon of its own to talk to.
+  // Without a launcher, OpenMPI would start a daemon of its own to talk to, and look for networks (0.3 s).
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
+  setenv("OMPI_MCA_pml", "ob1", 1);
+  setenv("OMPI_MCA_btl", "self", 1);
   unsetenv("PETSC_OPTIONS");
   // Standard output belongs to the protocol.
   const int out = dup(STDOUT_FILENO);

@@ -29,6 +29,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "solvers/library_threads.h"
@@ -104,9 +105,9 @@ class Siconos : public LcpSolver {
 
  private:
   // About 20 ms of work: short beside any time limit, long beside what a call costs of itself.
-  static constexpr double kPortion = 2e7;  // products
-  static constexpr double kPerRow = 500;   // products that take as long as a row's solve without them
-  static constexpr std::int64_t kFewest = 16;
+  static constexpr double kPortion = 2e7;      // products
+  static constexpr double kPerRow = 500;       // products that take as long as a row's solve without them
+  static constexpr std::int64_t kFewest = 16;  // sweeps, of a method that does not tell how many it made
 
   OptionsPointer MakeOptions(const LcpOptions& options) const {
     OptionsPointer own(solver_options_create(method_.solver), &solver_options_delete);
@@ -153,12 +154,14 @@ class Siconos : public LcpSolver {
         result->status = LcpStatus::kSolved;
         return;
       }
-      if (done < asked || *z == before) {
-        result->detail = "Siconos: gave up, its residual " + std::to_string(own.dparam[SICONOS_DPARAM_RESIDU]);
+      if (done == asked && result->iterations >= most) {
+        result->status = LcpStatus::kIterationLimit;
         return;
       }
-      if (result->iterations >= most) {
-        result->status = LcpStatus::kIterationLimit;
+      if (done < asked || *z == before) {
+        std::ostringstream detail;
+        detail << "Siconos: gave up, its residual " << own.dparam[SICONOS_DPARAM_RESIDU];
+        result->detail = detail.str();
         return;
       }
       if (deadline.Expired()) {
