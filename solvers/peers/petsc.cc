@@ -10,11 +10,13 @@
 //
 // Time is read at every outer and every Krylov iteration. Iterations are outer ones. TAO asks for a symmetric A.
 
+#include <algorithm>
 #include <array>
-#include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "solvers/library_threads.h"
 #include "solvers/peers/peer_library.h"

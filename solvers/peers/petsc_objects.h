@@ -3,13 +3,10 @@
 #include <petscsnes.h>
 #include <petsctao.h>
 
-#include <memory>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include "solvers/lcp/problem.h"
-#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 

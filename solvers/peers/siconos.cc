@@ -14,7 +14,6 @@
 // redundant rows make singular, and a block that fails ends the sweep. Iterations are pivots, sweeps or Newton steps;
 // the block method does not tell its sweeps: those asked for are counted, at most twice as many and kFewest as made.
 
-#include <LCP_Solvers.h>
 #include <NonSmoothDrivers.h>
 #include <SolverOptions.h>
 #include <fcntl.h>
