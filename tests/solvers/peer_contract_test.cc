@@ -37,7 +37,7 @@ class PeerContract : public testing::TestWithParam<SolverEntry> {
   void Judge(const TestProblem& test, double tolerance) {
     SCOPED_TRACE(test.problem.id());
     // Milliseconds are enough for what a peer solves; iterations on problems without solution end here.
-    constexpr double kLimit = 0.25;  // s
+    constexpr double kLimit = 0.05;  // s
     const LcpResult result = Solve(test.problem, tolerance, kLimit);
     ++problems_;
     EXPECT_NE(result.status, LcpStatus::kNotRun);

@@ -44,7 +44,8 @@ TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne)
 
 // Keys whose tuning reached the rule's 95 %.
 class TunedPeer : public testing::TestWithParam<const char*> {};
-INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer, testing::Values("dart-pgs", "clp"));
+INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,
+                         testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr"));
 
 TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
   const auto peer = std::find_if(AllPeers().begin(), AllPeers().end(),
