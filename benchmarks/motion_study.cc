@@ -199,9 +199,8 @@ class Study {
   std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, LcpSolver* solver) const {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
-    // The acceleration level takes no limit; there the budget has to do.
     lcp.time_limit_s = study_.budget_s;
-    return MakeMotion(scene, lcp, *solver);
+    return StartMotion(scene, lcp, *solver);
   }
 
   void WriteSample(const MotionOutcome& outcome, double energy, const Deviation& deviation, const Watch& watch) {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/moving_scene.h"
+#include "benchmarks/scene_source.h"
 
 namespace lcpbench {
 

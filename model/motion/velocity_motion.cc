@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "model/loads.h"
+#include "model/motion/path_joints.h"
 #include "model/narrow_phase.h"
 #include "solvers/lcp/input_error.h"
 
@@ -247,6 +248,7 @@ void VelocityMotion::Move(const Eigen::VectorXd& v_new, double h) {
 }
 
 void VelocityMotion::Step(double h) {
+  FollowPathJoints(world_.bodies, world_.joints);
   SetLoads(world_.loads, world_.bodies);
   const Eigen::VectorXd v_free = FreeVelocity(h);
   const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;

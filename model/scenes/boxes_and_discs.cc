@@ -17,6 +17,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -185,6 +186,12 @@ ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed) {
   wall.Build();
   ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + wall.courses()), .gust = 2 * kGravity}, &random);
   return system;
+}
+
+World StartBoxesAndDiscs(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateBoxesAndDiscs(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

@@ -19,6 +19,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -325,6 +326,12 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed) {
   const double layers = std::sqrt(1.0 + count);
   ApplyLoads(&system, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random);
   return system;
+}
+
+World StartDiscPile(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateDiscPile(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

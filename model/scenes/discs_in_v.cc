@@ -17,6 +17,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -130,6 +131,12 @@ ContactSystem GenerateDiscsInV(int rows, std::uint64_t seed) {
   Random random(seed);
   ApplyLoads(&system, {.weight = kWeight / (1 + wedge.top_layer()), .gust = kGravity}, &random);
   return system;
+}
+
+World StartDiscsInV(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateDiscsInV(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

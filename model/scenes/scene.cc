@@ -9,36 +9,30 @@
 namespace lcpbench {
 namespace {
 
-// The sequence form of a family that is described by its instant alone.
-template <ContactSystem (*generate)(int, std::uint64_t)>
-World InMotion(int rows, std::uint64_t seed) {
-  return WorldOf(generate(rows, seed));
-}
-
 constexpr std::array kScenes{
     SceneFamily{
         "discs-in-v", "Equal discs stacked in a V of two walls",
         "Redundant contacts and force paths as long as the stack is high: A is rank deficient and f not unique, "
         "which tells methods that cope with singular A from those that need pivots of full rank.",
-        &GenerateDiscsInV, &InMotion<&GenerateDiscsInV>, MotionLevel::kVelocity, 1e-3},
+        &GenerateDiscsInV, &StartDiscsInV, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"disc-pile", "Pile of discs of many sizes and masses in a box",
                 "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
                 "methods whose speed depends on conditioning from direct ones.",
-                &GenerateDiscPile, &InMotion<&GenerateDiscPile>, MotionLevel::kVelocity, 1e-3},
+                &GenerateDiscPile, &StartDiscPile, MotionLevel::kVelocity, 1e-3},
     SceneFamily{
         "disc-track", "Chain of spinning discs sliding inside a concave track",
         "Convex arcs in a concave one with centripetal terms; A is nonsingular and narrowly banded, which tells "
         "methods that use sparsity from those that fill a dense matrix.",
-        &GenerateDiscTrack, &InMotion<&GenerateDiscTrack>, MotionLevel::kAcceleration, 1e-2},
+        &GenerateDiscTrack, &StartDiscTrack, MotionLevel::kAcceleration, 1e-2},
     SceneFamily{
         "boxes-and-discs", "Brick wall in running bond with discs in joints and on steps",
         "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
         "to translation - the everyday, highly redundant load of a physics engine.",
-        &GenerateBoxesAndDiscs, &InMotion<&GenerateBoxesAndDiscs>, MotionLevel::kVelocity, 1e-3},
+        &GenerateBoxesAndDiscs, &StartBoxesAndDiscs, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"rockers", "Row of rocking bodies carrying discs, boxes and poles",
                 "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
                 "moderate sizes that most methods should solve, with b that depends on curvature.",
-                &GenerateRockers, &InMotion<&GenerateRockers>, MotionLevel::kVelocity, 1e-3},
+                &GenerateRockers, &StartRockers, MotionLevel::kVelocity, 1e-3},
     SceneFamily{"gear-train", "Train of gears on pins driven by a motor",
                 "Two bilateral rows for every tooth contact, on flanks at random: tells methods that eliminate joints "
                 "from those that carry them along, with gamma from turning arcs in every row.",
