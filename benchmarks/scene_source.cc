@@ -49,7 +49,12 @@ std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& 
   options.velocity.step = scene.step;
   options.velocity.restitution = scene.restitution;
   options.velocity.lcp = lcp;
-  options.acceleration.impact.restitution = scene.restitution;
+  ImpactOptions& impact = options.acceleration.impact;
+  impact.restitution = scene.restitution;
+  // Where nothing bounces, a body that is stopped by one contact leaves others slowly and falls back onto them a few
+  // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
+  // that are slower than what counts as rest anyway need no impact.
+  if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
   options.acceleration.lcp_tolerance = lcp.tolerance;
   options.acceleration.lcp_time_limit_s = lcp.time_limit_s;
   return MakeMotion(scene.level, scene.world, options, solver);

@@ -10,6 +10,8 @@
 // from 1000 on another 8-20 % have f = w = 0 in a basic solution.
 //
 // Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>

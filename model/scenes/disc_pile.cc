@@ -9,6 +9,8 @@
 // Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 19-26 % at 100, 15-21 % at 1000, 17-18 % at 3000.
 //
 // An odd count is closed by a disc that stands on the crest of the pile: one row.
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>

@@ -10,6 +10,8 @@
 //
 // Rows are filled disc by disc, layer by layer. The last discs close the count: one in a cradle without its left
 // neighbour (two rows) or one that slides down the right-hand wall above the stack (one row).
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>

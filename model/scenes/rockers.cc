@@ -11,6 +11,8 @@
 // Rows with w > 0 at the solution, seeds 1 to 5: 10-50 % at 10 rows, 20-38 % at 100, 26-28 % at 1000, 27-29 % at 3000.
 //
 // A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
+//
+// In motion: the same in upright gravity, a fifth as fast.
 
 #include <algorithm>
 #include <cmath>

@@ -44,7 +44,7 @@ constexpr std::array kScenes{
     SceneFamily{"newtons-cradle", "Row of touching pendulums on rods, ropes and arms",
                 "Squeezed balls form blocks as long as the row, and ropes go slack: tells methods that pass pushes on "
                 "one neighbour a sweep from those that solve at once.",
-                &GenerateNewtonsCradle, &StartNewtonsCradle, MotionLevel::kAcceleration, 1e-2},
+                &GenerateNewtonsCradle, &StartNewtonsCradle, MotionLevel::kAcceleration, 1e-2, 1},
     SceneFamily{"chain-of-links", "Chain of pinned links lying over a turning drum",
                 "Two pin rows for every contact, and a tension that sums up along the chain: stiff along, loose "
                 "across, which tells direct methods from those that pass forces on link by link.",
@@ -76,7 +76,7 @@ constexpr std::array kScenes{
     SceneFamily{"billiards-break", "Rack of discs pressed, or broken, by a cue ball",
                 "Equal masses and nothing fixed: the redundancy of a lattice alone. Its sequence is a series of "
                 "simultaneous impacts.",
-                &GenerateBilliardsBreak, &StartBilliardsBreak, MotionLevel::kAcceleration, 2e-3},
+                &GenerateBilliardsBreak, &StartBilliardsBreak, MotionLevel::kAcceleration, 2e-3, 0.95},
 };
 
 const SceneFamily& FindSceneFor(std::string_view key, int rows) {
