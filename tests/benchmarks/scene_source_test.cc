@@ -51,7 +51,7 @@ std::vector<std::string> Problems(const MovingScene& scene, int steps) {
 }
 
 TEST_P(MovingScenes, RunAtTheirOwnLevelWithoutStalling) {
-  for (const std::uint64_t seed : {1, 2}) {
+  for (const std::uint64_t seed : {1ULL, 2ULL}) {
     const MovingScene scene = LoadScene(std::string(GetParam().key), 30, seed);
     const auto solver = MakeSolver("dantzig");
     const auto motion = StartMotion(scene, {}, *solver);

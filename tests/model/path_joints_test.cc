@@ -80,7 +80,7 @@ TEST(PathJoints, AreFoundWhereNoStartIsGivenAndOthersAreLeftAlone) {
 // Of a train that moved by a good part of its track: both levels give back a world whose joints say where they are.
 TEST(PathJoints, KeepTheirPlaceInMotionAtBothLevels) {
   for (const MotionLevel level : {MotionLevel::kVelocity, MotionLevel::kAcceleration}) {
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {1ULL, 2ULL}) {
       const World world = StartScene("oval-train", 5, seed);
       const auto solver = MakeSolver("dantzig");
       const std::unique_ptr<Motion> motion = MakeMotion(level, world, {}, *solver);
