@@ -26,7 +26,7 @@ struct MotionArguments {
 // NAME or NAME@LEVEL
 MovingScene SceneOf(const std::string& text, const MotionArguments& arguments) {
   const std::size_t at = text.rfind('@');
-  MovingScene scene = StartMovingScene(text.substr(0, at), arguments.size, arguments.seed);
+  MovingScene scene = LoadScene(text.substr(0, at), arguments.size, arguments.seed);
   if (at != std::string::npos) scene.level = MotionLevelFromString(text.substr(at + 1));
   if (arguments.dt > 0) scene.step = arguments.dt;
   return scene;

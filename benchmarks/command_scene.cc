@@ -49,39 +49,50 @@ std::string DefaultSolver() {
   throw InputError("this build has no solver");
 }
 
-SceneSource Load(const SceneArguments& arguments) {
-  SceneSource source = LoadScene(arguments.scene, arguments.size, arguments.seed);
-  if (!arguments.level.empty()) source.level = MotionLevelFromString(arguments.level);
-  return source;
+MovingScene Load(const SceneArguments& arguments) {
+  MovingScene scene = LoadScene(arguments.scene, arguments.size, arguments.seed);
+  if (!arguments.level.empty()) scene.level = MotionLevelFromString(arguments.level);
+  return scene;
 }
 
-/// The scene as its family gives it, or after moving on by --time.
-ContactSystem SystemAt(const SceneArguments& arguments, const SceneSource& source, World* world) {
-  if (!(arguments.time > 0)) return source.problem ? *source.problem : InstantWithContacts(source.world);
-  const auto solver = MakeSolver(arguments.solver.empty() ? DefaultSolver() : arguments.solver);
-  const auto motion = StartMotion(source, *solver);
+std::string SolverKey(const SceneArguments& arguments) {
+  return arguments.solver.empty() ? DefaultSolver() : arguments.solver;
+}
+
+/// Moves the scene on by --time.
+void MoveOn(const SceneArguments& arguments, MovingScene* scene) {
+  if (!(arguments.time >= 0 && std::isfinite(arguments.time))) throw InputError("--time: expected seconds >= 0");
+  if (arguments.time == 0) return;
+  const auto solver = MakeSolver(SolverKey(arguments));
+  const auto motion = StartMotion(*scene, {}, *solver);
   motion->Advance(arguments.time);
   if (motion->status() != MotionStatus::kMoving) {
-    throw InputError("scene '" + source.world.name + "' stopped at " + Short(motion->time()) +
+    throw InputError("scene '" + scene->world.name + "' stopped at " + Short(motion->time()) +
                      " s: " + motion->detail());
   }
-  *world = motion->world();
-  return InstantWithContacts(*world);
+  scene->world = motion->world();
+}
+
+int WriteSceneFile(const SceneArguments& arguments) {
+  MovingScene scene = Load(arguments);
+  MoveOn(arguments, &scene);
+  Write(arguments.output, FormatMovingScene(scene));
+  return 0;
 }
 
 int DrawScene(const SceneArguments& arguments) {
   if (arguments.output != "-" && !arguments.output.ends_with(".svg")) {
-    throw InputError("--output: expected a file that ends in .svg, found '" + arguments.output + "'");
+    throw InputError("--output: expected a file that ends in .svg or .json, found '" + arguments.output + "'");
   }
-  if (!(arguments.time >= 0 && std::isfinite(arguments.time))) throw InputError("--time: expected seconds >= 0");
-  const SceneSource source = Load(arguments);
-  World world = source.world;
-  const ContactSystem system = SystemAt(arguments, source, &world);
+  MovingScene scene = Load(arguments);
+  MoveOn(arguments, &scene);
+  const ContactSystem system = arguments.time > 0 ? InstantWithContacts(scene.world)
+                                                  : LoadInstant(arguments.scene, arguments.size, arguments.seed);
   const AssembledLcp lcp = AssembleContactLcp(system);
   const PictureSolution solution = SolveForPicture(lcp.problem, arguments.solver);
 
   PictureExtras extras;
-  extras.loads = &world.loads;
+  extras.loads = &scene.world.loads;
   extras.caption = solution.caption;
   if (arguments.time > 0) extras.caption = "t = " + Short(arguments.time) + " s, " + extras.caption;
   Write(arguments.output,
@@ -95,10 +106,10 @@ int AnimateScene(const SceneArguments& arguments) {
     throw InputError("--animate: expected a file that ends in .html, found '" + arguments.animate + "'");
   }
   RequireValid(arguments.animation);
-  const SceneSource source = Load(arguments);
-  const std::string key = arguments.solver.empty() ? DefaultSolver() : arguments.solver;
+  const MovingScene scene = Load(arguments);
+  const std::string key = SolverKey(arguments);
   const auto solver = MakeSolver(key);
-  const auto motion = StartMotion(source, *solver);
+  const auto motion = StartMotion(scene, {}, *solver);
   Animation animation;
   {
     ProgressBar progress("animate", 1);
@@ -108,7 +119,7 @@ int AnimateScene(const SceneArguments& arguments) {
       done = share;
     });
   }
-  animation.caption = key + ", " + std::string(ToString(source.level)) + " level";
+  animation.caption = key + ", " + std::string(ToString(scene.level)) + " level";
   Write(arguments.animate, RenderAnimationPage(animation));
   if (animation.stopped.empty()) return 0;
   std::cerr << "lcpbench: the motion stopped at " << Short(motion->time()) << " s: " << animation.stopped << std::endl;
@@ -116,7 +127,8 @@ int AnimateScene(const SceneArguments& arguments) {
 }
 
 int RunScene(const SceneArguments& arguments) {
-  return arguments.animate.empty() ? DrawScene(arguments) : AnimateScene(arguments);
+  if (!arguments.animate.empty()) return AnimateScene(arguments);
+  return arguments.output.ends_with(".json") ? WriteSceneFile(arguments) : DrawScene(arguments);
 }
 
 }  // namespace
@@ -129,8 +141,12 @@ void AddSceneCommand(CLI::App& app, CommandRun& run) {
   scene->add_option("--seed", arguments->seed, "The same seed gives the same scene")->capture_default_str();
   scene->add_option("--solver", arguments->solver, "Solver key; default: the first whose answer is verified");
   scene->add_option("--level", arguments->level, "acceleration or velocity; default: what suits the scene");
-  scene->add_option("--time", arguments->time, "Draw the scene after this time in motion [s]")->capture_default_str();
-  scene->add_option("-o,--output", arguments->output, "SVG file, or - for standard output")->capture_default_str();
+  scene->add_option("--time", arguments->time, "Draw or write the scene after this time in motion [s]")
+      ->capture_default_str();
+  scene
+      ->add_option("-o,--output", arguments->output,
+                   "SVG picture (- for standard output), or scene file (.json) of what moves")
+      ->capture_default_str();
   CLI::Option* animate =
       scene->add_option("--animate", arguments->animate, "HTML page of the motion, instead of a picture");
   scene->add_option("--duration", arguments->animation.duration, "Of the motion [s]")

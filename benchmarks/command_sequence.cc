@@ -2,15 +2,17 @@
 #include <cstdint>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <sstream>
 
 #include "benchmarks/commands.h"
 #include "benchmarks/interrupt.h"
-#include "benchmarks/moving_scene.h"
 #include "benchmarks/progress.h"
+#include "benchmarks/scene_source.h"
 #include "benchmarks/sequence.h"
+#include "benchmarks/settings_option.h"
 #include "model/loads.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
@@ -27,6 +29,7 @@ struct SequenceArguments {
   std::string level;
   std::string solver = "dantzig";
   double tolerance = 1e-9;
+  double time_limit_s = std::numeric_limits<double>::infinity();
   bool with_matrix = false;
   std::string output = "-";
 };
@@ -35,9 +38,10 @@ MovingScene ChosenScene(const SequenceArguments& arguments) {
   if (!(arguments.tolerance > 0 && arguments.tolerance < 1)) {
     throw InputError("--tolerance: expected a number in (0, 1)");
   }
+  if (!(arguments.time_limit_s > 0)) throw InputError("--time-limit: expected seconds > 0");
   if (arguments.steps < 1) throw InputError("--steps: expected a number >= 1");
   if (!(arguments.dt >= 0)) throw InputError("--dt: expected seconds > 0");
-  MovingScene scene = StartMovingScene(arguments.scene, arguments.size, arguments.seed);
+  MovingScene scene = LoadScene(arguments.scene, arguments.size, arguments.seed);
   if (!arguments.level.empty()) scene.level = MotionLevelFromString(arguments.level);
   if (arguments.dt > 0) scene.step = arguments.dt;
   return scene;
@@ -82,12 +86,13 @@ void PrintSummary(const SequenceArguments& arguments, const Motion& motion, Sequ
   std::cerr << text.str() << std::endl;
 }
 
-int WriteSequence(const SequenceArguments& arguments) {
+int WriteSequence(const SequenceArguments& arguments, const Settings& settings) {
   const MovingScene scene = ChosenScene(arguments);
-  const std::unique_ptr<LcpSolver> solver = MakeSolver(arguments.solver);
+  const std::unique_ptr<LcpSolver> solver = MakeSolver(arguments.solver, settings);
   LcpOptions lcp;
   lcp.tolerance = arguments.tolerance;
-  const std::unique_ptr<Motion> motion = MakeMotion(scene, lcp, *solver);
+  lcp.time_limit_s = arguments.time_limit_s;
+  const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *solver);
 
   std::ofstream file;
   const bool to_file = arguments.output != "-";
@@ -144,10 +149,14 @@ void AddSequenceCommand(CLI::App& app, CommandRun& run) {
   sequence->add_option("--solver", arguments->solver, "Solver key (lcpbench list solvers)")->capture_default_str();
   sequence->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual")
       ->capture_default_str();
+  sequence->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem")->capture_default_str();
+  const auto settings = AddSettingsOption(*sequence);
   sequence->add_flag("--with-matrix", arguments->with_matrix, "Also write A = J M^-1 J^T");
   sequence->add_option("-o,--output", arguments->output, "File, or - for standard output")->capture_default_str();
   sequence->footer("Exit status 1 when the motion came to an end early; what was written until then is kept.");
-  sequence->callback([arguments, &run] { run = [arguments] { return WriteSequence(*arguments); }; });
+  sequence->callback([arguments, settings, &run] {
+    run = [arguments, settings] { return WriteSequence(*arguments, ParseSettings(*settings)); };
+  });
 }
 
 }  // namespace lcpbench

@@ -5,6 +5,7 @@
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
 #include "benchmarks/input_files.h"
+#include "benchmarks/settings_option.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
 #include "solvers/lcp/verify.h"
@@ -18,24 +19,11 @@ struct SolveArguments {
   double tolerance = 1e-9;
   double time_limit_s = std::numeric_limits<double>::infinity();
   std::int64_t max_iterations = 0;
-  std::vector<std::string> settings;
   std::vector<std::string> files;
 };
 
-Settings ParseSettings(const std::vector<std::string>& pairs) {
-  Settings settings;
-  for (const std::string& pair : pairs) {
-    const auto equals = pair.find('=');
-    if (equals == std::string::npos || equals == 0) {
-      throw InputError("--set: expected NAME=VALUE, found '" + pair + "'");
-    }
-    settings[pair.substr(0, equals)] = pair.substr(equals + 1);
-  }
-  return settings;
-}
-
-int Solve(const SolveArguments& arguments) {
-  const std::unique_ptr<LcpSolver> solver = MakeSolver(arguments.solver, ParseSettings(arguments.settings));
+int Solve(const SolveArguments& arguments, const Settings& settings) {
+  const std::unique_ptr<LcpSolver> solver = MakeSolver(arguments.solver, settings);
   LcpOptions options;
   options.tolerance = arguments.tolerance;
   options.time_limit_s = arguments.time_limit_s;
@@ -71,14 +59,13 @@ void AddSolveCommand(CLI::App& app, CommandRun& run) {
   solve->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem")->capture_default_str();
   solve->add_option("--max-iterations", arguments->max_iterations, "In the solver's unit; 0 = its default")
       ->capture_default_str();
-  solve->add_option("--set", arguments->settings, "Option of the solver itself, NAME=VALUE; may be repeated")
-      ->expected(1);
+  const auto settings = AddSettingsOption(*solve);
   solve->add_option("FILE", arguments->files, "JSON lines; - for standard input")->required();
   const auto externals = AddExternalOption(*solve);
-  solve->callback([arguments, externals, &run] {
-    run = [arguments, externals] {
+  solve->callback([arguments, settings, externals, &run] {
+    run = [arguments, settings, externals] {
       RegisterExternals(*externals);
-      return Solve(*arguments);
+      return Solve(*arguments, ParseSettings(*settings));
     };
   });
 }

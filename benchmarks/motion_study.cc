@@ -61,22 +61,22 @@ class Watch {
     if (SteadyNow() > end_) throw BudgetSpent();
     for (const RowInfo& row : met.rows) {
       double& worst = row.bilateral ? joint_error : penetration;
-      worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+      worst = std::fmax(worst, row.bilateral ? std::abs(row.d) : std::fmax(0, -row.d));
     }
     const Verdict verdict = Verify(met.problem, met.result, tolerance_);
     // NaN must not pass for small.
     const double found =
         std::isnan(verdict.metrics.rho) ? std::numeric_limits<double>::infinity() : verdict.metrics.rho;
-    rho = std::max(rho, found);
+    rho = std::fmax(rho, found);
     if (!verdict.passes) ++total_->not_passed;
     if (verdict.false_success) ++total_->false_successes;
   }
 
-  void Restart() { penetration = joint_error = rho = 0; }
+  void Restart() { penetration = joint_error = rho = kNotMeasured; }
 
-  double penetration = 0;
-  double joint_error = 0;
-  double rho = 0;
+  double penetration = kNotMeasured;
+  double joint_error = kNotMeasured;
+  double rho = kNotMeasured;
 
  private:
   double tolerance_;
@@ -84,10 +84,10 @@ class Watch {
   MotionOutcome* total_;
 };
 
-/// The largest deviations from the reference since the last sample; NaN where there was none to compare with.
+/// The largest deviations from the reference since the last sample.
 struct Deviation {
-  double energy = std::numeric_limits<double>::quiet_NaN();
-  double distance = std::numeric_limits<double>::quiet_NaN();
+  double energy = kNotMeasured;
+  double distance = kNotMeasured;
 
   void Note(double of_energy, double of_place) {
     energy = std::fmax(energy, of_energy);
@@ -171,16 +171,16 @@ class Study {
       outcome.solves = statistics.solves;
       outcome.failed = statistics.failed_solves;
       outcome.solve_time_s = statistics.solve_time_s;
-      outcome.energy_drift = (now.energy - start) / scale;
+      if (outcome.steps > 0) outcome.energy_drift = (now.energy - start) / scale;
       if (static_cast<std::size_t>(k) < reference.instants.size() && !stopped) {
         const Instant& expected = reference.instants[static_cast<std::size_t>(k)];
         deviation.Note(std::abs(now.energy - expected.energy) / scale, Distance(now, expected));
-        outcome.energy_error = std::max(outcome.energy_error, deviation.energy);
-        outcome.distance = std::max(outcome.distance, deviation.distance);
+        outcome.energy_error = std::fmax(outcome.energy_error, deviation.energy);
+        outcome.distance = std::fmax(outcome.distance, deviation.distance);
       }
-      outcome.penetration = std::max(outcome.penetration, watch.penetration);
-      outcome.joint_error = std::max(outcome.joint_error, watch.joint_error);
-      outcome.rho = std::max(outcome.rho, watch.rho);
+      outcome.penetration = std::fmax(outcome.penetration, watch.penetration);
+      outcome.joint_error = std::fmax(outcome.joint_error, watch.joint_error);
+      outcome.rho = std::fmax(outcome.rho, watch.rho);
       if (k % interval == 0 || k == study_.steps || stopped) {
         WriteSample(outcome, now.energy, deviation, watch);
         watch.Restart();
@@ -199,9 +199,8 @@ class Study {
   std::unique_ptr<Motion> Start(const MovingScene& scene, double tolerance, LcpSolver* solver) const {
     LcpOptions lcp;
     lcp.tolerance = tolerance;
-    // The acceleration level takes no limit; there the budget has to do.
     lcp.time_limit_s = study_.budget_s;
-    return MakeMotion(scene, lcp, *solver);
+    return StartMotion(scene, lcp, *solver);
   }
 
   void WriteSample(const MotionOutcome& outcome, double energy, const Deviation& deviation, const Watch& watch) {

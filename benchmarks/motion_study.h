@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "benchmarks/moving_scene.h"
+#include "benchmarks/scene_source.h"
 
 namespace lcpbench {
 
@@ -20,7 +21,11 @@ struct MotionStudy {
       10;  ///< wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference
 };
 
-/// One scene driven by one solver at one tolerance, from the start to `time`.
+/// Figures that were not measured.
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// One scene driven by one solver at one tolerance, from the start to `time`. kNotMeasured where there was nothing to
+/// measure: no step to the end, no step in common with the reference, no row of the kind.
 struct MotionOutcome {
   std::string scene;
   MotionLevel level = MotionLevel::kVelocity;
@@ -29,15 +34,15 @@ struct MotionOutcome {
   int steps = 0;    ///< of MovingScene::step, done
   double time = 0;  ///< [s]
   /// E(end) - E(start) over the scale; physical impacts take energy, too.
-  double energy_drift = 0;
+  double energy_drift = kNotMeasured;
   /// Largest |E - E_ref| at equal times over the scale, the largest kinetic energy of the reference motion.
-  double energy_error = 0;
-  double penetration = 0;  ///< deepest [m]
-  double joint_error = 0;  ///< largest [m]
+  double energy_error = kNotMeasured;
+  double penetration = kNotMeasured;  ///< deepest of all contacts [m]
+  double joint_error = kNotMeasured;  ///< largest [m]
   /// Largest |x - x_ref| of a centre of mass at equal times [m].
-  double distance = 0;
-  double rho = 0;           ///< worst of all answers; infinite where one was not finite
-  double solve_time_s = 0;  ///< inside the solver
+  double distance = kNotMeasured;
+  double rho = kNotMeasured;  ///< worst of all answers; infinite where one was not finite
+  double solve_time_s = 0;    ///< inside the solver
   std::int64_t solves = 0;
   std::int64_t failed = 0;           ///< not claimed solved
   std::int64_t not_passed = 0;       ///< answers seen by the observer that Verify does not pass at `tolerance`
@@ -55,7 +60,7 @@ inline constexpr double kReferenceTolerance = 1e-12;
 /// @throws InputError for unknown solvers, impossible numbers, and a folder that cannot be written
 std::vector<MotionOutcome> RunMotionStudy(const MotionStudy& study, const std::string& folder);
 
-/// An aligned table, a block per scene, for reading.
+/// An aligned table, a block per scene, for reading; "-" for what was not measured.
 std::string FormatMotionTable(const std::vector<MotionOutcome>& outcomes);
 
 }  // namespace lcpbench

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "benchmarks/motion_study.h"
@@ -9,12 +10,14 @@ namespace {
 using Cells = std::vector<std::string>;
 
 std::string Short(double value) {
+  if (std::isnan(value)) return "-";
   char text[32];
   std::snprintf(text, sizeof text, "%.1e", value);
   return value == 0 ? "0" : text;
 }
 
 std::string Signed(double value) {
+  if (std::isnan(value)) return "-";
   char text[32];
   std::snprintf(text, sizeof text, "%+.3e", value);
   return value == 0 ? "0" : text;
@@ -33,7 +36,7 @@ Cells CellsOf(const MotionOutcome& outcome) {
           Short(outcome.penetration),
           Short(outcome.joint_error),
           Short(outcome.distance),
-          time,
+          outcome.steps > 0 && outcome.solves > 0 ? time : "-",
           Short(outcome.rho),
           std::to_string(outcome.solves),
           std::to_string(outcome.failed),

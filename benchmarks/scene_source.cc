@@ -1,7 +1,7 @@
 #include "benchmarks/scene_source.h"
 
-#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
@@ -13,27 +13,26 @@ namespace {
 
 bool IsPath(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".json"); }
 
-SceneSource LoadSceneFile(const std::string& path) {
-  SceneFile file = ReadSceneFile(path);
-  SceneSource source;
-  source.world = std::move(file.world);
-  source.level = file.level.value_or(source.level);
-  source.step = file.step.value_or(source.step);
-  source.restitution = file.restitution.value_or(source.restitution);
-  return source;
-}
-
 }  // namespace
 
-SceneSource LoadScene(const std::string& name_or_file, int size, std::uint64_t seed) {
-  if (IsPath(name_or_file)) return LoadSceneFile(name_or_file);
-  const SceneFamily& family = FindScene(name_or_file);
-  SceneSource source;
-  source.world = StartScene(name_or_file, size, seed);
-  source.problem = GenerateScene(name_or_file, size, seed);
-  source.level = family.level;
-  source.step = family.step;
-  return source;
+MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t seed) {
+  if (!IsPath(name_or_file)) {
+    const SceneFamily& family = FindScene(name_or_file);
+    return {name_or_file, StartScene(name_or_file, size, seed), family.level, family.step, family.restitution};
+  }
+  SceneFile file = ReadSceneFile(name_or_file);
+  MovingScene scene;
+  scene.name = file.world.name;
+  scene.world = std::move(file.world);
+  scene.level = file.level.value_or(scene.level);
+  scene.step = file.step.value_or(scene.step);
+  scene.restitution = file.restitution.value_or(scene.restitution);
+  return scene;
+}
+
+ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed) {
+  if (!IsPath(name_or_file)) return GenerateScene(name_or_file, size, seed);
+  return InstantWithContacts(ReadSceneFile(name_or_file).world);
 }
 
 ContactSystem InstantWithContacts(const World& world) {
@@ -45,11 +44,24 @@ ContactSystem InstantWithContacts(const World& world) {
   return InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
 }
 
-std::unique_ptr<Motion> StartMotion(const SceneSource& source, LcpSolver& solver) {
+std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {
   MotionOptions options;
-  options.velocity.step = source.step;
-  options.velocity.restitution = source.restitution;
-  return MakeMotion(source.level, source.world, options, solver);
+  options.velocity.step = scene.step;
+  options.velocity.restitution = scene.restitution;
+  options.velocity.lcp = lcp;
+  ImpactOptions& impact = options.acceleration.impact;
+  impact.restitution = scene.restitution;
+  // Where nothing bounces, a body that is stopped by one contact leaves others slowly and falls back onto them a few
+  // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
+  // that are slower than what counts as rest anyway need no impact.
+  if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
+  options.acceleration.lcp_tolerance = lcp.tolerance;
+  options.acceleration.lcp_time_limit_s = lcp.time_limit_s;
+  return MakeMotion(scene.level, scene.world, options, solver);
+}
+
+std::string FormatMovingScene(const MovingScene& scene) {
+  return FormatScene({scene.world, scene.level, scene.step, scene.restitution});
 }
 
 }  // namespace lcpbench

@@ -5,12 +5,10 @@
 #include <limits>
 #include <string>
 #include <utility>
-#include <variant>
 
-#include "model/closest_points.h"
 #include "model/loads.h"
+#include "model/motion/path_joints.h"
 #include "model/motion/projection.h"
-#include "model/trig.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
@@ -42,9 +40,11 @@ const AccelerationOptions& Valid(const AccelerationOptions& options) {
   return options;
 }
 
-bool IsCurve(const Feature& feature) {
-  return std::holds_alternative<EllipseEdge>(feature) || std::holds_alternative<SuperellipseEdge>(feature) ||
-         std::holds_alternative<BezierEdge>(feature);
+LcpOptions LcpOptionsOf(const AccelerationOptions& options) {
+  LcpOptions lcp;
+  lcp.tolerance = options.lcp_tolerance;
+  lcp.time_limit_s = options.lcp_time_limit_s;
+  return lcp;
 }
 
 // The next step's length over this one's, for a local error of order 8: error^(-1/8), by correctly rounded roots.
@@ -103,16 +103,13 @@ void RequireValid(const AccelerationOptions& options) {
 AccelerationMotion::AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
     : Motion(std::move(world)),
       options_(Valid(options)),
-      solver_(solver, options.lcp_tolerance, &statistics_),
+      solver_(solver, LcpOptionsOf(options), &statistics_),
       range_(RangeOf(options, world_)),
       watch_(world_, options.contact_tolerance / range_),
       flow_(world_, &solver_),
       next_step_(options.largest_step) {
   options_.impact.velocity_tolerance = options_.velocity_tolerance;
-  for (const Constraint& joint : world_.joints) {
-    if (joint.type != ConstraintType::kRope) bilateral_.push_back(joint);
-  }
-  FollowPathJoints();
+  FollowJoints();
   UpdateContacts({}, watch_.Find(world_.bodies, range_));
 }
 
@@ -131,19 +128,11 @@ void AccelerationMotion::Advance(double duration) {
 
 void AccelerationMotion::SetBodies(const MotionState& state) { flow_.Place(state, time_, &world_.bodies); }
 
-void AccelerationMotion::FollowPathJoints() {
-  for (Constraint& joint : bilateral_) {
-    if (joint.type != ConstraintType::kPathJoint) continue;
-    const bool curve1 = IsCurve(joint.feature1);
-    const bool curve2 = IsCurve(joint.feature2);
-    if (!curve1 && !curve2) continue;
-    const Body& body1 = world_.bodies[static_cast<std::size_t>(joint.body1)];
-    const Body& body2 = world_.bodies[static_cast<std::size_t>(joint.body2)];
-    const ClosestPoints closest = FindClosestPoints({joint.feature1, body1.x, SinCos(body1.theta), body1.theta},
-                                                    {joint.feature2, body2.x, SinCos(body2.theta), body2.theta},
-                                                    {joint.s1, joint.s2, joint.nominal_gap}, Regularity::kNonzeroD);
-    if (curve1) joint.s1 = closest.s1;
-    if (curve2) joint.s2 = closest.s2;
+void AccelerationMotion::FollowJoints() {
+  FollowPathJoints(world_.bodies, world_.joints);
+  bilateral_.clear();
+  for (const Constraint& joint : world_.joints) {
+    if (joint.type != ConstraintType::kRope) bilateral_.push_back(joint);
   }
 }
 
@@ -234,7 +223,7 @@ void AccelerationMotion::CorrectPositions() {
     world_.bodies[i].x = system.bodies[i].x;
     world_.bodies[i].theta = system.bodies[i].theta;
   }
-  FollowPathJoints();
+  FollowJoints();
   UpdateContacts(contacts_, watch_.Find(world_.bodies, range_));
 }
 
@@ -378,7 +367,7 @@ void AccelerationMotion::Step(double end) {
   time_ = whole ? end : begin.time + reached->step;
   SetBodies(reached->state);
   ++statistics_.steps;
-  FollowPathJoints();
+  FollowJoints();
   std::vector<Constraint> known = contacts_;
   known.insert(known.end(), reached->touching.begin(), reached->touching.end());
   UpdateContacts(known, reached->found);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,8 @@ struct AccelerationOptions {
   double velocity_threshold = 1e-3;
   /// Requested of the solver, as LcpOptions::tolerance.
   double lcp_tolerance = 1e-9;
+  /// Wall clock of one solve [s], > 0: LcpOptions::time_limit_s.
+  double lcp_time_limit_s = std::numeric_limits<double>::infinity();
   /// Solves within a step start from the forces at its beginning.
   bool warm_start = true;
   /// More events than this within one shortest_step end the motion as kStalled.
@@ -90,7 +93,8 @@ class AccelerationMotion final : public Motion {
   void SetBodies(const MotionState& state);
   // The contacts of the present positions: known ones that are still there, and those found.
   void UpdateContacts(const std::vector<Constraint>& known, const std::vector<Constraint>& found);
-  void FollowPathJoints();
+  // The joints of the present positions.
+  void FollowJoints();
   ContactSystem SystemOf(const std::vector<Constraint>& contacts) const;
   // Everything that happens in an instant: corrections and impacts.
   void Settle();

@@ -2,10 +2,8 @@
 
 namespace lcpbench {
 
-CountedSolver::CountedSolver(LcpSolver& solver, double tolerance, MotionStatistics* statistics)
-    : solver_(solver), statistics_(statistics) {
-  options_.tolerance = tolerance;
-}
+CountedSolver::CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics)
+    : solver_(solver), options_(options), statistics_(statistics) {}
 
 void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result) {
   if (problem.size() == 0) {

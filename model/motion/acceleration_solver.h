@@ -18,7 +18,8 @@ struct NoFinitePoint {
 class CountedSolver {
  public:
   /// @param solver, statistics  must outlive this
-  CountedSolver(LcpSolver& solver, double tolerance, MotionStatistics* statistics);
+  /// @param options  of every solve; initial_f is not read
+  CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics);
 
   /// @param initial_f  warm start, nullptr for a cold one; left out where its length does not fit
   /// @throws NoFinitePoint if the answer is not finite

@@ -68,6 +68,7 @@ class Motion {
   /// @throws InputError for a duration that is not, and where geometry is singular (assembly.h, detection.h)
   virtual void Advance(double duration) = 0;
 
+  /// Now. Path joints on general curves have as s1, s2 where they are, or were a step ago.
   const World& world() const { return world_; }
   double time() const { return time_; }  ///< [s] from the start
   MotionStatus status() const { return status_; }

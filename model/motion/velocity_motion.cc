@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "model/loads.h"
+#include "model/motion/path_joints.h"
 #include "model/narrow_phase.h"
 #include "solvers/lcp/input_error.h"
 
@@ -69,6 +70,17 @@ Eigen::VectorXd Times(const SparseMatrix& J, const Eigen::VectorXd& x) {
     y[i] = sum;
   }
   return y;
+}
+
+// b = J v^ + c, where a gap rate that stays zero but for rounding is zero: solved again every step, it shrinks by the
+// rounding of every step down to numbers without digits, on which no answer is accurate.
+Eigen::VectorXd RightHandSide(const SparseMatrix& J, const Eigen::VectorXd& v, const Eigen::VectorXd& c) {
+  constexpr double kNothing = 1e-100;  // [m/s]
+  Eigen::VectorXd b = Times(J, v) + c;
+  for (double& value : b) {
+    if (std::abs(value) < kNothing) value = 0;
+  }
+  return b;
 }
 
 // v + M^-1 J^T p, rows in order.
@@ -188,7 +200,7 @@ LcpResult VelocityMotion::Solve(const ContactSystem& system, const AssembledLcp&
     c[i] = DepthTerm(row, constraint.type == ConstraintType::kContact, h);
   }
   Eigen::VectorXd v = v_free;
-  Eigen::VectorXd b = Times(assembled.J(), v) + c;
+  Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);
 
   LcpOptions options = options_.lcp;
   options.initial_f = options_.warm_start ? &guess_ : nullptr;
@@ -223,7 +235,7 @@ LcpResult VelocityMotion::Solve(const ContactSystem& system, const AssembledLcp&
           if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
         }
       }
-      b = Times(assembled.J(), v) + c;
+      b = RightHandSide(assembled.J(), v, c);
     }
     if (b == refused) return result;
   }
@@ -247,6 +259,7 @@ void VelocityMotion::Move(const Eigen::VectorXd& v_new, double h) {
 }
 
 void VelocityMotion::Step(double h) {
+  FollowPathJoints(world_.bodies, world_.joints);
   SetLoads(world_.loads, world_.bodies);
   const Eigen::VectorXd v_free = FreeVelocity(h);
   const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;

@@ -21,6 +21,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {

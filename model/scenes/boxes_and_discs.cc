@@ -10,6 +10,8 @@
 // from 1000 on another 8-20 % have f = w = 0 in a basic solution.
 //
 // Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +19,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -185,6 +188,12 @@ ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed) {
   wall.Build();
   ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + wall.courses()), .gust = 2 * kGravity}, &random);
   return system;
+}
+
+World StartBoxesAndDiscs(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateBoxesAndDiscs(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

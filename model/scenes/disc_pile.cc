@@ -9,6 +9,8 @@
 // Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 19-26 % at 100, 15-21 % at 1000, 17-18 % at 3000.
 //
 // An odd count is closed by a disc that stands on the crest of the pile: one row.
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -19,6 +21,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -325,6 +328,12 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed) {
   const double layers = std::sqrt(1.0 + count);
   ApplyLoads(&system, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random);
   return system;
+}
+
+World StartDiscPile(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateDiscPile(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

@@ -10,12 +10,16 @@
 // Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 15-35 % at 100, 20-27 % at 1000, 16-23 % at 3000.
 //
 // k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
+//
+// In motion: the track lies on a plane that is nearly level. In an upright one discs would fall from the top of the
+// track, and every fall is a cascade of impacts along the chain.
 
 #include <cmath>
 #include <vector>
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 #include "model/trig.h"
 
 namespace lcpbench {
@@ -28,19 +32,11 @@ constexpr double kDensity = 40;
 constexpr double kSpan = 4.2;
 /// Centripetal acceleration over gravity.
 constexpr double kCentripetal = 0.5;
+/// In-plane gravity in motion over gravity: a plane so flat that a disc which passes the bottom with that acceleration
+/// stays on the track over the top, where v^2 = (kCentripetal - 4 kPlane) g R must be at least kPlane g R.
+constexpr double kPlane = kCentripetal / 5;
 /// Largest spin [rad/s].
 constexpr double kMaxSpin = 8;
-
-/// The unit direction from the track's centre to the next disc's centre when both discs touch each other and the track:
-/// the triangle with sides a, b and r1 + r2 has sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b), where a - b is
-/// r2 - r1.
-Vec2 NextDirection(Vec2 direction, double r1, double r2, double track) {
-  const double sin_half = std::sqrt(r1 * r2 / ((track - r1) * (track - r2)));
-  const double cos_half = std::sqrt(1 - sin_half * sin_half);
-  const Rotation step{1 - 2 * sin_half * sin_half, 2 * sin_half * cos_half};
-  const Vec2 next = Rotate(step, direction);
-  return (1 / Norm(next)) * next;
-}
 
 /// A disc with a cylindrical insert of radius r / 3 and random density at distance r / 2 from its centre.
 struct EccentricDisc {
@@ -105,20 +101,24 @@ ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed) {
 
   for (int i = 0; i < chain; ++i) {
     const double r = radii[static_cast<std::size_t>(i)];
-    if (i > 0) direction = NextDirection(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
+    if (i > 0) direction = NextAlongArc(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
     const ArcEdge previous_rim = last_rim;
     const int body = add(r);
     if (i > 0) AddContact(&system, body, last_rim, body - 1, previous_rim);
   }
   if (straggler) {
     // Leaves the place of one disc free behind the chain.
-    direction = NextDirection(direction, radii.back(), kMinRadius, track);
-    direction = NextDirection(direction, kMinRadius, kMinRadius, track);
+    direction = NextAlongArc(direction, radii.back(), kMinRadius, track);
+    direction = NextAlongArc(direction, kMinRadius, kMinRadius, track);
     add(kMinRadius);
   }
 
   ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
   return system;
+}
+
+World StartDiscTrack(int rows, std::uint64_t seed) {
+  return WorldUnderGravity(GenerateDiscTrack(rows, seed), {0, -kPlane * kGravity});
 }
 
 }  // namespace lcpbench

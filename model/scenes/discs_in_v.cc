@@ -10,6 +10,8 @@
 //
 // Rows are filled disc by disc, layer by layer. The last discs close the count: one in a cradle without its left
 // neighbour (two rows) or one that slides down the right-hand wall above the stack (one row).
+//
+// In motion: upright, every body stirred a little (start.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +19,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {
@@ -130,6 +133,12 @@ ContactSystem GenerateDiscsInV(int rows, std::uint64_t seed) {
   Random random(seed);
   ApplyLoads(&system, {.weight = kWeight / (1 + wedge.top_layer()), .gust = kGravity}, &random);
   return system;
+}
+
+World StartDiscsInV(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(GenerateDiscsInV(rows, seed), {0, -kGravity});
+  Stir(&world, kStir, seed);
+  return world;
 }
 
 }  // namespace lcpbench

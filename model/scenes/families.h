@@ -11,10 +11,15 @@ namespace lcpbench {
 // rows >= 1 and any seed, and use + - * / sqrt and SinCos only, so that the same seed gives the same bits everywhere.
 
 ContactSystem GenerateDiscsInV(int rows, std::uint64_t seed);
+World StartDiscsInV(int rows, std::uint64_t seed);
 ContactSystem GenerateDiscPile(int rows, std::uint64_t seed);
+World StartDiscPile(int rows, std::uint64_t seed);
 ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed);
+World StartDiscTrack(int rows, std::uint64_t seed);
 ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed);
+World StartBoxesAndDiscs(int rows, std::uint64_t seed);
 ContactSystem GenerateRockers(int rows, std::uint64_t seed);
+World StartRockers(int rows, std::uint64_t seed);
 ContactSystem GenerateOvalsInBowl(int rows, std::uint64_t seed);
 World StartOvalsInBowl(int rows, std::uint64_t seed);
 ContactSystem GenerateRollerBearing(int rows, std::uint64_t seed);

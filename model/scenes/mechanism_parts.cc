@@ -130,14 +130,4 @@ Body MakeKinematic(std::string name, const Outline& outline) {
   return body;
 }
 
-World SetInMotion(ContactSystem system, Loads loads) {
-  for (Body& body : system.bodies) {
-    body.force = {};
-    body.torque = 0;
-  }
-  World world = WorldOf(system);
-  world.loads = std::move(loads);
-  return world;
-}
-
 }  // namespace lcpbench

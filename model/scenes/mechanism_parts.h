@@ -3,11 +3,9 @@
 #include <optional>
 
 #include "model/contact_row.h"
-#include "model/loads.h"
 #include "model/outline.h"
 #include "model/system.h"
 #include "model/vec2.h"
-#include "model/world.h"
 
 namespace lcpbench {
 
@@ -50,8 +48,5 @@ void LoadEnds(ContactSystem* system, const EndLoads& loads = {});
 
 /// The body's outline as a fixed body has it that turns about the drawing's origin.
 Body MakeKinematic(std::string name, const Outline& outline);
-
-/// The world of which `system` is one instant, under other loads: the forces of the one-problem form are dropped.
-World SetInMotion(ContactSystem system, Loads loads);
 
 }  // namespace lcpbench

@@ -25,6 +25,7 @@
 #include "model/scenes/families.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 #include "model/trig.h"
 
 namespace lcpbench {

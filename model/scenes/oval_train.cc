@@ -26,6 +26,7 @@
 #include "model/scenes/families.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 #include "model/shapes.h"
 #include "model/trig.h"
 
@@ -273,8 +274,6 @@ World StartOvalTrain(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("oval-train", rows, seed);
   const Train train(&system, rows, &random);
-  // Where on the track a joint lies now is no start for the search once the car has moved on.
-  for (Constraint& constraint : system.constraints) constraint.s2.reset();
   Loads loads;
   loads.gravity = {0, -kGravity};
   if (train.first_car() >= 0) {

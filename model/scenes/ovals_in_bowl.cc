@@ -23,6 +23,7 @@
 #include "model/scenes/families.h"
 #include "model/scenes/oval_front.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/start.h"
 #include "model/trig.h"
 
 namespace lcpbench {

@@ -58,19 +58,4 @@ Body MakeRoundedBox(Vec2 x, const RoundedBoxShape& shape, double density) {
   return body;
 }
 
-World WorldUnderGravity(const ContactSystem& system, Vec2 gravity) {
-  World world;
-  world.name = system.name;
-  world.bodies = system.bodies;
-  world.loads.gravity = gravity;
-  for (Body& body : world.bodies) {
-    body.force = {};
-    body.torque = 0;
-  }
-  for (const Constraint& constraint : system.constraints) {
-    if (constraint.type != ConstraintType::kContact) world.joints.push_back(constraint);
-  }
-  return world;
-}
-
 }  // namespace lcpbench

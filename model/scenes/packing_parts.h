@@ -1,7 +1,6 @@
 #pragma once
 
 #include "model/scenes/parts.h"
-#include "model/world.h"
 
 namespace lcpbench {
 
@@ -29,8 +28,5 @@ struct RoundedBoxShape {
 };
 /// A homogeneous one about x.
 Body MakeRoundedBox(Vec2 x, const RoundedBoxShape& shape, double density);
-
-/// The world of a scene's bodies under gravity alone: the loads of the instant are left out.
-World WorldUnderGravity(const ContactSystem& system, Vec2 gravity);
 
 }  // namespace lcpbench

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "model/trig.h"
+
 namespace lcpbench {
 
 ContactSystem EmptyScene(std::string_view family, int rows, std::uint64_t seed) {
@@ -56,6 +58,14 @@ Vec2 BoxCorner(double width, double height, int corner) {
 
 StraightEdge BoxEdge(double width, double height, int edge) {
   return {BoxCorner(width, height, edge), BoxCorner(width, height, (edge + 1) % 4)};
+}
+
+Vec2 NextAlongArc(Vec2 direction, double r1, double r2, double arc) {
+  const double sin_half = std::sqrt(r1 * r2 / ((arc - r1) * (arc - r2)));
+  const double cos_half = std::sqrt(1 - sin_half * sin_half);
+  const Rotation step{1 - 2 * sin_half * sin_half, 2 * sin_half * cos_half};
+  const Vec2 next = Rotate(step, direction);
+  return (1 / Norm(next)) * next;
 }
 
 int AddBody(ContactSystem* system, std::string_view kind, Body body) {

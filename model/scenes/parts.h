@@ -37,6 +37,11 @@ Vec2 BoxCorner(double width, double height, int corner);
 /// Edge 0..3 of a box in its body frame: bottom, right, top, left.
 StraightEdge BoxEdge(double width, double height, int edge);
 
+/// Of two discs that touch each other and the inside of an arc of radius `arc`, one after the other counter-clockwise:
+/// the unit direction from the arc's centre to the second disc's, given that to the first. In the triangle with sides
+/// a = arc - r1, b = arc - r2 and r1 + r2, sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b), and a - b = r2 - r1.
+Vec2 NextAlongArc(Vec2 direction, double r1, double r2, double arc);
+
 /// Appends and returns the index; a body without a name gets "<kind> <index>".
 int AddBody(ContactSystem* system, std::string_view kind, Body body);
 /// Appends a unilateral contact; the normal points from body 2 to body 1.

@@ -25,6 +25,7 @@
 #include "model/scenes/families.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/start.h"
 #include "model/shapes.h"
 #include "model/trig.h"
 
@@ -164,7 +165,7 @@ class Drum {
       if (layer.empty()) {
         direction = Turned(ray, (kBaffleWidth / 2 + r) / (radius_ - r));
       } else {
-        direction = NextOnWall(direction, layer.back().radius, r);
+        direction = NextAlongArc(direction, layer.back().radius, r, radius_);
       }
       const Ball ball = AddBall((radius_ - r) * direction, r);
       AddContact(system_, ball.body, Circle(r), drum_, wall_);
@@ -189,13 +190,6 @@ class Drum {
       layer = above;
     }
     return next;
-  }
-
-  /// The direction of a ball that touches the wall and the ball before it: of the triangle with sides p = R - r1,
-  /// q = R - r2 and r1 + r2, sin^2(angle / 2) = ((r1 + r2)^2 - (p - q)^2) / (4 p q).
-  Vec2 NextOnWall(Vec2 direction, double r1, double r2) const {
-    const double sine_squared = r1 * r2 / ((radius_ - r1) * (radius_ - r2));
-    return Turned(direction, 2 * std::sqrt(sine_squared * (1 - sine_squared)));
   }
 
   /// On the inner side of two balls, touching both.

@@ -25,6 +25,7 @@
 
 #include "model/scenes/families.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/start.h"
 
 namespace lcpbench {
 namespace {

@@ -45,6 +45,22 @@ TEST_F(SceneCommand, ReadsSceneFilesAndFindsTheirContacts) {
   EXPECT_NE(outcome.out.find(">30.8 N<"), std::string::npos);
 }
 
+TEST_F(SceneCommand, WritesASceneFileOfWhatMovesFromThenOn) {
+  ASSERT_EQ(Run("scene rockers --size 12 --seed 3 --time 0.05 -o " + Path("x.json")).status, 0);
+  const std::string all = Run("sequence rockers --size 12 --seed 3 --steps 53").out;
+  const std::string rest = Run("sequence " + Path("x.json") + " --steps 3").out;
+  // The problem of step 50 is the file's first; names and what is told of the motion differ.
+  const auto problem = [](const std::string& text, int line) {
+    std::size_t begin = 0;
+    for (int k = 0; k < line; ++k) begin = text.find('\n', begin) + 1;
+    const std::size_t from = text.find("\"n\":", begin);
+    return text.substr(from, text.find("\"motion\"", from) - from);
+  };
+  EXPECT_GT(problem(rest, 0).size(), 100U);
+  EXPECT_EQ(problem(rest, 0), problem(all, 50));
+  EXPECT_EQ(Run("scene " + Path("x.json") + " -o " + Path("x.svg")).status, 0);
+}
+
 TEST_F(SceneCommand, WritesAnAnimationPage) {
   const CommandOutcome outcome =
       Run("scene disc-pile --size 6 --level velocity --duration 0.1 --fps 30 --animate " + Path("x.html"));

@@ -110,6 +110,18 @@ TEST_F(SequenceCommand, TakesSceneFilesAndTheAccelerationLevel) {
   EXPECT_EQ(Run("sequence " + file + " --level velocity --dt 0.002 --steps 10").status, 0);
 }
 
+TEST_F(SequenceCommand, TakesSolverSettingsAndATimeLimit) {
+  const std::string arguments = "sequence disc-pile --size 20 --steps 10 --solver pgs --tolerance 1e-6 ";
+  const CommandOutcome plain = Run(arguments);
+  ASSERT_EQ(plain.status, 0) << plain.error;
+  const CommandOutcome relaxed = Run(arguments + "--set relaxation=1.3");
+  ASSERT_EQ(relaxed.status, 0) << relaxed.error;
+  EXPECT_NE(relaxed.out, plain.out);
+  const CommandOutcome hurried = Run(arguments + "--time-limit 1e-12");
+  EXPECT_EQ(hurried.status, 0) << hurried.error;
+  EXPECT_EQ(Records(hurried.out).front().at("motion").at("claim"), "time_limit");
+}
+
 TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
   const std::string file = Path("x.jsonl");
   const pid_t child = fork();
@@ -140,6 +152,9 @@ TEST_F(SequenceCommand, MisuseIsOneLineAndStatusTwo) {
   ExpectMisuse("sequence disc-pile --solver nobody", "nobody");
   ExpectMisuse("sequence disc-pile --tolerance 2", "--tolerance");
   ExpectMisuse("sequence disc-pile --steps 0", "--steps");
+  ExpectMisuse("sequence disc-pile --time-limit 0", "--time-limit");
+  ExpectMisuse("sequence disc-pile --set nothing", "--set");
+  ExpectMisuse("sequence disc-pile --set no-such-option=1", "no-such-option");
   ExpectMisuse("sequence disc-pile --dt -1", "--dt");
   ExpectMisuse("sequence disc-pile -o " + Path("no/such/folder/x.jsonl"), "no/such/folder");
   ExpectMisuse("motion --scenes disc-pile@upwards", "upwards");

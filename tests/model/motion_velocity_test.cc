@@ -519,5 +519,28 @@ TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
   EXPECT_EQ(back, (std::vector<std::optional<int>>{1, std::nullopt, 0}));
 }
 
+// Solved again every step, a gap rate of zero shrinks by rounding down to numbers without digits, on which no answer is
+// accurate: they do not reach the solver.
+TEST(VelocityMotion, TakesSpeedsBeyondAllDigitsForZero) {
+  World world = WorldWith({Walls({{0, 10}, {0, -10}}), DiscBody(0.1, {0, 0}, {3e-310, 0})}, {0, -kG});
+  Constraint guide;
+  guide.type = ConstraintType::kPathJoint;
+  guide.body1 = 1;
+  guide.body2 = 0;
+  guide.feature1 = Vertex{};
+  guide.feature2 = StraightEdge{{0, 10}, {0, -10}};
+  world.joints = {guide};
+  Driven driven(world);
+  int steps = 0;
+  driven.motion.set_observer([&](const MotionProblem& met) {
+    ASSERT_EQ(met.problem.size(), 1);
+    EXPECT_EQ(met.problem.b()[0], 0);
+    ++steps;
+  });
+  driven.motion.Advance(0.01);
+  EXPECT_EQ(steps, 10);
+  EXPECT_NEAR(driven.motion.world().bodies[1].v.y, -0.01 * kG, 1e-12);
+}
+
 }  // namespace
 }  // namespace lcpbench

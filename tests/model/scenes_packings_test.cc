@@ -19,6 +19,7 @@
 #include "model/scenes/packing_parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
+#include "model/scenes/start.h"
 #include "model/shapes.h"
 #include "model/trig.h"
 #include "tests/model/scene_checks.h"
