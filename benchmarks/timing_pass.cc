@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -31,12 +32,12 @@ std::string TierName(double tier) {
 
 bool TimesItself(const SolverEntry& entry) { return entry.origin != SolverOrigin::kOwn; }
 
-// A worker that is asked for one short solve at a time would meet cold caches, which solvers of this process do not.
-std::int64_t RepetitionsInWorker(const LcpResult& result) {
-  constexpr double kBlock = 1e-3;  // s
-  constexpr double kMost = 1000;
-  if (result.own_solve_s < 0) return 1;
-  return static_cast<std::int64_t>(std::clamp(kBlock / std::max(result.own_solve_s, kBlock / kMost), 1.0, kMost));
+// A worker solves for a whole repetition at a call: asked for one short solve at a time it would meet cold caches,
+// which solvers of this process do not, and Google Benchmark would count the solves alone, and go on for minutes.
+std::int64_t RepetitionsInWorker(const LcpResult& result, double min_time_s) {
+  constexpr double kMost = 100'000;
+  if (result.own_solve_s <= 0) return 1;
+  return static_cast<std::int64_t>(std::clamp(std::ceil(min_time_s / result.own_solve_s), 1.0, kMost));
 }
 
 // One cell: a solver prepared for a problem, and the answer that was verified before any timing.
@@ -63,18 +64,19 @@ class CurrentCell {
     return *problem_;
   }
 
-  Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier, double limit_s) {
+  Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier,
+            const Suite& suite) {
     if (cell_ == nullptr || cell_->name != name) {
       cell_.reset();
       const LcpProblem& given = Problem(info);
       cell_ = std::make_unique<Cell>(
           Cell{name, given.CopyOfGivenForm(), &pool_.Get(entry), {}, {}, {}, TimesItself(entry)});
       cell_->options.tolerance = tier;
-      cell_->options.time_limit_s = limit_s;
+      cell_->options.time_limit_s = TimeLimit(suite, info.size);
       cell_->solver->Prepare(cell_->problem);
       cell_->solver->Solve(cell_->problem, cell_->options, &cell_->result);
       cell_->verdict = Verify(cell_->problem, cell_->result, tier);
-      cell_->options.repetitions = RepetitionsInWorker(cell_->result);
+      cell_->options.repetitions = RepetitionsInWorker(cell_->result, suite.min_time_s);
     }
     return *cell_;
   }
@@ -161,7 +163,6 @@ class TimingPass {
     const std::string stem = info.family + "/" + std::to_string(info.size) + "/" + std::string(entry.key);
     std::vector<double> tiers = suite_.tiers;
     std::sort(tiers.begin(), tiers.end());
-    const double limit_s = TimeLimit(suite_, info.size);
     bool any_passed = false;
     for (const double tier : tiers) {
       const std::string name = "solve/" + stem + "/" + TierName(tier);
@@ -174,20 +175,22 @@ class TimingPass {
       // A direct method's time at its strictest passed tier stands for the looser ones.
       if (any_passed && !entry.uses_tolerance) break;
       any_passed = true;
-      const auto function = [this, name, info, &entry, tier, limit_s](benchmark::State& state) {
-        TimeSolve(state, current_.Get(name, info, entry, tier, limit_s));
+      const auto function = [this, name, info, &entry, tier](benchmark::State& state) {
+        TimeSolve(state, current_.Get(name, info, entry, tier, suite_));
       };
-      Register(name, TimesItself(entry), function, Repetitions(outcome->second.solve_s));
+      const TimeSource source = TimesItself(entry) ? TimeSource::kWorker : TimeSource::kCall;
+      Register(name, source, function, Repetitions(outcome->second.solve_s));
     }
     if (any_passed) {
       const auto function = [this, info, &entry](benchmark::State& state) { TimeSetup(state, info, entry, current_); };
-      Register("setup/" + stem, true, function, 1);
+      Register("setup/" + stem, TimeSource::kPart, function, 1);
     }
   }
 
   void RegisterFailure(const std::string& name, const std::string& reason) {
     Register(
-        name, false, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); }, 1, kFailureWeight);
+        name, TimeSource::kCall, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); }, 1,
+        kFailureWeight);
   }
 
   int Repetitions(double solve_s) const {
@@ -195,14 +198,25 @@ class TimingPass {
     return static_cast<int>(std::clamp(affordable, 1.0, static_cast<double>(suite_.repetitions)));
   }
 
+  enum class TimeSource {
+    kCall,    // the loop's body
+    kPart,    // what the body says of itself
+    kWorker,  // the same, of as many solves as fill a repetition
+  };
+
   template <typename Function>
-  void Register(const std::string& name, bool manual_time, Function function, int repetitions, double weight = 1) {
+  void Register(const std::string& name, TimeSource source, Function function, int repetitions, double weight = 1) {
     auto* registered = benchmark::RegisterBenchmark(name.c_str(), std::move(function));
-    registered->Unit(benchmark::kMicrosecond)->MinTime(suite_.min_time_s)->Repetitions(repetitions);
-    if (manual_time) {
-      registered->UseManualTime();
-    } else {
+    registered->Unit(benchmark::kMicrosecond)->Repetitions(repetitions);
+    if (source == TimeSource::kCall) {
       registered->UseRealTime();
+    } else {
+      registered->UseManualTime();
+    }
+    if (source == TimeSource::kWorker) {
+      registered->Iterations(1);
+    } else {
+      registered->MinTime(suite_.min_time_s);
     }
     total_weight_ += weight;
   }
