@@ -54,7 +54,7 @@ std::vector<SuiteProblem> ProblemsOf(const Suite& suite);
 
 /// Seconds that one solve of a problem of this size may take: time_limit_per_row_s times its rows, within
 /// [kLeastTimeLimit, suite.time_limit_s].
-inline constexpr double kLeastTimeLimit = 0.1;
+inline constexpr double kLeastTimeLimit = 0.2;
 double TimeLimit(const Suite& suite, int size);
 
 /// The largest problem that a solver is given, and why.

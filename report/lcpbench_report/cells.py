@@ -21,6 +21,7 @@ from .timing import TimedCell
 
 BENCHMARK = "benchmark"
 SINGLE_RUN = "single run"
+_OUT_OF_TIME = "out of time"  # how that rule of benchmarks/suite.cc begins
 
 
 @dataclass
@@ -45,6 +46,14 @@ class Cell:
     def passes(self) -> bool:
         return self.runs > 0 and self.verified == self.runs and not self.excluded
 
+    @property
+    def verdict(self) -> str:
+        """verified, excluded, or why not, in one or two words. Who ran out of time at a looser tier was not tried at
+        this one, and is not spared the word."""
+        if self.excluded:
+            return formats.status("time_limit") if self.excluded.startswith(_OUT_OF_TIME) else "excluded"
+        return "verified" if self.passes else self.failure
+
 
 class Cells:
     """All runs and cells of a results folder."""
@@ -54,7 +63,8 @@ class Cells:
         self._timed = {(t.kind, t.family, t.n, t.solver, t.tier): t for t in results.timing}
         self._timed_seed = {key: _timed_seed(set(seeds), results.run["seed"])
                             for key, seeds in results.problems.groupby(["family", "n"])["seed"]}
-        self._sizes = {family: sorted(set(map(int, sizes))) for family, sizes in results.problems.groupby("family")["n"]}
+        self._sizes = {family: sorted(set(map(int, sizes)))
+                       for family, sizes in results.problems.groupby("family")["n"]}
         self._oracle = {family: self._make_oracle_times(family) for family in results.families}
         self.runs = self._make_runs()
         groups: dict[tuple, list[dict]] = {}

@@ -113,7 +113,7 @@ def _panels(cells, family, series, styles, limits, what, oracle) -> str:
 def _margins(figure, count: int) -> None:
     # By hand: the automatic layout takes longer than the drawing.
     if count > 1:
-        figure.subplots_adjust(left=0.075, right=0.99, top=0.925, bottom=0.13, wspace=0.05)
+        figure.subplots_adjust(left=0.075, right=0.99, top=0.925, bottom=0.13, wspace=0.09)
     else:
         figure.subplots_adjust(left=0.14, right=0.98, top=0.92, bottom=0.14)
 

@@ -26,8 +26,8 @@ PROBLEM_COLUMNS = {
 ACCURACY_COLUMNS = {
     "problem": "text", "family": "text", "n": "count", "seed": "integer", "solver": "text", "tier": "number",
     "claim": "text*", "passes": "boolean*", "best_tier": "number?", "false_success": "boolean*",
-    "false_infeasible": "boolean*", "iterations": "number?", "setup_s": "number?", "convert_s": "number?", "solve_s": "number?",
-    "rho": "number?", "backward_error": "number?", "natural_residual": "number?",
+    "false_infeasible": "boolean*", "iterations": "number?", "setup_s": "number?", "convert_s": "number?",
+    "solve_s": "number?", "rho": "number?", "backward_error": "number?", "natural_residual": "number?",
     "natural_residual_siconos": "number?", "fischer_burmeister": "number?", "primal_infeasibility": "number?",
     "dual_infeasibility": "number?", "complementarity": "number?", "gap": "number?", "gap_rel": "number?",
     "energy_bound": "number?", "energy_shift": "number?", "w_error": "number?", "excluded": "text?",
@@ -229,7 +229,8 @@ def _check_keys(run: dict, problems: pd.DataFrame, accuracy: pd.DataFrame) -> No
         if row.problem not in known:
             raise ReportError("accuracy.csv", f"{where}, column 'problem' is {row.problem!r}", "a row of problems.csv")
         if row.solver not in solvers:
-            raise ReportError("accuracy.csv", f"{where}, column 'solver' is {row.solver!r}", "an available solver of run.json")
+            raise ReportError("accuracy.csv", f"{where}, column 'solver' is {row.solver!r}",
+                              "an available solver of run.json")
         if match_tier(row.tier, run["tiers"]) is None:
             raise ReportError("accuracy.csv", f"{where}, column 'tier' is {row.tier!r}", "a tier of run.json")
         for column in ("family", "n", "seed"):

@@ -34,7 +34,6 @@ def render(cells: Cells) -> str:
         "headline": [{"tier": formats.tier(tier), "rows": tables.headline(cells, tier)}
                      for tier in reversed(results.tiers)],
         "rankings": tables.rankings(cells), "accuracy": accuracy, "shown": _nonzero(accuracy, cells),
-        "claims": [formats.status(c).split() for c in tables.other_claims(cells)],
         "map": tables.residual_map(cells), "failures": tables.failures(cells), "scenes": _scenes(results, cells),
         "tiers": [formats.tier(t) for t in reversed(results.tiers)],
         "timing": _timing_figures(cells, styles), "profiles": _profiles(cells, styles),

@@ -46,7 +46,7 @@ def _headline_cell(cells: Cells, families: list[str], n: int, solver: str, tier:
     ratios = [cell.time_s / oracle[cell.family, n] for cell in passed if oracle.get((cell.family, n))]
     time = median([cell.time_s for cell in passed])
     rules = list(dict.fromkeys(cell.excluded for cell in found if cell.excluded))
-    words = list(dict.fromkeys(cell.failure for cell in found if not cell.passes and not cell.excluded))
+    words = list(dict.fromkeys(cell.verdict for cell in found if cell.verdict not in ("verified", "excluded")))
     return {"verified": len(passed), "of": len(families), "seconds": time, "time": formats.seconds(time),
             "ratio": formats.ratio(geometric_mean(ratios)), "best": False, "excluded": not passed and not words,
             "word": words[0] if words else "", "title": "; ".join(words + rules)}
@@ -74,12 +74,12 @@ def oracle_row(cells: Cells, family: str) -> list[str]:
 
 
 def _family_cell(cell: Cell | None, fastest: float) -> dict:
-    if cell is None or cell.excluded:
+    if cell is None or cell.verdict == "excluded":
         return {"kind": "excluded", "word": "not run", "reason": cell.excluded if cell else ""}
     if not cell.passes:
-        word = f"{cell.verified} of {cell.runs} verified" if cell.verified else cell.failure
-        return {"kind": "failed", "word": word, "reason": f"{cell.failure}: {cell.reason}",
-                "false": cell.failure.startswith("false")}
+        word = f"{cell.verified} of {cell.runs} verified" if cell.verified else cell.verdict
+        return {"kind": "failed", "word": word, "reason": f"{cell.verdict}: {cell.reason}",
+                "false": cell.verdict.startswith("false")}
     convert = f"+ {formats.seconds(cell.convert_s)}" if cell.convert_s > 0 else ""
     return {"kind": "passed", "time": formats.seconds(cell.time_s), "convert": convert,
             "single": cell.time_source == SINGLE_RUN, "best": cell.time_s == fastest,
@@ -87,11 +87,17 @@ def _family_cell(cell: Cell | None, fastest: float) -> dict:
 
 
 def rankings(cells: Cells) -> list[dict]:
-    """Per tier (strictest first) and size class the solvers, best first."""
+    """Per tier (strictest first) and size class the solvers, best first; those without a verified answer apart."""
     classes = size_classes(list(cells.results.problems["n"]))
-    return [{"tier": formats.tier(tier),
-             "classes": [{"label": c.label, "ranks": [_rank(r) for r in ranking(cells, tier, c)]} for c in classes]}
-            for tier in reversed(cells.results.tiers)]
+    found = []
+    for tier in reversed(cells.results.tiers):
+        tables = []
+        for c in classes:
+            ranks = ranking(cells, tier, c)
+            tables.append({"label": c.label, "ranks": [_rank(r) for r in ranks if r.verified],
+                           "none": [r.solver for r in ranks if not r.verified]})
+        found.append({"tier": formats.tier(tier), "classes": tables})
+    return found
 
 
 def _rank(rank) -> dict:
@@ -123,6 +129,7 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
     """Counts and residuals of one solver at one tier. Excluded runs count as problems and as nothing else."""
     tried = runs[runs["excluded"] == ""]
     good = tried[tried["verified"]]
+    counts = [int((tried["claim"] == claim).sum()) for claim in claims]
     return {
         "problems": len(runs), "excluded": len(runs) - len(tried),
         "claimed": int((tried["claim"] == "solved").sum()),
@@ -130,7 +137,8 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
         "unclaimed": int((good["claim"] != "solved").sum()),
         "false_success": int(tried["false_success"].sum()),
         "false_infeasible": int(tried["false_infeasible"].sum()),
-        "claims": [int((tried["claim"] == claim).sum()) for claim in claims],
+        "claims": counts,
+        "gave_up": ", ".join(f"{formats.status(claim)} {count}" for claim, count in zip(claims, counts) if count),
         "rho_median": formats.residual(median(good["rho"])), "rho_max": formats.residual(good["rho"].max()),
         "backward_max": formats.residual(good["backward_error"].max()),
         "w_error_max": formats.residual(good["w_error"].max()),
@@ -152,13 +160,15 @@ def _verdict(cells: Cells, family: str, n: int, solver: str, tiers: list[float])
     if cell is None or not tried:
         return {"kind": "level-1", "text": "", "title": name + (cell.reason if cell else "not run")}
     lied = [c for c in tried if c.failure.startswith("false")]
-    if lied:
-        return {"kind": "false", "text": "!", "title": f"{name}{lied[0].failure} at {formats.tier(lied[0].tier)}"}
+    lie = f"{lied[0].failure} at {formats.tier(lied[0].tier)}" if lied else ""
     if not cell.passes:
-        return {"kind": "level0", "text": "✗", "title": name + tried[-1].failure}
+        return {"kind": "false", "text": "!", "title": name + lie} if lied else \
+               {"kind": "level0", "text": "✗", "title": name + tried[-1].failure}
     exponent = formats.tier(cell.tier).split("e")[1].replace("-", "−")
-    return {"kind": f"level{tiers.index(cell.tier) + 1}", "text": exponent,
-            "title": f"{name}passes {formats.tier(cell.tier)}, rho {formats.residual(cell.rho)}"}
+    return {"kind": f"level{tiers.index(cell.tier) + 1}" + (" lied" if lied else ""),
+            "text": exponent + ("!" if lied else ""),
+            "title": f"{name}passes {formats.tier(cell.tier)}, rho {formats.residual(cell.rho)}"
+                     + (f"; {lie}" if lied else "")}
 
 
 def residual_map(cells: Cells) -> list[dict]:

@@ -11,13 +11,6 @@ COLUMNS = ("solver", "origin", "family", "n", "tier", "verdict", "time_s", "conv
            "runs", "verified", "rho", "over_oracle", "reason")
 
 
-def verdict(cell: Cell) -> str:
-    """verified, excluded, or why not, in one or two words."""
-    if cell.excluded:
-        return "excluded"
-    return "verified" if cell.passes else cell.failure
-
-
 def as_csv(cells: Cells) -> str:
     text = io.StringIO()
     writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
@@ -35,7 +28,7 @@ def as_csv(cells: Cells) -> str:
 
 def _row(cells: Cells, cell: Cell, oracle: float) -> dict:
     return {"solver": cell.solver, "origin": cells.results.origin(cell.solver), "family": cell.family, "n": cell.n,
-            "tier": formats.tier(cell.tier), "verdict": verdict(cell), "time_s": _number(cell.time_s),
+            "tier": formats.tier(cell.tier), "verdict": cell.verdict, "time_s": _number(cell.time_s),
             "convert_s": _number(cell.convert_s),
             "setup_s": _number(cells.setup_time(cell.family, cell.n, cell.solver)) if cell.runs else "",
             "time_source": cell.time_source, "runs": cell.runs, "verified": cell.verified, "rho": _number(cell.rho),

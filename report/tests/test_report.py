@@ -489,6 +489,18 @@ class IncompleteResults(unittest.TestCase):
         self.assertEqual(line["text"], "not run: dense.")
         self.assertEqual(self.run_main(), (0, ""))
 
+    def test_who_ran_out_of_time_at_a_looser_tier_is_not_called_excluded(self):
+        table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
+        mine = (table["solver"] == "clp") & (table["tier"] == "1e-09")
+        kept = ("problem", "family", "n", "seed", "solver", "tier")
+        table.loc[mine, [c for c in table.columns if c not in kept]] = ""
+        table.loc[mine, "excluded"] = "out of time at the looser tier 1e-06"
+        table.to_csv(self.folder / "accuracy.csv", index=False)
+        cells = Cells(load_results(self.folder))
+        self.assertEqual({c.verdict for c in cells.all() if c.solver == "clp" and c.tier == 1e-9}, {"time limit"})
+        rows = {row["solver"]: row for row in tables.family_table(cells, "rockers", 1e-9)}
+        self.assertEqual({cell["word"] for cell in rows["clp"]["cells"]}, {"time limit"})
+
     def test_solvers_that_are_not_in_the_build_are_one_line_of_names(self):
         self.assertEqual(self.run_main(), (0, ""))
         results = load_results(self.folder)
