@@ -41,6 +41,7 @@ def render(cells: Cells) -> str:
         "limitations": limitations(cells), "sources": _time_sources(cells),
         "verdicts": tables.verdicts(cells), "levels": level_colours(len(results.tiers)),
         "oracle_colour": ORACLE_COLOUR,
+        "plot": "plot" if len(figures.panel_groups(results.solvers, styles)) > 1 else "plot wide",
         "first_tier": formats.tier(min(results.tiers, key=lambda tier: abs(math.log(tier / _FIRST_TIER)))),
     }
     return environment.get_template("page.html.j2").render(context)
