@@ -80,7 +80,7 @@ Suite FindSuite(std::string_view name) {
          {}},
         {1000, 1, {"discs-in-v", "disc-pile", "ovals-in-bowl", "tall-stacks"}, {1e-6}},
     };
-    suite.time_limit_per_row_s = 5e-4;
+    suite.time_limit_per_row_s = 1e-3;
     suite.min_time_s = 0.005;
     return suite;
   }
