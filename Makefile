@@ -50,7 +50,7 @@ run: configure
 
 report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
-	@echo "report: $(CURDIR)/build/report/index.html"
+	@echo "report: $(CURDIR)/build/report/index.html, times of all cells: index.csv beside it"
 
 geometry-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target geometry_benchmark

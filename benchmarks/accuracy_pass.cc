@@ -9,6 +9,7 @@
 #include "benchmarks/csv.h"
 #include "benchmarks/oracle.h"
 #include "benchmarks/progress.h"
+#include "benchmarks/solver_pool.h"
 #include "model/assembly.h"
 #include "solvers/lcp/metric_table.h"
 #include "solvers/lcp/verify.h"
@@ -70,6 +71,8 @@ double MedianSolveTime(LcpSolver& solver, const LcpProblem& problem, const LcpOp
     const double start = SteadyNow();
     solver.Solve(problem, options, result);
     const double wall = SteadyNow() - start;
+    // A failure counts by what it is, not by its time, and a worker that died would die again.
+    if (result->status != LcpStatus::kSolved) return result->own_solve_s >= 0 ? result->own_solve_s : wall;
     // Adapters of foreign code know how much of the call was the solve.
     times.push_back(result->own_solve_s >= 0 ? result->own_solve_s : wall);
     total += wall;
@@ -87,9 +90,13 @@ std::string TimeCell(const std::optional<OracleTime>& oracle, double OracleTime:
 double Weight(const SuiteProblem& problem, const Suite& suite) {
   double weight = 0;
   for (const std::string& key : suite.solvers) {
-    weight += static_cast<double>(TiersToRun(suite, FindSolver(key)).size()) * (0.001 + 1e-4 * problem.size);
+    const SolverEntry& entry = FindSolver(key);
+    if (!entry.available) continue;
+    for (const double tier : TiersToRun(suite, entry)) {
+      if (ExclusionRule(suite, entry, problem.size, tier).empty()) weight += 0.001 + 1e-4 * problem.size;
+    }
   }
-  return weight;
+  return std::max(weight, 1e-9);
 }
 
 // Seconds as they are written; convert is what a solve converts besides, where the solver knows it.
@@ -97,6 +104,7 @@ struct CellTimes {
   std::string setup;
   std::string convert;
   std::string solve;
+  double solve_s = 0;
 };
 
 class AccuracyPass {
@@ -111,7 +119,10 @@ class AccuracyPass {
     const AssembledLcp lcp = AssembleContactLcp(system);
     best_rho_ = 1;
     separating_.reset();
-    for (const std::string& key : suite_.solvers) RunSolver(info, lcp.problem, FindSolver(key));
+    for (const std::string& key : suite_.solvers) {
+      const SolverEntry& entry = FindSolver(key);
+      if (entry.available) RunSolver(info, lcp.problem, entry);
+    }
 
     std::optional<OracleTime> oracle;
     if (separating_.has_value()) oracle = TimeOracle(lcp.problem, best_f_, best_w_);
@@ -130,22 +141,26 @@ class AccuracyPass {
 
  private:
   void RunSolver(const SuiteProblem& info, const LcpProblem& shared, const SolverEntry& entry) {
+    std::string out_of_time;
     for (const double tolerance : TiersToRun(suite_, entry)) {
-      const std::string rule = ExclusionRule(entry, info.size, tolerance);
+      std::string rule = ExclusionRule(suite_, entry, info.size, tolerance);
+      if (rule.empty()) rule = out_of_time;
       LcpResult result;
       CellTimes times;
       Metrics metrics;
       if (rule.empty()) {
         const LcpProblem problem = shared.CopyOfGivenForm();  // set-up pays for every form that the solver reads
-        const std::unique_ptr<LcpSolver> solver = entry.make({});
+        LcpSolver& solver = pool_.Get(entry);
         LcpOptions options;
         options.tolerance = tolerance;
-        options.time_limit_s = suite_.time_limit_s;
+        options.time_limit_s = TimeLimit(suite_, info.size);
         const double start = SteadyNow();
-        solver->Prepare(problem);
+        solver.Prepare(problem);
         const double prepared = SteadyNow();
-        times.solve = CsvWriter::Cell(MedianSolveTime(*solver, problem, options, &result));
+        times.solve_s = MedianSolveTime(solver, problem, options, &result);
+        times.solve = CsvWriter::Cell(times.solve_s);
         times.setup = CsvWriter::Cell(prepared - start);
+        if (result.status == LcpStatus::kTimeLimit) out_of_time = OutOfTimeRule(tolerance);
         if (result.own_convert_s >= 0) times.convert = CsvWriter::Cell(result.own_convert_s);
       }
       const std::vector<double> judged = entry.uses_tolerance ? std::vector<double>{tolerance} : suite_.tiers;
@@ -161,18 +176,19 @@ class AccuracyPass {
                                     std::to_string(info.seed),
                                     std::string(entry.key),
                                     CsvWriter::Cell(tier)};
-    std::string& outcome = outcomes_[{info.id, std::string(entry.key), tier}];
+    CellOutcome& outcome = outcomes_[{info.id, std::string(entry.key), tier}];
+    outcome.solve_s = times.solve_s;
     if (!rule.empty()) {
       row.resize(row.size() + 9 + AllMetrics().size());
       row.insert(row.end(), {rule, "", ""});
       accuracy_.Row(row);
-      outcome = "excluded by rule: " + rule;
+      outcome.failure = "excluded by rule: " + rule;
       return;
     }
     const Verdict verdict = Verify(problem, result, tier);
     if (!verdict.passes) {
-      outcome = std::string(verdict.false_success ? "false success: " : "") + std::string(ToString(result.status)) +
-                ": " + verdict.reason;
+      outcome.failure = std::string(verdict.false_success ? "false success: " : "") +
+                        std::string(ToString(result.status)) + ": " + verdict.reason;
     }
     if (verdict.best_tier == kTiers[0] && verdict.metrics.rho < best_rho_) {
       best_rho_ = verdict.metrics.rho;
@@ -193,6 +209,7 @@ class AccuracyPass {
   }
 
   const Suite& suite_;
+  SolverPool pool_;
   CsvWriter problems_;
   CsvWriter accuracy_;
   CellOutcomes outcomes_;

@@ -11,11 +11,17 @@ namespace lcpbench {
 /// problem id, solver, tier.
 using CellKey = std::tuple<std::string, std::string, double>;
 
-/// What the accuracy pass found out about each cell: "" where it passed its tier, else why not.
-using CellOutcomes = std::map<CellKey, std::string>;
+/// What the accuracy pass found out about a cell.
+struct CellOutcome {
+  std::string failure;  ///< "" where it passed its tier, else why not
+  double solve_s = 0;   ///< how long its solve takes, roughly; 0 where it was not run
+};
+
+using CellOutcomes = std::map<CellKey, CellOutcome>;
 
 /// Solves every cell of the suite once, judges it, and writes problems.csv and accuracy.csv into `folder` (RESULTS.md),
-/// row by row. Set-up and solve are timed apart.
+/// row by row. Set-up and solve are timed apart. A solve that crashes, hangs or runs out of memory in its worker is a
+/// failure with its reason like any other; solvers that are not in the build have no rows.
 CellOutcomes RunAccuracyPass(const Suite& suite, const std::string& folder);
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #include <iostream>
 
 #include "benchmarks/commands.h"
+#include "build_info.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/metric_table.h"
 #include "solvers/registry.h"
@@ -14,11 +15,14 @@ void PrintRow(std::string_view key, const std::string& text) {
   std::cout << key << std::string(key.size() < kKeyWidth ? kKeyWidth - key.size() : 1, ' ') << text << '\n';
 }
 
-// Paper or library; of a peer the library's version, which its worker knows, and licence.
+// Paper or library, version and licence; a peer's worker knows the version of its library.
 std::string DescribeSource(const SolverEntry& entry) {
-  if (entry.origin == SolverOrigin::kOwn) return entry.source;
-  const std::string version = entry.available ? WorkerVersion(entry.key) : "";
-  return entry.source + (version.empty() ? "" : " " + version) + ", " + entry.licence;
+  std::string version;
+  if (entry.available) {
+    version =
+        entry.origin == SolverOrigin::kOwn ? std::string(", LCPBench ") + kVersion : " " + WorkerVersion(entry.key);
+  }
+  return entry.source + version + ", " + entry.licence;
 }
 
 }  // namespace

@@ -27,19 +27,40 @@ struct RunArguments {
   int repetitions = 0;
 };
 
-// The named suite with what the command line changes in it.
+// The named suite with what the command line changes in it: what is asked for by name is run at every size.
 Suite ChosenSuite(const RunArguments& arguments) {
   Suite suite = FindSuite(arguments.suite);
   if (!arguments.solvers.empty()) suite.solvers = arguments.solvers;
-  if (!arguments.families.empty()) suite.families = arguments.families;
   if (!arguments.sizes.empty()) suite.sizes = arguments.sizes;
-  if (!arguments.seeds.empty()) suite.seeds = arguments.seeds;
-  if (!arguments.tiers.empty()) suite.tiers = arguments.tiers;
-  if (arguments.time_limit_s != 0) suite.time_limit_s = arguments.time_limit_s;
+  if (!arguments.families.empty()) {
+    suite.families = arguments.families;
+    for (SizeRule& rule : suite.size_rules) rule.families.clear();
+  }
+  if (!arguments.seeds.empty()) {
+    suite.seeds = arguments.seeds;
+    for (SizeRule& rule : suite.size_rules) rule.seeds = arguments.seeds.size();
+  }
+  if (!arguments.tiers.empty()) {
+    suite.tiers = arguments.tiers;
+    for (SizeRule& rule : suite.size_rules) rule.tiers.clear();
+  }
+  if (arguments.time_limit_s != 0) {
+    suite.time_limit_s = arguments.time_limit_s;
+    suite.time_limit_per_row_s = 0;
+  }
   if (arguments.min_time_s != 0) suite.min_time_s = arguments.min_time_s;
   if (arguments.repetitions != 0) suite.repetitions = arguments.repetitions;
   ValidateSuite(suite);
   return suite;
+}
+
+// One line for all of them: they have no cells.
+void TellWhatIsMissing(const Suite& suite) {
+  std::string missing;
+  for (const std::string& key : suite.solvers) {
+    if (!FindSolver(key).available) missing += (missing.empty() ? "" : ", ") + key;
+  }
+  if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
 }
 
 int Run(const RunArguments& arguments, const std::vector<std::string>& extra_flags) {
@@ -51,6 +72,7 @@ int Run(const RunArguments& arguments, const std::vector<std::string>& extra_fla
   std::filesystem::create_directories(arguments.output, error);
   if (error) throw InputError(arguments.output + ": cannot be created: " + error.message());
 
+  TellWhatIsMissing(suite);
   const std::string started = UtcNow();
   const double start = SteadyNow();
   WriteRunFile(arguments.output, suite, started, -1);

@@ -11,7 +11,7 @@ std::shared_ptr<std::vector<std::string>> AddExternalOption(CLI::App& command) {
       .add_option("--external", *pairs,
                   "A solver of your own: KEY=COMMAND, a program that speaks the protocol of "
                   "solvers/external/protocol.h; may be repeated")
-      ->expected(1);
+      ->allow_extra_args(false);  // one a flag, so that arguments may follow it
   return pairs;
 }
 

@@ -66,6 +66,17 @@ void WriteRunFile(const std::string& folder, const Suite& suite, const std::stri
   run["seeds"] = suite.seeds;
   run["seed"] = suite.seeds.front();
   run["time_limit_s"] = suite.time_limit_s;
+  run["time_limits"] = Json::array();
+  for (const int size : suite.sizes) run["time_limits"].push_back({{"n", size}, {"s", TimeLimit(suite, size)}});
+  run["size_rules"] = Json::array();
+  for (const SizeRule& rule : suite.size_rules) {
+    run["size_rules"].push_back(
+        {{"above", rule.above}, {"seeds", rule.seeds}, {"families", rule.families}, {"tiers", rule.tiers}});
+  }
+  run["size_limits"] = Json::array();
+  for (const SizeLimit& limit : SizeLimits()) {
+    run["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
+  }
   run["min_time_s"] = suite.min_time_s;
   run["repetitions"] = suite.repetitions;
   run["solvers"] = Json::array();

@@ -3,6 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "benchmarks/csv.h"
 #include "benchmarks/environment.h"
 #include "benchmarks/progress.h"
+#include "benchmarks/solver_pool.h"
 #include "model/assembly.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
@@ -19,6 +21,8 @@ namespace {
 
 // Of a benchmark that is not timed, in units of one that is.
 constexpr double kFailureWeight = 0.01;
+// Where a repetition takes long, there are fewer of them, at least one [s].
+constexpr double kMostTimePerCell = 0.15;
 
 std::string TierName(double tier) {
   char text[16];
@@ -26,47 +30,67 @@ std::string TierName(double tier) {
   return text;
 }
 
-LcpProblem MakeProblem(const SuiteProblem& info) {
-  return AssembleContactLcp(GenerateScene(info.family, info.size, info.seed)).problem;
+bool TimesItself(const SolverEntry& entry) { return entry.origin != SolverOrigin::kOwn; }
+
+// A worker solves for a whole repetition at a call: asked for one short solve at a time it would meet cold caches,
+// which solvers of this process do not, and Google Benchmark would count the solves alone, and go on for minutes.
+std::int64_t RepetitionsInWorker(const LcpResult& result, double min_time_s) {
+  constexpr double kMost = 100'000;
+  if (result.own_solve_s <= 0) return 1;
+  return static_cast<std::int64_t>(std::clamp(std::ceil(min_time_s / result.own_solve_s), 1.0, kMost));
 }
 
-// A worker that is asked for one short solve at a time would meet cold caches, which solvers of this process do not.
-std::int64_t RepetitionsInWorker(const LcpResult& result) {
-  constexpr double kBlock = 1e-3;  // s
-  constexpr double kMost = 1000;
-  if (result.own_solve_s < 0) return 1;
-  return static_cast<std::int64_t>(std::clamp(kBlock / std::max(result.own_solve_s, kBlock / kMost), 1.0, kMost));
-}
-
-// One cell: a problem, a solver prepared for it, and the answer that was verified before any timing.
+// One cell: a solver prepared for a problem, and the answer that was verified before any timing.
 struct Cell {
   std::string name;
   LcpProblem problem;
-  std::unique_ptr<LcpSolver> solver;
+  LcpSolver* solver = nullptr;
   LcpOptions options;
   LcpResult result;
   Verdict verdict;
+  bool times_itself = false;  ///< in a worker; registered with manual time
 };
 
-// Google Benchmark calls a benchmark's function several times in a row (calibration, repetitions). Only the current
-// cell is kept: all of them together would not fit in memory.
+// Google Benchmark calls a benchmark's function several times in a row (calibration, repetitions), and the benchmarks
+// of one problem one after the other. Only the current problem and cell are kept: all of them would not fit in memory.
 class CurrentCell {
  public:
-  Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier, double limit_s) {
+  const LcpProblem& Problem(const SuiteProblem& info) {
+    if (!problem_.has_value() || problem_id_ != info.id) {
+      cell_.reset();
+      problem_ = AssembleContactLcp(GenerateScene(info.family, info.size, info.seed)).problem;
+      problem_id_ = info.id;
+    }
+    return *problem_;
+  }
+
+  Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier,
+            const Suite& suite) {
     if (cell_ == nullptr || cell_->name != name) {
       cell_.reset();
-      cell_ = std::make_unique<Cell>(Cell{name, MakeProblem(info), entry.make({}), {}, {}, {}});
+      const LcpProblem& given = Problem(info);
+      cell_ = std::make_unique<Cell>(
+          Cell{name, given.CopyOfGivenForm(), &pool_.Get(entry), {}, {}, {}, TimesItself(entry)});
       cell_->options.tolerance = tier;
-      cell_->options.time_limit_s = limit_s;
+      cell_->options.time_limit_s = TimeLimit(suite, info.size);
       cell_->solver->Prepare(cell_->problem);
       cell_->solver->Solve(cell_->problem, cell_->options, &cell_->result);
       cell_->verdict = Verify(cell_->problem, cell_->result, tier);
-      cell_->options.repetitions = RepetitionsInWorker(cell_->result);
+      cell_->options.repetitions = RepetitionsInWorker(cell_->result, suite.min_time_s);
     }
     return *cell_;
   }
 
+  // A solver to set up. No cell is current then.
+  LcpSolver& Solver(const SolverEntry& entry) {
+    cell_.reset();
+    return pool_.Get(entry);
+  }
+
  private:
+  std::optional<LcpProblem> problem_;
+  std::string problem_id_;
+  SolverPool pool_;
   std::unique_ptr<Cell> cell_;
 };
 
@@ -78,8 +102,12 @@ void TimeSolve(benchmark::State& state, Cell& cell) {
   for (auto _ : state) {
     cell.solver->Solve(cell.problem, cell.options, &cell.result);
     benchmark::DoNotOptimize(cell.result.f.data());
-    // Registered with manual time only for solvers that time themselves.
-    if (cell.result.own_solve_s >= 0) state.SetIterationTime(cell.result.own_solve_s);
+    if (!cell.times_itself) continue;
+    if (cell.result.own_solve_s < 0) {  // the worker died on what it had solved before
+      state.SkipWithError(("while being timed: " + cell.result.detail).c_str());
+      break;
+    }
+    state.SetIterationTime(cell.result.own_solve_s);
   }
   state.counters["rows"] = static_cast<double>(cell.problem.size());
   state.counters["rho"] = cell.verdict.metrics.rho;
@@ -87,13 +115,13 @@ void TimeSolve(benchmark::State& state, Cell& cell) {
 }
 
 // Fresh copies each time: derived forms of A and a solver's workspace are part of the set-up.
-void TimeSetup(benchmark::State& state, const SuiteProblem& info, const SolverEntry& entry) {
-  const LcpProblem given = MakeProblem(info);
+void TimeSetup(benchmark::State& state, const SuiteProblem& info, const SolverEntry& entry, CurrentCell& current) {
+  const LcpProblem& given = current.Problem(info);
   for (auto _ : state) {
     const LcpProblem problem = given.CopyOfGivenForm();
-    const std::unique_ptr<LcpSolver> solver = entry.make({});
+    LcpSolver& solver = current.Solver(entry);
     const double start = SteadyNow();
-    solver->Prepare(problem);
+    solver.Prepare(problem);
     state.SetIterationTime(SteadyNow() - start);
   }
   state.counters["rows"] = static_cast<double>(given.size());
@@ -121,7 +149,10 @@ class TimingPass {
   void RegisterAll() {
     for (const SuiteProblem& info : ProblemsOf(suite_)) {
       if (info.seed != suite_.seeds.front()) continue;
-      for (const std::string& key : suite_.solvers) RegisterSolver(info, FindSolver(key));
+      for (const std::string& key : suite_.solvers) {
+        const SolverEntry& entry = FindSolver(key);
+        if (entry.available) RegisterSolver(info, entry);
+      }
     }
   }
 
@@ -136,36 +167,56 @@ class TimingPass {
     for (const double tier : tiers) {
       const std::string name = "solve/" + stem + "/" + TierName(tier);
       const auto outcome = outcomes_.find({info.id, std::string(entry.key), tier});
-      const bool passed = outcome != outcomes_.end() && outcome->second.empty();
+      const bool passed = outcome != outcomes_.end() && outcome->second.failure.empty();
       if (!passed) {
-        RegisterFailure(name, outcome == outcomes_.end() ? "not run" : outcome->second);
+        RegisterFailure(name, outcome == outcomes_.end() ? "not run" : outcome->second.failure);
         continue;
       }
       // A direct method's time at its strictest passed tier stands for the looser ones.
       if (any_passed && !entry.uses_tolerance) break;
       any_passed = true;
-      Register(name, entry.origin != SolverOrigin::kOwn, [this, name, info, &entry, tier](benchmark::State& state) {
-        TimeSolve(state, current_.Get(name, info, entry, tier, suite_.time_limit_s));
-      });
+      const auto function = [this, name, info, &entry, tier](benchmark::State& state) {
+        TimeSolve(state, current_.Get(name, info, entry, tier, suite_));
+      };
+      const TimeSource source = TimesItself(entry) ? TimeSource::kWorker : TimeSource::kCall;
+      Register(name, source, function, Repetitions(outcome->second.solve_s));
     }
     if (any_passed) {
-      Register("setup/" + stem, true, [info, &entry](benchmark::State& state) { TimeSetup(state, info, entry); });
+      const auto function = [this, info, &entry](benchmark::State& state) { TimeSetup(state, info, entry, current_); };
+      Register("setup/" + stem, TimeSource::kPart, function, 1);
     }
   }
 
   void RegisterFailure(const std::string& name, const std::string& reason) {
     Register(
-        name, false, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); }, kFailureWeight);
+        name, TimeSource::kCall, [reason](benchmark::State& state) { state.SkipWithError(reason.c_str()); }, 1,
+        kFailureWeight);
   }
 
+  int Repetitions(double solve_s) const {
+    const double affordable = kMostTimePerCell / std::max(solve_s, suite_.min_time_s);
+    return static_cast<int>(std::clamp(affordable, 1.0, static_cast<double>(suite_.repetitions)));
+  }
+
+  enum class TimeSource {
+    kCall,    // the loop's body
+    kPart,    // what the body says of itself
+    kWorker,  // the same, of as many solves as fill a repetition
+  };
+
   template <typename Function>
-  void Register(const std::string& name, bool manual_time, Function function, double weight = 1) {
+  void Register(const std::string& name, TimeSource source, Function function, int repetitions, double weight = 1) {
     auto* registered = benchmark::RegisterBenchmark(name.c_str(), std::move(function));
-    registered->Unit(benchmark::kMicrosecond)->MinTime(suite_.min_time_s)->Repetitions(suite_.repetitions);
-    if (manual_time) {
-      registered->UseManualTime();
-    } else {
+    registered->Unit(benchmark::kMicrosecond)->Repetitions(repetitions);
+    if (source == TimeSource::kCall) {
       registered->UseRealTime();
+    } else {
+      registered->UseManualTime();
+    }
+    if (source == TimeSource::kWorker) {
+      registered->Iterations(1);
+    } else {
+      registered->MinTime(suite_.min_time_s);
     }
     total_weight_ += weight;
   }

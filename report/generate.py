@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""Makes one self-contained HTML page from a results folder.
+"""Makes one self-contained HTML page from a results folder, and beside it the times of all cells as CSV.
 
-    report/generate.py build/results/default -o report.html
+    report/generate.py build/results/default -o report.html      # and report.csv
 
 Exit status: 0 when the page was written, 2 with one line on standard error when the arguments or the files do not fit.
 """
@@ -25,11 +25,15 @@ def main(arguments: list[str] | None = None) -> int:
         from lcpbench_report.load import load_results
 
         results = load_results(options.results)
+        from lcpbench_report import times
+        from lcpbench_report.cells import Cells
         from lcpbench_report.page import render
 
-        page = render(results)
+        cells = Cells(results)
+        page = render(cells)
         options.output.parent.mkdir(parents=True, exist_ok=True)
         options.output.write_text(page, encoding="utf-8")
+        options.output.with_suffix(".csv").write_text(times.as_csv(cells), encoding="utf-8")
     except ReportError as error:
         print(f"generate.py: error: {error}", file=sys.stderr)
         return 2

@@ -21,6 +21,7 @@ from .timing import TimedCell
 
 BENCHMARK = "benchmark"
 SINGLE_RUN = "single run"
+_OUT_OF_TIME = "out of time"  # how that rule of benchmarks/suite.cc begins
 
 
 @dataclass
@@ -39,10 +40,19 @@ class Cell:
     rho: float  # largest of the runs where all are verified, else the smallest of those that are not
     time_s: float  # NaN where nothing was verified
     time_source: str  # BENCHMARK, SINGLE_RUN or ""
+    convert_s: float  # what a solve converts besides, median; NaN where the solver does not say
 
     @property
     def passes(self) -> bool:
         return self.runs > 0 and self.verified == self.runs and not self.excluded
+
+    @property
+    def verdict(self) -> str:
+        """verified, excluded, or why not, in one or two words. Who ran out of time at a looser tier was not tried at
+        this one, and is not spared the word."""
+        if self.excluded:
+            return formats.status("time_limit") if self.excluded.startswith(_OUT_OF_TIME) else "excluded"
+        return "verified" if self.passes else self.failure
 
 
 class Cells:
@@ -53,9 +63,17 @@ class Cells:
         self._timed = {(t.kind, t.family, t.n, t.solver, t.tier): t for t in results.timing}
         self._timed_seed = {key: _timed_seed(set(seeds), results.run["seed"])
                             for key, seeds in results.problems.groupby(["family", "n"])["seed"]}
+        self._sizes = {family: sorted(set(map(int, sizes)))
+                       for family, sizes in results.problems.groupby("family")["n"]}
+        self._oracle = {family: self._make_oracle_times(family) for family in results.families}
         self.runs = self._make_runs()
-        self._cells = {key: self._make_cell(key, group) for key, group in
-                       self.runs.groupby(["family", "n", "solver", "tier"], sort=False)}
+        groups: dict[tuple, list[dict]] = {}
+        for run in self.runs.to_dict("records"):
+            groups.setdefault((run["family"], run["n"], run["solver"], run["tier"]), []).append(run)
+        self._cells = {key: self._make_cell(key, group) for key, group in groups.items()}
+        self._run_solvers = {cell.solver for cell in self._cells.values() if cell.runs}
+        self._setups = self.runs[self.runs["verified"]].groupby(["family", "n", "solver"])["setup_s"].median().to_dict()
+        self._problem_times: dict[float, tuple[pd.DataFrame, int]] = {}
 
     def all(self) -> list[Cell]:
         return list(self._cells.values())
@@ -72,20 +90,21 @@ class Cells:
 
     def was_run(self, solver: str) -> bool:
         """False where every cell is absent or excluded: a solver that is not in the build, say."""
-        return bool(((self.runs["solver"] == solver) & (self.runs["excluded"] == "")).any())
+        return solver in self._run_solvers
 
     def sizes(self, family: str) -> list[int]:
-        problems = self.results.problems
-        return sorted(set(problems.loc[problems["family"] == family, "n"]))
+        return self._sizes.get(family, [])
 
     def setup_time(self, family: str, n: int, solver: str) -> float:
         """Median set-up time [s]: of the repetitions, else of the single runs that ended with a verified answer."""
         timed = self._timed.get(("setup", family, n, solver, None))
         if timed and math.isfinite(timed.median):
             return timed.median
-        runs = self.runs
-        mask = (runs["family"] == family) & (runs["n"] == n) & (runs["solver"] == solver) & runs["verified"]
-        return median(runs.loc[mask, "setup_s"])
+        return self._setups.get((family, n, solver), math.nan)
+
+    def oracle_times(self, family: str) -> list[tuple[int, float]]:
+        """(n, seconds) of oracle-chol: contact or body space, the faster one, the median of the seeds."""
+        return self._oracle.get(family, [])
 
     def problem_times(self, tier: float) -> tuple[pd.DataFrame, int]:
         """Times per problem x solver at a tier for comparison, +inf where not verified or excluded.
@@ -94,6 +113,11 @@ class Cells:
         from the single runs. Solvers that were not run at all have no column.
         @returns the table and the number of problems that were compared by repetitions
         """
+        if tier not in self._problem_times:
+            self._problem_times[tier] = self._make_problem_times(tier)
+        return self._problem_times[tier]
+
+    def _make_problem_times(self, tier: float) -> tuple[pd.DataFrame, int]:
         runs = self.runs[self.runs["tier"] == tier]
         solvers = [s for s in self.results.solvers if self.was_run(s)]
         rows, by_benchmark = {}, 0
@@ -137,17 +161,29 @@ class Cells:
         seed = self._timed_seed[row.family, row.n] if timed.seed is None else timed.seed
         return timed.median if row.seed == seed else math.nan
 
-    def _make_cell(self, key: tuple, group: pd.DataFrame) -> Cell:
-        tried, good = group[group["excluded"] == ""], group[group["verified"]]
-        excluded = "" if len(tried) else group.iloc[0]["excluded"]
-        bad = tried[~tried["verified"]].sort_values("false_success", ascending=False, kind="stable")
-        failure = failure_word(bad.iloc[0]) if len(bad) else "excluded" if excluded else ""
-        reason = excluded or (failure_line(bad.iloc[0]) if len(bad) else "")
-        rho = bad["rho"].min() if len(bad) else good["rho"].max()
-        bench = good["bench_s"].dropna()
-        times, source = (bench, BENCHMARK) if len(bench) else (good["solve_s"].dropna(), SINGLE_RUN)
-        return Cell(*key, len(tried), len(good), excluded, failure, reason, float(rho),
-                    median(times), source if len(times) else "")
+    def _make_oracle_times(self, family: str) -> list[tuple[int, float]]:
+        problems = self.results.problems
+        mine = problems[problems["family"] == family]
+        best = mine[["oracle_contact_s", "oracle_body_s"]].min(axis=1)
+        known = best.groupby(mine["n"]).median().dropna()
+        return [(int(n), float(t)) for n, t in known.items()]
+
+    def _make_cell(self, key: tuple, group: list[dict]) -> Cell:
+        tried = [run for run in group if not run["excluded"]]
+        good = [run for run in tried if run["verified"]]
+        bad = sorted((run for run in tried if not run["verified"]), key=lambda run: not run["false_success"])
+        excluded = "" if tried else group[0]["excluded"]
+        failure = failure_word(bad[0]) if bad else "excluded" if excluded else ""
+        reason = excluded or (failure_line(bad[0]) if bad else "")
+        rho = min(_known(bad, "rho"), default=math.nan) if bad else max(_known(good, "rho"), default=math.nan)
+        bench = _known(good, "bench_s")
+        times, source = (bench, BENCHMARK) if bench else (_known(good, "solve_s"), SINGLE_RUN)
+        return Cell(*key, len(tried), len(good), excluded, failure, reason, rho,
+                    median(times), source if times else "", median(_known(good, "convert_s")))
+
+
+def _known(runs: list[dict], column: str) -> list[float]:
+    return [float(run[column]) for run in runs if not math.isnan(run[column])]
 
 
 def _timed_seed(seeds: set[int], first: int | None) -> int:

@@ -15,7 +15,7 @@ _NOISY_SPREAD = 0.1
 def limitations(cells: Cells) -> list[tuple[str, str]]:
     """[(subject, sentence)]"""
     rules = (_machine, _build, _noise, _single_runs, _disagreements, _accuracy_once, _seeds, _limit, _excluded,
-             _unavailable, _tiers, _direct, _reference, _setup, _scope)
+             _unavailable, _tiers, _direct, _families, _reference, _setup, _scope)
     lines = []
     for rule in rules:
         lines += rule(cells)
@@ -94,6 +94,16 @@ def _seeds(cells: Cells) -> list:
              "a fraction of problems solved is a statement about these, not about a population.")]
 
 
+def _families(cells: Cells) -> list:
+    problems = cells.results.problems
+    counts = {n: problems.loc[problems["n"] == n, "family"].nunique() for n in sorted(set(problems["n"]))}
+    fewer = {n: count for n, count in counts.items() if count < len(cells.results.families)}
+    if not fewer:
+        return []
+    parts = ", ".join(f"{count} of {len(cells.results.families)} at n = {n}" for n, count in fewer.items())
+    return [("Not every size", f"Large problems come from fewer families, chosen before the run: {parts}.")]
+
+
 def _limit(cells: Cells) -> list:
     limit = cells.results.run["time_limit_s"]
     if limit is None:
@@ -104,7 +114,11 @@ def _limit(cells: Cells) -> list:
     text = "No run ended there."
     if len(hit):
         text = f"{formats.plural(len(hit), 'run')} ended there ({who}); with more time some might be verified."
-    return [("Time limit", f"A solve may take {limit:g} s. {text}")]
+    by_size = cells.results.run.get("time_limits", [])
+    limits = sorted({entry["s"] for entry in by_size})
+    allowed = f"{limit:g} s" if len(limits) < 2 else ", ".join(
+        f"{value:g} s at n = {formats.span([e['n'] for e in by_size if e['s'] == value])}" for value in limits)
+    return [("Time limit", f"A solve may take {allowed}. {text}")]
 
 
 def _excluded(cells: Cells) -> list:
@@ -122,8 +136,13 @@ def _excluded(cells: Cells) -> list:
 
 
 def _unavailable(cells: Cells) -> list:
-    missing = [solver for solver in cells.results.solvers if not cells.was_run(solver)]
-    return [("Not run", f"There are no results for {formats.words(missing)}.")] if missing else []
+    idle = [solver for solver in cells.results.solvers if not cells.was_run(solver)]
+    lines = [("Not run", f"There are no results for {formats.words(idle)}.")] if idle else []
+    missing = cells.results.missing
+    if missing:
+        lines.append(("Not in this build", f"{formats.words(missing)}: without their libraries these have no results. "
+                      "“make peers” installs what Debian has."))
+    return lines
 
 
 def _tiers(cells: Cells) -> list:
@@ -131,6 +150,9 @@ def _tiers(cells: Cells) -> list:
     lines = []
     for solver in cells.results.solvers:
         mine = cells.runs[cells.runs["solver"] == solver]
+        # Tiers that a rule left out at some sizes say nothing about the solver.
+        left_out = set(mine.loc[mine["excluded"].str.startswith("tier not run"), "problem"])
+        mine = mine[~mine["problem"].isin(left_out)]
         loose, strict = (int(mine.loc[mine["tier"] == tier, "verified"].sum()) for tier in (loosest, strictest))
         if loose and strict < _TIER_DROP * loose:
             lines.append((f"{solver} and strict tiers",
@@ -141,7 +163,7 @@ def _tiers(cells: Cells) -> list:
 
 
 def _direct(cells: Cells) -> list:
-    direct = [s["key"] for s in cells.results.run["solvers"] if not s["uses_tolerance"]]
+    direct = [s["key"] for s in cells.results.run["solvers"] if s["available"] and not s["uses_tolerance"]]
     return [("Direct methods",
              f"Not steered by the tolerance: {formats.words(direct)}. One run stands for every tier, so a loose tier "
              "does not make it faster.")] if direct else []

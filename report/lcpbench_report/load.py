@@ -20,13 +20,14 @@ SCHEMA = "lcpbench-run/1"
 # rows of excluded cells, where nothing was run.
 PROBLEM_COLUMNS = {
     "problem": "text", "family": "text", "n": "count", "seed": "integer", "bodies": "number?", "movable": "number?",
-    "nnz_a": "number?", "rank_a": "number?", "separating": "number?",
+    "nnz_a": "number?", "rank_a": "number?", "separating": "number?", "active": "number?", "independent": "number?",
+    "oracle_contact_s": "number?", "oracle_body_s": "number?",
 }
 ACCURACY_COLUMNS = {
     "problem": "text", "family": "text", "n": "count", "seed": "integer", "solver": "text", "tier": "number",
     "claim": "text*", "passes": "boolean*", "best_tier": "number?", "false_success": "boolean*",
-    "false_infeasible": "boolean*", "iterations": "number?", "setup_s": "number?", "solve_s": "number?",
-    "rho": "number?", "backward_error": "number?", "natural_residual": "number?",
+    "false_infeasible": "boolean*", "iterations": "number?", "setup_s": "number?", "convert_s": "number?",
+    "solve_s": "number?", "rho": "number?", "backward_error": "number?", "natural_residual": "number?",
     "natural_residual_siconos": "number?", "fischer_burmeister": "number?", "primal_infeasibility": "number?",
     "dual_infeasibility": "number?", "complementarity": "number?", "gap": "number?", "gap_rel": "number?",
     "energy_bound": "number?", "energy_shift": "number?", "w_error": "number?", "excluded": "text?",
@@ -40,7 +41,9 @@ RUN_KEYS = {
     "tiers": list, "time_limit_s": (int, float, type(None)), "repetitions": int,
     "min_time_s": (int, float), "seed": (int, type(None)), "solvers": list, "scenes": list, "metrics": list,
 }
-SOLVER_KEYS = {"key": str, "method": str, "source": str, "available": bool, "uses_tolerance": bool}
+SOLVER_KEYS = {"key": str, "method": str, "source": str, "available": bool, "uses_tolerance": bool, "origin": str,
+               "licence": str, "library_version": str}
+ORIGINS = ("own", "peer", "external")
 SCENE_KEYS = {"key": str, "title": str, "purpose": str, "picture": (str, type(None))}
 METRIC_KEYS = {"key": str, "formula": str}
 
@@ -63,8 +66,17 @@ class Results:
 
     @property
     def solvers(self) -> list[str]:
-        """In the registry's order."""
-        return [solver["key"] for solver in self.run["solvers"]]
+        """Those of this build: own ones, peers, external ones, each in the registry's order."""
+        return [s["key"] for s in sorted(self.run["solvers"], key=lambda s: ORIGINS.index(s["origin"]))
+                if s["available"]]
+
+    @property
+    def missing(self) -> list[str]:
+        """Those that are not in the build; they have no results."""
+        return [solver["key"] for solver in self.run["solvers"] if not solver["available"]]
+
+    def origin(self, solver: str) -> str:
+        return next(s["origin"] for s in self.run["solvers"] if s["key"] == solver)
 
     @property
     def families(self) -> list[str]:
@@ -128,6 +140,9 @@ def _read_run(folder: Path) -> dict:
     for name, keys in (("solvers", SOLVER_KEYS), ("scenes", SCENE_KEYS), ("metrics", METRIC_KEYS)):
         for index, entry in enumerate(run[name]):
             _check_object("run.json", f"{name}[{index}].", entry, keys)
+    for index, solver in enumerate(run["solvers"]):
+        if solver["origin"] not in ORIGINS:
+            raise ReportError("run.json", f"key 'solvers[{index}].origin' is {solver['origin']!r}", ", ".join(ORIGINS))
     for name in ("tiers", "solvers"):
         if not run[name]:
             raise ReportError("run.json", f"key '{name}' is empty", "at least one entry")
@@ -207,18 +222,19 @@ def _check_keys(run: dict, problems: pd.DataFrame, accuracy: pd.DataFrame) -> No
     """Every row of accuracy.csv must refer to something known, once."""
     _check_unique("problems.csv", problems, ["problem"])
     _check_unique("accuracy.csv", accuracy, ["problem", "solver", "tier"])
-    known = problems.set_index("problem")
-    solvers = {solver["key"] for solver in run["solvers"]}
+    known = {row.problem: row._asdict() for row in problems.itertuples(index=False)}
+    solvers = {solver["key"] for solver in run["solvers"] if solver["available"]}
     for index, row in enumerate(accuracy[["problem", "family", "n", "seed", "solver", "tier"]].itertuples(index=False)):
         where = f"line {index + 2}"
-        if row.problem not in known.index:
+        if row.problem not in known:
             raise ReportError("accuracy.csv", f"{where}, column 'problem' is {row.problem!r}", "a row of problems.csv")
         if row.solver not in solvers:
-            raise ReportError("accuracy.csv", f"{where}, column 'solver' is {row.solver!r}", "a solver of run.json")
+            raise ReportError("accuracy.csv", f"{where}, column 'solver' is {row.solver!r}",
+                              "an available solver of run.json")
         if match_tier(row.tier, run["tiers"]) is None:
             raise ReportError("accuracy.csv", f"{where}, column 'tier' is {row.tier!r}", "a tier of run.json")
         for column in ("family", "n", "seed"):
-            value, expected = getattr(row, column), known.at[row.problem, column]
+            value, expected = getattr(row, column), known[row.problem][column]
             if value != expected:
                 raise ReportError("accuracy.csv", f"{where}, column '{column}' is {value!r}",
                                   f"{expected!r} as in problems.csv")

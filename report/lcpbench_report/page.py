@@ -1,5 +1,6 @@
 """Puts the page together: figures, tables and words into page.html.j2, with style and script inline."""
 
+import math
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -9,33 +10,39 @@ from . import figures, formats, motion, motion_figure, svg, tables
 from .cells import BENCHMARK, SINGLE_RUN, Cells
 from .limitations import limitations
 from .load import Results
-from .style import level_colours, solver_styles
+from .style import ORACLE_COLOUR, level_colours, solver_styles
 from .summary import summary_lines
 
+# Shown first: the tier that every solver here is meant for.
+_FIRST_TIER = 1e-6
 _HERE = Path(__file__).resolve().parent
 
 
-def render(results: Results) -> str:
+def render(cells: Cells) -> str:
     """The page as text; the same for the same results."""
-    cells = Cells(results)
+    results = cells.results
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
     environment.filters["formula"] = formats.formula
-    styles = solver_styles(results.solvers)
+    styles = solver_styles(results.run["solvers"])
     accuracy = tables.accuracy(cells)
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
         "script": Markup((_HERE / "page.js").read_text(encoding="utf-8")),
         "run": results.run, "facts": _run_facts(results), "solvers": results.solvers, "styles": styles,
-        "summary": summary_lines(cells), "headline": tables.headline(cells), "rankings": tables.rankings(cells),
-        "accuracy": accuracy, "shown": _nonzero(accuracy, cells),
-        "claims": [formats.status(c).split() for c in tables.other_claims(cells)],
+        "missing": results.missing, "sizes": tables.all_sizes(cells), "summary": summary_lines(cells),
+        "headline": [{"tier": formats.tier(tier), "rows": tables.headline(cells, tier)}
+                     for tier in reversed(results.tiers)],
+        "rankings": tables.rankings(cells), "accuracy": accuracy, "shown": _nonzero(accuracy, cells),
         "map": tables.residual_map(cells), "failures": tables.failures(cells), "scenes": _scenes(results, cells),
         "tiers": [formats.tier(t) for t in reversed(results.tiers)],
         "timing": _timing_figures(cells, styles), "profiles": _profiles(cells, styles),
-        "motion": _motion(results, styles),
+        "motion": _motion(results, styles), "described": _solvers(results),
         "limitations": limitations(cells), "sources": _time_sources(cells),
         "verdicts": tables.verdicts(cells), "levels": level_colours(len(results.tiers)),
+        "oracle_colour": ORACLE_COLOUR,
+        "plot": "plot" if len(figures.panel_groups(results.solvers, styles)) > 1 else "plot wide",
+        "first_tier": formats.tier(min(results.tiers, key=lambda tier: abs(math.log(tier / _FIRST_TIER)))),
     }
     return environment.get_template("page.html.j2").render(context)
 
@@ -43,7 +50,7 @@ def render(results: Results) -> str:
 def _run_facts(results: Results) -> list[tuple[str, str]]:
     run = results.run
     libraries = ", ".join(f"{name} {version}" for name, version in run["libraries"].items())
-    limit = "none" if run["time_limit_s"] is None else f"{run['time_limit_s']:g}\u202fs per solve"
+    limit = "none" if run["time_limit_s"] is None else f"at most {run['time_limit_s']:g}\u202fs per solve"
     seeds = sorted(set(results.problems["seed"]))
     shown = ", ".join(map(str, seeds[:8])) + (f", … ({len(seeds)} in all)" if len(seeds) > 8 else "")
     return [
@@ -57,8 +64,10 @@ def _run_facts(results: Results) -> list[tuple[str, str]]:
         ("Libraries", libraries or formats.DASH),
         ("Tiers", ", ".join(formats.tier(t) for t in results.tiers) + " on rho"),
         ("Limits", limit),
-        ("Repetitions",
-         f"{run['repetitions']} of at least {run['min_time_s']:g}\u202fs each (timing); one run (accuracy)"),
+        ("Size limits", "; ".join(f"{r['solver']} up to n = {r['largest']} ({r['reason']})"
+                                  for r in run.get("size_limits", [])) or "none"),
+        ("Repetitions", f"{run['repetitions']} of at least {run['min_time_s']:g}\u202fs each, fewer of long solves "
+         "(timing); up to five of short solves (accuracy)"),
         ("Seeds", f"{shown}; of the campaign {run['seed'] if run['seed'] is not None else formats.DASH}"),
     ]
 
@@ -86,21 +95,22 @@ def _timing_figures(cells: Cells, styles: dict) -> list[dict]:
     for family in cells.results.families:
         panels = []
         for tier in reversed(cells.results.tiers):
-            picture, curves = figures.solve_figure(cells, family, tier, styles, solve_limits)
+            picture = figures.solve_figure(cells, family, tier, styles, solve_limits)
             name = formats.tier(tier)
             label = f"Solve time against n for {family} at tier {name}"
             panels.append({"tier": name, "svg": Markup(svg.embed(picture, f"solve-{family}-{name}", label)),
-                           "curves": [_curve(c) for c in curves]})
+                           "rows": tables.family_table(cells, family, tier)})
         setup = figures.setup_figure(cells, family, styles, setup_limits)
         found.append({"family": family, "title": titles.get(family, family), "panels": panels,
+                      "sizes": cells.sizes(family), "oracle": tables.oracle_row(cells, family),
                       "setup": Markup(svg.embed(setup, f"setup-{family}", f"Set-up time against n for {family}"))})
     return found
 
 
-def _curve(curve: figures.Curve) -> dict:
-    slope = curve.slope
-    return {"solver": curve.solver, "marks": curve.marks, "exponent": f"{slope.exponent:.2f}" if slope else "",
-            "range": f"n = {slope.n_min}–{slope.n_max}, {slope.points} points" if slope else ""}
+def _solvers(results: Results) -> list[dict]:
+    """Those of the build, by origin."""
+    entries = {entry["key"]: entry for entry in results.run["solvers"]}
+    return [entries[key] | {"title": tables.ORIGIN_TITLES[entries[key]["origin"]]} for key in results.solvers]
 
 
 def _profiles(cells: Cells, styles: dict) -> list[dict]:

@@ -1,11 +1,20 @@
-"""One colour, marker and dash per solver, by the order of the registry; the same in every figure and table."""
+"""One colour, marker and dash per solver; the same in every figure and table.
+
+Own solvers have saturated colours, filled markers and thick lines. Peers have the muted colours, one per library, and
+hollow markers, one per method; a variant of a method (default options, diagonal shift) has its dash changed. So the
+eye finds the library first, then the method, then the variant.
+"""
 
 from dataclasses import dataclass
 
 # Okabe and Ito (2008), safe for the common kinds of colour blindness; yellow left out: too pale on white.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
+_OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+# Tol (2021), "muted", made for the same, without its palest.
+_PEERS = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-_DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)))  # changes when the colours have run out
+_SOLID = "-"
+_DASHES = {"default": (0, (1.5, 2)), "cfm": (0, (4, 2))}
+ORACLE_COLOUR = "#000000"
 
 # The markers as SVG paths in a box from -5 to 5, for legends in HTML.
 MARKER_PATHS = {
@@ -22,10 +31,16 @@ class SolverStyle:
     colour: str
     marker: str
     dash: object
+    own: bool
 
     @property
     def marker_path(self) -> str:
         return MARKER_PATHS[self.marker]
+
+    @property
+    def dash_array(self) -> str:
+        """For SVG; '' is solid."""
+        return "" if self.dash == _SOLID else " ".join(map(str, self.dash[1]))
 
 
 def level_colours(count: int) -> list[str]:
@@ -35,6 +50,22 @@ def level_colours(count: int) -> list[str]:
     return ["#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in zip(strong, faint)) for share in shares]
 
 
-def solver_styles(solvers: list[str]) -> dict[str, SolverStyle]:
-    return {key: SolverStyle(_COLOURS[i % len(_COLOURS)], _MARKERS[i % len(_MARKERS)],
-                             _DASHES[(i // len(_COLOURS)) % len(_DASHES)]) for i, key in enumerate(solvers)}
+def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
+    """By key, of the solvers of run.json; those that are missing count, so that styles do not depend on the build."""
+    libraries: dict[str, dict[str, str]] = {}  # library -> method -> marker
+    styles, own = {}, 0
+    for solver in solvers:
+        key = solver["key"]
+        if solver["origin"] == "own":
+            styles[key] = SolverStyle(_OWN[own % len(_OWN)], _MARKERS[own % len(_MARKERS)], _SOLID, True)
+            own += 1
+            continue
+        library = solver["source"] if solver["origin"] == "peer" else key
+        markers = libraries.setdefault(library, {})
+        colour = _PEERS[list(libraries).index(library) % len(_PEERS)]
+        method, _, variant = key.rpartition("-")
+        if variant not in _DASHES or not method:
+            method, variant = key, ""
+        marker = markers.setdefault(method, _MARKERS[len(markers) % len(_MARKERS)])
+        styles[key] = SolverStyle(colour, marker, _DASHES.get(variant, _SOLID), False)
+    return styles

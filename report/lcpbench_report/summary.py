@@ -9,8 +9,8 @@ from . import formats
 from .cells import Cells
 from .stats import geometric_mean, time_ratios
 
-# Sizes fall into classes around 10, 100 and 1000; the bounds are the half decades between them.
-_CLASS_BOUNDS = (10**1.5, 10**2.5)
+# Sizes fall into classes around 10, 100, 1000 and 10000; the bounds are the half decades between them.
+_CLASS_BOUNDS = (10**1.5, 10**2.5, 10**3.5)
 
 
 @dataclass
@@ -31,7 +31,7 @@ class SizeClass:
 
 
 def size_classes(sizes: list[int]) -> list[SizeClass]:
-    """Small, medium and large, labelled by the sizes that are present; empty classes are left out."""
+    """Small, medium, large and larger ones, labelled by the sizes that are present; empty classes are left out."""
     bounds = (0.0, *_CLASS_BOUNDS, math.inf)
     groups = [sorted({n for n in sizes if low < n <= high}) for low, high in zip(bounds, bounds[1:])]
     return [SizeClass(f"n = {formats.span(group)}", group) for group in groups if group]
@@ -60,7 +60,10 @@ def summary_lines(cells: Cells) -> list[dict]:
     wrong = cells.runs[cells.runs["false_success"]]
     lines.append({"label": "False successes", "text": _false_successes(cells, wrong), "alert": len(wrong) > 0})
     for solver in cells.results.solvers:
-        lines.append({"label": solver, "text": _solver_line(cells, solver), "alert": False, "solver": solver})
+        lines.append({"label": solver, "text": _solver_line(cells, solver), "alert": False, "solver": solver,
+                      "origin": cells.results.origin(solver)})
+    if cells.results.missing:
+        lines.append({"label": "Not in this build", "text": f"{formats.words(cells.results.missing)}.", "alert": False})
     return lines
 
 
@@ -72,8 +75,15 @@ def _scope(cells: Cells) -> str:
     excluded = int((cells.runs["excluded"] != "").sum())
     families = formats.plural(len(results.families), "family", "families")
     return (f"{formats.plural(len(problems), 'problem')} from {families}, n = {formats.span(list(problems['n']))}; "
-            f"{formats.plural(len(solvers), 'solver')} at tiers {tiers}: "
+            f"{formats.plural(len(solvers), 'solver')}{_origins(cells, solvers)} at tiers {tiers}: "
             f"{len(cells.runs) - excluded} answers judged, {excluded} excluded by rule.")
+
+
+def _origins(cells: Cells, solvers: list[str]) -> str:
+    words = {"own": "of our own", "peer": "of others", "external": "external"}
+    counts = {word: sum(cells.results.origin(s) == key for s in solvers) for key, word in words.items()}
+    present = [f"{count} {word}" for word, count in counts.items() if count]
+    return f" ({', '.join(present)})" if len(present) > 1 else ""
 
 
 def _fastest(cells: Cells, tier: float) -> str:

@@ -6,45 +6,98 @@ import pandas as pd
 
 from . import formats
 from .cells import SINGLE_RUN, Cell, Cells, failure_line, failure_word
-from .stats import median, nearest_sizes
+from .figures import growth
+from .stats import geometric_mean, median
 from .summary import ranking, size_classes
 
-_HEADLINE_SIZES = [10, 100, 1000]
+ORIGIN_TITLES = {"own": "own solvers", "peer": "peers", "external": "external solvers"}
 
 
-def headline(cells: Cells) -> list[dict]:
-    """A row per family and size near 10, 100, 1000; per solver time and rho at the strictest tier passed."""
-    rows = []
-    for family in cells.results.families:
-        sizes = nearest_sizes(cells.sizes(family), _HEADLINE_SIZES)
-        for n in sizes:
-            found = [cells.strictest(family, n, solver) for solver in cells.results.solvers]
-            passed = [c for c in found if c and c.passes]
-            top = min((c.tier for c in passed), default=None)
-            best = min((c.time_s for c in passed if c.tier == top), default=math.nan)
-            rows.append({"family": family, "n": n, "first": n == sizes[0], "span": len(sizes),
-                         "cells": [_headline_cell(c, top, best) for c in found]})
+def all_sizes(cells: Cells) -> list[int]:
+    return sorted(set(cells.results.problems["n"]))
+
+
+def headline(cells: Cells, tier: float) -> list[dict]:
+    """A row per solver, a cell per size: the median over the verified families of the time at this tier, how many
+    families those are, and the geometric mean of time over oracle-chol. Bold: the fastest of those with most families.
+    """
+    families = cells.results.families
+    oracle = {(family, n): t for family in families for n, t in cells.oracle_times(family)}
+    columns = []
+    for n in all_sizes(cells):
+        present = [family for family in families if n in cells.sizes(family)]
+        columns.append({solver: _headline_cell(cells, present, n, solver, tier, oracle)
+                        for solver in cells.results.solvers})
+        most = max((cell["verified"] for cell in columns[-1].values()), default=0)
+        full = [cell for cell in columns[-1].values() if cell["verified"] == most and most]
+        for cell in full:
+            cell["best"] = cell["seconds"] == min(other["seconds"] for other in full)
+    rows, origin = [], None
+    for solver in cells.results.solvers:
+        new, origin = cells.results.origin(solver) != origin, cells.results.origin(solver)
+        rows.append({"solver": solver, "group": ORIGIN_TITLES[origin] if new else "",
+                     "cells": [column[solver] for column in columns]})
     return rows
 
 
-def _headline_cell(cell: Cell | None, top: float | None, best: float) -> dict:
-    if cell is None:
-        return {"kind": "absent"}
+def _headline_cell(cells: Cells, families: list[str], n: int, solver: str, tier: float, oracle: dict) -> dict:
+    found = [cell for family in families if (cell := cells.get(family, n, solver, tier))]
+    passed = [cell for cell in found if cell.passes]
+    ratios = [cell.time_s / oracle[cell.family, n] for cell in passed if oracle.get((cell.family, n))]
+    time = median([cell.time_s for cell in passed])
+    rules = list(dict.fromkeys(cell.excluded for cell in found if cell.excluded))
+    words = list(dict.fromkeys(cell.verdict for cell in found if cell.verdict not in ("verified", "excluded")))
+    return {"verified": len(passed), "of": len(families), "seconds": time, "time": formats.seconds(time),
+            "ratio": formats.ratio(geometric_mean(ratios)), "best": False, "excluded": not passed and not words,
+            "word": words[0] if words else "", "title": "; ".join(words + rules)}
+
+
+def family_table(cells: Cells, family: str, tier: float) -> list[dict]:
+    """A row per solver, a cell per size of the family: time and verdict at this tier; oracle-chol in the last row."""
+    sizes = cells.sizes(family)
+    fastest = {}
+    for n in sizes:
+        times = [c.time_s for s in cells.results.solvers if (c := cells.get(family, n, s, tier)) and c.passes]
+        fastest[n] = min((t for t in times if math.isfinite(t)), default=math.nan)
+    rows = []
+    for solver in cells.results.solvers:
+        slope = growth(cells, family, tier, solver)
+        rows.append({"solver": solver, "exponent": f"{slope.exponent:.2f}" if slope else "",
+                     "range": f"n = {slope.n_min}–{slope.n_max}, {slope.points} points" if slope else "",
+                     "cells": [_family_cell(cells.get(family, n, solver, tier), fastest[n]) for n in sizes]})
+    return rows
+
+
+def oracle_row(cells: Cells, family: str) -> list[str]:
+    times = dict(cells.oracle_times(family))
+    return [formats.seconds(times.get(n, math.nan)) for n in cells.sizes(family)]
+
+
+def _family_cell(cell: Cell | None, fastest: float) -> dict:
+    if cell is None or cell.verdict == "excluded":
+        return {"kind": "excluded", "word": "not run", "reason": cell.excluded if cell else ""}
     if not cell.passes:
-        part = f"{cell.verified} of {cell.runs} verified" if cell.verified else ""
-        return {"kind": "excluded" if cell.excluded else "failed", "word": cell.failure, "reason": cell.reason,
-                "part": part, "rho": formats.residual(cell.rho)}
-    return {"kind": "passed", "time": formats.seconds(cell.time_s), "rho": formats.residual(cell.rho),
-            "tier": formats.tier(cell.tier), "looser": cell.tier != top, "single": cell.time_source == SINGLE_RUN,
-            "best": cell.tier == top and cell.time_s == best}
+        word = f"{cell.verified} of {cell.runs} verified" if cell.verified else cell.verdict
+        return {"kind": "failed", "word": word, "reason": f"{cell.verdict}: {cell.reason}",
+                "false": cell.verdict.startswith("false")}
+    convert = f"+ {formats.seconds(cell.convert_s)}" if cell.convert_s > 0 else ""
+    return {"kind": "passed", "time": formats.seconds(cell.time_s), "convert": convert,
+            "single": cell.time_source == SINGLE_RUN, "best": cell.time_s == fastest,
+            "reason": f"rho {formats.residual(cell.rho)}, {cell.verified} of {cell.runs} verified"}
 
 
 def rankings(cells: Cells) -> list[dict]:
-    """Per tier (strictest first) and size class the solvers, best first."""
+    """Per tier (strictest first) and size class the solvers, best first; those without a verified answer apart."""
     classes = size_classes(list(cells.results.problems["n"]))
-    return [{"tier": formats.tier(tier),
-             "classes": [{"label": c.label, "ranks": [_rank(r) for r in ranking(cells, tier, c)]} for c in classes]}
-            for tier in reversed(cells.results.tiers)]
+    found = []
+    for tier in reversed(cells.results.tiers):
+        tables = []
+        for c in classes:
+            ranks = ranking(cells, tier, c)
+            tables.append({"label": c.label, "ranks": [_rank(r) for r in ranks if r.verified],
+                           "none": [r.solver for r in ranks if not r.verified]})
+        found.append({"tier": formats.tier(tier), "classes": tables})
+    return found
 
 
 def _rank(rank) -> dict:
@@ -61,14 +114,14 @@ def other_claims(cells: Cells) -> list[str]:
 def accuracy(cells: Cells) -> list[dict]:
     """A row per solver and tier, strictest tier first."""
     rows = []
-    for solver in cells.results.solvers:
-        mine = cells.runs[cells.runs["solver"] == solver]
-        if not cells.was_run(solver):
-            rows.append({"solver": solver, "absent": True, "first": True, "span": 1})
-        for i, tier in enumerate(reversed(cells.results.tiers) if cells.was_run(solver) else []):
-            row = accuracy_row(mine[mine["tier"] == tier], other_claims(cells))
-            rows.append({"solver": solver, "tier": formats.tier(tier), "absent": False, "first": i == 0,
-                         "span": len(cells.results.tiers), **row})
+    claims = other_claims(cells)
+    for tier in reversed(cells.results.tiers):
+        at_tier = cells.runs[cells.runs["tier"] == tier]
+        by_solver = dict(list(at_tier.groupby("solver")))
+        for solver in cells.results.solvers:
+            absent = not cells.was_run(solver)
+            row = {} if absent else accuracy_row(by_solver.get(solver, at_tier.iloc[:0]), claims)
+            rows.append({"solver": solver, "tier": formats.tier(tier), "absent": absent, **row})
     return rows
 
 
@@ -76,6 +129,7 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
     """Counts and residuals of one solver at one tier. Excluded runs count as problems and as nothing else."""
     tried = runs[runs["excluded"] == ""]
     good = tried[tried["verified"]]
+    counts = [int((tried["claim"] == claim).sum()) for claim in claims]
     return {
         "problems": len(runs), "excluded": len(runs) - len(tried),
         "claimed": int((tried["claim"] == "solved").sum()),
@@ -83,66 +137,64 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
         "unclaimed": int((good["claim"] != "solved").sum()),
         "false_success": int(tried["false_success"].sum()),
         "false_infeasible": int(tried["false_infeasible"].sum()),
-        "claims": [int((tried["claim"] == claim).sum()) for claim in claims],
+        "claims": counts,
+        "gave_up": ", ".join(f"{formats.status(claim)} {count}" for claim, count in zip(claims, counts) if count),
         "rho_median": formats.residual(median(good["rho"])), "rho_max": formats.residual(good["rho"].max()),
         "backward_max": formats.residual(good["backward_error"].max()),
         "w_error_max": formats.residual(good["w_error"].max()),
     }
 
 
-def verdicts(cells: Cells) -> dict:
-    """One look at everything: a row per solver, a cell per family and size: the strictest tier that all seeds pass."""
+def verdicts(cells: Cells) -> list[dict]:
+    """One look at everything: a row per family and size, a cell per solver: the strictest tier that all seeds pass."""
     tiers = list(reversed(cells.results.tiers))
-    groups = [{"family": family, "sizes": cells.sizes(family)} for family in cells.results.families]
-    rows = []
-    for solver in cells.results.solvers:
-        row = []
-        for group in groups:
-            for n in group["sizes"]:
-                row.append(_verdict(cells, group["family"], n, solver, tiers) | {"first": n == group["sizes"][0]})
-        rows.append({"solver": solver, "cells": row})
-    return {"groups": groups, "rows": rows}
+    return [{"family": family, "n": n, "first": n == cells.sizes(family)[0], "span": len(cells.sizes(family)),
+             "cells": [_verdict(cells, family, n, solver, tiers) for solver in cells.results.solvers]}
+            for family in cells.results.families for n in cells.sizes(family)]
 
 
 def _verdict(cells: Cells, family: str, n: int, solver: str, tiers: list[float]) -> dict:
     cell = cells.strictest(family, n, solver)
     name = f"{solver}, {family}, n = {n}: "
-    if cell is None or cell.excluded:
+    tried = [c for t in tiers if (c := cells.get(family, n, solver, t)) and not c.excluded]
+    if cell is None or not tried:
         return {"kind": "level-1", "text": "", "title": name + (cell.reason if cell else "not run")}
-    lied = [c for t in tiers if (c := cells.get(family, n, solver, t)) and c.failure.startswith("false")]
-    if lied:
-        return {"kind": "false", "text": "!", "title": f"{name}{lied[0].failure} at {formats.tier(lied[0].tier)}"}
+    lied = [c for c in tried if c.failure.startswith("false")]
+    lie = f"{lied[0].failure} at {formats.tier(lied[0].tier)}" if lied else ""
     if not cell.passes:
-        return {"kind": "level0", "text": "✗", "title": name + cell.failure}
+        return {"kind": "false", "text": "!", "title": name + lie} if lied else \
+               {"kind": "level0", "text": "✗", "title": name + tried[-1].failure}
     exponent = formats.tier(cell.tier).split("e")[1].replace("-", "−")
-    return {"kind": f"level{tiers.index(cell.tier) + 1}", "text": exponent,
-            "title": f"{name}passes {formats.tier(cell.tier)}, rho {formats.residual(cell.rho)}"}
+    return {"kind": f"level{tiers.index(cell.tier) + 1}" + (" lied" if lied else ""),
+            "text": exponent + ("!" if lied else ""),
+            "title": f"{name}passes {formats.tier(cell.tier)}, rho {formats.residual(cell.rho)}"
+                     + (f"; {lie}" if lied else "")}
 
 
 def residual_map(cells: Cells) -> list[dict]:
-    """Per family: a row per problem, a cell per solver with rho when the strictest tier was asked for."""
+    """Per family: a column per problem, a row per solver with rho when the strictest tier was asked for."""
     strictest = min(cells.results.tiers)
-    at_tier = cells.runs[cells.runs["tier"] == strictest].set_index(["problem", "solver"])
+    at_tier = {(run["problem"], run["solver"]): run
+               for run in cells.runs[cells.runs["tier"] == strictest].to_dict("records")}
     families = []
     for family in cells.results.families:
         problems = cells.results.problems
-        mine = problems[problems["family"] == family].sort_values(["n", "seed"], kind="stable")
-        rows = [{"problem": p.problem, "n": p.n, "seed": p.seed,
-                 "cells": [_map_cell(cells, at_tier, p.problem, solver) for solver in cells.results.solvers]}
-                for p in mine.itertuples(index=False)]
+        mine = list(problems[problems["family"] == family].sort_values(["n", "seed"], kind="stable")
+                    .itertuples(index=False))
+        rows = [{"solver": solver, "cells": [_map_cell(cells, at_tier.get((p.problem, solver))) for p in mine]}
+                for solver in cells.results.solvers]
         verified = sum(cell["level"] == 1 for row in rows for cell in row["cells"])
         families.append({"family": family, "rows": rows, "verified": verified,
-                         "of": len(rows) * len(cells.results.solvers)})
+                         "problems": [{"name": p.problem, "n": p.n, "seed": p.seed} for p in mine],
+                         "of": len(rows) * len(mine)})
     return families
 
 
-def _map_cell(cells: Cells, at_tier: pd.DataFrame, problem: str, solver: str) -> dict:
+def _map_cell(cells: Cells, run: dict | None) -> dict:
     """`level` 1 is the strictest tier, 2 the next, ...; 0 is none."""
-    if (problem, solver) not in at_tier.index:
-        return {"level": -1, "rho": formats.DASH, "word": "", "false": False, "title": "not run"}
-    run = at_tier.loc[(problem, solver)]
-    if run["excluded"]:
-        return {"level": -1, "rho": "excluded", "word": "", "false": False, "title": run["excluded"]}
+    if run is None or run["excluded"]:
+        return {"level": -1, "rho": formats.DASH, "word": "", "false": False,
+                "title": run["excluded"] if run else "not run"}
     level = 0
     for i, tier in enumerate(reversed(cells.results.tiers), start=1):
         if not level and run["best_tier"] > 0 and run["best_tier"] <= tier * (1 + 1e-6):
@@ -153,21 +205,23 @@ def _map_cell(cells: Cells, at_tier: pd.DataFrame, problem: str, solver: str) ->
 
 
 def failures(cells: Cells) -> list[dict]:
-    """What went wrong, grouped by solver, tier, family and kind, with one example each."""
-    bad = cells.runs[~cells.runs["verified"] & (cells.runs["excluded"] == "")].copy()
-    if bad.empty:
-        return []
-    bad["word"] = [failure_word(run) for _, run in bad.iterrows()]
+    """What went wrong, grouped by solver, tier and kind, with one example each."""
+    bad = cells.runs[~cells.runs["verified"] & (cells.runs["excluded"] == "")]
+    groups: dict[tuple, list[dict]] = {}
+    for run in bad.to_dict("records"):
+        groups.setdefault((run["solver"], run["tier"], failure_word(run)), []).append(run)
     order = {s: i for i, s in enumerate(cells.results.solvers)}
     families = {f: i for i, f in enumerate(cells.results.families)}
     rows = []
-    for (solver, tier, family, word), group in bad.groupby(["solver", "tier", "family", "word"], sort=False):
-        example = group.sort_values(["n", "seed"], kind="stable").iloc[0]
-        sizes = ", ".join(str(n) for n in sorted(set(group["n"])))
-        rows.append({"solver": solver, "tier": formats.tier(tier), "family": family, "word": word, "count": len(group),
-                     "sizes": sizes, "rho": formats.residual(example["rho"]),
+    for (solver, tier, word), group in groups.items():
+        example = min(group, key=lambda run: (run["n"], families[run["family"]], run["seed"]))
+        names = sorted({run["family"] for run in group}, key=families.get)
+        rows.append({"solver": solver, "tier": formats.tier(tier), "word": word, "count": len(group),
+                     "families": names[0] if len(names) == 1 else f"{len(names)} families",
+                     "names": formats.words(names), "sizes": ", ".join(str(n) for n in sorted({r["n"] for r in group})),
+                     "rho": formats.residual(example["rho"]), "problem": example["problem"],
                      "example": failure_line(example), "false": word.startswith("false"),
-                     "key": (order[solver], tier, families[family], word)})
+                     "key": (order[solver], tier, word)})
     return sorted(rows, key=lambda row: row["key"])
 
 

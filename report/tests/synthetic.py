@@ -14,8 +14,15 @@ SIZES = (10, 30, 100, 300, 1000, 3000)
 SEEDS = (1, 2, 3)
 TIERS = (1e-3, 1e-6, 1e-9)
 # key -> time at n = 1 [s], exponent, factor per tier
-SOLVERS = {"dantzig": (3e-8, 2.6, 1.0), "pgs": (6e-7, 1.6, 3.5), "ipopt-qp": (4e-5, 1.5, 1.3),
-           "ipopt-ncp": (9e-5, 1.6, 1.5), "suitesparse": (5e-6, 1.25, 1.2)}
+OWN = {"dantzig": (3e-8, 2.6, 1.0), "pgs": (6e-7, 1.6, 3.5), "ipopt-qp": (4e-5, 1.5, 1.3),
+       "ipopt-ncp": (9e-5, 1.6, 1.5), "suitesparse": (5e-6, 1.25, 1.2)}
+PEERS = {"bullet-dantzig": (4e-8, 2.6, 1.0), "bullet-dantzig-cfm": (4e-8, 2.6, 1.0), "clp": (1e-6, 2.0, 1.2),
+         "clp-default": (1e-6, 2.1, 1.1)}
+EXTERNAL = {"mine": (1e-4, 1.1, 1.0)}
+SOLVERS = OWN | PEERS | EXTERNAL
+MISSING = ("petsc-rsls", "tao-tron")
+DIRECT = ("dantzig", "bullet-dantzig", "bullet-dantzig-cfm")
+_LIBRARIES = {"bullet": "Bullet", "clp": "Clp", "petsc": "PETSc", "tao": "PETSc"}
 _SVG = """<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" width="200" height="150" viewBox="0 0 200 150">
 <style>.body {{ fill: #dde6ee; stroke: #445; }}</style>
 <defs><marker id="tip" markerWidth="6" markerHeight="6" refX="3" refY="3" orient="auto">
@@ -54,8 +61,8 @@ def _run_json(families) -> dict:
         "memory_bytes": 8 * 2**30, "os": "Debian 12",
         "libraries": {"Eigen": "3.4.0", "Ipopt": "3.11.9", "CHOLMOD": "3.0.14"},
         "tiers": list(TIERS), "time_limit_s": 20.0, "repetitions": 5, "min_time_s": 0.1, "seed": 1,
-        "solvers": [{"key": key, "method": f"method of {key}", "source": f"source of {key}", "available": True,
-                     "uses_tolerance": key != "dantzig"} for key in SOLVERS],
+        # An external solver comes last in the registry; here it does not, so that the order must be made.
+        "solvers": [_solver_json(key) for key in (*EXTERNAL, *OWN, *PEERS, *MISSING)],
         "scenes": [{"key": key, "title": key.replace("-", " ").capitalize(), "purpose": f"What {key} tells apart.",
                     "picture": f"{key}.svg"} for key in families],
         "metrics": [{"key": "rho", "formula": "|min(D^1/2 f, D^-1/2 w)|_2 / |D^-1/2 b|_2"},
@@ -63,10 +70,18 @@ def _run_json(families) -> dict:
     }
 
 
+def _solver_json(key) -> dict:
+    origin = "own" if key in OWN else "external" if key in EXTERNAL else "peer"
+    return {"key": key, "method": f"method of {key}", "source": _LIBRARIES.get(key.split("-")[0], f"source of {key}"),
+            "available": key not in MISSING, "uses_tolerance": key not in DIRECT, "origin": origin,
+            "licence": f"licence of {key}", "library_version": "" if origin == "own" or key in MISSING else "1.2.3"}
+
+
 def _problem(rng, f, family, n, seed) -> dict:
     return {"problem": f"{family}-n{n}-s{seed}", "family": family, "n": n, "seed": seed, "bodies": n // 2 + 2,
             "movable": n // 2, "nnz_a": min(n * n, 7 * n), "rank_a": n - (f * n) // 10 if n <= 1000 else "",
-            "separating": round(rng.uniform(0.1, 0.5), 3)}
+            "separating": round(rng.uniform(0.1, 0.5), 3), "active": n // 2, "independent": n // 2 - (f * n) // 20,
+            "oracle_contact_s": f"{2e-7 * n:.6e}", "oracle_body_s": f"{1e-6 * n**0.9:.6e}" if f else ""}
 
 
 def _run(rng, f, problem, solver, tier) -> dict:
@@ -80,9 +95,9 @@ def _run(rng, f, problem, solver, tier) -> dict:
     if solver == "dantzig" and n > 1000:
         empty = dict.fromkeys(("iterations", "false_success", "false_infeasible", "claim"), "")
         return row | empty | {"excluded": "dense, n > 1000"}
-    judged = min(TIERS) if solver == "dantzig" else tier
+    judged = min(TIERS) if solver in DIRECT else tier
     rho = judged * 10 ** rng.uniform(-3, -0.2)
-    if solver == "dantzig":
+    if solver in DIRECT:
         rho = 10 ** rng.uniform(-16, -13)
     if solver == "pgs" and (tier < 1e-6 and n > 10 or tier < 1e-3 and n > 300 + 100 * f):
         row |= {"claim": "iteration_limit", "detail": "10000 sweeps"}
@@ -97,6 +112,8 @@ def _run(rng, f, problem, solver, tier) -> dict:
             "best_tier": next((f"{t:.0e}" for t in sorted(TIERS) if rho <= t), ""), "rho": f"{rho:.6e}",
             "backward_error": f"{10 * rho:.6e}", "setup_s": f"{2e-7 * n**1.1 * (1 + len(solver)):.6e}",
             "solve_s": f"{time0 * n**exponent * per_tier ** (digits / 3) * (1 + 0.3 * f) * rng.uniform(1, 1.4):.6e}"}
+    if solver in PEERS:
+        row["convert_s"] = f"{1e-9 * n**2:.6e}"
     if not passes:
         row["reason"] = f"rho {rho:.1e} > {tier:.0e}"
     return row
@@ -105,10 +122,10 @@ def _run(rng, f, problem, solver, tier) -> dict:
 def _benchmarks(rng, rows) -> list[dict]:
     found = []
     for row in rows:
-        if row["solver"] == "dantzig" and float(row["tier"]) != min(TIERS):
+        if row["solver"] in DIRECT and float(row["tier"]) != min(TIERS):
             continue  # one run stands for every tier
         name = f"solve/{row['family']}/{row['n']}/{row['solver']}/{float(row['tier']):.0e}"
-        name += "/min_time:0.100/repeats:5/real_time"
+        name += "/min_time:0.100/repeats:5/real_time" if row["solver"] in OWN else "/iterations:1/repeats:5/manual_time"
         if row["excluded"] or row["passes"] == "false":
             found.append({"name": name, "run_name": name, "run_type": "iteration", "error_occurred": True,
                           "error_message": row["excluded"] or row["reason"]})
@@ -127,7 +144,7 @@ def write_motion(folder: Path, scenes=(("disc-pile", "velocity"), ("disc-track",
     """Adds motion.csv: errors of each solver proportional to its tolerance; pgs stops early at the loosest."""
     rows = []
     for scene, level in scenes:
-        for solver in SOLVERS:
+        for solver in OWN:
             for tier in TIERS if solver != "dantzig" else TIERS[-1:]:
                 for step in range(0, 101, 10):
                     stops = solver == "pgs" and tier == TIERS[0] and step == 50

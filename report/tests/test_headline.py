@@ -15,7 +15,7 @@ from lcpbench_report import markdown  # noqa: E402
 from lcpbench_report.cells import Cells  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.load import load_results  # noqa: E402
-from synthetic import SOLVERS, write_results  # noqa: E402
+from synthetic import MISSING, SIZES, SOLVERS, write_results  # noqa: E402
 
 
 class Headline(unittest.TestCase):
@@ -30,11 +30,19 @@ class Headline(unittest.TestCase):
     def tearDownClass(cls):
         cls._folder.cleanup()
 
-    def test_every_row_has_a_cell_for_every_solver(self):
+    def test_there_is_a_row_for_every_solver_and_a_column_for_every_size(self):
         rows = [line for line in self.table.splitlines() if line.startswith("|")]
-        self.assertGreater(len(rows), 2)
+        self.assertEqual([row.split("|")[1].strip(" `") for row in rows],
+                         ["solver", "---", *SOLVERS, "families"])
         for row in rows:
-            self.assertEqual(row.count("|"), len(SOLVERS) + 3)
+            self.assertEqual(row.count("|"), len(SIZES) + 2)
+
+    def test_own_solvers_come_first_and_the_missing_ones_are_one_line(self):
+        self.assertEqual(self.table.count("Not in this build"), 1)
+        line = next(line for line in self.table.splitlines() if line.startswith("Not in this build"))
+        for solver in MISSING:
+            self.assertIn(f"`{solver}`", line)
+            self.assertEqual(self.table.count(solver), 1)
 
     def test_the_machine_and_the_commit_are_named(self):
         run = load_results(self.results).run

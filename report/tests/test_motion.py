@@ -12,11 +12,12 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 from lcpbench_report import motion, motion_figure  # noqa: E402
+from lcpbench_report.cells import Cells  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.load import load_results  # noqa: E402
 from lcpbench_report.page import render  # noqa: E402
 from lcpbench_report.style import solver_styles  # noqa: E402
-from synthetic import SOLVERS, TIERS, write_motion, write_results  # noqa: E402
+from synthetic import OWN, TIERS, write_motion, write_results  # noqa: E402
 
 
 class Motion(unittest.TestCase):
@@ -34,10 +35,10 @@ class Motion(unittest.TestCase):
 
     def test_without_the_file_the_page_has_no_such_section(self):
         (self.folder / motion.FILE).unlink()
-        self.assertNotIn('id="motion"', render(load_results(self.folder)))
+        self.assertNotIn('id="motion"', render(Cells(load_results(self.folder))))
 
     def test_the_page_holds_a_figure_and_a_table_per_scene(self):
-        page = render(load_results(self.folder))
+        page = render(Cells(load_results(self.folder)))
         self.assertEqual(page.count('id="motion"'), 1)
         self.assertEqual(page.count('<a href="#motion">'), 1)
         for label in ("disc-pile at the velocity level", "disc-track at the acceleration level"):
@@ -49,7 +50,7 @@ class Motion(unittest.TestCase):
         results = load_results(self.folder)
         table = motion.of_scene(results.motion, "disc-pile", "velocity")
         rows = {(row["solver"], row["tolerance"]): row for row in motion.summary(table, results.solvers)}
-        self.assertEqual(len(rows), 1 + len(TIERS) * (len(SOLVERS) - 1))
+        self.assertEqual(len(rows), 1 + len(TIERS) * (len(OWN) - 1))
         full, stopped = rows["suitesparse", "1e-6"], rows["pgs", "1e-3"]
         self.assertEqual((full["energy"], full["penetration"], full["distance"]), ("1.0e-04", "1.0e-05", "2.0e-04"))
         self.assertEqual((full["solves"], full["false"], full["stopped"]), (100, 0, ""))
@@ -58,7 +59,7 @@ class Motion(unittest.TestCase):
 
     def test_figures_are_the_same_for_the_same_file(self):
         table = motion.of_scene(load_results(self.folder).motion, "disc-track", "acceleration")
-        styles = solver_styles(list(SOLVERS))
+        styles = solver_styles(load_results(self.folder).run["solvers"])
         self.assertEqual(motion_figure.figure(table, styles), motion_figure.figure(table, styles))
 
     def test_damage_is_named_by_line_and_column(self):

@@ -4,11 +4,13 @@ The mathematics on hand-made cases; the files on a synthetic results folder (syn
 """
 
 import contextlib
+import csv
 import html.parser
 import io
 import json
 import math
 import re
+import statistics
 import sys
 import tempfile
 import unittest
@@ -20,14 +22,14 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import generate  # noqa: E402
-from lcpbench_report import formats, stats, svg, tables  # noqa: E402
+from lcpbench_report import formats, stats, style, svg, tables, times  # noqa: E402
 from lcpbench_report.cells import BENCHMARK, SINGLE_RUN, Cells  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.limitations import limitations  # noqa: E402
 from lcpbench_report.load import load_results  # noqa: E402
 from lcpbench_report.summary import ranking, size_classes, summary_lines  # noqa: E402
 from lcpbench_report.timing import read_timing  # noqa: E402
-from synthetic import SOLVERS, TIERS, write_results  # noqa: E402
+from synthetic import EXTERNAL, FAMILIES, MISSING, OWN, PEERS, SIZES, SOLVERS, TIERS, write_results  # noqa: E402
 
 INF, NAN = math.inf, math.nan
 
@@ -183,6 +185,7 @@ class OnSyntheticResults(unittest.TestCase):
         # synthetic.py: ipopt-qp at 1e-9 on the last family, n = 300 and 1000, three seeds each; nowhere else.
         rows = {(row["solver"], row["tier"]): row for row in tables.accuracy(self.cells)}
         for key, row in rows.items():
+            self.assertFalse(row["absent"])
             self.assertEqual(row["false_success"], 6 if key == ("ipopt-qp", "1e-9") else 0)
             self.assertEqual(row["claimed"] - row["false_success"], row["verified"] - row["unclaimed"])
         line = next(line for line in summary_lines(self.cells) if line["label"] == "False successes")
@@ -247,18 +250,90 @@ class OnSyntheticResults(unittest.TestCase):
         self.assertEqual([s for s in subjects if s.endswith("strict tiers")], ["pgs and strict tiers"])
 
     def test_the_page_is_self_contained_unique_in_its_ids_and_repeats_byte_for_byte(self):
-        pages = []
+        pages, tables_ = [], []
+        folder = write_results(Path(self.directory.name) / "small", families=FAMILIES[:2])
         for name in ("a.html", "b.html"):
             output = Path(self.directory.name) / name
-            self.assertEqual(generate.main([str(self.folder), "-o", str(output)]), 0)
+            self.assertEqual(generate.main([str(folder), "-o", str(output)]), 0)
             pages.append(output.read_bytes())
+            tables_.append(output.with_suffix(".csv").read_bytes())
         self.assertEqual(pages[0], pages[1])
+        self.assertEqual(tables_[0], tables_[1])
         self.assertLess(len(pages[0]), 5_000_000)
         page = _Page(pages[0].decode("utf-8"))
         self.assertEqual(len(page.ids), len(set(page.ids)))
         self.assertEqual([r for r in page.references if r not in page.ids], [])
         self.assertEqual(page.outside, [])
         self.assertNotIn("@import", page.text)
+
+
+    def test_solvers_stand_in_the_order_own_peers_external(self):
+        self.assertEqual(self.cells.results.solvers, list(SOLVERS))
+
+    def test_headline_counts_families_and_takes_the_median_over_the_verified_ones(self):
+        for tier in TIERS:
+            for row in tables.headline(self.cells, tier):
+                for n, cell in zip(SIZES, row["cells"]):
+                    found = [self.cells.get(family, n, row["solver"], tier) for family in FAMILIES]
+                    times = [c.time_s for c in found if c.passes]
+                    self.assertEqual((cell["verified"], cell["of"]), (len(times), len(FAMILIES)))
+                    if times:
+                        self.assertEqual(cell["seconds"], statistics.median(times))
+
+    def test_headline_is_bold_only_where_most_families_are_verified(self):
+        for column in zip(*(row["cells"] for row in tables.headline(self.cells, 1e-9))):
+            best = [cell for cell in column if cell["best"]]
+            self.assertEqual(len(best), 1)
+            self.assertEqual(best[0]["verified"], max(cell["verified"] for cell in column))
+
+    def test_the_oracle_is_the_faster_of_contact_and_body_space(self):
+        times = dict(self.cells.oracle_times("rockers"))
+        self.assertAlmostEqual(times[10], 2e-7 * 10)
+        self.assertAlmostEqual(times[3000], min(2e-7 * 3000, 1e-6 * 3000**0.9), places=12)
+        self.assertAlmostEqual(dict(self.cells.oracle_times(FAMILIES[0]))[3000], 2e-7 * 3000)  # no body space there
+
+    def test_conversion_stands_beside_the_time_of_those_that_tell_it(self):
+        rows = {row["solver"]: row for row in tables.family_table(self.cells, "rockers", 1e-6)}
+        self.assertEqual(rows["suitesparse"]["cells"][0]["convert"], "")
+        self.assertIn("ns", rows["bullet-dantzig"]["cells"][0]["convert"])
+
+    def test_times_csv_has_a_row_per_cell_with_time_and_verdict(self):
+        rows = list(csv.DictReader(io.StringIO(times.as_csv(self.cells))))
+        self.assertEqual(len(rows), len(self.cells.all()))
+        for row in rows:
+            cell = self.cells.get(row["family"], int(row["n"]), row["solver"], float(row["tier"]))
+            self.assertEqual(row["verdict"] == "verified", cell.passes)
+            self.assertEqual(row["time_s"] == "", math.isnan(cell.time_s))
+            if cell.passes:
+                self.assertAlmostEqual(float(row["time_s"]) / cell.time_s, 1, places=3)
+
+    def test_times_as_markdown_names_the_oracle_and_every_solver(self):
+        text = times.as_markdown(self.cells, 1e-6, ["rockers"])
+        rows = [line for line in text.splitlines() if line.startswith("|")]
+        self.assertEqual(len(rows), 2 + len(SOLVERS) + 1)
+        self.assertTrue(rows[-1].startswith("| oracle-chol |"))
+
+
+class Styles(unittest.TestCase):
+    def test_every_solver_looks_different_and_its_look_does_not_depend_on_the_build(self):
+        keys = [*OWN, *PEERS, *MISSING, *EXTERNAL]
+        described = [{"key": key, "source": key.split("-")[0], "available": True, "origin":
+                      "own" if key in OWN else "external" if key in EXTERNAL else "peer"} for key in keys]
+        styles = style.solver_styles(described)
+        looks = {(s.colour, s.marker, str(s.dash)) for s in styles.values()}
+        self.assertEqual(len(looks), len(keys))
+        for entry in described:
+            entry["available"] = entry["origin"] == "own"
+        self.assertEqual(style.solver_styles(described), styles)
+
+    def test_variants_share_colour_and_marker_with_their_method(self):
+        styles = style.solver_styles([{"key": key, "source": "X", "origin": "peer"} for key in
+                                      ("x-pgs", "x-pgs-default", "x-dantzig", "x-dantzig-cfm")])
+        for method, variant in (("x-pgs", "x-pgs-default"), ("x-dantzig", "x-dantzig-cfm")):
+            self.assertEqual((styles[method].colour, styles[method].marker),
+                             (styles[variant].colour, styles[variant].marker))
+            self.assertNotEqual(styles[method].dash, styles[variant].dash)
+        self.assertNotEqual(styles["x-pgs"].marker, styles["x-dantzig"].marker)
 
 
 class _Page(html.parser.HTMLParser):
@@ -286,8 +361,8 @@ class IncompleteResults(unittest.TestCase):
     def setUp(self):
         self.directory = tempfile.TemporaryDirectory()
         self.addCleanup(self.directory.cleanup)
-        self.folder = write_results(Path(self.directory.name) / "results", families=("disc-pile", "rockers"),
-                                    sizes=(10, 30, 100), seeds=(1,))
+        self.folder = write_results(Path(self.directory.name) / "results", families=("rockers",), sizes=(10, 30, 100),
+                                    seeds=(1,))
         self.output = Path(self.directory.name) / "page.html"
 
     def run_main(self) -> tuple[int, str]:
@@ -377,7 +452,7 @@ class IncompleteResults(unittest.TestCase):
         table.loc[:, ["rho", "backward_error", "setup_s", "solve_s", "w_error"]] = ""
         table.to_csv(self.folder / "accuracy.csv", index=False)
         problems = pd.read_csv(self.folder / "problems.csv", dtype=str, keep_default_na=False)
-        problems.loc[:, ["rank_a", "separating", "nnz_a", "movable"]] = ""
+        problems.loc[:, ["rank_a", "separating", "nnz_a", "movable", "oracle_contact_s", "oracle_body_s"]] = ""
         problems.to_csv(self.folder / "problems.csv", index=False)
         self.assertEqual(self.run_main(), (0, ""))
         page = self.output.read_text(encoding="utf-8")
@@ -400,19 +475,52 @@ class IncompleteResults(unittest.TestCase):
         self.assertEqual(self.run_main(), (0, ""))
         self.assertIn("no solver verified", self.output.read_text(encoding="utf-8"))
 
-    def test_a_solver_that_is_not_in_the_build_keeps_its_row(self):
+    def test_a_solver_that_was_excluded_everywhere_keeps_its_row(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         mine = table["solver"] == "ipopt-ncp"
         kept = ("problem", "family", "n", "seed", "solver", "tier")
         table.loc[mine, [c for c in table.columns if c not in kept]] = ""
-        table.loc[mine, "excluded"] = "not in this build"
+        table.loc[mine, "excluded"] = "dense"
         table.to_csv(self.folder / "accuracy.csv", index=False)
         (self.folder / "timing.json").write_text('{"benchmarks": []}', encoding="utf-8")
         cells = Cells(load_results(self.folder))
         self.assertNotIn("ipopt-ncp", cells.problem_times(1e-3)[0].columns)
         line = next(line for line in summary_lines(cells) if line["label"] == "ipopt-ncp")
-        self.assertEqual(line["text"], "not run: not in this build.")
+        self.assertEqual(line["text"], "not run: dense.")
         self.assertEqual(self.run_main(), (0, ""))
+
+    def test_who_ran_out_of_time_at_a_looser_tier_is_not_called_excluded(self):
+        table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
+        mine = (table["solver"] == "clp") & (table["tier"] == "1e-09")
+        kept = ("problem", "family", "n", "seed", "solver", "tier")
+        table.loc[mine, [c for c in table.columns if c not in kept]] = ""
+        table.loc[mine, "excluded"] = "out of time at the looser tier 1e-06"
+        table.to_csv(self.folder / "accuracy.csv", index=False)
+        cells = Cells(load_results(self.folder))
+        self.assertEqual({c.verdict for c in cells.all() if c.solver == "clp" and c.tier == 1e-9}, {"time limit"})
+        rows = {row["solver"]: row for row in tables.family_table(cells, "rockers", 1e-9)}
+        self.assertEqual({cell["word"] for cell in rows["clp"]["cells"]}, {"time limit"})
+
+    def test_solvers_that_are_not_in_the_build_are_one_line_of_names(self):
+        self.assertEqual(self.run_main(), (0, ""))
+        results = load_results(self.folder)
+        self.assertEqual(tuple(results.missing), MISSING)
+        page = self.output.read_text(encoding="utf-8")
+        for solver in MISSING:
+            self.assertNotIn(f'data-solver="{solver}"', page)
+        self.assertIn("Not in this build: " + ", ".join(MISSING), page)
+        lines = [line for line in summary_lines(Cells(results)) if line["label"] == "Not in this build"]
+        self.assertEqual([line["text"] for line in lines], ["petsc-rsls and tao-tron."])
+
+    def test_an_unknown_origin_or_a_cell_of_a_missing_solver_is_an_error(self):
+        run = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
+        run["solvers"][0]["origin"] = "elsewhere"
+        self.edit_run(solvers=run["solvers"])
+        self.assert_fails("run.json", "solvers[0].origin", "elsewhere")
+        run["solvers"][0]["origin"] = "own"
+        self.edit_run(solvers=run["solvers"])
+        self.edit_cell("accuracy.csv", 3, "solver", MISSING[0])
+        self.assert_fails("accuracy.csv", "line 3", MISSING[0])
 
     def test_words_from_the_files_cannot_become_markup(self):
         self.edit_run(cpu="<script>alert(1)</script>", flags="-O3 <b>")
@@ -462,7 +570,6 @@ class Synthetic(unittest.TestCase):
             folders = [write_results(Path(directory) / name, families=("rockers",), sizes=(10,)) for name in "ab"]
             for file in folders[0].iterdir():
                 self.assertEqual(file.read_bytes(), (folders[1] / file.name).read_bytes())
-        self.assertEqual(len(SOLVERS), 5)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -52,7 +53,16 @@ TEST_F(Command, HelpIsEverywhere) {
 TEST_F(Command, ListsStartWithTheKey) {
   const std::vector<std::string> solvers = Lines(Run("list solvers").out);
   ASSERT_EQ(solvers.size(), AllSolvers().size());
-  for (size_t i = 0; i < solvers.size(); ++i) EXPECT_TRUE(solvers[i].starts_with(AllSolvers()[i].key));
+  for (size_t i = 0; i < solvers.size(); ++i) {
+    const SolverEntry& entry = AllSolvers()[i];
+    EXPECT_TRUE(solvers[i].starts_with(entry.key));
+    EXPECT_NE(solvers[i].find(entry.licence), std::string::npos) << solvers[i];
+    EXPECT_EQ(solvers[i].ends_with("(not in this build)"), !entry.available) << solvers[i];
+    // A version: a digit, a point, a digit.
+    if (entry.available) {
+      EXPECT_TRUE(std::regex_search(solvers[i], std::regex("\\[.* [0-9]+\\.[0-9].*\\]"))) << solvers[i];
+    }
+  }
   const std::vector<std::string> scenes = Lines(Run("list scenes").out);
   ASSERT_EQ(scenes.size(), AllScenes().size());
   for (size_t i = 0; i < scenes.size(); ++i) EXPECT_TRUE(scenes[i].starts_with(AllScenes()[i].key));
@@ -120,7 +130,7 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
 }
 
 TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
-  const Outcome run = Run("run --suite quick --scenes disc-pile,rockers --sizes 5,10 --min-time 0.001 -o " + Path("r"));
+  const Outcome run = Run("run --suite quick --scenes disc-pile,rockers --sizes 5 --min-time 0.0001 -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
   for (const char* name : {"run.json", "problems.csv", "accuracy.csv", "timing.json", "disc-pile.svg", "rockers.svg"}) {
     EXPECT_TRUE(fs::exists(folder_ / "r" / name)) << name;
@@ -129,9 +139,19 @@ TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
   EXPECT_EQ(about["schema"], "lcpbench-run/1");
   EXPECT_GT(about["wall_s"].get<double>(), 0);
   EXPECT_FALSE(about["git_commit"].get<std::string>().empty());
-  // header + 4 problems x solvers x 3 tiers
-  EXPECT_EQ(Lines(ReadFile(folder_ / "r/accuracy.csv")).size(), 1 + 4 * AllSolvers().size() * 3);
-  EXPECT_EQ(Lines(ReadFile(folder_ / "r/problems.csv")).size(), 5u);
+  // header + 2 problems x solvers x 3 tiers; who is not in the build is named once, and has no cells
+  std::size_t available = 0;
+  const std::string accuracy = ReadFile(folder_ / "r/accuracy.csv");
+  for (const SolverEntry& entry : AllSolvers()) {
+    available += entry.available ? 1 : 0;
+    EXPECT_EQ(accuracy.find("," + entry.key + ",") != std::string::npos, entry.available) << entry.key;
+    if (!entry.available) {
+      EXPECT_NE(run.error.find(entry.key), std::string::npos);
+    }
+  }
+  EXPECT_EQ(Lines(accuracy).size(), 1 + 2 * available * 3);
+  EXPECT_EQ(about["solvers"].size(), AllSolvers().size());
+  EXPECT_EQ(Lines(ReadFile(folder_ / "r/problems.csv")).size(), 3u);
   const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
   EXPECT_TRUE(timing["context"].contains("git_commit"));
   EXPECT_FALSE(timing["benchmarks"].empty());
