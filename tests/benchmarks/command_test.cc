@@ -14,6 +14,7 @@
 #include "model/scenes/scene.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -118,8 +119,7 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
     ASSERT_EQ(generated.status, 0) << generated.error;
     EXPECT_EQ(generated.out, Run("generate " + std::string(scene.key) + " --size 12 --seed 3").out);
     EXPECT_NE(generated.out, Run("generate " + std::string(scene.key) + " --size 12 --seed 4").out);
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (!entry.available) continue;
+    for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
       const Outcome solved = Run("solve --solver " + std::string(entry.key) + " --tolerance 1e-3 -", generated.out);
       ASSERT_EQ(solved.status, 0) << solved.error;
       const nlohmann::json record = nlohmann::json::parse(solved.out);

@@ -16,6 +16,7 @@
 #include "solvers/lcp/json_lines.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -86,8 +87,7 @@ TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
 }
 
 TEST_F(SequenceCommand, IsTheSameFileTwiceUnderEverySolver) {
-  for (const SolverEntry& solver : AllSolvers()) {
-    if (!solver.available) continue;
+  for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
     const std::string arguments =
         "sequence disc-pile --size 12 --steps 15 --tolerance 1e-6 --solver " + std::string(solver.key);
     const CommandOutcome first = Run(arguments);
@@ -163,14 +163,18 @@ TEST_F(SequenceCommand, MisuseIsOneLineAndStatusTwo) {
 }
 
 TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
+  std::string solvers;
+  std::size_t motions = 0;
+  for (const SolverEntry& solver : OwnSolversAndAPeerOfEachLibrary()) {
+    solvers += " " + solver.key;
+    motions += solver.uses_tolerance ? 2 : 1;
+  }
   const CommandOutcome outcome =
       Run("motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
-          "--budget 60 -o " +
-          Path("m"));
+          "--budget 60 --solvers" +
+          solvers + " -o " + Path("m"));
   ASSERT_EQ(outcome.status, 0) << outcome.error;
   const std::vector<std::string> rows = Lines(ReadFile(Path("m") + "/motion.csv"));
-  std::size_t motions = 0;
-  for (const SolverEntry& solver : AllSolvers()) motions += !solver.available ? 0 : solver.uses_tolerance ? 2 : 1;
   EXPECT_EQ(rows.size(), 1 + 3 * motions * 31);
   for (const char* scene : {"disc-pile, velocity level", "boxes-and-discs, velocity level", "disc-track, velocity"}) {
     EXPECT_NE(outcome.out.find(scene), std::string::npos) << outcome.out;

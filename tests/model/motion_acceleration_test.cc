@@ -20,6 +20,7 @@
 #include "model/shapes.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -704,8 +705,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
   constexpr double kTime = 0.45;
   Mover reference(world);
   reference->Advance(kTime);
-  for (const SolverEntry& entry : AllSolvers()) {
-    if (!entry.available) continue;
+  for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
     Mover mover(world, {}, entry.key);
     const double started = SteadyNow();
     mover->Advance(kTime);
