@@ -374,6 +374,10 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
   End end = End::kGoOn;
   double eps = options_.first_weight;
+  if (options.initial_f != nullptr) {
+    FindActiveSet(eps);
+    end = Finish(result);
+  }
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
     end = SolveSubproblem(eps);
     if (end != End::kGoOn) break;

@@ -49,7 +49,8 @@ struct SemismoothNewtonOptions {
 /// with n. Each costs O(sum over columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some
 /// ten entries per row. Where A is dense, so is L: other solvers do better there from n = 100 on.
 ///
-/// Warm start: c = u = initial_f, clipped at 0, so that the first F is that of initial_f where it nearly solves.
+/// Warm start: c = u = initial_f, clipped at 0. Its F is finished first, so that an answer with the same active set costs
+/// one factorisation; otherwise the Newton steps start from there.
 ///
 /// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray. The clock is read
 /// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,
