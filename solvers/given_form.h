@@ -70,19 +70,23 @@ class GivenFormTest {
   /// residual is not small by itself.
   bool Meets(double tolerance, const Eigen::VectorXd& f) {
     if (!(Rho(f) <= tolerance)) return false;
-    const LcpProblem& problem = *problem_;
-    const Eigen::VectorXd& b = problem.b();
-    const long double limit = std::sqrt(static_cast<long double>(tolerance));
     for (Index i = 0; i < f.size(); ++i) {
-      const long double w = w_[At(i)];
-      const long double force = std::abs(static_cast<long double>(problem.DiagonalA()[i])) * f[i];
-      const long double defect = std::abs(problem.is_bilateral(i) ? w : std::min(w, force));
-      // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
-      const long double least = std::max(std::abs(w - b[i]), std::abs(force));
-      if (defect <= limit * (least + std::abs(b[i]))) continue;
-      if (!(defect <= limit * (Magnitude(i, f) + std::abs(b[i])))) return false;
+      if (!RowMeets(tolerance, f, i)) return false;
     }
     return true;
+  }
+
+  /// Whether row i alone has a backward error <= sqrt(tolerance) at the f of the last Rho or Meets.
+  bool RowMeets(double tolerance, const Eigen::VectorXd& f, Index i) {
+    const LcpProblem& problem = *problem_;
+    const long double limit = std::sqrt(static_cast<long double>(tolerance));
+    const long double b = problem.b()[i];
+    const long double w = w_[At(i)];
+    const long double force = std::abs(static_cast<long double>(problem.DiagonalA()[i])) * f[i];
+    const long double defect = std::abs(problem.is_bilateral(i) ? w : std::min(w, force));
+    // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
+    const long double least = std::max(std::abs(w - b), std::abs(force));
+    return defect <= limit * (least + std::abs(b)) || defect <= limit * (Magnitude(i, f) + std::abs(b));
   }
 
   /// w = A f + b of the last Rho or Meets.

@@ -9,6 +9,7 @@
 #include "solvers/lcp/input_error.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
+#include "solvers/semismooth_newton.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt_ncp.h"
 #include "solvers/ipopt_qp.h"
@@ -76,6 +77,9 @@ std::vector<SolverEntry> OwnSolvers() {
   return {
       SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4",
                   true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
+      SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
+                  "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
+                  &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",

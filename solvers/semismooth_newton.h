@@ -1,0 +1,80 @@
+#pragma once
+
+#include <memory>
+
+#include "solvers/lcp/settings.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+struct SemismoothNewtonOptions {
+  /// Weight eps of the proximal term (eps/2) |D^1/2 (f - c)|^2 in the first subproblem, D = diag A; in [1e-10, 1].
+  /// Heavier ones need fewer Newton steps and more proximal ones. With the default most problems up to 10^3 rows are
+  /// solved by the first proximal step.
+  double first_weight = 1e-4;
+  /// eps falls by weight_factor, in (0, 1], with every proximal step, down to least_weight, in [1e-10, first_weight].
+  double weight_factor = 1e-2;
+  double least_weight = 1e-8;
+
+  /// Keys `first_weight`, `weight_factor` and `least_weight`. @throws InputError for others, or out of their range
+  static SemismoothNewtonOptions FromSettings(const Settings& settings);
+};
+
+/// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on a
+/// sparse factor of the active block.
+///
+/// Outer loop [Rockafellar 1976]: c <- argmin 1/2 f.A f + b.f + (eps/2) |D^1/2 (f - c)|^2 over f_C >= 0, C the
+/// unilateral rows. With u any forces, w(u) = A u + b and f(u) = (c - w(u) / (eps D))_+ on C (not clipped on bilateral
+/// rows), the subproblem's dual is the minimum of
+///     Phi(u) = 1/2 u.A u + (eps/2) |D^1/2 f(u)|^2,
+/// convex, once differentiable and piecewise quadratic. Newton step: with F = {i : f_i(u) > 0} and all bilateral rows,
+///     (A_FF + eps D_F) u'_F = eps D_F c_F - b_F,  u' = 0 elsewhere,
+/// which is also the step of block principal pivoting; but here the step goes only as far along u' - u as Phi falls,
+/// found exactly (Phi is piecewise quadratic along a line). So cycling, the trouble of block pivoting, cannot happen:
+/// Phi falls strictly until F repeats after a full step, which solves the subproblem, after finitely many steps. [Qi,
+/// Sun 1999; Hermans, Themelis, Patrinos 2019 (QPALM) for the line search; Li, Sun, Toh 2018 for the pairing.]
+///
+/// Finish: after each proximal step the forces c of the active set F are corrected by A_FF d = -w_F, with a shift that
+/// only keeps a singular A_FF solvable, refined until w_F is rounding: the answer is exact as soon as F is right. Where
+/// contacts are redundant this finds forces near c, which are positive where c is; a basic solution might not be.
+///
+/// Guaranteed for symmetric positive semidefinite A of any rank, in exact arithmetic: converges to a solution if there
+/// is one [Rockafellar 1976]; otherwise c grows along a ray, w / D^1/2 of the subproblems tends to its least norm, and
+/// the difference of successive c is offered to VerifyFarkasRay after a correction into the null space; kInfeasible is
+/// claimed only if accepted. Bilateral rows may be dependent. A that is not symmetric is refused, a clearly negative
+/// pivot ends as kNumericalFailure. kSolved is claimed only if the given form meets the tolerance in extended
+/// precision.
+///
+/// Unit of `iterations` and max_iterations: factorisations, kDefaultFactors at most. Typically 3 to 30, hardly growing
+/// with n. Each costs O(sum over columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some
+/// ten entries per row. Where A is dense, so is L: other solvers do better there from n = 100 on.
+///
+/// Warm start: c = u = initial_f, clipped at 0. Its F is finished first, so that an answer with the same active set costs
+/// one factorisation; otherwise the Newton steps start from there.
+///
+/// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray. The clock is read
+/// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,
+/// kIterationLimit and kNumericalFailure (no progress over all proximal steps) leave the f of least rho that was seen.
+///
+/// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor; subproblems are solved to
+/// the end (their last steps cost nothing that an inexact rule would save); the finish.
+class SemismoothNewtonSolver final : public LcpSolver {
+ public:
+  static constexpr std::int64_t kDefaultFactors = 500;
+
+  /// @throws InputError for weights out of their range
+  explicit SemismoothNewtonSolver(SemismoothNewtonOptions options = {});
+  ~SemismoothNewtonSolver() override;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+ private:
+  class Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace lcpbench

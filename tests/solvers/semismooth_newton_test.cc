@@ -1,0 +1,147 @@
+// What is particular to the proximal semismooth Newton method: few factorisations where block pivoting cycles, forces
+// that stay positive on redundant contacts, warm starts, bits under scaling, limits. The promises of every solver are
+// in contract_test.cc.
+
+#include "solvers/semismooth_newton.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+LcpResult SolveWith(const LcpProblem& problem, const LcpOptions& options = {}, SemismoothNewtonOptions own = {}) {
+  SemismoothNewtonSolver solver(own);
+  LcpResult result;
+  solver.Solve(problem, options, &result);
+  return result;
+}
+
+void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
+  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
+  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
+  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
+}
+
+// Unit masses in a row pushed along it by random loads: what one of them does reaches far, which makes plain exchange
+// of all wrong rows cycle.
+LcpProblem Chain(int n, unsigned seed) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(Index{3} * n);
+  std::mt19937_64 random(seed);
+  for (int k = 0; k < n; ++k) {
+    entries.emplace_back(k, 3 * k, 1.0);
+    if (k > 0) entries.emplace_back(k, 3 * (k - 1), -1.0);
+    acceleration[Index{3} * k] = -1 + 16 * (static_cast<double>(random() >> 11) * 0x1p-53 - 0.5);
+  }
+  SparseMatrix J(n, 3 * n);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("chain-" + std::to_string(n), J, Eigen::VectorXd::Ones(Index{3} * n),
+                                 J * acceleration);
+}
+
+TEST(SemismoothNewton, NeedsFewFactorisationsOnLongChains) {
+  for (const int n : {100, 1000, 10000}) {
+    const LcpProblem problem = Chain(n, 5);
+    const LcpResult result = SolveWith(problem);
+    ExpectSolved(problem, result);
+    EXPECT_LT(result.iterations, 60) << n;
+  }
+}
+
+TEST(SemismoothNewton, WeightsChangeThePathAndNotTheAnswer) {
+  for (const TestProblem& test : GeneratedProblems()) {
+    if (test.reference.status != LcpReference::Status::kSolved) continue;
+    for (const double first : {1.0, 1e-2, 1e-6}) {
+      SemismoothNewtonOptions own;
+      own.first_weight = first;
+      const LcpResult result = SolveWith(test.problem, {}, own);
+      SCOPED_TRACE(first);
+      ExpectSolved(test.problem, result);
+    }
+  }
+}
+
+TEST(SemismoothNewton, AWarmStartFromTheAnswerTakesOneFactorisation) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const TestProblem test = PlantedProblem(60, 30, seed, 0, 0);
+    const LcpResult cold = SolveWith(test.problem);
+    ExpectSolved(test.problem, cold);
+    LcpOptions options;
+    options.initial_f = &cold.f;
+    const LcpResult warm = SolveWith(test.problem, options);
+    ExpectSolved(test.problem, warm);
+    EXPECT_EQ(warm.iterations, 1) << seed;
+    EXPECT_LE(warm.iterations, cold.iterations) << seed;
+  }
+}
+
+TEST(SemismoothNewton, PowersOfTwoChangeNoBit) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const TestProblem test = PlantedProblem(40, 12, seed, 7, 5);
+    const LcpResult plain = SolveWith(test.problem);
+    const Eigen::VectorXd scale = Eigen::VectorXd::Constant(40, 0x1p-40);
+    const LcpResult scaled = SolveWith(ScaleRows(test.problem, scale, 0x1p40));
+    EXPECT_EQ(plain.status, scaled.status);
+    EXPECT_EQ(plain.iterations, scaled.iterations);
+    // J -> s J, b -> s b, M^-1 -> m M^-1: f -> f / (s m).
+    EXPECT_EQ(plain.f, scaled.f) << seed;
+  }
+}
+
+TEST(SemismoothNewton, ForcesOnRedundantContactsArePositiveWhereTheyCanBe) {
+  // A bar on k supports in line: rank 2, and every split of its weight is a solution. The proximal one is spread.
+  for (const int k : {3, 5, 20}) {
+    std::vector<Eigen::Triplet<double, int>> entries;
+    for (int i = 0; i < k; ++i) {
+      entries.emplace_back(i, 1, 1.0);
+      entries.emplace_back(i, 2, -1 + 2.0 * i / (k - 1));
+    }
+    SparseMatrix J(k, 3);
+    J.setFromTriplets(entries.begin(), entries.end());
+    const LcpProblem problem =
+        LcpProblem::FromFactors("bar", J, Eigen::Vector3d(1, 1, 3), Eigen::VectorXd::Constant(k, -9.81));
+    const LcpResult result = SolveWith(problem);
+    ExpectSolved(problem, result);
+    EXPECT_GT(result.f.minCoeff(), 0);
+    EXPECT_NEAR(result.f.sum(), 9.81, 1e-9);
+  }
+}
+
+double clock_now = 0;
+double CountingClock() { return clock_now += 1; }
+
+TEST(SemismoothNewton, ReadsTheClockWithinAFactorisation) {
+  const LcpProblem problem = Chain(200, 1);
+  LcpOptions options;
+  options.now = &CountingClock;
+  for (const double limit : {0.5, 3.0, 7.0}) {
+    clock_now = 0;
+    options.time_limit_s = limit;
+    const LcpResult result = SolveWith(problem, options);
+    EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << limit;
+    EXPECT_LE(clock_now, limit + 3) << "every read of the clock counts one, and the limit must end it at once";
+    EXPECT_TRUE(result.f.allFinite());
+  }
+}
+
+TEST(SemismoothNewton, RefusesWhatMakesNoSense) {
+  EXPECT_THROW(SemismoothNewtonSolver({.first_weight = 0}), InputError);
+  EXPECT_THROW(SemismoothNewtonSolver({.least_weight = 1e-11}), InputError);
+  EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"first_weight", "2"}}), InputError);
+  EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"weight", "1"}}), InputError);
+  Eigen::MatrixXd A(2, 2);
+  A << 1, 2, 2, 1;
+  const LcpResult result = SolveWith(LcpProblem::FromDense("indefinite", A, Eigen::Vector2d(-1, -1)));
+  EXPECT_NE(result.status, LcpStatus::kSolved);
+}
+
+}  // namespace
+}  // namespace lcpbench
