@@ -7,6 +7,7 @@
 #include "solvers/dantzig.h"
 #include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/lemke.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
 #ifdef LCPBENCH_WITH_IPOPT
@@ -76,6 +77,9 @@ std::vector<SolverEntry> OwnSolvers() {
   return {
       SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4",
                   true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
+      SolverEntry{"lemke", "lexicographic Lemke on a dense updated factor, joints first",
+                  "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd,
+                  &Make<LemkeSolver, LemkeOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
