@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "solvers/lemke_engine.h"
+#include "solvers/zero_row_ray.h"
 
 namespace lcpbench {
 namespace {
@@ -65,7 +66,8 @@ void LemkeSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
       result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
       return;
     }
-    if (FindZeroRowRay(result)) {
+    result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * lcp_.b_norm);
+    if (result->farkas_ray.has_value()) {
       result->status = LcpStatus::kInfeasible;
       return;
     }

@@ -67,20 +67,6 @@ bool PivotBase::Load(double rank_tolerance) {
   return true;
 }
 
-bool PivotBase::FindZeroRowRay(LcpResult* result) {
-  for (Index p = lcp_.nonzero; p < lcp_.n; ++p) {
-    const Index i = RowAt(p);
-    const double b = problem_->b()[i];
-    if ((b >= 0 && !problem_->is_bilateral(i)) || std::abs(b) <= proof_tolerance_ * lcp_.b_norm) continue;
-    Eigen::VectorXd ray = Eigen::VectorXd::Zero(lcp_.n);
-    ray[i] = b < 0 ? 1 : -1;
-    if (!VerifyFarkasRay(*problem_, ray).accepted) continue;
-    result->farkas_ray = std::move(ray);
-    return true;
-  }
-  return false;
-}
-
 PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
   Index end = lcp_.bilateral;
   while (m() < end) {

@@ -17,7 +17,7 @@ namespace lcpbench {
 ///
 /// Positions of the permuted problem: F = [0, m), of which [0, joints) are bilateral; rows in play with f = 0
 /// [m, open); then rows out of play (dependent bilateral rows, rows set aside). Only Reserve and Prepare allocate, and
-/// ClaimRay and FindZeroRowRay for their ray.
+/// ClaimRay for its ray.
 class PivotBase {
  public:
   void Reserve(Index max_rows);
@@ -34,8 +34,6 @@ class PivotBase {
   void Start(const LcpOptions& options, std::int64_t pivot_limit);
   /// Loads the problem anew with nothing active. False: an A_ii < 0.
   bool Load(double rank_tolerance);
-  /// A_ii = 0 makes row i of a PSD A zero: w_i = b_i whatever f is, and +-e_i is a ray if that is wrong.
-  bool FindZeroRowRay(LcpResult* result);
   /// Bilateral rows enter and stay. A dependent one has w = y.b for every f: it is right and out of play, or proved
   /// impossible (kInfeasible).
   End EnterJoints(LcpResult* result);

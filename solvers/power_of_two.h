@@ -1,0 +1,22 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+/// Internal to solvers/: scaling without rounding.
+namespace lcpbench {
+
+inline constexpr int kExponentBias = 1023;
+inline constexpr int kMantissaBits = 52;
+
+/// e for x = m 2^e, 1 <= m < 2; subnormal numbers give the lowest e.
+inline std::int64_t Exponent(double x) {
+  return static_cast<std::int64_t>((std::bit_cast<std::uint64_t>(x) >> kMantissaBits) & 0x7ff) - kExponentBias;
+}
+
+/// 2^exponent, exponent in [-1022, 1023].
+inline double PowerOfTwo(std::int64_t exponent) {
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kExponentBias + exponent) << kMantissaBits);
+}
+
+}  // namespace lcpbench
