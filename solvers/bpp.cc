@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "solvers/bpp_engine.h"
+#include "solvers/given_form.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/power_of_two.h"
 #include "solvers/zero_row_ray.h"
@@ -21,12 +22,16 @@ constexpr double kWarmThreshold = 1e-10;
 constexpr double kProofTolerance = 1e-9;
 // An answer within the tolerance is taken when a proximal step improves it by less than this factor.
 constexpr double kWorthAnotherStep = 0.1;
+// Forces up to such a part of the largest D^1/2 f may be rounding, the more so the worse A_FF is conditioned.
+constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
 constexpr int kMaxSteps = 60;
 constexpr double kLeastShift = 1e-11;
 constexpr double kShiftFactor = 0.3;
 
 // A proximal step at least this part of f / steps so far does not look like convergence.
 constexpr double kDivergence = 0.25;
+constexpr int kRayCorrections = 4;
+constexpr double kRayShift = 1e-10;
 constexpr std::int64_t kFactorisationsPerRow = 10;
 constexpr std::int64_t kExtraFactorisations = 200;
 // Fuller matrices of more rows than this are not analysed at all.
@@ -118,29 +123,56 @@ void BppSolver::Engine::SetStart() {
   }
 }
 
+// Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row
+// should be 0, the row's backward error is rounding over rounding.
 bool BppSolver::Engine::Publish(LcpResult* result) {
-  Eigen::VectorXd& f = judge_.candidate();
-  for (Index i = 0; i < f.size(); ++i) {
-    const double scaled = bilateral_[At(i)] != 0 ? f_[i] : std::max(f_[i], 0.0);
-    f[i] = scaled * (scale_[i] / b_scale_);
+  const auto publish = [&](double least) {
+    Eigen::VectorXd& f = judge_.candidate();
+    for (Index i = 0; i < f.size(); ++i) {
+      const double force = bilateral_[At(i)] != 0 ? std::abs(f_[i]) : f_[i];
+      const bool acts = force * ForceRoot(i) > least;
+      f[i] = acts ? f_[i] * (scale_[i] / b_scale_) : 0.0;
+    }
+    return judge_.Publish(result);
+  };
+  if (publish(0)) return true;
+  double largest = 0;
+  for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, std::abs(f_[i]) * ForceRoot(i));
+  for (const double tiny : kTinyForces) {
+    if (judge_.tier() <= proof_tolerance_) break;
+    publish(tiny * largest);
   }
-  return judge_.Publish(result);
+  return judge_.tier() <= AnswerJudge::kGoodEnough;
 }
 
-// The step from center_ to shifted_ as a ray.
+// The step from center_ to shifted_ as a ray y. A y is not quite 0 while the steps still change: it is made so by a few
+// corrections with a factor of (almost) A itself and residuals in extended precision.
 bool BppSolver::Engine::ClaimRay(LcpResult* result) {
-  Eigen::VectorXd ray(f_.size());
-  double largest = 0;
-  for (Index i = 0; i < f_.size(); ++i) {
-    const double step = shifted_[i] - center_[i];
-    const bool can_act = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || step > 0);
-    ray[i] = can_act ? step * scale_[i] : 0.0;
-    largest = std::max(largest, std::abs(ray[i]));
+  const Index n = f_.size();
+  Eigen::VectorXd y = shifted_ - center_;
+  Eigen::VectorXd correction(n);
+  Eigen::VectorXd ray(n);
+  GivenFormTest product;
+  product.Reset(*problem_);
+  for (int pass = 0;; ++pass) {
+    for (Index i = 0; i < n; ++i) {
+      const bool acts = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || y[i] > 0);
+      ray[i] = acts ? y[i] * scale_[i] : 0.0;
+    }
+    if (VerifyFarkasRay(*problem_, ray).accepted) {
+      result->farkas_ray = std::move(ray);
+      return true;
+    }
+    if (pass == kRayCorrections) return false;
+    if (pass == 0) block_->Factor(active_shifted_, kRayShift);
+    for (Index i = 0; i < n; ++i) ray[i] = y[i] * scale_[i];
+    product.Rho(ray);
+    for (Index i = 0; i < n; ++i) {
+      correction[i] = static_cast<double>(product.w(i) - problem_->b()[i]) * scale_[i];
+    }
+    block_->Solve(correction.data());
+    y -= correction;
   }
-  if (!(largest > 0)) return false;
-  if (!VerifyFarkasRay(*problem_, ray).accepted) return false;
-  result->farkas_ray = std::move(ray);
-  return true;
 }
 
 BppSolver::Engine::End BppSolver::Engine::Run(LcpResult* result) {
@@ -223,6 +255,7 @@ BppOptions BppOptions::FromSettings(const Settings& settings) {
   if (form == "dense") options.form = Form::kDense;
   if (form == "sparse") options.form = Form::kSparse;
   options.proximal = reader.Number("proximal", options.proximal, kLeastShift, 1e-2);
+  options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeastShift, 100);
   options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
   options.max_dense_rows =
       static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));

@@ -17,20 +17,25 @@ struct BppOptions {
   };
   Form form = Form::kAuto;
 
-  /// Weight of the proximal term against diag A, dimensionless. Larger values make block pivoting converge in fewer
-  /// exchanges on singular A, smaller ones leave less for the outer loop to do; on all families 1e-8 ... 1e-5 took
-  /// about the same time. In [1e-11, 1e-2].
+  /// Weight e of the proximal term against diag A at the start, dimensionless. Larger values keep blocks from cycling
+  /// on singular A, smaller ones leave less for the outer loop to do; over the redundant families 1e-9 to 1e-6 took the
+  /// same number of factorisations within 4 %, 1e-4 more. In [1e-11, 1e-2].
   double proximal = 1e-8;
 
-  /// How many block exchanges in a row may fail to lower the least number of violated rows so far before single
-  /// exchanges follow. [Portugal, Judice, Vicente 1994 use 3 to 10] In [1, 100].
+  /// Where blocks cycle, the weight rises, up to this; single exchanges follow only there. Blocks that cycle at 1e-8
+  /// mostly settle at 1e-2 or 1e-1. At least `proximal`; equal to it: the papers' method. In [1e-11, 100].
+  double largest_proximal = 1;
+
+  /// How many block exchanges in a row may fail to lower the least number of violated rows so far before the
+  /// weight rises or single exchanges follow. [Portugal, Judice, Vicente 1994 use 3 to 10] In [1, 100].
   int patience = 3;
 
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].
   Index max_dense_rows = 10'000;
 
-  /// Keys `form` (auto, dense, sparse), `proximal`, `patience` and `max_dense_rows`. @throws InputError for others
+  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience` and `max_dense_rows`. @throws
+  /// InputError for others
   static BppOptions FromSettings(const Settings& settings);
 };
 
@@ -38,15 +43,17 @@ struct BppOptions {
 ///
 /// Inner method [Kostreva 1978; Portugal, Judice, Vicente 1994]: for a set F of active rows, f_F solves w_F = 0 and
 /// f = 0 elsewhere; all rows with f_i < 0 in F or w_i < 0 outside are violated and change sides together. If `patience`
-/// exchanges in a row do not lower the least number of violated rows, only the violated row of least index changes
-/// sides [Murty 1974], until that number falls. Bilateral rows are always in F. Each set F is one factorisation, the
-/// unit of LcpResult::iterations and max_iterations (default 10 n + 200; typically 4 to 12 are used, whatever n).
+/// exchanges in a row do not lower the least number of violated rows, blocks cycle: e (below) rises to 1e-2, then
+/// tenfold each time; and at `largest_proximal` only the violated row of least index changes sides [Murty 1974], until
+/// that number falls. Bilateral rows are always in F. Each set F is one factorisation, the unit of
+/// LcpResult::iterations and max_iterations (default 10 n + 200; typically 4 to 12 are used, whatever n, and 10 to 120
+/// where contacts are redundant).
 ///
 /// A need not be nonsingular: the inner problem is that of A + e D, D = diag A, with b - e D c in the place of b, which
 /// is a proximal-point step from c [Rockafellar 1976]; its matrix is positive definite. c starts at 0 and moves to the
 /// solution. After each step the answer is polished on A itself: f_F is corrected by conjugate gradients on
 /// A_FF x = -b_F with the factor as preconditioner (e hardly matters then: a few steps, and singular consistent systems
-/// are no trouble), and rows violated by it change sides, a few times. e falls tenfold every other step.
+/// are no trouble), and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
 ///
 /// Guaranteed: nothing in double precision. In exact arithmetic single exchanges end for positive definite A + e D and
 /// the proximal loop converges for every solvable problem of symmetric PSD A, but the number of single exchanges has no
@@ -64,7 +71,7 @@ struct BppOptions {
 /// that powers of two in A, b or single rows change no bit.
 ///
 /// Forms: sparse L D L^T on a pattern analysed in Prepare, which recomputes what a changed row affects only
-/// (SparseActiveBlock); or dense L L^T from scratch (DenseActiveBlock).
+/// (SparseActiveBlock); or dense L D L^T from scratch (DenseActiveBlock).
 ///
 /// Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses A: O(fill). Solve
 /// does not allocate for a prepared problem, unless it reports a failure or tries a ray. The clock is read once per
@@ -73,8 +80,8 @@ struct BppOptions {
 /// Other ways of ending: kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none
 /// was. kUnsupported: A_ii < 0.
 ///
-/// Departures from the papers: the proximal loop and polishing; bilateral rows; tolerances of sign that follow from the
-/// rounding of A + e D.
+/// Departures from the papers: the proximal loop and polishing; a heavier proximal term against cycles before single
+/// exchanges; bilateral rows; tolerances of sign that follow from the rounding of A + e D.
 class BppSolver final : public LcpSolver {
  public:
   explicit BppSolver(BppOptions options = {});

@@ -23,8 +23,6 @@ constexpr int kMaxPolishes = 8;
 // Where blocks cycle, the shift rises to this at least, then tenfold: on all redundant families blocks settle there.
 constexpr double kCyclingShift = 1e-2;
 constexpr double kRaise = 10;
-// A + D and more: single exchanges from here on.
-constexpr double kLargestShift = 1;
 
 }  // namespace
 
@@ -81,8 +79,8 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
     } else {
       patience = std::max(patience - 1, 0);
     }
-    if (patience == 0 && shift_ < kLargestShift) {
-      shift_ = std::min(std::max(kCyclingShift, shift_ * kRaise), kLargestShift);
+    if (patience == 0 && shift_ < options_.largest_proximal) {
+      shift_ = std::min(std::max(kCyclingShift, shift_ * kRaise), options_.largest_proximal);
       least = f_.size() + 1;
       patience = options_.patience;
     }

@@ -23,7 +23,8 @@ void DenseActiveBlock::Analyze(const LcpProblem& problem) {
   A_.resize(n_, n_);
   const Index most = WholeBlocks(n_, kRows);
   factor_.resize(most * most);
-  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_}) v->resize(most);
+  panel_.resize(most * kPanel);
+  for (Eigen::VectorXd* v : {&inverse_, &floor_, &x_, &sums_}) v->resize(most);
   rows_.reserve(static_cast<size_t>(n_));
 }
 
@@ -58,7 +59,10 @@ void DenseActiveBlock::Gather(double shift) {
 // Subtracts the product with the columns before `begin` from the panel.
 void DenseActiveBlock::UpdatePanel(Index begin) {
   using Lanes = Eigen::Array<double, kRows / 2, 1>;
-  const double* __restrict panel_rows = strip(begin / kRows, 0) + begin % kRows;
+  const double* panel_rows = strip(begin / kRows, 0) + begin % kRows;
+  for (Index k = 0; k < begin; ++k) {
+    for (Index c = 0; c < kPanel; ++c) panel_[k * kPanel + c] = panel_rows[k * kRows + c] * inverse_[k];
+  }
   for (Index block = begin / kRows; block * kRows < padded_; ++block) {
     Lanes sum0[kPanel];
     Lanes sum1[kPanel];
@@ -67,10 +71,10 @@ void DenseActiveBlock::UpdatePanel(Index begin) {
       sum1[c].setZero();
     }
     const double* l = strip(block, 0);
-    for (Index k = 0; k < begin; ++k) {
-      const Lanes l0 = Eigen::Map<const Lanes>(l + k * kRows);
-      const Lanes l1 = Eigen::Map<const Lanes>(l + k * kRows + kRows / 2);
-      const double* s = panel_rows + k * kRows;
+    const double* s = panel_.data();
+    for (Index k = 0; k < begin; ++k, l += kRows, s += kPanel) {
+      const Lanes l0 = Eigen::Map<const Lanes>(l);
+      const Lanes l1 = Eigen::Map<const Lanes>(l + kRows / 2);
       for (Index c = 0; c < kPanel; ++c) {
         sum0[c] += l0 * s[c];
         sum1[c] += l1 * s[c];
@@ -85,18 +89,13 @@ void DenseActiveBlock::UpdatePanel(Index begin) {
 }
 
 void DenseActiveBlock::FactorPanel(Index begin) {
-  using Strip = Eigen::Map<Eigen::Array<double, kRows, 1>>;
   for (Index d = begin; d < begin + kPanel; ++d) {
-    double pivot = strip(d / kRows, d)[d % kRows];
+    const Index own = d / kRows;
     for (Index k = begin; k < d; ++k) {
-      const double s = strip(d / kRows, k)[d % kRows];
-      pivot -= s * s;
-      for (Index block = d / kRows; block * kRows < padded_; ++block) {
-        Strip(strip(block, d)) -= Strip(strip(block, k)) * s;
-      }
+      const double s = strip(own, k)[d % kRows] * inverse_[k];
+      for (Index block = own; block * kRows < padded_; ++block) Strip(strip(block, d)) -= Strip(strip(block, k)) * s;
     }
-    inverse_[d] = 1 / std::sqrt(std::max(pivot, floor_[d]));
-    for (Index block = d / kRows; block * kRows < padded_; ++block) Strip(strip(block, d)) *= inverse_[d];
+    inverse_[d] = 1 / std::max(strip(own, d)[d % kRows], floor_[d]);
   }
 }
 
@@ -114,12 +113,11 @@ void DenseActiveBlock::Factor(const std::vector<char>& active, double shift) {
 }
 
 void DenseActiveBlock::Solve(double* x) {
-  using Strip = Eigen::Map<Eigen::Array<double, kRows, 1>>;
   const auto m = static_cast<Index>(rows_.size());
   double* y = x_.data();
   for (Index k = 0; k < m; ++k) y[k] = x[rows_[static_cast<size_t>(k)]];
   std::fill(y + m, y + padded_, 0.0);
-  for (Index block = 0; block * kRows < padded_; ++block) {
+  for (Index block = 0; block * kRows < padded_; ++block) {  // y := D^-1 L^-1 y
     const Index first = block * kRows;
     Eigen::Array<double, kRows, 1> rest = Strip(y + first);
     for (Index k = 0; k < first; ++k) rest -= Strip(strip(block, k)) * y[k];
@@ -130,16 +128,16 @@ void DenseActiveBlock::Solve(double* x) {
     }
     Strip(y + first) = rest;
   }
+  sums_.head(padded_).setZero();  // of column k of L D with the entries of y that are known
   for (Index block = padded_ / kRows - 1; block >= 0; --block) {
     const Index first = block * kRows;
-    Eigen::Array<double, kRows, 1> here = Strip(y + first);
     for (Index k = kRows - 1; k >= 0; --k) {
       const double* l = strip(block, first + k);
-      for (Index r = k + 1; r < kRows; ++r) here[k] -= l[r] * here[r];
-      here[k] *= inverse_[first + k];
+      for (Index r = k + 1; r < kRows; ++r) sums_[first + k] += l[r] * y[first + r];
+      y[first + k] -= inverse_[first + k] * sums_[first + k];
     }
-    Strip(y + first) = here;
-    for (Index k = 0; k < first; ++k) y[k] -= (Strip(strip(block, k)) * here).sum();
+    const Eigen::Array<double, kRows, 1> here = Strip(y + first);
+    for (Index k = 0; k < first; ++k) sums_[k] += (Strip(strip(block, k)) * here).sum();
   }
   std::fill(x, x + n_, 0.0);
   for (Index k = 0; k < m; ++k) x[rows_[static_cast<size_t>(k)]] = y[k];

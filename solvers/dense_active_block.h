@@ -6,10 +6,10 @@
 
 namespace lcpbench {
 
-/// ActiveBlock on the dense A: L L^T from scratch, left-looking by panels of eight columns. L is stored by blocks of 16
-/// rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads memory
-/// in order and keeps its 16 x 8 sums in registers. F is filled up with rows of the unit matrix to whole blocks. No
-/// library routine, because those allocate in a factorisation.
+/// ActiveBlock on the dense A: L D L^T from scratch, left-looking by panels of eight columns. L D is stored by blocks
+/// of 16 rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads
+/// memory in order and keeps its 16 x 8 sums in registers. F is filled up with rows of the unit matrix to whole blocks.
+/// No library routine, because those allocate in a factorisation.
 class DenseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
@@ -23,6 +23,8 @@ class DenseActiveBlock final : public ActiveBlock {
   static constexpr Index kRows = 16;
   static constexpr Index kPanel = 8;
 
+  using Strip = Eigen::Map<Eigen::Array<double, kRows, 1>>;
+
   // Column k of the block of rows [kRows block, kRows (block + 1)).
   double* strip(Index block, Index k) { return factor_.data() + (block * padded_ + k) * kRows; }
   void Gather(double shift);
@@ -33,10 +35,11 @@ class DenseActiveBlock final : public ActiveBlock {
   Index padded_ = 0;         // |F| in whole blocks
   Eigen::MatrixXd A_;        // S A S
   std::vector<Index> rows_;  // F
-  Eigen::VectorXd factor_;   // K_FF below its diagonal, then L below its diagonal
-  Eigen::VectorXd inverse_;  // 1 / L_kk
+  Eigen::VectorXd factor_;   // K_FF, then L D, diagonal and below
+  Eigen::VectorXd inverse_;  // 1 / D_kk
   Eigen::VectorXd floor_;    // least pivot of each row
-  Eigen::VectorXd x_;
+  Eigen::VectorXd panel_;    // rows of the panel of L, packed
+  Eigen::VectorXd x_, sums_;
 };
 
 }  // namespace lcpbench
