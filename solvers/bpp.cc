@@ -5,10 +5,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <limits>
-#include <utility>
 
 #include "solvers/bpp_engine.h"
-#include "solvers/given_form.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/power_of_two.h"
 #include "solvers/zero_row_ray.h"
@@ -64,8 +62,9 @@ void BppSolver::Engine::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
   block_ = Choose(problem);
   judge_.Reset(problem, block_ == &dense_);
+  product_.Reset(problem);
   for (Eigen::VectorXd* v : {&scale_, &diagonal_, &b_, &root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_,
-                             &image_, &preconditioned_}) {
+                             &image_, &preconditioned_, &ray_}) {
     v->setZero(n);
   }
   bilateral_.assign(At(n), 0);
@@ -146,33 +145,38 @@ bool BppSolver::Engine::Publish(LcpResult* result) {
 }
 
 // The step from center_ to shifted_ as a ray y. A y is not quite 0 while the steps still change: it is made so by a few
-// corrections with a factor of (almost) A itself and residuals in extended precision.
+// corrections with a factor of (almost) A itself and residuals in extended precision. VerifyFarkasRay, which allocates,
+// is asked only where its rule is met.
 bool BppSolver::Engine::ClaimRay(LcpResult* result) {
   const Index n = f_.size();
-  Eigen::VectorXd y = shifted_ - center_;
-  Eigen::VectorXd correction(n);
-  Eigen::VectorXd ray(n);
-  GivenFormTest product;
-  product.Reset(*problem_);
-  for (int pass = 0;; ++pass) {
+  const Eigen::VectorXd& b = problem_->b();
+  direction_ = shifted_ - center_;
+  for (int pass = 0; pass <= kRayCorrections; ++pass) {
     for (Index i = 0; i < n; ++i) {
-      const bool acts = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || y[i] > 0);
-      ray[i] = acts ? y[i] * scale_[i] : 0.0;
+      const bool acts = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || direction_[i] > 0);
+      ray_[i] = acts ? direction_[i] * scale_[i] : 0.0;
     }
-    if (VerifyFarkasRay(*problem_, ray).accepted) {
-      result->farkas_ray = std::move(ray);
+    product_.Rho(ray_);  // w = A y + b
+    long double b_dot_y = 0;
+    long double b_size = 0;
+    long double largest = 0;
+    for (Index i = 0; i < n; ++i) {
+      const long double root = can_act_[At(i)] != 0 ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
+      b_dot_y += static_cast<long double>(b[i]) * ray_[i];
+      b_size += std::abs(b[i]) / root;
+      largest = std::max(largest, std::abs(product_.w(i) - b[i]) / root);
+    }
+    if (!(b_dot_y < 0)) return false;
+    if (-b_dot_y >= FarkasVerdict::kRayThreshold * largest * b_size && VerifyFarkasRay(*problem_, ray_).accepted) {
+      result->farkas_ray = ray_;
       return true;
     }
-    if (pass == kRayCorrections) return false;
     if (pass == 0) block_->Factor(active_shifted_, kRayShift);
-    for (Index i = 0; i < n; ++i) ray[i] = y[i] * scale_[i];
-    product.Rho(ray);
-    for (Index i = 0; i < n; ++i) {
-      correction[i] = static_cast<double>(product.w(i) - problem_->b()[i]) * scale_[i];
-    }
-    block_->Solve(correction.data());
-    y -= correction;
+    for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scale_[i];
+    block_->Solve(residual_.data());
+    direction_ -= residual_;
   }
+  return false;
 }
 
 BppSolver::Engine::End BppSolver::Engine::Run(LcpResult* result) {

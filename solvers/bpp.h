@@ -74,7 +74,7 @@ struct BppOptions {
 /// (SparseActiveBlock); or dense L D L^T from scratch (DenseActiveBlock).
 ///
 /// Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses A: O(fill). Solve
-/// does not allocate for a prepared problem, unless it reports a failure or tries a ray. The clock is read once per
+/// does not allocate for a prepared problem, unless it reports a failure or a ray. The clock is read once per
 /// factorisation and conjugate gradient step: a time limit may be exceeded by one factorisation.
 ///
 /// Other ways of ending: kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none

@@ -9,6 +9,7 @@
 #include "solvers/answer_judge.h"
 #include "solvers/bpp.h"
 #include "solvers/dense_active_block.h"
+#include "solvers/given_form.h"
 #include "solvers/sparse_active_block.h"
 
 namespace lcpbench {
@@ -51,6 +52,7 @@ class BppSolver::Engine {
   const BppOptions options_;
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
   AnswerJudge judge_;
+  GivenFormTest product_;
   SparseActiveBlock sparse_;
   DenseActiveBlock dense_;
   ActiveBlock* block_ = nullptr;
@@ -75,7 +77,7 @@ class BppSolver::Engine {
   std::vector<char> active_, active_shifted_;
   std::vector<Index> violated_;
   Eigen::VectorXd f_, w_, center_, shifted_;
-  Eigen::VectorXd residual_, direction_, image_, preconditioned_;
+  Eigen::VectorXd residual_, direction_, image_, preconditioned_, ray_;
 };
 
 }  // namespace lcpbench
