@@ -82,7 +82,7 @@ bool BppSolver::Engine::Load() {
   double b_squared = 0;
   for (Index i = 0; i < n; ++i) {
     if (d[i] < 0) return false;
-    can_act_[At(i)] = d[i] > 0;
+    can_act_[At(i)] = d[i] > 0 ? 1 : 0;
     scale_[i] = d[i] > 0 ? PowerOfTwo(-(Exponent(d[i]) >> 1)) : 1.0;
     if (d[i] > 0) largest_b = std::max(largest_b, std::abs(b[i] * scale_[i]));
     b_squared += d[i] > 0 ? b[i] * (b[i] / d[i]) : b[i] * b[i];
@@ -118,7 +118,8 @@ void BppSolver::Engine::SetStart() {
     if (bilateral_[At(i)] == 0 && can_act_[At(i)] != 0) largest = std::max(largest, size(i));
   }
   for (Index i = 0; i < f_.size(); ++i) {
-    if (bilateral_[At(i)] == 0) active_[At(i)] = can_act_[At(i)] != 0 && size(i) > kWarmThreshold * largest;
+    if (bilateral_[At(i)] != 0) continue;
+    active_[At(i)] = can_act_[At(i)] != 0 && size(i) > kWarmThreshold * largest ? 1 : 0;
   }
 }
 

@@ -59,7 +59,7 @@ Index BppSolver::Engine::FindViolated(bool of_shifted) {
 
 void BppSolver::Engine::Exchange(bool least_only) {
   for (const Index i : violated_) {
-    active_[At(i)] = active_[At(i)] == 0;
+    active_[At(i)] = active_[At(i)] == 0 ? 1 : 0;
     if (least_only) break;
   }
 }

@@ -73,7 +73,7 @@ void ExpectSolvesForChangingSets() {
         EXPECT_LE((product - A * x).norm(), 1e-12 * (1 + (A * x).norm()));
         for (int k = random.Integer(1, 3); k > 0; --k) {
           char& flag = active[static_cast<size_t>(random.Integer(0, static_cast<int>(n) - 1))];
-          flag = flag == 0;
+          flag = flag == 0 ? 1 : 0;
         }
       }
     }
@@ -105,7 +105,7 @@ TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
     fresh.Solve(y.data());
     EXPECT_TRUE(x == y) << "change " << change;
     char& flag = active[static_cast<size_t>(random.Integer(0, static_cast<int>(n) - 1))];
-    flag = flag == 0;
+    flag = flag == 0 ? 1 : 0;
   }
 }
 
@@ -116,7 +116,7 @@ void ExpectSmallResidualOnSingularBlocks() {
     const LcpProblem problem = FullyDegenerate(seed, 40);
     const Index n = problem.size();
     std::vector<char> active(static_cast<size_t>(n));
-    for (Index i = 0; i < n; ++i) active[static_cast<size_t>(i)] = problem.DiagonalA()[i] > 0;
+    for (Index i = 0; i < n; ++i) active[static_cast<size_t>(i)] = problem.DiagonalA()[i] > 0 ? 1 : 0;
     Block block;
     block.Analyze(problem);
     block.Load(problem, VectorXd::Ones(n));

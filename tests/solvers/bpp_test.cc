@@ -201,6 +201,16 @@ TEST(Bpp, StopsAtItsLimitsWithNonnegativeForces) {
   EXPECT_GE(result.f.minCoeff(), 0);
 }
 
+TEST(Bpp, SolvesTheUnitProblemsOfAnotherEngine) {
+  const std::vector<LcpProblem> problems = RecordedUnitProblems();
+  if (problems.empty()) GTEST_SKIP() << "the outside data is not there";
+  for (const LcpProblem& problem : problems) {
+    const LcpResult result = SolveWith({}, problem);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
+    EXPECT_TRUE(Verify(problem, result, 1e-9).passes) << problem.id();
+  }
+}
+
 TEST(Bpp, RefusesWhatItIsNotFor) {
   MatrixXd A = MatrixXd::Identity(2, 2);
   A(0, 1) = 0.5;
