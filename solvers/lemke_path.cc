@@ -156,15 +156,17 @@ PivotBase::End LemkeSolver::Engine::EnterOrExchange(Index p, LcpResult* result) 
     std::copy(active_.df(), active_.df() + m(), y_.data());
     double step = 0;
     const Index leaving = NextLeaving(event, norm2, &step);
-    if (leaving == kNoRow ||
-        y_[leaving] * y_[leaving] * lcp_.diagonal[leaving] <= kSmallComponent * kSmallComponent * norm2) {
-      // y.w = y.b + z y.d is 0 here, so y.b = -z y.d.
+    bool set_aside = leaving == kNoRow;
+    if (set_aside || y_[leaving] * y_[leaving] * lcp_.diagonal[leaving] <= kSmallComponent * kSmallComponent * norm2) {
+      // y.w = y.b + z y.d is 0 here, so y.b = -z y.d. Where that is next to nothing, so would be the use of a long step
+      // that ends at a component which may be rounding.
       const bool matters = event != kNoRow && lcp_.ResidualShare(p, z_ * rate_[p]) > proof_tolerance_;
       if (matters && ClaimRay(p, 1, result)) return End::kInfeasible;
+      set_aside = set_aside || !matters;
     }
-    if (leaving == kNoRow) {
+    if (set_aside) {
       lcp_.f[p] = 0;
-      lcp_.Swap(p, --open_);  // set aside; the final check decides
+      lcp_.Swap(p, --open_);  // the final check decides
       return End::kDone;
     }
     if (pivots_ >= pivot_limit_) return End::kIterationLimit;
