@@ -54,12 +54,11 @@ TEST(Lemke, FindsPlantedSolutionsOfEveryRank) {
 }
 
 TEST(Lemke, FollowsThePathOfATwoByTwoProblemByHand) {
-  // b + z d is (2, 0) z at z = 1 with d = 2 (1, 1) ... : row 2 enters at z = 1, row 1 never.
+  // d = (1, 1), so b + d = (1.5, 0): row 1 enters at z = 1 and f_1 = 1 - z; w_0 = 0.5 + z + 0.5 f_1 stays positive.
   MatrixXd A(2, 2);
   A << 1, 0.5,  //
       0.5, 1;
   const LcpResult result = Solve(LcpProblem::FromDense("by-hand", A, Eigen::Vector2d(0.5, -1), {}, SymmetricPsd()));
-  // w_1 = 0.5 + 0.5 f_2 > 0 all along; f_2 = 1.
   EXPECT_EQ(result.status, LcpStatus::kSolved);
   EXPECT_DOUBLE_EQ(result.f[0], 0);
   EXPECT_DOUBLE_EQ(result.f[1], 1);
