@@ -4,9 +4,11 @@
 #include <map>
 #include <utility>
 
+#include "solvers/bpp.h"
 #include "solvers/dantzig.h"
 #include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/lemke.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
 #include "solvers/semismooth_newton.h"
@@ -56,6 +58,10 @@ std::string Never(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "converges to every tolerance in the limit only; no bound on the number of sweeps";
 }
 
+std::string NoBoundOnBlocks(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "blocks may cycle, and single exchanges have no polynomial bound";
+}
+
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "a nonconvex formulation: local convergence only";
 }
@@ -80,6 +86,11 @@ std::vector<SolverEntry> OwnSolvers() {
       SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
                   "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
                   &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
+      SolverEntry{"lemke", "lexicographic Lemke on a dense updated factor, joints first",
+                  "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd,
+                  &Make<LemkeSolver, LemkeOptions>},
+      SolverEntry{"bpp", "block principal pivoting, proximal, on sparse or dense factors",
+                  "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
