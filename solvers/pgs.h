@@ -2,25 +2,24 @@
 
 #include <memory>
 
+#include "solvers/first_order_options.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
 struct PgsOptions {
-  enum class Form {
-    kAuto,        ///< matrix-free where every row touches at most two bodies and A has more than about ten entries per
-                  ///< row, from where on a sweep over J is the faster one (measured); else assembled
-    kAssembled,   ///< walks the rows of A; takes every problem
-    kMatrixFree,  ///< walks the rows of J and carries body velocities M^-1 J^T f; A is never formed; needs factors
-  };
+  using Form = RowForm;
   Form form = Form::kAuto;
+
+  /// The given order: engines number contacts so that neighbours follow each other, which is what Gauss-Seidel wants.
+  SweepOrder sweep = SweepOrder::kForward;
 
   /// omega in (0, 2). 1 is Gauss-Seidel; no other constant is better on all problems: over-relaxation gains on long
   /// chains (there the best omega tends to 2) and loses on redundant contacts.
   double relaxation = 1.0;
 
-  /// Options `form` = auto | assembled | matrix-free and `relaxation`.
+  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, and `relaxation`.
   static PgsOptions FromSettings(const Settings& settings);
 };
 
@@ -58,8 +57,6 @@ struct PgsOptions {
 class PgsSolver final : public LcpSolver {
  public:
   static constexpr std::int64_t kDefaultSweeps = 20000;
-  static constexpr int kCheckInterval = 10;
-  static constexpr Index kEntriesPerClockRead = Index{1} << 17;
 
   /// @throws InputError for a relaxation outside (0, 2)
   explicit PgsSolver(PgsOptions options = {});

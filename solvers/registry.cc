@@ -4,9 +4,11 @@
 #include <map>
 #include <utility>
 
+#include "solvers/apgd.h"
 #include "solvers/dantzig.h"
 #include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/nncg.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
 #ifdef LCPBENCH_WITH_IPOPT
@@ -78,6 +80,10 @@ std::vector<SolverEntry> OwnSolvers() {
                   true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
+      SolverEntry{"nncg", "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
+                  "Silcowitz, Niebe, Erleben 2010", true, true, &Never, &Make<NncgSolver, NncgOptions>},
+      SolverEntry{"apgd", "accelerated projected gradients, adaptive step and restart",
+                  "Mazhar, Heyn, Negrut, Tasora 2015", true, true, &Never, &Make<ApgdSolver, ApgdOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
                   kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
       SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
