@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include "solvers/sweeps/paced_passes.h"
@@ -26,13 +25,30 @@ struct Point {
 };
 
 // A plane whose Gram determinant is below this share of its product of squares is a line but for rounding.
-constexpr double kParallel = 64 * std::numeric_limits<double>::epsilon();
+constexpr double kParallel = 1e-10;
 
-// Coefficients of the step from x: along the sweep's own step z, and along the previous step p.
+// Products of the sweep's step z and the previous step p: u.A v, and u.w at x. Those with w are sums of the size of
+// |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be left.
+struct Products {
+  double zz = 0;
+  double zp = 0;
+  double pp = 0;
+  double zw = 0;
+  double pw = 0;
+};
+
+// Coefficients of the step from x: along z, and along p.
 struct Combination {
   double along_sweep = 1;
   double along_previous = 0;
 };
+
+// argmin over (a, c) of the energy at x + a z + c p.
+Combination LeastEnergy(const Products& of) {
+  const double determinant = of.zz * of.pp - of.zp * of.zp;
+  if (!(determinant > kParallel * of.zz * of.pp)) return {of.zz > 0 ? -of.zw / of.zz : 1.0, 0.0};
+  return {(of.zp * of.pw - of.pp * of.zw) / determinant, (of.zp * of.zw - of.zz * of.pw) / determinant};
+}
 
 }  // namespace
 
@@ -43,56 +59,41 @@ struct NncgSolver::Workspace {
   Point previous;  // p, the previous step
   Point extra;     // what the extrapolation adds to y
   bool has_previous = false;
+  double previous_w = 0;   // p.w at x less p.A p
   double last_change = 0;  // |z|^2 of the previous iteration
 
-  Combination Optimal() const;
+  const Array& Left(const Array& f, const Array& image) const { return rows.rows->ImageIsRoot() ? image : f; }
+  Products MakeProducts(double energy) const;
   Combination FletcherReeves();
-  void Extrapolate(NncgOptions::Direction direction);
+  void Extrapolate(NncgOptions::Direction direction, double energy);
 };
 
-// argmin over (a, c) of E(x + a z + c p), E(f) = f.Af/2 + b.f.
-Combination NncgSolver::Workspace::Optimal() const {
-  const bool root = rows.rows->ImageIsRoot();
-  const Array& y_left = root ? rows.image : rows.f;
-  const Array& x_left = root ? x.image : x.f;
-  const Array& p_left = root ? previous.image : previous.f;
-  const Array& y_right = rows.image;
-  const Array& x_right = x.image;
-  const Array& p_right = previous.image;
+// `energy` is what the sweep gained: z.w + z.A z / 2.
+Products NncgSolver::Workspace::MakeProducts(double energy) const {
+  const Array& y_left = Left(rows.f, rows.image);
+  const Array& x_left = Left(x.f, x.image);
+  const Array& p_left = Left(previous.f, previous.image);
   ProductSum zz;
   ProductSum zp;
   ProductSum pp;
-  ProductSum gz;
-  ProductSum gp;
-  const auto add_images = [&](auto get, std::size_t i) {
-    const auto x_l = get(x_left, i);
-    const auto x_r = get(x_right, i);
-    const auto z_l = get(y_left, i) - x_l;
-    const auto z_r = get(y_right, i) - x_r;
-    const auto p_r = get(p_right, i);
-    zz.Add(z_l, z_r);
-    zp.Add(z_l, p_r);
-    pp.Add(get(p_left, i), p_r);
-    gz.Add(x_l, z_r);
-    gp.Add(x_l, p_r);
-  };
-  const auto lanes = [](const Array& from, std::size_t i) { return Load(&from[i]); };
-  const auto number = [](const Array& from, std::size_t i) { return from[i]; };
-  ForLanes(
-      y_right.size(), [&](std::size_t i) { add_images(lanes, i); }, [&](std::size_t i) { add_images(number, i); });
-  const auto add_rows = [&](auto get, std::size_t i) {
-    const auto b = get(rows.scaled.b, i);
-    gz.Add(b, get(rows.f, i) - get(x.f, i));
-    gp.Add(b, get(previous.f, i));
+  const auto add = [&](auto get, std::size_t i) {
+    const auto z = get(y_left, i) - get(x_left, i);
+    const auto p = get(previous.image, i);
+    zz.Add(z, get(rows.image, i) - get(x.image, i));
+    zp.Add(z, p);
+    pp.Add(get(p_left, i), p);
   };
   ForLanes(
-      rows.f.size(), [&](std::size_t i) { add_rows(lanes, i); }, [&](std::size_t i) { add_rows(number, i); });
-  const double determinant = zz.Total() * pp.Total() - zp.Total() * zp.Total();
-  if (!has_previous || !(determinant > kParallel * zz.Total() * pp.Total())) {
-    return {zz.Total() > 0 ? -gz.Total() / zz.Total() : 1.0, 0.0};
-  }
-  return {(zp.Total() * gp.Total() - pp.Total() * gz.Total()) / determinant,
-          (zp.Total() * gz.Total() - zz.Total() * gp.Total()) / determinant};
+      rows.image.size(), [&](std::size_t i) { add([](const Array& a, std::size_t j) { return Load(&a[j]); }, i); },
+      [&](std::size_t i) { add([](const Array& a, std::size_t j) { return a[j]; }, i); });
+  Products of;
+  of.zz = zz.Total();
+  of.zw = energy - of.zz / 2;
+  if (!has_previous) return of;
+  of.zp = zp.Total();
+  of.pp = pp.Total();
+  of.pw = previous_w + of.pp;
+  return of;
 }
 
 Combination NncgSolver::Workspace::FletcherReeves() {
@@ -102,30 +103,38 @@ Combination NncgSolver::Workspace::FletcherReeves() {
   return {1.0, ratio > 1 ? 0.0 : ratio};
 }
 
-void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction) {
+void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction, double energy) {
   const bool optimal = direction == NncgOptions::Direction::kOptimal;
-  const Combination c = optimal ? Optimal() : FletcherReeves();
+  Products of;
+  if (optimal) of = MakeProducts(energy);
+  const Combination c = optimal ? LeastEnergy(of) : FletcherReeves();
   const double more = c.along_sweep - 1;
   for (std::size_t i = 0; i < rows.image.size(); ++i) {
     extra.image[i] = more * (rows.image[i] - x.image[i]) + c.along_previous * previous.image[i];
   }
+  double slope = more * (of.zw + of.zz) + c.along_previous * (of.pw + of.zp);  // extra.w at y
   bool clipped = false;
   for (std::size_t k = 0; k < rows.f.size(); ++k) {
+    const auto row = static_cast<Index>(k);
     const double wanted = more * (rows.f[k] - x.f[k]) + c.along_previous * previous.f[k];
     extra.f[k] = wanted;
-    if (rows.f[k] + wanted >= 0 || rows.scaled.IsFree(static_cast<Index>(k))) continue;
+    if (rows.f[k] + wanted >= 0 || rows.scaled.IsFree(row)) continue;
     clipped = true;
     extra.f[k] = -rows.f[k];
-    rows.rows->AddRowToImage(static_cast<Index>(k), extra.f[k] - wanted, &extra.image);
+    const double back = extra.f[k] - wanted;
+    rows.rows->AddRowToImage(row, back, &extra.image);
+    slope += back * rows.rows->W(row, rows.f, rows.image);
   }
   double part = 1;
+  double sweep_extra = more * of.zz + c.along_previous * of.zp;  // z.A extra
   if (clipped && optimal) {
     // The plane's minimum is out of bounds: the least energy on the way from y to its projection.
-    const bool root = rows.rows->ImageIsRoot();
-    const double slope = Dot(root ? rows.image : rows.f, extra.image) + Dot(rows.scaled.b, extra.f);
-    const double curvature = Dot(root ? extra.image : extra.f, extra.image);
+    const Array& left = Left(extra.f, extra.image);
+    const double curvature = Dot(left, extra.image);
     part = curvature > 0 ? std::clamp(-slope / curvature, 0.0, 1.0) : 0.0;
+    sweep_extra = Dot(left, rows.image) - Dot(left, x.image);
   }
+  previous_w = of.zw + part * (slope - sweep_extra);
   for (std::size_t k = 0; k < rows.f.size(); ++k) {
     const double next = extra.f[k] == -rows.f[k] && part == 1 ? 0.0 : rows.f[k] + part * extra.f[k];
     previous.f[k] = next - x.f[k];
@@ -186,7 +195,7 @@ void NncgSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
       work.test.EndOutOfTime();
       break;
     }
-    work.Extrapolate(options_.direction);
+    work.Extrapolate(options_.direction, forward.energy + backward.energy);
     over = work.test.Continue(std::sqrt(backward.residual));
   }
   work.test.Finish();

@@ -50,12 +50,15 @@ void AssembledRows::AddRowToImage(Index row, double df, Array* image) const {
   rows_.Add(row, df, image->data());
 }
 
-void AssembledRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* /*image*/,
+double AssembledRows::W(Index row, const Array& f, const Array& /*image*/) const {
+  return (scaled_.b[At(row)] + diagonal_[At(row)] * f[At(row)]) + rows_.Dot(row, f.data());
+}
+
+void AssembledRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                           StepSums* sums) const {
   RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-    const double* values = f->data();
     const auto visit = [&](Index k) {
-      (*step)(k, (scaled_.b[At(k)] + diagonal_[At(k)] * values[k]) + rows_.Dot(k, values));
+      (*step)(k, W(k, *f, *image));
     };
     if (backward) {
       for (Index k = end; k-- > begin;) visit(k);

@@ -21,6 +21,7 @@ class AssembledRows final : public RowKernel {
   void StartImage(Array* image) const override;
   void AddToImage(Index begin, Index end, const Array& f, Array* image) const override;
   void AddRowToImage(Index row, double df, Array* image) const override;
+  double W(Index row, const Array& f, const Array& image) const override;
   void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
              StepSums* sums) const override;
   void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,

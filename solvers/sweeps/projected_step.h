@@ -4,6 +4,7 @@
 #include "solvers/sweeps/lanes.h"
 #include "solvers/sweeps/row_kernel.h"
 #include "solvers/sweeps/scaled_problem.h"
+#include "solvers/sweeps/vector_ops.h"
 
 /// Internal to solvers/sweeps/: what one row, or four independent ones, do with their w.
 namespace lcpbench {
@@ -26,18 +27,6 @@ LCPBENCH_ALWAYS_INLINE T Filled(double value) {
 }
 LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, double value) { *to = value; }
 LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, const Lanes& value) { Store(to, value); }
-
-/// A sum of squares over rows that come alone and by fours.
-class SquareSum {
- public:
-  LCPBENCH_ALWAYS_INLINE void Add(double value) { one_ += value * value; }
-  LCPBENCH_ALWAYS_INLINE void Add(const Lanes& value) { four_ += value * value; }
-  double Total() const { return one_ + Sum(four_); }
-
- private:
-  double one_ = 0;
-  Lanes four_{};
-};
 
 /// Comparisons are ordered so that a NaN stays.
 template <bool kMixed, typename T>
@@ -67,15 +56,17 @@ class ProjectedStep {
       rate *= LoadAs<T>(gain_ + row);
       floor = LoadAs<T>(floor_ + row);
     }
-    residual_.Add(NaturalResidual<kMixed>(w, old, floor));
+    const T residual = NaturalResidual<kMixed>(w, old, floor);
+    residual_.Add(residual, residual);
     const T moved = old - rate * w;
     const T next = moved < floor ? floor : moved;
     StoreTo(to_ + row, next);
     const T change = next - old;
-    change_.Add(change);
+    change_.Add(change, change);
     if constexpr (kGradient) {
       return next;
     } else {
+      energy_.Add(change, w + 0.5 * change);  // the diagonal is 1; rows without one do not change
       return change;
     }
   }
@@ -83,6 +74,7 @@ class ProjectedStep {
   void AddTo(StepSums* sums) const {
     sums->residual += residual_.Total();
     sums->change += change_.Total();
+    sums->energy += energy_.Total();
   }
 
  private:
@@ -91,8 +83,9 @@ class ProjectedStep {
   const double* gain_;
   const double* floor_;
   double rate_;
-  SquareSum residual_;
-  SquareSum change_;
+  ProductSum residual_;
+  ProductSum change_;
+  ProductSum energy_;
 };
 
 /// Adds up the natural residual; nothing moves.
@@ -105,7 +98,8 @@ class ResidualOnly {
   LCPBENCH_ALWAYS_INLINE T operator()(Index row, const T& w) {
     T floor = Filled<T>(0);
     if constexpr (kMixed) floor = LoadAs<T>(floor_ + row);
-    residual_.Add(NaturalResidual<kMixed>(w, LoadAs<T>(f_ + row), floor));
+    const T residual = NaturalResidual<kMixed>(w, LoadAs<T>(f_ + row), floor);
+    residual_.Add(residual, residual);
     return w;
   }
   double Total() const { return residual_.Total(); }
@@ -113,7 +107,7 @@ class ResidualOnly {
  private:
   const double* f_;
   const double* floor_;
-  SquareSum residual_;
+  ProductSum residual_;
 };
 
 /// Calls `run` with the step of the problem's kind (with bilateral or held rows, or without) and adds up its sums.

@@ -10,6 +10,9 @@ namespace lcpbench {
 struct StepSums {
   double residual = 0;  ///< of r_k^2, r_k the natural residual of row k at the moment of its step
   double change = 0;    ///< of (change of f_k)^2
+  /// Of the change of the energy f.A f / 2 + b.f, step by step (sweeps only): exact to rounding of the change, where the
+  /// difference of two energies would be exact to rounding of the energy.
+  double energy = 0;
 };
 
 /// The rows of a ScaledProblem in one layout. Every pass takes a range [begin, end) of rows, so that a caller can read a
@@ -36,6 +39,8 @@ class RowKernel {
   /// image += change of the image when f_row grows by `df`; A must be symmetric.
   virtual void AddRowToImage(Index row, double df, Array* image) const = 0;
 
+  /// w_row = (A f + b)_row; needs the image of f where ImageIsRoot.
+  virtual double W(Index row, const Array& f, const Array& image) const = 0;
   /// Gauss-Seidel: for every row in turn, f_k <- max(floor, f_k - omega w_k) with the newest f.
   virtual void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                      StepSums* sums) const = 0;

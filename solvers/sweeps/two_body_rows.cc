@@ -184,6 +184,10 @@ void TwoBodyRows::AddToImage(Index begin, Index end, const Array& f, Array* imag
   }
 }
 
+double TwoBodyRows::W(Index row, const Array& /*f*/, const Array& image) const {
+  return Sum(Loaded(rows_[At(row)].s.data(), image.data()).Products());
+}
+
 void TwoBodyRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                         StepSums* sums) const {
   RunStep<false>(scaled_, omega, *f, f, sums,
