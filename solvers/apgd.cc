@@ -20,8 +20,7 @@ constexpr double kGrowth = 1.5;
 
 void Extrapolate(const Array& x, const Array& before, double beta, Array* y) {
   ForLanes(
-      x.size(),
-      [&](std::size_t i) { Store(&(*y)[i], Load(&x[i]) + beta * (Load(&x[i]) - Load(&before[i]))); },
+      x.size(), [&](std::size_t i) { Store(&(*y)[i], Load(&x[i]) + beta * (Load(&x[i]) - Load(&before[i]))); },
       [&](std::size_t i) { (*y)[i] = x[i] + beta * (x[i] - before[i]); });
 }
 

@@ -11,9 +11,9 @@ RowForm ReadRowForm(SettingsReader* reader) {
 }
 
 SweepOrder ReadSweepOrder(SettingsReader* reader) {
-  const std::string sweep = reader->Choice("sweep", "forward", {"forward", "symmetric", "coloured"});
+  const std::string sweep = reader->Choice("sweep", "coloured", {"forward", "symmetric", "coloured"});
   if (sweep == "symmetric") return SweepOrder::kSymmetric;
-  return sweep == "coloured" ? SweepOrder::kColoured : SweepOrder::kForward;
+  return sweep == "forward" ? SweepOrder::kForward : SweepOrder::kColoured;
 }
 
 }  // namespace lcpbench

@@ -17,13 +17,13 @@ enum class RowForm {
 enum class SweepOrder {
   kForward,    ///< as given
   kSymmetric,  ///< as given and backwards in turn
-  kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body (assembled:
-               ///< no entry of A), and are stepped by fours without waiting for each other
+  kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body
+              ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
 };
 
 /// Option `form` = auto (default) | assembled | matrix-free.
 RowForm ReadRowForm(SettingsReader* reader);
-/// Option `sweep` = forward (default) | symmetric | coloured.
+/// Option `sweep` = forward | symmetric | coloured (default).
 SweepOrder ReadSweepOrder(SettingsReader* reader);
 
 }  // namespace lcpbench

@@ -28,7 +28,8 @@ struct Point {
 constexpr double kParallel = 1e-10;
 
 // Products of the sweep's step z and the previous step p: u.A v, and u.w at x. Those with w are sums of the size of
-// |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be left.
+// |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be
+// left.
 struct Products {
   double zz = 0;
   double zp = 0;
@@ -152,7 +153,7 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("nncg", settings);
   NncgOptions options;
   options.form = ReadRowForm(&reader);
-  options.coloured = reader.Choice("sweep", "symmetric", {"symmetric", "coloured"}) == "coloured";
+  options.coloured = reader.Choice("sweep", "coloured", {"symmetric", "coloured"}) == "coloured";
   if (reader.Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "fletcher-reeves") {
     options.direction = Direction::kFletcherReeves;
   }
@@ -188,8 +189,8 @@ void NncgSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
     StepSums backward;
     bool in_time = RunSweep(false, 1.0, &rows, &passes, &forward) && RunSweep(true, 1.0, &rows, &passes, &backward);
     if (in_time && !rows.rows->ImageIsRoot()) {
-      in_time = passes.Run(
-          false, [&](Index begin, Index end) { rows.rows->AddToImage(begin, end, rows.f, &rows.image); });
+      in_time =
+          passes.Run(false, [&](Index begin, Index end) { rows.rows->AddToImage(begin, end, rows.f, &rows.image); });
     }
     if (!in_time) {
       work.test.EndOutOfTime();

@@ -15,7 +15,7 @@ struct NncgOptions {
   };
   Direction direction = Direction::kOptimal;
   RowForm form = RowForm::kAuto;
-  bool coloured = false;
+  bool coloured = true;
   static NncgOptions FromSettings(const Settings& settings);
 };
 

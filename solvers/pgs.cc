@@ -18,8 +18,8 @@ void CheckRelaxation(double relaxation) {
 
 struct ConstantRelaxation {
   double omega;
-  double next() const { return omega; }
-  void observe(const StepSums& /*sums*/) const {}
+  double Next() const { return omega; }
+  void Observe(const StepSums& /*sums*/) const {}
 };
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "solvers/nncg.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
+#include "solvers/psor.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt_ncp.h"
 #include "solvers/ipopt_qp.h"
@@ -80,6 +81,8 @@ std::vector<SolverEntry> OwnSolvers() {
                   true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
+      SolverEntry{"psor", "projected SOR, relaxation adapted to the measured rate", "Cryer 1971; Young 1971", true, true,
+                  &Never, &Make<PsorSolver, PsorOptions>},
       SolverEntry{"nncg", "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
                   "Silcowitz, Niebe, Erleben 2010", true, true, &Never, &Make<NncgSolver, NncgOptions>},
       SolverEntry{"apgd", "accelerated projected gradients, adaptive step and restart",

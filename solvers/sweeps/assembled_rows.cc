@@ -37,7 +37,9 @@ AssembledRows::AssembledRows(const LcpProblem& problem, const ScaledProblem& sca
   }
 }
 
-Index AssembledRows::EntriesPerRow() const { return std::max<Index>(1, rows_.Entries() / std::max<Index>(1, rows_.Rows())); }
+Index AssembledRows::EntriesPerRow() const {
+  return std::max<Index>(1, rows_.Entries() / std::max<Index>(1, rows_.Rows()));
+}
 
 void AssembledRows::StartImage(Array* image) const { image->assign(ImageSize(), 0.0); }
 
@@ -57,9 +59,7 @@ double AssembledRows::W(Index row, const Array& f, const Array& /*image*/) const
 void AssembledRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                           StepSums* sums) const {
   RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-    const auto visit = [&](Index k) {
-      (*step)(k, W(k, *f, *image));
-    };
+    const auto visit = [&](Index k) { (*step)(k, W(k, *f, *image)); };
     if (backward) {
       for (Index k = end; k-- > begin;) visit(k);
     } else {

@@ -92,9 +92,8 @@ std::vector<Index> Order(Index n, Colours colours) {
       colours.Give(row, colour[At(row)]);
     }
     for (Index row = begin; row < end; ++row) colours.Forget(row);
-    std::sort(order.begin() + begin, order.begin() + end, [&](Index a, Index b) {
-      return colour[At(a)] != colour[At(b)] ? colour[At(a)] < colour[At(b)] : a < b;
-    });
+    std::sort(order.begin() + begin, order.begin() + end,
+              [&](Index a, Index b) { return colour[At(a)] != colour[At(b)] ? colour[At(a)] < colour[At(b)] : a < b; });
   }
   return order;
 }

@@ -7,8 +7,8 @@
 /// Internal to solvers/.
 namespace lcpbench {
 
-/// Matrix-free rows on any number of bodies: S = D^-1/2 J M^-1/2, so that A = S S^T and one copy of S serves the product
-/// and the update. Image: S^T f.
+/// Matrix-free rows on any number of bodies: S = D^-1/2 J M^-1/2, so that A = S S^T and one copy of S serves the
+/// product and the update. Image: S^T f.
 class FactorRows final : public RowKernel {
  public:
   /// @param scaled  not owned

@@ -18,10 +18,10 @@ class PacedPasses {
       : deadline_(options),
         limited_(std::isfinite(options.time_limit_s)),
         n_(n),
-        chunk_(std::max<Index>(kLanes, kEntriesPerClockRead / rows.EntriesPerRow())) {}
+        chunk_(std::max<Index>(1, kEntriesPerClockRead / rows.EntriesPerRow())) {}
 
-  /// Calls pass(begin, end) on ranges that cover all rows, from the last range on if `backward`. False, and not all rows
-  /// done, when the time is up.
+  /// Calls pass(begin, end) on ranges that cover all rows, from the last range on if `backward`. False, and not all
+  /// rows done, when the time is up.
   template <typename Pass>
   bool Run(bool backward, Pass&& pass) {
     for (Index done = 0; done < n_;) {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
-#include "solvers/sweeps/lanes.h"
+#include "solvers/sweeps/aligned_array.h"
 
 /// Internal to solvers/.
 namespace lcpbench {

@@ -19,8 +19,8 @@ namespace lcpbench {
 /// start and, but for the time limit, the last one are) is kept and returned.
 class StoppingTest {
  public:
-  /// At least every so many iterations there is a check. Between checks the residuals that a pass sees at each row's own
-  /// moment tell when one is likely to succeed.
+  /// At least every so many iterations there is a check. Between checks the residuals that a pass sees at each row's
+  /// own moment tell when one is likely to succeed.
   static constexpr std::int64_t kCheckInterval = 32;
 
   void Prepare(const LcpProblem& problem);

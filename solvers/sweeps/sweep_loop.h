@@ -17,7 +17,7 @@ inline bool RunSweep(bool backward, double omega, RowWork* work, PacedPasses* pa
 }
 
 /// A solve by sweeps alone, work->f being the start.
-/// @param relaxation  next() gives omega for the next sweep; observe(StepSums) hears of each sweep
+/// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
 template <typename Relaxation>
 void SolveBySweeps(SweepOrder order, const LcpOptions& options, std::int64_t default_limit, Relaxation* relaxation,
                    RowWork* work, StoppingTest* test, LcpResult* result) {
@@ -26,11 +26,11 @@ void SolveBySweeps(SweepOrder order, const LcpOptions& options, std::int64_t def
   bool backward = false;
   while (!over) {
     StepSums sums;
-    if (!RunSweep(backward, relaxation->next(), work, &passes, &sums)) {
+    if (!RunSweep(backward, relaxation->Next(), work, &passes, &sums)) {
       test->EndOutOfTime();
       break;
     }
-    relaxation->observe(sums);
+    relaxation->Observe(sums);
     if (order == SweepOrder::kSymmetric) backward = !backward;
     over = test->Continue(std::sqrt(sums.residual));
   }

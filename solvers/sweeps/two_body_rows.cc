@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "solvers/sweeps/lanes.h"
 #include "solvers/sweeps/projected_step.h"
 
 namespace lcpbench {
@@ -100,7 +101,9 @@ void TwoBodyRows::FindSets() {
   };
   for (Index k = 0; k < scaled_.size; ++k) {
     const Offsets offsets = BodiesOf(rows_[At(k)].s.data());
-    const auto taken = [&](int offset) { return offset < spares_from && last_set[static_cast<size_t>(offset) / kLanes] == set; };
+    const auto taken = [&](int offset) {
+      return offset < spares_from && last_set[static_cast<size_t>(offset) / kLanes] == set;
+    };
     if (taken(offsets[0]) || taken(offsets[1])) close(k);
     for (const int offset : offsets) last_set[static_cast<size_t>(offset) / kLanes] = set;
     ++length;
@@ -129,8 +132,8 @@ LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitFour(const Row* row, Index k, cons
   // Lane by lane the same additions as Sum.
   const Lanes pairs01 = __builtin_shufflevector(p0, p1, 0, 4, 2, 6) + __builtin_shufflevector(p0, p1, 1, 5, 3, 7);
   const Lanes pairs23 = __builtin_shufflevector(p2, p3, 0, 4, 2, 6) + __builtin_shufflevector(p2, p3, 1, 5, 3, 7);
-  const Lanes w = __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) +
-                  __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
+  const Lanes w =
+      __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) + __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
   const Lanes value = (*step)(k, w);
   if constexpr (kPass != Pass::kRead) {
     r0.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
@@ -202,9 +205,8 @@ void TwoBodyRows::GradientStep(Index begin, Index end, double step, const Array&
 }
 
 double TwoBodyRows::ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const {
-  return RunResidual(scaled_, f, [&](auto* residual) {
-    Visit<Pass::kRead>(begin, end, false, image.data(), nullptr, residual);
-  });
+  return RunResidual(scaled_, f,
+                     [&](auto* residual) { Visit<Pass::kRead>(begin, end, false, image.data(), nullptr, residual); });
 }
 
 }  // namespace lcpbench

@@ -36,7 +36,7 @@ class TwoBodyRows final : public RowKernel {
 
  private:
   struct alignas(kCacheLine) Row {
-    std::array<double, 2 * kLanes> s{};  ///< first block, b, second block, offsets of the bodies (two int)
+    std::array<double, 8> s{};  ///< first block, b, second block, offsets of the bodies (two int)
   };
 
   enum class Pass {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "solvers/sweeps/aligned_array.h"
 #include "solvers/sweeps/lanes.h"
 
 /// Internal to solvers/: sums over whole arrays, in a fixed order.
@@ -30,8 +31,7 @@ class ProductSum {
 inline double Dot(const Array& a, const Array& b) {
   ProductSum sum;
   ForLanes(
-      a.size(), [&](std::size_t i) { sum.Add(Load(&a[i]), Load(&b[i])); },
-      [&](std::size_t i) { sum.Add(a[i], b[i]); });
+      a.size(), [&](std::size_t i) { sum.Add(Load(&a[i]), Load(&b[i])); }, [&](std::size_t i) { sum.Add(a[i], b[i]); });
   return sum.Total();
 }
 
