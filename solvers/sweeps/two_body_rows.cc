@@ -16,6 +16,11 @@ constexpr Index kSpares = 8;
 constexpr Index kEntriesPerRow = 12;
 // Where fewer rows than this share of all go by fours, looking for sets costs more than they save.
 constexpr double kLeastShareInFours = 0.5;
+constexpr auto kFour = static_cast<Index>(kLanes);
+// From so many rows on (16 MB) rows and bodies come from memory, and are asked for ahead of time: bodies as many rows
+// ahead as memory's latency takes, rows twice as many, so that they are there when their bodies are asked for.
+constexpr Index kRowsFromMemory = Index{1} << 18;
+constexpr Index kAhead = 24;
 constexpr LaneMask kFirstThree = {-1, -1, -1, 0};
 
 using Offsets = std::array<int, 2>;
@@ -95,7 +100,7 @@ void TwoBodyRows::FindSets() {
   set_end_.clear();
   const auto close = [&](Index end) {
     set_end_.push_back(end);
-    in_fours += length - length % static_cast<Index>(kLanes);
+    in_fours += length - length % kFour;
     length = 0;
     ++set;
   };
@@ -143,6 +148,20 @@ LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitFour(const Row* row, Index k, cons
   }
 }
 
+// For the four rows that come kAhead rows after row k, or before it.
+LCPBENCH_ALWAYS_INLINE void TwoBodyRows::FetchAhead(Index k, Index ahead, const double* in) const {
+  const Index bodies_of = k + ahead;
+  const Index rows_at = bodies_of + ahead;
+  if (std::min(bodies_of, rows_at) < 0 || std::max(bodies_of, rows_at) + kFour > scaled_.size) return;
+  const Row* rows = rows_.data();
+  for (Index i = 0; i < kFour; ++i) {
+    const Offsets offsets = BodiesOf(rows[bodies_of + i].s.data());
+    __builtin_prefetch(in + offsets[0], 1);
+    __builtin_prefetch(in + offsets[1], 1);
+    __builtin_prefetch(rows + rows_at + i);
+  }
+}
+
 template <TwoBodyRows::Pass kPass, typename Step>
 void TwoBodyRows::Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const {
   const Row* rows = rows_.data();
@@ -154,11 +173,21 @@ void TwoBodyRows::Visit(Index begin, Index end, bool backward, const double* in,
     }
     return;
   }
-  // Within a set the order does not matter.
+  const bool from_memory = scaled_.size >= kRowsFromMemory;
+  // Within a set the order does not matter to the result, but memory is best walked one way.
+  const auto by_fours = [&](Index k) {
+    if (from_memory) FetchAhead(k, backward ? -kAhead : kAhead, in);
+    VisitFour<kPass>(rows + k, k, in, out, step);
+  };
   const auto visit_set = [&](Index from, Index to) {
-    Index k = from;
-    for (; k + static_cast<Index>(kLanes) <= to; k += kLanes) VisitFour<kPass>(rows + k, k, in, out, step);
-    for (; k < to; ++k) VisitOne<kPass>(rows[k], k, in, out, step);
+    const Index rest = from + (to - from) / kFour * kFour;
+    if (backward) {
+      for (Index k = to; k-- > rest;) VisitOne<kPass>(rows[k], k, in, out, step);
+      for (Index k = rest - kFour; k >= from; k -= kFour) by_fours(k);
+    } else {
+      for (Index k = from; k < rest; k += kFour) by_fours(k);
+      for (Index k = rest; k < to; ++k) VisitOne<kPass>(rows[k], k, in, out, step);
+    }
   };
   const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
   if (backward) {

@@ -45,6 +45,7 @@ class TwoBodyRows final : public RowKernel {
     kAcross,   ///< read one image, change another
   };
   void FindSets();
+  void FetchAhead(Index k, Index ahead, const double* in) const;
   template <Pass kPass, typename Step>
   void Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const;
   template <Pass kPass, typename Step>
