@@ -13,11 +13,6 @@
 namespace lcpbench {
 namespace {
 
-// Of the estimated Lipschitz constant: per iteration, so that steps grow where A is flat, and on a step that was too
-// long for its own curvature.
-constexpr double kDecay = 0.98;
-constexpr double kGrowth = 1.5;
-
 void Extrapolate(const Array& x, const Array& before, double beta, Array* y) {
   ForLanes(
       x.size(), [&](std::size_t i) { Store(&(*y)[i], Load(&x[i]) + beta * (Load(&x[i]) - Load(&before[i]))); },
@@ -112,7 +107,7 @@ void ApgdSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
       if (!in_time) break;
       const double curvature = work.Curvature();
       if (!(curvature > lipschitz * sums.change)) break;
-      lipschitz = std::max(kGrowth * lipschitz, curvature / sums.change);
+      lipschitz = std::max(kGrowth * lipschitz, kMargin * curvature / sums.change);
     }
     if (!in_time) {
       work.test.EndOutOfTime();

@@ -18,7 +18,7 @@ enum class SweepOrder {
   kForward,    ///< as given
   kSymmetric,  ///< as given and backwards in turn
   kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body
-              ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
+               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
 };
 
 /// Option `form` = auto (default) | assembled | matrix-free.

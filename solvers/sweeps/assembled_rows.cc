@@ -37,9 +37,7 @@ AssembledRows::AssembledRows(const LcpProblem& problem, const ScaledProblem& sca
   }
 }
 
-Index AssembledRows::EntriesPerRow() const {
-  return std::max<Index>(1, rows_.Entries() / std::max<Index>(1, rows_.Rows()));
-}
+Index AssembledRows::EntriesPerRow() const { return 1 + rows_.Entries() / std::max<Index>(1, rows_.Rows()); }
 
 void AssembledRows::StartImage(Array* image) const { image->assign(ImageSize(), 0.0); }
 

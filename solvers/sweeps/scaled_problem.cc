@@ -22,14 +22,11 @@ void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_orde
     mixed = mixed || D[row] == 0;
     inverse_root[k] = D[row] == 0 ? 1.0 : 1.0 / std::sqrt(D[row]);
     b[k] = problem.b()[row] * inverse_root[k];
+    b_squared += static_cast<long double>(b[k]) * b[k];
   }
-  // Summed in the given order: the scale must not depend on the order of the sweeps.
-  for (Index row = 0; row < size; ++row) {
-    const double value = problem.b()[row] * (D[row] == 0 ? 1.0 : 1.0 / std::sqrt(D[row]));
-    b_squared += static_cast<long double>(value) * value;
-  }
-  const auto b_norm = static_cast<double>(std::sqrt(b_squared));
-  const double scale = b_norm > 0 ? b_norm : 1.0;
+  const long double norm = std::sqrt(b_squared);
+  const double scale = norm > 0 ? std::ldexp(1.0, std::ilogb(norm)) : 1.0;
+  b_norm = norm > 0 ? static_cast<double>(norm / scale) : 1.0;
   for (size_t k = 0; k < n; ++k) {
     b[k] /= scale;
     unit[k] = inverse_root[k] * scale;

@@ -9,13 +9,14 @@
 /// Internal to solvers/.
 namespace lcpbench {
 
-/// An LCP in units in which diag A = 1 and |b| = 1, so that no step divides, nothing depends on the units of the given
-/// problem, and rho is the norm of the natural residual. Row k here is row order[k] of the given problem; all arrays
-/// run over k.
+/// An LCP in units in which diag A = 1 and 1 <= |b| < 2, so that no step divides and nothing depends on the units of
+/// the given problem. (b is scaled by a power of two, so that the iterates' bits do not depend on the rounding of |b|.)
+/// Row k here is row order[k] of the given problem; all arrays run over k.
 struct ScaledProblem {
   Index size = 0;
   std::vector<Index> order;  ///< empty: the given order
   Array b;
+  double b_norm = 1;   ///< |b| here, 1 where b = 0: rho is the norm of the natural residual over this
   Array unit;          ///< f_k of the given problem per f_k here
   Array inverse_root;  ///< (A_kk)^-1/2 of the given problem, 1 where A_kk = 0
   /// Rows that step differently: a bilateral row is not projected (floor -inf), a row without diagonal does not step

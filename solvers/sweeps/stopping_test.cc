@@ -34,14 +34,17 @@ bool StoppingTest::Begin(const LcpOptions& options, std::int64_t default_limit, 
   work_ = work;
   passes_ = passes;
   result_ = result;
-  return Check();
+  if (Check()) return true;
+  if (!passes_->Expired()) return false;
+  result_->status = LcpStatus::kTimeLimit;
+  return true;
 }
 
 bool StoppingTest::Continue(double residual) {
   ++result_->iterations;
   ++unchecked_;
   const bool last = result_->iterations >= limit_;
-  const bool promising = !(residual > tolerance_);  // NaN is to be looked at, too
+  const bool promising = !(residual > tolerance_ * work_->scaled.b_norm);  // NaN is to be looked at, too
   if (last || unchecked_ >= kCheckInterval || (promising && unchecked_ >= patience_)) {
     if (promising) patience_ = std::min(2 * patience_, kCheckInterval);
     unchecked_ = 0;
@@ -67,7 +70,7 @@ bool StoppingTest::Check() {
   const Index n = work_->scaled.size;
   rows.StartImage(&work_->image);
   rows.AddToImage(0, n, work_->f, &work_->image);
-  const double rho = std::sqrt(rows.ResidualSquares(0, n, work_->f, work_->image));
+  const double rho = std::sqrt(rows.ResidualSquares(0, n, work_->f, work_->image)) / work_->scaled.b_norm;
   if (!std::isfinite(rho)) {
     result_->status = LcpStatus::kNumericalFailure;
     result_->detail = "the iterates overflow";

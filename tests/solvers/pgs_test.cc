@@ -20,6 +20,7 @@ namespace {
 PgsOptions With(PgsOptions::Form form, double relaxation = 1.0) {
   PgsOptions options;
   options.form = form;
+  options.sweep = SweepOrder::kForward;
   options.relaxation = relaxation;
   return options;
 }
