@@ -27,6 +27,9 @@ struct Point {
 // A plane whose Gram determinant is below this share of its product of squares is a line but for rounding.
 constexpr double kParallel = 1e-10;
 
+// Rows that are looked through one by one for projections where one of them is projected.
+constexpr std::size_t kBlock = 32;
+
 // Products of the sweep's step z and the previous step p: u.A v, and u.w at x. Those with w are sums of the size of
 // |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be
 // left.
@@ -66,6 +69,7 @@ struct NncgSolver::Workspace {
   const Array& Left(const Array& f, const Array& image) const { return rows.rows->ImageIsRoot() ? image : f; }
   Products MakeProducts(double energy) const;
   Combination FletcherReeves();
+  bool WantBlock(const Combination& c, std::size_t begin, std::size_t end);
   void Extrapolate(NncgOptions::Direction direction, double energy);
 };
 
@@ -104,6 +108,25 @@ Combination NncgSolver::Workspace::FletcherReeves() {
   return {1.0, ratio > 1 ? 0.0 : ratio};
 }
 
+// extra.f for a block of rows, before projection. True if that leads out of bounds somewhere.
+bool NncgSolver::Workspace::WantBlock(const Combination& c, std::size_t begin, std::size_t end) {
+  const double more = c.along_sweep - 1;
+  LaneMask out{};
+  bool one_out = false;
+  std::size_t k = begin;
+  for (; k + kLanes <= end; k += kLanes) {
+    const Lanes y = Load(&rows.f[k]);
+    const Lanes wanted = more * (y - Load(&x.f[k])) + c.along_previous * Load(&previous.f[k]);
+    Store(&extra.f[k], wanted);
+    out |= y + wanted < 0;
+  }
+  for (; k < end; ++k) {
+    extra.f[k] = more * (rows.f[k] - x.f[k]) + c.along_previous * previous.f[k];
+    one_out = one_out || rows.f[k] + extra.f[k] < 0;
+  }
+  return one_out || (out[0] | out[1] | out[2] | out[3]) != 0;
+}
+
 void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction, double energy) {
   const bool optimal = direction == NncgOptions::Direction::kOptimal;
   Products of;
@@ -115,16 +138,19 @@ void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction, double
   }
   double slope = more * (of.zw + of.zz) + c.along_previous * (of.pw + of.zp);  // extra.w at y
   bool clipped = false;
-  for (std::size_t k = 0; k < rows.f.size(); ++k) {
-    const auto row = static_cast<Index>(k);
-    const double wanted = more * (rows.f[k] - x.f[k]) + c.along_previous * previous.f[k];
-    extra.f[k] = wanted;
-    if (rows.f[k] + wanted >= 0 || rows.scaled.IsFree(row)) continue;
-    clipped = true;
-    extra.f[k] = -rows.f[k];
-    const double back = extra.f[k] - wanted;
-    rows.rows->AddRowToImage(row, back, &extra.image);
-    slope += back * rows.rows->W(row, rows.f, rows.image);
+  for (std::size_t begin = 0; begin < rows.f.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, rows.f.size());
+    if (!WantBlock(c, begin, end)) continue;
+    for (std::size_t k = begin; k < end; ++k) {
+      const auto row = static_cast<Index>(k);
+      const double wanted = extra.f[k];
+      if (rows.f[k] + wanted >= 0 || rows.scaled.IsFree(row)) continue;
+      clipped = true;
+      extra.f[k] = -rows.f[k];
+      const double back = extra.f[k] - wanted;
+      rows.rows->AddRowToImage(row, back, &extra.image);
+      slope += back * rows.rows->W(row, rows.f, rows.image);
+    }
   }
   double part = 1;
   double sweep_extra = more * of.zz + c.along_previous * of.zp;  // z.A extra
@@ -137,7 +163,7 @@ void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction, double
   }
   previous_w = of.zw + part * (slope - sweep_extra);
   for (std::size_t k = 0; k < rows.f.size(); ++k) {
-    const double next = extra.f[k] == -rows.f[k] && part == 1 ? 0.0 : rows.f[k] + part * extra.f[k];
+    const double next = rows.f[k] + part * extra.f[k];
     previous.f[k] = next - x.f[k];
     rows.f[k] = next;
   }
