@@ -89,11 +89,13 @@ void ApgdSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
   bool over = work.test.Begin(options, kDefaultIterations, &rows, &passes, result);
   work.before = rows.f;
   work.before_image = rows.image;
-  double lipschitz = 1;  // the least it can be: A has a unit diagonal
+  // A has a unit diagonal: its largest eigenvalue is between 1 and the trace.
+  const auto trace = static_cast<double>(rows.scaled.size);
+  double lipschitz = 1;
   double momentum = 1;
   double of_momentum = lipschitz;  // the lipschitz that momentum belongs to
   while (!over) {
-    lipschitz *= kDecay;
+    lipschitz = std::max(kDecay * lipschitz, kLeast);
     double next_momentum = 1;
     StepSums sums;
     bool in_time = true;
@@ -106,8 +108,8 @@ void ApgdSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
       in_time = work.Step(lipschitz, &passes, &sums);
       if (!in_time) break;
       const double curvature = work.Curvature();
-      if (!(curvature > lipschitz * sums.change)) break;
-      lipschitz = std::max(kGrowth * lipschitz, kMargin * curvature / sums.change);
+      if (!(curvature > lipschitz * sums.change) || lipschitz >= trace) break;
+      lipschitz = std::min(trace, std::max(kGrowth * lipschitz, kMargin * curvature / sums.change));
     }
     if (!in_time) {
       work.test.EndOutOfTime();

@@ -52,6 +52,8 @@ class ApgdSolver final : public LcpSolver {
   static constexpr double kGrowth = 1.5;
   /// Above the curvature of that step: the next one often goes the same way, and must not hang on rounding.
   static constexpr double kMargin = 1.02;
+  /// It stays at or above this (and at or below n): along directions without curvature steps need not grow for ever.
+  static constexpr double kLeast = 0.1;
 
   explicit ApgdSolver(ApgdOptions options = {});
   ~ApgdSolver() override;
