@@ -11,7 +11,7 @@ namespace lcpbench {
 struct ApgdOptions {
   RowForm form = RowForm::kAuto;
   /// Give up the momentum where it points uphill. Without it the bound below holds for the iterates of one run, with it
-  /// the iterates stop circling the solution: on the scenes a third to a tenth of the iterations.
+  /// the iterates stop circling the solution: on the scenes a quarter to a tenth of the iterations.
   bool restart = true;
 
   /// Options `form` = auto | assembled | matrix-free and `restart` = yes | no.
@@ -23,7 +23,8 @@ struct ApgdOptions {
 ///     t_{k+1} (t_{k+1} - 1) = t_k^2 L_{k+1} / L_k,
 /// with P the projection onto f >= 0 on unilateral rows. L estimates the largest eigenvalue A need be given: it shrinks
 /// by kDecay per iteration, and where the step d = x_{k+1} - y has d.A d > L d.d it grows to kMargin d.A d / d.d, by
-/// kGrowth at least, and the step is made again. Restart: t = 1 where (y - x_{k+1}).(x_{k+1} - x_k) > 0.
+/// kGrowth at least, and the step is made again; it stays between kLeast and n, the trace of A, which is no less than
+/// the eigenvalue whatever rounding says of d. Restart: t = 1 where (y - x_{k+1}).(x_{k+1} - x_k) > 0.
 ///
 /// Matrix class: symmetric PSD; a numerically nonsymmetric A is refused. Without restart the energy obeys
 ///     E(x_k) - E* <= 2 kGrowth lambda_max |x_0 - x*|^2 / k^2
@@ -34,7 +35,7 @@ struct ApgdOptions {
 /// Unit of `iterations`: steps that were taken (repeated ones count once); default limit kDefaultIterations.
 ///
 /// Cost of an iteration: one pass over the rows (assembled: one product with A) and four over vectors. No row waits for
-/// another, so the rows are laid out in colours always. About one step in twenty is repeated.
+/// another, so the rows are laid out in colours always.
 ///
 /// Stopping, failures, warm start, clock, allocation: as pgs.
 ///

@@ -17,7 +17,7 @@ struct NncgOptions {
   Direction direction = Direction::kOptimal;
   RowForm form = RowForm::kAuto;
   /// Forward and backward over the rows as given, or over the coloured order (SweepOrder::kColoured). Measured:
-  /// coloured takes 10 to 30 % more iterations, each in half the time.
+  /// coloured takes 5 to 40 % more iterations, each in half the time.
   bool coloured = true;
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |

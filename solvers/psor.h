@@ -32,7 +32,7 @@ struct PsorOptions {
 /// leave only disturb the measurement.
 ///
 /// Matrix class: as pgs; omega stays within (0, 2), so no sweep raises the energy. Compared with omega = 1 (measured):
-/// a fifth to a fifteenth of the sweeps on piles and chains, no help against mass ratios of a million.
+/// a half to a fifteenth of the sweeps on piles, bearings and chains, no help against mass ratios of a million.
 ///
 /// Unit of `iterations`, cost, stopping, failures, warm start, clock: as pgs. Adapting costs nothing but the sum of the
 /// squares of the steps, which the sweep makes anyway.
