@@ -8,8 +8,8 @@
 namespace lcpbench {
 
 /// Rows per block of a coloured order. Colours span a block and not the whole problem, so that the bodies that a block
-/// works on stay in the first-level cache from colour to colour. Measured: 512 to 4096 rows are alike, 128 make the sets
-/// of independent rows so small that a sweep takes a sixth longer.
+/// works on stay in the first-level cache from colour to colour. Measured: 512 to 4096 rows are alike, 128 make the
+/// sets of independent rows so small that a sweep takes a sixth longer.
 inline constexpr Index kColourBlock = 512;
 
 /// An order of the rows in which blocks of kColourBlock rows follow each other as given, and within a block rows of one
