@@ -4,13 +4,16 @@
 #include <map>
 #include <utility>
 
+#include "solvers/apgd.h"
 #include "solvers/bpp.h"
 #include "solvers/dantzig.h"
 #include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lemke.h"
+#include "solvers/nncg.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
+#include "solvers/psor.h"
 #include "solvers/semismooth_newton.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt_ncp.h"
@@ -93,6 +96,12 @@ std::vector<SolverEntry> OwnSolvers() {
                   "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
+      SolverEntry{"psor", "projected SOR, relaxation adapted to the measured rate", "Cryer 1971; Young 1971", true,
+                  true, &Never, &Make<PsorSolver, PsorOptions>},
+      SolverEntry{"nncg", "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
+                  "Silcowitz, Niebe, Erleben 2010", true, true, &Never, &Make<NncgSolver, NncgOptions>},
+      SolverEntry{"apgd", "accelerated projected gradients, adaptive step and restart",
+                  "Mazhar, Heyn, Negrut, Tasora 2015", true, true, &Never, &Make<ApgdSolver, ApgdOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
                   kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
       SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
