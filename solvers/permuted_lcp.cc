@@ -1,27 +1,16 @@
 #include "solvers/permuted_lcp.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <utility>
+
+#include "solvers/power_of_two.h"
 
 namespace lcpbench {
 namespace {
 
 using Index = Eigen::Index;
-
-constexpr int kExponentBias = 1023;
-constexpr int kMantissaBits = 52;
-
-// e for x = m 2^e, 1 <= m < 2; subnormal numbers give the lowest e.
-std::int64_t Exponent(double x) {
-  return static_cast<std::int64_t>((std::bit_cast<std::uint64_t>(x) >> kMantissaBits) & 0x7ff) - kExponentBias;
-}
-
-double PowerOfTwo(std::int64_t exponent) {
-  return std::bit_cast<double>(static_cast<std::uint64_t>(kExponentBias + exponent) << kMantissaBits);
-}
 
 // Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
 Index PaddedStride(Index rows) {

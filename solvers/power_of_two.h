@@ -4,29 +4,29 @@
 #include <bit>
 #include <cstdint>
 
-/// Internal to solvers/: scaling that rounds nothing.
+/// Internal to solvers/: scaling without rounding.
 namespace lcpbench {
 
-inline constexpr int kDoubleExponentBias = 1023;
-inline constexpr int kDoubleMantissaBits = 52;
+inline constexpr int kExponentBias = 1023;
+inline constexpr int kMantissaBits = 52;
 
 /// e for x = m 2^e, 1 <= m < 2; subnormal numbers give the lowest e.
-inline std::int64_t BinaryExponent(double x) {
-  return static_cast<std::int64_t>((std::bit_cast<std::uint64_t>(x) >> kDoubleMantissaBits) & 0x7ff) -
-         kDoubleExponentBias;
+inline std::int64_t Exponent(double x) {
+  return static_cast<std::int64_t>((std::bit_cast<std::uint64_t>(x) >> kMantissaBits) & 0x7ff) - kExponentBias;
 }
 
+/// 2^exponent, exponent in [-1022, 1023].
 inline double PowerOfTwo(std::int64_t exponent) {
-  return std::bit_cast<double>(static_cast<std::uint64_t>(kDoubleExponentBias + exponent) << kDoubleMantissaBits);
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kExponentBias + exponent) << kMantissaBits);
 }
 
-/// s such that s^2 d is in [1, 4) for d > 0.
-inline double ScaleOfDiagonal(double d) { return PowerOfTwo(-(BinaryExponent(d) >> 1)); }
+/// s such that s^2 d is in [1, 4), for d > 0.
+inline double ScaleOfDiagonal(double d) { return PowerOfTwo(-(Exponent(d) >> 1)); }
 
-/// t such that t x is in [1, 2) for x > 0, 1 for 0. The reciprocal of the largest exponents is no normal number; such x
+/// t such that t x is in [1, 2) for x > 0; 1 for 0. The reciprocal of the largest exponents is no normal number; such x
 /// overflow elsewhere.
 inline double ScaleOfLargest(double x) {
-  return x > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-BinaryExponent(x), -1022, 1023)) : 1.0;
+  return x > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(x), -1022, 1023)) : 1.0;
 }
 
 }  // namespace lcpbench

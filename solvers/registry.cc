@@ -4,12 +4,17 @@
 #include <map>
 #include <utility>
 
+#include "solvers/apgd.h"
 #include "solvers/auto_solver.h"
+#include "solvers/bpp.h"
 #include "solvers/dantzig.h"
 #include "solvers/external/external_solver.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/lemke.h"
+#include "solvers/nncg.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/pgs.h"
+#include "solvers/psor.h"
 #include "solvers/semismooth_newton.h"
 #ifdef LCPBENCH_WITH_IPOPT
 #include "solvers/ipopt_ncp.h"
@@ -57,6 +62,10 @@ std::string Never(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "converges to every tolerance in the limit only; no bound on the number of sweeps";
 }
 
+std::string NoBoundOnBlocks(const LcpProblem& /*problem*/, double /*tolerance*/) {
+  return "blocks may cycle, and single exchanges have no polynomial bound";
+}
+
 std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "a nonconvex formulation: local convergence only";
 }
@@ -83,8 +92,19 @@ std::vector<SolverEntry> OwnSolvers() {
       SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
                   "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
                   &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
+      SolverEntry{"lemke", "lexicographic Lemke on a dense updated factor, joints first",
+                  "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd,
+                  &Make<LemkeSolver, LemkeOptions>},
+      SolverEntry{"bpp", "block principal pivoting, proximal, on sparse or dense factors",
+                  "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
+      SolverEntry{"psor", "projected SOR, relaxation adapted to the measured rate", "Cryer 1971; Young 1971", true,
+                  true, &Never, &Make<PsorSolver, PsorOptions>},
+      SolverEntry{"nncg", "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
+                  "Silcowitz, Niebe, Erleben 2010", true, true, &Never, &Make<NncgSolver, NncgOptions>},
+      SolverEntry{"apgd", "accelerated projected gradients, adaptive step and restart",
+                  "Mazhar, Heyn, Negrut, Tasora 2015", true, true, &Never, &Make<ApgdSolver, ApgdOptions>},
       SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
                   kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
       SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",

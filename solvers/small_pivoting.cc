@@ -26,7 +26,7 @@ size_t At(Index i) { return static_cast<size_t>(i); }
 }  // namespace
 
 void SmallPivoting::Reserve(Index max_rows) {
-  if (max_rows <= scale_.size()) return;
+  if (max_rows <= static_cast<Index>(active_.size())) return;
   const Index stride = (max_rows + kLanes - 1) / kLanes * kLanes;
   tableau_.assign(At(max_rows * stride), 0);
   for (Eigen::VectorXd* v : {&q_, &scale_, &root_, &w_, &pivot_row_, &correction_}) v->setZero(stride);

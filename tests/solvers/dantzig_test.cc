@@ -5,9 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
@@ -17,39 +15,9 @@
 #include "solvers/dense_ldlt.h"
 #include "solvers/lcp/json_lines.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/allocation_count.h"
+#include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"
-
-// Counts allocations of this program: Eigen takes its memory from malloc, not from operator new. Sanitizers bring an
-// allocator of their own.
-#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LCPBENCH_COUNTS_ALLOCATIONS
-namespace {
-std::atomic<long> allocations = 0;
-}
-extern "C" {
-void* __libc_malloc(std::size_t size);                           // NOLINT(bugprone-reserved-identifier)
-void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT(bugprone-reserved-identifier)
-void* __libc_realloc(void* old, std::size_t size);               // NOLINT(bugprone-reserved-identifier)
-void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
-
-void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-void* calloc(std::size_t count, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_calloc(count, size);
-}
-void* realloc(void* old, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_realloc(old, size);
-}
-void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  ++allocations;
-  return __libc_memalign(alignment, size);
-}
-}
-#endif
 
 namespace lcpbench {
 namespace {
@@ -72,71 +40,7 @@ LcpResult Solve(const LcpProblem& problem, const LcpOptions& options = {}, Dantz
   return result;
 }
 
-class Random {
- public:
-  explicit Random(unsigned seed) : engine_(seed) {}
-  int Integer(int low, int high) { return std::uniform_int_distribution<int>(low, high)(engine_); }
-  bool Chance(double probability) { return std::uniform_real_distribution<double>(0, 1)(engine_) < probability; }
-
- private:
-  std::mt19937 engine_;
-};
-
-MatrixFacts SymmetricPsd() {
-  MatrixFacts facts;
-  facts.symmetric = true;
-  facts.positive_semidefinite = true;
-  return facts;
-}
-
-struct Planted {
-  LcpProblem problem;
-  LcpReference reference;
-};
-
-// A = G diag(m) G^T with small integers G (n x r, so every rank occurs) and m powers of two with exponents up to +-13
-// (`wide_masses`): all of A and b is exact in double, and so are singularity, duplicates, opposed rows and degeneracy.
-Planted PlantedExactly(unsigned seed, Index largest, bool wide_masses) {
-  Random random(seed);
-  const Index n = random.Integer(1, static_cast<int>(largest));
-  const Index rank = random.Integer(1, static_cast<int>(n));
-  const double density = random.Integer(2, 10) / 10.0;
-  const bool copies = random.Chance(0.4);
-  MatrixXd G(n, rank);
-  for (Index i = 0; i < n; ++i) {
-    for (Index k = 0; k < rank; ++k) G(i, k) = random.Chance(density) ? random.Integer(-3, 3) : 0;
-    if (copies && i > 0 && random.Chance(0.3)) {
-      G.row(i) = G.row(random.Integer(0, static_cast<int>(i) - 1)) * (random.Chance(0.5) ? 1 : -1);
-    }
-  }
-  VectorXd m = VectorXd::Ones(rank);
-  if (wide_masses) {
-    for (Index k = 0; k < rank; ++k) m[k] = std::ldexp(1.0, random.Integer(-13, 13));
-  }
-  const MatrixXd A = G * m.asDiagonal() * G.transpose();
-  const double degenerate = random.Chance(0.3) ? 0.5 : 0.0;
-  const double joints = random.Chance(0.3) ? 0.3 : 0.0;
-  const double active = random.Integer(0, 10) / 10.0;
-  std::vector<Index> bilateral;
-  VectorXd f = VectorXd::Zero(n);
-  VectorXd w = VectorXd::Zero(n);
-  for (Index i = 0; i < n; ++i) {
-    const int value = random.Integer(1, 9);
-    if (random.Chance(joints)) {
-      bilateral.push_back(i);
-      f[i] = random.Chance(0.5) ? value : -value;
-    } else if (!random.Chance(degenerate)) {
-      (random.Chance(active) ? f : w)[i] = value;
-    }
-  }
-  const VectorXd b = w - A * f;
-  Planted planted{LcpProblem::FromDense("planted-" + std::to_string(seed), A, b,
-                                        RowBounds::WithBilateralRows(n, bilateral), SymmetricPsd()),
-                  {}};
-  planted.reference.status = LcpReference::Status::kSolved;
-  planted.reference.w = w;
-  return planted;
-}
+using Planted = TestProblem;
 
 // ---------------------------------------------------------------------------------------------------------- the factor
 
@@ -157,7 +61,7 @@ void Enter(const MatrixXd& A, const std::vector<Index>& rows, Index row, DenseLd
 
 TEST(DenseLdlt, AFactorUpdatedManyTimesEqualsAFreshOne) {
   for (const Index n : {1, 2, 7, 8, 40}) {
-    Random random(static_cast<unsigned>(n));
+    TestRandom random(static_cast<unsigned>(n));
     MatrixXd G(n, n + 2);
     for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-9, 9);
     const MatrixXd A = G * G.transpose() + MatrixXd::Identity(n, n);
@@ -275,13 +179,7 @@ TEST(Dantzig, FindsPlantedSolutionsOfEveryRank) {
 TEST(Dantzig, EndsOnFullyDegenerateProblems) {
   for (const DantzigOrder order : kOrders) {
     for (unsigned seed = 0; seed < 300; ++seed) {
-      Random random(seed);
-      const Index n = random.Integer(2, 30);
-      MatrixXd G(n, random.Integer(1, 4));
-      for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-1, 1);
-      const MatrixXd A = G * G.transpose();
-      // Every w is 0 at f = 1, and for each of the many other f with the same A f.
-      const LcpProblem problem = LcpProblem::FromDense("degenerate", A, -A * VectorXd::Ones(n), {}, SymmetricPsd());
+      const LcpProblem problem = FullyDegenerate(seed, 30);
       const LcpResult result = Solve(problem, {}, order);
       EXPECT_EQ(result.status, LcpStatus::kSolved) << "seed " << seed << ": " << result.detail;
       EXPECT_TRUE(Verify(problem, result, 1e-9).passes) << "seed " << seed;
@@ -292,30 +190,7 @@ TEST(Dantzig, EndsOnFullyDegenerateProblems) {
 TEST(Dantzig, ProvesPlantedInfeasibility) {
   for (const DantzigOrder order : kOrders) {
     for (unsigned seed = 0; seed < 500; ++seed) {
-      Random random(seed);
-      const Index n = random.Integer(2, 30);
-      const Index rank = random.Integer(1, static_cast<int>(n));
-      MatrixXd G(n, rank);
-      for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-3, 3);
-      // The last row closes a nonnegative combination of rows: y = (y_0, ..., 1), G^T y = 0.
-      VectorXd y = VectorXd::Zero(n);
-      y[n - 1] = 1;
-      G.row(n - 1).setZero();
-      for (Index i = 0; i + 1 < n; ++i) {
-        if (!random.Chance(0.3)) continue;
-        y[i] = random.Integer(1, 3);
-        G.row(n - 1) -= y[i] * G.row(i);
-      }
-      const MatrixXd A = G * G.transpose();
-      VectorXd b(n);
-      for (Index i = 0; i < n; ++i) b[i] = random.Integer(-9, 9);
-      b[n - 1] -= b.dot(y) + random.Integer(1, 9);
-      std::vector<Index> bilateral;
-      for (Index i = 0; i < n; ++i) {
-        if (random.Chance(0.2)) bilateral.push_back(i);
-      }
-      const LcpProblem problem =
-          LcpProblem::FromDense("infeasible", A, b, RowBounds::WithBilateralRows(n, bilateral), SymmetricPsd());
+      const LcpProblem problem = InfeasibleExactly(seed, 30);
       const LcpResult result = Solve(problem, {}, order);
       EXPECT_EQ(result.status, LcpStatus::kInfeasible) << "seed " << seed << ": " << result.detail;
       ASSERT_TRUE(result.farkas_ray.has_value()) << "seed " << seed;
@@ -387,7 +262,7 @@ TEST(Dantzig, PowersOfTwoChangeNoPivotAndNoBitOfTheAnswer) {
       const VectorXd ones = VectorXd::Ones(n);
       expect_same(std::ldexp(1.0, 41) * A, b, std::ldexp(1.0, -41) * ones);
       expect_same(A, std::ldexp(1.0, -39) * b, std::ldexp(1.0, -39) * ones);
-      Random random(seed);
+      TestRandom random(seed);
       VectorXd S(n);
       for (Index i = 0; i < n; ++i) S[i] = std::ldexp(1.0, random.Integer(-20, 20));
       expect_same(S.asDiagonal() * A * S.asDiagonal(), S.cwiseProduct(b), S.cwiseInverse());
@@ -418,7 +293,7 @@ TEST(Dantzig, WarmStartFromTheSolutionTakesFewPivots) {
 TEST(Dantzig, AWrongWarmStartDoesNoHarm) {
   for (unsigned seed = 0; seed < 300; ++seed) {
     const Planted planted = PlantedExactly(seed, 30, false);
-    Random random(seed + 1000);
+    TestRandom random(seed + 1000);
     VectorXd start(planted.problem.size());
     for (Index i = 0; i < start.size(); ++i) start[i] = random.Integer(-3, 3);
     LcpOptions options;
@@ -479,9 +354,7 @@ TEST(Dantzig, ReadsItsSettings) {
 // allocations
 
 TEST(Dantzig, SolvingAgainDoesNotAllocate) {
-#ifndef LCPBENCH_COUNTS_ALLOCATIONS
-  GTEST_SKIP() << "allocations cannot be counted in this build";
-#else
+  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   for (unsigned seed = 0; seed < 50; ++seed) {
     const Planted dense = PlantedExactly(seed, 60, false);
     const Index n = dense.problem.size();
@@ -500,14 +373,13 @@ TEST(Dantzig, SolvingAgainDoesNotAllocate) {
       const VectorXd f = result.f;
       LcpOptions warm;
       warm.initial_f = &f;
-      const long before = allocations;
+      const long before = AllocationCount();
       solver.Solve(problem, {}, &result);
       solver.Solve(problem, warm, &result);
-      EXPECT_EQ(allocations - before, 0) << "seed " << seed << ", " << problem.id();
+      EXPECT_EQ(AllocationCount() - before, 0) << "seed " << seed << ", " << problem.id();
       EXPECT_EQ(result.status, LcpStatus::kSolved);
     }
   }
-#endif
 }
 
 TEST(Dantzig, RefusesMoreRowsThanItsDenseArraysAreMeantFor) {

@@ -11,6 +11,7 @@
 #include "solvers/given_form.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/sweeps/paced_passes.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -19,6 +20,7 @@ namespace {
 PgsOptions With(PgsOptions::Form form, double relaxation = 1.0) {
   PgsOptions options;
   options.form = form;
+  options.sweep = SweepOrder::kForward;
   options.relaxation = relaxation;
   return options;
 }
@@ -197,7 +199,7 @@ TEST(Pgs, TimeLimitIsReadFromTheInjectedClock) {
 }
 
 TEST(Pgs, AnExpiredClockStopsALongSweepBeforeItsEnd) {
-  const Index n = 3 * PgsSolver::kEntriesPerClockRead;
+  const Index n = 3 * PacedPasses::kEntriesPerClockRead;
   SparseMatrix A(n, n);
   A.reserve(Eigen::VectorXi::Constant(static_cast<int>(n), 2));
   for (Index i = 0; i < n; ++i) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <utility>
 
@@ -57,6 +58,17 @@ std::vector<TestProblem> OracleProblems() {
   const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/oracle/lcp.jsonl";
   if (!std::filesystem::exists(path)) return problems;
   for (LcpRecord& record : ReadLcpFile(path)) problems.push_back({record.problem, record.reference});
+  return problems;
+}
+
+std::vector<LcpProblem> RecordedUnitProblems() {
+  std::vector<LcpProblem> problems;
+  const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/myphysicslab/unit_problems.jsonl";
+  std::ifstream file(path);
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.find("\"compute_forces\"") != std::string::npos) problems.push_back(ParseLcpRecord(line, path).problem);
+  }
   return problems;
 }
 

@@ -19,6 +19,9 @@ std::ostream& operator<<(std::ostream& out, const TestProblem& test);
 /// The exact LCPs of the oracle set; empty where the outside data is absent.
 std::vector<TestProblem> OracleProblems();
 
+/// The contact problems among the unit tests of the paper's own software; empty where the outside data is absent.
+std::vector<LcpProblem> RecordedUnitProblems();
+
 /// Small problems whose answers are written beside them.
 std::vector<TestProblem> TextbookProblems();
 

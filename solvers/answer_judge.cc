@@ -1,0 +1,67 @@
+#include "solvers/answer_judge.h"
+
+#include <algorithm>
+
+namespace lcpbench {
+
+void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
+  problem_ = problem;
+  estimate_.Reset(problem, dense);
+  for (Eigen::VectorXd* v : {&f_, &w_, &w_best_}) v->setZero(problem.size());
+  if (problem.has_factors()) {
+    body_.resize(problem.J().cols());
+    body_extended_.resize(problem.J().cols());
+  }
+}
+
+void AnswerJudge::Start(double tolerance) {
+  tolerance_ = tolerance;
+  tier_ = std::numeric_limits<double>::infinity();
+  latest_is_best_ = false;
+}
+
+// w = A f + b for A given by factors, through body space, as LcpProblem::ComputeW, which allocates.
+template <typename Real>
+void AnswerJudge::ComputeWByFactors(Eigen::Matrix<Real, Eigen::Dynamic, 1>* body) {
+  const SparseMatrix& J = problem_->J();
+  const Eigen::VectorXd& b = problem_->b();
+  const Eigen::VectorXd& inverse_mass = problem_->inverse_mass();
+  body->setZero();
+  for (Index i = 0; i < J.rows(); ++i) {
+    if (f_[i] == 0) continue;
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) (*body)[it.col()] += static_cast<Real>(it.value()) * f_[i];
+  }
+  for (Index k = 0; k < J.cols(); ++k) (*body)[k] *= inverse_mass[k];
+  for (Index i = 0; i < J.rows(); ++i) {
+    Real sum = 0;
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) sum += it.value() * (*body)[it.col()];
+    w_[i] = static_cast<double>(sum + b[i]);
+  }
+}
+
+bool AnswerJudge::Publish(LcpResult* result) {
+  latest_is_best_ = false;
+  if (problem_->has_factors()) {
+    ComputeWByFactors(&body_);
+  } else {
+    problem_->ComputeW(f_, &w_);
+  }
+  const double rho = estimate_.Rho(f_, w_);
+  if (!(rho < tier_)) return false;
+  double backward = estimate_.BackwardError(f_, w_);
+  if (problem_->has_factors() && backward * backward > tolerance_) {
+    // Where the sums through body space cancel in a row whose own terms are all (nearly) 0, the row's backward error is
+    // rounding over nothing. The verdict is made in extended precision, so the estimate is, too.
+    ComputeWByFactors(&body_extended_);
+    backward = estimate_.BackwardError(f_, w_);
+  }
+  const double tier = std::max(rho, backward * backward);
+  if (!(tier < tier_)) return false;
+  tier_ = tier;
+  result->f.swap(f_);
+  w_best_.swap(w_);
+  latest_is_best_ = true;
+  return tier <= kGoodEnough;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,270 @@
+#include "solvers/bpp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+
+#include "solvers/bpp_engine.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/power_of_two.h"
+#include "solvers/zero_row_ray.h"
+
+namespace lcpbench {
+namespace {
+
+// Entries of a warm start enter F above this multiple of the largest D^1/2 f (an interior point leaves no zeros).
+constexpr double kWarmThreshold = 1e-10;
+// A proof of infeasibility is worth while above this residual only, or above the tolerance if that is less.
+constexpr double kProofTolerance = 1e-9;
+// An answer within the tolerance is taken when a proximal step improves it by less than this factor.
+constexpr double kWorthAnotherStep = 0.1;
+// Forces up to such a part of the largest D^1/2 f may be rounding, the more so the worse A_FF is conditioned.
+constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
+constexpr int kMaxSteps = 60;
+constexpr double kLeastShift = 1e-11;
+constexpr double kShiftFactor = 0.3;
+
+// A proximal step at least this part of f / steps so far does not look like convergence.
+constexpr double kDivergence = 0.25;
+constexpr int kRayCorrections = 4;
+constexpr double kRayShift = 1e-10;
+constexpr std::int64_t kFactorisationsPerRow = 10;
+constexpr std::int64_t kExtraFactorisations = 200;
+
+}  // namespace
+
+bool BppSolver::Engine::TooLargeForDense(const LcpProblem& problem) const {
+  return options_.form == BppOptions::Form::kDense && problem.size() > options_.max_dense_rows;
+}
+
+void BppSolver::Engine::Prepare(const LcpProblem& problem) {
+  problem_ = problem;
+  const Index n = problem.size();
+  const bool may_be_dense = options_.form != BppOptions::Form::kSparse && n <= options_.max_dense_rows;
+  block_ = blocks_.Analyze(problem, options_.form != BppOptions::Form::kDense, may_be_dense);
+  judge_.Reset(problem, blocks_.is_dense(block_));
+  product_.Reset(problem);
+  for (Eigen::VectorXd* v : {&scale_, &diagonal_, &b_, &root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_,
+                             &image_, &preconditioned_, &ray_}) {
+    v->setZero(n);
+  }
+  bilateral_.assign(At(n), 0);
+  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
+  for (std::vector<char>* v : {&can_act_, &active_, &active_shifted_}) v->assign(At(n), 0);
+  violated_.reserve(At(n));
+}
+
+// Powers of two S_ii that bring A_ii into [1, 4) and t that brings the largest |b_i| into [1, 2).
+bool BppSolver::Engine::Load() {
+  const Eigen::VectorXd& d = problem_->DiagonalA();
+  const Eigen::VectorXd& b = problem_->b();
+  const Index n = d.size();
+  double largest_b = 0;
+  double b_squared = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (d[i] < 0) return false;
+    can_act_[At(i)] = d[i] > 0 ? 1 : 0;
+    scale_[i] = d[i] > 0 ? PowerOfTwo(-(Exponent(d[i]) >> 1)) : 1.0;
+    if (d[i] > 0) largest_b = std::max(largest_b, std::abs(b[i] * scale_[i]));
+    b_squared += d[i] > 0 ? b[i] * (b[i] / d[i]) : b[i] * b[i];
+  }
+  b_norm_ = b_squared == 0 ? 1.0 : std::sqrt(b_squared);
+  b_scale_ = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
+  unit_ = 0;
+  for (Index i = 0; i < n; ++i) {
+    diagonal_[i] = (d[i] * scale_[i]) * scale_[i];
+    if (can_act_[At(i)] == 0) {
+      // Such a row neither acts nor is judged here.
+      b_[i] = 0;
+      root_[i] = 1;
+      continue;
+    }
+    b_[i] = b[i] * scale_[i] * b_scale_;
+    if (unit_ == 0) unit_ = diagonal_[i];
+    root_[i] = std::sqrt(diagonal_[i] / unit_);
+  }
+  if (unit_ == 0) unit_ = 1;
+  block_->Load(*problem_, scale_);
+  return true;
+}
+
+void BppSolver::Engine::SetStart() {
+  center_.setZero();
+  f_.setZero();
+  active_ = can_act_;
+  if (initial_f_ == nullptr) return;
+  const auto size = [&](Index i) { return (*initial_f_)[i] / scale_[i] * ForceRoot(i); };
+  double largest = 0;
+  for (Index i = 0; i < f_.size(); ++i) {
+    if (bilateral_[At(i)] == 0 && can_act_[At(i)] != 0) largest = std::max(largest, size(i));
+  }
+  for (Index i = 0; i < f_.size(); ++i) {
+    if (bilateral_[At(i)] != 0) continue;
+    active_[At(i)] = can_act_[At(i)] != 0 && size(i) > kWarmThreshold * largest ? 1 : 0;
+  }
+}
+
+// Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row
+// should be 0, the row's backward error is rounding over rounding.
+bool BppSolver::Engine::Publish(LcpResult* result) {
+  const auto publish = [&](double least) {
+    Eigen::VectorXd& f = judge_.candidate();
+    for (Index i = 0; i < f.size(); ++i) {
+      const double force = bilateral_[At(i)] != 0 ? std::abs(f_[i]) : f_[i];
+      const bool acts = force * ForceRoot(i) > least;
+      f[i] = acts ? f_[i] * (scale_[i] / b_scale_) : 0.0;
+    }
+    return judge_.Publish(result);
+  };
+  if (publish(0)) return true;
+  double largest = 0;
+  for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, std::abs(f_[i]) * ForceRoot(i));
+  for (const double tiny : kTinyForces) {
+    if (judge_.tier() <= proof_tolerance_) break;
+    publish(tiny * largest);
+  }
+  return judge_.tier() <= AnswerJudge::kGoodEnough;
+}
+
+// The step from center_ to shifted_ as a ray y. A y is not quite 0 while the steps still change: it is made so by a few
+// corrections with a factor of (almost) A itself and residuals in extended precision. VerifyFarkasRay, which allocates,
+// is asked only where its rule is met.
+bool BppSolver::Engine::ClaimRay(LcpResult* result) {
+  const Index n = f_.size();
+  const Eigen::VectorXd& b = problem_->b();
+  direction_ = shifted_ - center_;
+  for (int pass = 0; pass <= kRayCorrections; ++pass) {
+    for (Index i = 0; i < n; ++i) {
+      const bool acts = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || direction_[i] > 0);
+      ray_[i] = acts ? direction_[i] * scale_[i] : 0.0;
+    }
+    product_.Rho(ray_);  // w = A y + b
+    long double b_dot_y = 0;
+    long double b_size = 0;
+    long double largest = 0;
+    for (Index i = 0; i < n; ++i) {
+      const long double root = can_act_[At(i)] != 0 ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
+      b_dot_y += static_cast<long double>(b[i]) * ray_[i];
+      b_size += std::abs(b[i]) / root;
+      largest = std::max(largest, std::abs(product_.w(i) - b[i]) / root);
+    }
+    if (!(b_dot_y < 0)) return false;
+    if (-b_dot_y >= FarkasVerdict::kRayThreshold * largest * b_size && VerifyFarkasRay(*problem_, ray_).accepted) {
+      result->farkas_ray = ray_;
+      return true;
+    }
+    if (pass == 0) block_->Factor(active_shifted_, kRayShift, deadline());
+    for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scale_[i];
+    block_->Solve(residual_.data());
+    direction_ -= residual_;
+  }
+  return false;
+}
+
+BppSolver::Engine::End BppSolver::Engine::Run(LcpResult* result) {
+  SetStart();
+  shift_ = options_.proximal;
+  for (int step = 0; step < kMaxSteps; ++step) {
+    End end = PivotBlocks();
+    if (end != End::kDone) return end;
+    shifted_ = f_;
+    active_shifted_ = active_;
+    const double tier_before = judge_.tier();
+    end = Polish(result);
+    if (end != End::kNotMet) return end;
+    if (judge_.tier() <= proof_tolerance_ && judge_.tier() > kWorthAnotherStep * tier_before) return End::kDone;
+    double moved = 0;
+    double size = 0;
+    for (Index i = 0; i < f_.size(); ++i) {
+      moved = std::max(moved, std::abs(shifted_[i] - center_[i]) * ForceRoot(i));
+      size = std::max(size, std::abs(shifted_[i]) * ForceRoot(i));
+    }
+    if (step > 0 && judge_.tier() > proof_tolerance_ && moved * (step + 1) >= kDivergence * size && ClaimRay(result)) {
+      return End::kInfeasible;
+    }
+    center_ = shifted_;
+    active_ = active_shifted_;
+    shift_ = std::max(shift_ * kShiftFactor, kLeastShift);
+  }
+  return End::kNotMet;
+}
+
+void BppSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
+  tolerance_ = options.tolerance;
+  proof_tolerance_ = std::min(tolerance_, kProofTolerance);
+  initial_f_ = options.initial_f;
+  deadline_.reset();
+  if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  factorisations_ = 0;
+  single_exchanges_ = 0;
+  limit_ = options.max_iterations > 0 ? options.max_iterations
+                                      : kFactorisationsPerRow * problem_->size() + kExtraFactorisations;
+  judge_.Start(tolerance_);
+  if (!Load()) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
+    return;
+  }
+  result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * b_norm_);
+  if (result->farkas_ray.has_value()) {
+    result->status = LcpStatus::kInfeasible;
+    return;
+  }
+  const End end = Run(result);
+  result->iterations = factorisations_;
+  char text[160];
+  if (end == End::kInfeasible) {
+    result->status = LcpStatus::kInfeasible;
+  } else if (judge_.tier() <= tolerance_) {
+    result->status = LcpStatus::kSolved;
+  } else if (end == End::kIterationLimit) {
+    result->status = LcpStatus::kIterationLimit;
+  } else if (end == End::kTimeLimit) {
+    result->status = LcpStatus::kTimeLimit;
+  } else {
+    result->status = LcpStatus::kNumericalFailure;
+    std::snprintf(text, sizeof text, "residual %.1e above the tolerance after %d proximal steps, and no proven ray",
+                  judge_.tier(), kMaxSteps);
+    result->detail = text;
+  }
+  if (single_exchanges_ > 0) {
+    std::snprintf(text, sizeof text, "%s%lld single exchanges", result->detail.empty() ? "" : "; ",
+                  static_cast<long long>(single_exchanges_));
+    result->detail += text;
+  }
+}
+
+BppOptions BppOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("bpp", settings);
+  BppOptions options;
+  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse"});
+  if (form == "dense") options.form = Form::kDense;
+  if (form == "sparse") options.form = Form::kSparse;
+  options.proximal = reader.Number("proximal", options.proximal, kLeastShift, 1e-2);
+  options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeastShift, 100);
+  options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
+  options.max_dense_rows =
+      static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
+  reader.Finish();
+  return options;
+}
+
+BppSolver::BppSolver(BppOptions options) : engine_(std::make_unique<Engine>(options)) {}
+BppSolver::~BppSolver() = default;
+
+std::string BppSolver::WhyUnsupported(const LcpProblem& problem) const {
+  if (engine_->TooLargeForDense(problem)) {
+    return std::to_string(problem.size()) + " rows are more than max_dense_rows of the dense form";
+  }
+  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
+}
+
+void BppSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
+
+void BppSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(options, result);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "solvers/lcp/settings.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+struct BppOptions {
+  /// Which form of A is factored.
+  enum class Form {
+    kAuto,  ///< sparse where its factorisation is predicted to take less time
+    kDense,
+    kSparse,
+  };
+  Form form = Form::kAuto;
+
+  /// Weight e of the proximal term against diag A at the start, dimensionless. Larger values keep blocks from cycling
+  /// on singular A, smaller ones leave less for the outer loop to do; over the redundant families 1e-9 to 1e-6 took the
+  /// same number of factorisations within 4 %, 1e-4 more. In [1e-11, 1e-2].
+  double proximal = 1e-8;
+
+  /// Where blocks cycle, the weight rises, up to this; single exchanges follow only there. Blocks that cycle at 1e-8
+  /// mostly settle at 1e-2 or 1e-1. At least `proximal`; equal to it: the papers' method. In [1e-11, 100].
+  double largest_proximal = 1;
+
+  /// How many block exchanges in a row may fail to lower the least number of violated rows so far before the
+  /// weight rises or single exchanges follow. [Portugal, Judice, Vicente 1994 use 3 to 10] In [1, 100].
+  int patience = 3;
+
+  /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
+  /// 100000].
+  Index max_dense_rows = 10'000;
+
+  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience` and `max_dense_rows`. @throws
+  /// InputError for others
+  static BppOptions FromSettings(const Settings& settings);
+};
+
+/// Block principal pivoting with a proximal outer loop.
+///
+/// Inner method [Kostreva 1978; Portugal, Judice, Vicente 1994]: for a set F of active rows, f_F solves w_F = 0 and
+/// f = 0 elsewhere; all rows with f_i < 0 in F or w_i < 0 outside are violated and change sides together. If `patience`
+/// exchanges in a row do not lower the least number of violated rows, blocks cycle: e (below) rises to 1e-2, then
+/// tenfold each time; and at `largest_proximal` only the violated row of least index changes sides [Murty 1974], until
+/// that number falls. Bilateral rows are always in F. Each set F is one factorisation, the unit of
+/// LcpResult::iterations and max_iterations (default 10 n + 200; typically 4 to 12 are used, whatever n, and 10 to 120
+/// where contacts are redundant).
+///
+/// A need not be nonsingular: the inner problem is that of A + e D, D = diag A, with b - e D c in the place of b, which
+/// is a proximal-point step from c [Rockafellar 1976]; its matrix is positive definite. c starts at 0 and moves to the
+/// solution. After each step the answer is polished on A itself: f_F is corrected by conjugate gradients on
+/// A_FF x = -b_F with the factor as preconditioner (e hardly matters then: a few steps, and singular consistent systems
+/// are no trouble), and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
+///
+/// Guaranteed: nothing in double precision. In exact arithmetic single exchanges end for positive definite A + e D and
+/// the proximal loop converges for every solvable problem of symmetric PSD A, but the number of single exchanges has no
+/// polynomial bound, and the limit is reached first on problems where blocks cycle. kSolved is claimed only after w was
+/// recomputed by the given form and meets the tolerance.
+///
+/// Infeasible problems: the steps of the proximal loop tend to a ray y >= 0, A y = 0, b.y < 0. A step that does not
+/// shrink is offered to VerifyFarkasRay, and kInfeasible is claimed if it accepts; otherwise the solve ends as
+/// kNumericalFailure.
+///
+/// Start: F = all rows (in contact problems most are active: far fewer exchanges than from F = rows with b < 0); with
+/// initial_f, F = the rows with initial_f_i > 0. Only the set matters.
+///
+/// Units: A and b are scaled by powers of two, all comparisons are relative to sqrt(A_ii) in units of one row's, so
+/// that powers of two in A, b or single rows change no bit.
+///
+/// Forms: sparse L D L^T on a pattern analysed in Prepare, which recomputes what a changed row affects only
+/// (SparseActiveBlock); or dense L D L^T from scratch (DenseActiveBlock).
+///
+/// Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses A: O(fill). Solve
+/// does not allocate for a prepared problem, unless it reports a failure or a ray. The clock is read once per
+/// factorisation and conjugate gradient step: a time limit may be exceeded by one factorisation.
+///
+/// Other ways of ending: kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none
+/// was. kUnsupported: A_ii < 0.
+///
+/// Departures from the papers: the proximal loop and polishing; a heavier proximal term against cycles before single
+/// exchanges; bilateral rows; tolerances of sign that follow from the rounding of A + e D.
+class BppSolver final : public LcpSolver {
+ public:
+  explicit BppSolver(BppOptions options = {});
+  ~BppSolver() override;
+
+  /// Refuses A that is not numerically symmetric.
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+ private:
+  class Engine;
+  std::unique_ptr<Engine> engine_;
+};
+
+}  // namespace lcpbench

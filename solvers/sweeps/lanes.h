@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstring>
+
+/// Internal to solvers/: four doubles that are worked on at once. The compiler's vector types, not one machine's
+/// intrinsics: without AVX the same source becomes pairs of SSE2 operations. The sources in solvers/sweeps/ are
+/// compiled without contraction to fused operations, so that a row gives the same bits alone and among others, and on
+/// every machine.
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC diagnostic ignored "-Wpsabi"
+#endif
+
+namespace lcpbench {
+
+inline constexpr std::size_t kLanes = 4;
+
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+using LaneMask = long long __attribute__((vector_size(kLanes * sizeof(double))));
+
+// Forced, because a 32-byte vector passed to a real function has no ABI where AVX is off; GCC warns all the same.
+#define LCPBENCH_ALWAYS_INLINE [[gnu::always_inline]] inline
+
+LCPBENCH_ALWAYS_INLINE Lanes Load(const double* from) {
+  Lanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+LCPBENCH_ALWAYS_INLINE void Store(double* to, const Lanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+LCPBENCH_ALWAYS_INLINE Lanes Broadcast(double value) { return Lanes{value, value, value, value}; }
+/// Bits of `lanes` where the mask's bits are set.
+LCPBENCH_ALWAYS_INLINE Lanes Masked(const Lanes& lanes, const LaneMask& mask) {
+  return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(lanes) & mask);
+}
+LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+
+}  // namespace lcpbench

@@ -1,0 +1,135 @@
+#pragma once
+
+#include "solvers/lcp/problem.h"
+#include "solvers/sweeps/lanes.h"
+#include "solvers/sweeps/row_kernel.h"
+#include "solvers/sweeps/scaled_problem.h"
+#include "solvers/sweeps/vector_ops.h"
+
+/// Internal to solvers/sweeps/: what one row, or four independent ones, do with their w.
+namespace lcpbench {
+
+template <typename T>
+LCPBENCH_ALWAYS_INLINE T LoadAs(const double* from) {
+  if constexpr (sizeof(T) == sizeof(double)) {
+    return *from;
+  } else {
+    return Load(from);
+  }
+}
+template <typename T>
+LCPBENCH_ALWAYS_INLINE T Filled(double value) {
+  if constexpr (sizeof(T) == sizeof(double)) {
+    return value;
+  } else {
+    return Broadcast(value);
+  }
+}
+LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, double value) { *to = value; }
+LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, const Lanes& value) { Store(to, value); }
+
+/// Comparisons are ordered so that a NaN stays.
+template <bool kMixed, typename T>
+LCPBENCH_ALWAYS_INLINE T NaturalResidual(const T& w, const T& f, const T& floor) {
+  const T least = f < w ? f : w;
+  if constexpr (kMixed) {
+    return floor != Filled<T>(0) ? w : least;
+  } else {
+    return least;
+  }
+}
+
+/// kGradient false: a Gauss-Seidel step in place, whose value is the change of f. true: a step from one vector to
+/// another, whose value is the new f.
+template <bool kMixed, bool kGradient>
+class ProjectedStep {
+ public:
+  ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
+      : from_(from), to_(to), gain_(scaled.gain.data()), floor_(scaled.floor.data()), rate_(rate) {}
+
+  template <typename T>
+  LCPBENCH_ALWAYS_INLINE T operator()(Index row, const T& w) {
+    const T old = LoadAs<T>(from_ + row);
+    T rate = Filled<T>(rate_);
+    T floor = Filled<T>(0);
+    if constexpr (kMixed) {
+      rate *= LoadAs<T>(gain_ + row);
+      floor = LoadAs<T>(floor_ + row);
+    }
+    const T residual = NaturalResidual<kMixed>(w, old, floor);
+    residual_.Add(residual, residual);
+    const T moved = old - rate * w;
+    const T next = moved < floor ? floor : moved;
+    StoreTo(to_ + row, next);
+    const T change = next - old;
+    change_.Add(change, change);
+    if constexpr (kGradient) {
+      return next;
+    } else {
+      energy_.Add(change, w + 0.5 * change);  // the diagonal is 1; rows without one do not change
+      return change;
+    }
+  }
+
+  void AddTo(StepSums* sums) const {
+    sums->residual += residual_.Total();
+    sums->change += change_.Total();
+    sums->energy += energy_.Total();
+  }
+
+ private:
+  const double* from_;
+  double* to_;
+  const double* gain_;
+  const double* floor_;
+  double rate_;
+  ProductSum residual_;
+  ProductSum change_;
+  ProductSum energy_;
+};
+
+/// Adds up the natural residual; nothing moves.
+template <bool kMixed>
+class ResidualOnly {
+ public:
+  ResidualOnly(const ScaledProblem& scaled, const double* f) : f_(f), floor_(scaled.floor.data()) {}
+
+  template <typename T>
+  LCPBENCH_ALWAYS_INLINE T operator()(Index row, const T& w) {
+    T floor = Filled<T>(0);
+    if constexpr (kMixed) floor = LoadAs<T>(floor_ + row);
+    const T residual = NaturalResidual<kMixed>(w, LoadAs<T>(f_ + row), floor);
+    residual_.Add(residual, residual);
+    return w;
+  }
+  double Total() const { return residual_.Total(); }
+
+ private:
+  const double* f_;
+  const double* floor_;
+  ProductSum residual_;
+};
+
+/// Calls `run` with the step of the problem's kind (with bilateral or held rows, or without) and adds up its sums.
+template <bool kGradient, typename Run>
+void RunStep(const ScaledProblem& scaled, double rate, const Array& from, Array* to, StepSums* sums, const Run& run) {
+  const auto with = [&](auto step) {
+    run(&step);
+    step.AddTo(sums);
+  };
+  if (scaled.mixed) {
+    with(ProjectedStep<true, kGradient>(scaled, rate, from.data(), to->data()));
+  } else {
+    with(ProjectedStep<false, kGradient>(scaled, rate, from.data(), to->data()));
+  }
+}
+template <typename Run>
+double RunResidual(const ScaledProblem& scaled, const Array& f, const Run& run) {
+  const auto with = [&](auto step) {
+    run(&step);
+    return step.Total();
+  };
+  return scaled.mixed ? with(ResidualOnly<true>(scaled, f.data())) : with(ResidualOnly<false>(scaled, f.data()));
+}
+
+}  // namespace lcpbench

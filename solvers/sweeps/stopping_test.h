@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "solvers/given_form.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/sweeps/paced_passes.h"
+#include "solvers/sweeps/row_work.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// When a first-order solve is over, and what it then returns: the same for every such solver.
+///
+/// A check makes the image of f afresh, so that no rounding of earlier passes is left in it, and evaluates rho of the
+/// scaled problem: about two sweeps. Where rho meets the tolerance, rho and the backward error are evaluated by the
+/// *given* form in extended precision, and only that makes a kSolved. The iterate of least rho among those checked (the
+/// start and, but for the time limit, the last one are) is kept and returned.
+class StoppingTest {
+ public:
+  /// At least every so many iterations there is a check. Between checks the residuals that a pass sees at each row's
+  /// own moment tell when one is likely to succeed.
+  static constexpr std::int64_t kCheckInterval = 32;
+
+  void Prepare(const LcpProblem& problem);
+
+  /// Begins a solve at work->f and checks it. All pointers are kept until the end of the solve.
+  /// @return true when the solve is over already; its status is set
+  bool Begin(const LcpOptions& options, std::int64_t default_limit, RowWork* work, PacedPasses* passes,
+             LcpResult* result);
+  /// One iteration is done: counts it, and checks where that is due. True when the solve is over.
+  /// @param residual  norm of the natural residuals that the iteration's pass saw
+  bool Continue(double residual);
+  /// The time was up within an iteration, and f (not its image) is a valid iterate: ends the solve.
+  void EndOutOfTime();
+  /// Writes result->f.
+  void Finish();
+
+ private:
+  bool Check();
+  bool Claim();
+
+  GivenFormTest given_;
+  Array best_;
+  Eigen::VectorXd candidate_;  // of the given problem, on trial for the claim
+  bool claimed_ = false;
+  double best_rho_ = 0;
+
+  double tolerance_ = 0;
+  std::int64_t limit_ = 0;
+  std::int64_t unchecked_ = 0;  // iterations since the last check
+  std::int64_t patience_ = 1;   // iterations between checks that the residual asks for
+  RowWork* work_ = nullptr;
+  PacedPasses* passes_ = nullptr;
+  LcpResult* result_ = nullptr;
+};
+
+}  // namespace lcpbench

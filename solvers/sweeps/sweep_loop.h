@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cmath>
+
+#include "solvers/sweeps/paced_passes.h"
+#include "solvers/sweeps/row_work.h"
+#include "solvers/sweeps/stopping_test.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// A Gauss-Seidel pass over all rows. False when the time is up.
+inline bool RunSweep(bool backward, double omega, RowWork* work, PacedPasses* passes, StepSums* sums) {
+  return passes->Run(backward, [&](Index begin, Index end) {
+    work->rows->Sweep(begin, end, backward, omega, &work->f, &work->image, sums);
+  });
+}
+
+/// A solve by sweeps alone, work->f being the start.
+/// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
+template <typename Relaxation>
+void SolveBySweeps(SweepOrder order, const LcpOptions& options, std::int64_t default_limit, Relaxation* relaxation,
+                   RowWork* work, StoppingTest* test, LcpResult* result) {
+  PacedPasses passes(options, *work->rows, work->scaled.size);
+  bool over = test->Begin(options, default_limit, work, &passes, result);
+  bool backward = false;
+  while (!over) {
+    StepSums sums;
+    if (!RunSweep(backward, relaxation->Next(), work, &passes, &sums)) {
+      test->EndOutOfTime();
+      break;
+    }
+    relaxation->Observe(sums);
+    if (order == SweepOrder::kSymmetric) backward = !backward;
+    over = test->Continue(std::sqrt(sums.residual));
+  }
+  test->Finish();
+}
+
+}  // namespace lcpbench

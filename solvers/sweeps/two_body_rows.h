@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "solvers/sweeps/row_kernel.h"
+#include "solvers/sweeps/scaled_problem.h"
+
+/// Internal to solvers/.
+namespace lcpbench {
+
+/// Matrix-free rows on at most two bodies each (LcpProblem::has_two_body_rows): S = D^-1/2 J M^-1/2 in blocks of three.
+/// Image: the velocities S^T f, four numbers per body.
+///
+/// A row is one cache line with everything it needs but f: its two blocks, b, and where its bodies are. The fourth
+/// number of a body is the constant 1, the factor of b. Sets of consecutive rows that share no body are found when the
+/// rows are laid out, and stepped by fours with the four dot products added up in one transposition; rows one by one
+/// give the same bits.
+class TwoBodyRows final : public RowKernel {
+ public:
+  /// @param scaled  not owned
+  TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled);
+
+  std::size_t ImageSize() const override { return image_size_; }
+  bool ImageIsRoot() const override { return true; }
+  Index EntriesPerRow() const override;
+  void StartImage(Array* image) const override;
+  void AddToImage(Index begin, Index end, const Array& f, Array* image) const override;
+  void AddRowToImage(Index row, double df, Array* image) const override;
+  double W(Index row, const Array& f, const Array& image) const override;
+  void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
+             StepSums* sums) const override;
+  void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
+                    Array* next_image, StepSums* sums) const override;
+  double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const override;
+
+ private:
+  struct alignas(kCacheLine) Row {
+    std::array<double, 8> s{};  ///< first block, b, second block, offsets of the bodies (two int)
+  };
+
+  enum class Pass {
+    kRead,     ///< products only
+    kInPlace,  ///< what the products read is what the steps change
+    kAcross,   ///< read one image, change another
+  };
+  void FindSets();
+  void FetchAhead(Index k, Index ahead, const double* in) const;
+  template <Pass kPass, typename Step>
+  void Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const;
+  template <Pass kPass, typename Step>
+  static void VisitOne(const Row& row, Index k, const double* in, double* out, Step* step);
+  template <Pass kPass, typename Step>
+  static void VisitFour(const Row* row, Index k, const double* in, double* out, Step* step);
+
+  const ScaledProblem& scaled_;
+  AlignedVector<Row> rows_;
+  std::vector<Index> set_end_;  ///< of each set of independent rows; empty where there is little to gain
+  std::size_t image_size_ = 0;
+};
+
+}  // namespace lcpbench
