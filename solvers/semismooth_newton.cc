@@ -253,7 +253,11 @@ bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
   result->f.swap(f_trial_);
-  return rho <= kGoodEnough && test_.Meets(tolerance_, result->f);
+  if (!(rho <= kGoodEnough)) return false;
+  for (Index p = 0; p < n_; ++p) {
+    if (!test_.RowMeets(tolerance_, result->f, p)) return false;
+  }
+  return true;
 }
 
 // f_F near c_F with w_F = 0.

@@ -11,7 +11,7 @@ struct SemismoothNewtonOptions {
   /// Weight eps of the proximal term (eps/2) |D^1/2 (f - c)|^2 in the first subproblem, D = diag A; in [1e-10, 1].
   /// Heavier ones need fewer Newton steps and more proximal ones. With the default most problems up to 10^3 rows are
   /// solved by the first proximal step.
-  double first_weight = 1e-4;
+  double first_weight = 1e-3;
   /// eps falls by weight_factor, in (0, 1], with every proximal step, down to least_weight, in [1e-10, first_weight].
   double weight_factor = 1e-2;
   double least_weight = 1e-8;
