@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -21,8 +21,12 @@ class ActiveBlock {
   virtual void Load(const LcpProblem& problem, const Eigen::VectorXd& scale) = 0;
 
   /// F := rows with active[i] != 0, all with A_ii > 0. Mathematically every pivot is at least shift A_ii; rounding is
-  /// held to that, so factoring cannot fail.
-  virtual void Factor(const std::vector<char>& active, double shift) = 0;
+  /// held to that, so factoring cannot fail. The clock is read every kWorkPerClockRead multiply-adds.
+  /// @param deadline  nullptr for none
+  /// @returns false if the deadline passed meanwhile; there is no factor then
+  virtual bool Factor(const std::vector<char>& active, double shift, const Deadline* deadline) = 0;
+  /// Some 10 us of them.
+  static constexpr double kWorkPerClockRead = 1 << 15;
   /// x_F := K_FF^-1 x_F, other entries := 0.
   virtual void Solve(double* x) = 0;
   /// y := A x.

@@ -32,9 +32,6 @@ constexpr int kRayCorrections = 4;
 constexpr double kRayShift = 1e-10;
 constexpr std::int64_t kFactorisationsPerRow = 10;
 constexpr std::int64_t kExtraFactorisations = 200;
-// Fuller matrices of more rows than this are not analysed at all.
-constexpr double kSparseFill = 0.4;
-constexpr Index kAnalysedRows = 48;
 
 }  // namespace
 
@@ -42,26 +39,12 @@ bool BppSolver::Engine::TooLargeForDense(const LcpProblem& problem) const {
   return options_.form == BppOptions::Form::kDense && problem.size() > options_.max_dense_rows;
 }
 
-ActiveBlock* BppSolver::Engine::Choose(const LcpProblem& problem) {
-  const Index n = problem.size();
-  const bool may_be_dense = options_.form != BppOptions::Form::kSparse && n <= options_.max_dense_rows;
-  bool may_be_sparse = options_.form != BppOptions::Form::kDense;
-  if (may_be_sparse && may_be_dense) {
-    const auto entries = static_cast<double>(n) * static_cast<double>(n);
-    may_be_sparse = n <= kAnalysedRows || static_cast<double>(problem.SparseA().nonZeros()) <= kSparseFill * entries;
-  }
-  if (may_be_sparse) sparse_.Analyze(problem);
-  if (may_be_dense) dense_.Analyze(problem);
-  if (!may_be_sparse) return &dense_;
-  if (!may_be_dense || sparse_.factor_time() <= dense_.factor_time()) return &sparse_;
-  return &dense_;
-}
-
 void BppSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   const Index n = problem.size();
-  block_ = Choose(problem);
-  judge_.Reset(problem, block_ == &dense_);
+  const bool may_be_dense = options_.form != BppOptions::Form::kSparse && n <= options_.max_dense_rows;
+  block_ = blocks_.Analyze(problem, options_.form != BppOptions::Form::kDense, may_be_dense);
+  judge_.Reset(problem, blocks_.is_dense(block_));
   product_.Reset(problem);
   for (Eigen::VectorXd* v : {&scale_, &diagonal_, &b_, &root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_,
                              &image_, &preconditioned_, &ray_}) {
@@ -172,7 +155,7 @@ bool BppSolver::Engine::ClaimRay(LcpResult* result) {
       result->farkas_ray = ray_;
       return true;
     }
-    if (pass == 0) block_->Factor(active_shifted_, kRayShift);
+    if (pass == 0) block_->Factor(active_shifted_, kRayShift, deadline());
     for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scale_[i];
     block_->Solve(residual_.data());
     direction_ -= residual_;

@@ -28,7 +28,7 @@ constexpr double kRaise = 10;
 
 // f_ and w_ of the shifted problem for active_.
 void BppSolver::Engine::SolveActive() {
-  block_->Factor(active_, shift_);
+  block_->Factor(active_, shift_, deadline());
   ++factorisations_;
   f_.array() = shift_ * diagonal_.array() * center_.array() - b_.array();
   block_->Solve(f_.data());
@@ -140,7 +140,7 @@ BppSolver::Engine::End BppSolver::Engine::Polish(LcpResult* result) {
     if (factorisations_ >= limit_) return End::kIterationLimit;
     if (TimeIsUp()) return End::kTimeLimit;
     Exchange(false);
-    block_->Factor(active_, shift_);
+    block_->Factor(active_, shift_, deadline());
     ++factorisations_;
     for (Index i = 0; i < f_.size(); ++i) {
       if (active_[At(i)] == 0) f_[i] = 0;

@@ -5,12 +5,10 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/active_block.h"
+#include "solvers/active_block_choice.h"
 #include "solvers/answer_judge.h"
 #include "solvers/bpp.h"
-#include "solvers/dense_active_block.h"
 #include "solvers/given_form.h"
-#include "solvers/sparse_active_block.h"
 
 namespace lcpbench {
 
@@ -28,7 +26,6 @@ class BppSolver::Engine {
  private:
   enum class End { kDone, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
 
-  ActiveBlock* Choose(const LcpProblem& problem);
   bool Load();
   void SetStart();
   End Run(LcpResult* result);
@@ -44,6 +41,8 @@ class BppSolver::Engine {
   bool ClaimRay(LcpResult* result);
   bool Publish(LcpResult* result);
 
+  // A factorisation that the deadline ends leaves f_ meaningless, which TimeIsUp() then says, and judge_ would.
+  const Deadline* deadline() const { return deadline_.has_value() ? &*deadline_ : nullptr; }
   bool TimeIsUp() const { return deadline_.has_value() && deadline_->Expired(); }
   static size_t At(Index i) { return static_cast<size_t>(i); }
   double ForceRoot(Index i) const { return root_[i]; }
@@ -53,8 +52,7 @@ class BppSolver::Engine {
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
   AnswerJudge judge_;
   GivenFormTest product_;
-  SparseActiveBlock sparse_;
-  DenseActiveBlock dense_;
+  ActiveBlockChoice blocks_;
   ActiveBlock* block_ = nullptr;
   std::vector<char> bilateral_, can_act_;  // can_act_: A_ii > 0
 

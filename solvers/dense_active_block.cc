@@ -99,7 +99,7 @@ void DenseActiveBlock::FactorPanel(Index begin) {
   }
 }
 
-void DenseActiveBlock::Factor(const std::vector<char>& active, double shift) {
+bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
   rows_.clear();
   for (Index i = 0; i < n_; ++i) {
     if (active[static_cast<size_t>(i)] != 0) rows_.push_back(i);
@@ -109,7 +109,10 @@ void DenseActiveBlock::Factor(const std::vector<char>& active, double shift) {
   for (Index begin = 0; begin < padded_; begin += kPanel) {
     UpdatePanel(begin);
     FactorPanel(begin);
+    // One panel of a thousand rows takes some 100 us.
+    if (deadline != nullptr && deadline->Expired()) return false;
   }
+  return true;
 }
 
 void DenseActiveBlock::Solve(double* x) {

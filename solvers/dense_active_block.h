@@ -14,7 +14,7 @@ class DenseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
   void Load(const LcpProblem& problem, const Eigen::VectorXd& scale) override;
-  void Factor(const std::vector<char>& active, double shift) override;
+  bool Factor(const std::vector<char>& active, double shift, const Deadline* deadline) override;
   void Solve(double* x) override;
   void Multiply(const double* x, double* y) const override;
   double factor_time() const override;

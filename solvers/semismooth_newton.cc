@@ -7,11 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "solvers/active_block_choice.h"
 #include "solvers/given_form.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/ordered_lcp.h"
-#include "solvers/sparse_ldlt.h"
+#include "solvers/power_of_two.h"
+#include "solvers/zero_row_ray.h"
 
 namespace lcpbench {
 namespace {
@@ -31,11 +32,13 @@ constexpr int kMaxProximalSteps = 100;
 // step is worth more than a slope of that size: it may end the subproblem.
 constexpr double kFlatSlope = 1e-3;
 constexpr int kMaxLineSteps = 50;
-// A pivot of A_FF + eps D below minus this part of its diagonal is no rounding: A is not PSD.
-constexpr double kNegativePivot = 1e-8;
 // Forces below these parts of the largest D^1/2 f are tried as zeros where a row fails in its own units only.
 constexpr double kSnapLevels[] = {1e-15, 1e-13, 1e-10};
 constexpr int kTinyRowSweeps = 4;
+// A proof of infeasibility is worth while above this rho only, or above the tolerance if that is less.
+constexpr double kProofTolerance = 1e-9;
+// Larger problems are not tried as dense ones.
+constexpr Eigen::Index kMaxDenseRows = 10000;
 // Rays: components below this part of the largest are rounding, and corrections into the null space.
 constexpr double kRaySupport = 1e-7;
 constexpr int kRayCorrections = 6;
@@ -54,9 +57,9 @@ class SemismoothNewtonSolver::Engine {
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:
-  enum class End { kGoOn, kDone, kInfeasible, kTimeLimit, kIterationLimit, kNotPsd };
+  enum class End { kGoOn, kDone, kInfeasible, kTimeLimit, kIterationLimit };
 
-  bool FindZeroRowRay(LcpResult* result) const;
+  bool Load();
   void Start(const Eigen::VectorXd* initial_f);
   End Factor(double shift);
   Index FindActiveSet(double eps);
@@ -70,24 +73,27 @@ class SemismoothNewtonSolver::Engine {
   End TryRay(LcpResult* result);
   double RhoInDouble();
 
-  bool is_joint(Index p) const { return lcp_.bilateral[At(p)] != 0; }
+  bool is_joint(Index p) const { return bilateral_[At(p)] != 0; }
 
   SemismoothNewtonOptions options_;
   std::optional<LcpProblem> problem_;
-  OrderedLcp lcp_;
-  SparseLdlt factor_;
-  bool fits_ = false;
+  ActiveBlockChoice blocks_;
+  ActiveBlock* block_ = nullptr;
   GivenFormTest test_;
   double tolerance_ = 0;
   std::int64_t factors_ = 0, factor_limit_ = 0;
   std::optional<Deadline> deadline_;
 
-  Eigen::VectorXd c_, u_, w_;      // by position: proximal centre, dual point, A u + b
-  Eigen::VectorXd step_, step_w_;  // u' - u and A (u' - u)
-  Eigen::VectorXd inverse_;        // 1 / (eps D)
-  Eigen::VectorXd growth_;         // c - previous c
-  Eigen::VectorXd f_, residual_;   // of the finish
-  Eigen::VectorXd f_trial_;        // by row, in the problem's units
+  Index n_ = 0;
+  double b_scale_ = 1;
+  Eigen::VectorXd diagonal_, b_, scale_;   // scaled: S A S, t S b, t S^-1 f
+  std::vector<char> can_act_, bilateral_;  // can_act_: A_ii > 0
+  Eigen::VectorXd c_, u_, w_;              // proximal centre, dual point, A u + b
+  Eigen::VectorXd step_, step_w_;          // u' - u and A (u' - u)
+  Eigen::VectorXd inverse_;                // 1 / (eps D)
+  Eigen::VectorXd growth_;                 // c - previous c
+  Eigen::VectorXd f_, residual_;           // of the finish
+  Eigen::VectorXd f_trial_;                // in the problem's units
   std::vector<char> in_F_;
   std::vector<Index> stack_;
   double slope_at_0_ = 0, curvature_ = 0;  // of 1/2 u.A u along the step
@@ -97,67 +103,69 @@ class SemismoothNewtonSolver::Engine {
 
 void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
-  lcp_.Analyse(problem);
-  fits_ = factor_.Analyse(lcp_);
-  if (!fits_) return;
+  n_ = problem.size();
+  block_ = blocks_.Analyze(problem, true, n_ <= kMaxDenseRows);
   test_.Reset(problem);
-  const Index n = problem.size();
-  for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
-    v->setZero(n);
+  for (Eigen::VectorXd* v :
+       {&diagonal_, &b_, &scale_, &c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
+    v->setZero(n_);
   }
-  in_F_.assign(At(n), 0);
-  stack_.reserve(At(n));
+  for (std::vector<char>* v : {&in_F_, &can_act_, &bilateral_}) v->assign(At(n_), 0);
+  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
+  stack_.reserve(At(n_));
 }
 
-// A_ii = 0 makes row i of a PSD A zero: w_i = b_i whatever f is, and +-e_i is a ray if that is wrong.
-bool SemismoothNewtonSolver::Engine::FindZeroRowRay(LcpResult* result) const {
-  const double proof_tolerance = std::min(tolerance_, 1e-9);
-  for (Index p = 0; p < lcp_.n; ++p) {
-    if (lcp_.dead[At(p)] == 0) continue;
-    const Index i = lcp_.row[At(p)];
-    const double b = problem_->b()[i];
-    if ((b >= 0 && !is_joint(p)) || std::abs(lcp_.b[p]) <= proof_tolerance * b_norm_) continue;
-    Eigen::VectorXd ray = Eigen::VectorXd::Zero(lcp_.n);
-    ray[i] = b < 0 ? 1 : -1;
-    if (!VerifyFarkasRay(*problem_, ray).accepted) continue;
-    result->farkas_ray = std::move(ray);
-    return true;
+// Powers of two S_ii that bring A_ii into [1, 4) and t that brings the largest |b_i| into [1, 2). False if an A_ii < 0.
+bool SemismoothNewtonSolver::Engine::Load() {
+  const Eigen::VectorXd& d = problem_->DiagonalA();
+  const Eigen::VectorXd& b = problem_->b();
+  double largest = 0;
+  for (Index p = 0; p < n_; ++p) {
+    if (d[p] < 0) return false;
+    const bool can_act = d[p] > 0;
+    can_act_[At(p)] = can_act ? 1 : 0;
+    scale_[p] = can_act ? ScaleOfDiagonal(d[p]) : 1.0;
+    diagonal_[p] = can_act ? (d[p] * scale_[p]) * scale_[p] : 1.0;
+    b_[p] = can_act ? b[p] * scale_[p] : 0.0;  // a zero row is judged by FindZeroRowRay alone
+    largest = std::max(largest, std::abs(b_[p]));
   }
-  return false;
+  b_scale_ = ScaleOfLargest(largest);
+  b_ *= b_scale_;
+  double sum = 0;
+  for (Index p = 0; p < n_; ++p) sum += b_[p] * b_[p] / diagonal_[p];
+  b_norm_ = sum == 0 ? 1.0 : std::sqrt(sum);
+  block_->Load(*problem_, scale_);
+  return true;
 }
 
 void SemismoothNewtonSolver::Engine::Start(const Eigen::VectorXd* initial_f) {
   c_.setZero();
   growth_.setZero();
-  w_ = lcp_.b;
+  w_ = b_;
   if (initial_f != nullptr) {
-    for (Index p = 0; p < lcp_.n; ++p) {
-      const double given = lcp_.ScaledForce(p, (*initial_f)[lcp_.row[At(p)]]);
+    for (Index p = 0; p < n_; ++p) {
+      const double given = (*initial_f)[p] * b_scale_ / scale_[p];
       c_[p] = is_joint(p) ? given : std::max(given, 0.0);
-      if (lcp_.dead[At(p)] != 0) c_[p] = 0;
+      if (can_act_[At(p)] == 0) c_[p] = 0;
     }
-    lcp_.Product(c_.data(), w_.data());
-    w_ += lcp_.b;
+    block_->Multiply(c_.data(), w_.data());
+    w_ += b_;
   }
   u_ = c_;
-  double sum = 0;
-  for (Index p = 0; p < lcp_.n; ++p) sum += lcp_.b[p] * lcp_.b[p] / lcp_.diagonal[p];
-  b_norm_ = sum == 0 ? 1.0 : std::sqrt(sum);
   best_rho_ = kInfinity;
 }
 
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Factor(double shift) {
   if (factors_ >= factor_limit_) return End::kIterationLimit;
   ++factors_;
-  if (!factor_.Factor(lcp_, shift, in_F_.data(), *deadline_)) return End::kTimeLimit;
-  return factor_.least_pivot() < -kNegativePivot ? End::kNotPsd : End::kGoOn;
+  return block_->Factor(in_F_, shift, &*deadline_) ? End::kGoOn : End::kTimeLimit;
 }
 
 // F of the current u. Returns how many rows changed sides.
 Eigen::Index SemismoothNewtonSolver::Engine::FindActiveSet(double eps) {
   Index changed = 0;
-  for (Index p = 0; p < lcp_.n; ++p) {
-    const bool is_in = lcp_.dead[At(p)] == 0 && (is_joint(p) || c_[p] * eps * lcp_.diagonal[p] - w_[p] > 0);
+  for (Index p = 0; p < n_; ++p) {
+    const bool is_in = can_act_[At(p)] != 0 && (is_joint(p) || c_[p] * eps * diagonal_[p] - w_[p] > 0);
     changed += is_in != (in_F_[At(p)] != 0) ? 1 : 0;
     in_F_[At(p)] = is_in ? 1 : 0;
   }
@@ -168,9 +176,9 @@ Eigen::Index SemismoothNewtonSolver::Engine::FindActiveSet(double eps) {
 double SemismoothNewtonSolver::Engine::Slope(double t, double* curvature) const {
   double slope = slope_at_0_ + t * curvature_;
   double second = curvature_;
-  for (Index p = 0; p < lcp_.n; ++p) {
+  for (Index p = 0; p < n_; ++p) {
     const double f = c_[p] - (w_[p] + t * step_w_[p]) * inverse_[p];
-    const bool counts = lcp_.dead[At(p)] == 0 && (f > 0 || is_joint(p));
+    const bool counts = can_act_[At(p)] != 0 && (f > 0 || is_joint(p));
     slope -= counts ? f * step_w_[p] : 0;
     second += counts ? step_w_[p] * step_w_[p] * inverse_[p] : 0;
   }
@@ -199,15 +207,15 @@ double SemismoothNewtonSolver::Engine::StepLength() const {
 }
 
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubproblem(double eps) {
-  for (Index p = 0; p < lcp_.n; ++p) inverse_[p] = 1 / (eps * lcp_.diagonal[p]);
+  for (Index p = 0; p < n_; ++p) inverse_[p] = 1 / (eps * diagonal_[p]);
   FindActiveSet(eps);
   for (bool full_step = false;;) {
     const End end = Factor(eps);
     if (end != End::kGoOn) return end;
-    for (Index p = 0; p < lcp_.n; ++p) step_[p] = eps * lcp_.diagonal[p] * c_[p] - lcp_.b[p];
-    factor_.Solve(step_.data());
+    for (Index p = 0; p < n_; ++p) step_[p] = eps * diagonal_[p] * c_[p] - b_[p];
+    block_->Solve(step_.data());
     step_ -= u_;
-    lcp_.Product(step_.data(), step_w_.data());
+    block_->Multiply(step_.data(), step_w_.data());
     slope_at_0_ = u_.dot(step_w_);
     curvature_ = step_.dot(step_w_);
     const double t = StepLength();
@@ -223,13 +231,13 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubprob
 }
 
 double SemismoothNewtonSolver::Engine::RhoInDouble() {
-  lcp_.Product(f_.data(), residual_.data());
-  residual_ += lcp_.b;
+  block_->Multiply(f_.data(), residual_.data());
+  residual_ += b_;
   double sum = 0;
-  for (Index p = 0; p < lcp_.n; ++p) {
-    const double d = lcp_.diagonal[p];
-    const double r = is_joint(p) || lcp_.dead[At(p)] != 0 ? (is_joint(p) ? residual_[p] : std::min(residual_[p], 0.0))
-                                                          : std::min(d * f_[p], residual_[p]);
+  for (Index p = 0; p < n_; ++p) {
+    const double d = diagonal_[p];
+    const double r = is_joint(p) || can_act_[At(p)] == 0 ? (is_joint(p) ? residual_[p] : std::min(residual_[p], 0.0))
+                                                         : std::min(d * f_[p], residual_[p]);
     sum += r * r / d;
   }
   return std::sqrt(sum) / b_norm_;
@@ -237,25 +245,29 @@ double SemismoothNewtonSolver::Engine::RhoInDouble() {
 
 // Keeps f_ if it is the best so far. True if it is good enough to stop.
 bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
-  for (Index p = 0; p < lcp_.n; ++p) {
-    const double f = lcp_.GivenForce(p, f_[p]);
-    f_trial_[lcp_.row[At(p)]] = is_joint(p) ? f : std::max(f, 0.0);
+  for (Index p = 0; p < n_; ++p) {
+    const double f = f_[p] * (scale_[p] / b_scale_);
+    f_trial_[p] = is_joint(p) ? f : std::max(f, 0.0);
   }
   const auto rho = static_cast<double>(test_.Rho(f_trial_));
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
   result->f.swap(f_trial_);
-  return rho <= kGoodEnough && test_.Meets(tolerance_, result->f);
+  if (!(rho <= kGoodEnough)) return false;
+  for (Index p = 0; p < n_; ++p) {
+    if (!test_.RowMeets(tolerance_, result->f, p)) return false;
+  }
+  return true;
 }
 
 // f_F near c_F with w_F = 0.
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Finish(LcpResult* result) {
   const End end = Factor(kFinishShift);
   if (end != End::kGoOn) return end;
-  for (Index p = 0; p < lcp_.n; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
+  for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
   double rho = RhoInDouble();
   for (int k = 0; k < kFinishSteps && rho > kGoodEnough; ++k) {
-    factor_.Solve(residual_.data());
+    block_->Solve(residual_.data());
     f_ -= residual_;
     const double before = rho;
     rho = RhoInDouble();
@@ -266,10 +278,10 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Finish(LcpRe
   if (best_rho_ > std::sqrt(kGoodEnough)) return End::kGoOn;
   for (int k = 0; k < kFinishSteps; ++k) {
     const double before = best_rho_;
-    for (Index p = 0; p < lcp_.n; ++p) {
-      residual_[p] = static_cast<double>(test_.w(lcp_.row[At(p)])) * lcp_.b_scale * lcp_.scale[p];
+    for (Index p = 0; p < n_; ++p) {
+      residual_[p] = static_cast<double>(test_.w(p)) * b_scale_ * scale_[p];
     }
-    factor_.Solve(residual_.data());
+    block_->Solve(residual_.data());
     f_ -= residual_;
     if (Publish(result)) return End::kDone;
     if (!(best_rho_ <= kFinishProgress * before)) break;
@@ -286,11 +298,11 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
   if (!(best_rho_ <= tolerance_)) return false;
   // Forces that should be zero are often only zero to rounding.
   double largest = 0;
-  for (Index p = 0; p < lcp_.n; ++p) largest = std::max(largest, lcp_.diagonal[p] * f_[p] * f_[p]);
+  for (Index p = 0; p < n_; ++p) largest = std::max(largest, diagonal_[p] * f_[p] * f_[p]);
   for (const double level : kSnapLevels) {
-    for (Index p = 0; p < lcp_.n; ++p) {
-      const bool tiny = lcp_.diagonal[p] * f_[p] * f_[p] <= level * level * largest;
-      f_trial_[lcp_.row[At(p)]] = tiny ? 0.0 : result->f[lcp_.row[At(p)]];
+    for (Index p = 0; p < n_; ++p) {
+      const bool tiny = diagonal_[p] * f_[p] * f_[p] <= level * level * largest;
+      f_trial_[p] = tiny ? 0.0 : result->f[p];
     }
     if (!test_.Meets(tolerance_, f_trial_)) continue;
     result->f.swap(f_trial_);
@@ -300,9 +312,9 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
   f_trial_ = result->f;
   for (int k = 0; k < kTinyRowSweeps; ++k) {
     test_.Rho(f_trial_);
-    for (Index p = 0; p < lcp_.n; ++p) {
-      const Index i = lcp_.row[At(p)];
-      if (lcp_.dead[At(p)] != 0 || test_.RowMeets(tolerance_, f_trial_, i)) continue;
+    for (Index p = 0; p < n_; ++p) {
+      const Index i = p;
+      if (can_act_[At(p)] == 0 || test_.RowMeets(tolerance_, f_trial_, i)) continue;
       const double f = f_trial_[i] - static_cast<double>(test_.w(i)) / problem_->DiagonalA()[i];
       f_trial_[i] = is_joint(p) ? f : std::max(f, 0.0);
     }
@@ -318,33 +330,33 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::TryRay(LcpResult* result) {
   Index top = 0;
   double largest = growth_.cwiseAbs().maxCoeff(&top);
-  if (!(largest > 0) || !(growth_.dot(lcp_.b) < 0)) return End::kGoOn;
+  if (!(largest > 0) || !(growth_.dot(b_) < 0)) return End::kGoOn;
   std::fill(in_F_.begin(), in_F_.end(), 0);
   stack_.assign(1, top);
   in_F_[At(top)] = 1;
   while (!stack_.empty()) {
     const Index p = stack_.back();
     stack_.pop_back();
-    for (int k = lcp_.begin[At(p)]; k < lcp_.begin[At(p + 1)]; ++k) {
-      const Index q = lcp_.column[At(k)];
-      if (in_F_[At(q)] != 0 || lcp_.value[At(k)] == 0 || lcp_.dead[At(q)] != 0) continue;
+    for (SparseMatrix::InnerIterator it(problem_->SparseA(), p); it; ++it) {
+      const Index q = it.col();
+      if (in_F_[At(q)] != 0 || it.value() == 0 || can_act_[At(q)] == 0) continue;
       if (!(is_joint(q) ? std::abs(growth_[q]) > 0 : growth_[q] > kRaySupport * largest)) continue;
       in_F_[At(q)] = 1;
       stack_.push_back(q);
     }
   }
-  for (Index p = 0; p < lcp_.n; ++p) f_[p] = in_F_[At(p)] != 0 ? growth_[p] / largest : 0;
+  for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? growth_[p] / largest : 0;
   const End end = Factor(kFinishShift);
   if (end != End::kGoOn) return end;
   for (int k = 0; k < kRayCorrections; ++k) {
-    lcp_.Product(f_.data(), residual_.data());
-    factor_.Solve(residual_.data());
+    block_->Multiply(f_.data(), residual_.data());
+    block_->Solve(residual_.data());
     f_ -= residual_;
   }
-  Eigen::VectorXd ray = Eigen::VectorXd::Zero(lcp_.n);
-  for (Index p = 0; p < lcp_.n; ++p) {
+  Eigen::VectorXd ray = Eigen::VectorXd::Zero(n_);
+  for (Index p = 0; p < n_; ++p) {
     const double y = is_joint(p) ? f_[p] : std::max(f_[p], 0.0);
-    ray[lcp_.row[At(p)]] = y * lcp_.scale[p];
+    ray[p] = y * scale_[p];
   }
   if (!ray.allFinite() || !VerifyFarkasRay(*problem_, ray).accepted) return End::kGoOn;
   result->farkas_ray = std::move(ray);
@@ -352,23 +364,18 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::TryRay(LcpRe
 }
 
 void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
-  if (!fits_) {
-    result->status = LcpStatus::kUnsupported;
-    result->detail = "the factor of A has more than 2^31 entries";
-    return;
-  }
   tolerance_ = options.tolerance;
   deadline_.emplace(options);
   factors_ = 0;
   factor_limit_ = options.max_iterations > 0 ? options.max_iterations : kDefaultFactors;
-  factor_.Forget();
-  if (!lcp_.Load(*problem_)) {
+  if (!Load()) {
     result->status = LcpStatus::kUnsupported;
     result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
     return;
   }
   Start(options.initial_f);
-  if (FindZeroRowRay(result)) {
+  if (auto ray = FindZeroRowRay(*problem_, std::min(tolerance_, kProofTolerance) * b_norm_ / b_scale_)) {
+    result->farkas_ray = std::move(ray);
     result->status = LcpStatus::kInfeasible;
     return;
   }
@@ -381,15 +388,16 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
     end = SolveSubproblem(eps);
     if (end != End::kGoOn) break;
-    for (Index p = 0; p < lcp_.n; ++p) {
+    for (Index p = 0; p < n_; ++p) {
       double next = c_[p] - w_[p] * inverse_[p];
       if (!is_joint(p)) next = std::max(next, 0.0);
-      if (lcp_.dead[At(p)] != 0) next = 0;
+      if (can_act_[At(p)] == 0) next = 0;
       growth_[p] = next - c_[p];
       c_[p] = next;
     }
     end = Finish(result);
-    if (end == End::kGoOn && k >= kFirstRayStep && best_rho_ > std::min(tolerance_, 1e-9)) end = TryRay(result);
+    if (end == End::kGoOn && k >= kFirstRayStep && best_rho_ > std::min(tolerance_, kProofTolerance))
+      end = TryRay(result);
     eps = std::max(options_.least_weight, eps * options_.weight_factor);
   }
   if (best_rho_ == kInfinity) {
@@ -409,9 +417,6 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
       break;
     case End::kIterationLimit:
       result->status = LcpStatus::kIterationLimit;
-      break;
-    case End::kNotPsd:
-      result->detail = "A is not positive semidefinite";
       break;
     case End::kGoOn: {
       if (IsAnswer(result)) {

@@ -11,7 +11,7 @@ struct SemismoothNewtonOptions {
   /// Weight eps of the proximal term (eps/2) |D^1/2 (f - c)|^2 in the first subproblem, D = diag A; in [1e-10, 1].
   /// Heavier ones need fewer Newton steps and more proximal ones. With the default most problems up to 10^3 rows are
   /// solved by the first proximal step.
-  double first_weight = 1e-4;
+  double first_weight = 1e-3;
   /// eps falls by weight_factor, in (0, 1], with every proximal step, down to least_weight, in [1e-10, first_weight].
   double weight_factor = 1e-2;
   double least_weight = 1e-8;
@@ -20,8 +20,8 @@ struct SemismoothNewtonOptions {
   static SemismoothNewtonOptions FromSettings(const Settings& settings);
 };
 
-/// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on a
-/// sparse factor of the active block.
+/// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on
+/// a sparse or dense factor of the active block, whichever is cheaper (ActiveBlock).
 ///
 /// Outer loop [Rockafellar 1976]: c <- argmin 1/2 f.A f + b.f + (eps/2) |D^1/2 (f - c)|^2 over f_C >= 0, C the
 /// unilateral rows. With u any forces, w(u) = A u + b and f(u) = (c - w(u) / (eps D))_+ on C (not clipped on bilateral
@@ -41,16 +41,15 @@ struct SemismoothNewtonOptions {
 /// Guaranteed for symmetric positive semidefinite A of any rank, in exact arithmetic: converges to a solution if there
 /// is one [Rockafellar 1976]; otherwise c grows along a ray, w / D^1/2 of the subproblems tends to its least norm, and
 /// the difference of successive c is offered to VerifyFarkasRay after a correction into the null space; kInfeasible is
-/// claimed only if accepted. Bilateral rows may be dependent. A that is not symmetric is refused, a clearly negative
-/// pivot ends as kNumericalFailure. kSolved is claimed only if the given form meets the tolerance in extended
-/// precision.
+/// claimed only if accepted. Bilateral rows may be dependent. A that is not symmetric is refused. kSolved is claimed
+/// only if the given form meets the tolerance in extended precision.
 ///
 /// Unit of `iterations` and max_iterations: factorisations, kDefaultFactors at most. Typically 3 to 30, hardly growing
 /// with n. Each costs O(sum over columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some
-/// ten entries per row. Where A is dense, so is L: other solvers do better there from n = 100 on.
+/// ten entries per row.
 ///
-/// Warm start: c = u = initial_f, clipped at 0. Its F is finished first, so that an answer with the same active set costs
-/// one factorisation; otherwise the Newton steps start from there.
+/// Warm start: c = u = initial_f, clipped at 0. Its F is finished first, so that an answer with the same active set
+/// costs one factorisation; otherwise the Newton steps start from there.
 ///
 /// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray. The clock is read
 /// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,

@@ -180,10 +180,11 @@ void SparseActiveBlock::ComputeRow(int r) {
   pivots_[At(r)] = std::max(pivot, shift_ * diagonal_[At(r)]);
 }
 
-void SparseActiveBlock::Factor(const std::vector<char>& active, double shift) {
+bool SparseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
   const bool all = shift != shift_;
   shift_ = shift;
   std::fill(dirty_.begin(), dirty_.end(), 0);
+  double work = 0;
   for (int r = 0; r < n_; ++r) {
     const char now = active[At(order_[At(r)])];
     const bool changed = now != active_[At(r)];
@@ -194,7 +195,17 @@ void SparseActiveBlock::Factor(const std::vector<char>& active, double shift) {
     if (now == 0) pivots_[At(r)] = 1;
     if (now == 0 && was_zero && !all) continue;
     ComputeRow(r);
+    if (deadline == nullptr) continue;
+    const double entries = row_start_[At(r + 1)] - row_start_[At(r)];
+    work += 0.5 * entries * entries + 1;
+    if (work < kWorkPerClockRead) continue;
+    work = 0;
+    if (deadline->Expired()) {
+      shift_ = 0;
+      return false;
+    }
   }
+  return true;
 }
 
 void SparseActiveBlock::Solve(double* x) {

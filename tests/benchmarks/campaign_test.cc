@@ -83,7 +83,9 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
   for (Row row : rows) {
     const std::string key = row["solver"];
     const bool good = key == "well" || key == "dantzig";
-    EXPECT_EQ(row["claim"], claims.at(key)) << key;
+    // On a busy machine the time may run out before the memory does.
+    const bool out_of_time = key == "hoarding" && row["claim"] == "time_limit";
+    EXPECT_TRUE(out_of_time || row["claim"] == claims.at(key)) << key << ": " << row["claim"];
     EXPECT_EQ(row["passes"], good ? "true" : "false") << key;
     EXPECT_EQ(row["false_success"], key == "lying" || key == "not-a-number" ? "true" : "false") << key;
     EXPECT_EQ(row["reason"].empty(), good) << key;

@@ -51,7 +51,7 @@ void ExpectSolvesForChangingSets() {
       double shift = 0.25;
       for (int change = 0; change < 30; ++change) {
         if (change % 10 == 9) shift /= 4;
-        block.Factor(active, shift);
+        block.Factor(active, shift, nullptr);
         VectorXd right(n);
         for (double& value : right) value = random.Integer(-9, 9);
         VectorXd x = right;
@@ -96,9 +96,9 @@ TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
   TestRandom random(7);
   std::vector<char> active(static_cast<size_t>(n), 1);
   for (int change = 0; change < 50; ++change) {
-    updated.Factor(active, 1e-6);
+    updated.Factor(active, 1e-6, nullptr);
     fresh.Load(problem, scale);
-    fresh.Factor(active, 1e-6);
+    fresh.Factor(active, 1e-6, nullptr);
     VectorXd x = VectorXd::LinSpaced(n, -1, 1);
     VectorXd y = x;
     updated.Solve(x.data());
@@ -120,7 +120,7 @@ void ExpectSmallResidualOnSingularBlocks() {
     Block block;
     block.Analyze(problem);
     block.Load(problem, VectorXd::Ones(n));
-    block.Factor(active, 1e-8);
+    block.Factor(active, 1e-8, nullptr);
     const VectorXd right = problem.DenseA() * VectorXd::Ones(n);
     VectorXd x = right;
     block.Solve(x.data());
@@ -150,7 +150,7 @@ TEST(ActiveBlock, OnlyAnalyzeAllocates) {
     block->Analyze(problem);
     const long before = AllocationCount();
     block->Load(problem, scale);
-    block->Factor(active, 1e-6);
+    block->Factor(active, 1e-6, nullptr);
     block->Solve(x.data());
     block->Multiply(x.data(), y.data());
     EXPECT_EQ(AllocationCount() - before, 0);

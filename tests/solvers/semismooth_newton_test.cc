@@ -137,10 +137,23 @@ TEST(SemismoothNewton, RefusesWhatMakesNoSense) {
   EXPECT_THROW(SemismoothNewtonSolver({.least_weight = 1e-11}), InputError);
   EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"first_weight", "2"}}), InputError);
   EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"weight", "1"}}), InputError);
-  Eigen::MatrixXd A(2, 2);
-  A << 1, 2, 2, 1;
-  const LcpResult result = SolveWith(LcpProblem::FromDense("indefinite", A, Eigen::Vector2d(-1, -1)));
-  EXPECT_NE(result.status, LcpStatus::kSolved);
+}
+
+TEST(SemismoothNewton, ClaimsNothingWrongForAMatrixThatIsNotPsd) {
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
+    Eigen::MatrixXd A(6, 6);
+    Eigen::VectorXd b(6);
+    for (Index i = 0; i < 6; ++i) {
+      for (Index j = 0; j <= i; ++j) A(i, j) = A(j, i) = i == j ? 1 : 2 * uniform();
+      b[i] = uniform();
+    }
+    const LcpProblem problem = LcpProblem::FromDense("indefinite", A, b);
+    const LcpResult result = SolveWith(problem);
+    EXPECT_FALSE(Verify(problem, result, LcpOptions{}.tolerance).false_success) << seed;
+    EXPECT_TRUE(result.status != LcpStatus::kInfeasible || result.farkas_ray.has_value()) << seed;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,25 @@
+#include "solvers/active_block_choice.h"
+
+namespace lcpbench {
+namespace {
+
+// Fuller matrices of more rows than this are not analysed as sparse ones at all.
+constexpr double kSparseFill = 0.4;
+constexpr Eigen::Index kAnalysedRows = 48;
+
+}  // namespace
+
+ActiveBlock* ActiveBlockChoice::Analyze(const LcpProblem& problem, bool may_be_sparse, bool may_be_dense) {
+  const Eigen::Index n = problem.size();
+  if (may_be_sparse && may_be_dense && n > kAnalysedRows) {
+    const auto entries = static_cast<double>(n) * static_cast<double>(n);
+    may_be_sparse = static_cast<double>(problem.SparseA().nonZeros()) <= kSparseFill * entries;
+  }
+  if (may_be_sparse) sparse_.Analyze(problem);
+  if (may_be_dense) dense_.Analyze(problem);
+  if (!may_be_sparse) return &dense_;
+  if (!may_be_dense || sparse_.factor_time() <= dense_.factor_time()) return &sparse_;
+  return &dense_;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// Principal pivoting on a dense tableau, for problems of a few dozen rows, where every other method spends its time on
+/// bookkeeping.
+///
+/// The tableau is the principal transform of (A, b) for the active set F [Tucker 1963; Cottle, Pang, Stone, sec. 4.1]:
+/// its last column holds f_F and w_N of the basic point, its F block A_FF^-1. One pivot moves one row into or out of F
+/// and is a rank-one update of the rows that it reaches: zeros in the pivot's column, plenty in contact problems, cost
+/// nothing. Bilateral rows enter first and stay. Then the row with the most negative f A_ii^1/2 or w / A_ii^1/2 is
+/// moved, until there is none; after `2 n` moves the violated row of least index is [Murty 1974], which is finite for
+/// positive definite A.
+///
+/// Not robust by itself, and it knows: rows that depend on F are not moved, Gauss-Jordan transforms are less stable
+/// than factors, and on singular A there is no guarantee. The caller checks the answer and has others to ask.
+///
+/// Cost: O(n^2) per pivot at most, 0.7 n to n pivots typically. Only Reserve allocates.
+class SmallPivoting {
+ public:
+  using Index = Eigen::Index;
+  static constexpr Index kMaxRows = 128;
+
+  void Reserve(Index max_rows);
+
+  /// Writes the basic point's forces, refined once against A, to `f` (n entries, in the problem's units, f_C >= 0).
+  /// Returns rho there in double, or infinity if it gave up. n <= kMaxRows reserved rows; reads DenseA().
+  double Solve(const LcpProblem& problem, Eigen::VectorXd* f);
+
+  /// Whether every row's backward error at the f of the last Solve is at most `limit`, in double.
+  bool RowsMeet(const LcpProblem& problem, const Eigen::VectorXd& f, double limit) const;
+
+  /// Pivots of the last Solve.
+  int pivots() const { return pivots_; }
+
+ private:
+  bool Load(const LcpProblem& problem);
+  bool Pivot(Index r);
+  Index MostViolated(bool least_index) const;
+  void WriteForces(Eigen::VectorXd* f) const;
+  double Rho(const LcpProblem& problem, const Eigen::VectorXd& f);
+  void Refine();
+
+  Index n_ = 0;
+  Index stride_ = 0;
+  int pivots_ = 0;
+  double b_scale_ = 1;
+  double b_norm_ = 1;
+  double largest_force_ = 0;
+  std::vector<double> tableau_;  // row i from i * stride_, last column q
+  Eigen::VectorXd q_, scale_, root_, w_, pivot_row_, correction_;
+  std::vector<char> active_, joint_, blocked_;
+};
+
+}  // namespace lcpbench
