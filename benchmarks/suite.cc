@@ -15,6 +15,7 @@ constexpr std::string_view kDensePivoting = "dense pivoting, O(n^3) and n^2 numb
 constexpr std::string_view kDenseMatrix = "works on the dense matrix, n^2 numbers";
 constexpr std::array kSizeLimits{
     SizeLimit{"dantzig", 5000, kDensePivoting},
+    SizeLimit{"lemke", 2000, kDensePivoting},
     SizeLimit{"bullet-dantzig", 1000, kDensePivoting},
     SizeLimit{"bullet-lemke", 300, "dense tableau, O(n^2) a pivot"},
     SizeLimit{"ode", 1000, kDensePivoting},
