@@ -1,5 +1,6 @@
 #include "benchmarks/results.h"
 
+#include <cmath>
 #include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -78,6 +79,7 @@ void WriteRunFile(const std::string& folder, const Suite& suite, const std::stri
     run["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
   }
   run["min_time_s"] = suite.min_time_s;
+  if (std::isfinite(suite.repeat_below_s)) run["repeat_below_s"] = suite.repeat_below_s;
   run["repetitions"] = suite.repetitions;
   run["solvers"] = Json::array();
   for (const std::string& key : suite.solvers) {

@@ -20,10 +20,10 @@ constexpr std::array kSizeLimits{
     SizeLimit{"bullet-lemke", 300, "dense tableau, O(n^2) a pivot"},
     SizeLimit{"ode", 1000, kDensePivoting},
     SizeLimit{"dart", 1000, kDenseMatrix},
-    SizeLimit{"siconos-lexicolemke", 1000, kDensePivoting},
-    SizeLimit{"siconos-avi", 1000, kDensePivoting},
-    SizeLimit{"siconos-newton-fb", 1000, kDenseMatrix},
-    SizeLimit{"siconos-pgs", 1000, kDenseMatrix},
+    SizeLimit{"siconos-lexicolemke", 300, kDensePivoting},
+    SizeLimit{"siconos-avi", 300, kDensePivoting},
+    SizeLimit{"siconos-newton-fb", 300, kDenseMatrix},
+    SizeLimit{"siconos-pgs", 300, kDenseMatrix},
     SizeLimit{"cgal-qp", 30, "exact rational arithmetic"},
     SizeLimit{"clp", 1000, "reduced gradients without a limit of their own"},
 };
@@ -83,6 +83,7 @@ Suite FindSuite(std::string_view name) {
     };
     suite.time_limit_per_row_s = 1e-3;
     suite.min_time_s = 0.005;
+    suite.repeat_below_s = 0.02;
     return suite;
   }
   if (name == "quick") {

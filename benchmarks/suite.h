@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -34,6 +35,8 @@ struct Suite {
   double time_limit_per_row_s = 0;    ///< 0: the same limit for every size
   double min_time_s = 0.05;           ///< Google Benchmark's time per repetition
   int repetitions = 3;                ///< fewer where one solve takes long, see timing_pass.h
+  /// Solves that took longer than this in the accuracy pass are not timed again: that one run is their time.
+  double repeat_below_s = std::numeric_limits<double>::infinity();
 };
 
 /// One problem of a suite.

@@ -174,6 +174,10 @@ class TimingPass {
       }
       // A direct method's time at its strictest passed tier stands for the looser ones.
       if (any_passed && !entry.uses_tolerance) break;
+      if (outcome->second.solve_s > suite_.repeat_below_s) {
+        if (entry.uses_tolerance) continue;
+        break;
+      }
       any_passed = true;
       const auto function = [this, name, info, &entry, tier](benchmark::State& state) {
         TimeSolve(state, current_.Get(name, info, entry, tier, suite_));

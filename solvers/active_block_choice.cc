@@ -15,10 +15,11 @@ ActiveBlock* ActiveBlockChoice::Analyze(const LcpProblem& problem, bool may_be_s
     const auto entries = static_cast<double>(n) * static_cast<double>(n);
     may_be_sparse = static_cast<double>(problem.SparseA().nonZeros()) <= kSparseFill * entries;
   }
-  if (may_be_sparse) sparse_.Analyze(problem);
-  if (may_be_dense) dense_.Analyze(problem);
-  if (!may_be_sparse) return &dense_;
-  if (!may_be_dense || sparse_.factor_time() <= dense_.factor_time()) return &sparse_;
+  if (may_be_sparse) {
+    sparse_.Analyze(problem);
+    if (!may_be_dense || sparse_.factor_time() <= DenseActiveBlock::FactorTime(n)) return &sparse_;
+  }
+  dense_.Analyze(problem);
   return &dense_;
 }
 

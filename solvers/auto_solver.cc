@@ -10,6 +10,9 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/semismooth_newton.h"
 #include "solvers/small_pivoting.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/suitesparse.h"
+#endif
 
 namespace lcpbench {
 namespace {
@@ -24,6 +27,9 @@ constexpr double kTableauRho = 1e-12;
 struct AutoSolver::Backends {
   SmallPivoting tableau;
   SemismoothNewtonSolver newton;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  SuitesparseSolver interior;
+#endif
   DantzigSolver dantzig;
   GivenFormTest test;
 
@@ -79,11 +85,14 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   AutoOptions options;
   options.tableau_rows = static_cast<Index>(reader.Number("tableau_rows", static_cast<double>(options.tableau_rows), 0,
                                                           static_cast<double>(SmallPivoting::kMaxRows)));
+  options.newton_factorisations = static_cast<std::int64_t>(
+      reader.Number("newton_factorisations", static_cast<double>(options.newton_factorisations), 1, 1e9));
   reader.Finish();
   return options;
 }
 
 AutoSolver::AutoSolver(AutoOptions options) : options_(options), backends_(std::make_unique<Backends>()) {
+  if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
   if (options.tableau_rows < 0 || options.tableau_rows > SmallPivoting::kMaxRows) {
     throw InputError("auto: tableau_rows must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
   }
@@ -109,7 +118,12 @@ void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, L
   const bool small = problem.size() <= options_.tableau_rows;
   if (small && options.max_iterations == 0 && backends_->TryTableau(problem, options, result)) return;
   const Deadline deadline(options);
-  if (backends_->Try(&backends_->newton, "semismooth-newton", problem, options, deadline, result)) return;
+  LcpOptions granted = options;
+  if (granted.max_iterations == 0) granted.max_iterations = options_.newton_factorisations;
+  if (backends_->Try(&backends_->newton, "semismooth-newton", problem, granted, deadline, result)) return;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  if (backends_->Try(&backends_->interior, "suitesparse", problem, options, deadline, result)) return;
+#endif
   backends_->Try(&backends_->dantzig, "dantzig", problem, options, deadline, result);
 }
 

@@ -10,11 +10,11 @@ Index WholeBlocks(Index rows, Index block) { return (rows + block - 1) / block *
 
 }  // namespace
 
-double DenseActiveBlock::factor_time() const {
+double DenseActiveBlock::FactorTime(Index rows) {
   constexpr double kMultiplyAdd = 0.03;
   constexpr double kEntry = 1;  // gathering and solving
   constexpr double kOverhead = 700;
-  const auto n = static_cast<double>(WholeBlocks(n_, kRows));
+  const auto n = static_cast<double>(WholeBlocks(rows, kRows));
   return kMultiplyAdd * n * n * n / 6 + kEntry * n * n + kOverhead;
 }
 

@@ -157,7 +157,10 @@ class Cells:
     def _bench_time(self, row) -> float:
         timed = self._timing_of(row.family, row.n, row.solver, row.tier) if row.verified else None
         if timed is None:
-            return math.nan
+            # A long solve is not repeated: its one run is its time.
+            limit = self.results.run.get("repeat_below_s", math.inf)
+            long = row.verified and row.solve_s > limit and row.seed == self._timed_seed[row.family, row.n]
+            return row.solve_s if long else math.nan
         seed = self._timed_seed[row.family, row.n] if timed.seed is None else timed.seed
         return timed.median if row.seed == seed else math.nan
 
