@@ -77,7 +77,8 @@ void AddMotionCommand(CLI::App& app, CommandRun& run) {
   motion->footer(
       "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, the\n"
       "same motion driven by dantzig at 1e-12. Energies over its largest kinetic energy. Touching bodies are chaotic:\n"
-      "a distance grows with time whatever its cause. us/step: time inside the solver.");
+      "a distance grows with time whatever its cause. us/step: time inside the solver (set-up too; with peers also the "
+      "way to their process).");
   motion->callback([arguments, &run] { run = [arguments] { return Run(*arguments); }; });
 }
 
