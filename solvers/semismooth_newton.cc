@@ -23,6 +23,10 @@ constexpr double kLeastAllowedWeight = 1e-10;
 // of the factor, about 1e-15, must stay small beside it.
 constexpr double kFinishShift = 1e-10;
 constexpr int kFinishSteps = 6;
+// Where b is consistent with dependent rows only up to rounding r, a correction moves f by r / shift in the null space,
+// which can make forces negative. If c itself is nearly right, a heavier shift is tried then.
+constexpr double kGentleShift = 1e-6;
+constexpr double kNearlySolved = 1e-3;
 // rho that is good enough to stop refining, whatever the tolerance: a direct method pays next to nothing for it.
 constexpr double kGoodEnough = 1e-13;
 // Refining goes on while rho falls by this factor.
@@ -67,6 +71,7 @@ class SemismoothNewtonSolver::Engine {
   double StepLength() const;
   double Slope(double t, double* curvature) const;
   End Finish(LcpResult* result);
+  End FinishWith(double shift, LcpResult* result);
   bool Publish(LcpResult* result);
   bool IsAnswer(LcpResult* result);
   bool RepairTinyRows(LcpResult* result);
@@ -99,6 +104,7 @@ class SemismoothNewtonSolver::Engine {
   double slope_at_0_ = 0, curvature_ = 0;  // of 1/2 u.A u along the step
   double b_norm_ = 1;
   double best_rho_ = kInfinity;
+  double center_rho_ = kInfinity;  // of c, before its correction
 };
 
 void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
@@ -262,10 +268,17 @@ bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
 
 // f_F near c_F with w_F = 0.
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Finish(LcpResult* result) {
-  const End end = Factor(kFinishShift);
+  const End end = FinishWith(kFinishShift, result);
+  if (end != End::kGoOn || !(center_rho_ <= kNearlySolved)) return end;
+  return FinishWith(kGentleShift, result);
+}
+
+SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishWith(double shift, LcpResult* result) {
+  const End end = Factor(shift);
   if (end != End::kGoOn) return end;
   for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
   double rho = RhoInDouble();
+  center_rho_ = rho;
   for (int k = 0; k < kFinishSteps && rho > kGoodEnough; ++k) {
     block_->Solve(residual_.data());
     f_ -= residual_;

@@ -115,6 +115,28 @@ TEST(SemismoothNewton, ForcesOnRedundantContactsArePositiveWhereTheyCanBe) {
   }
 }
 
+// What b says of dependent rows contradicts itself by rounding, so that no f solves the problem exactly and the nearest
+// ones differ by large multiples of the null space.
+TEST(SemismoothNewton, SolvesWhatIsConsistentUpToRoundingOnly) {
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    std::mt19937_64 random(seed);
+    const auto uniform = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
+    const int supports = 3 + static_cast<int>(seed % 8);
+    std::vector<Eigen::Triplet<double, int>> entries;
+    Eigen::VectorXd b(supports);
+    for (int i = 0; i < supports; ++i) {
+      const double arm = i < 2 ? 2.0 * i - 1 : uniform();
+      entries.emplace_back(i, 1, 1.0);
+      entries.emplace_back(i, 2, arm);
+      b[i] = -9.81 + 3 * arm + 1e-13 * uniform();
+    }
+    SparseMatrix J(supports, 3);
+    J.setFromTriplets(entries.begin(), entries.end());
+    const LcpProblem problem = LcpProblem::FromFactors("bar-" + std::to_string(seed), J, Eigen::Vector3d(1, 1, 3), b);
+    ExpectSolved(problem, SolveWith(problem));
+  }
+}
+
 double clock_now = 0;
 double CountingClock() { return clock_now += 1; }
 
