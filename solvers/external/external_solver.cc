@@ -1,14 +1,15 @@
 #include "solvers/external/external_solver.h"
 
-#include <signal.h>
 #include <spawn.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <limits>
 #include <stdexcept>
@@ -62,6 +63,7 @@ class ExternalSolver::Process {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
     std::vector<char*> argv;
     std::vector<std::string> command = options.command;
+    argv.reserve(command.size() + 1);
     for (std::string& word : command) argv.push_back(word.data());
     argv.push_back(nullptr);
     // Not fork: the libraries of this process may hold locks and have handlers for it.

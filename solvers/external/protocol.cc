@@ -197,14 +197,14 @@ LcpProblem DecodeProblem(const Bytes& payload) {
     case static_cast<std::uint8_t>(MatrixForm::kSparse): {
       SparseMatrix A = in.GetSparse("A", n, n);
       in.Finish();
-      return LcpProblem::FromSparse("", std::move(A), std::move(b), std::move(bounds), facts);
+      return LcpProblem::FromSparse("", A, std::move(b), std::move(bounds), facts);
     }
     case static_cast<std::uint8_t>(MatrixForm::kFactors): {
       const auto columns = in.Get<std::uint64_t>("columns");
       SparseMatrix J = in.GetSparse("J", n, columns);
       Eigen::VectorXd inverse_mass = in.GetVector("inverse mass", columns);
       in.Finish();
-      return LcpProblem::FromFactors("", std::move(J), std::move(inverse_mass), std::move(b), std::move(bounds), facts);
+      return LcpProblem::FromFactors("", J, std::move(inverse_mass), std::move(b), std::move(bounds), facts);
     }
     default:
       throw std::runtime_error("protocol: unknown form of A");
