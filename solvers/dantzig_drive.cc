@@ -17,47 +17,11 @@ constexpr double kTie = 64 * std::numeric_limits<double>::epsilon();
 constexpr double kDegenerateStep = 1e-12;
 // Degenerate steps in a row before ties go to the least index. Until then they go to the largest pivot, for stability.
 constexpr int kDegenerateLimit = 20;
-constexpr int kRayRefinements = 3;
 // A negative component of a would-be ray below this part of |D^1/2 y| may be the error of solving for y. The ray is
 // refined and put to the proof before the component may block: it would at an f_d of 1 / kSmallComponent and more.
 constexpr double kSmallComponent = 1e-8;
 
 }  // namespace
-
-// y = (df_F, 1 at d), up to sign, in the units of the problem. Each refinement solves for the residual of
-// A_FF y_F = -A_Fd in extended precision.
-bool DantzigSolver::Engine::ClaimRay(Index d, double sign, LcpResult* result) {
-  const auto count = static_cast<size_t>(m());
-  std::vector<long double> y(active_.df(), active_.df() + m());
-  std::vector<long double> residual(count);
-  std::vector<double> correction(count);
-  Eigen::VectorXd ray(lcp_.n);
-  for (int pass = 0;; ++pass) {
-    ray.setZero();
-    const auto set = [&](Index p, double value) {
-      const Index i = lcp_.row[static_cast<size_t>(p)];
-      ray[i] = sign * value * lcp_.scale[i];
-    };
-    for (Index p = 0; p < m(); ++p) {
-      const auto value = static_cast<double>(y[static_cast<size_t>(p)]);
-      set(p, p < joints_ ? value : std::max(value, 0.0));
-    }
-    set(d, 1);
-    if (VerifyFarkasRay(*problem_, ray).accepted) {
-      result->farkas_ray = std::move(ray);
-      return true;
-    }
-    if (pass == kRayRefinements) return false;
-    std::copy(lcp_.column(d), lcp_.column(d) + m(), residual.begin());
-    for (size_t j = 0; j < count; ++j) {
-      const double* c = lcp_.column(static_cast<Index>(j));
-      for (size_t p = 0; p < count; ++p) residual[p] += c[p] * y[j];
-    }
-    correction.assign(residual.begin(), residual.end());
-    active_.SolveSystem(correction.data());
-    for (size_t p = 0; p < count; ++p) y[p] -= correction[p];
-  }
-}
 
 // A y = 0 for y = (df_F, 1), so w_q = y.w = y.b but for the rounding of every row of F, each weighted by its |y_i|.
 double DantzigSolver::Engine::NoiseAlongDirection() const {
@@ -153,7 +117,7 @@ DantzigSolver::Engine::Blocking DantzigSolver::Engine::FindBlocking(double s, do
   return blocking;
 }
 
-DantzigSolver::Engine::End DantzigSolver::Engine::Drive(LcpResult* result) {
+PivotBase::End DantzigSolver::Engine::Drive(LcpResult* result) {
   int degenerate = 0;
   double s = active_.SetDriven(q_);
   for (;;) {
@@ -205,7 +169,7 @@ DantzigSolver::Engine::End DantzigSolver::Engine::Drive(LcpResult* result) {
   }
 }
 
-DantzigSolver::Engine::End DantzigSolver::Engine::DriveAll(LcpResult* result) {
+PivotBase::End DantzigSolver::Engine::DriveAll(LcpResult* result) {
   while (q_ < open_) {
     if (options_.order == DantzigOrder::kMostNegative) {
       const auto size = [this](Index p) { return lcp_.w[p] * std::abs(lcp_.w[p]) / lcp_.diagonal[p]; };

@@ -10,16 +10,14 @@ namespace lcpbench {
 
 /// The workings of LemkeSolver, shared by lemke.cc (a solve from loading to the final judgement) and lemke_path.cc (one
 /// path of falling z); no part of the interface.
-class LemkeSolver::Engine : private PivotBase {
+class LemkeSolver::Engine final : public PivotBase {
  public:
-  explicit Engine(LemkeOptions options) : options_(options) {}
+  explicit Engine(LemkeOptions options) : PivotBase(options.rank_tolerance) {}
 
-  void Reserve(Index max_rows);
-  void Prepare(const LcpProblem& problem);
-  void Solve(const LcpOptions& options, LcpResult* result);
+  void Reserve(Index max_rows) override;
 
  private:
-  End Run(LcpResult* result);
+  End Run(LcpResult* result) override;
 
   // From z = 1 to z = 0, starting at F with f_F >= 0 and gaps no less than -violation sqrt(A_ii).
   End FollowPath(double violation, LcpResult* result);
@@ -33,8 +31,6 @@ class LemkeSolver::Engine : private PivotBase {
   Index BreakTie(const Eigen::VectorXd& rate, Index event);
   void ComputePerturbation(Index k);
   End EnterOrExchange(Index p, LcpResult* result);
-
-  const LemkeOptions options_;
 
   double z_ = 0;
   double largest_force_ = 0;      // D^1/2 f, over the path so far

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <utility>
 #include <vector>
 
 #include "solvers/lcp/verify.h"
+#include "solvers/zero_row_ray.h"
 
 namespace lcpbench {
 namespace {
@@ -19,16 +22,17 @@ constexpr double kWarmThreshold = 1e-10;
 // every tolerance, but a problem that is infeasible by rounding only shall be solved.
 constexpr double kProofTolerance = 1e-9;
 constexpr int kRayRefinements = 3;
+// Factors on rank_tolerance for the first attempt and the restarts.
+constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
+constexpr std::int64_t kPivotsPerRow = 50;
+constexpr std::int64_t kExtraPivots = 1000;
 // Multiply-adds between two looks at the clock (some 10 us), and what a pivot costs besides them.
 constexpr Index kWorkPerClockRead = 16384;
 constexpr Index kWorkPerPivot = 256;
 
 }  // namespace
 
-void PivotBase::Reserve(Index max_rows) {
-  active_.Reserve(max_rows);
-  if (max_rows > root_.size()) root_.resize(max_rows);
-}
+void PivotBase::Reserve(Index max_rows) { active_.Reserve(max_rows); }
 
 void PivotBase::Prepare(const LcpProblem& problem) {
   problem_ = problem;
@@ -36,7 +40,7 @@ void PivotBase::Prepare(const LcpProblem& problem) {
   judge_.Reset(problem, true);
 }
 
-void PivotBase::Start(const LcpOptions& options, std::int64_t pivot_limit) {
+void PivotBase::Start(const LcpOptions& options) {
   tolerance_ = options.tolerance;
   proof_tolerance_ = std::min(tolerance_, kProofTolerance);
   initial_f_ = options.initial_f;
@@ -44,7 +48,7 @@ void PivotBase::Start(const LcpOptions& options, std::int64_t pivot_limit) {
   if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   work_left_ = 0;
   pivots_ = 0;
-  pivot_limit_ = options.max_iterations > 0 ? options.max_iterations : pivot_limit;
+  pivot_limit_ = options.max_iterations > 0 ? options.max_iterations : kPivotsPerRow * problem_->size() + kExtraPivots;
   judge_.Start(tolerance_);
 }
 
@@ -56,15 +60,68 @@ bool PivotBase::TimeIsUp(Index work) {
   return deadline_->Expired();
 }
 
-bool PivotBase::Load(double rank_tolerance) {
-  rank_tolerance_ = rank_tolerance;
+bool PivotBase::Load() {
   if (!lcp_.Load(*problem_)) return false;
   active_.Reset();
   joints_ = 0;
   open_ = lcp_.nonzero;
   unit_ = lcp_.nonzero > 0 ? lcp_.diagonal[0] : 1.0;
-  for (Index p = 0; p < lcp_.nonzero; ++p) root_[RowAt(p)] = std::sqrt(lcp_.diagonal[p] / unit_);
   return true;
+}
+
+void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
+  Start(options);
+  End end = End::kNotMet;
+  char text[160];
+  for (const double factor : kAttempts) {
+    if (end != End::kNotMet) break;
+    rank_tolerance_ = first_rank_tolerance_ * factor;
+    if (!Load()) {
+      result->status = LcpStatus::kUnsupported;
+      result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
+      return;
+    }
+    result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * lcp_.b_norm);
+    if (result->farkas_ray.has_value()) {
+      result->status = LcpStatus::kInfeasible;
+      return;
+    }
+    end = Run(result);
+    if (factor != kAttempts[0] && end == End::kDone) {
+      std::snprintf(text, sizeof text, "solved after a restart with rank tolerance %.0e", rank_tolerance_);
+      result->detail = text;
+    }
+  }
+  result->iterations = pivots_;
+  switch (end) {
+    case End::kDone:
+      result->status = LcpStatus::kSolved;
+      result->farkas_ray.reset();
+      break;
+    case End::kInfeasible:
+      result->status = LcpStatus::kInfeasible;
+      break;
+    case End::kIterationLimit:
+      result->status = LcpStatus::kIterationLimit;
+      break;
+    case End::kTimeLimit:
+      result->status = LcpStatus::kTimeLimit;
+      break;
+    case End::kStuck:
+    case End::kNotMet:
+      result->status = LcpStatus::kNumericalFailure;
+      std::snprintf(text, sizeof text,
+                    "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
+                    judge_.tier(), first_rank_tolerance_, first_rank_tolerance_ * kAttempts[1],
+                    first_rank_tolerance_ * kAttempts[2]);
+      result->detail = text;
+      break;
+  }
+}
+
+PivotBase::End PivotBase::Conclude(End end) const {
+  if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
+  return end == End::kDone ? End::kNotMet : end;
 }
 
 PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
@@ -106,32 +163,43 @@ PivotBase::End PivotBase::EnterWarmRows() {
   return End::kDone;
 }
 
-void PivotBase::SolveForces(bool at_once) {
+// Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
+PivotBase::Surplus PivotBase::FindSurplus(Index p, double largest, bool judge_by_size) const {
+  const double f = lcp_.f[p];
+  if (f < 0) return Surplus::kNegative;
+  const double size = lcp_.diagonal[p] * f * f;
+  if (size > kSmallForce * kSmallForce * largest) return Surplus::kNone;
+  if (judge_by_size && size <= kNoise * kNoise * largest) return Surplus::kTiny;
+  return lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude ? Surplus::kNone : Surplus::kRounding;
+}
+
+bool PivotBase::SolveForces(Leaving leaving) {
+  bool dropped_by_size = false;
   for (bool again = true; again;) {
     again = false;
     const double largest = active_.SolveForces();
     Index worst = kNoRow;
     double least = kInfinity;
     for (Index p = m() - 1; p >= joints_; --p) {
-      const double size = lcp_.f[p] * ForceRoot(p);
-      if (!at_once && size >= least) continue;
-      if (lcp_.f[p] >= 0) {
-        if (lcp_.diagonal[p] * lcp_.f[p] * lcp_.f[p] > kSmallForce * kSmallForce * largest) continue;
-        if (lcp_.diagonal[p] * lcp_.f[p] > kNoise * lcp_.FreshW(p, m()).magnitude) continue;
-      }
-      if (at_once) {
-        Release(p);
-        again = true;
-      } else {
+      const Surplus surplus = FindSurplus(p, largest, leaving == Leaving::kAllAndTiny);
+      if (surplus == Surplus::kNone) continue;
+      if (leaving == Leaving::kOneByOne) {
+        const double size = lcp_.f[p] * ForceRoot(p);
+        if (size >= least) continue;
         least = size;
         worst = p;
+        continue;
       }
+      dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
+      Release(p);
+      again = true;
     }
     if (worst != kNoRow) {
       Release(worst);
       again = true;
     }
   }
+  return dropped_by_size;
 }
 
 void PivotBase::Release(Index p) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -13,36 +14,48 @@
 namespace lcpbench {
 
 /// What dense pivoting methods with an updated factor of the active rows have in common, whatever their rule for the
-/// next pivot: joints first, a rank rule, warm start, refinement with the given form, rays. Internal to solvers/.
+/// next pivot: joints first, a rank rule with restarts, warm start, refinement with the given form, rays, and how a
+/// solve ends. Internal to solvers/.
 ///
 /// Positions of the permuted problem: F = [0, m), of which [0, joints) are bilateral; rows in play with f = 0
 /// [m, open); then rows out of play (dependent bilateral rows, rows set aside). Only Reserve and Prepare allocate, and
 /// ClaimRay for its ray.
 class PivotBase {
  public:
-  void Reserve(Index max_rows);
+  explicit PivotBase(double rank_tolerance) : first_rank_tolerance_(rank_tolerance) {}
+  virtual ~PivotBase() = default;
+
+  virtual void Reserve(Index max_rows);
   void Prepare(const LcpProblem& problem);
+  /// Runs the method with the rank tolerance, then, where that met neither the tolerance nor a proof, with a finer and
+  /// a coarser one.
+  void Solve(const LcpOptions& options, LcpResult* result);
 
  protected:
   static constexpr Index kNoRow = -1;
   /// A value is rounding only up to this multiple of the sum of magnitudes that it was computed from.
   static constexpr double kNoise = 64 * std::numeric_limits<double>::epsilon();
 
-  enum class End { kDone, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
+  /// kStuck: a row can be neither made right nor proved impossible, for the method's own use.
+  enum class End { kDone, kStuck, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
 
-  /// Reads the options of one call; `pivot_limit` is used where they name none.
-  void Start(const LcpOptions& options, std::int64_t pivot_limit);
-  /// Loads the problem anew with nothing active. False: an A_ii < 0.
-  bool Load(double rank_tolerance);
+  /// One attempt from nothing active, the problem loaded. kDone: the published answer meets the tolerance.
+  virtual End Run(LcpResult* result) = 0;
+
   /// Bilateral rows enter and stay. A dependent one has w = y.b for every f: it is right and out of play, or proved
   /// impossible (kInfeasible).
   End EnterJoints(LcpResult* result);
   /// Unilateral rows with initial_f_i > 0 relative to the largest (in units of D^-1/2) enter where independent.
   End EnterWarmRows();
 
-  /// f_F = -A_FF^-1 b_F; unilateral rows with f < 0, or f > 0 by rounding only, leave, the worst first, and f is solved
-  /// for anew in between; all of them at once where `at_once`.
-  void SolveForces(bool at_once);
+  /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
+  /// itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
+  enum class Leaving { kAll, kAllAndTiny, kOneByOne };
+  /// f_F = -A_FF^-1 b_F; unilateral rows with f < 0, or f > 0 by rounding only, leave until there is none. Rounding is
+  /// judged by the row's own magnitudes and, with kAllAndTiny, also by the largest force: where all forces around a row
+  /// should be 0, its own magnitudes are rounding, too. Returns true if rows left by that second rule: their w needs a
+  /// look.
+  bool SolveForces(Leaving leaving);
   /// w of all rows in play outside F, with f = 0 there; within rounding of 0 counts as 0. Returns the largest
   /// -w_i / GapRoot(i), 0 where no row is violated.
   double ComputeGaps();
@@ -55,12 +68,15 @@ class PivotBase {
   /// it, at most a few times.
   bool ClaimRay(Index d, double sign, LcpResult* result);
 
+  /// What Run returns after `end`: an answer that meets the tolerance counts whatever ended the search for it.
+  End Conclude(End end) const;
+
   bool TimeIsUp(Index work);
   Index m() const { return active_.size(); }
   /// Forces f_p and gaps w_p of different rows compare as f_p ForceRoot(p) and w_p / GapRoot(p): sqrt(A_pp) in units of
   /// one row's, because sqrt(A_pp) itself is rounded differently when A is multiplied by 2.
-  double ForceRoot(Index p) const { return root_[RowAt(p)]; }
-  double GapRoot(Index p) const { return root_[RowAt(p)] * unit_; }
+  double ForceRoot(Index p) const { return std::sqrt(lcp_.diagonal[p] / unit_); }
+  double GapRoot(Index p) const { return ForceRoot(p) * unit_; }
   Index RowAt(Index p) const { return lcp_.row[static_cast<size_t>(p)]; }
 
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
@@ -81,8 +97,15 @@ class PivotBase {
   PermutedLcp& lcp_ = active_.lcp;
   Index joints_ = 0;
   Index open_ = 0;
-  double unit_ = 1;       // A_pp of the row that came first
-  Eigen::VectorXd root_;  // by row of the problem
+  double unit_ = 1;  // A_pp of the row that came first
+
+ private:
+  enum class Surplus { kNone, kNegative, kTiny, kRounding };
+  void Start(const LcpOptions& options);
+  bool Load();
+  Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
+
+  const double first_rank_tolerance_;
 };
 
 }  // namespace lcpbench
