@@ -8,7 +8,6 @@
 
 #include "solvers/bpp_engine.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/power_of_two.h"
 #include "solvers/zero_row_ray.h"
 
 namespace lcpbench {
@@ -46,63 +45,39 @@ void BppSolver::Engine::Prepare(const LcpProblem& problem) {
   block_ = blocks_.Analyze(problem, options_.form != BppOptions::Form::kDense, may_be_dense);
   judge_.Reset(problem, blocks_.is_dense(block_));
   product_.Reset(problem);
-  for (Eigen::VectorXd* v : {&scale_, &diagonal_, &b_, &root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_,
-                             &image_, &preconditioned_, &ray_}) {
+  for (Eigen::VectorXd* v :
+       {&root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_, &image_, &preconditioned_, &ray_}) {
     v->setZero(n);
   }
+  scaled_.Resize(n);
   bilateral_.assign(At(n), 0);
   for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
-  for (std::vector<char>* v : {&can_act_, &active_, &active_shifted_}) v->assign(At(n), 0);
+  for (std::vector<char>* v : {&active_, &active_shifted_}) v->assign(At(n), 0);
   violated_.reserve(At(n));
 }
 
-// Powers of two S_ii that bring A_ii into [1, 4) and t that brings the largest |b_i| into [1, 2).
 bool BppSolver::Engine::Load() {
-  const Eigen::VectorXd& d = problem_->DiagonalA();
-  const Eigen::VectorXd& b = problem_->b();
-  const Index n = d.size();
-  double largest_b = 0;
-  double b_squared = 0;
-  for (Index i = 0; i < n; ++i) {
-    if (d[i] < 0) return false;
-    can_act_[At(i)] = d[i] > 0 ? 1 : 0;
-    scale_[i] = d[i] > 0 ? PowerOfTwo(-(Exponent(d[i]) >> 1)) : 1.0;
-    if (d[i] > 0) largest_b = std::max(largest_b, std::abs(b[i] * scale_[i]));
-    b_squared += d[i] > 0 ? b[i] * (b[i] / d[i]) : b[i] * b[i];
-  }
-  b_norm_ = b_squared == 0 ? 1.0 : std::sqrt(b_squared);
-  b_scale_ = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
-  unit_ = 0;
-  for (Index i = 0; i < n; ++i) {
-    diagonal_[i] = (d[i] * scale_[i]) * scale_[i];
-    if (can_act_[At(i)] == 0) {
-      // Such a row neither acts nor is judged here.
-      b_[i] = 0;
-      root_[i] = 1;
-      continue;
-    }
-    b_[i] = b[i] * scale_[i] * b_scale_;
-    if (unit_ == 0) unit_ = diagonal_[i];
-    root_[i] = std::sqrt(diagonal_[i] / unit_);
-  }
-  if (unit_ == 0) unit_ = 1;
-  block_->Load(*problem_, scale_);
+  if (!scaled_.Load(*problem_)) return false;
+  const auto acts = std::find(scaled_.can_act.begin(), scaled_.can_act.end(), 1);
+  unit_ = acts == scaled_.can_act.end() ? 1.0 : scaled_.diagonal[acts - scaled_.can_act.begin()];
+  root_ = (scaled_.diagonal / unit_).cwiseSqrt();
+  block_->Load(*problem_, scaled_.scale);
   return true;
 }
 
 void BppSolver::Engine::SetStart() {
   center_.setZero();
   f_.setZero();
-  active_ = can_act_;
+  active_ = scaled_.can_act;
   if (initial_f_ == nullptr) return;
-  const auto size = [&](Index i) { return (*initial_f_)[i] / scale_[i] * ForceRoot(i); };
+  const auto size = [&](Index i) { return (*initial_f_)[i] / scaled_.scale[i] * ForceRoot(i); };
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) {
-    if (bilateral_[At(i)] == 0 && can_act_[At(i)] != 0) largest = std::max(largest, size(i));
+    if (bilateral_[At(i)] == 0 && scaled_.can_act[At(i)] != 0) largest = std::max(largest, size(i));
   }
   for (Index i = 0; i < f_.size(); ++i) {
     if (bilateral_[At(i)] != 0) continue;
-    active_[At(i)] = can_act_[At(i)] != 0 && size(i) > kWarmThreshold * largest ? 1 : 0;
+    active_[At(i)] = scaled_.can_act[At(i)] != 0 && size(i) > kWarmThreshold * largest ? 1 : 0;
   }
 }
 
@@ -114,7 +89,7 @@ bool BppSolver::Engine::Publish(LcpResult* result) {
     for (Index i = 0; i < f.size(); ++i) {
       const double force = bilateral_[At(i)] != 0 ? std::abs(f_[i]) : f_[i];
       const bool acts = force * ForceRoot(i) > least;
-      f[i] = acts ? f_[i] * (scale_[i] / b_scale_) : 0.0;
+      f[i] = acts ? scaled_.GivenForce(i, f_[i]) : 0.0;
     }
     return judge_.Publish(result);
   };
@@ -137,15 +112,15 @@ bool BppSolver::Engine::ClaimRay(LcpResult* result) {
   direction_ = shifted_ - center_;
   for (int pass = 0; pass <= kRayCorrections; ++pass) {
     for (Index i = 0; i < n; ++i) {
-      const bool acts = can_act_[At(i)] != 0 && (bilateral_[At(i)] != 0 || direction_[i] > 0);
-      ray_[i] = acts ? direction_[i] * scale_[i] : 0.0;
+      const bool acts = scaled_.can_act[At(i)] != 0 && (bilateral_[At(i)] != 0 || direction_[i] > 0);
+      ray_[i] = acts ? direction_[i] * scaled_.scale[i] : 0.0;
     }
     product_.Rho(ray_);  // w = A y + b
     long double b_dot_y = 0;
     long double b_size = 0;
     long double largest = 0;
     for (Index i = 0; i < n; ++i) {
-      const long double root = can_act_[At(i)] != 0 ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
+      const long double root = scaled_.can_act[At(i)] != 0 ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
       b_dot_y += static_cast<long double>(b[i]) * ray_[i];
       b_size += std::abs(b[i]) / root;
       largest = std::max(largest, std::abs(product_.w(i) - b[i]) / root);
@@ -156,7 +131,7 @@ bool BppSolver::Engine::ClaimRay(LcpResult* result) {
       return true;
     }
     if (pass == 0) block_->Factor(active_shifted_, kRayShift, deadline());
-    for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scale_[i];
+    for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scaled_.scale[i];
     block_->Solve(residual_.data());
     direction_ -= residual_;
   }
@@ -207,7 +182,7 @@ void BppSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
     result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
     return;
   }
-  result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * b_norm_);
+  result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * scaled_.b_norm);
   if (result->farkas_ray.has_value()) {
     result->status = LcpStatus::kInfeasible;
     return;

@@ -30,10 +30,10 @@ constexpr double kRaise = 10;
 void BppSolver::Engine::SolveActive() {
   block_->Factor(active_, shift_, deadline());
   ++factorisations_;
-  f_.array() = shift_ * diagonal_.array() * center_.array() - b_.array();
+  f_.array() = shift_ * scaled_.diagonal.array() * center_.array() - scaled_.b.array();
   block_->Solve(f_.data());
   block_->Multiply(f_.data(), w_.data());
-  w_.array() += b_.array() + shift_ * diagonal_.array() * (f_ - center_).array();
+  w_.array() += scaled_.b.array() + shift_ * scaled_.diagonal.array() * (f_ - center_).array();
 }
 
 // Fills violated_, ascending. Signs are judged relative to the rounding of forces and gaps.
@@ -49,9 +49,9 @@ Index BppSolver::Engine::FindViolated(bool of_shifted) {
   const double force_noise = of_shifted ? kForceNoise * kEpsilon / shift_ * largest : 0.0;
   violated_.clear();
   for (Index i = 0; i < n; ++i) {
-    if (bilateral_[At(i)] != 0 || can_act_[At(i)] == 0) continue;
+    if (bilateral_[At(i)] != 0 || scaled_.can_act[At(i)] == 0) continue;
     const bool violated = active_[At(i)] != 0 ? f_[i] * ForceRoot(i) < -force_noise
-                                              : w_[i] < -(kNoise * size * GapRoot(i) + kNoise * std::abs(b_[i]));
+                                              : w_[i] < -(kNoise * size * GapRoot(i) + kNoise * std::abs(scaled_.b[i]));
     if (violated) violated_.push_back(i);
   }
   return static_cast<Index>(violated_.size());
@@ -93,10 +93,10 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
 BppSolver::Engine::End BppSolver::Engine::CorrectForces() {
   const Index n = f_.size();
   block_->Multiply(f_.data(), w_.data());
-  w_ += b_;
+  w_ += scaled_.b;
   double size = 0;
   for (Index i = 0; i < n; ++i)
-    size = std::max(size, std::max(std::abs(f_[i]) * ForceRoot(i), std::abs(b_[i]) / GapRoot(i)));
+    size = std::max(size, std::max(std::abs(f_[i]) * ForceRoot(i), std::abs(scaled_.b[i]) / GapRoot(i)));
   const double rounding = kEpsilon * size;
   double before = std::numeric_limits<double>::infinity();
   double slope_before = 0;
@@ -120,7 +120,7 @@ BppSolver::Engine::End BppSolver::Engine::CorrectForces() {
     slope_before = slope;
     block_->Multiply(direction_.data(), image_.data());
     const double curvature = direction_.dot(image_);
-    const double norm2 = (diagonal_.array() * direction_.array().square()).sum();
+    const double norm2 = (scaled_.diagonal.array() * direction_.array().square()).sum();
     if (!(curvature > kNullCurvature * norm2)) break;
     const double length = slope / curvature;
     f_ += length * direction_;

@@ -9,6 +9,7 @@
 #include "solvers/answer_judge.h"
 #include "solvers/bpp.h"
 #include "solvers/given_form.h"
+#include "solvers/scaled_vectors.h"
 
 namespace lcpbench {
 
@@ -54,7 +55,8 @@ class BppSolver::Engine {
   GivenFormTest product_;
   ActiveBlockChoice blocks_;
   ActiveBlock* block_ = nullptr;
-  std::vector<char> bilateral_, can_act_;  // can_act_: A_ii > 0
+  ScaledVectors scaled_;
+  std::vector<char> bilateral_;
 
   // One call.
   double tolerance_ = 0;
@@ -67,11 +69,8 @@ class BppSolver::Engine {
 
   // State.
   double shift_ = 0;
-  double b_scale_ = 1;
-  double b_norm_ = 1;      // |D^-1/2 b|_2 in given units
-  double unit_ = 1;        // A_ii of the first row that can act
-  Eigen::VectorXd scale_;  // S
-  Eigen::VectorXd diagonal_, b_, root_;
+  double unit_ = 1;  // A_ii of the first row that can act
+  Eigen::VectorXd root_;
   std::vector<char> active_, active_shifted_;
   std::vector<Index> violated_;
   Eigen::VectorXd f_, w_, center_, shifted_;
