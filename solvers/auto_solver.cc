@@ -41,7 +41,7 @@ struct AutoSolver::Backends {
 bool AutoSolver::Backends::TryTableau(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const double rho = tableau.Solve(problem, &result->f);
   if (!(rho <= std::min(kTableauRho, kMargin * options.tolerance))) return false;
-  if (!tableau.RowsMeet(problem, result->f, kMargin * std::sqrt(options.tolerance))) return false;
+  if (!tableau.RowsMeet(kMargin * std::sqrt(options.tolerance))) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau.pivots();
   result->detail = "tableau";

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "solvers/lcp/problem.h"
 
@@ -13,9 +12,12 @@ namespace lcpbench {
 /// The tableau is the principal transform of (A, b) for the active set F [Tucker 1963; Cottle, Pang, Stone, sec. 4.1]:
 /// its last column holds f_F and w_N of the basic point, its F block A_FF^-1. One pivot moves one row into or out of F
 /// and is a rank-one update of the rows that it reaches: zeros in the pivot's column, plenty in contact problems, cost
-/// nothing. Bilateral rows enter first and stay. Then the row with the most negative f A_ii^1/2 or w / A_ii^1/2 is
-/// moved, until there is none; after `2 n` moves the violated row of least index is [Murty 1974], which is finite for
-/// positive definite A.
+/// nothing once rows are long enough for the question to pay. Bilateral rows enter first and stay. Then the row with
+/// the most negative f A_ii^1/2 or w / A_ii^1/2 is moved, until there is none; after `2 n` moves the violated row of
+/// least index is [Murty 1974], which is finite for positive definite A.
+///
+/// All vectors and rows are padded to whole vector registers by zeros, in a scaling by powers of two that brings A_ii
+/// into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters and nothing is rounded by it.
 ///
 /// Not robust by itself, and it knows: rows that depend on F are not moved, Gauss-Jordan transforms are less stable
 /// than factors, and on singular A there is no guarantee. The caller checks the answer and has others to ask.
@@ -28,12 +30,13 @@ class SmallPivoting {
 
   void Reserve(Index max_rows);
 
-  /// Writes the basic point's forces, refined once against A, to `f` (n entries, in the problem's units, f_C >= 0).
-  /// Returns rho there in double, or infinity if it gave up. n <= kMaxRows reserved rows; reads DenseA().
+  /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
+  /// units, f_C >= 0). Returns rho there in double, or infinity if it gave up. n <= kMaxRows reserved rows; reads
+  /// DenseA() and DiagonalA().
   double Solve(const LcpProblem& problem, Eigen::VectorXd* f);
 
   /// Whether every row's backward error at the f of the last Solve is at most `limit`, in double.
-  bool RowsMeet(const LcpProblem& problem, const Eigen::VectorXd& f, double limit) const;
+  bool RowsMeet(double limit) const;
 
   /// Pivots of the last Solve.
   int pivots() const { return pivots_; }
@@ -41,20 +44,26 @@ class SmallPivoting {
  private:
   bool Load(const LcpProblem& problem);
   bool Pivot(Index r);
-  Index MostViolated(bool least_index) const;
-  void WriteForces(Eigen::VectorXd* f) const;
-  double Rho(const LcpProblem& problem, const Eigen::VectorXd& f);
+  Index MostViolated() const;
+  Index FirstViolated() const;
+  void FindForces();
+  double Rho();
   void Refine();
+  bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
 
   Index n_ = 0;
-  Index stride_ = 0;
+  Index stride_ = 0;  // n in whole registers
   int pivots_ = 0;
   double b_scale_ = 1;
   double b_norm_ = 1;
-  double largest_force_ = 0;
-  std::vector<double> tableau_;  // row i from i * stride_, last column q
-  Eigen::VectorXd q_, scale_, root_, w_, pivot_row_, correction_;
-  std::vector<char> active_, joint_, blocked_;
+  double noise_ = 0;                             // violations below this are rounding
+  Eigen::VectorXd matrix_, tableau_;             // row i from i * stride_
+  Eigen::VectorXd b_, q_;                        // q: last column of the tableau
+  Eigen::VectorXd scale_, root_, inverse_root_;  // root: A_ii^1/2
+  // By row: what q is compared in, 0 where it may have any sign; +1 in F and -1 outside; the least force.
+  Eigen::VectorXd weight_, sign_, least_force_;
+  Eigen::VectorXd force_, w_, pivot_row_, correction_;
+  Eigen::VectorXd blocked_weight_;  // the weight of a row that may not be moved for now, else 0
 };
 
 }  // namespace lcpbench
