@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
-#include "solvers/dantzig.h"
-#include "solvers/given_form.h"
+#include "solvers/answer_judge.h"
+#include "solvers/auto_portfolio.h"
+#include "solvers/islands.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/semismooth_newton.h"
 #include "solvers/small_pivoting.h"
-#ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/suitesparse.h"
-#endif
 
 namespace lcpbench {
 namespace {
@@ -21,80 +21,148 @@ namespace {
 // is far below the difference. Above 1e-13 other backends may do better.
 constexpr double kMargin = 0.1;
 constexpr double kTableauRho = 1e-12;
+// Where the rows that remain are more than this part of all, the whole problem is as cheap, and is set up already.
+constexpr double kWorthDividing = 0.75;
+// Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
+// piece of a chain cut at random is some ln(cuts) times the mean one.
+constexpr Index kRowsPerCut = 16;
 
 }  // namespace
 
-struct AutoSolver::Backends {
-  SmallPivoting tableau;
-  SemismoothNewtonSolver newton;
-#ifdef LCPBENCH_WITH_SUITESPARSE
-  SuitesparseSolver interior;
-#endif
-  DantzigSolver dantzig;
-  GivenFormTest test;
+struct AutoSolver::Parts {
+  explicit Parts(std::int64_t most_factorisations)
+      : newton_factorisations(most_factorisations), whole(most_factorisations) {}
 
-  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
-  bool Try(LcpSolver* solver, std::string_view name, const LcpProblem& problem, const LcpOptions& options,
-           const Deadline& deadline, LcpResult* result);
+  bool AcceptTableau(double rho, double tolerance) const;
+  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+
+  std::int64_t newton_factorisations;
+  Index tableau_rows = 0;  // of the prepared problem
+  SmallPivoting tableau;
+  AutoPortfolio whole;  // for all rows
+
+  // Of problems that are too large for one tableau.
+  IdleRows idle_rows;
+  Islands islands;
+  bool has_islands = false;  // even with all rows
+  Index few_idle_rows = 1;   // fewer cannot cut one island into small ones
+  std::vector<Index> rest;
+  Eigen::VectorXd rest_start;
+  AnswerJudge judge;
 };
 
-bool AutoSolver::Backends::TryTableau(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  const double rho = tableau.Solve(problem, &result->f);
-  if (!(rho <= std::min(kTableauRho, kMargin * options.tolerance))) return false;
-  if (!tableau.RowsMeet(kMargin * std::sqrt(options.tolerance))) return false;
+bool AutoSolver::Parts::AcceptTableau(double rho, double tolerance) const {
+  return rho <= std::min(kTableauRho, kMargin * tolerance) && tableau.RowsMeet(kMargin * std::sqrt(tolerance));
+}
+
+bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+                                   LcpResult* result) {
+  if (!AcceptTableau(tableau.Solve(problem, options.initial_f, deadline, &result->f), options.tolerance)) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau.pivots();
   result->detail = "tableau";
   return true;
 }
 
-// True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
-bool AutoSolver::Backends::Try(LcpSolver* solver, std::string_view name, const LcpProblem& problem,
-                               const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
-  LcpOptions rest = options;
-  rest.time_limit_s = deadline.Remaining();
-  if (!(rest.time_limit_s > 0)) {
-    result->status = LcpStatus::kTimeLimit;
-    return true;
+// Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
+bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                                   LcpResult* result) {
+  const Index idle = idle_rows.Find();
+  if (idle < few_idle_rows && !has_islands) return false;
+  islands.Find(problem.SparseA(), idle_rows.keep());
+  const double worth = kWorthDividing * static_cast<double>(problem.size());
+  Index large_rows = 0;
+  for (Index k = 0; k < islands.count(); ++k) {
+    const auto rows = static_cast<Index>(islands.rows(k).size());
+    if (rows > tableau_rows) large_rows += rows;
   }
-  const std::string before = std::move(result->detail);
-  solver->Solve(problem, rest, result);
-  const std::string said = std::move(result->detail);
-  result->detail = before;
-  if (!before.empty()) result->detail += "; ";
-  result->detail += name;
-  if (!said.empty()) result->detail.append(": ").append(said);
-  switch (result->status) {
-    case LcpStatus::kSolved:
-      if (solver == &newton) return true;  // claims it after this very test only
-      test.Reset(problem);
-      if (test.Meets(options.tolerance, result->f)) return true;
-      result->status = LcpStatus::kNumericalFailure;
-      return false;
-    case LcpStatus::kInfeasible:
-      return result->farkas_ray.has_value() && VerifyFarkasRay(problem, *result->farkas_ray).accepted;
-    case LcpStatus::kTimeLimit:
+  if (static_cast<double>(large_rows) > worth) return false;
+  rest.clear();
+  std::int64_t pivots = 0;
+  for (Index k = 0; k < islands.count(); ++k) {
+    const std::span<const Index> rows = islands.rows(k);
+    const bool solved =
+        static_cast<Index>(rows.size()) <= tableau_rows &&
+        AcceptTableau(tableau.SolvePart(problem, rows, options.initial_f, &deadline, &result->f), options.tolerance);
+    if (solved) {
+      pivots += tableau.pivots();
+    } else {
+      rest.insert(rest.end(), rows.begin(), rows.end());
+    }
+    if (deadline.Expired()) {
+      result->status = LcpStatus::kTimeLimit;
       return true;
-    default:
-      return false;
+    }
+  }
+  result->detail = std::to_string(islands.count()) + " islands, largest " + std::to_string(islands.largest()) +
+                   " rows, " + std::to_string(idle) + " idle rows";
+  result->iterations = pivots;
+  result->status = LcpStatus::kSolved;
+  if (!rest.empty()) SolveRest(problem, options, deadline, result);
+  if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
+  // All parts passed; what joins them, and rows left out, have not been looked at.
+  judge.Start(options.tolerance);
+  judge.candidate() = result->f;
+  judge.Publish(result);
+  if (judge.tier() <= options.tolerance) return true;
+  result->status = LcpStatus::kNumericalFailure;
+  return false;
+}
+
+void AutoSolver::Parts::SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                                  LcpResult* result) {
+  std::sort(rest.begin(), rest.end());
+  const LcpProblem part = Subproblem(problem, rest);
+  const auto m = static_cast<Index>(rest.size());
+  LcpOptions part_options = options;
+  if (options.initial_f != nullptr) {
+    rest_start.resize(m);
+    for (Index k = 0; k < m; ++k) rest_start[k] = (*options.initial_f)[rest[static_cast<size_t>(k)]];
+    part_options.initial_f = &rest_start;
+  }
+  AutoPortfolio portfolio(newton_factorisations);
+  portfolio.Prepare(part);
+  LcpResult answer;
+  answer.f.setZero(m);
+  portfolio.Solve(part, part_options, deadline, &answer);
+  result->status = answer.status;
+  result->iterations += answer.iterations;
+  result->detail += "; " + answer.detail;
+  for (Index k = 0; k < m; ++k) result->f[rest[static_cast<size_t>(k)]] = answer.f[k];
+  if (answer.status != LcpStatus::kInfeasible) return;
+  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
+  for (Index k = 0; k < m; ++k) ray[rest[static_cast<size_t>(k)]] = (*answer.farkas_ray)[k];
+  if (VerifyFarkasRay(problem, ray).accepted) {
+    result->farkas_ray = std::move(ray);
+  } else {
+    result->status = LcpStatus::kNumericalFailure;
   }
 }
 
 AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("auto", settings);
   AutoOptions options;
-  options.tableau_rows = static_cast<Index>(reader.Number("tableau_rows", static_cast<double>(options.tableau_rows), 0,
-                                                          static_cast<double>(SmallPivoting::kMaxRows)));
+  const auto read_rows = [&](const char* name, Index* rows) {
+    *rows = static_cast<Index>(
+        reader.Number(name, static_cast<double>(*rows), 0, static_cast<double>(SmallPivoting::kMaxRows)));
+  };
+  read_rows("tableau_rows", &options.tableau_rows);
+  read_rows("redundant_tableau_rows", &options.redundant_tableau_rows);
   options.newton_factorisations = static_cast<std::int64_t>(
       reader.Number("newton_factorisations", static_cast<double>(options.newton_factorisations), 1, 1e9));
   reader.Finish();
   return options;
 }
 
-AutoSolver::AutoSolver(AutoOptions options) : options_(options), backends_(std::make_unique<Backends>()) {
+AutoSolver::AutoSolver(AutoOptions options)
+    : options_(options), parts_(std::make_unique<Parts>(options.newton_factorisations)) {
   if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
-  if (options.tableau_rows < 0 || options.tableau_rows > SmallPivoting::kMaxRows) {
-    throw InputError("auto: tableau_rows must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
+  for (const Index rows : {options.tableau_rows, options.redundant_tableau_rows}) {
+    if (rows < 0 || rows > SmallPivoting::kMaxRows) {
+      throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
+    }
   }
 }
 AutoSolver::~AutoSolver() = default;
@@ -103,28 +171,46 @@ std::string AutoSolver::WhyUnsupported(const LcpProblem& problem) const {
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 
-void AutoSolver::Reserve(Index max_rows) { backends_->tableau.Reserve(std::min(max_rows, options_.tableau_rows)); }
+void AutoSolver::Reserve(Index max_rows) { parts_->tableau.Reserve(std::min(max_rows, options_.tableau_rows)); }
 
 void AutoSolver::DoPrepare(const LcpProblem& problem) {
-  if (problem.size() <= options_.tableau_rows) {
-    problem.DenseA();
-    backends_->tableau.Reserve(problem.size());
-  } else {
-    backends_->newton.Prepare(problem);
+  Parts& parts = *parts_;
+  const Index n = problem.size();
+  parts.tableau_rows = options_.tableau_rows;
+  if (n > options_.tableau_rows) {
+    parts.whole.Prepare(problem);
+    if (parts.whole.is_redundant()) {
+      parts.tableau_rows = std::max(parts.tableau_rows, options_.redundant_tableau_rows);
+    }
   }
+  if (n <= parts.tableau_rows) {
+    problem.DenseA();
+    parts.tableau.Reserve(n);
+    return;
+  }
+  parts.tableau.Reserve(parts.tableau_rows, n);
+  parts.idle_rows.Prepare(problem);
+  parts.rest.reserve(static_cast<size_t>(n));
+  parts.judge.Reset(problem, false);
+  parts.islands.Reserve(n);
+  parts.islands.Find(problem.SparseA(), parts.idle_rows.keep());
+  parts.has_islands = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
+  parts.few_idle_rows = n / kRowsPerCut;
 }
 
 void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  const bool small = problem.size() <= options_.tableau_rows;
-  if (small && options.max_iterations == 0 && backends_->TryTableau(problem, options, result)) return;
-  const Deadline deadline(options);
-  LcpOptions granted = options;
-  if (granted.max_iterations == 0) granted.max_iterations = options_.newton_factorisations;
-  if (backends_->Try(&backends_->newton, "semismooth-newton", problem, granted, deadline, result)) return;
-#ifdef LCPBENCH_WITH_SUITESPARSE
-  if (backends_->Try(&backends_->interior, "suitesparse", problem, options, deadline, result)) return;
-#endif
-  backends_->Try(&backends_->dantzig, "dantzig", problem, options, deadline, result);
+  Parts& parts = *parts_;
+  const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
+  // Reading the clock costs a tenth of the smallest problems.
+  std::optional<Deadline> limit;
+  if (std::isfinite(options.time_limit_s)) limit.emplace(options);
+  if (problem.size() <= parts.tableau_rows) {
+    if (may_choose && parts.TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
+    parts.whole.Prepare(problem);
+  }
+  const Deadline deadline = limit.value_or(Deadline(options));
+  if (problem.size() > parts.tableau_rows && may_choose && parts.TryIslands(problem, options, deadline, result)) return;
+  parts.whole.Solve(problem, options, deadline, result);
 }
 
 }  // namespace lcpbench

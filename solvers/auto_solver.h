@@ -10,30 +10,38 @@ namespace lcpbench {
 
 struct AutoOptions {
   /// Up to this many rows a dense tableau is tried first; in [0, SmallPivoting::kMaxRows].
-  Index tableau_rows = 48;
+  Index tableau_rows = 64;
+  /// The same where rows outnumber the degrees of freedom of the bodies, which other backends find harder.
+  Index redundant_tableau_rows = 128;
   /// Factorisations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
   std::int64_t newton_factorisations = 150;
 
-  /// Keys `tableau_rows` and `newton_factorisations`. @throws InputError for others
+  /// Keys `tableau_rows`, `redundant_tableau_rows` and `newton_factorisations`. @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
 };
 
-/// Chooses among our own backends by the problem, checks the answer, and asks the next one where it is not right.
+/// Divides the problem, chooses among our own backends, checks the answer, and asks the next one where it is not right.
 ///
-/// Order: 1. up to tableau_rows rows and without a warm start, principal pivoting on a dense tableau (SmallPivoting);
-/// 2. the proximal semismooth Newton method on sparse factors (SemismoothNewtonSolver), for all sizes; 3. the sparse
-/// interior point method (SuitesparseSolver, where it is in the build), whose number of factorisations hardly depends
-/// on the problem; 4. Dantzig pivoting (DantzigSolver) up to its max_rows. A backend is left when its f does not pass,
-/// by rho and backward error of the problem, and it brings no proof of infeasibility either. kSolved is claimed only
-/// for an f that passed: in double with a wide margin after the tableau, in extended precision by the given form after
-/// the others.
+/// 1. Up to tableau_rows rows: principal pivoting on a dense tableau (SmallPivoting); one and two rows in closed form.
+/// 2. Above that, rows that cannot carry force and repeated rows are left out (IdleRows), and what remains
+///    falls into islands that share no moving body. Islands of up to tableau_rows rows get a tableau each.
+/// 3. The rest goes to AutoPortfolio: nncg, bpp, semismooth-newton, suitesparse and dantzig in the order that their
+///    predicted cost suggests.
+/// 4. Wherever an answer does not pass, the next backend is asked; a tableau that gave up sends its island to 3.
 ///
-/// LcpResult::detail says which backend answered, and which ones failed before it. `iterations` are those of the one
-/// that answered, in its unit. Guaranteed class: symmetric positive semidefinite A of any rank, as its backends;
-/// nonsymmetric A is refused. A failure leaves the last backend's f and status.
+/// kSolved is claimed only for an f that passed, by rho and backward error of the problem: in double with a wide margin
+/// after a single tableau, in extended precision by the given form otherwise. kInfeasible only with a ray that
+/// VerifyFarkasRay accepts.
 ///
-/// Set-up covers the first backend for the size; a later one, rarely needed, prepares within the solve. Limits are the
-/// backends' own, the time limit is shared. Solve does not allocate unless a later backend is asked.
+/// LcpResult::detail says what was done: islands, rows left out, which backend answered, and which ones failed before
+/// it. `iterations` are those of the backend that answered, in its unit; with islands the sum of pivots, then the
+/// iterations of the backend of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its
+/// backends; nonsymmetric A is refused. A failure leaves the last backend's f and status.
+///
+/// Warm start: the tableau enters the rows with initial_f > 0 first; the others as their own headers say.
+///
+/// Set-up covers what the problem's structure suggests first; other backends prepare within the solve. Limits are the
+/// backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a tableau fails.
 class AutoSolver final : public LcpSolver {
  public:
   explicit AutoSolver(AutoOptions options = {});
@@ -47,9 +55,9 @@ class AutoSolver final : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
-  struct Backends;
+  struct Parts;
   AutoOptions options_;
-  std::unique_ptr<Backends> backends_;
+  std::unique_ptr<Parts> parts_;
 };
 
 }  // namespace lcpbench

@@ -236,6 +236,8 @@ std::string BppSolver::WhyUnsupported(const LcpProblem& problem) const {
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 
+double BppSolver::FactorTime() const { return engine_->FactorTime(); }
+
 void BppSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 
 void BppSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {

@@ -90,6 +90,9 @@ class BppSolver final : public LcpSolver {
   /// Refuses A that is not numerically symmetric.
   std::string WhyUnsupported(const LcpProblem& problem) const override;
 
+  /// What one factorisation of the prepared problem takes, predicted from its structure (ActiveBlock::factor_time).
+  double FactorTime() const;
+
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;

@@ -22,6 +22,7 @@ class BppSolver::Engine {
 
   bool TooLargeForDense(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem);
+  double FactorTime() const { return block_->factor_time(); }
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:

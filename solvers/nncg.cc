@@ -183,6 +183,7 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
   if (reader.Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "fletcher-reeves") {
     options.direction = Direction::kFletcherReeves;
   }
+  options.end_when_hopeless = reader.Choice("end-when-hopeless", "no", {"yes", "no"}) == "yes";
   reader.Finish();
   return options;
 }
@@ -206,6 +207,7 @@ void NncgSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
   RowWork& rows = work.rows;
   rows.Start(options.initial_f);
   work.has_previous = false;
+  work.test.EndWhenHopeless(options_.end_when_hopeless);
   PacedPasses passes(options, *rows.rows, rows.scaled.size);
   bool over = work.test.Begin(options, kDefaultIterations, &rows, &passes, result);
   while (!over) {

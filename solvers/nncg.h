@@ -19,9 +19,12 @@ struct NncgOptions {
   /// Forward and backward over the rows as given, or over the coloured order (SweepOrder::kColoured). Measured:
   /// coloured takes 5 to 40 % more iterations, each in half the time.
   bool coloured = true;
+  /// Ends with kIterationLimit as soon as the present rate of convergence predicts that max_iterations will not do, for
+  /// callers that have another method at hand (StoppingTest::EndWhenHopeless).
+  bool end_when_hopeless = false;
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
-  /// coloured.
+  /// coloured, `end-when-hopeless` = yes | no.
   static NncgOptions FromSettings(const Settings& settings);
 };
 

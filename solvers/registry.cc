@@ -88,7 +88,7 @@ std::vector<SolverEntry> OwnSolvers() {
       SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4",
                   true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
       SolverEntry{"auto", "chooses among our own backends, checks the answer, asks the next",
-                  "see solvers/auto_solver.h", true, false, &AnyPsd, &Make<AutoSolver, AutoOptions>},
+                  "see solvers/auto_solver.h", true, true, &AnyPsd, &Make<AutoSolver, AutoOptions>},
       SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
                   "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
                   &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},

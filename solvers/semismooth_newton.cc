@@ -229,6 +229,8 @@ std::string SemismoothNewtonSolver::WhyUnsupported(const LcpProblem& problem) co
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 
+double SemismoothNewtonSolver::FactorTime() const { return engine_->FactorTime(); }
+
 void SemismoothNewtonSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 
 void SemismoothNewtonSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {

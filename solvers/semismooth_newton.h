@@ -67,6 +67,9 @@ class SemismoothNewtonSolver final : public LcpSolver {
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
 
+  /// What one factorisation of the prepared problem takes, predicted from its structure (ActiveBlock::factor_time).
+  double FactorTime() const;
+
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;

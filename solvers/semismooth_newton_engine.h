@@ -21,6 +21,7 @@ class SemismoothNewtonSolver::Engine {
   explicit Engine(SemismoothNewtonOptions options) : options_(options) {}
 
   void Prepare(const LcpProblem& problem);
+  double FactorTime() const { return block_->factor_time(); }
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:

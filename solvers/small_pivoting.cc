@@ -8,56 +8,35 @@
 #include <limits>
 
 #include "solvers/power_of_two.h"
+#include "solvers/vector_register.h"
 
 namespace lcpbench {
 namespace {
 
 using Index = Eigen::Index;
 
+size_t At(Index i) { return static_cast<size_t>(i); }
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// A pivot below this part of the row's diagonal entry (or of the inverse's scale) is rounding: the row depends on F.
-constexpr double kLeastPivot = 1e-11;
 // Violations below this part of the largest force or gap are rounding.
 constexpr double kNoise = 1e-14;
 // rho up to which the point needs no refinement.
 constexpr double kGoodEnough = 1e-14;
-
-// Eight doubles: one register or several, whatever the machine has. Loads need no alignment.
-constexpr Index kLanes = 8;
-using Lanes [[gnu::vector_size(kLanes * sizeof(double)), gnu::aligned(alignof(double)), gnu::may_alias]] = double;
-
-using Integers [[gnu::vector_size(kLanes * sizeof(double)), gnu::may_alias]] = std::int64_t;
-
-constexpr Integers kFirstRows = {0, 1, 2, 3, 4, 5, 6, 7};
-
-const Lanes* AsLanes(const double* x) { return reinterpret_cast<const Lanes*>(x); }
-Lanes* AsLanes(double* x) { return reinterpret_cast<Lanes*>(x); }
-
-// By pointer, since passing registers that a machine may lack has no fixed convention.
-double Sum(const Lanes* x) {
-  const double* v = reinterpret_cast<const double*>(x);
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
-}
-
-double Least(const Lanes* x) {
-  const double* v = reinterpret_cast<const double*>(x);
-  const double a = std::min(std::min(v[0], v[4]), std::min(v[2], v[6]));
-  const double b = std::min(std::min(v[1], v[5]), std::min(v[3], v[7]));
-  return std::min(a, b);
-}
+// Some microseconds of them.
+constexpr int kPivotsPerClockRead = 8;
 
 // rows += factor * p with factor = row[r], for rows of `count` registers; column r is set to factor * p[r].
 template <int count>
 void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
-  Lanes p[count];
-  for (int v = 0; v < count; ++v) p[v] = AsLanes(pivot_row)[v];
+  Register p[count];
+  for (int v = 0; v < count; ++v) p[v] = AsRegisters(pivot_row)[v];
   const double inverse = pivot_row[r];
   for (Index i = 0; i < n; ++i) {
-    double* row = tableau + i * count * kLanes;
+    double* row = tableau + i * count * kRegister;
     const double factor = row[r];
     // With two registers a row the work is cheaper than a wrong guess of the branch.
     if (count > 2 && factor == 0) continue;
-    for (int v = 0; v < count; ++v) AsLanes(row)[v] += factor * p[v];
+    for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
     row[r] = factor * inverse;
   }
 }
@@ -74,35 +53,95 @@ void EliminateLong(double* tableau, Index n, Index r, Index stride, const double
 
 }  // namespace
 
-void SmallPivoting::Reserve(Index max_rows) {
-  const Index stride = (max_rows + kLanes - 1) / kLanes * kLanes;
+void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
+  if (static_cast<Index>(local_.size()) < problem_rows) local_.resize(At(problem_rows), 0);
+  const Index stride = (max_rows + kRegister - 1) / kRegister * kRegister;
   if (stride <= q_.size()) return;
   for (Eigen::VectorXd* v : {&matrix_, &tableau_}) v->setZero(stride * stride);
-  for (Eigen::VectorXd* v : {&b_, &q_, &scale_, &root_, &inverse_root_, &weight_, &sign_, &least_force_, &force_, &w_,
-                             &pivot_row_, &correction_, &blocked_weight_}) {
+  joints_.reserve(At(stride));
+  guess_.reserve(At(stride));
+  for (Eigen::VectorXd* v : {&diagonal_, &b_, &q_, &scale_, &root_, &inverse_root_, &weight_, &sign_, &least_force_,
+                             &force_, &w_, &pivot_row_, &correction_, &blocked_weight_}) {
     v->setZero(stride);
   }
 }
 
-bool SmallPivoting::Load(const LcpProblem& problem) {
-  n_ = problem.size();
-  stride_ = (n_ + kLanes - 1) / kLanes * kLanes;
-  const double* d = problem.DiagonalA().data();
-  for (Index i = 0; i < n_; ++i) scale_[i] = ScaleOfDiagonal(d[i]);
+bool SmallPivoting::LoadDense(const LcpProblem& problem) {
+  SetSize(problem.size());
+  diagonal_.head(n_) = problem.DiagonalA();
+  b_.head(n_) = problem.b();
+  for (const Index i : problem.bilateral_rows()) joints_.push_back(i);
+  if (!Scale()) return false;
+  // A is symmetric, so its columns serve as rows. What a register reads beyond a row's end is multiplied by 0; beyond
+  // the last row there is nothing to read.
+  const double* A = problem.DenseA().data();
+  const Index registers = stride_ / kRegister;
+  for (Index i = 0; i < n_; ++i) {
+    const double* from = A + i * n_;
+    const double s = scale_[i];
+    double* to = matrix_.data() + i * stride_;
+    double* to_tableau = tableau_.data() + i * stride_;
+    if (i * n_ + stride_ <= n_ * n_) {
+      for (Index v = 0; v < registers; ++v) {
+        const Register row = AsRegisters(from)[v] * s * AsRegisters(scale_.data())[v];
+        AsRegisters(to)[v] = row;
+        AsRegisters(to_tableau)[v] = row;
+      }
+    } else {
+      for (Index j = 0; j < n_; ++j) to[j] = to_tableau[j] = from[j] * s * scale_[j];
+      for (Index j = n_; j < stride_; ++j) to[j] = to_tableau[j] = 0;
+    }
+  }
+  return true;
+}
+
+bool SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> rows) {
+  SetSize(static_cast<Index>(rows.size()));
+  for (Index i = 0; i < n_; ++i) {
+    const Index given = rows[At(i)];
+    diagonal_[i] = problem.DiagonalA()[given];
+    b_[i] = problem.b()[given];
+    local_[At(given)] = static_cast<int>(i);
+    if (problem.is_bilateral(given)) joints_.push_back(i);
+  }
+  if (!Scale()) return false;
+  std::fill(matrix_.data(), matrix_.data() + n_ * stride_, 0.0);
+  for (Index i = 0; i < n_; ++i) {
+    double* to = matrix_.data() + i * stride_;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), rows[At(i)]); it; ++it) {
+      // Rows that are no part of this island are left out of it: they carry no force.
+      const auto j = static_cast<Index>(local_[At(it.col())]);
+      if (j < n_ && rows[At(j)] == it.col()) to[j] = it.value() * scale_[i] * scale_[j];
+    }
+  }
+  std::copy(matrix_.data(), matrix_.data() + n_ * stride_, tableau_.data());
+  return true;
+}
+
+void SmallPivoting::SetSize(Index n) {
+  n_ = n;
+  stride_ = (n + kRegister - 1) / kRegister * kRegister;
+  joints_.clear();
+}
+
+// diagonal_ and b_ are the given ones here and scaled ones afterwards; the rest follows from them.
+bool SmallPivoting::Scale() {
+  const auto diagonal = diagonal_.head(n_).array();
+  if (!(diagonal.minCoeff() > 0)) return false;
+  for (Index i = 0; i < n_; ++i) scale_[i] = ScaleOfDiagonal(diagonal_[i]);
   const auto scale = scale_.head(n_).array();
-  if (!(problem.DiagonalA().minCoeff() > 0)) return false;
-  root_.head(n_) = (problem.DiagonalA().array() * scale * scale).sqrt();
+  root_.head(n_) = (diagonal * scale * scale).sqrt();
   inverse_root_.head(n_) = root_.head(n_).array().inverse();
-  b_.head(n_) = problem.b().array() * scale;
+  b_.head(n_).array() *= scale;
   for (Index i = n_; i < stride_; ++i) scale_[i] = root_[i] = inverse_root_[i] = b_[i] = 0;
-  Lanes largest = {};
-  Lanes squared = {};
-  const Index registers = stride_ / kLanes;
+  Register largest = {};
+  Register squared = {};
+  const Index registers = stride_ / kRegister;
   for (Index v = 0; v < registers; ++v) {
-    const Lanes b = AsLanes(b_.data())[v];
-    const Lanes size = b < 0 ? -b : b;
+    const Register b = AsRegisters(b_.data())[v];
+    const Register size = b < 0 ? -b : b;
     largest = size > largest ? size : largest;
-    const Lanes relative = b * AsLanes(inverse_root_.data())[v];
+    const Register relative = b * AsRegisters(inverse_root_.data())[v];
     squared += relative * relative;
   }
   largest = -largest;
@@ -110,35 +149,16 @@ bool SmallPivoting::Load(const LcpProblem& problem) {
   const double norm = Sum(&squared);
   b_norm_ = norm == 0 ? 1.0 : std::sqrt(norm) * b_scale_;
   for (Index v = 0; v < registers; ++v) {
-    AsLanes(b_.data())[v] *= b_scale_;
-    AsLanes(q_.data())[v] = AsLanes(b_.data())[v];
-    AsLanes(weight_.data())[v] = AsLanes(inverse_root_.data())[v];
-    AsLanes(sign_.data())[v] = Lanes{} - 1.0;
-    AsLanes(least_force_.data())[v] = Lanes{};
-    AsLanes(blocked_weight_.data())[v] = Lanes{};
+    AsRegisters(b_.data())[v] *= b_scale_;
+    AsRegisters(q_.data())[v] = AsRegisters(b_.data())[v];
+    AsRegisters(weight_.data())[v] = AsRegisters(inverse_root_.data())[v];
+    AsRegisters(sign_.data())[v] = Register{} - 1.0;
+    AsRegisters(least_force_.data())[v] = Register{};
+    AsRegisters(blocked_weight_.data())[v] = Register{};
   }
-  for (const Index i : problem.bilateral_rows()) {
+  for (const Index i : joints_) {
     weight_[i] = 0;
     least_force_[i] = -kInfinity;
-  }
-  // A is symmetric, so its columns serve as rows. What a register reads beyond a row's end is multiplied by 0; beyond
-  // the last row there is nothing to read.
-  const Eigen::MatrixXd& A = problem.DenseA();
-  for (Index i = 0; i < n_; ++i) {
-    const double* from = A.data() + i * n_;
-    const double s = scale_[i];
-    double* to = matrix_.data() + i * stride_;
-    double* to_tableau = tableau_.data() + i * stride_;
-    if (i * n_ + stride_ <= n_ * n_) {
-      for (Index v = 0; v < registers; ++v) {
-        const Lanes row = AsLanes(from)[v] * s * AsLanes(scale_.data())[v];
-        AsLanes(to)[v] = row;
-        AsLanes(to_tableau)[v] = row;
-      }
-    } else {
-      for (Index j = 0; j < n_; ++j) to[j] = to_tableau[j] = from[j] * s * scale_[j];
-      for (Index j = n_; j < stride_; ++j) to[j] = to_tableau[j] = 0;
-    }
   }
   return true;
 }
@@ -151,24 +171,24 @@ bool SmallPivoting::Pivot(Index r) {
   if (!(pivot > least)) return false;
   ++pivots_;
   const double inverse = 1 / pivot;
-  const Index registers = stride_ / kLanes;
+  const Index registers = stride_ / kRegister;
   const double q = -q_[r] * inverse;
   double* p = pivot_row_.data();
   const double sign = sign_[r];
   const double weight = weight_[r] == 0 ? 0.0 : sign < 0 ? root_[r] : inverse_root_[r];
   // Column r is row r but for the signs of a principal transform: skew between rows in F and others, else symmetric.
   // Entry r is set within its register: a register that is read soon after one of its doubles was written has to wait.
-  Integers at = kFirstRows;
+  IntegerRegister at = kFirstRows;
   for (Index v = 0; v < registers; ++v) {
-    const Integers is_r = at == r;
-    const Lanes t = AsLanes(row)[v];
-    const Lanes signs = AsLanes(sign_.data())[v];
-    const Lanes q_new = AsLanes(q_.data())[v] + (sign * q) * (t * signs);
-    AsLanes(p)[v] = is_r ? Lanes{} + inverse : -inverse * t;
-    AsLanes(q_.data())[v] = is_r ? Lanes{} + q : q_new;
-    AsLanes(sign_.data())[v] = is_r ? -signs : signs;
-    AsLanes(weight_.data())[v] = is_r ? Lanes{} + weight : AsLanes(weight_.data())[v];
-    at += kLanes;
+    const IntegerRegister is_r = at == r;
+    const Register t = AsRegisters(row)[v];
+    const Register signs = AsRegisters(sign_.data())[v];
+    const Register q_new = AsRegisters(q_.data())[v] + (sign * q) * (t * signs);
+    AsRegisters(p)[v] = is_r ? Register{} + inverse : -inverse * t;
+    AsRegisters(q_.data())[v] = is_r ? Register{} + q : q_new;
+    AsRegisters(sign_.data())[v] = is_r ? -signs : signs;
+    AsRegisters(weight_.data())[v] = is_r ? Register{} + weight : AsRegisters(weight_.data())[v];
+    at += kRegister;
   }
   double* tableau = tableau_.data();
   switch (registers) {
@@ -190,10 +210,16 @@ bool SmallPivoting::Pivot(Index r) {
     case 6:
       Eliminate<6>(tableau, n_, r, p);
       break;
+    case 7:
+      Eliminate<7>(tableau, n_, r, p);
+      break;
+    case 8:
+      Eliminate<8>(tableau, n_, r, p);
+      break;
     default:
       EliminateLong(tableau, n_, r, stride_, p);
   }
-  for (Index v = 0; v < registers; ++v) AsLanes(row)[v] = AsLanes(p)[v];
+  for (Index v = 0; v < registers; ++v) AsRegisters(row)[v] = AsRegisters(p)[v];
   return true;
 }
 
@@ -202,15 +228,15 @@ Index SmallPivoting::MostViolated() const {
   // The last bits of a double carry the row, so that one minimum finds both; a violation is not needed to 1e-13. Of
   // equal ones, which negative numbers order by larger bits, the least row wins.
   constexpr std::int64_t kRowBits = kMaxRows - 1;
-  Integers row = {kRowBits,     kRowBits - 1, kRowBits - 2, kRowBits - 3,
-                  kRowBits - 4, kRowBits - 5, kRowBits - 6, kRowBits - 7};
-  Lanes least = {};
-  for (Index v = 0; v < stride_ / kLanes; ++v) {
-    Lanes marked = AsLanes(q_.data())[v] * AsLanes(weight_.data())[v];
-    Integers& bits = reinterpret_cast<Integers&>(marked);
+  IntegerRegister row = {kRowBits,     kRowBits - 1, kRowBits - 2, kRowBits - 3,
+                         kRowBits - 4, kRowBits - 5, kRowBits - 6, kRowBits - 7};
+  Register least = {};
+  for (Index v = 0; v < stride_ / kRegister; ++v) {
+    Register marked = AsRegisters(q_.data())[v] * AsRegisters(weight_.data())[v];
+    IntegerRegister& bits = reinterpret_cast<IntegerRegister&>(marked);
     bits = (bits & ~kRowBits) | row;
     least = marked < least ? marked : least;
-    row -= kLanes;
+    row -= kRegister;
   }
   const double worst = Least(&least);
   if (!(worst < -noise_)) return -1;
@@ -225,36 +251,37 @@ Index SmallPivoting::FirstViolated() const {
 }
 
 void SmallPivoting::FindForces() {
-  for (Index v = 0; v < stride_ / kLanes; ++v) {
-    const Lanes f = AsLanes(sign_.data())[v] > 0 ? AsLanes(q_.data())[v] : Lanes{};
-    const Lanes least = AsLanes(least_force_.data())[v];
-    AsLanes(force_.data())[v] = f > least ? f : least;
+  for (Index v = 0; v < stride_ / kRegister; ++v) {
+    const Register f = AsRegisters(sign_.data())[v] > 0 ? AsRegisters(q_.data())[v] : Register{};
+    const Register least = AsRegisters(least_force_.data())[v];
+    AsRegisters(force_.data())[v] = f > least ? f : least;
   }
 }
 
 // rho of force_. Leaves w.
 double SmallPivoting::Rho() {
-  const Index registers = stride_ / kLanes;
-  for (Index v = 0; v < registers; ++v) AsLanes(w_.data())[v] = AsLanes(b_.data())[v];
+  const Index registers = stride_ / kRegister;
+  for (Index v = 0; v < registers; ++v) AsRegisters(w_.data())[v] = AsRegisters(b_.data())[v];
   for (Index v = 0; v < registers; v += 2) {
     // Two registers of w at a time, over all forces: w stays where it is computed.
     const Index second = v + 1 < registers ? v + 1 : v;
-    Lanes w0 = {};
-    Lanes w1 = {};
+    Register w0 = {};
+    Register w1 = {};
     for (Index j = 0; j < n_; ++j) {
       const double* row = matrix_.data() + j * stride_;
       const double f = force_[j];
-      w0 += f * AsLanes(row)[v];
-      w1 += f * AsLanes(row)[second];
+      w0 += f * AsRegisters(row)[v];
+      w1 += f * AsRegisters(row)[second];
     }
-    AsLanes(w_.data())[v] += w0;
-    if (second != v) AsLanes(w_.data())[second] += w1;
+    AsRegisters(w_.data())[v] += w0;
+    if (second != v) AsRegisters(w_.data())[second] += w1;
   }
-  Lanes sum = {};
+  Register sum = {};
   for (Index v = 0; v < registers; ++v) {
-    const Lanes gap = AsLanes(w_.data())[v] * AsLanes(inverse_root_.data())[v];
-    const Lanes force = (AsLanes(force_.data())[v] - AsLanes(least_force_.data())[v]) * AsLanes(root_.data())[v];
-    const Lanes residual = gap < force ? gap : force;
+    const Register gap = AsRegisters(w_.data())[v] * AsRegisters(inverse_root_.data())[v];
+    const Register force =
+        (AsRegisters(force_.data())[v] - AsRegisters(least_force_.data())[v]) * AsRegisters(root_.data())[v];
+    const Register residual = gap < force ? gap : force;
     sum += residual * residual;
   }
   return std::sqrt(Sum(&sum)) / b_norm_;
@@ -262,13 +289,13 @@ double SmallPivoting::Rho() {
 
 // f_F -= A_FF^-1 w_F.
 void SmallPivoting::Refine() {
-  const Index registers = stride_ / kLanes;
+  const Index registers = stride_ / kRegister;
   for (Index v = 0; v < registers; ++v)
-    AsLanes(w_.data())[v] = AsLanes(sign_.data())[v] > 0 ? AsLanes(w_.data())[v] : Lanes{};
+    AsRegisters(w_.data())[v] = AsRegisters(sign_.data())[v] > 0 ? AsRegisters(w_.data())[v] : Register{};
   for (Index i = 0; i < n_; ++i) {
     const double* row = tableau_.data() + i * stride_;
-    Lanes sum = {};
-    for (Index v = 0; v < registers; ++v) sum += AsLanes(row)[v] * AsLanes(w_.data())[v];
+    Register sum = {};
+    for (Index v = 0; v < registers; ++v) sum += AsRegisters(row)[v] * AsRegisters(w_.data())[v];
     correction_[i] = sign_[i] > 0 ? Sum(&sum) : 0;
   }
   for (Index i = 0; i < n_; ++i) q_[i] -= correction_[i];
@@ -288,17 +315,58 @@ bool SmallPivoting::RowsMeet(double limit) const {
   return true;
 }
 
-double SmallPivoting::Solve(const LcpProblem& problem, Eigen::VectorXd* f) {
+double SmallPivoting::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, const Deadline* deadline,
+                            Eigen::VectorXd* f) {
   pivots_ = 0;
-  if (!Load(problem)) return kInfinity;
+  if (!LoadDense(problem)) return kInfinity;
+  guess_.clear();
+  if (initial_f != nullptr) {
+    for (Index i = 0; i < n_; ++i) {
+      if (least_force_[i] < 0 || (*initial_f)[i] > 0) guess_.push_back(i);
+    }
+  }
+  const double rho = Run(deadline);
+  for (Index i = 0; i < n_; ++i) (*f)[i] = GivenForce(i);
+  return rho;
+}
+
+double SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
+                                const Eigen::VectorXd* initial_f, const Deadline* deadline, Eigen::VectorXd* f) {
+  pivots_ = 0;
+  if (!LoadPart(problem, rows)) return kInfinity;
+  guess_.clear();
+  if (initial_f != nullptr) {
+    for (Index i = 0; i < n_; ++i) {
+      if (least_force_[i] < 0 || (*initial_f)[rows[At(i)]] > 0) guess_.push_back(i);
+    }
+  }
+  const double rho = Run(deadline);
+  for (Index i = 0; i < n_; ++i) (*f)[rows[At(i)]] = GivenForce(i);
+  return rho;
+}
+
+double SmallPivoting::Run(const Deadline* deadline) {
+  if (!guess_.empty()) {
+    const double rho = TryGuess();
+    if (rho <= kRightRho) return rho;
+    std::copy(b_.data(), b_.data() + stride_, q_.data());
+    std::copy(matrix_.data(), matrix_.data() + n_ * stride_, tableau_.data());
+  }
   noise_ = kNoise;
-  for (const Index r : problem.bilateral_rows()) Pivot(r);
+  for (const Index r : joints_) Pivot(r);
+  for (const Index r : guess_) {
+    if (sign_[r] < 0) Pivot(r);
+  }
   const int greedy = static_cast<int>(2 * n_);
   const int limit = static_cast<int>(6 * n_) + 20;
   for (bool any_blocked = false;;) {
     const Index r = pivots_ > greedy ? FirstViolated() : MostViolated();
     if (r < 0) break;
-    if (pivots_ >= limit) return kInfinity;
+    const bool is_late = deadline != nullptr && pivots_ % kPivotsPerClockRead == 0 && deadline->Expired();
+    if (pivots_ >= limit || is_late) {
+      FindForces();
+      return kInfinity;
+    }
     if (!Pivot(r)) {
       std::swap(weight_[r], blocked_weight_[r]);
       any_blocked = true;
@@ -325,7 +393,6 @@ double SmallPivoting::Solve(const LcpProblem& problem, Eigen::VectorXd* f) {
       rho = Rho();
     }
   }
-  for (Index i = 0; i < n_; ++i) (*f)[i] = force_[i] * (scale_[i] / b_scale_);
   return rho;
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <span>
+#include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -28,27 +31,47 @@ class SmallPivoting {
   using Index = Eigen::Index;
   static constexpr Index kMaxRows = 128;
 
-  void Reserve(Index max_rows);
+  /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
+  void Reserve(Index max_rows, Index problem_rows = 0);
 
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
-  /// units, f_C >= 0). Returns rho there in double, or infinity if it gave up. n <= kMaxRows reserved rows; reads
-  /// DenseA() and DiagonalA().
-  double Solve(const LcpProblem& problem, Eigen::VectorXd* f);
+  /// units, f_C >= 0). Returns rho there in double, or infinity if it gave up. Reads DenseA() and DiagonalA().
+  /// @param initial_f  nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer
+  ///                   for it, or after changing sides of violated rows once, there is no tableau
+  /// @param deadline   nullptr for none; gives up when it has expired
+  double Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, const Deadline* deadline,
+               Eigen::VectorXd* f);
+
+  /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
+  double SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Eigen::VectorXd* initial_f,
+                   const Deadline* deadline, Eigen::VectorXd* f);
 
   /// Whether every row's backward error at the f of the last Solve is at most `limit`, in double.
   bool RowsMeet(double limit) const;
 
-  /// Pivots of the last Solve.
+  /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return pivots_; }
 
  private:
-  bool Load(const LcpProblem& problem);
+  // A pivot below this part of the row's diagonal entry (or of the inverse's scale) is rounding: the row depends on F.
+  static constexpr double kLeastPivot = 1e-11;
+  // rho up to which a guess of the active set counts as right.
+  static constexpr double kRightRho = 1e-13;
+
+  bool LoadDense(const LcpProblem& problem);
+  bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
+  void SetSize(Index n);
+  bool Scale();
+  double Run(const Deadline* deadline);
+  double TryGuess();
+  void SolveGuess();
   bool Pivot(Index r);
   Index MostViolated() const;
   Index FirstViolated() const;
   void FindForces();
   double Rho();
   void Refine();
+  double GivenForce(Index i) const { return force_[i] * (scale_[i] / b_scale_); }
   bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
 
   Index n_ = 0;
@@ -58,12 +81,14 @@ class SmallPivoting {
   double b_norm_ = 1;
   double noise_ = 0;                             // violations below this are rounding
   Eigen::VectorXd matrix_, tableau_;             // row i from i * stride_
-  Eigen::VectorXd b_, q_;                        // q: last column of the tableau
+  Eigen::VectorXd diagonal_, b_, q_;             // q: last column of the tableau
   Eigen::VectorXd scale_, root_, inverse_root_;  // root: A_ii^1/2
   // By row: what q is compared in, 0 where it may have any sign; +1 in F and -1 outside; the least force.
   Eigen::VectorXd weight_, sign_, least_force_;
   Eigen::VectorXd force_, w_, pivot_row_, correction_;
-  Eigen::VectorXd blocked_weight_;  // the weight of a row that may not be moved for now, else 0
+  Eigen::VectorXd blocked_weight_;     // the weight of a row that may not be moved for now, else 0
+  std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
+  std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
 };
 
 }  // namespace lcpbench

@@ -13,6 +13,8 @@ constexpr double kNoise = 16 * std::numeric_limits<double>::epsilon();
 // A last check at the time limit costs about two sweeps: within the tenth by which a solve may overrun after so many
 // iterations.
 constexpr std::int64_t kIterationsThatPayForACheck = 30;
+// The first iterations say little about the rate of later ones.
+constexpr std::int64_t kFirstLook = 8;
 
 }  // namespace
 
@@ -43,7 +45,7 @@ bool StoppingTest::Begin(const LcpOptions& options, std::int64_t default_limit, 
 bool StoppingTest::Continue(double residual) {
   ++result_->iterations;
   ++unchecked_;
-  const bool last = result_->iterations >= limit_;
+  const bool last = result_->iterations >= limit_ || (ends_when_hopeless_ && IsHopeless(residual));
   const bool promising = !(residual > tolerance_ * work_->scaled.b_norm);  // NaN is to be looked at, too
   if (last || unchecked_ >= kCheckInterval || (promising && unchecked_ >= patience_)) {
     if (promising) patience_ = std::min(2 * patience_, kCheckInterval);
@@ -56,6 +58,20 @@ bool StoppingTest::Continue(double residual) {
   }
   if (last) result_->status = LcpStatus::kIterationLimit;
   return last;
+}
+
+bool StoppingTest::IsHopeless(double residual) {
+  const std::int64_t k = result_->iterations;
+  if (k > 1 && k < kFirstLook) return false;
+  const double log_residual = std::log(residual / (tolerance_ * work_->scaled.b_norm));
+  if (k == 1) {
+    first_log_residual_ = log_residual;
+    return false;
+  }
+  if (log_residual <= 0) return false;
+  const double fallen = first_log_residual_ - log_residual;
+  // k + still needed > limit
+  return !(log_residual * static_cast<double>(k - 1) <= fallen * static_cast<double>(limit_ - k));
 }
 
 void StoppingTest::EndOutOfTime() {

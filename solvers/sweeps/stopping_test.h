@@ -25,6 +25,11 @@ class StoppingTest {
 
   void Prepare(const LcpProblem& problem);
 
+  /// From the next Begin on: whether a solve ends with kIterationLimit as soon as its rate of convergence, the mean
+  /// since its first iteration, will not bring it to the tolerance within the limit. (The rate of the last iterations
+  /// says less: it falls where the active set changes, and recovers.) Off at first.
+  void EndWhenHopeless(bool end) { ends_when_hopeless_ = end; }
+
   /// Begins a solve at work->f and checks it. All pointers are kept until the end of the solve.
   /// @return true when the solve is over already; its status is set
   bool Begin(const LcpOptions& options, std::int64_t default_limit, RowWork* work, PacedPasses* passes,
@@ -40,8 +45,11 @@ class StoppingTest {
  private:
   bool Check();
   bool Claim();
+  bool IsHopeless(double residual);
 
   GivenFormTest given_;
+  bool ends_when_hopeless_ = false;
+  double first_log_residual_ = 0;
   Array best_;
   Eigen::VectorXd candidate_;  // of the given problem, on trial for the claim
   bool claimed_ = false;

@@ -1,0 +1,135 @@
+#include "solvers/auto_portfolio.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+// Nanoseconds of an nncg iteration by row, and of a step of the others: of ActiveBlock::factor_time, and by row for the
+// rest of it. Measured together on one machine; only ratios are used.
+constexpr double kNncgTimePerRow = 8;
+constexpr double kStepTimePerRow = 25;
+constexpr double kStepTimePerFactorTime = 2;
+// What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
+// well, and half of what the Newton method needs on redundant rows.
+constexpr double kFactorisationsOfBpp = 6;
+constexpr double kFactorisationsOfNewton = 12;
+// nncg goes before block pivoting if a factorisation costs as much as so many of its iterations.
+constexpr double kProbeRatio = 6;
+constexpr std::int64_t kLeastNncgIterations = 16;
+// Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
+constexpr std::int64_t kMostFactorisationsOfBpp = 24;
+
+NncgOptions EndWhenHopeless() {
+  NncgOptions options;
+  options.end_when_hopeless = true;
+  return options;
+}
+
+// More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
+bool RowsOutnumberFreedoms(const LcpProblem& problem) {
+  if (problem.facts().rank.has_value()) return *problem.facts().rank < problem.size();
+  if (!problem.has_factors()) return false;
+  const SparseMatrix& J = problem.J();
+  std::vector<char> is_free(static_cast<size_t>(J.cols()), 0);
+  Index freedoms = 0;
+  for (Index i = 0; i < J.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      char& seen = is_free[static_cast<size_t>(it.col())];
+      if (seen != 0 || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      seen = 1;
+      ++freedoms;
+    }
+  }
+  return problem.size() > freedoms;
+}
+
+}  // namespace
+
+AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
+    : newton_factorisations_(newton_factorisations), nncg_(EndWhenHopeless()) {}
+
+void AutoPortfolio::Prepare(const LcpProblem& problem) {
+  is_redundant_ = RowsOutnumberFreedoms(problem);
+  double factor_time = 0;
+  if (is_redundant_) {
+    newton_.Prepare(problem);
+    factor_time = newton_.FactorTime();
+  } else {
+    bpp_.Prepare(problem);
+    factor_time = bpp_.FactorTime();
+  }
+  const auto rows = static_cast<double>(problem.size());
+  const double ratio = (kStepTimePerFactorTime * factor_time + kStepTimePerRow * rows) / (kNncgTimePerRow * rows);
+  nncg_limit_ = 0;
+  if (is_redundant_ || ratio > kProbeRatio) {
+    const double factorisations = is_redundant_ ? kFactorisationsOfNewton : kFactorisationsOfBpp;
+    nncg_limit_ = std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * ratio));
+    nncg_.Prepare(problem);
+  }
+  start_.setZero(problem.size());
+}
+
+// True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
+bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result) {
+  LcpOptions rest = *options_;
+  rest.time_limit_s = deadline_->Remaining();
+  if (limit > 0) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
+  if (has_start_) rest.initial_f = &start_;
+  if (!(rest.time_limit_s > 0)) {
+    result->status = LcpStatus::kTimeLimit;
+    return true;
+  }
+  const std::string before = std::move(result->detail);
+  solver->Solve(*problem_, rest, result);
+  const std::string said = std::move(result->detail);
+  result->detail = before;
+  if (!before.empty()) result->detail += "; ";
+  result->detail += name;
+  if (!said.empty()) result->detail.append(": ").append(said);
+  switch (result->status) {
+    case LcpStatus::kSolved:
+      if (trust == Trust::kVerifiesItself) return true;
+      test_.Reset(*problem_);
+      if (test_.Meets(options_->tolerance, result->f)) return true;
+      result->status = LcpStatus::kNumericalFailure;
+      return false;
+    case LcpStatus::kInfeasible:
+      return result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted;
+    case LcpStatus::kTimeLimit:
+      return true;
+    default:
+      return false;
+  }
+}
+
+void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                          LcpResult* result) {
+  problem_ = &problem;
+  options_ = &options;
+  deadline_ = &deadline;
+  has_start_ = options.initial_f != nullptr;
+  if (has_start_) start_ = *options.initial_f;
+  if (nncg_limit_ > 0) {
+    if (Try(&nncg_, "nncg", Trust::kVerifiesItself, nncg_limit_, result)) return;
+    if (result->f.allFinite()) {
+      start_ = result->f;
+      has_start_ = true;
+    }
+  }
+  if (!is_redundant_ && Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return;
+  if (Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result)) return;
+  has_start_ = options.initial_f != nullptr;
+  if (has_start_) start_ = *options.initial_f;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  if (Try(&interior_, "suitesparse", Trust::kVerify, 0, result)) return;
+#endif
+  Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "solvers/bpp.h"
+#include "solvers/dantzig.h"
+#include "solvers/given_form.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/nncg.h"
+#include "solvers/semismooth_newton.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/suitesparse.h"
+#endif
+
+namespace lcpbench {
+
+/// What AutoSolver asks for problems that are too large for a tableau: backends in the order of what they are predicted
+/// to cost, each one starting from what the one before it reached. Internal to solvers/.
+///
+/// Predictions come from the structure: what a factorisation takes (fill), what an nncg iteration takes (rows), and
+/// whether rows outnumber the degrees of freedom of the bodies, which makes A singular.
+///
+/// - Rows outnumber freedoms: block pivoting would cycle. nncg first, for as long as its own rate of convergence
+///   promises less than the Newton method costs.
+/// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
+///   packings, nncg goes first in the same way, and often arrives. What it leaves is a good guess of the active set.
+/// - Then the semismooth Newton method, which gets through on every kind of problem; then the interior point method
+///   and Dantzig pivoting, which have hardly ever been needed.
+class AutoPortfolio {
+ public:
+  explicit AutoPortfolio(std::int64_t newton_factorisations);
+
+  /// Set-up of the backends that come first. `problem` has at least one row.
+  void Prepare(const LcpProblem& problem);
+  /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
+  /// result->detail.
+  void Solve(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  /// True if rows outnumber freedoms in the prepared problem.
+  bool is_redundant() const { return is_redundant_; }
+
+ private:
+  enum class Trust { kVerifiesItself, kVerify };
+  bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
+
+  std::int64_t newton_factorisations_;
+  bool is_redundant_ = false;
+  std::int64_t nncg_limit_ = 0;  // 0: not worth a try
+
+  NncgSolver nncg_;
+  BppSolver bpp_;
+  SemismoothNewtonSolver newton_;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  SuitesparseSolver interior_;
+#endif
+  DantzigSolver dantzig_;
+  GivenFormTest test_;
+
+  // One call.
+  const LcpProblem* problem_ = nullptr;
+  const LcpOptions* options_ = nullptr;
+  const Deadline* deadline_ = nullptr;
+  Eigen::VectorXd start_;  // where the next backend starts
+  bool has_start_ = false;
+};
+
+}  // namespace lcpbench
