@@ -32,7 +32,6 @@ void IdleRows::Prepare(const LcpProblem& problem) {
   keep_.assign(n, 1);
   bilateral_.assign(n, 0);
   has_twin_.assign(n, 0);
-  stack_.reserve(n);
   for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
   for (Index i = 0; i < problem.size(); ++i) {
     for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
@@ -63,26 +62,14 @@ bool IdleRows::IsIdle(Index i) const {
 }
 
 Index IdleRows::Find() {
-  const Index n = problem_->size();
   std::fill(keep_.begin(), keep_.end(), 1);
   Index idle = 0;
-  const auto leave_out = [&](Index i) {
+  // One pass is enough: A is symmetric, so a row left out for having no negative entries was none in any other row, and
+  // a row left out as a twin leaves its twin.
+  for (Index i = 0; i < problem_->size(); ++i) {
+    if (!IsIdle(i)) continue;
     keep_[At(i)] = 0;
     ++idle;
-    stack_.push_back(i);
-  };
-  for (Index i = 0; i < n; ++i) {
-    if (keep_[At(i)] == 0 || !IsIdle(i)) continue;
-    leave_out(i);
-    // Its neighbours may have depended on it alone.
-    while (!stack_.empty()) {
-      const Index gone = stack_.back();
-      stack_.pop_back();
-      for (SparseMatrix::InnerIterator it(problem_->SparseA(), gone); it; ++it) {
-        const Index j = it.col();
-        if (j < i && it.value() != 0 && keep_[At(j)] != 0 && IsIdle(j)) leave_out(j);
-      }
-    }
   }
   return idle;
 }

@@ -28,7 +28,6 @@ class IdleRows {
 
   std::optional<LcpProblem> problem_;  // a copy: what Prepare was given may be gone
   std::vector<char> bilateral_, has_twin_, keep_;
-  std::vector<Index> stack_;
 };
 
 /// The parts of an LCP that no entry of A connects: each may be solved by itself.

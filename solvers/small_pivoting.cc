@@ -346,6 +346,10 @@ double SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index
 }
 
 double SmallPivoting::Run(const Deadline* deadline) {
+  if (n_ <= 2 && SolveInClosedForm()) {
+    const double rho = Rho();
+    if (rho <= kGoodEnough) return rho;
+  }
   if (!guess_.empty()) {
     const double rho = TryGuess();
     if (rho <= kRightRho) return rho;

@@ -19,6 +19,8 @@ namespace lcpbench {
 /// the most negative f A_ii^1/2 or w / A_ii^1/2 is moved, until there is none; after `2 n` moves the violated row of
 /// least index is [Murty 1974], which is finite for positive definite A.
 ///
+/// One and two rows have closed forms, which are tried first.
+///
 /// All vectors and rows are padded to whole vector registers by zeros, in a scaling by powers of two that brings A_ii
 /// into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters and nothing is rounded by it.
 ///
@@ -63,6 +65,7 @@ class SmallPivoting {
   void SetSize(Index n);
   bool Scale();
   double Run(const Deadline* deadline);
+  bool SolveInClosedForm();
   double TryGuess();
   void SolveGuess();
   bool Pivot(Index r);

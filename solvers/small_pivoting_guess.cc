@@ -11,6 +11,36 @@ constexpr int kMaxGuesses = 2;
 
 }  // namespace
 
+// force_ for one or two rows: the first active set, of none, one or both rows, whose forces and gaps have their signs.
+// False if rounding leaves none.
+bool SmallPivoting::SolveInClosedForm() {
+  for (Index v = 0; v < stride_ / kRegister; ++v) AsRegisters(force_.data())[v] = Register{};
+  const double* A = matrix_.data();
+  const auto may_rest = [&](Index i, double gap) { return least_force_[i] == 0 && gap >= 0; };
+  const auto may_push = [&](Index i, double force) { return force >= least_force_[i]; };
+  const double f0 = -b_[0] / A[0];
+  if (n_ == 1) {
+    force_[0] = may_rest(0, b_[0]) ? 0.0 : f0;
+    return true;
+  }
+  const double a11 = A[stride_ + 1];
+  const double f1 = -b_[1] / a11;
+  if (may_rest(0, b_[0]) && may_rest(1, b_[1])) return true;
+  if (may_push(0, f0) && may_rest(1, b_[1] + A[1] * f0)) {
+    force_[0] = f0;
+    return true;
+  }
+  if (may_push(1, f1) && may_rest(0, b_[0] + A[1] * f1)) {
+    force_[1] = f1;
+    return true;
+  }
+  const double determinant = A[0] * a11 - A[1] * A[1];
+  if (!(determinant > kLeastPivot * A[0] * a11)) return false;
+  force_[0] = (A[1] * b_[1] - a11 * b_[0]) / determinant;
+  force_[1] = (A[1] * b_[0] - A[0] * b_[1]) / determinant;
+  return may_push(0, force_[0]) && may_push(1, force_[1]);
+}
+
 // force_ := -A_FF^-1 b_F by L D L^T, the tableau serving as workspace. Rows that depend on others leave F.
 void SmallPivoting::SolveGuess() {
   const Index registers = stride_ / kRegister;
