@@ -27,13 +27,20 @@ constexpr double kWorthDividing = 0.75;
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
 
+bool IsRight(const SmallPivoting::Answer& answer, double tolerance) {
+  return answer.rho <= std::min(kTableauRho, kMargin * tolerance) && answer.rows_meet;
+}
+
+SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) {
+  return {kMargin * std::sqrt(options.tolerance), options.initial_f, deadline};
+}
+
 }  // namespace
 
 struct AutoSolver::Parts {
   explicit Parts(std::int64_t most_factorisations)
       : newton_factorisations(most_factorisations), whole(most_factorisations) {}
 
-  bool AcceptTableau(double rho, double tolerance) const;
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
   void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
@@ -53,13 +60,9 @@ struct AutoSolver::Parts {
   AnswerJudge judge;
 };
 
-bool AutoSolver::Parts::AcceptTableau(double rho, double tolerance) const {
-  return rho <= std::min(kTableauRho, kMargin * tolerance) && tableau.RowsMeet(kMargin * std::sqrt(tolerance));
-}
-
 bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
                                    LcpResult* result) {
-  if (!AcceptTableau(tableau.Solve(problem, options.initial_f, deadline, &result->f), options.tolerance)) return false;
+  if (!IsRight(tableau.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance)) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau.pivots();
   result->detail = "tableau";
@@ -85,7 +88,7 @@ bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& 
     const std::span<const Index> rows = islands.rows(k);
     const bool solved =
         static_cast<Index>(rows.size()) <= tableau_rows &&
-        AcceptTableau(tableau.SolvePart(problem, rows, options.initial_f, &deadline, &result->f), options.tolerance);
+        IsRight(tableau.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f), options.tolerance);
     if (solved) {
       pivots += tableau.pivots();
     } else {

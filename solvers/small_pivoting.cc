@@ -315,34 +315,49 @@ bool SmallPivoting::RowsMeet(double limit) const {
   return true;
 }
 
-double SmallPivoting::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, const Deadline* deadline,
-                            Eigen::VectorXd* f) {
+SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
   pivots_ = 0;
-  if (!LoadDense(problem)) return kInfinity;
+  if (!LoadDense(problem)) return {kInfinity, false};
   guess_.clear();
-  if (initial_f != nullptr) {
+  if (request.initial_f != nullptr) {
     for (Index i = 0; i < n_; ++i) {
-      if (least_force_[i] < 0 || (*initial_f)[i] > 0) guess_.push_back(i);
+      if (IsGuessed(i, (*request.initial_f)[i])) guess_.push_back(i);
     }
   }
-  const double rho = Run(deadline);
+  const Answer answer = Finish(request);
   for (Index i = 0; i < n_; ++i) (*f)[i] = GivenForce(i);
-  return rho;
+  return answer;
 }
 
-double SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
-                                const Eigen::VectorXd* initial_f, const Deadline* deadline, Eigen::VectorXd* f) {
+SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
+                                               const Request& request, Eigen::VectorXd* f) {
   pivots_ = 0;
-  if (!LoadPart(problem, rows)) return kInfinity;
+  if (!LoadPart(problem, rows)) return {kInfinity, false};
   guess_.clear();
-  if (initial_f != nullptr) {
+  if (request.initial_f != nullptr) {
     for (Index i = 0; i < n_; ++i) {
-      if (least_force_[i] < 0 || (*initial_f)[rows[At(i)]] > 0) guess_.push_back(i);
+      if (IsGuessed(i, (*request.initial_f)[rows[At(i)]])) guess_.push_back(i);
     }
   }
-  const double rho = Run(deadline);
+  const Answer answer = Finish(request);
   for (Index i = 0; i < n_; ++i) (*f)[rows[At(i)]] = GivenForce(i);
-  return rho;
+  return answer;
+}
+
+SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
+  Answer answer{Run(request.deadline), false};
+  if (answer.rho == kInfinity) return answer;
+  answer.rows_meet = RowsMeet(request.row_limit);
+  if (answer.rows_meet) return answer;
+  // Where all forces around a row should be 0, its backward error is rounding over rounding.
+  double largest = 0;
+  for (Index i = 0; i < n_; ++i) largest = std::max(largest, std::abs(force_[i]) * root_[i]);
+  for (Index i = 0; i < n_; ++i) {
+    if (std::abs(force_[i]) * root_[i] <= kNoise * largest) force_[i] = 0;
+  }
+  answer.rho = Rho();
+  answer.rows_meet = RowsMeet(request.row_limit);
+  return answer;
 }
 
 double SmallPivoting::Run(const Deadline* deadline) {

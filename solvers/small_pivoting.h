@@ -36,20 +36,26 @@ class SmallPivoting {
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);
 
+  struct Request {
+    /// What every row's backward error shall be at most; forces that are nothing but rounding are set to 0 for it.
+    double row_limit = 1e-6;
+    /// nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer for it, or after
+    /// changing sides of violated rows once, there is no tableau.
+    const Eigen::VectorXd* initial_f = nullptr;
+    /// nullptr for none; Solve gives up when it has expired.
+    const Deadline* deadline = nullptr;
+  };
+  struct Answer {
+    double rho;      ///< in double; infinity if it gave up
+    bool rows_meet;  ///< row_limit, in double
+  };
+
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
-  /// units, f_C >= 0). Returns rho there in double, or infinity if it gave up. Reads DenseA() and DiagonalA().
-  /// @param initial_f  nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer
-  ///                   for it, or after changing sides of violated rows once, there is no tableau
-  /// @param deadline   nullptr for none; gives up when it has expired
-  double Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, const Deadline* deadline,
-               Eigen::VectorXd* f);
+  /// units, f_C >= 0). Reads DenseA() and DiagonalA().
+  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f);
 
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
-  double SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Eigen::VectorXd* initial_f,
-                   const Deadline* deadline, Eigen::VectorXd* f);
-
-  /// Whether every row's backward error at the f of the last Solve is at most `limit`, in double.
-  bool RowsMeet(double limit) const;
+  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f);
 
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return pivots_; }
@@ -64,7 +70,10 @@ class SmallPivoting {
   bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
   void SetSize(Index n);
   bool Scale();
+  bool IsGuessed(Index i, double initial_f) const { return least_force_[i] < 0 || initial_f > 0; }
+  Answer Finish(const Request& request);
   double Run(const Deadline* deadline);
+  bool RowsMeet(double limit) const;
   bool SolveInClosedForm();
   double TryGuess();
   void SolveGuess();

@@ -58,11 +58,11 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
       VectorXd f(n);
-      const double rho = tableau.Solve(problem, nullptr, nullptr, &f);
+      const auto [rho, rows_meet] = tableau.Solve(problem, {}, &f);
       EXPECT_LE(rho, 1e-13) << n;
       const Verdict verdict = Verify(problem, Claimed(f), 1e-9);
       EXPECT_TRUE(verdict.passes) << n << ": " << verdict.reason;
-      EXPECT_TRUE(tableau.RowsMeet(1e-6));
+      EXPECT_TRUE(rows_meet);
       EXPECT_NEAR(rho, verdict.metrics.rho, 1e-14);
     }
   }
@@ -88,7 +88,7 @@ TEST(SmallPivoting, OneAndTwoRowsInClosedForm) {
               const LcpProblem problem =
                   LcpProblem::FromDense("two", A, b, RowBounds::WithBilateralRows(2, bilateral), SymmetricPsd());
               VectorXd f(2);
-              EXPECT_LE(tableau.Solve(problem, nullptr, nullptr, &f), 1e-14);
+              EXPECT_LE(tableau.Solve(problem, {}, &f).rho, 1e-14);
               EXPECT_TRUE(Verify(problem, Claimed(f), 1e-12).passes) << A << " " << b.transpose() << " " << joints;
               EXPECT_EQ(tableau.pivots(), 0);
               ++cases;
@@ -105,7 +105,7 @@ TEST(SmallPivoting, OneAndTwoRowsInClosedForm) {
           LcpProblem::FromDense("one", MatrixXd::Constant(1, 1, 2.0), VectorXd::Constant(1, b),
                                 RowBounds::WithBilateralRows(1, joint ? std::vector<Index>{0} : std::vector<Index>{}));
       VectorXd f(1);
-      tableau.Solve(problem, nullptr, nullptr, &f);
+      tableau.Solve(problem, {}, &f);
       EXPECT_EQ(f[0], joint || b < 0 ? -b / 2 : 0.0);
     }
   }
@@ -126,10 +126,10 @@ TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
     VectorXd whole = VectorXd::Zero(problem.size());
     for (Index k = 0; k < islands.count(); ++k) {
       const auto rows = islands.rows(k);
-      const double rho = tableau.SolvePart(problem, rows, nullptr, nullptr, &whole);
+      const double rho = tableau.SolvePart(problem, rows, {}, &whole).rho;
       const LcpProblem part = Subproblem(problem, rows);
       VectorXd f(part.size());
-      EXPECT_EQ(tableau.Solve(part, nullptr, nullptr, &f), rho);
+      EXPECT_EQ(tableau.Solve(part, {}, &f).rho, rho);
       for (size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(f[static_cast<Index>(i)], whole[rows[i]]);
     }
   }
@@ -141,15 +141,15 @@ TEST(SmallPivoting, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
   for (Index n = 3; n <= SmallPivoting::kMaxRows; n += 7) {
     const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
     VectorXd cold(n);
-    tableau.Solve(problem, nullptr, nullptr, &cold);
+    tableau.Solve(problem, {}, &cold);
     VectorXd f(n);
-    EXPECT_LE(tableau.Solve(problem, &cold, nullptr, &f), 1e-13);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, &cold, nullptr}, &f).rho, 1e-13);
     EXPECT_EQ(tableau.pivots(), 1);
     EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
     TestRandom random(static_cast<unsigned>(n));
     VectorXd wrong(n);
     for (Index i = 0; i < n; ++i) wrong[i] = random.Integer(-1, 1);
-    EXPECT_LE(tableau.Solve(problem, &wrong, nullptr, &f), 1e-13);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, &wrong, nullptr}, &f).rho, 1e-13);
     EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
   }
 }
@@ -170,9 +170,9 @@ TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
         "scaled", A, b, RowBounds::WithBilateralRows(n, planted.problem.bilateral_rows()), SymmetricPsd());
     VectorXd f = VectorXd::Zero(n);
     VectorXd g = VectorXd::Zero(n);
-    const double rho = tableau.Solve(planted.problem, nullptr, nullptr, &f);
+    const double rho = tableau.Solve(planted.problem, {}, &f).rho;
     const int pivots = tableau.pivots();
-    EXPECT_EQ(tableau.Solve(scaled, nullptr, nullptr, &g), rho);
+    EXPECT_EQ(tableau.Solve(scaled, {}, &g).rho, rho);
     EXPECT_EQ(tableau.pivots(), pivots);
     EXPECT_EQ(f, VectorXd(s.cwiseProduct(g) / t));
   }
@@ -188,8 +188,8 @@ TEST(SmallPivoting, AllocatesInReserveOnly) {
     problem.DiagonalA();
     VectorXd f(n);
     const long before = AllocationCount();
-    tableau.Solve(problem, nullptr, nullptr, &f);
-    tableau.Solve(problem, &f, nullptr, &f);
+    tableau.Solve(problem, {}, &f);
+    tableau.Solve(problem, {1e-6, &f, nullptr}, &f);
     EXPECT_EQ(AllocationCount(), before);
   }
 }
