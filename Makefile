@@ -15,7 +15,7 @@ GOAL_RESULTS ?= build/results/goals
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
 
-.PHONY: help deps peers configure build test report run goals geometry-benchmark check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
@@ -23,6 +23,7 @@ help:
 	@echo "make build    install what is missing, configure and build"
 	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
+	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
@@ -66,9 +67,9 @@ goals: configure
 	  --output $(GOAL_RESULTS)
 	@$(PYTHON) report/goals.py $(GOAL_RESULTS)
 
-geometry-benchmark: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target geometry_benchmark
-	@$(BUILD)/geometry_benchmark
+geometry-benchmark scene-benchmark: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
+	@$(BUILD)/$(subst -,_,$@)
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)

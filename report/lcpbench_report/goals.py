@@ -71,8 +71,9 @@ def rows(cells: Cells, n: int, tier: float) -> list[Row]:
         at = {s: cell for s in cells.results.solvers if (cell := cells.get(family, n, s, tier))}
         auto = at.get(AUTO)
         passed = [cell for cell in at.values() if cell.passes and math.isfinite(cell.time_s)]
-        found.append(Row(family, _fastest(cells, passed, "own"), auto if auto in passed else None,
-                         "" if auto in passed else auto.verdict if auto else "not run", _fastest(cells, passed, "peer")))
+        word = "" if auto in passed else auto.verdict if auto else "not run"
+        found.append(Row(family, _fastest(cells, passed, "own"), auto if auto in passed else None, word,
+                         _fastest(cells, passed, "peer")))
     return found
 
 
