@@ -20,7 +20,7 @@ struct DirectSolver {
   const char* key;
   Settings settings = {};
   /// Largest rho on exact problems; 1e-9 is what was asked for, direct methods aim at rounding.
-  double rho = 1e-10;
+  double rho = 1e-11;
   /// Iterations on a problem of n rows are at most this many times n + 1; 0: its own tests bound them.
   int iterations_per_row = 0;
   /// Mean number of iterations, at most, from the answer of a problem of full rank, and ...
