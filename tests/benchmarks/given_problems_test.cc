@@ -1,5 +1,5 @@
-// Our direct solvers on problems as they are met: recorded from the paper's own software, and scenes whose bodies'
-// masses differ by 10^8.
+// Our direct solvers on problems as they are met: recorded from the paper's own software, the exact systems of the
+// oracle data at all three levels, and scenes whose bodies' masses differ by 10^8.
 
 #include <gtest/gtest.h>
 
@@ -7,6 +7,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -111,6 +112,87 @@ TEST(GivenProblems, EveryRecordedProblemIsVerifiedOrProvedAndAllAgreeInW) {
   }
 }
 
+// The problem of one level of an oracle system, from its exact J and the level's right-hand side.
+LcpProblem OracleProblem(const nlohmann::json& record, const std::string& level) {
+  const nlohmann::json& expect = record.at("expect");
+  const auto n = static_cast<Index>(expect.at("rows").size());
+  const auto columns = static_cast<Index>(3 * record.at("bodies").size());
+  Eigen::MatrixXd J(n, columns);
+  Eigen::VectorXd q(n);
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    const auto row = static_cast<size_t>(i);
+    for (Index k = 0; k < columns; ++k) J(i, k) = expect.at("J")[row][static_cast<size_t>(k)];
+    q[i] = expect.at(level).at("q")[row];
+    if (expect.at("rows")[row].at("bilateral")) bilateral.push_back(i);
+  }
+  Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(columns);
+  for (Index k = 0; k < columns / 3; ++k) {
+    const nlohmann::json& body = record.at("bodies")[static_cast<size_t>(k)];
+    if (body.at("fixed")) continue;
+    const double mass = body.at("mass");
+    const double inertia = body.at("inertia");
+    inverse_mass.segment<3>(3 * k) << 1 / mass, 1 / mass, 1 / inertia;
+  }
+  return LcpProblem::FromFactors(record.at("id").get<std::string>() + "-" + level, J.sparseView(), inverse_mass, q,
+                                 RowBounds::WithBilateralRows(n, bilateral));
+}
+
+TEST(GivenProblems, OracleSystemsAreSolvedExactlyOrProvedAtEveryLevel) {
+  const std::filesystem::path path = std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / "oracle" / "systems.jsonl";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  std::ifstream file(path);
+  std::vector<Given> problems;
+  int unsolvable = 0;
+  for (std::string line; std::getline(file, line);) {
+    const nlohmann::json record = nlohmann::json::parse(line);
+    for (const char* level : {"acceleration", "impact", "step"}) {
+      const nlohmann::json& known = record.at("expect").at(level);
+      Given given{OracleProblem(record, level), std::nullopt};
+      if (known.at("status") == "solved") {
+        const std::vector<double> w = known.at("w");
+        given.w = Eigen::Map<const Eigen::VectorXd>(w.data(), static_cast<Index>(w.size()));
+      } else {
+        given.is_proved_unsolvable = true;
+        ++unsolvable;
+      }
+      problems.push_back(given);
+    }
+  }
+  EXPECT_GE(problems.size(), 78u);
+  for (const Direct& direct : kDirect) {
+    if (!FindSolver(direct.key).available) continue;
+    const Tally tally = SolveAll(direct, kTolerance, &problems);
+    EXPECT_EQ(tally.undecided_count, 0) << direct.key << tally.undecided;
+    EXPECT_EQ(tally.proved, unsolvable) << direct.key;
+  }
+}
+
+// Their matrix is copositive and not symmetric: outside every guaranteed class.
+TEST(GivenProblems, FrictionProblemsAreRefusedOrAnsweredRightly) {
+  const std::filesystem::path path =
+      std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / "oracle" / "friction_lcp.jsonl";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
+  std::ifstream file(path);
+  int refused = 0;
+  for (std::string line; std::getline(file, line);) {
+    const nlohmann::json record = nlohmann::json::parse(line);
+    const nlohmann::json as_lcp = {{"id", record.at("id")}, {"A", record.at("M")}, {"b", record.at("q")}};
+    const LcpProblem problem = ParseLcpRecord(as_lcp.dump(), "friction").problem;
+    for (const SolverEntry& entry : AllSolvers()) {
+      if (entry.origin != SolverOrigin::kOwn || !entry.available) continue;
+      EXPECT_NE(entry.why_not_guaranteed(problem, kTolerance), "") << entry.key;
+      LcpResult result;
+      entry.make({})->Solve(problem, {}, &result);
+      const Verdict verdict = Verify(problem, result, kTolerance);
+      EXPECT_FALSE(verdict.false_success) << entry.key << " on " << problem.id() << ": " << verdict.reason;
+      EXPECT_NE(result.status, LcpStatus::kInfeasible) << entry.key << " on " << problem.id();
+      if (result.status == LcpStatus::kUnsupported) ++refused;
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
 // Masses of 10^-4 and 10^4 kg, by turns for seed 1 and at random else, under the same accelerations; inertias as before
 // in proportion to them.
 LcpProblem WithWideMasses(const SceneFamily& family, int rows, std::uint64_t seed) {
@@ -133,7 +215,7 @@ TEST(GivenProblems, ScenesWhoseMassesDifferByTenToTheEightAreVerifiedOrProved) {
   std::vector<Given> problems;
   for (const SceneFamily& family : AllScenes()) {
     for (const int rows : {3, 10, 30, 100}) {
-      for (const std::uint64_t seed : {1, 2, 3}) {
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         problems.push_back({WithWideMasses(family, rows, seed), std::nullopt});
       }
     }
