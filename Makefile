@@ -7,17 +7,23 @@ SUITE   ?= default
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
 
+# Peers that have been the fastest right one somewhere up to 1000 rows; all own solvers run with them.
+GOAL_PEERS   ?= bullet-dantzig,bullet-dantzig-cfm,dart-dantzig,dart-dantzig-cfm,ode-dantzig,ode-dantzig-cfm,petsc-rsls,petsc-ssls,tao-tron
+GOAL_RESULTS ?= build/results/goals
+
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
 
-.PHONY: help deps peers configure build test report run geometry-benchmark check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
+	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
@@ -52,9 +58,18 @@ report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html, times of all cells: index.csv beside it"
 
-geometry-benchmark: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target geometry_benchmark
-	@$(BUILD)/geometry_benchmark
+# Every family at every size, one tier and one seed.
+goals: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+	@$(BUILD)/lcpbench run --suite default --sizes 10,30,100,300,1000 --seeds 1 --tiers 1e-6 \
+	  --scenes "$$($(BUILD)/lcpbench list scenes | cut -d' ' -f1 | paste -sd,)" \
+	  --solvers "$$($(BUILD)/lcpbench list solvers | awk '/, LCPBench / { printf "%s,", $$1 }')$(GOAL_PEERS)" \
+	  --output $(GOAL_RESULTS)
+	@$(PYTHON) report/goals.py $(GOAL_RESULTS)
+
+geometry-benchmark scene-benchmark: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
+	@$(BUILD)/$(subst -,_,$@)
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)

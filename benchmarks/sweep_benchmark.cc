@@ -7,13 +7,15 @@
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
+#include "benchmarks/growth_report.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/sweeps/row_work.h"
@@ -25,7 +27,6 @@ namespace {
 constexpr std::array kSizes = {1'000, 10'000, 100'000, 1'000'000};
 constexpr std::uint64_t kSeed = 1;
 constexpr std::string_view kScene = "disc-pile";
-constexpr const char* kContactCounter = "contacts";
 constexpr const char* kFloor = "floor";
 constexpr size_t kRowDoubles = 8;
 
@@ -49,15 +50,7 @@ struct Workload {
   }
 };
 
-// Only the current workload is kept: the passes over one follow each other.
-Workload& CurrentWorkload(int contacts) {
-  static std::unique_ptr<Workload> workload;
-  if (workload == nullptr || workload->size != contacts) {
-    workload.reset();
-    workload = std::make_unique<Workload>(contacts);
-  }
-  return *workload;
-}
+KeptWorkload<Workload> kept;
 
 void AddToAll(Array* values) {
   for (size_t i = 0; i + kLanes <= values->size(); i += kLanes) {
@@ -108,46 +101,29 @@ constexpr std::array kPasses = {
     Pass{"gradient", Gradient},                   // the pass of apgd
 };
 
-// Google Benchmark's console output, and the table after it.
-class FloorReporter : public benchmark::ConsoleReporter {
- public:
-  FloorReporter() : ConsoleReporter(OO_Tabular) {}
-
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs) {
-      const auto contacts = run.counters.find(kContactCounter);
-      if (run.run_type != Run::RT_Iteration || contacts == run.counters.end()) continue;
-      const std::string name = run.run_name.function_name;
-      const double ns = 1e9 * run.cpu_accumulated_time / static_cast<double>(run.iterations) / contacts->second.value;
-      const auto size = static_cast<int>(contacts->second.value);
-      const auto [it, is_new] = ns_[size].emplace(name.substr(0, name.find('/')), ns);
-      if (!is_new) it->second = std::min(it->second, ns);
-    }
+// A row per size, a column per pass.
+void PrintTable(const std::vector<SizeSeries>& series) {
+  std::printf("\nNanoseconds per contact and pass (ratio to the floor)\n%-20s", "contacts");
+  for (const Pass& pass : kPasses) std::printf("%20s", pass.name);
+  std::printf("\n");
+  std::map<double, std::map<std::string, double>> ns;
+  for (const SizeSeries& pass : series) {
+    for (const SizePoint& point : pass.points) ns[point.size][pass.name] = 1e9 * point.seconds / point.size;
   }
-
-  void Finalize() override {
-    std::printf("\nNanoseconds per contact and pass (ratio to the floor)\n%-20s", "contacts");
-    for (const Pass& pass : kPasses) std::printf("%20s", pass.name);
-    std::printf("\n");
-    for (const auto& [size, passes] : ns_) {
-      std::printf("%-20d", size);
-      const auto floor = passes.find(kFloor);
-      for (const Pass& pass : kPasses) {
-        const auto it = passes.find(pass.name);
-        if (it == passes.end() || floor == passes.end()) {
-          std::printf("%20s", "-");
-        } else {
-          std::printf("%12.2f (%5.2f)", it->second, it->second / floor->second);
-        }
+  for (const auto& [size, passes] : ns) {
+    std::printf("%-20.0f", size);
+    const auto floor = passes.find(kFloor);
+    for (const Pass& pass : kPasses) {
+      const auto it = passes.find(pass.name);
+      if (it == passes.end() || floor == passes.end()) {
+        std::printf("%20s", "-");
+      } else {
+        std::printf("%12.2f (%5.2f)", it->second, it->second / floor->second);
       }
-      std::printf("\n");
     }
+    std::printf("\n");
   }
-
- private:
-  std::map<int, std::map<std::string, double>> ns_;
-};
+}
 
 // By size before pass, so that a workload is made once.
 void RegisterAll() {
@@ -155,9 +131,9 @@ void RegisterAll() {
     for (const Pass& pass : kPasses) {
       const std::string name = std::string(pass.name) + "/" + std::to_string(size);
       const auto time = [size, &pass](benchmark::State& state) {
-        Workload& work = CurrentWorkload(size);
+        Workload& work = kept.Get(std::to_string(size), [&] { return std::make_unique<Workload>(size); });
         for (auto _ : state) pass.run(&work);
-        state.counters[kContactCounter] = static_cast<double>(work.size);
+        state.counters[kSizeCounter] = static_cast<double>(work.size);
       };
       benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMicrosecond);
     }
@@ -168,10 +144,5 @@ void RegisterAll() {
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  lcpbench::RegisterAll();
-  lcpbench::FloorReporter reporter;
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  return 0;
+  return lcpbench::RunBenchmarks(argc, argv, &lcpbench::RegisterAll, &lcpbench::PrintTable);
 }

@@ -7,39 +7,31 @@
 Exit status: 0, or 2 with one line on standard error when the arguments or the files do not fit.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report import script  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="The headline table of a results folder as Markdown.")
-    parser.add_argument("results", type=Path, metavar="RESULTS_DIR", help="folder written by `lcpbench run`")
+    parser = script.parser("The headline table of a results folder as Markdown.")
     parser.add_argument("--update", type=Path, metavar="FILE", help="replace the table between the markers of FILE")
     options = parser.parse_args(arguments)
-    try:
-        from lcpbench_report import markdown
-        from lcpbench_report.cells import Cells
-        from lcpbench_report.load import load_results
 
-        table = markdown.headline(Cells(load_results(options.results)))
+    def act(cells) -> None:
+        from lcpbench_report import markdown
+
+        table = markdown.headline(cells)
         if options.update is None:
             print(table, end="")
         else:
             text = options.update.read_text(encoding="utf-8")
             options.update.write_text(markdown.replace_between_markers(text, table, str(options.update)),
                                       encoding="utf-8")
-    except ReportError as error:
-        print(f"headline.py: error: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"headline.py: error: {error.filename}: {error.strerror}", file=sys.stderr)
-        return 2
-    return 0
+
+    return script.run("headline.py", options, act)
 
 
 if __name__ == "__main__":

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "solvers/lcp/input_error.h"
+
 namespace lcpbench {
 
 RowForm ReadRowForm(SettingsReader* reader) {
@@ -14,6 +16,12 @@ SweepOrder ReadSweepOrder(SettingsReader* reader) {
   const std::string sweep = reader->Choice("sweep", "coloured", {"forward", "symmetric", "coloured"});
   if (sweep == "symmetric") return SweepOrder::kSymmetric;
   return sweep == "forward" ? SweepOrder::kForward : SweepOrder::kColoured;
+}
+
+void CheckRelaxation(std::string_view solver, std::string_view option, double relaxation) {
+  if (relaxation > 0 && relaxation < 2) return;
+  throw InputError(std::string(solver) + ": option '" + std::string(option) + "' must be in (0, 2), found " +
+                   std::to_string(relaxation));
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "solvers/lcp/settings.h"
 
 /// Options that the first-order solvers (pgs, psor, nncg, apgd) share.
@@ -25,5 +27,7 @@ enum class SweepOrder {
 RowForm ReadRowForm(SettingsReader* reader);
 /// Option `sweep` = forward | symmetric | coloured (default).
 SweepOrder ReadSweepOrder(SettingsReader* reader);
+/// @throws InputError naming solver and option unless `relaxation` is in (0, 2)
+void CheckRelaxation(std::string_view solver, std::string_view option, double relaxation);
 
 }  // namespace lcpbench

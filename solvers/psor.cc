@@ -4,9 +4,6 @@
 #include <cmath>
 #include <string>
 
-#include "solvers/lcp/input_error.h"
-#include "solvers/sweeps/row_work.h"
-#include "solvers/sweeps/stopping_test.h"
 #include "solvers/sweeps/sweep_loop.h"
 
 namespace lcpbench {
@@ -58,18 +55,9 @@ class AdaptiveRelaxation {
   double first_change_ = 0;
 };
 
-void CheckRelaxation(double relaxation) {
-  if (!(relaxation > 0 && relaxation < 2)) {
-    throw InputError("psor: option 'first-relaxation' must be in (0, 2), found " + std::to_string(relaxation));
-  }
-}
-
 }  // namespace
 
-struct PsorSolver::Workspace {
-  RowWork rows;
-  StoppingTest test;
-};
+struct PsorSolver::Workspace : SweepWorkspace {};
 
 PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("psor", settings);
@@ -78,26 +66,22 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   options.sweep = ReadSweepOrder(&reader);
   options.first_relaxation = reader.Number("first-relaxation", options.first_relaxation, 0.0, 2.0);
   reader.Finish();
-  CheckRelaxation(options.first_relaxation);
+  CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
   return options;
 }
 
 PsorSolver::PsorSolver(PsorOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  CheckRelaxation(options.first_relaxation);
+  CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
 }
 PsorSolver::~PsorSolver() = default;
 
 std::string PsorSolver::WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
 
-void PsorSolver::DoPrepare(const LcpProblem& problem) {
-  work_->rows.Prepare(problem, options_.form, options_.sweep == SweepOrder::kColoured);
-  work_->test.Prepare(problem);
-}
+void PsorSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
 
 void PsorSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  work_->rows.Start(options.initial_f);
   AdaptiveRelaxation relaxation(options_.first_relaxation);
-  SolveBySweeps(options_.sweep, options, kDefaultSweeps, &relaxation, &work_->rows, &work_->test, result);
+  work_->Solve(options_.sweep, options, kDefaultSweeps, &relaxation, result);
 }
 
 }  // namespace lcpbench

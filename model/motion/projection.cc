@@ -8,15 +8,21 @@
 namespace lcpbench {
 namespace {
 
-void AddToPositions(const Eigen::VectorXd& change, std::span<Body> bodies) {
+// add(body, its three numbers of `change`) for every movable body.
+template <typename Add>
+void ForEachMovable(const Eigen::VectorXd& change, std::span<Body> bodies, const Add& add) {
   Index k = 0;
   for (Body& body : bodies) {
-    if (!body.fixed) {
-      body.x = body.x + Vec2{change[k], change[k + 1]};
-      body.theta += change[k + 2];
-    }
+    if (!body.fixed) add(&body, Vec2{change[k], change[k + 1]}, change[k + 2]);
     k += 3;
   }
+}
+
+void AddToPositions(const Eigen::VectorXd& change, std::span<Body> bodies) {
+  ForEachMovable(change, bodies, [](Body* body, Vec2 dx, double dtheta) {
+    body->x = body->x + dx;
+    body->theta += dtheta;
+  });
 }
 
 }  // namespace
@@ -33,14 +39,10 @@ Eigen::VectorXd DisplacementOf(const LcpProblem& problem, const Eigen::VectorXd&
 }
 
 void AddToVelocities(const Eigen::VectorXd& change, std::span<Body> bodies) {
-  Index k = 0;
-  for (Body& body : bodies) {
-    if (!body.fixed) {
-      body.v = body.v + Vec2{change[k], change[k + 1]};
-      body.omega += change[k + 2];
-    }
-    k += 3;
-  }
+  ForEachMovable(change, bodies, [](Body* body, Vec2 dv, double domega) {
+    body->v = body->v + dv;
+    body->omega += domega;
+  });
 }
 
 double WorstViolation(const std::vector<RowInfo>& rows) {

@@ -168,9 +168,7 @@ World StartChainOfLinks(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("chain-of-links", rows, seed);
   const Chain chain(&system, rows, &random);
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  return SetInMotion(std::move(system), std::move(loads));
+  return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
 
 }  // namespace lcpbench

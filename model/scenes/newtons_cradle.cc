@@ -147,9 +147,7 @@ World StartNewtonsCradle(int rows, std::uint64_t seed) {
   }
   DrawBeam(&system.bodies[static_cast<std::size_t>(beam)], -2 * kMaxRadius,
            (counts.balls - 1) * spacing + 2 * kMaxRadius);
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  return SetInMotion(std::move(system), std::move(loads));
+  return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
 
 }  // namespace lcpbench

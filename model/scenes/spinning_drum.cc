@@ -283,9 +283,7 @@ World StartSpinningDrum(int rows, std::uint64_t seed) {
   const Drum drum(&system, rows, &random);
   // Constant speed: a drum that speeds up would leave every scale behind.
   for (Body& body : system.bodies) body.alpha = 0;
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  return SetInMotion(std::move(system), std::move(loads));
+  return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
 
 }  // namespace lcpbench

@@ -16,25 +16,36 @@ inline bool RunSweep(bool backward, double omega, RowWork* work, PacedPasses* pa
   });
 }
 
-/// A solve by sweeps alone, work->f being the start.
-/// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
-template <typename Relaxation>
-void SolveBySweeps(SweepOrder order, const LcpOptions& options, std::int64_t default_limit, Relaxation* relaxation,
-                   RowWork* work, StoppingTest* test, LcpResult* result) {
-  PacedPasses passes(options, *work->rows, work->scaled.size);
-  bool over = test->Begin(options, default_limit, work, &passes, result);
-  bool backward = false;
-  while (!over) {
-    StepSums sums;
-    if (!RunSweep(backward, relaxation->Next(), work, &passes, &sums)) {
-      test->EndOutOfTime();
-      break;
-    }
-    relaxation->Observe(sums);
-    if (order == SweepOrder::kSymmetric) backward = !backward;
-    over = test->Continue(std::sqrt(sums.residual));
+/// What a solver by sweeps alone keeps from one solve to the next, and its solve.
+struct SweepWorkspace {
+  RowWork work;
+  StoppingTest test;
+
+  void Prepare(const LcpProblem& problem, RowForm form, SweepOrder order) {
+    work.Prepare(problem, form, order == SweepOrder::kColoured);
+    test.Prepare(problem);
   }
-  test->Finish();
-}
+
+  /// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
+  template <typename Relaxation>
+  void Solve(SweepOrder order, const LcpOptions& options, std::int64_t default_limit, Relaxation* relaxation,
+             LcpResult* result) {
+    work.Start(options.initial_f);
+    PacedPasses passes(options, *work.rows, work.scaled.size);
+    bool over = test.Begin(options, default_limit, &work, &passes, result);
+    bool backward = false;
+    while (!over) {
+      StepSums sums;
+      if (!RunSweep(backward, relaxation->Next(), &work, &passes, &sums)) {
+        test.EndOutOfTime();
+        break;
+      }
+      relaxation->Observe(sums);
+      if (order == SweepOrder::kSymmetric) backward = !backward;
+      over = test.Continue(std::sqrt(sums.residual));
+    }
+    test.Finish();
+  }
+};
 
 }  // namespace lcpbench

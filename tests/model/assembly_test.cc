@@ -26,17 +26,11 @@ ContactSystem RandomSystem(unsigned seed) {
   for (const PairKind& kind : AllPairKinds()) {
     ContactCase c = RandomContact(kind, &random);
     const auto first = static_cast<int>(system.bodies.size());
-    Constraint constraint;
     const bool has_vertex = kind.shape1 == Shape::kVertex || kind.shape2 == Shape::kVertex;
-    constraint.type = has_vertex && random.Uniform(0, 1) < 0.5 ? ConstraintType::kPathJoint : ConstraintType::kContact;
+    const bool is_path = has_vertex && random.Uniform(0, 1) < 0.5;
+    Constraint constraint = ConstraintOf(c, is_path ? ConstraintType::kPathJoint : ConstraintType::kContact);
     constraint.body1 = first + 1;
     constraint.body2 = first;
-    constraint.feature1 = c.feature1;
-    constraint.feature2 = c.feature2;
-    const SearchStart start = c.Start();
-    constraint.s1 = start.s1;
-    constraint.s2 = start.s2;
-    constraint.nominal_gap = start.nominal_gap;
     if (random.Uniform(0, 1) < 0.3) {
       c.body2.fixed = true;
       c.body2.acceleration = random.Vector(3);
@@ -78,15 +72,6 @@ ContactSystem BoxOnFloor() {
     system.constraints.push_back(contact);
   }
   return system;
-}
-
-std::string ErrorOf(const ContactSystem& system) {
-  try {
-    AssembleContactLcp(system);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
 }
 
 ::testing::AssertionResult Names(const std::string& error, const std::vector<std::string>& parts) {

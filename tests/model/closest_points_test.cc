@@ -42,14 +42,8 @@ class EveryPair : public ::testing::TestWithParam<PairKind> {
  protected:
   template <class Check>
   void OverCases(unsigned seed, const Check& check) {
-    Random random(seed);
-    const int cases = GetParam().is_general() ? kGeneralCases : kCases;
-    for (int i = 0; i < cases; ++i) {
-      SCOPED_TRACE(i);
-      const ContactCase c = RandomContact(GetParam(), &random);
-      check(c, c.Closest(), &random);
-      if (HasFailure()) return;
-    }
+    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralCases : kCases, seed,
+                       [&](const ContactCase& c, Random* random) { check(c, c.Closest(), random); });
   }
 };
 

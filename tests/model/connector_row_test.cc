@@ -160,15 +160,6 @@ TEST(ConnectorRow, RopeOfACirclingMassPullsWithTheCentripetalForce) {
   }
 }
 
-std::string ErrorOf(const ContactSystem& system) {
-  try {
-    AssembleContactLcp(system);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 TEST(ConnectorRow, RefusesWhatHasNoDirectionOrLengthNamingIt) {
   Random random(4);
   const Connector good = RandomConnector(&random);

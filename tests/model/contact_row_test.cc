@@ -156,14 +156,7 @@ class EveryContactKind : public ::testing::TestWithParam<PairKind> {
   // Calls check(case, random) over seeded random configurations.
   template <class Check>
   void OverCases(unsigned seed, const Check& check) {
-    Random random(seed);
-    const int cases = GetParam().is_general() ? kGeneralCases : kCases;
-    for (int i = 0; i < cases; ++i) {
-      SCOPED_TRACE(i);
-      const ContactCase c = RandomContact(GetParam(), &random);
-      check(c, &random);
-      if (HasFailure()) return;
-    }
+    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralCases : kCases, seed, check);
   }
 };
 

@@ -37,20 +37,6 @@ void ExpectProperties(const Outline& outline, const Expected& expected, double t
   EXPECT_NEAR(Norm(p.center - expected.center) / std::sqrt(expected.inertia / expected.area), 0, tolerance);
 }
 
-OutlinePiece Arc(Vec2 center, double radius, double s_begin, double s_end) {
-  return {ArcEdge{center, radius, s_begin < s_end ? Side::kConvex : Side::kConcave}, s_begin, s_end};
-}
-
-OutlinePiece Line(Vec2 a, Vec2 b) { return {StraightEdge{a, b}, 0, 1}; }
-
-Outline Polygon(const std::vector<Vec2>& corners) {
-  Outline outline{"polygon", {{}}};
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    outline.loops[0].push_back(Line(corners[k], corners[(k + 1) % corners.size()]));
-  }
-  return outline;
-}
-
 // Every piece cut at a random parameter.
 Outline Subdivided(const Outline& outline, Random* random) {
   Outline cut{outline.name, {}};

@@ -21,20 +21,6 @@ constexpr double kPi = std::numbers::pi;
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 const double kInfinity = std::numeric_limits<double>::infinity();
 
-OutlinePiece Line(Vec2 a, Vec2 b) { return {StraightEdge{a, b}, 0, 1}; }
-
-Outline Polygon(const std::vector<Vec2>& corners) {
-  Outline outline{"polygon", {{}}};
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    outline.loops[0].push_back(Line(corners[k], corners[(k + 1) % corners.size()]));
-  }
-  return outline;
-}
-
-OutlinePiece Arc(Vec2 center, double radius, double s_begin, double s_end) {
-  return {ArcEdge{center, radius, s_begin < s_end ? Side::kConvex : Side::kConcave}, s_begin, s_end};
-}
-
 // One line that names the outline and holds every one of the texts.
 void ExpectRefused(const Outline& outline, const std::vector<std::string>& texts) {
   try {

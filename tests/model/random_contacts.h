@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -11,12 +13,14 @@
 #include <variant>
 #include <vector>
 
+#include "model/assembly.h"
 #include "model/body.h"
 #include "model/closest_points.h"
 #include "model/curve.h"
 #include "model/feature.h"
 #include "model/system.h"
 #include "model/trig.h"
+#include "solvers/lcp/input_error.h"
 
 namespace lcpbench::testing {
 
@@ -279,7 +283,8 @@ inline ContactCase RandomContact(const PairKind& kind, Random* random) {
   return RandomContact(kind, choice < 1 ? 0 : random->Uniform(-0.15, 0.15), random);
 }
 
-inline ContactSystem SystemOf(const ContactCase& c, ConstraintType type = ConstraintType::kContact) {
+/// Between bodies 0 and 1.
+inline Constraint ConstraintOf(const ContactCase& c, ConstraintType type = ConstraintType::kContact) {
   Constraint constraint;
   constraint.type = type;
   constraint.feature1 = c.feature1;
@@ -288,7 +293,33 @@ inline ContactSystem SystemOf(const ContactCase& c, ConstraintType type = Constr
   constraint.s1 = start.s1;
   constraint.s2 = start.s2;
   constraint.nominal_gap = start.nominal_gap;
-  return {"pair", {c.body1, c.body2}, {constraint}};
+  return constraint;
+}
+
+inline ContactSystem SystemOf(const ContactCase& c, ConstraintType type = ConstraintType::kContact) {
+  return {"pair", {c.body1, c.body2}, {ConstraintOf(c, type)}};
+}
+
+/// check(case, random) over seeded random configurations, until a test fails.
+template <class Check>
+void OverRandomContacts(const PairKind& kind, int cases, unsigned seed, const Check& check) {
+  Random random(seed);
+  for (int i = 0; i < cases; ++i) {
+    SCOPED_TRACE(i);
+    const ContactCase c = RandomContact(kind, &random);
+    check(c, &random);
+    if (::testing::Test::HasFailure()) return;
+  }
+}
+
+/// What assembly says of `system`; "" where it takes it.
+inline std::string ErrorOf(const ContactSystem& system) {
+  try {
+    AssembleContactLcp(system);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
 }
 
 /// Signed radius of curvature at s: 0 for a vertex, and for a straight edge, which has none.

@@ -22,6 +22,22 @@ inline int RandomInteger(int count, Random* random) {
   return static_cast<int>(random->Uniform(0, static_cast<double>(count)));
 }
 
+inline OutlinePiece Line(Vec2 a, Vec2 b) { return {StraightEdge{a, b}, 0, 1}; }
+
+/// Corners counter-clockwise: the material is inside.
+inline Outline Polygon(const std::vector<Vec2>& corners) {
+  Outline outline{"polygon", {{}}};
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    outline.loops[0].push_back(Line(corners[k], corners[(k + 1) % corners.size()]));
+  }
+  return outline;
+}
+
+/// Convex where the parameter grows.
+inline OutlinePiece Arc(Vec2 center, double radius, double s_begin, double s_end) {
+  return {ArcEdge{center, radius, s_begin < s_end ? Side::kConvex : Side::kConcave}, s_begin, s_end};
+}
+
 /// All lengths times `scale`.
 inline OutlinePiece Scaled(OutlinePiece piece, double scale) {
   if (auto* e = std::get_if<StraightEdge>(&piece.edge)) *e = {scale * e->a, scale * e->b};

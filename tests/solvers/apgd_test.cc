@@ -9,6 +9,7 @@
 #include "solvers/dantzig.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -18,18 +19,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 LcpResult Iterate(const LcpProblem& problem, ApgdOptions options, double tolerance, std::int64_t iterations) {
-  LcpOptions limits;
-  limits.tolerance = tolerance;
-  limits.max_iterations = iterations;
-  LcpResult result;
-  ApgdSolver(options).Solve(problem, limits, &result);
-  return result;
-}
-
-double Energy(const LcpProblem& problem, const VectorXd& f) {
-  VectorXd w;
-  problem.ComputeW(f, &w);
-  return 0.5 * f.dot(w + problem.b());
+  ApgdSolver solver(options);
+  return Iterate(&solver, problem, tolerance, iterations);
 }
 
 TEST(Apgd, EnergyFallsWithTheSquareOfTheIterations) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <random>
+#include <span>
 
 #include "tests/solvers/test_problems.h"
 
@@ -30,5 +31,24 @@ LcpProblem InfeasibleExactly(unsigned seed, Index largest);
 
 /// A singular problem of 2 to `largest` rows with w = 0 for all its many solutions, f = 1 being one of them.
 LcpProblem FullyDegenerate(unsigned seed, Index largest);
+
+/// A kind of problems with exact A and b; the same seed gives the same problem.
+struct ExactFamily {
+  const char* name;
+  TestProblem (*make)(unsigned seed);
+};
+
+/// With a planted answer, up to 30 rows (chains: 120): every rank, wide masses, rows that are copies of few distinct
+/// ones with either sign, mostly f = w = 0, all of them so, chains, rows that couple with no other (some of them
+/// zero), joints only.
+std::span<const ExactFamily> SolvableFamilies();
+
+/// Without an answer: a row closes a combination of others, contacts that squeeze, joints that contradict each other,
+/// rows that nothing can move.
+std::span<const ExactFamily> UnsolvableFamilies();
+
+/// A -> of_A S A S, b -> of_b S b with S = diag(rows), so that w -> of_b S w and f -> (of_b / of_A) S^-1 f. Exact for
+/// powers of two.
+TestProblem Rescaled(const TestProblem& test, const Eigen::VectorXd& rows, double of_A, double of_b);
 
 }  // namespace lcpbench

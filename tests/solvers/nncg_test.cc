@@ -8,6 +8,7 @@
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -17,18 +18,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 LcpResult Iterate(const LcpProblem& problem, NncgOptions options, double tolerance, std::int64_t iterations) {
-  LcpOptions limits;
-  limits.tolerance = tolerance;
-  limits.max_iterations = iterations;
-  LcpResult result;
-  NncgSolver(options).Solve(problem, limits, &result);
-  return result;
-}
-
-double Energy(const LcpProblem& problem, const VectorXd& f) {
-  VectorXd w;
-  problem.ComputeW(f, &w);
-  return 0.5 * f.dot(w + problem.b());
+  NncgSolver solver(options);
+  return Iterate(&solver, problem, tolerance, iterations);
 }
 
 // k steps of linear conjugate gradients on A x = -b, preconditioned by one symmetric Gauss-Seidel sweep in the order of

@@ -8,25 +8,11 @@
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/pgs.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
-
-double Energy(const LcpProblem& problem, const Eigen::VectorXd& f) {
-  Eigen::VectorXd w;
-  problem.ComputeW(f, &w);
-  return 0.5 * f.dot(w + problem.b());
-}
-
-LcpResult Solve(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations) {
-  LcpOptions options;
-  options.tolerance = tolerance;
-  options.max_iterations = iterations;
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
-}
 
 // Blocks in a row, each pushed onto the next: every row couples two bodies, all pressed.
 LcpProblem PressedChain(Index n) {
@@ -51,7 +37,7 @@ TEST(Psor, EnergyNeverRisesWhateverRelaxationItFinds) {
       for (const LcpProblem& problem : {PressedChain(60), PlantedProblem(40, 20, 2, 5, 0).problem}) {
         double energy = 0;
         for (const std::int64_t sweeps : {1, 2, 3, 5, 8, 10, 11, 12, 15, 20, 22, 25, 30}) {
-          const LcpResult result = Solve(&solver, problem, 1e-15, sweeps);
+          const LcpResult result = Iterate(&solver, problem, 1e-15, sweeps);
           // The start is returned where its residual is less than that of the last iterate.
           if (result.f.isZero(0)) continue;
           ++compared;
@@ -69,8 +55,8 @@ TEST(Psor, TakesAFifthOfTheSweepsOfGaussSeidelOnAChain) {
   const LcpProblem chain = PressedChain(60);
   PgsSolver pgs;
   PsorSolver psor;
-  const LcpResult plain = Solve(&pgs, chain, 1e-9, 0);
-  const LcpResult relaxed = Solve(&psor, chain, 1e-9, 0);
+  const LcpResult plain = Iterate(&pgs, chain, 1e-9, 0);
+  const LcpResult relaxed = Iterate(&psor, chain, 1e-9, 0);
   EXPECT_EQ(plain.status, LcpStatus::kSolved);
   EXPECT_EQ(relaxed.status, LcpStatus::kSolved);
   EXPECT_LE(5 * relaxed.iterations, plain.iterations) << relaxed.iterations << " of " << plain.iterations;

@@ -1,6 +1,6 @@
 // What is particular to the proximal semismooth Newton method: few factorisations where block pivoting cycles, forces
-// that stay positive on redundant contacts, warm starts, bits under scaling, limits. The promises of every solver are
-// in contract_test.cc.
+// that stay positive on redundant contacts, the clock. What it shares with the other direct solvers is in
+// direct_solvers_*test.cc, the contract of all solvers in contract_test.cc.
 
 #include "solvers/semismooth_newton.h"
 
@@ -69,33 +69,6 @@ TEST(SemismoothNewton, WeightsChangeThePathAndNotTheAnswer) {
   }
 }
 
-TEST(SemismoothNewton, AWarmStartFromTheAnswerTakesOneFactorisation) {
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    const TestProblem test = PlantedProblem(60, 30, seed, 0, 0);
-    const LcpResult cold = SolveWith(test.problem);
-    ExpectSolved(test.problem, cold);
-    LcpOptions options;
-    options.initial_f = &cold.f;
-    const LcpResult warm = SolveWith(test.problem, options);
-    ExpectSolved(test.problem, warm);
-    EXPECT_EQ(warm.iterations, 1) << seed;
-    EXPECT_LE(warm.iterations, cold.iterations) << seed;
-  }
-}
-
-TEST(SemismoothNewton, PowersOfTwoChangeNoBit) {
-  for (unsigned seed = 1; seed <= 10; ++seed) {
-    const TestProblem test = PlantedProblem(40, 12, seed, 7, 5);
-    const LcpResult plain = SolveWith(test.problem);
-    const Eigen::VectorXd scale = Eigen::VectorXd::Constant(40, 0x1p-40);
-    const LcpResult scaled = SolveWith(ScaleRows(test.problem, scale, 0x1p40));
-    EXPECT_EQ(plain.status, scaled.status);
-    EXPECT_EQ(plain.iterations, scaled.iterations);
-    // J -> s J, b -> s b, M^-1 -> m M^-1: f -> f / (s m).
-    EXPECT_EQ(plain.f, scaled.f) << seed;
-  }
-}
-
 TEST(SemismoothNewton, ForcesOnRedundantContactsArePositiveWhereTheyCanBe) {
   // A bar on k supports in line: rank 2, and every split of its weight is a solution. The proximal one is spread.
   for (const int k : {3, 5, 20}) {
@@ -159,23 +132,6 @@ TEST(SemismoothNewton, RefusesWhatMakesNoSense) {
   EXPECT_THROW(SemismoothNewtonSolver({.least_weight = 1e-11}), InputError);
   EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"first_weight", "2"}}), InputError);
   EXPECT_THROW(SemismoothNewtonOptions::FromSettings({{"weight", "1"}}), InputError);
-}
-
-TEST(SemismoothNewton, ClaimsNothingWrongForAMatrixThatIsNotPsd) {
-  for (unsigned seed = 1; seed <= 50; ++seed) {
-    std::mt19937_64 random(seed);
-    const auto uniform = [&] { return 2 * static_cast<double>(random() >> 11) * 0x1p-53 - 1; };
-    Eigen::MatrixXd A(6, 6);
-    Eigen::VectorXd b(6);
-    for (Index i = 0; i < 6; ++i) {
-      for (Index j = 0; j <= i; ++j) A(i, j) = A(j, i) = i == j ? 1 : 2 * uniform();
-      b[i] = uniform();
-    }
-    const LcpProblem problem = LcpProblem::FromDense("indefinite", A, b);
-    const LcpResult result = SolveWith(problem);
-    EXPECT_FALSE(Verify(problem, result, LcpOptions{}.tolerance).false_success) << seed;
-    EXPECT_TRUE(result.status != LcpStatus::kInfeasible || result.farkas_ray.has_value()) << seed;
-  }
 }
 
 }  // namespace

@@ -1,0 +1,38 @@
+"""What the scripts of report/ have in common: a results folder in, text out, one line for what does not fit."""
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+from .cells import Cells
+from .errors import ReportError
+from .load import load_results, match_tier
+
+
+def parser(description: str) -> argparse.ArgumentParser:
+    made = argparse.ArgumentParser(description=description)
+    made.add_argument("results", type=Path, metavar="RESULTS_DIR", help="folder written by `lcpbench run`")
+    return made
+
+
+def run(name: str, options: argparse.Namespace, act: Callable[[Cells], None]) -> int:
+    """@returns the exit status: 0, or 2 with one line on standard error"""
+    try:
+        act(Cells(load_results(options.results)))
+    except ReportError as error:
+        print(f"{name}: error: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"{name}: error: {error.filename}: {error.strerror}", file=sys.stderr)
+        return 2
+    return 0
+
+
+def tier_of(cells: Cells, asked: float) -> float:
+    """The tier of the run that was asked for."""
+    tier = match_tier(asked, cells.results.tiers)
+    if tier is None:
+        raise ReportError("--tier", f"{asked:g} was not run", "one of " + ", ".join(
+            f"{t:g}" for t in cells.results.tiers))
+    return tier

@@ -1,0 +1,102 @@
+#include "tests/model/acceleration_mover.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <iomanip>
+#include <iostream>
+#include <utility>
+
+#include "model/loads.h"
+#include "model/mass_properties.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+
+Body Movable(const Outline& outline, Vec2 x, double theta) {
+  Body body = MakeBody(outline, 1);
+  body.x = x;
+  body.theta = theta;
+  return body;
+}
+
+Body Fixed(const Outline& outline, Vec2 x, double theta) {
+  Body body;
+  body.name = outline.name;
+  body.fixed = true;
+  body.x = x;
+  body.theta = theta;
+  for (const OutlineLoop& loop : outline.loops) body.outline.insert(body.outline.end(), loop.begin(), loop.end());
+  return body;
+}
+
+Body Floor(double half_width) { return Fixed({"floor", {{{StraightEdge{{half_width, 0}, {-half_width, 0}}, 0, 1}}}}); }
+
+Body Anchor() {
+  Body body;
+  body.name = "anchor";
+  body.fixed = true;
+  return body;
+}
+
+Body Track(double radius) { return Fixed({"track", {{{ArcEdge{{}, radius, Side::kConcave}, 2 * kPi, 0}}}}); }
+
+Constraint Joint(ConstraintType type, int body1, Vec2 p1, int body2, Vec2 p2, double length) {
+  Constraint joint;
+  joint.type = type;
+  joint.body1 = body1;
+  joint.body2 = body2;
+  joint.feature1 = Vertex{p1};
+  joint.feature2 = Vertex{p2};
+  joint.length = length;
+  return joint;
+}
+
+World WorldWith(std::string name, std::vector<Body> bodies, Vec2 gravity) {
+  World world;
+  world.name = std::move(name);
+  world.bodies = std::move(bodies);
+  world.loads.gravity = gravity;
+  return world;
+}
+
+double Energy(const World& world) { return KineticEnergy(world.bodies) + PotentialEnergy(world.loads, world.bodies); }
+
+AccelerationOptions Elastic() {
+  AccelerationOptions options;
+  options.impact.restitution = 1;
+  return options;
+}
+
+Mover::Mover(const World& world, const AccelerationOptions& options, std::string_view solver)
+    : solver_(MakeSolver(solver)), motion_(world, options, *solver_) {}
+
+void Print(const std::string& name, double drift, double period_error, const MotionStatistics& s, double wall) {
+  if (std::getenv("LCPBENCH_MOTION_FIGURES") == nullptr) return;
+  std::cout << "| " << name << " | " << std::setprecision(2) << drift << " | " << s.worst_penetration << " | "
+            << s.worst_joint_error << " | " << period_error << " | " << s.steps << " | " << s.impacts << " | "
+            << s.solves << " | " << wall << " s |\n";
+}
+
+void ExpectConserved(Mover* mover, double scale, double seconds, double period_error, double tolerance) {
+  constexpr double kFrame = 0.1;
+  const double begin = Energy((*mover)->world());
+  const double started = SteadyNow();
+  double drift = 0;
+  while ((*mover)->time() < seconds - 1e-9) {
+    (*mover)->Advance(std::min(kFrame, seconds - (*mover)->time()));
+    ASSERT_EQ((*mover)->status(), MotionStatus::kMoving) << (*mover)->detail();
+    drift = std::max(drift, std::abs(Energy((*mover)->world()) - begin));
+  }
+  const MotionStatistics& statistics = (*mover)->statistics();
+  Print((*mover)->world().name, drift / scale, period_error, statistics, SteadyNow() - started);
+  EXPECT_LE(drift / scale, tolerance);
+  EXPECT_LE(statistics.worst_penetration, AccelerationOptions().contact_tolerance);
+  EXPECT_LE(statistics.worst_joint_error, AccelerationOptions().contact_tolerance);
+  EXPECT_EQ(statistics.failed_solves, 0);
+  EXPECT_GT(statistics.steps, 0);
+}
+
+}  // namespace lcpbench

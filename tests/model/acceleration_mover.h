@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/motion/acceleration_motion.h"
+#include "model/outline.h"
+#include "model/world.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+// Worlds of a few bodies, and motion at the acceleration level in them, for its tests.
+
+inline constexpr double kPi = 3.14159265358979323846;
+inline constexpr double kG = 9.81;
+
+Body Movable(const Outline& outline, Vec2 x, double theta = 0);
+Body Fixed(const Outline& outline, Vec2 x = {}, double theta = 0);
+
+/// A line from right to left, so that the material is below it.
+Body Floor(double half_width = 100);
+
+/// A fixed body without an outline.
+Body Anchor();
+
+/// The inside of a circle.
+Body Track(double radius);
+
+/// Two points that a joint, rod or rope holds together.
+Constraint Joint(ConstraintType type, int body1, Vec2 p1, int body2, Vec2 p2, double length = 0);
+
+World WorldWith(std::string name, std::vector<Body> bodies, Vec2 gravity = {0, -kG});
+
+double Energy(const World& world);
+
+/// Restitution 1.
+AccelerationOptions Elastic();
+
+/// A solver and a motion under it.
+class Mover {
+ public:
+  explicit Mover(const World& world, const AccelerationOptions& options = {}, std::string_view solver = "dantzig");
+  AccelerationMotion* operator->() { return &motion_; }
+  AccelerationMotion& operator*() { return motion_; }
+  const Body& body(std::size_t i) const { return motion_.world().bodies[i]; }
+
+ private:
+  std::unique_ptr<LcpSolver> solver_;
+  AccelerationMotion motion_;
+};
+
+/// With LCPBENCH_MOTION_FIGURES set, what a scene came to.
+void Print(const std::string& name, double drift, double period_error, const MotionStatistics& s, double wall);
+
+/// Moves on for `seconds`, observing at frames; energy relative to `scale` must stay within `tolerance` and penetration
+/// within the contact tolerance.
+void ExpectConserved(Mover* mover, double scale, double seconds = 10, double period_error = 0, double tolerance = 1e-6);
+
+}  // namespace lcpbench

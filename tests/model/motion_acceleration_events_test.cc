@@ -1,0 +1,198 @@
+// Motion at the acceleration level at its events: impacts, rest, contacts that begin and end, walls that move.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "model/loads.h"
+#include "model/mass_properties.h"
+#include "model/scenes/random.h"
+#include "model/shapes.h"
+#include "tests/model/acceleration_mover.h"
+
+namespace lcpbench {
+namespace {
+
+std::vector<Body> Cradle(int count, double gap) {
+  std::vector<Body> balls;
+  balls.reserve(static_cast<std::size_t>(count));
+  for (int k = 0; k < count; ++k) balls.push_back(Movable(Disc(0.1), {(0.2 + gap) * k, 0}));
+  balls[0].x.x -= 0.3;
+  balls[0].v = {1, 0};
+  return balls;
+}
+
+TEST(AccelerationMotion, InACradleWithSmallGapsTheLastBallLeavesWithTheFirstOnesVelocity) {
+  Mover mover(WorldWith("cradle in a line", Cradle(5, 1e-4), {}), Elastic());
+  ExpectConserved(&mover, KineticEnergy(mover->world().bodies), 1);
+  for (std::size_t k = 0; k < 5; ++k) EXPECT_NEAR(mover.body(k).v.x, k == 4 ? 1 : 0, 1e-12) << k;
+  EXPECT_EQ(mover->statistics().impacts, 4);
+}
+
+TEST(AccelerationMotion, TouchingBallsUnderOneRestitutionShareTheImpact) {
+  for (const ImpactLaw law : {ImpactLaw::kNewton, ImpactLaw::kPoisson}) {
+    AccelerationOptions options = Elastic();
+    options.impact.law = law;
+    Mover mover(WorldWith("touching cradle", Cradle(3, 0), {}), options);
+    mover->Advance(1);
+    EXPECT_NEAR(mover.body(0).v.x, -1.0 / 3, 1e-9);
+    EXPECT_NEAR(mover.body(1).v.x, 2.0 / 3, 1e-9);
+    EXPECT_NEAR(mover.body(2).v.x, 2.0 / 3, 1e-9);
+    EXPECT_EQ(mover->statistics().impacts, 1);
+  }
+}
+
+TEST(AccelerationMotion, ABouncingBallKeepsItsTimetable) {
+  const double r = 0.1;
+  const double drop = 0.5;
+  const double e = 0.6;
+  AccelerationOptions options;
+  options.impact.restitution = e;
+  const World world = WorldWith("bouncing ball", {Floor(), Movable(Disc(r), {0, r + drop})});
+  Mover mover(world, options);
+  // Falls for t0, then flights of 2 e^k t0.
+  const double t0 = std::sqrt(2 * drop / kG);
+  const double v0 = kG * t0;
+  double landing = t0;
+  double speed = v0;
+  for (int k = 1; k <= 6; ++k) {
+    speed *= e;
+    const double top = landing + speed / kG;
+    mover->Advance(top - mover->time());
+    EXPECT_EQ(mover->statistics().impacts, k);
+    EXPECT_NEAR(mover.body(1).x.y, r + speed * speed / (2 * kG), 1e-9) << k;
+    EXPECT_NEAR(mover.body(1).v.y, 0, 1e-8) << k;
+    landing += 2 * speed / kG;
+  }
+  // All bounces are over after this, and the ball rests.
+  mover->Advance(t0 + 2 * t0 * e / (1 - e) + 0.5 - mover->time());
+  EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+  EXPECT_NEAR(mover.body(1).x.y, r, 1e-8);
+  EXPECT_NEAR(mover.body(1).v.y, 0, 1e-9);
+  // Down to the resting speed: v0 e^k >= 1e-4.
+  EXPECT_EQ(mover->statistics().impacts, static_cast<int>(std::ceil(std::log(1e-4 / v0) / std::log(e))) + 1);
+}
+
+TEST(AccelerationMotion, WithoutARestingSpeedBouncingStalls) {
+  AccelerationOptions options;
+  options.impact.restitution = 0.5;
+  options.impact.resting_speed = 0;
+  options.velocity_tolerance = 1e-12;
+  options.max_events = 10;
+  Mover mover(WorldWith("zeno", {Floor(), Movable(Disc(0.1), {0, 0.2})}), options);
+  mover->Advance(5);
+  EXPECT_EQ(mover->status(), MotionStatus::kStalled);
+  EXPECT_NE(mover->detail().find("more than 10 events"), std::string::npos) << mover->detail();
+  const double stopped = mover->time();
+  mover->Advance(1);
+  EXPECT_EQ(mover->time(), stopped);
+}
+
+TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {
+  for (const double tilt : {0.3, -0.7, 1e-4}) {
+    const World world = WorldWith("falling box", {Floor(), Movable(Box(0.4, 0.2), {0, 0.6}, tilt)});
+    AccelerationOptions options;
+    options.impact.restitution = 0.4;
+    Mover mover(world, options);
+    const double started = SteadyNow();
+    mover->Advance(5);
+    Print("box falling flat", 0, 0, mover->statistics(), SteadyNow() - started);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+    EXPECT_NEAR(mover.body(1).theta, 0, 1e-5) << tilt;
+    EXPECT_NEAR(mover.body(1).x.y, 0.1, 1e-5) << tilt;
+    EXPECT_NEAR(mover.body(1).omega, 0, 1e-5) << tilt;
+    EXPECT_LE(mover->statistics().worst_penetration, options.contact_tolerance);
+  }
+}
+
+TEST(AccelerationMotion, AKinematicTableCarriesADisc) {
+  Body table = Fixed(Box(2, 0.2), {0.3, 0});
+  table.v = {0.5, 0.2};
+  table.acceleration = {-0.3, 0.8};
+  const double r = 0.25;
+  Mover mover(WorldWith("lift", {table, Movable(Disc(r), {0, 0.1 + r})}), {});
+  // Meets the disc with 0.2 m/s: e = 0 makes that the disc's, too.
+  mover->Advance(1.25);
+  const double t = mover->time();
+  EXPECT_DOUBLE_EQ(mover.body(0).x.x, 0.3 + t * (0.5 - 0.3 * t / 2));
+  EXPECT_DOUBLE_EQ(mover.body(0).x.y, t * (0.2 + 0.8 * t / 2));
+  EXPECT_NEAR(mover.body(1).x.x, 0, 1e-12);
+  EXPECT_NEAR(mover.body(1).x.y, 0.1 + r + t * (0.2 + 0.8 * t / 2), 1e-9);
+  EXPECT_NEAR(mover.body(1).v.y, 0.2 + 0.8 * t, 1e-9);
+}
+
+TEST(AccelerationMotion, ASpinningRoundDrumLeavesADiscAloneAndAnOvalOneThrowsIt) {
+  const Outline round{"drum", {{{ArcEdge{{}, 1, Side::kConcave}, 2 * kPi, 0}}}};
+  const Outline oval{"drum", {{{EllipseEdge{{}, 1, 0.8, 0, Side::kConcave}, 2 * kPi, 0}}}};
+  const std::array<Outline, 2> drums = {round, oval};
+  for (const Outline& outline : drums) {
+    Body drum = Fixed(outline);
+    drum.omega = 3;
+    const World world =
+        WorldWith(&outline == &drums[0] ? "round drum" : "oval drum", {drum, Movable(Disc(0.2), {0, -0.6})});
+    Mover mover(world);
+    const double started = SteadyNow();
+    mover->Advance(2);
+    Print("kinematic drum", 0, 0, mover->statistics(), SteadyNow() - started);
+    EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
+    EXPECT_DOUBLE_EQ(mover.body(0).theta, 6);
+    const bool is_round = &outline == drums.data();
+    EXPECT_EQ(std::abs(mover.body(1).x.x) < 1e-9, is_round);
+    EXPECT_LE(mover->statistics().worst_penetration, 1e-6);
+  }
+}
+
+TEST(AccelerationMotion, ARopeGetsTautAndThenHoldsADiscOnACircle) {
+  const double length = 0.8;
+  Body disc = Movable(Disc(0.1), {0.48, 0});
+  World world = WorldWith("rope", {Anchor(), disc});
+  world.joints = {Joint(ConstraintType::kRope, 1, {}, 0, {}, length)};
+  Mover mover(world);
+  // Falls freely to (0.48, -0.64), where e = 0 leaves the velocity along the circle.
+  const double v = std::sqrt(2 * kG * 0.64);
+  const double along = v * 0.6;
+  mover->Advance(v / kG + 0.05);
+  EXPECT_EQ(mover->statistics().impacts, 1);
+  EXPECT_NEAR(Norm(mover.body(1).x), length, 1e-8);
+  EXPECT_NEAR(Energy(mover->world()), disc.mass * (along * along / 2 - kG * 0.64), 1e-9);
+  // Elastic: back the way it came along the rope.
+  Mover bouncing(world, Elastic());
+  ExpectConserved(&bouncing, disc.mass * kG * 0.64, 5);
+  EXPECT_LE(Norm(bouncing.body(1).x), length + 1e-6);
+}
+
+TEST(AccelerationMotion, ABulletDoesNotPassThroughAThinWall) {
+  Random random(5);
+  for (int k = 0; k < 40; ++k) {
+    const double speed = 10 * std::pow(1000, random.Uniform());
+    Body bullet =
+        Movable(k % 2 == 0 ? Disc(0.01) : Box(0.02, 0.015), {-1, random.Uniform(-0.4, 0.4)}, random.Uniform(0, 6));
+    bullet.v = {speed, 0};
+    Mover mover(WorldWith("bullet", {Fixed(Box(0.002, 1)), bullet}, {}), Elastic());
+    mover->Advance(2 / speed);
+    EXPECT_GE(mover->statistics().impacts, 1) << k;
+    EXPECT_LT(mover.body(1).x.x, 0) << k;
+  }
+}
+
+TEST(AccelerationMotion, ADiscThatGrazesACornerBetweenTwoStepsIsSeen) {
+  // Passes under the corner so closely that gaps are open at the ends of most steps around it.
+  for (int k = 0; k < 50; ++k) {
+    const double overlap = 1e-3 * (k % 2 == 0 ? 1 : -1);
+    Body disc = Movable(Disc(0.1), {-1 - 0.003 * k, -0.1 + overlap});
+    disc.v = {2, 0};
+    Body wedge = Fixed({"wedge",
+                        {{{StraightEdge{{0, 0}, {1, 1}}, 0, 1},
+                          {StraightEdge{{1, 1}, {-1, 1}}, 0, 1},
+                          {StraightEdge{{-1, 1}, {0, 0}}, 0, 1}}}});
+    Mover mover(WorldWith("graze", {wedge, disc}, {}), Elastic());
+    mover->Advance(1);
+    EXPECT_EQ(mover->statistics().impacts, overlap > 0 ? 1 : 0) << k;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,112 @@
+#include "tests/solvers/direct_solvers.h"
+
+namespace lcpbench {
+
+const std::vector<DirectSolver>& DirectSolvers() {
+  static const std::vector<DirectSolver> solvers = {
+      {.name = "dantzig",
+       .key = "dantzig",
+       .iterations_per_row = 12,
+       .warm_iterations = 0.1,
+       .warm_part = 0.05,
+       .undecided_rounded = 0.005,
+       .unit_problems_missed = 1,
+       .row_limit = "max_rows"},
+      {.name = "dantzig_most_negative",
+       .key = "dantzig",
+       .settings = {{"order", "most-negative"}},
+       .iterations_per_row = 12,
+       .warm_iterations = 0.1,
+       .warm_part = 0.05,
+       .undecided_rounded = 0.005,
+       .unit_problems_missed = 3,
+       .row_limit = "max_rows"},
+      {.name = "lemke",
+       .key = "lemke",
+       .iterations_per_row = 6,
+       .warm_iterations = 0.1,
+       .warm_part = 0.05,
+       .undecided_rounded = 0.005,
+       .unit_problems_missed = 1,
+       .row_limit = "max_rows"},
+      {.name = "bpp_dense",
+       .key = "bpp",
+       .settings = {{"form", "dense"}},
+       .rho = 1e-9,
+       .warm_iterations = 1.1,
+       .powers_of_two_leave_zero_rows = false,
+       .row_limit = "max_dense_rows"},
+      {.name = "bpp_sparse",
+       .key = "bpp",
+       .settings = {{"form", "sparse"}},
+       .rho = 1e-9,
+       .warm_iterations = 1.1,
+       .powers_of_two_leave_zero_rows = false},
+      {.name = "semismooth_newton",
+       .key = "semismooth-newton",
+       .rho = 1e-9,
+       .undecided = 0.01,
+       .undecided_rounded = 0.01,
+       .powers_of_two_leave_zero_rows = false},
+      // Up to 48 rows its tableau starts anew; naming the backend that answered may allocate.
+      {.name = "auto",
+       .key = "auto",
+       .rho = 1e-9,
+       .warm_iterations = 20,
+       .powers_of_two_leave_zero_rows = false,
+       .allocates = true},
+      {.name = "suitesparse",
+       .key = "suitesparse",
+       .rho = 1e-9,
+       .warm_iterations = 0,
+       .powers_of_two_leave_zero_rows = false,
+       .allocates = true},
+  };
+  return solvers;
+}
+
+std::string NameOf(const testing::TestParamInfo<DirectSolver>& info) { return info.param.name; }
+
+void DirectSolverTest::SetUp() {
+  if (!FindSolver(GetParam().key).available) GTEST_SKIP() << GetParam().key << " is not in this build";
+  solver_ = MakeSolver(GetParam().key, GetParam().settings);
+}
+
+LcpResult DirectSolverTest::Solve(const LcpProblem& problem, const LcpOptions& options) {
+  LcpResult result;
+  solver_->Solve(problem, options, &result);
+  return result;
+}
+
+void DirectSolverTest::ExpectSolved(const TestProblem& test, const LcpResult& result) {
+  const Verdict verdict = Verify(test.problem, result, 1e-9, &test.reference);
+  EXPECT_EQ(result.status, LcpStatus::kSolved) << test.problem.id() << ": " << result.detail;
+  EXPECT_TRUE(verdict.passes) << test.problem.id() << ": " << verdict.reason;
+  EXPECT_LE(verdict.metrics.rho, GetParam().rho) << test.problem.id();
+  EXPECT_LE(verdict.metrics.w_error, 1e-8) << test.problem.id();
+}
+
+void DirectSolverTest::ExpectProof(const LcpProblem& problem, const LcpResult& result) {
+  EXPECT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << ": " << result.detail;
+  ASSERT_TRUE(result.farkas_ray.has_value()) << problem.id();
+  const FarkasVerdict verdict = VerifyFarkasRay(problem, *result.farkas_ray);
+  EXPECT_TRUE(verdict.accepted) << problem.id() << ": " << verdict.reason;
+}
+
+void DirectSolverTest::Judge(const TestProblem& test, const LcpResult& result) {
+  ++judged_;
+  if (result.status == LcpStatus::kIterationLimit || result.status == LcpStatus::kNumericalFailure) {
+    ++undecided_count_;
+    undecided_ += " " + test.problem.id();
+  } else if (test.reference.status == LcpReference::Status::kInfeasible) {
+    ExpectProof(test.problem, result);
+  } else {
+    ExpectSolved(test, result);
+  }
+}
+
+void DirectSolverTest::ExpectUndecided(double part) const {
+  EXPECT_LE(undecided_count_, part * judged_) << "of " << judged_ << ":" << undecided_;
+}
+
+}  // namespace lcpbench
