@@ -37,9 +37,7 @@ bool DantzigSolver::Engine::FindViolations() {
 }
 
 PivotBase::End DantzigSolver::Engine::Run(LcpResult* result) {
-  End end = EnterJoints(result);
-  if (end == End::kDone) end = EnterWarmRows();
-  if (end == End::kDone && initial_f_ != nullptr) SolveForces(Leaving::kAll);
+  End end = EnterStart(result);
   q_ = m();
   if (options_.order == DantzigOrder::kMostNegative) FindViolations();
   for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {

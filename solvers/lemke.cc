@@ -20,10 +20,8 @@ void LemkeSolver::Engine::Reserve(Index max_rows) {
 }
 
 PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
-  End end = EnterJoints(result);
-  if (end == End::kDone) end = EnterWarmRows();
+  End end = EnterStart(result);
   const Index in_play = open_;
-  SolveForces(Leaving::kAll);
   for (int path = 0; path < kMaxPaths && end == End::kDone; ++path) {
     open_ = in_play;
     const double violation = ComputeGaps();

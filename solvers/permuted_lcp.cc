@@ -12,6 +12,8 @@ namespace {
 
 using Index = Eigen::Index;
 
+size_t At(Index i) { return static_cast<size_t>(i); }
+
 // Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
 Index PaddedStride(Index rows) {
   const Index stride = (rows + 7) / 8 * 8;
@@ -27,7 +29,49 @@ void PermutedLcp::Reserve(Index max_rows) {
   row.resize(static_cast<size_t>(max_rows));
 }
 
-bool PermutedLcp::Load(const LcpProblem& problem) {
+// Fills row, bilateral and guessed.
+void PermutedLcp::Order(const LcpProblem& problem, const Eigen::VectorXd* guess) {
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  const std::vector<Index>& joints = problem.bilateral_rows();
+  bilateral = 0;
+  guessed = 0;
+  for (const Index i : joints) {
+    if (d[i] != 0) row[At(bilateral++)] = i;
+  }
+  // Of contacts A_ii guess_i^2 where positive; nothing but powers of two comes between for problems that differ by
+  // such.
+  double* size = f.data();
+  double least = 0;
+  if (guess == nullptr) {
+    std::fill(size, size + n, 0.0);
+  } else {
+    for (Index i = 0; i < n; ++i) {
+      const double scaled = std::max((*guess)[i], 0.0) / scale[i];
+      size[i] = scaled * scaled * (d[i] * scale[i] * scale[i]);
+    }
+    for (const Index i : joints) size[i] = 0;
+    double largest = 0;
+    for (Index i = 0; i < n; ++i) largest = std::max(largest, size[i]);
+    least = kGuessThreshold * kGuessThreshold * largest;
+    for (Index i = 0; i < n; ++i) {
+      if (size[i] > least) row[At(bilateral + guessed++)] = i;
+    }
+  }
+  Index unilateral = bilateral + guessed;
+  Index zero = nonzero;
+  auto joint = joints.begin();
+  for (Index i = 0; i < n; ++i) {
+    const bool is_joint = joint != joints.end() && *joint == i;
+    if (is_joint) ++joint;
+    if (d[i] == 0) {
+      row[At(zero++)] = i;
+    } else if (!is_joint && !(size[i] > least)) {
+      row[At(unilateral++)] = i;
+    }
+  }
+}
+
+bool PermutedLcp::Load(const LcpProblem& problem, const Eigen::VectorXd* guess) {
   const Eigen::MatrixXd& given = problem.DenseA();
   const Eigen::VectorXd& given_b = problem.b();
   n = problem.size();
@@ -52,47 +96,32 @@ bool PermutedLcp::Load(const LcpProblem& problem) {
   // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
   b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
 
-  bilateral = 0;
-  const std::vector<Index>& joints = problem.bilateral_rows();
-  const bool in_order = nonzero == n && joints.empty();
+  const bool in_order = nonzero == n && problem.bilateral_rows().empty() && guess == nullptr;
   if (in_order) {
-    for (Index i = 0; i < n; ++i) row[static_cast<size_t>(i)] = i;
+    bilateral = 0;
+    guessed = 0;
+    for (Index i = 0; i < n; ++i) row[At(i)] = i;
   } else {
-    for (const Index i : joints) {
-      if (given(i, i) != 0) row[static_cast<size_t>(bilateral++)] = i;
-    }
-    Index unilateral = bilateral;
-    Index zero = nonzero;
-    auto joint = joints.begin();
-    for (Index i = 0; i < n; ++i) {
-      const bool is_joint = joint != joints.end() && *joint == i;
-      if (is_joint) ++joint;
-      if (given(i, i) == 0) {
-        row[static_cast<size_t>(zero++)] = i;
-      } else if (!is_joint) {
-        row[static_cast<size_t>(unilateral++)] = i;
-      }
-    }
+    Order(problem, guess);
+    for (Index p = 0; p < nonzero; ++p) f[p] = scale[row[At(p)]];
   }
   for (Index q = 0; q < nonzero; ++q) {
-    const Index source = row[static_cast<size_t>(q)];
+    const Index source = row[At(q)];
     const double* __restrict from = given.data() + source * n;
-    const double* __restrict factor = scale.data();
     double* __restrict to = column(q);
     const double s = scale[source];
     if (in_order) {
+      const double* __restrict factor = scale.data();
       for (Index p = 0; p < n; ++p) to[p] = (from[p] * s) * factor[p];
     } else {
-      for (Index p = 0; p < nonzero; ++p) {
-        const Index i = row[static_cast<size_t>(p)];
-        to[p] = (from[i] * s) * factor[i];
-      }
+      const double* __restrict factor = f.data();  // not needed for forces yet
+      for (Index p = 0; p < nonzero; ++p) to[p] = (from[row[At(p)]] * s) * factor[p];
     }
     diagonal[q] = to[q];
     b[q] = given_b[source] * s * b_scale;
-    f[q] = 0;
     w[q] = b[q];
   }
+  f.head(nonzero).setZero();
   return true;
 }
 
@@ -103,7 +132,7 @@ void PermutedLcp::Swap(Index p, Index q) {
   double* row_q = A.data() + q;
   for (Index j = 0; j < nonzero; ++j) std::swap(row_p[j * stride], row_q[j * stride]);
   for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w}) std::swap((*v)[p], (*v)[q]);
-  std::swap(row[static_cast<size_t>(p)], row[static_cast<size_t>(q)]);
+  std::swap(row[At(p)], row[At(q)]);
 }
 
 void PermutedLcp::AddColumns(Index begin, Index end, Index columns, const double* __restrict x,
