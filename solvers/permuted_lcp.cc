@@ -26,48 +26,54 @@ void PermutedLcp::Reserve(Index max_rows) {
   if (max_rows <= f.size()) return;
   A.resize(PaddedStride(max_rows) * max_rows);
   for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w, &scale}) v->setZero(max_rows);
-  row.resize(static_cast<size_t>(max_rows));
+  row.resize(At(max_rows));
+  kind_.resize(At(max_rows));
+  moved_.reserve(At(max_rows));
 }
 
-// Fills row, bilateral and guessed.
+// Fills row, bilateral, guessed and moved_. Rows that may stay where they are do.
 void PermutedLcp::Order(const LcpProblem& problem, const Eigen::VectorXd* guess) {
   const Eigen::VectorXd& d = problem.DiagonalA();
   const std::vector<Index>& joints = problem.bilateral_rows();
-  bilateral = 0;
-  guessed = 0;
-  for (const Index i : joints) {
-    if (d[i] != 0) row[At(bilateral++)] = i;
-  }
-  // Of contacts A_ii guess_i^2 where positive; nothing but powers of two comes between for problems that differ by
-  // such.
+  // Of contacts A_ii guess_i^2 where positive; nothing but powers of two comes between for problems that differ by such.
   double* size = f.data();
   double least = 0;
   if (guess == nullptr) {
     std::fill(size, size + n, 0.0);
   } else {
+    double largest = 0;
     for (Index i = 0; i < n; ++i) {
       const double scaled = std::max((*guess)[i], 0.0) / scale[i];
       size[i] = scaled * scaled * (d[i] * scale[i] * scale[i]);
     }
     for (const Index i : joints) size[i] = 0;
-    double largest = 0;
     for (Index i = 0; i < n; ++i) largest = std::max(largest, size[i]);
     least = kGuessThreshold * kGuessThreshold * largest;
-    for (Index i = 0; i < n; ++i) {
-      if (size[i] > least) row[At(bilateral + guessed++)] = i;
-    }
   }
-  Index unilateral = bilateral + guessed;
-  Index zero = nonzero;
-  auto joint = joints.begin();
+  // Kinds of rows in their order, and where the places of each begin.
+  enum Kind : char { kJoint, kGuessed, kOther, kZero, kKinds };
+  Index count[kKinds] = {};
+  for (Index i = 0; i < n; ++i) kind_[At(i)] = d[i] == 0 ? kZero : size[i] > least ? kGuessed : kOther;
+  for (const Index i : joints) {
+    if (d[i] != 0) kind_[At(i)] = kJoint;
+  }
+  for (Index i = 0; i < n; ++i) ++count[static_cast<size_t>(kind_[At(i)])];
+  bilateral = count[kJoint];
+  guessed = count[kGuessed];
+  Index begin[kKinds + 1] = {};
+  for (size_t k = 0; k < kKinds; ++k) begin[k + 1] = begin[k] + count[k];
+  moved_.clear();
+  Index next[kKinds] = {begin[0], begin[1], begin[2], begin[3]};
   for (Index i = 0; i < n; ++i) {
-    const bool is_joint = joint != joints.end() && *joint == i;
-    if (is_joint) ++joint;
-    if (d[i] == 0) {
-      row[At(zero++)] = i;
-    } else if (!is_joint && !(size[i] > least)) {
-      row[At(unilateral++)] = i;
+    const auto k = static_cast<size_t>(kind_[At(i)]);
+    if (i >= begin[k] && i < begin[k + 1]) {
+      row[At(i)] = i;
+      continue;
     }
+    // The next place of its kind whose own row is of another kind.
+    while (static_cast<size_t>(kind_[At(next[k])]) == k) ++next[k];
+    moved_.push_back(next[k]);
+    row[At(next[k]++)] = i;
   }
 }
 
@@ -96,27 +102,22 @@ bool PermutedLcp::Load(const LcpProblem& problem, const Eigen::VectorXd* guess) 
   // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
   b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
 
-  const bool in_order = nonzero == n && problem.bilateral_rows().empty() && guess == nullptr;
-  if (in_order) {
+  if (nonzero == n && problem.bilateral_rows().empty() && guess == nullptr) {
     bilateral = 0;
     guessed = 0;
+    moved_.clear();
     for (Index i = 0; i < n; ++i) row[At(i)] = i;
   } else {
     Order(problem, guess);
-    for (Index p = 0; p < nonzero; ++p) f[p] = scale[row[At(p)]];
   }
+  const double* __restrict factor = scale.data();
   for (Index q = 0; q < nonzero; ++q) {
     const Index source = row[At(q)];
     const double* __restrict from = given.data() + source * n;
     double* __restrict to = column(q);
     const double s = scale[source];
-    if (in_order) {
-      const double* __restrict factor = scale.data();
-      for (Index p = 0; p < n; ++p) to[p] = (from[p] * s) * factor[p];
-    } else {
-      const double* __restrict factor = f.data();  // not needed for forces yet
-      for (Index p = 0; p < nonzero; ++p) to[p] = (from[row[At(p)]] * s) * factor[p];
-    }
+    for (Index i = 0; i < nonzero; ++i) to[i] = (from[i] * s) * factor[i];
+    for (const Index p : moved_) to[p] = (from[row[At(p)]] * s) * factor[row[At(p)]];
     diagonal[q] = to[q];
     b[q] = given_b[source] * s * b_scale;
     w[q] = b[q];

@@ -69,6 +69,9 @@ struct PermutedLcp {
 
  private:
   void Order(const LcpProblem& problem, const Eigen::VectorXd* guess);
+
+  std::vector<char> kind_;    // by row of the problem, while Load orders them
+  std::vector<Index> moved_;  // positions that do not begin with the row of their number
 };
 
 }  // namespace lcpbench

@@ -36,6 +36,8 @@ void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   n_ = problem.size();
   block_ = blocks_.Analyze(problem, true, n_ <= kMaxDenseRows);
   test_.Reset(problem);
+  judge_.Reset(problem, blocks_.is_dense(block_));
+  judged_.f.setZero(n_);
   scaled_.Resize(n_);
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
     v->setZero(n_);

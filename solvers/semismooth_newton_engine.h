@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solvers/active_block_choice.h"
+#include "solvers/answer_judge.h"
 #include "solvers/given_form.h"
 #include "solvers/scaled_vectors.h"
 #include "solvers/semismooth_newton.h"
@@ -52,6 +53,8 @@ class SemismoothNewtonSolver::Engine {
   ActiveBlockChoice blocks_;
   ActiveBlock* block_ = nullptr;
   GivenFormTest test_;
+  AnswerJudge judge_;
+  LcpResult judged_;  // its f is what judge_ saw
   double tolerance_ = 0;
   std::int64_t factors_ = 0, factor_limit_ = 0;
   std::optional<Deadline> deadline_;

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
@@ -8,15 +9,17 @@
 namespace lcpbench {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The shift of the finish, relative to the diagonal: the correction converges like (shift / eigenvalue)^k, and rounding
 // of the factor, about 1e-15, must stay small beside it.
 constexpr double kFinishShift = 1e-10;
+constexpr double kStartShift = 1e-8;
 constexpr int kFinishSteps = 6;
 // Where b is consistent with dependent rows only up to rounding r, a correction moves f by r / shift in the null space,
 // which can make forces negative. If c itself is nearly right, a heavier shift is tried then.
 constexpr double kGentleShift = 1e-6;
 // Forces and gaps of the wrong sign that are below this part of the largest force or of b do not make a row wrong.
-constexpr double kWrongSign = 1e-11;
+constexpr double kWrongSign = 1e-9;
 constexpr double kNearlySolved = 1e-3;
 // rho that is good enough to stop refining, whatever the tolerance: a direct method pays next to nothing for it.
 constexpr double kGoodEnough = 1e-13;
@@ -37,16 +40,26 @@ double SemismoothNewtonSolver::Engine::RhoInDouble() {
   return Residual(f_, residual_) / (scaled_.b_norm * scaled_.b_scale);
 }
 
-// Keeps f_ if it is the best so far. True if it is good enough to stop.
+// Keeps f_ if it is the best so far. True if it is good enough to stop. What is good enough in double, rounding
+// included, is far below any tolerance; only what is not is looked at in extended precision.
 bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
+  Eigen::VectorXd& f = judge_.candidate();
   for (Index p = 0; p < n_; ++p) {
-    const double f = scaled_.GivenForce(p, f_[p]);
-    f_trial_[p] = is_joint(p) ? f : std::max(f, 0.0);
+    const double given = scaled_.GivenForce(p, f_[p]);
+    f[p] = is_joint(p) ? given : std::max(given, 0.0);
   }
-  const auto rho = static_cast<double>(test_.Rho(f_trial_));
+  judge_.Start(tolerance_);
+  const bool good_enough = judge_.Publish(&judged_);  // the first candidate is the best, if it is a number
+  if (!(judge_.tier() < kInfinity)) return false;
+  if (good_enough) {
+    best_rho_ = judge_.tier();
+    result->f.swap(judged_.f);
+    return true;
+  }
+  const auto rho = static_cast<double>(test_.Rho(judged_.f));
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
-  result->f.swap(f_trial_);
+  result->f.swap(judged_.f);
   if (!(rho <= kGoodEnough)) return false;
   for (Index p = 0; p < n_; ++p) {
     if (!test_.RowMeets(tolerance_, result->f, p)) return false;
@@ -120,7 +133,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromSt
   FindActiveSet(1);
   for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
   for (Index least = n_ + 1;;) {
-    const End end = Factor(kFinishShift);
+    const End end = Factor(kStartShift);
     if (end != End::kGoOn) return end;
     RhoInDouble();
     block_->Solve(residual_.data());
