@@ -32,18 +32,19 @@ void PermutedLcp::Reserve(Index max_rows) {
 }
 
 // Fills row, bilateral, guessed and moved_. Rows that may stay where they are do.
-void PermutedLcp::Order(const LcpProblem& problem, const Eigen::VectorXd* guess) {
+void PermutedLcp::Order(const LcpProblem& problem, const Guess& guess) {
   const Eigen::VectorXd& d = problem.DiagonalA();
   const std::vector<Index>& joints = problem.bilateral_rows();
-  // Of contacts A_ii guess_i^2 where positive; nothing but powers of two comes between for problems that differ by such.
+  // Of contacts A_ii f_i^2 where positive; nothing but powers of two comes between for problems that differ by such.
   double* size = f.data();
   double least = 0;
-  if (guess == nullptr) {
-    std::fill(size, size + n, 0.0);
+  if (guess.forces == nullptr) {
+    const double* given_b = problem.b().data();
+    for (Index i = 0; i < n; ++i) size[i] = guess.negative_b ? -given_b[i] : 0.0;
   } else {
     double largest = 0;
     for (Index i = 0; i < n; ++i) {
-      const double scaled = std::max((*guess)[i], 0.0) / scale[i];
+      const double scaled = std::max((*guess.forces)[i], 0.0) / scale[i];
       size[i] = scaled * scaled * (d[i] * scale[i] * scale[i]);
     }
     for (const Index i : joints) size[i] = 0;
@@ -77,7 +78,7 @@ void PermutedLcp::Order(const LcpProblem& problem, const Eigen::VectorXd* guess)
   }
 }
 
-bool PermutedLcp::Load(const LcpProblem& problem, const Eigen::VectorXd* guess) {
+bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
   const Eigen::MatrixXd& given = problem.DenseA();
   const Eigen::VectorXd& given_b = problem.b();
   n = problem.size();
@@ -102,7 +103,7 @@ bool PermutedLcp::Load(const LcpProblem& problem, const Eigen::VectorXd* guess) 
   // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
   b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
 
-  if (nonzero == n && problem.bilateral_rows().empty() && guess == nullptr) {
+  if (nonzero == n && problem.bilateral_rows().empty() && guess.forces == nullptr && !guess.negative_b) {
     bilateral = 0;
     guessed = 0;
     moved_.clear();

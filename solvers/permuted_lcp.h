@@ -24,11 +24,17 @@ struct PermutedLcp {
 
   void Reserve(Index max_rows);
 
+  /// Which unilateral rows are guessed to be active.
+  struct Guess {
+    /// Not nullptr: rows with D^1/2 f above kGuessThreshold times the largest (an interior point leaves no zeros).
+    const Eigen::VectorXd* forces = nullptr;
+    /// Without forces: rows with b < 0, or none.
+    bool negative_b = false;
+  };
+
   /// O(n^2). False, with nothing loaded, if an A_ii < 0.
   /// @param problem  its DenseA() is read as it stands, so one triangle does not speak for the other
-  /// @param guess    forces, or nullptr for none: rows with D^1/2 guess above kGuessThreshold times the largest of the
-  ///                 unilateral rows are guessed to be active (an interior point leaves no zeros)
-  bool Load(const LcpProblem& problem, const Eigen::VectorXd* guess);
+  bool Load(const LcpProblem& problem, const Guess& guess);
   static constexpr double kGuessThreshold = 1e-10;
 
   /// Exchanges the rows and columns at two positions.  O(n)
@@ -68,7 +74,7 @@ struct PermutedLcp {
   std::vector<Index> row;             ///< position -> row of the problem
 
  private:
-  void Order(const LcpProblem& problem, const Eigen::VectorXd* guess);
+  void Order(const LcpProblem& problem, const Guess& guess);
 
   std::vector<char> kind_;    // by row of the problem, while Load orders them
   std::vector<Index> moved_;  // positions that do not begin with the row of their number

@@ -18,6 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSmallForce = 1e-10;
 // A guessed row enters without a closer look if its pivot is above this multiple of rank_tolerance A_ii.
 constexpr double kGuessedPivot = 1e3;
+// Blocks enter while more than this many rows are violated, and at most this part of those before.
+constexpr Index kFewViolated = 2;
+constexpr double kBlockProgress = 0.8;
 // So many rows, and one for each kRowsPerUpdate of F, leave by updates of the factor; more by a new one.
 constexpr Index kFewUpdates = 2;
 constexpr Index kRowsPerUpdate = 8;
@@ -69,7 +72,7 @@ bool PivotBase::TimeIsUp(Index work) {
   return deadline_->Expired();
 }
 
-bool PivotBase::Load(const Eigen::VectorXd* guess) {
+bool PivotBase::Load(const PermutedLcp::Guess& guess) {
   if (!lcp_.Load(*problem_, guess)) return false;
   active_.Reset();
   solved_at_ = -1;
@@ -86,7 +89,9 @@ void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
   for (const double factor : kAttempts) {
     if (end != End::kNotMet) break;
     rank_tolerance_ = first_rank_tolerance_ * factor;
-    guess_ = factor == kAttempts[0] ? options.initial_f : nullptr;
+    const bool first = factor == kAttempts[0];
+    blocks_ = first && (block_start_ || options.initial_f != nullptr);
+    guess_ = {first ? options.initial_f : nullptr, blocks_};
     if (!Load(guess_)) {
       result->status = LcpStatus::kUnsupported;
       result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
@@ -163,29 +168,70 @@ PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
 }
 
 PivotBase::End PivotBase::EnterStart(LcpResult* result) {
-  const Index rows = lcp_.bilateral + lcp_.guessed;
-  if (rows == 0) return End::kDone;
   const double least_pivot = kGuessedPivot * rank_tolerance_;
-  if (!active_.Factor(rows, least_pivot, deadline())) return End::kTimeLimit;
-  joints_ = lcp_.bilateral;
-  // Joints stay, so the rank rule itself decides where there is any doubt.
-  const double doubtful = std::sqrt(rank_tolerance_);
-  bool clear = active_.first_left_out(rows) >= joints_;
-  for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
-  if (!clear) {
-    Load(guess_);  // the order as it was
-    const End end = EnterJoints(result);
-    if (end != End::kDone) return end;
-    // The guessed rows one by one, because the factor of the joints must stay.
-    for (Index p = m(); p < open_ && guess_ != nullptr; ++p) {
-      if (!((*guess_)[RowAt(p)] > 0)) continue;
-      if (TimeIsUp(m() * m())) return End::kTimeLimit;
-      const double pivot = active_.SetDriven(p);
-      if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
+  const Index rows = lcp_.bilateral + lcp_.guessed;
+  if (rows > 0) {
+    if (TimeIsUp(rows * rows) || !active_.Factor(rows, least_pivot, deadline())) return End::kTimeLimit;
+    joints_ = lcp_.bilateral;
+    // Joints stay, so the rank rule itself decides where there is any doubt.
+    const double doubtful = std::sqrt(rank_tolerance_);
+    bool clear = active_.first_left_out(rows) >= joints_;
+    for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
+    if (!clear) {
+      Load(guess_);  // the order as it was
+      End end = EnterJoints(result);
+      if (end == End::kDone) end = EnterOneByOne(least_pivot);
+      if (end != End::kDone) return end;
+    }
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+  violated_ = m();
+  return blocks_ ? EnterBlocks(least_pivot) : End::kDone;
+}
+
+// The guessed rows, where the factor of the joints must stay.
+PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
+  if (guess_.forces == nullptr) return End::kDone;
+  for (Index p = m(); p < open_; ++p) {
+    if (!((*guess_.forces)[RowAt(p)] > 0)) continue;
+    if (TimeIsUp(m() * m())) return End::kTimeLimit;
+    const double pivot = active_.SetDriven(p);
+    if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
+  }
+  return End::kDone;
+}
+
+PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
+  for (Index most = open_;;) {
+    violated_ = SetViolatedApart();
+    const Index count = open_ - violated_;
+    if (count <= kFewViolated || count > most) return End::kDone;
+    most = static_cast<Index>(kBlockProgress * static_cast<double>(count));
+    if (pivots_ >= pivot_limit_) return End::kIterationLimit;
+    if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
+    ++pivots_;
+    for (Index k = 0; k < count && m() + k < violated_; ++k) lcp_.Swap(m() + k, open_ - 1 - k);
+    if (!active_.Factor(m() + count, least_pivot, deadline())) return End::kTimeLimit;
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+}
+
+Index PivotBase::SetViolatedApart() {
+  Index q = open_;
+  for (Index p = m(); p < q;) {
+    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
+    lcp_.f[p] = 0;
+    lcp_.w[p] = w.value;
+    if (w.value >= -kNoise * w.magnitude) {
+      lcp_.w[p] = std::max(w.value, 0.0);
+      ++p;
+    } else {
+      lcp_.Swap(p, --q);
     }
   }
-  SolveForces(Leaving::kAll);
-  return out_of_time_ ? End::kTimeLimit : End::kDone;
+  return q;
 }
 
 // Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
