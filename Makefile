@@ -30,7 +30,7 @@ help:
 	@echo "make fuzz     feed the scene reader mutated scene files for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
 	@echo "make clean    remove build/"
-	@echo "PRESET=release|debug|asan chooses the build (now: $(PRESET))"
+	@echo "PRESET=release|debug|asan|tsan chooses the build (now: $(PRESET))"
 
 deps:
 	@sh cmake/install_packages.sh packages.txt

@@ -11,11 +11,49 @@ void ActiveSet::Reserve(Index max_rows) {
   for (Eigen::VectorXd* v : {&df_, &z_, &z_other_, &x_}) v->setZero(max_rows);
   order_.resize(static_cast<size_t>(max_rows));
   slot_.resize(static_cast<size_t>(max_rows));
+  dropped_.reserve(static_cast<size_t>(max_rows));
 }
 
 void ActiveSet::Reset() {
   ldlt_.Reset(lcp.n);
   m_ = 0;
+}
+
+bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
+  constexpr Index kLanes = DenseLdlt::kLanes;
+  for (Index k = 0; k < rows; ++k) {
+    const double* from = lcp.column(k);
+    double* to = ldlt_.column(k);
+    Index i = k / kLanes * kLanes;
+    for (; i + kLanes <= rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
+    if (i == rows) continue;
+    std::copy(from + i, from + rows, to + i);
+    std::fill(to + rows, to + i + kLanes, 0.0);
+  }
+  m_ = 0;
+  if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) {
+    dropped_.clear();
+    return false;
+  }
+  Index k = 0;
+  auto gap = dropped_.begin();
+  for (Index p = 0; p < rows; ++p) {
+    if (gap != dropped_.end() && *gap == p) {
+      ++gap;
+      continue;
+    }
+    order_[static_cast<size_t>(k)] = p;
+    slot_[static_cast<size_t>(p)] = k++;
+  }
+  m_ = rows;
+  for (auto p = dropped_.rbegin(); p != dropped_.rend(); ++p) {
+    if (*p == --m_) continue;
+    const Index last = slot_[static_cast<size_t>(m_)];
+    slot_[static_cast<size_t>(*p)] = last;
+    order_[static_cast<size_t>(last)] = *p;
+    lcp.Swap(*p, m_);
+  }
+  return true;
 }
 
 void ActiveSet::Gather(Index p, double* z) const {
@@ -30,7 +68,7 @@ double ActiveSet::SetDriven(Index d) {
 }
 
 double ActiveSet::Direction(Index d) {
-  for (Index k = 0; k < m_; ++k) x_[k] = z_[k] / ldlt_.pivot(k);
+  for (Index k = 0; k < m_; ++k) x_[k] = z_[k] * ldlt_.inverse_pivot(k);
   ldlt_.BackSolve(x_.data());
   double norm2 = lcp.diagonal[d];
   for (Index k = 0; k < m_; ++k) {
@@ -60,7 +98,7 @@ double ActiveSet::PivotOf(Index p) {
 double ActiveSet::Enter(Index p, double pivot, Index d) {
   // One more step of the forward substitution for the driven row.
   double z_new = lcp.column(d)[p];
-  for (Index k = 0; k < m_; ++k) z_new -= z_other_[k] * z_[k] / ldlt_.pivot(k);
+  for (Index k = 0; k < m_; ++k) z_new -= z_other_[k] * z_[k] * ldlt_.inverse_pivot(k);
   z_[m_] = z_new;
   Append(p, z_other_.data(), pivot);
   return ldlt_.PivotOf(z_.data(), lcp.diagonal[d]);

@@ -23,6 +23,17 @@ class ActiveSet {
   PermutedLcp lcp;
 
   Index size() const { return m_; }
+  /// Of the row of F at position p in the order of the factor: what it had left when it entered.
+  double pivot(Index p) const { return ldlt_.pivot(slot_[static_cast<size_t>(p)]); }
+
+  /// F := the positions [0, rows) but those whose pivot, in their order, is at most `threshold` A_pp. The rows left out
+  /// move behind F, in no particular order, and are counted by left_out(); rows before the first of them stay. O(m^3)
+  /// @param deadline  nullptr for none
+  /// @returns false if the deadline passed meanwhile; F is empty then
+  bool Factor(Index rows, double threshold, const Deadline* deadline);
+  Index left_out() const { return static_cast<Index>(dropped_.size()); }
+  /// Where the first of the rows left out was; `rows` if there was none.
+  Index first_left_out(Index rows) const { return dropped_.empty() ? rows : dropped_.front(); }
 
   /// The driven row d outside F: L^-1 A_Fd is kept, and follows rows that enter. Returns s = A_dd - A_dF A_FF^-1 A_Fd,
   /// the pivot that d would have in F.  O(m^2)
@@ -57,6 +68,7 @@ class ActiveSet {
   Index m_ = 0;
   std::vector<Index> order_;         // row of the factor -> position
   std::vector<Index> slot_;          // position in F -> row of the factor
+  std::vector<Index> dropped_;       // positions, of the latest Factor
   Eigen::VectorXd df_;               // by position
   Eigen::VectorXd z_, z_other_, x_;  // by row of the factor
 };

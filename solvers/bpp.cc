@@ -15,6 +15,8 @@ namespace {
 
 // Entries of a warm start enter F above this multiple of the largest D^1/2 f (an interior point leaves no zeros).
 constexpr double kWarmThreshold = 1e-10;
+// A warm start is of use if its rho is at most this part of the one at f = 0.
+constexpr double kUsefulStart = 0.5;
 // A proof of infeasibility is worth while above this residual only, or above the tolerance if that is less.
 constexpr double kProofTolerance = 1e-9;
 // An answer within the tolerance is taken when a proximal step improves it by less than this factor.
@@ -65,20 +67,41 @@ bool BppSolver::Engine::Load() {
   return true;
 }
 
+// rho up to a factor, of forces f and w = A f + b.
+double BppSolver::Engine::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
+  double sum = 0;
+  for (Index i = 0; i < f.size(); ++i) {
+    const double d = scaled_.diagonal[i];
+    const double r = bilateral_[At(i)] != 0 ? w[i] : std::min(d * f[i], w[i]);
+    sum += r * r / d;
+  }
+  return std::sqrt(sum);
+}
+
+// With forces that are of use here, F is what they leave active, and they are the first centre: the step from there is
+// shorter than from 0. Of other forces only the set is taken.
 void BppSolver::Engine::SetStart() {
   center_.setZero();
   f_.setZero();
   active_ = scaled_.can_act;
   if (initial_f_ == nullptr) return;
-  const auto size = [&](Index i) { return (*initial_f_)[i] / scaled_.scale[i] * ForceRoot(i); };
+  const double cold = Residual(f_, scaled_.b);
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) {
-    if (bilateral_[At(i)] == 0 && scaled_.can_act[At(i)] != 0) largest = std::max(largest, size(i));
+    if (scaled_.can_act[At(i)] == 0) continue;
+    const double force = scaled_.ScaledForce(i, (*initial_f_)[i]);
+    f_[i] = bilateral_[At(i)] != 0 ? force : std::max(force, 0.0);
+    if (bilateral_[At(i)] == 0) largest = std::max(largest, f_[i] * ForceRoot(i));
   }
+  block_->Multiply(f_.data(), w_.data());
+  w_ += scaled_.b;
+  const bool useful = Residual(f_, w_) <= kUsefulStart * cold;
   for (Index i = 0; i < f_.size(); ++i) {
-    if (bilateral_[At(i)] != 0) continue;
-    active_[At(i)] = scaled_.can_act[At(i)] != 0 && size(i) > kWarmThreshold * largest ? 1 : 0;
+    if (bilateral_[At(i)] != 0 || scaled_.can_act[At(i)] == 0) continue;
+    const bool acts = useful ? scaled_.diagonal[i] * f_[i] > w_[i] : f_[i] * ForceRoot(i) > kWarmThreshold * largest;
+    active_[At(i)] = acts ? 1 : 0;
   }
+  if (useful) center_ = f_;
 }
 
 // Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row

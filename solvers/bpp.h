@@ -64,8 +64,9 @@ struct BppOptions {
 /// shrink is offered to VerifyFarkasRay, and kInfeasible is claimed if it accepts; otherwise the solve ends as
 /// kNumericalFailure.
 ///
-/// Start: F = all rows (in contact problems most are active: far fewer exchanges than from F = rows with b < 0); with
-/// initial_f, F = the rows with initial_f_i > 0. Only the set matters.
+/// Start: F = all rows (in contact problems most are active: far fewer exchanges than from F = rows with b < 0). With
+/// initial_f whose rho is at most half the one at f = 0: F = {D f > w}, and c starts at initial_f instead of 0, which
+/// saves conjugate gradient steps. With any other initial_f only the set counts: F = the rows with initial_f_i > 0.
 ///
 /// Units: A and b are scaled by powers of two, all comparisons are relative to sqrt(A_ii) in units of one row's, so
 /// that powers of two in A, b or single rows change no bit.

@@ -30,6 +30,7 @@ class BppSolver::Engine {
 
   bool Load();
   void SetStart();
+  double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
   End Run(LcpResult* result);
 
   // The proximal step from center_: on return active_, f_ solve the problem of A + shift D.

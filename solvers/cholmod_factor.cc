@@ -4,6 +4,7 @@
 #include <dlfcn.h>
 
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 namespace lcpbench {
@@ -32,31 +33,53 @@ struct ThreadControls {
 };
 
 // One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
-// the code asks for a number of threads.
+// the code asks for a number of threads. The settings are the process's, so lifetimes on several threads are counted:
+// the first one changes them and the last one puts them back.
 class SingleThread {
  public:
-  explicit SingleThread(bool needed) : controls_(ThreadControls::Get()) {
-    if (!needed) return;
-    if (controls_.get_blas_threads != nullptr && controls_.set_blas_threads != nullptr) {
-      blas_threads_ = controls_.get_blas_threads();
-      if (blas_threads_ > 1) controls_.set_blas_threads(1);
+  explicit SingleThread(bool needed) : needed_(needed) {
+    if (!needed_) return;
+    Shared& shared = Shared::Get();
+    const std::lock_guard<std::mutex> lock(shared.mutex);
+    if (shared.users++ > 0) return;
+    const ThreadControls& controls = ThreadControls::Get();
+    shared.blas_threads = 0;
+    shared.omp_levels = 0;
+    if (controls.get_blas_threads != nullptr && controls.set_blas_threads != nullptr) {
+      shared.blas_threads = controls.get_blas_threads();
+      if (shared.blas_threads > 1) controls.set_blas_threads(1);
     }
-    if (controls_.get_omp_levels != nullptr && controls_.set_omp_levels != nullptr) {
-      omp_levels_ = controls_.get_omp_levels();
-      if (omp_levels_ > 0) controls_.set_omp_levels(0);
+    if (controls.get_omp_levels != nullptr && controls.set_omp_levels != nullptr) {
+      shared.omp_levels = controls.get_omp_levels();
+      if (shared.omp_levels > 0) controls.set_omp_levels(0);
     }
   }
   ~SingleThread() {
-    if (blas_threads_ > 1) controls_.set_blas_threads(blas_threads_);
-    if (omp_levels_ > 0) controls_.set_omp_levels(omp_levels_);
+    if (!needed_) return;
+    Shared& shared = Shared::Get();
+    const std::lock_guard<std::mutex> lock(shared.mutex);
+    if (--shared.users > 0) return;
+    const ThreadControls& controls = ThreadControls::Get();
+    if (shared.blas_threads > 1) controls.set_blas_threads(shared.blas_threads);
+    if (shared.omp_levels > 0) controls.set_omp_levels(shared.omp_levels);
   }
   SingleThread(const SingleThread&) = delete;
   SingleThread& operator=(const SingleThread&) = delete;
 
  private:
-  const ThreadControls& controls_;
-  int blas_threads_ = 0;
-  int omp_levels_ = 0;
+  struct Shared {
+    std::mutex mutex;
+    int users = 0;
+    int blas_threads = 0;  // before the first user
+    int omp_levels = 0;
+
+    static Shared& Get() {
+      static Shared shared;
+      return shared;
+    }
+  };
+
+  const bool needed_;
 };
 
 std::string StatusText(int status) {

@@ -19,29 +19,16 @@ void DantzigSolver::Engine::Reserve(Index max_rows) {
   dw_.setZero(max_rows);
 }
 
-// Recomputes w of all rows outside F; those with w < 0 beyond rounding wait for another round, the others are watched.
+// Violated rows wait for another round, the others are watched.
 bool DantzigSolver::Engine::FindViolations() {
-  q_ = open_;
-  for (Index p = m(); p < q_;) {
-    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
-    lcp_.f[p] = 0;
-    lcp_.w[p] = w.value;
-    if (w.value >= -kNoise * w.magnitude) {
-      lcp_.w[p] = std::max(w.value, 0.0);
-      ++p;
-    } else {
-      lcp_.Swap(p, --q_);
-    }
-  }
+  q_ = SetViolatedApart();
   return q_ < open_;
 }
 
 PivotBase::End DantzigSolver::Engine::Run(LcpResult* result) {
-  End end = EnterJoints(result);
-  if (end == End::kDone) end = EnterWarmRows();
-  if (end == End::kDone && initial_f_ != nullptr) SolveForces(Leaving::kAll);
-  q_ = m();
-  if (options_.order == DantzigOrder::kMostNegative) FindViolations();
+  End end = EnterStart(result);
+  q_ = violated_;
+  if (end == End::kDone && q_ == m() && options_.order == DantzigOrder::kMostNegative) FindViolations();
   for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {
     end = DriveAll(result);
     if (end != End::kDone) break;
@@ -67,6 +54,7 @@ DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
     options.order = DantzigOrder::kMostNegative;
   }
+  options.block_start = reader.Choice("block_start", "yes", {"yes", "no"}) == "yes";
   reader.Finish();
   return options;
 }

@@ -22,11 +22,16 @@ struct DantzigOptions {
   double rank_tolerance = 1e-12;
   DantzigOrder order = DantzigOrder::kIndex;
 
+  /// Before rows are driven one by one, blocks of rows enter and leave F at once: see below. Without them the method is
+  /// the paper's.
+  bool block_start = true;
+
   /// Larger problems are refused as unsupported before anything is allocated: three n x n arrays take 2.4 GB at the
   /// default, and pivoting on them minutes. In [1, 100000].
   Index max_rows = 10'000;
 
-  /// Keys `rank_tolerance`, `order` (index, most-negative) and `max_rows`. @throws InputError for others
+  /// Keys `rank_tolerance`, `order` (index, most-negative), `block_start` (yes, no) and `max_rows`. @throws InputError
+  /// for others
   static DantzigOptions FromSettings(const Settings& settings);
 };
 
@@ -55,13 +60,17 @@ struct DantzigOptions {
 /// Bilateral rows enter before all others and never leave; dependent ones are left out with f = 0 for good: y has its
 /// support on bilateral rows then, so y.w = y.b for every f, and the row is right if y.b = 0 and impossible otherwise.
 ///
-/// Warm start: the unilateral rows with initial_f_i > 0 (relative to the largest, in units of D^-1/2) enter F right
-/// after the bilateral ones; f_F is solved for, rows with f_i < 0 leave until none is left, and driving starts from
-/// there. Only the set matters, not the values. Entering rows this way is one factorisation, not pivots.
+/// Start: driving may begin at any F with A_FF nonsingular and f_F >= 0. The unilateral rows with b_i < 0 enter
+/// together with the bilateral ones, f_F is solved for, and rows with f_i < 0 leave until none is left; then all rows
+/// with w_i < 0 enter, and so on while more than two are violated and their number falls to 80 %. Each of these blocks
+/// is one factorisation (rows that depend on those before are left out) and counts as one pivot but for the first.
+/// Where blocks do not settle, which is where contacts are redundant, driving does the rest. Warm start: the first
+/// block is that of the rows with initial_f_i > 0 (relative to the largest, in units of D^-1/2) in place of b_i < 0.
+/// Only the set matters, not the values.
 ///
 /// Stability: A is scaled by powers of two (PermutedLcp); the factor is L D L^T, rows enter by a substitution and leave
-/// by a positive rank-one update (ActiveSet, DenseLdlt), O(m^2) each for m = |F|. It is not made anew within an
-/// attempt: on recorded problems a fresh factor of the final F did not lower the residual.
+/// by a positive rank-one update (ActiveSet, DenseLdlt), O(m^2) each for m = |F|. While rows are driven it is not made
+/// anew: on recorded problems a fresh factor of the final F did not lower the residual.
 ///
 /// Cost: O(n^2) to load, then m^2 + m |watched rows| multiply-adds per pivot, O(n m) to judge. Memory: two n x n arrays
 /// besides DenseA(). Solve does not allocate for a problem of at most the reserved size, unless it reports a restart, a
@@ -72,7 +81,7 @@ struct DantzigOptions {
 /// max(rho, squared backward error). kUnsupported: A_ii < 0.
 ///
 /// Departures from the paper: joints are solved as a block before the contacts; the rank rule and rays for singular
-/// A_FF; the rule for ties; warm start; rounds of repair after the last row.
+/// A_FF; the rule for ties; blocks; warm start; rounds of repair after the last row.
 class DantzigSolver final : public LcpSolver {
  public:
   explicit DantzigSolver(DantzigOptions options = {});

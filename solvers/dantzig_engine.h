@@ -14,7 +14,7 @@ namespace lcpbench {
 // and the waiting rows behind it, [q, open); then rows out of play: dependent bilateral rows and stuck ones.
 class DantzigSolver::Engine final : public PivotBase {
  public:
-  explicit Engine(DantzigOptions options) : PivotBase(options.rank_tolerance), options_(options) {}
+  explicit Engine(DantzigOptions options) : PivotBase(options.rank_tolerance, options.block_start), options_(options) {}
 
   void Reserve(Index max_rows) override;
 

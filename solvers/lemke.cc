@@ -20,10 +20,8 @@ void LemkeSolver::Engine::Reserve(Index max_rows) {
 }
 
 PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
-  End end = EnterJoints(result);
-  if (end == End::kDone) end = EnterWarmRows();
+  End end = EnterStart(result);
   const Index in_play = open_;
-  SolveForces(Leaving::kAll);
   for (int path = 0; path < kMaxPaths && end == End::kDone; ++path) {
     open_ = in_play;
     const double violation = ComputeGaps();
@@ -48,6 +46,7 @@ LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   options.rank_tolerance =
       reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
   options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
+  options.block_start = reader.Choice("block_start", "yes", {"yes", "no"}) == "yes";
   reader.Finish();
   return options;
 }

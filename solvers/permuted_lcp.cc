@@ -12,6 +12,8 @@ namespace {
 
 using Index = Eigen::Index;
 
+size_t At(Index i) { return static_cast<size_t>(i); }
+
 // Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
 Index PaddedStride(Index rows) {
   const Index stride = (rows + 7) / 8 * 8;
@@ -24,10 +26,59 @@ void PermutedLcp::Reserve(Index max_rows) {
   if (max_rows <= f.size()) return;
   A.resize(PaddedStride(max_rows) * max_rows);
   for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w, &scale}) v->setZero(max_rows);
-  row.resize(static_cast<size_t>(max_rows));
+  row.resize(At(max_rows));
+  kind_.resize(At(max_rows));
+  moved_.reserve(At(max_rows));
 }
 
-bool PermutedLcp::Load(const LcpProblem& problem) {
+// Fills row, bilateral, guessed and moved_. Rows that may stay where they are do.
+void PermutedLcp::Order(const LcpProblem& problem, const Guess& guess) {
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  const std::vector<Index>& joints = problem.bilateral_rows();
+  // Of contacts A_ii f_i^2 where positive; nothing but powers of two comes between for problems that differ by such.
+  double* size = f.data();
+  double least = 0;
+  if (guess.forces == nullptr) {
+    const double* given_b = problem.b().data();
+    for (Index i = 0; i < n; ++i) size[i] = guess.negative_b ? -given_b[i] : 0.0;
+  } else {
+    double largest = 0;
+    for (Index i = 0; i < n; ++i) {
+      const double scaled = std::max((*guess.forces)[i], 0.0) / scale[i];
+      size[i] = scaled * scaled * (d[i] * scale[i] * scale[i]);
+    }
+    for (const Index i : joints) size[i] = 0;
+    for (Index i = 0; i < n; ++i) largest = std::max(largest, size[i]);
+    least = kGuessThreshold * kGuessThreshold * largest;
+  }
+  // Kinds of rows in their order, and where the places of each begin.
+  enum Kind : char { kJoint, kGuessed, kOther, kZero, kKinds };
+  Index count[kKinds] = {};
+  for (Index i = 0; i < n; ++i) kind_[At(i)] = d[i] == 0 ? kZero : size[i] > least ? kGuessed : kOther;
+  for (const Index i : joints) {
+    if (d[i] != 0) kind_[At(i)] = kJoint;
+  }
+  for (Index i = 0; i < n; ++i) ++count[static_cast<size_t>(kind_[At(i)])];
+  bilateral = count[kJoint];
+  guessed = count[kGuessed];
+  Index begin[kKinds + 1] = {};
+  for (size_t k = 0; k < kKinds; ++k) begin[k + 1] = begin[k] + count[k];
+  moved_.clear();
+  Index next[kKinds] = {begin[0], begin[1], begin[2], begin[3]};
+  for (Index i = 0; i < n; ++i) {
+    const auto k = static_cast<size_t>(kind_[At(i)]);
+    if (i >= begin[k] && i < begin[k + 1]) {
+      row[At(i)] = i;
+      continue;
+    }
+    // The next place of its kind whose own row is of another kind.
+    while (static_cast<size_t>(kind_[At(next[k])]) == k) ++next[k];
+    moved_.push_back(next[k]);
+    row[At(next[k]++)] = i;
+  }
+}
+
+bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
   const Eigen::MatrixXd& given = problem.DenseA();
   const Eigen::VectorXd& given_b = problem.b();
   n = problem.size();
@@ -52,47 +103,27 @@ bool PermutedLcp::Load(const LcpProblem& problem) {
   // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
   b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
 
-  bilateral = 0;
-  const std::vector<Index>& joints = problem.bilateral_rows();
-  const bool in_order = nonzero == n && joints.empty();
-  if (in_order) {
-    for (Index i = 0; i < n; ++i) row[static_cast<size_t>(i)] = i;
+  if (nonzero == n && problem.bilateral_rows().empty() && guess.forces == nullptr && !guess.negative_b) {
+    bilateral = 0;
+    guessed = 0;
+    moved_.clear();
+    for (Index i = 0; i < n; ++i) row[At(i)] = i;
   } else {
-    for (const Index i : joints) {
-      if (given(i, i) != 0) row[static_cast<size_t>(bilateral++)] = i;
-    }
-    Index unilateral = bilateral;
-    Index zero = nonzero;
-    auto joint = joints.begin();
-    for (Index i = 0; i < n; ++i) {
-      const bool is_joint = joint != joints.end() && *joint == i;
-      if (is_joint) ++joint;
-      if (given(i, i) == 0) {
-        row[static_cast<size_t>(zero++)] = i;
-      } else if (!is_joint) {
-        row[static_cast<size_t>(unilateral++)] = i;
-      }
-    }
+    Order(problem, guess);
   }
+  const double* __restrict factor = scale.data();
   for (Index q = 0; q < nonzero; ++q) {
-    const Index source = row[static_cast<size_t>(q)];
+    const Index source = row[At(q)];
     const double* __restrict from = given.data() + source * n;
-    const double* __restrict factor = scale.data();
     double* __restrict to = column(q);
     const double s = scale[source];
-    if (in_order) {
-      for (Index p = 0; p < n; ++p) to[p] = (from[p] * s) * factor[p];
-    } else {
-      for (Index p = 0; p < nonzero; ++p) {
-        const Index i = row[static_cast<size_t>(p)];
-        to[p] = (from[i] * s) * factor[i];
-      }
-    }
+    for (Index i = 0; i < nonzero; ++i) to[i] = (from[i] * s) * factor[i];
+    for (const Index p : moved_) to[p] = (from[row[At(p)]] * s) * factor[row[At(p)]];
     diagonal[q] = to[q];
     b[q] = given_b[source] * s * b_scale;
-    f[q] = 0;
     w[q] = b[q];
   }
+  f.head(nonzero).setZero();
   return true;
 }
 
@@ -103,7 +134,7 @@ void PermutedLcp::Swap(Index p, Index q) {
   double* row_q = A.data() + q;
   for (Index j = 0; j < nonzero; ++j) std::swap(row_p[j * stride], row_q[j * stride]);
   for (Eigen::VectorXd* v : {&diagonal, &b, &f, &w}) std::swap((*v)[p], (*v)[q]);
-  std::swap(row[static_cast<size_t>(p)], row[static_cast<size_t>(q)]);
+  std::swap(row[At(p)], row[At(q)]);
 }
 
 void PermutedLcp::AddColumns(Index begin, Index end, Index columns, const double* __restrict x,

@@ -17,15 +17,25 @@ namespace lcpbench {
 /// be relative to it.
 ///
 /// "Position" is the current place of a row, row[p] its index in the problem. Initial order: bilateral rows, unilateral
-/// rows, rows with A_ii = 0; the last kind is not part of A. Memory: one n x n copy. Only Reserve allocates.
+/// rows that are guessed to be active, the other unilateral rows, rows with A_ii = 0; the last kind is not part of A.
+/// Memory: one n x n copy. Only Reserve allocates.
 struct PermutedLcp {
   using Index = Eigen::Index;
 
   void Reserve(Index max_rows);
 
+  /// Which unilateral rows are guessed to be active.
+  struct Guess {
+    /// Not nullptr: rows with D^1/2 f above kGuessThreshold times the largest (an interior point leaves no zeros).
+    const Eigen::VectorXd* forces = nullptr;
+    /// Without forces: rows with b < 0, or none.
+    bool negative_b = false;
+  };
+
   /// O(n^2). False, with nothing loaded, if an A_ii < 0.
   /// @param problem  its DenseA() is read as it stands, so one triangle does not speak for the other
-  bool Load(const LcpProblem& problem);
+  bool Load(const LcpProblem& problem, const Guess& guess);
+  static constexpr double kGuessThreshold = 1e-10;
 
   /// Exchanges the rows and columns at two positions.  O(n)
   void Swap(Index p, Index q);
@@ -54,6 +64,7 @@ struct PermutedLcp {
   Index n = 0;
   Index nonzero = 0;    ///< rows with A_ii > 0: positions [0, nonzero)
   Index bilateral = 0;  ///< bilateral rows among them: initial positions [0, bilateral)
+  Index guessed = 0;    ///< unilateral rows guessed to be active: initial positions behind them
   Index stride = 0;
   double b_scale = 1;                 ///< t
   double b_norm = 1;                  ///< |D^-1/2 b|_2 in given units, D_ii = 1 where A_ii = 0; 1 when b = 0
@@ -61,6 +72,12 @@ struct PermutedLcp {
   Eigen::VectorXd diagonal, b, f, w;  ///< by position
   Eigen::VectorXd scale;              ///< S, by row of the problem
   std::vector<Index> row;             ///< position -> row of the problem
+
+ private:
+  void Order(const LcpProblem& problem, const Guess& guess);
+
+  std::vector<char> kind_;    // by row of the problem, while Load orders them
+  std::vector<Index> moved_;  // positions that do not begin with the row of their number
 };
 
 }  // namespace lcpbench

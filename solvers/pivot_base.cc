@@ -16,11 +16,19 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Forces below this multiple of the largest D^1/2 f are looked at more closely: are they rounding only?
 constexpr double kSmallForce = 1e-10;
-// Entries of a warm start enter F above this multiple of the largest D^1/2 f (an interior point leaves no zeros).
-constexpr double kWarmThreshold = 1e-10;
+// A guessed row enters without a closer look if its pivot is above this multiple of rank_tolerance A_ii.
+constexpr double kGuessedPivot = 1e3;
+// Blocks enter while more than this many rows are violated, and at most this part of those before.
+constexpr Index kFewViolated = 2;
+constexpr double kBlockProgress = 0.8;
+// So many rows, and one for each kRowsPerUpdate of F, leave by updates of the factor; more by a new one.
+constexpr Index kFewUpdates = 2;
+constexpr Index kRowsPerUpdate = 8;
 // Infeasibility is reported where the residual is above this, or above the tolerance if that is less: a proof holds at
 // every tolerance, but a problem that is infeasible by rounding only shall be solved.
 constexpr double kProofTolerance = 1e-9;
+// Where an answer fails in single rows, forces up to these parts of the largest D^1/2 f are tried as zeros.
+constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
 constexpr int kRayRefinements = 3;
 // Factors on rank_tolerance for the first attempt and the restarts.
 constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
@@ -32,7 +40,10 @@ constexpr Index kWorkPerPivot = 256;
 
 }  // namespace
 
-void PivotBase::Reserve(Index max_rows) { active_.Reserve(max_rows); }
+void PivotBase::Reserve(Index max_rows) {
+  active_.Reserve(max_rows);
+  surplus_.reserve(static_cast<size_t>(max_rows));
+}
 
 void PivotBase::Prepare(const LcpProblem& problem) {
   problem_ = problem;
@@ -43,10 +54,10 @@ void PivotBase::Prepare(const LcpProblem& problem) {
 void PivotBase::Start(const LcpOptions& options) {
   tolerance_ = options.tolerance;
   proof_tolerance_ = std::min(tolerance_, kProofTolerance);
-  initial_f_ = options.initial_f;
   deadline_.reset();
   if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
   work_left_ = 0;
+  out_of_time_ = false;
   pivots_ = 0;
   pivot_limit_ = options.max_iterations > 0 ? options.max_iterations : kPivotsPerRow * problem_->size() + kExtraPivots;
   judge_.Start(tolerance_);
@@ -54,15 +65,17 @@ void PivotBase::Start(const LcpOptions& options) {
 
 bool PivotBase::TimeIsUp(Index work) {
   if (!deadline_.has_value()) return false;
+  if (out_of_time_) return true;
   work_left_ -= work + kWorkPerPivot;
   if (work_left_ >= 0) return false;
   work_left_ = kWorkPerClockRead;
   return deadline_->Expired();
 }
 
-bool PivotBase::Load() {
-  if (!lcp_.Load(*problem_)) return false;
+bool PivotBase::Load(const PermutedLcp::Guess& guess) {
+  if (!lcp_.Load(*problem_, guess)) return false;
   active_.Reset();
+  solved_at_ = -1;
   joints_ = 0;
   open_ = lcp_.nonzero;
   unit_ = lcp_.nonzero > 0 ? lcp_.diagonal[0] : 1.0;
@@ -76,7 +89,10 @@ void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
   for (const double factor : kAttempts) {
     if (end != End::kNotMet) break;
     rank_tolerance_ = first_rank_tolerance_ * factor;
-    if (!Load()) {
+    const bool first = factor == kAttempts[0];
+    blocks_ = first && (block_start_ || options.initial_f != nullptr);
+    guess_ = {first ? options.initial_f : nullptr, blocks_};
+    if (!Load(guess_)) {
       result->status = LcpStatus::kUnsupported;
       result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
       return;
@@ -87,6 +103,7 @@ void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
       return;
     }
     end = Run(result);
+    if (end == End::kNotMet) end = DropTinyForces(result);
     if (factor != kAttempts[0] && end == End::kDone) {
       std::snprintf(text, sizeof text, "solved after a restart with rank tolerance %.0e", rank_tolerance_);
       result->detail = text;
@@ -137,6 +154,7 @@ PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
     }
   }
   joints_ = m();
+  solved_at_ = -1;
   if (m() > 0) active_.SolveForces();
   for (Index p = m(); p < lcp_.bilateral; ++p) {
     const PermutedLcp::Sum w = lcp_.FreshW(p, m());
@@ -149,18 +167,71 @@ PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
   return End::kDone;
 }
 
-PivotBase::End PivotBase::EnterWarmRows() {
-  if (initial_f_ == nullptr) return End::kDone;
-  const auto size = [this](Index p) { return ForceRoot(p) * lcp_.ScaledForce(p, (*initial_f_)[RowAt(p)]); };
-  double largest = 0;
-  for (Index p = m(); p < open_; ++p) largest = std::max(largest, size(p));
+PivotBase::End PivotBase::EnterStart(LcpResult* result) {
+  const double least_pivot = kGuessedPivot * rank_tolerance_;
+  const Index rows = lcp_.bilateral + lcp_.guessed;
+  if (rows > 0) {
+    if (TimeIsUp(rows * rows) || !active_.Factor(rows, least_pivot, deadline())) return End::kTimeLimit;
+    joints_ = lcp_.bilateral;
+    // Joints stay, so the rank rule itself decides where there is any doubt.
+    const double doubtful = std::sqrt(rank_tolerance_);
+    bool clear = active_.first_left_out(rows) >= joints_;
+    for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
+    if (!clear) {
+      Load(guess_);  // the order as it was
+      End end = EnterJoints(result);
+      if (end == End::kDone) end = EnterOneByOne(least_pivot);
+      if (end != End::kDone) return end;
+    }
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+  violated_ = m();
+  return blocks_ ? EnterBlocks(least_pivot) : End::kDone;
+}
+
+// The guessed rows, where the factor of the joints must stay.
+PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
+  if (guess_.forces == nullptr) return End::kDone;
   for (Index p = m(); p < open_; ++p) {
-    if (!(size(p) > kWarmThreshold * largest)) continue;
+    if (!((*guess_.forces)[RowAt(p)] > 0)) continue;
     if (TimeIsUp(m() * m())) return End::kTimeLimit;
     const double pivot = active_.SetDriven(p);
-    if (pivot > rank_tolerance_ * active_.Direction(p)) active_.EnterDriven(p, pivot);
+    if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
   }
   return End::kDone;
+}
+
+PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
+  for (Index most = open_;;) {
+    violated_ = SetViolatedApart();
+    const Index count = open_ - violated_;
+    if (count <= kFewViolated || count > most) return End::kDone;
+    most = static_cast<Index>(kBlockProgress * static_cast<double>(count));
+    if (pivots_ >= pivot_limit_) return End::kIterationLimit;
+    if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
+    ++pivots_;
+    for (Index k = 0; k < count && m() + k < violated_; ++k) lcp_.Swap(m() + k, open_ - 1 - k);
+    if (!active_.Factor(m() + count, least_pivot, deadline())) return End::kTimeLimit;
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+}
+
+Index PivotBase::SetViolatedApart() {
+  Index q = open_;
+  for (Index p = m(); p < q;) {
+    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
+    lcp_.f[p] = 0;
+    lcp_.w[p] = w.value;
+    if (w.value >= -kNoise * w.magnitude) {
+      lcp_.w[p] = std::max(w.value, 0.0);
+      ++p;
+    } else {
+      lcp_.Swap(p, --q);
+    }
+  }
+  return q;
 }
 
 // Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
@@ -175,31 +246,46 @@ PivotBase::Surplus PivotBase::FindSurplus(Index p, double largest, bool judge_by
 
 bool PivotBase::SolveForces(Leaving leaving) {
   bool dropped_by_size = false;
-  for (bool again = true; again;) {
-    again = false;
-    const double largest = active_.SolveForces();
-    Index worst = kNoRow;
+  for (;;) {
+    if (solved_at_ != pivots_) largest_ = active_.SolveForces();
+    solved_at_ = pivots_;
+    surplus_.clear();
     double least = kInfinity;
     for (Index p = m() - 1; p >= joints_; --p) {
-      const Surplus surplus = FindSurplus(p, largest, leaving == Leaving::kAllAndTiny);
+      const Surplus surplus = FindSurplus(p, largest_, leaving == Leaving::kAllAndTiny);
       if (surplus == Surplus::kNone) continue;
       if (leaving == Leaving::kOneByOne) {
         const double size = lcp_.f[p] * ForceRoot(p);
         if (size >= least) continue;
         least = size;
-        worst = p;
-        continue;
+        surplus_.clear();
       }
       dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
-      Release(p);
-      again = true;
+      surplus_.push_back(p);
     }
-    if (worst != kNoRow) {
-      Release(worst);
-      again = true;
-    }
+    if (surplus_.empty()) return dropped_by_size;
+    ReleaseAll();
+    if (out_of_time_) return false;
   }
-  return dropped_by_size;
+}
+
+// The rows in surplus_.
+void PivotBase::ReleaseAll() {
+  solved_at_ = -1;
+  const auto count = static_cast<Index>(surplus_.size());
+  if (count <= kFewUpdates + m() / kRowsPerUpdate) {
+    for (const Index p : surplus_) Release(p);
+    return;
+  }
+  Index rest = m();
+  for (const Index p : surplus_) {
+    lcp_.f[p] = 0;
+    lcp_.w[p] = 0;
+    lcp_.Swap(p, --rest);
+  }
+  if (active_.Factor(rest, 0.0, deadline())) return;
+  out_of_time_ = true;
+  lcp_.f.head(lcp_.nonzero).setZero();
 }
 
 void PivotBase::Release(Index p) {
@@ -231,9 +317,25 @@ bool PivotBase::Publish(LcpResult* result) {
   return judge_.Publish(result);
 }
 
+// Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward
+// error is rounding over rounding then.
+PivotBase::End PivotBase::DropTinyForces(LcpResult* result) {
+  double largest = 0;
+  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, std::abs(lcp_.f[p]) * ForceRoot(p));
+  for (const double tiny : kTinyForces) {
+    for (Index p = 0; p < lcp_.nonzero; ++p) {
+      if (std::abs(lcp_.f[p]) * ForceRoot(p) <= tiny * largest) lcp_.f[p] = 0;
+    }
+    Publish(result);
+    if (Conclude(End::kNotMet) == End::kDone) return End::kDone;
+  }
+  return End::kNotMet;
+}
+
 void PivotBase::Refine() {
   for (Index p = 0; p < m(); ++p) lcp_.w[p] = lcp_.ScaledW(p, judge_.w()[RowAt(p)]);
   active_.CorrectForces();
+  solved_at_ = -1;
   for (Index p = joints_; p < m(); ++p) lcp_.f[p] = std::max(lcp_.f[p], 0.0);
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "solvers/active_set.h"
 #include "solvers/answer_judge.h"
@@ -22,13 +23,15 @@ namespace lcpbench {
 /// ClaimRay for its ray.
 class PivotBase {
  public:
-  explicit PivotBase(double rank_tolerance) : first_rank_tolerance_(rank_tolerance) {}
+  /// @param block_start  whether rows enter in blocks before the method takes over; after a warm start they always do
+  PivotBase(double rank_tolerance, bool block_start)
+      : first_rank_tolerance_(rank_tolerance), block_start_(block_start) {}
   virtual ~PivotBase() = default;
 
   virtual void Reserve(Index max_rows);
   void Prepare(const LcpProblem& problem);
   /// Runs the method with the rank tolerance, then, where that met neither the tolerance nor a proof, with a finer and
-  /// a coarser one.
+  /// a coarser one, from nothing active and without blocks.
   void Solve(const LcpOptions& options, LcpResult* result);
 
  protected:
@@ -39,22 +42,30 @@ class PivotBase {
   /// kStuck: a row can be neither made right nor proved impossible, for the method's own use.
   enum class End { kDone, kStuck, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
 
-  /// One attempt from nothing active, the problem loaded. kDone: the published answer meets the tolerance.
+  /// One attempt, the problem loaded, nothing active yet. kDone: the published answer meets the tolerance.
   virtual End Run(LcpResult* result) = 0;
 
-  /// Bilateral rows enter and stay. A dependent one has w = y.b for every f: it is right and out of play, or proved
-  /// impossible (kInfeasible).
-  End EnterJoints(LcpResult* result);
-  /// Unilateral rows with initial_f_i > 0 relative to the largest (in units of D^-1/2) enter where independent.
-  End EnterWarmRows();
+  /// A start for the method: f_F >= 0 on unilateral rows.
+  ///
+  /// Bilateral rows enter and stay, and unilateral rows with initial_f_i > 0 (PermutedLcp::kGuessThreshold), without
+  /// initial_f those with b_i < 0 if there is a block start, enter where clearly independent; all in one factorisation
+  /// unless bilateral rows may be dependent. A dependent one has w = y.b for every f: it is right and out of play, or
+  /// proved impossible (kInfeasible). Then unilateral rows with f < 0 leave until there is none. With a block start all
+  /// rows with w < 0 enter next, where clearly independent, and so on while their number falls.
+  ///
+  /// Each such block is one pivot; the first one is free.
+  End EnterStart(LcpResult* result);
+  /// w of all rows in play outside F, with f = 0 there; those with w < 0 beyond rounding move behind the others, whose
+  /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none.
+  Index SetViolatedApart();
 
   /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
   /// itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
   enum class Leaving { kAll, kAllAndTiny, kOneByOne };
-  /// f_F = -A_FF^-1 b_F; unilateral rows with f < 0, or f > 0 by rounding only, leave until there is none. Rounding is
-  /// judged by the row's own magnitudes and, with kAllAndTiny, also by the largest force: where all forces around a row
-  /// should be 0, its own magnitudes are rounding, too. Returns true if rows left by that second rule: their w needs a
-  /// look.
+  /// f_F = -A_FF^-1 b_F, unless F has not changed since; unilateral rows with f < 0, or f > 0 by rounding only, leave
+  /// until there is none. Rounding is judged by the row's own magnitudes and, with kAllAndTiny, also by the largest
+  /// force: where all forces around a row should be 0, its own magnitudes are rounding, too. Returns true if rows left
+  /// by that second rule: their w needs a look. Where time runs out F is empty and TimeIsUp says so.
   bool SolveForces(Leaving leaving);
   /// w of all rows in play outside F, with f = 0 there; within rounding of 0 counts as 0. Returns the largest
   /// -w_i / GapRoot(i), 0 where no row is violated.
@@ -85,7 +96,7 @@ class PivotBase {
   // One call.
   double tolerance_ = 0;
   double proof_tolerance_ = 0;  // residuals up to this are not worth a proof of infeasibility
-  const Eigen::VectorXd* initial_f_ = nullptr;
+  PermutedLcp::Guess guess_;    // for the first attempt
   std::optional<Deadline> deadline_;
   Index work_left_ = 0;
   std::int64_t pivots_ = 0;
@@ -97,15 +108,28 @@ class PivotBase {
   PermutedLcp& lcp_ = active_.lcp;
   Index joints_ = 0;
   Index open_ = 0;
-  double unit_ = 1;  // A_pp of the row that came first
+  Index violated_ = 0;  // after EnterStart: [m, violated) have w >= 0
+  double unit_ = 1;     // A_pp of the row that came first
 
  private:
   enum class Surplus { kNone, kNegative, kTiny, kRounding };
   void Start(const LcpOptions& options);
-  bool Load();
+  bool Load(const PermutedLcp::Guess& guess);
+  End EnterJoints(LcpResult* result);
+  End EnterOneByOne(double least_pivot);
+  End EnterBlocks(double least_pivot);
+  void ReleaseAll();
+  End DropTinyForces(LcpResult* result);
+  const Deadline* deadline() const { return deadline_.has_value() ? &*deadline_ : nullptr; }
   Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
 
   const double first_rank_tolerance_;
+  const bool block_start_;
+  bool blocks_ = false;  // in this attempt
+  bool out_of_time_ = false;
+  std::int64_t solved_at_ = -1;  // pivots_ when SolveForces left F and f as they are; -1: not so
+  double largest_ = 0;           // A_ii f_i^2 then
+  std::vector<Index> surplus_;   // positions, descending
 };
 
 }  // namespace lcpbench

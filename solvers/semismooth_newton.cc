@@ -22,6 +22,8 @@ constexpr double kFlatSlope = 1e-3;
 constexpr int kMaxLineSteps = 50;
 // A proof of infeasibility is worth while above this rho only, or above the tolerance if that is less.
 constexpr double kProofTolerance = 1e-9;
+// A warm start is tried if its rho is at most this part of the one at f = 0: else it is no start for this problem.
+constexpr double kUsefulStart = 0.5;
 // Larger problems are not tried as dense ones.
 constexpr Eigen::Index kMaxDenseRows = 10000;
 // Proximal steps before the first look for a ray. Feasible problems rarely need more.
@@ -34,6 +36,8 @@ void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   n_ = problem.size();
   block_ = blocks_.Analyze(problem, true, n_ <= kMaxDenseRows);
   test_.Reset(problem);
+  judge_.Reset(problem, blocks_.is_dense(block_));
+  judged_.f.setZero(n_);
   scaled_.Resize(n_);
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
     v->setZero(n_);
@@ -43,11 +47,25 @@ void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   stack_.reserve(At(n_));
 }
 
-void SemismoothNewtonSolver::Engine::Start(const Eigen::VectorXd* initial_f) {
+// rho up to a factor, of forces f and w = A f + b.
+double SemismoothNewtonSolver::Engine::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
+  double sum = 0;
+  for (Index p = 0; p < n_; ++p) {
+    const double d = scaled_.diagonal[p];
+    const double r = is_joint(p) ? w[p] : std::min(d * f[p], w[p]);
+    sum += r * r / d;
+  }
+  return std::sqrt(sum);
+}
+
+// True if there is a warm start that is worth trying; else c = 0.
+bool SemismoothNewtonSolver::Engine::Start(const Eigen::VectorXd* initial_f) {
   c_.setZero();
   growth_.setZero();
-  w_ = scaled_.b;
+  best_rho_ = kInfinity;
+  bool warm = false;
   if (initial_f != nullptr) {
+    const double cold_residual = Residual(c_, scaled_.b);
     for (Index p = 0; p < n_; ++p) {
       const double given = scaled_.ScaledForce(p, (*initial_f)[p]);
       c_[p] = is_joint(p) ? given : std::max(given, 0.0);
@@ -55,9 +73,12 @@ void SemismoothNewtonSolver::Engine::Start(const Eigen::VectorXd* initial_f) {
     }
     block_->Multiply(c_.data(), w_.data());
     w_ += scaled_.b;
+    warm = Residual(c_, w_) <= kUsefulStart * cold_residual;
+    if (!warm) c_.setZero();
   }
+  if (!warm) w_ = scaled_.b;
   u_ = c_;
-  best_rho_ = kInfinity;
+  return warm;
 }
 
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Factor(double shift) {
@@ -146,7 +167,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     return;
   }
   block_->Load(*problem_, scaled_.scale);
-  Start(options.initial_f);
+  const bool warm = Start(options.initial_f);
   if (auto ray = FindZeroRowRay(*problem_, std::min(tolerance_, kProofTolerance) * scaled_.b_norm)) {
     result->farkas_ray = std::move(ray);
     result->status = LcpStatus::kInfeasible;
@@ -154,10 +175,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
   End end = End::kGoOn;
   double eps = options_.first_weight;
-  if (options.initial_f != nullptr) {
-    FindActiveSet(eps);
-    end = Finish(result);
-  }
+  if (warm) end = FinishFromStart(result);
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
     end = SolveSubproblem(eps);
     if (end != End::kGoOn) break;

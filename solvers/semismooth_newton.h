@@ -48,8 +48,9 @@ struct SemismoothNewtonOptions {
 /// with n. Each costs O(sum over columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some
 /// ten entries per row.
 ///
-/// Warm start: c = u = initial_f, clipped at 0. Its F is finished first, so that an answer with the same active set
-/// costs one factorisation; otherwise the Newton steps start from there.
+/// Warm start: c = u = initial_f, clipped at 0, if its rho is at most half the one at f = 0; else it is ignored. Its F
+/// = {D f > w} is finished first, wrong rows changing sides while their number falls, so that an answer with the same
+/// active set costs one factorisation; where that fails, proximal steps go on from what is better, it or initial_f.
 ///
 /// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray. The clock is read
 /// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,

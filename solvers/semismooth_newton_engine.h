@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "solvers/active_block_choice.h"
+#include "solvers/answer_judge.h"
 #include "solvers/given_form.h"
 #include "solvers/scaled_vectors.h"
 #include "solvers/semismooth_newton.h"
@@ -28,7 +29,8 @@ class SemismoothNewtonSolver::Engine {
   static size_t At(Index i) { return static_cast<size_t>(i); }
   enum class End { kGoOn, kDone, kInfeasible, kTimeLimit, kIterationLimit };
 
-  void Start(const Eigen::VectorXd* initial_f);
+  bool Start(const Eigen::VectorXd* initial_f);
+  double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
   End Factor(double shift);
   Index FindActiveSet(double eps);
   End SolveSubproblem(double eps);
@@ -36,6 +38,9 @@ class SemismoothNewtonSolver::Engine {
   double Slope(double t, double* curvature) const;
   End Finish(LcpResult* result);
   End FinishWith(double shift, LcpResult* result);
+  End FinishFromStart(LcpResult* result);
+  End Correct(double rho, LcpResult* result);
+  Index FindWrongRows();
   bool Publish(LcpResult* result);
   bool IsAnswer(LcpResult* result);
   bool RepairTinyRows(LcpResult* result);
@@ -49,6 +54,8 @@ class SemismoothNewtonSolver::Engine {
   ActiveBlockChoice blocks_;
   ActiveBlock* block_ = nullptr;
   GivenFormTest test_;
+  AnswerJudge judge_;
+  LcpResult judged_;  // its f is what judge_ saw
   double tolerance_ = 0;
   std::int64_t factors_ = 0, factor_limit_ = 0;
   std::optional<Deadline> deadline_;
@@ -63,7 +70,7 @@ class SemismoothNewtonSolver::Engine {
   Eigen::VectorXd f_, residual_;   // of the finish
   Eigen::VectorXd f_trial_;        // in the problem's units
   std::vector<char> in_F_;
-  std::vector<Index> stack_;
+  std::vector<Index> stack_;               // of TryRay; of FinishFromStart the wrong rows
   double slope_at_0_ = 0, curvature_ = 0;  // of 1/2 u.A u along the step
   double best_rho_ = std::numeric_limits<double>::infinity();
   double center_rho_ = std::numeric_limits<double>::infinity();  // of c, before its correction

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
@@ -8,13 +9,17 @@
 namespace lcpbench {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // The shift of the finish, relative to the diagonal: the correction converges like (shift / eigenvalue)^k, and rounding
 // of the factor, about 1e-15, must stay small beside it.
 constexpr double kFinishShift = 1e-10;
+constexpr double kStartShift = 1e-8;
 constexpr int kFinishSteps = 6;
 // Where b is consistent with dependent rows only up to rounding r, a correction moves f by r / shift in the null space,
 // which can make forces negative. If c itself is nearly right, a heavier shift is tried then.
 constexpr double kGentleShift = 1e-6;
+// Forces and gaps of the wrong sign that are below this part of the largest force or of b do not make a row wrong.
+constexpr double kWrongSign = 1e-9;
 constexpr double kNearlySolved = 1e-3;
 // rho that is good enough to stop refining, whatever the tolerance: a direct method pays next to nothing for it.
 constexpr double kGoodEnough = 1e-13;
@@ -32,25 +37,29 @@ constexpr int kRayCorrections = 6;
 double SemismoothNewtonSolver::Engine::RhoInDouble() {
   block_->Multiply(f_.data(), residual_.data());
   residual_ += scaled_.b;
-  double sum = 0;
-  for (Index p = 0; p < n_; ++p) {
-    const double d = scaled_.diagonal[p];
-    const double r = is_joint(p) ? residual_[p] : std::min(d * f_[p], residual_[p]);
-    sum += r * r / d;
-  }
-  return std::sqrt(sum) / (scaled_.b_norm * scaled_.b_scale);
+  return Residual(f_, residual_) / (scaled_.b_norm * scaled_.b_scale);
 }
 
-// Keeps f_ if it is the best so far. True if it is good enough to stop.
+// Keeps f_ if it is the best so far. True if it is good enough to stop. What is good enough in double, rounding
+// included, is far below any tolerance; only what is not is looked at in extended precision.
 bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
+  Eigen::VectorXd& f = judge_.candidate();
   for (Index p = 0; p < n_; ++p) {
-    const double f = scaled_.GivenForce(p, f_[p]);
-    f_trial_[p] = is_joint(p) ? f : std::max(f, 0.0);
+    const double given = scaled_.GivenForce(p, f_[p]);
+    f[p] = is_joint(p) ? given : std::max(given, 0.0);
   }
-  const auto rho = static_cast<double>(test_.Rho(f_trial_));
+  judge_.Start(tolerance_);
+  const bool good_enough = judge_.Publish(&judged_);  // the first candidate is the best, if it is a number
+  if (!(judge_.tier() < kInfinity)) return false;
+  if (good_enough) {
+    best_rho_ = judge_.tier();
+    result->f.swap(judged_.f);
+    return true;
+  }
+  const auto rho = static_cast<double>(test_.Rho(judged_.f));
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
-  result->f.swap(f_trial_);
+  result->f.swap(judged_.f);
   if (!(rho <= kGoodEnough)) return false;
   for (Index p = 0; p < n_; ++p) {
     if (!test_.RowMeets(tolerance_, result->f, p)) return false;
@@ -69,8 +78,12 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishWith(d
   const End end = Factor(shift);
   if (end != End::kGoOn) return end;
   for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
-  double rho = RhoInDouble();
-  center_rho_ = rho;
+  center_rho_ = RhoInDouble();
+  return Correct(center_rho_, result);
+}
+
+// With a factor of the active block, f_ of that rho and its residual_: refines and publishes.
+SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Correct(double rho, LcpResult* result) {
   for (int k = 0; k < kFinishSteps && rho > kGoodEnough; ++k) {
     block_->Solve(residual_.data());
     f_ -= residual_;
@@ -92,6 +105,61 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishWith(d
     if (!(best_rho_ <= kFinishProgress * before)) break;
   }
   return IsAnswer(result) || RepairTinyRows(result) ? End::kDone : End::kGoOn;
+}
+
+// Rows of F with f_ < 0 and rows outside with residual_ < 0, more than rounding might be, into stack_.
+Eigen::Index SemismoothNewtonSolver::Engine::FindWrongRows() {
+  double force = 0;
+  double gap = 0;
+  for (Index p = 0; p < n_; ++p) {
+    force = std::max(force, scaled_.diagonal[p] * f_[p] * f_[p]);
+    gap = std::max(gap, scaled_.b[p] * scaled_.b[p] / scaled_.diagonal[p]);
+  }
+  stack_.clear();
+  for (Index p = 0; p < n_; ++p) {
+    if (is_joint(p) || scaled_.can_act[At(p)] == 0) continue;
+    const double d = scaled_.diagonal[p];
+    const double x = in_F_[At(p)] != 0 ? f_[p] : residual_[p];
+    const double size = in_F_[At(p)] != 0 ? d * x * x / force : x * x / (d * gap);
+    if (x < 0 && size > kWrongSign * kWrongSign) stack_.push_back(p);
+  }
+  return static_cast<Index>(stack_.size());
+}
+
+// The rows that the start leaves active are mostly the right ones: f is corrected for them, and wrong rows change sides
+// while their number falls. Where that does not end, proximal steps go on from the better one of the start and the
+// latest f.
+SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromStart(LcpResult* result) {
+  FindActiveSet(1);
+  for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
+  for (Index least = n_ + 1;;) {
+    const End end = Factor(kStartShift);
+    if (end != End::kGoOn) return end;
+    RhoInDouble();
+    block_->Solve(residual_.data());
+    f_ -= residual_;
+    const double rho = RhoInDouble();
+    const Index wrong = FindWrongRows();
+    if (wrong == 0) {
+      if (Correct(rho, result) == End::kDone) return End::kDone;
+      break;
+    }
+    if (wrong >= least) break;
+    least = wrong;
+    for (const Index p : stack_) {
+      in_F_[At(p)] = in_F_[At(p)] == 0 ? 1 : 0;
+      if (in_F_[At(p)] == 0) f_[p] = 0;
+    }
+  }
+  for (Index p = 0; p < n_; ++p) {
+    if (!is_joint(p)) f_[p] = std::max(f_[p], 0.0);
+  }
+  if (RhoInDouble() < Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale)) {
+    c_ = f_;
+    u_ = f_;
+    w_ = residual_;
+  }
+  return End::kGoOn;
 }
 
 bool SemismoothNewtonSolver::Engine::IsAnswer(LcpResult* result) {
