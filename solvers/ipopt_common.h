@@ -1,81 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
+#include "solvers/ipopt_engine.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
-/// What the two Ipopt backends share. Internal to solvers/: no Ipopt header is seen from here, and none is installed.
+/// What the two Ipopt backends share. Internal to solvers/.
 namespace lcpbench::ipopt {
-
-/// Coordinates of a sparse matrix, each position at most once.
-struct Entries {
-  std::vector<int> row;
-  std::vector<int> column;
-  std::vector<double> value;
-
-  void Add(Index i, Index j, double x) {
-    row.push_back(static_cast<int>(i));
-    column.push_back(static_cast<int>(j));
-    value.push_back(x);
-  }
-  size_t size() const { return value.size(); }
-};
-
-/// min 1/2 x.H x + c.x  subject to  G x = d,  x_j >= 0 where nonnegative[j].
-/// H and G are constant, so that all derivatives are exact: the gradient is H x + c.
-struct QuadraticProgram {
-  Eigen::VectorXd c;              ///< one entry per variable
-  Eigen::VectorXd d;              ///< one entry per constraint
-  std::vector<bool> nonnegative;  ///< one entry per variable
-  Entries hessian;                ///< lower triangle of H
-  Entries jacobian;               ///< G
-
-  double Objective(const double* x) const;
-  /// gradient: one entry per variable
-  void Gradient(const double* x, double* gradient) const;
-  /// values = G x: one entry per constraint
-  void Constraints(const double* x, double* values) const;
-};
-
-inline double QuadraticProgram::Objective(const double* x) const {
-  double sum = 0;
-  for (Index j = 0; j < c.size(); ++j) sum += c[j] * x[j];
-  for (size_t k = 0; k < hessian.size(); ++k) {
-    const int i = hessian.row[k];
-    const int j = hessian.column[k];
-    sum += (i == j ? 0.5 : 1.0) * hessian.value[k] * x[i] * x[j];
-  }
-  return sum;
-}
-
-inline void QuadraticProgram::Gradient(const double* x, double* gradient) const {
-  std::copy_n(c.data(), c.size(), gradient);
-  for (size_t k = 0; k < hessian.size(); ++k) {
-    const int i = hessian.row[k];
-    const int j = hessian.column[k];
-    gradient[i] += hessian.value[k] * x[j];
-    if (i != j) gradient[j] += hessian.value[k] * x[i];
-  }
-}
-
-inline void QuadraticProgram::Constraints(const double* x, double* values) const {
-  std::fill_n(values, d.size(), 0.0);
-  for (size_t k = 0; k < jacobian.size(); ++k) values[jacobian.row[k]] += jacobian.value[k] * x[jacobian.column[k]];
-}
-
-/// A starting point. Multipliers have Ipopt's signs: H x + c + G^T y - z = 0.
-struct Start {
-  Eigen::VectorXd x;
-  Eigen::VectorXd z;  ///< of the bounds x >= 0, one per variable
-  Eigen::VectorXd y;  ///< of the constraints
-};
 
 /// The Jacobi-scaled LCP with |b| = 1 that the programs are written in; tolerances and starting values have no units
 /// there. A = D^-1/2 A D^-1/2, b = D^-1/2 b / |D^-1/2 b|; D_ii = |A_ii|, and 1 where A_ii = 0.
@@ -114,9 +52,8 @@ struct Formulation {
   std::function<Start(const Eigen::VectorXd& f, const Eigen::VectorXd& w)> start;
 };
 
-/// Runs Ipopt on formulations of one problem, one after the other until one gives an answer. Ipopt is silent, reads no
-/// options file, and is stopped by the tier test of the project itself; see ipopt_common.cc for every option and its
-/// reason.
+/// Runs Ipopt on formulations of one problem, one after the other until one gives an answer; it is stopped by the tier
+/// test of the project itself.
 class Runner {
  public:
   /// Ipopt iterations per formulation where LcpOptions names no limit. Ordinary problems take 5 to 40 (measured); the
@@ -126,8 +63,10 @@ class Runner {
   Runner();
   ~Runner();
 
-  void Prepare(const ScaledLcp& scaled);
-  void Solve(const std::vector<Formulation>& formulations, const LcpOptions& options, LcpResult* result);
+  /// Builds Ipopt's objects for the first formulation; the others' are built when first tried.
+  /// @param formulations  at least one; not owned
+  void Prepare(const ScaledLcp& scaled, std::span<const Formulation> formulations);
+  void Solve(const LcpOptions& options, LcpResult* result);
 
  private:
   struct State;

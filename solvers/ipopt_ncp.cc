@@ -150,11 +150,11 @@ void IpoptNcpSolver::DoPrepare(const LcpProblem& problem) {
   if (options_.form == Form::kLifted || (options_.form == Form::kAuto && problem.has_factors())) {
     forms.push_back(LiftedForm(scaled));
   }
-  work_->runner.Prepare(scaled);
+  work_->runner.Prepare(scaled, forms);
 }
 
 void IpoptNcpSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(work_->formulations, options, result);
+  work_->runner.Solve(options, result);
 }
 
 }  // namespace lcpbench

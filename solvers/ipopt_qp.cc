@@ -110,11 +110,11 @@ void IpoptQpSolver::DoPrepare(const LcpProblem& problem) {
     forms.push_back(ContactForm(scaled));
     forms.push_back(LiftedForm(scaled));
   }
-  work_->runner.Prepare(scaled);
+  work_->runner.Prepare(scaled, forms);
 }
 
 void IpoptQpSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(work_->formulations, options, result);
+  work_->runner.Solve(options, result);
 }
 
 }  // namespace lcpbench

@@ -5,9 +5,10 @@
 #include <memory>
 #include <random>
 #include <string>
+#include <thread>
 #include <vector>
 
-#include "solvers/ipopt_common.h"
+#include "solvers/ipopt_engine.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
@@ -114,6 +115,63 @@ TEST_P(Ipopt, RepeatedAndInterleavedSolvesAreBitwiseIdentical) {
     EXPECT_EQ(again.iterations, fresh.iterations);
     EXPECT_TRUE((again.f.array() == fresh.f.array()).all());
     reused->Solve(second, options, &again);
+  }
+}
+
+// A solve that ended early, in whatever way, must leave nothing behind in the objects that the next one uses.
+TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
+  const LcpProblem problem = PlantedProblem(15, 6, 8, 4, 3).problem;
+  const LcpResult fresh = Solve(problem, 1e-9);
+  const std::unique_ptr<LcpSolver> reused = MakeSolver(GetParam());
+  LcpResult result;
+  const auto expect_as_fresh = [&](const char* after) {
+    reused->Solve(problem, {}, &result);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << after;
+    EXPECT_EQ(result.iterations, fresh.iterations) << after;
+    EXPECT_TRUE((result.f.array() == fresh.f.array()).all()) << after;
+  };
+  LcpOptions limited;
+  limited.max_iterations = 2;
+  reused->Solve(problem, limited, &result);
+  EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+  expect_as_fresh("iteration limit");
+  LcpOptions warm;
+  warm.initial_f = &fresh.f;
+  warm.tolerance = 1e-12;
+  reused->Solve(problem, warm, &result);
+  expect_as_fresh("warm start");
+  LcpOptions late;
+  late.time_limit_s = 1e-9;
+  reused->Solve(problem, late, &result);
+  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
+  expect_as_fresh("time limit");
+}
+
+TEST_P(Ipopt, DistinctObjectsAreUsableFromDistinctThreads) {
+  constexpr unsigned kThreads = 4;
+  constexpr unsigned kProblems = 12;
+  std::vector<LcpProblem> problems;
+  std::vector<LcpResult> alone;
+  for (unsigned seed = 0; seed < kProblems; ++seed) {
+    problems.push_back(PlantedProblem(8 + seed, 4, seed, seed % 3, seed % 4).problem);
+    alone.push_back(Solve(problems.back(), 1e-9));
+  }
+  std::vector<std::vector<LcpResult>> together(kThreads, std::vector<LcpResult>(kProblems));
+  std::vector<std::thread> threads;
+  for (unsigned thread = 0; thread < kThreads; ++thread) {
+    threads.emplace_back([&, thread] {
+      for (unsigned k = 0; k < kProblems; ++k) {
+        const unsigned which = (k + 3 * thread) % kProblems;
+        together[thread][which] = Solve(problems[which], 1e-9);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (unsigned thread = 0; thread < kThreads; ++thread) {
+    for (unsigned k = 0; k < kProblems; ++k) {
+      EXPECT_EQ(together[thread][k].iterations, alone[k].iterations) << k;
+      EXPECT_TRUE((together[thread][k].f.array() == alone[k].f.array()).all()) << k;
+    }
   }
 }
 
