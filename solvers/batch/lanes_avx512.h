@@ -51,26 +51,36 @@ struct LanesAvx512 {
     return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), e), 52));
   }
 
-  /// to[j] has from[l][offset + j] in lane l, for j < count <= kWidth; writes kWidth vectors.
-  static void LoadTransposed(const double* const* from, std::size_t offset, int count, double* to) {
-    const auto read = static_cast<__mmask8>(count >= kWidth ? 0xff : (1 << count) - 1);
-    V r[8];
-    for (int l = 0; l < 8; ++l) r[l] = _mm512_maskz_loadu_pd(read, from[l] + offset);
+  /// to[j] has from[l][offset + j] in lane l, j < count <= kWidth; nothing beyond is read.
+  static void LoadTransposed(const double* const* from, std::size_t offset, int count, V* to) {
+    for (int l = 0; l < 8; ++l) to[l] = _mm512_maskz_loadu_pd(First(count), from[l] + offset);
+    Transpose(to);
+  }
+  /// The opposite. Changes `rows`.
+  static void StoreTransposed(V* rows, double* const* to, std::size_t offset, int count) {
+    Transpose(rows);
+    for (int l = 0; l < 8; ++l) _mm512_mask_storeu_pd(to[l] + offset, First(count), rows[l]);
+  }
+
+ private:
+  static __mmask8 First(int count) { return static_cast<__mmask8>((1U << static_cast<unsigned>(count)) - 1U); }
+
+  static void Transpose(V* r) {
     V t[8];
     for (int l = 0; l < 8; l += 2) {
       t[l] = _mm512_unpacklo_pd(r[l], r[l + 1]);
       t[l + 1] = _mm512_unpackhi_pd(r[l], r[l + 1]);
     }
     for (int h = 0; h < 2; ++h) {
-      // Pairs (0,1), (2,3) | (4,5), (6,7) of lanes; quarters of columns 0, 2, 4, 6 (+ h).
+      // Quarters of t: columns h, h + 2, h + 4, h + 6 of rows 0 and 1, 2 and 3, ...
       const V a = _mm512_shuffle_f64x2(t[h], t[2 + h], 0x88);
       const V b = _mm512_shuffle_f64x2(t[h], t[2 + h], 0xdd);
       const V c = _mm512_shuffle_f64x2(t[4 + h], t[6 + h], 0x88);
       const V d = _mm512_shuffle_f64x2(t[4 + h], t[6 + h], 0xdd);
-      Store(to + (0 + h) * 8, _mm512_shuffle_f64x2(a, c, 0x88));
-      Store(to + (2 + h) * 8, _mm512_shuffle_f64x2(b, d, 0x88));
-      Store(to + (4 + h) * 8, _mm512_shuffle_f64x2(a, c, 0xdd));
-      Store(to + (6 + h) * 8, _mm512_shuffle_f64x2(b, d, 0xdd));
+      r[h] = _mm512_shuffle_f64x2(a, c, 0x88);
+      r[2 + h] = _mm512_shuffle_f64x2(b, d, 0x88);
+      r[4 + h] = _mm512_shuffle_f64x2(a, c, 0xdd);
+      r[6 + h] = _mm512_shuffle_f64x2(b, d, 0xdd);
     }
   }
 };

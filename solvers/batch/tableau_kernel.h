@@ -1,50 +1,46 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 
 #include "solvers/batch/kernel.h"
+
+#define LCPBENCH_INLINE_LAMBDA __attribute__((always_inline))
 
 namespace lcpbench {
 namespace {
 
+template <int... k, typename F>
+[[gnu::always_inline]] inline void EachUnrolled(std::integer_sequence<int, k...>, int /*shift*/, const F& f) {
+  (f(std::integral_constant<int, k>{}), ...);
+}
+template <int B, int v>
+constexpr auto Times(std::integral_constant<int, v>) {
+  return std::integral_constant<int, B * v>{};
+}
+template <int B>
+constexpr int Times(int v) {
+  return B * v;
+}
+
 template <typename L, int N>
 class TableauKernel {
  public:
-  explicit TableauKernel(BatchGroup* group) : group_(*group) {
-    double* next = group->workspace;
-    const auto take = [&next](int vectors) {
-      double* start = next;
-      next += vectors * W;
-      return start;
-    };
-    matrix_ = take(kEntries + W);
-    tableau_ = take(kEntries + W);
-    q_ = take(N);
-    b_ = take(N);
-    diagonal_ = take(N);
-    scale_ = take(N);
-    sign_ = take(N);
-    f_ = take(N);
-    w_ = take(N);
-  }
+  explicit TableauKernel(BatchGroup* group) : group_(*group) {}
 
   void Solve() {
     Load();
-    bool any_joint = false;
-    for (int i = 0; i < N; ++i) any_joint |= L::Any(joint_[i]);
-    if (any_joint) {
-      for (int k = 0; k < N; k += B) StepPanel<true>(k);
-    }
+    Scale();
+    if (any_joint_) Sweep(true);
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-      moved_ = L::FromBits(0);
-      for (int k = 0; k < N; k += B) StepPanel<false>(k);
+      Sweep(false);
       if (!L::Any(moved_)) break;
     }
     WriteForces();
-    V rho = Residual();
-    const M poor = L::Less(L::Set(kGoodEnough * kGoodEnough), rho);
-    if (L::Any(poor)) rho = Refine(poor, rho);
-    Judge(rho);
+    Check();
+    const M poor = L::Less(L::Set(kGoodEnough * kGoodEnough), rho_square_);
+    if (L::Any(poor)) Refine(poor);
+    Judge();
     StoreForces();
   }
 
@@ -53,309 +49,372 @@ class TableauKernel {
   using M = typename L::M;
   static constexpr int W = L::kWidth;
   static constexpr int B = 2;
+  static constexpr bool kUnroll = N <= 12;
   static constexpr int kEntries = N * (N + 1) / 2;
   static constexpr int kMaxSweeps = 12;
   static constexpr double kLeastPivot = 1e-11;
   static constexpr double kNoise = 1e-14;
   static constexpr double kGoodEnough = 1e-13;
 
-  static constexpr int At(int i, int j) { return (i * (i + 1) / 2 + j) * W; }  // j <= i
-  static V Get(const double* from, int i) { return L::Load(from + i * W); }
-  static void Put(double* to, int i, V v) { L::Store(to + i * W, v); }
+  static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
+
+  // f(j) for j < i.
+  template <typename I, typename F>
+  [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
+    if constexpr (kUnroll) {
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, 0, f);
+    } else {
+      for (int j = 0; j < i; ++j) f(j);
+    }
+  }
+  template <int kBegin, int kEnd, typename F>
+  [[gnu::always_inline]] static void Each(const F& f) {
+    if constexpr (kUnroll) {
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, 0, f);
+    } else {
+      for (int i = kBegin; i < kEnd; ++i) f(i);
+    }
+  }
 
   void Load() {
     int n = 0;
     bool uniform = true;
-    unsigned bits[N] = {};
+    std::uint32_t joints = 0;
+    const double* matrices[W];
+    const double* loads[W];
     for (int l = 0; l < W; ++l) {
       const BatchItem& item = group_.items[l];
-      if (item.n > n) n = item.n;
+      n = item.n > n ? item.n : n;
       uniform &= item.n == group_.items[0].n;
-      for (std::uint32_t rest = item.joints; rest != 0; rest &= rest - 1) {
-        bits[__builtin_ctz(rest)] |= 1U << static_cast<unsigned>(l);
-      }
+      joints |= item.joints;
+      matrices[l] = item.A;
+      loads[l] = item.b;
     }
-    for (int i = 0; i < N; ++i) joint_[i] = L::FromBits(bits[i]);
-    if (uniform) {
-      const double* from[W];
-      for (int l = 0; l < W; ++l) from[l] = group_.items[l].A;
-      for (int i = 0; i < n; ++i) {
-        for (int j = 0; j <= i; j += W) {
-          const int left = n - j;
-          L::LoadTransposed(from, static_cast<std::size_t>(i * n + j), left < W ? left : W, tableau_ + At(i, j));
-        }
-      }
-      for (int l = 0; l < W; ++l) from[l] = group_.items[l].b;
-      for (int j = 0; j < n; j += W) {
-        alignas(64) double part[W * W];
-        const int left = n - j < W ? n - j : W;
-        L::LoadTransposed(from, static_cast<std::size_t>(j), left, part);
-        for (int k = 0; k < left; ++k) Put(b_, j + k, Get(part, k));
-      }
+    for (int i = 0; i < N; ++i) joint_[i] = L::FromBits(0);
+    any_joint_ = joints != 0;
+    if (any_joint_) LoadJoints();
+    if (!uniform) {
+      LoadMixed();
+    } else if (n == N) {
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
+      LoadRow(loads, 0, N, N, b_);
     } else {
-      LoadMixed(n);
+      for (int i = 0; i < n; ++i) LoadRow(matrices, i * n, n, i + 1, matrix_ + At(i, 0));
+      LoadRow(loads, 0, n, n, b_);
+      for (int i = n; i < N; ++i) {
+        for (int j = 0; j < i; ++j) matrix_[At(i, j)] = L::Set(0);
+        matrix_[At(i, i)] = L::Set(1);
+        b_[i] = L::Set(0);
+      }
     }
-    Scale(n);
+  }
+
+  // to[j] = entry `offset` + j of every lane, j < keep <= n; n - j of them can be read.
+  [[gnu::always_inline]] static void LoadRow(const double* const* from, int offset, int n, int keep, V* to) {
+    for (int j = 0; j < keep; j += W) {
+      V part[W];
+      L::LoadTransposed(from, static_cast<std::size_t>(offset + j), n - j < W ? n - j : W, part);
+      for (int k = 0; k < W && j + k < keep; ++k) to[j + k] = part[k];
+    }
+  }
+
+  [[gnu::noinline]] void LoadJoints() {
+    for (int i = 0; i < N; ++i) {
+      unsigned bits = 0;
+      for (int l = 0; l < W; ++l) bits |= (group_.items[l].joints >> i & 1U) << l;
+      joint_[i] = L::FromBits(bits);
+    }
   }
 
   // Lanes of different sizes: the rows that a lane does not have are those of the unit matrix.
-  [[gnu::noinline]] void LoadMixed(int n) {
-    for (int l = 0; l < W; ++l) {
-      const BatchItem& item = group_.items[l];
-      for (int i = 0; i < n; ++i) {
-        for (int j = 0; j <= i; ++j) {
-          tableau_[At(i, j) + l] = i < item.n ? item.A[i * item.n + j] : (i == j ? 1.0 : 0.0);
+  [[gnu::noinline]] void LoadMixed() {
+    for (int i = 0; i < N; ++i) {
+      alignas(64) double values[W];
+      for (int j = 0; j <= i; ++j) {
+        for (int l = 0; l < W; ++l) {
+          const BatchItem& item = group_.items[l];
+          values[l] = i < item.n ? item.A[i * item.n + j] : (i == j ? 1.0 : 0.0);
         }
-        b_[i * W + l] = i < item.n ? item.b[i] : 0.0;
+        matrix_[At(i, j)] = L::Load(values);
       }
+      for (int l = 0; l < W; ++l) values[l] = i < group_.items[l].n ? group_.items[l].b[i] : 0.0;
+      b_[i] = L::Load(values);
     }
   }
 
-  void Scale(int n) {
+  void Scale() {
     const V one = L::Set(1);
     const V zero = L::Set(0);
     V largest = zero;
-    for (int i = 0; i < n; ++i) {
-      const V d = L::Load(tableau_ + At(i, i));
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V d = matrix_[At(i, i)];
       const M acts = L::Less(zero, d);
       const V s = L::Select(acts, L::HalvedExponent(d, 1535), one);
-      Put(scale_, i, s);
-      const V q = L::Mul(Get(b_, i), s);
-      Put(b_, i, q);
+      scale_[i] = s;
+      const V q = L::Mul(b_[i], s);
+      q_[i] = q;
+      sign_[i] = zero;
       largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
-    }
+    });
     const V top = L::Min(largest, L::Set(0x1p1022));
     const V t = L::Select(L::Less(zero, top), L::NegatedExponent(top, 2046), one);
     b_scale_ = t;
+    inverse_b_scale_ = L::Div(one, t);
     V norm = zero;
-    for (int i = 0; i < n; ++i) {
-      const V q = L::Mul(Get(b_, i), t);
-      Put(b_, i, q);
-      Put(q_, i, q);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V q = L::Mul(q_[i], t);
+      q_[i] = q;
       norm = L::Fma(q, q, norm);
-    }
+    });
     b_square_ = L::Select(L::Less(zero, norm), norm, one);
-    for (int i = 0; i < n; ++i) {
-      const V s = Get(scale_, i);
-      for (int j = 0; j <= i; ++j) {
-        const V a = L::Mul(L::Mul(L::Load(tableau_ + At(i, j)), s), Get(scale_, j));
-        L::Store(tableau_ + At(i, j), a);
-        L::Store(matrix_ + At(i, j), a);
-      }
-      Put(diagonal_, i, L::Load(matrix_ + At(i, i)));
-      Put(sign_, i, zero);
-    }
-    for (int i = n; i < N; ++i) {
-      for (int j = 0; j <= i; ++j) {
-        L::Store(tableau_ + At(i, j), i == j ? one : zero);
-        L::Store(matrix_ + At(i, j), i == j ? one : zero);
-      }
-      Put(diagonal_, i, one);
-      Put(scale_, i, one);
-      Put(q_, i, zero);
-      Put(b_, i, zero);
-      Put(sign_, i, zero);
-    }
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V s = scale_[i];
+      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+        tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]);
+      });
+      const V d = L::Mul(L::Mul(matrix_[At(i, i)], s), s);
+      tableau_[At(i, i)] = d;
+      least_[i] = L::Mul(L::Set(kLeastPivot), d);
+    });
     noise_ = L::Set(-kNoise);
     pivots_ = zero;
   }
 
-  template <bool kJoints>
-  M Wanted(int k) const {
-    if (kJoints) return L::Without(joint_[k], L::SignOf(Get(sign_, k)));
-    return L::Without(L::Less(L::Xor(Get(q_, k), Get(sign_, k)), noise_), joint_[k]);
+  // Rows that a lane wants to move: bilateral ones first, then those with the wrong sign.
+  M Wanted(int k, bool joints) const {
+    if (joints) return L::Without(joint_[k], L::SignOf(sign_[k]));
+    return L::Without(L::Less(L::Xor(q_[k], sign_[k]), noise_), joint_[k]);
   }
 
-  template <bool kJoints>
-  void StepPanel(int k0) {
-    M any = Wanted<kJoints>(k0);
-    for (int c = 1; c < B; ++c) any = L::Either(any, Wanted<kJoints>(k0 + c));
-    if (!L::Any(any)) return;
+  void Sweep(bool joints) {
+    moved_ = L::FromBits(0);
+    Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA {
+      M any = Wanted(panel * B, joints);
+      for (int c = 1; c < B; ++c) any = L::Either(any, Wanted(panel * B + c, joints));
+      if (L::Any(any)) StepPanel(panel, joints);
+    });
+  }
 
+  // One exchange within the panel: row k = k0 + c in the lanes that want it. x and y are what it adds to the rest.
+  template <typename K>
+  [[gnu::always_inline]] bool Exchange(K k0, int c, bool joints, V (*u)[N], V* x, V* y) {
+    const int k = k0 + c;
+    const V sign = sign_[k];
+    const V a = u[c][k];
+    const V size = L::Xor(a, sign);
+    const M can = L::Less(least_[k], size);
+    const M m = L::Both(Wanted(k, joints), can);
+    if (!L::Any(m)) return false;
+    moved_ = L::Either(moved_, m);
+    const V inverse_size = L::Div(L::Set(1), size);
+    const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
+    const V factor = L::Select(m, inverse_size, L::Set(1));
+    const V qk = q_[k];
+    const V qy = L::Mul(qk, inverse);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      x[i] = u[c][i];
+      y[i] = L::Mul(x[i], inverse);
+      u[c][i] = L::Mul(x[i], factor);
+      q_[i] = L::Fnma(x[i], qy, q_[i]);
+    });
+    const int o = 1 - c;
+    const V before = u[o][k];
+    const V yo = y[k0 + o];
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[o][i] = L::Fnma(x[i], yo, u[o][i]); });
+    u[o][k] = L::Mul(before, factor);
+    u[c][k] = L::Select(m, L::Sub(L::Set(0), inverse), a);
+    const V moved = L::Mul(qk, factor);
+    q_[k] = moved;
+    sign_[k] = L::Xor(sign, L::Masked(m, L::Set(-0.0)));
+    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(moved))));
+    pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
+    return true;
+  }
+
+  template <typename P>
+  [[gnu::noinline]] void StepPanel(P panel, bool joints) {
+    const auto k0 = Times<B>(panel);
     V u[B][N], x[B][N], y[B][N];
     for (int c = 0; c < B; ++c) {
       const int k = k0 + c;
-      for (int i = 0; i < k; ++i) u[c][i] = L::Load(tableau_ + At(k, i));
-      for (int i = k; i < N; ++i) u[c][i] = L::Load(tableau_ + At(i, k));
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[c][i] = tableau_[i < k ? At(k, i) : At(i, k)]; });
     }
-    int rank = 0;
-    for (int c = 0; c < B; ++c) {
-      const int k = k0 + c;
-      const V sign = Get(sign_, k);
-      const V a = u[c][k];
-      const V size = L::Xor(a, sign);
-      const M can = L::Less(L::Mul(L::Set(kLeastPivot), Get(diagonal_, k)), size);
-      const M m = L::Both(Wanted<kJoints>(k), can);
-      if (!L::Any(m)) continue;
-      moved_ = L::Either(moved_, m);
-      const V inverse_size = L::Div(L::Set(1), size);
-      const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
-      const V factor = L::Select(m, inverse_size, L::Set(1));
-      V* __restrict xc = x[rank];
-      V* __restrict yc = y[rank];
-      ++rank;
-      const V qk = Get(q_, k);
-      const V qy = L::Mul(qk, inverse);
-      for (int i = 0; i < N; ++i) {
-        xc[i] = u[c][i];
-        yc[i] = L::Mul(xc[i], inverse);
-        u[c][i] = L::Mul(xc[i], factor);
-        Put(q_, i, L::Fnma(xc[i], qy, Get(q_, i)));
-      }
-      for (int o = 0; o < B; ++o) {
-        if (o == c) continue;
-        const V before = u[o][k];
-        const V yo = yc[k0 + o];
-        for (int i = 0; i < N; ++i) u[o][i] = L::Fnma(xc[i], yo, u[o][i]);
-        u[o][k] = L::Mul(before, factor);
-      }
-      u[c][k] = L::Select(m, L::Sub(L::Set(0), inverse), a);
-      const V moved = L::Mul(qk, factor);
-      Put(q_, k, moved);
-      Put(sign_, k, L::Xor(sign, L::Masked(m, L::Set(-0.0))));
-      noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(moved))));
-      pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
-    }
-    if (rank == 0) return;
-    if (rank == 1) {
-      Trail<1>(k0, x, y);
-    } else {
+    const bool first = Exchange(k0, 0, joints, u, x[0], y[0]);
+    const bool second = Exchange(k0, 1, joints, u, x[1], y[1]);
+    if (first && second) {
       Trail<2>(k0, x, y);
+    } else if (first) {
+      Trail<1>(k0, x, y);
+    } else if (second) {
+      Trail<1>(k0, x + 1, y + 1);
+    } else {
+      return;
     }
     for (int c = 0; c < B; ++c) {
       const int k = k0 + c;
-      for (int i = 0; i < k; ++i) L::Store(tableau_ + At(k, i), u[c][i]);
-      for (int i = k; i < N; ++i) L::Store(tableau_ + At(i, k), u[c][i]);
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { tableau_[i < k ? At(k, i) : At(i, k)] = u[c][i]; });
     }
   }
 
-  template <int R>
-  void TrailRow(double* __restrict row, int from, int to, const V* xi, const V (*y)[N]) {
-    for (int j = from; j < to; ++j) {
-      V t = L::Load(row + j * W);
-      for (int r = 0; r < R; ++r) t = L::Fnma(xi[r], y[r][j], t);
-      L::Store(row + j * W, t);
-    }
-  }
-
-  template <int R>
-  void Trail([[maybe_unused]] int k0, const V (*x)[N], const V (*y)[N]) {
-    for (int i = 0; i < N; ++i) {
-      double* row = tableau_ + At(i, 0);
-      V xi[R];
-      for (int r = 0; r < R; ++r) xi[r] = x[r][i];
-      TrailRow<R>(row, 0, i + 1, xi, y);
-    }
-  }
-
-  // Forces of the basic point, in scaled units.
-  void WriteForces() {
-    const V zero = L::Set(0);
-    for (int i = 0; i < N; ++i) {
-      const V force = L::Masked(L::SignOf(Get(sign_, i)), L::Sub(zero, Get(q_, i)));
-      Put(f_, i, L::Select(joint_[i], force, L::Max(force, zero)));
-    }
-  }
-
-  // An upper bound of rho^2, at most 4 times too large: rows count with D_ii = 1 and b with D_ii = 4, because A is scaled
-  // so that 1 <= D_ii < 4.
-  V Residual() {
-    V sum = L::Set(0);
-    for (int i = 0; i < N; ++i) {
-      V even = Get(b_, i);
-      V odd = L::Set(0);
-      for (int j = 0; j < N; ++j) {
-        const V a = L::Load(matrix_ + (j <= i ? At(i, j) : At(j, i)));
-        if (j % 2 == 0) {
-          even = L::Fma(a, Get(f_, j), even);
-        } else {
-          odd = L::Fma(a, Get(f_, j), odd);
+  // The rest of the tableau; where that is cheaper the panel's own entries, too, which are overwritten later.
+  template <int R, typename K>
+  [[gnu::always_inline]] void Trail(K /*k0*/, const V (*x)[N], const V (*y)[N]) {
+    if constexpr (kUnroll) {
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+        if constexpr (i < K::value || i >= K::value + B) {
+          EachUpTo(Times<1>(std::integral_constant<int, i + 1>{}), [&](auto j) LCPBENCH_INLINE_LAMBDA {
+            if constexpr (j < K::value || j >= K::value + B) TrailEntry<R>(i, j, x, y);
+          });
+        }
+      });
+    } else {
+      constexpr int kRows = 2;
+      for (int i = 0; i < N; i += kRows) {
+        for (int j = 0; j < i; ++j) {
+          for (int r = 0; r < kRows; ++r) TrailEntry<R>(i + r, j, x, y);
+        }
+        for (int r = 0; r < kRows; ++r) {
+          for (int j = 0; j <= r; ++j) TrailEntry<R>(i + r, i + j, x, y);
         }
       }
-      const V w = L::Add(even, odd);
-      Put(w_, i, w);
-      const V force = L::Mul(Get(diagonal_, i), Get(f_, i));
-      const V r = L::Select(joint_[i], w, L::Min(w, force));
-      sum = L::Fma(r, r, sum);
     }
-    return L::Div(L::Mul(L::Set(4), sum), b_square_);
+  }
+
+  template <int R>
+  [[gnu::always_inline]] void TrailEntry(int i, int j, const V (*x)[N], const V (*y)[N]) {
+    V t = tableau_[At(i, j)];
+    for (int r = 0; r < R; ++r) t = L::Fnma(x[r][i], y[r][j], t);
+    tableau_[At(i, j)] = t;
+  }
+
+  // Forces of the basic point, in given units.
+  void WriteForces() {
+    const V zero = L::Set(0);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
+      f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
+    });
+  }
+
+  // w by the given A and b; which lanes have rows with small backward errors only; and an upper bound of rho^2, at most
+  // 4 times too large: it takes D_ii = 1 for rows and D_ii = 4 for b, because A is scaled so that 1 <= D_ii < 4.
+  void Check() {
+    const V limit = L::Set(group_.row_limit);
+    V sum = L::Set(0);
+    M met = L::FromBits(~0U);
+    M solid = met;
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      V even = b_[i];
+      V odd = L::Set(0);
+      Each<0, N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
+        const V a = matrix_[j <= i ? At(i, j) : At(j, i)];
+        if (j % 2 == 0) {
+          even = L::Fma(a, f_[j], even);
+        } else {
+          odd = L::Fma(a, f_[j], odd);
+        }
+      });
+      const V w = L::Add(even, odd);
+      w_[i] = w;
+      const V d = matrix_[At(i, i)];
+      const V force = L::Mul(d, f_[i]);
+      const V defect = L::Select(joint_[i], w, L::Min(w, force));
+      const V r = L::Mul(L::Mul(defect, scale_[i]), b_scale_);
+      sum = L::Fma(r, r, sum);
+      // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
+      const V b = b_[i];
+      const V least = L::Add(L::Max(L::Abs(L::Sub(w, b)), L::Abs(force)), L::Abs(b));
+      met = L::Both(met, L::LessEqual(L::Abs(defect), L::Mul(limit, least)));
+      solid = L::Both(solid, L::LessEqual(L::Set(0), d));
+    });
+    rows_met_ = met;
+    solid_ = solid;
+    rho_square_ = L::Div(L::Mul(L::Set(4), sum), b_square_);
   }
 
   // f_F -= A_FF^-1 w_F in the lanes of `poor`, kept where rho falls.
-  [[gnu::noinline]] V Refine(M poor, V rho) {
+  [[gnu::noinline]] void Refine(M poor) {
+    const V rho = rho_square_;
     V before[N];
     for (int i = 0; i < N; ++i) {
-      before[i] = Get(q_, i);
-      Put(w_, i, L::Masked(L::Both(poor, L::SignOf(Get(sign_, i))), Get(w_, i)));
+      before[i] = q_[i];
+      w_[i] = L::Masked(L::Both(poor, L::SignOf(sign_[i])), L::Mul(L::Mul(w_[i], scale_[i]), b_scale_));
     }
     for (int i = 0; i < N; ++i) {
-      V sum = Get(q_, i);
-      for (int j = 0; j < N; ++j) {
-        sum = L::Fnma(L::Load(tableau_ + (j <= i ? At(i, j) : At(j, i))), Get(w_, j), sum);
-      }
-      Put(q_, i, L::Select(L::SignOf(Get(sign_, i)), sum, before[i]));
+      V sum = q_[i];
+      for (int j = 0; j < N; ++j) sum = L::Fnma(tableau_[j <= i ? At(i, j) : At(j, i)], w_[j], sum);
+      q_[i] = L::Select(L::Both(poor, L::SignOf(sign_[i])), sum, before[i]);
     }
     WriteForces();
-    const V after = Residual();
-    const M worse = L::Less(rho, after);
-    if (!L::Any(worse)) return after;
-    for (int i = 0; i < N; ++i) Put(q_, i, L::Select(worse, before[i], Get(q_, i)));
+    Check();
+    const M worse = L::Less(rho, rho_square_);
+    if (!L::Any(worse)) return;
+    for (int i = 0; i < N; ++i) q_[i] = L::Select(worse, before[i], q_[i]);
     WriteForces();
-    return Residual();
+    Check();
   }
 
-  void Judge(V rho) {
-    const V zero = L::Set(0);
-    M met = L::LessEqual(rho, L::Set(group_.rho_limit * group_.rho_limit));
-    const V limit = L::Set(group_.row_limit);
-    M rows = met;
-    for (int i = 0; i < N; ++i) {
-      const V w = Get(w_, i);
-      const V b = Get(b_, i);
-      const V force = L::Mul(Get(diagonal_, i), Get(f_, i));
-      const V defect = L::Abs(L::Select(joint_[i], w, L::Min(w, force)));
-      const V least = L::Add(L::Max(L::Abs(L::Sub(w, b)), L::Abs(force)), L::Abs(b));
-      rows = L::Both(rows, L::LessEqual(defect, L::Mul(limit, least)));
-      met = L::Both(met, L::LessEqual(zero, Get(diagonal_, i)));
-    }
+  void Judge() {
+    const M met = L::Both(solid_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    M rows = L::Both(met, rows_met_);
     if (L::Any(L::Without(met, rows))) rows = JudgeRows(met);
-    group_.met = L::Bits(L::Both(met, rows));
+    group_.met = L::Bits(rows);
   }
 
-  // As Judge, with the whole of (|A| |f| + |b|)_i.
+  // As Check, with the whole of (|A| |f| + |b|)_i.
   [[gnu::noinline]] M JudgeRows(M met) const {
     const V limit = L::Set(group_.row_limit);
     for (int i = 0; i < N; ++i) {
-      const V w = Get(w_, i);
-      V sum = L::Abs(Get(b_, i));
-      for (int j = 0; j < N; ++j) {
-        const V a = L::Load(matrix_ + (j <= i ? At(i, j) : At(j, i)));
-        sum = L::Add(sum, L::Abs(L::Mul(a, Get(f_, j))));
-      }
-      const V force = L::Mul(Get(diagonal_, i), Get(f_, i));
-      const V defect = L::Abs(L::Select(joint_[i], w, L::Min(w, force)));
+      V sum = L::Abs(b_[i]);
+      for (int j = 0; j < N; ++j) sum = L::Add(sum, L::Abs(L::Mul(matrix_[j <= i ? At(i, j) : At(j, i)], f_[j])));
+      const V force = L::Mul(matrix_[At(i, i)], f_[i]);
+      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
       met = L::Both(met, L::LessEqual(defect, L::Mul(limit, sum)));
     }
     return met;
   }
 
   void StoreForces() {
-    const V inverse = L::Div(L::Set(1), b_scale_);
-    for (int i = 0; i < N; ++i) Put(f_, i, L::Mul(Get(f_, i), L::Mul(Get(scale_, i), inverse)));
+    double* to[W];
+    int n = group_.items[0].n;
+    for (int l = 0; l < W; ++l) {
+      to[l] = group_.items[l].f;
+      if (group_.items[l].n != n) n = 0;
+    }
+    if (n == N) {
+      StoreAll(to, N);
+    } else if (n > 0) {
+      StoreAll(to, n);
+    } else {
+      for (int i = 0; i < N; ++i) {
+        alignas(64) double values[W];
+        L::Store(values, f_[i]);
+        for (int l = 0; l < W; ++l) {
+          if (i < group_.items[l].n) to[l][i] = values[l];
+        }
+      }
+    }
     alignas(64) double pivots[W];
     L::Store(pivots, pivots_);
-    for (int l = 0; l < W; ++l) {
-      group_.pivots[l] = static_cast<int>(pivots[l]);
-      const BatchItem& item = group_.items[l];
-      for (int i = 0; i < item.n; ++i) item.f[i] = f_[i * W + l];
+    for (int l = 0; l < W; ++l) group_.pivots[l] = static_cast<int>(pivots[l]);
+  }
+  [[gnu::always_inline]] void StoreAll(double* const* to, int n) const {
+    for (int j = 0; j < n; j += W) {
+      V part[W];
+      const int count = n - j < W ? n - j : W;
+      for (int k = 0; k < W; ++k) part[k] = f_[k < count ? j + k : j];
+      L::StoreTransposed(part, to, static_cast<std::size_t>(j), count);
     }
   }
 
   BatchGroup& group_;
-  double *matrix_, *tableau_, *q_, *b_, *diagonal_, *scale_, *sign_, *f_, *w_;
+  V tableau_[kEntries];
+  V matrix_[kEntries];  // in given units
+  V q_[N], b_[N], sign_[N], least_[N], scale_[N], f_[N], w_[N];
   M joint_[N];
-  M moved_;
-  V noise_, pivots_, b_scale_, b_square_;
+  M moved_, rows_met_, solid_;
+  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_;
+  bool any_joint_;
 };
 
 template <typename L>
