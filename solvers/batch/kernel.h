@@ -23,16 +23,12 @@ struct BatchItem {
 struct BatchGroup {
   BatchItem items[kBatchMaxLanes];
   double rho_limit = 0;  ///< at most this rho, in double
+  double certain_rho_limit = 0;  ///< or this one with the rounding of its evaluation
   double row_limit = 0;  ///< at most this backward error of each row, in double
-  double* workspace = nullptr;  ///< kBatchWorkspaceDoubles, aligned to 64 bytes
   // Answers.
   std::uint32_t met = 0;  ///< bit l: the f of lane l passed both limits
   int pivots[kBatchMaxLanes] = {};
 };
-
-/// Both triangles' worth of a lane's A, its tableau, and a few vectors.
-inline constexpr std::size_t kBatchWorkspaceDoubles =
-    static_cast<std::size_t>(kBatchMaxLanes) * (2 * (kBatchMaxRows * (kBatchMaxRows + 1) / 2) + 48 * kBatchMaxRows);
 
 using BatchKernel = void (*)(BatchGroup* group);
 

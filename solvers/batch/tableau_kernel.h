@@ -52,6 +52,9 @@ class TableauKernel {
   static constexpr bool kUnroll = N <= 12;
   static constexpr int kEntries = N * (N + 1) / 2;
   static constexpr int kMaxSweeps = 12;
+  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  static constexpr double kRounding = 0x1p-53;
+  static constexpr double kRoundingOfRow = 16;
   static constexpr double kLeastPivot = 1e-11;
   static constexpr double kNoise = 1e-14;
   static constexpr double kGoodEnough = 1e-13;
@@ -301,7 +304,7 @@ class TableauKernel {
   void Check() {
     const V limit = L::Set(group_.row_limit);
     V sum = L::Set(0);
-    M met = L::FromBits(~0U);
+    M met = L::FromBits(kAllLanes);
     M solid = met;
     Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       V even = b_[i];
@@ -355,23 +358,29 @@ class TableauKernel {
   }
 
   void Judge() {
-    const M met = L::Both(solid_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
-    M rows = L::Both(met, rows_met_);
-    if (L::Any(L::Without(met, rows))) rows = JudgeRows(met);
-    group_.met = L::Bits(rows);
+    M met = L::Both(rows_met_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    if (L::Bits(met) != kAllLanes) met = L::Either(met, LookAgain());
+    group_.met = L::Bits(L::Both(met, solid_));
   }
 
-  // As Check, with the whole of (|A| |f| + |b|)_i.
-  [[gnu::noinline]] M JudgeRows(M met) const {
+  // With the whole of (|A| |f| + |b|)_i, which bounds the rounding of w, too: rho may then come closer to the tier.
+  [[gnu::noinline]] M LookAgain() const {
     const V limit = L::Set(group_.row_limit);
+    const V rounding = L::Set(kRounding * (N + kRoundingOfRow));
+    M met = L::FromBits(kAllLanes);
+    V sum = L::Set(0);
     for (int i = 0; i < N; ++i) {
-      V sum = L::Abs(b_[i]);
-      for (int j = 0; j < N; ++j) sum = L::Add(sum, L::Abs(L::Mul(matrix_[j <= i ? At(i, j) : At(j, i)], f_[j])));
+      V size = L::Abs(b_[i]);
+      for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
       const V force = L::Mul(matrix_[At(i, i)], f_[i]);
       const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
-      met = L::Both(met, L::LessEqual(defect, L::Mul(limit, sum)));
+      met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
+      const V error = L::Mul(L::Mul(L::Mul(rounding, size), scale_[i]), b_scale_);
+      sum = L::Fma(error, error, sum);
     }
-    return met;
+    // (x + y)^2 <= 2 (x^2 + y^2)
+    const V rho = L::Mul(L::Set(2), L::Add(rho_square_, L::Div(L::Mul(L::Set(4), sum), b_square_)));
+    return L::Both(met, L::LessEqual(rho, L::Set(group_.certain_rho_limit * group_.certain_rho_limit)));
   }
 
   void StoreForces() {
@@ -402,7 +411,7 @@ class TableauKernel {
     for (int j = 0; j < n; j += W) {
       V part[W];
       const int count = n - j < W ? n - j : W;
-      for (int k = 0; k < W; ++k) part[k] = f_[k < count ? j + k : j];
+      for (int k = 0; k < W; ++k) part[k] = k < count ? f_[j + k] : L::Set(0);
       L::StoreTransposed(part, to, static_cast<std::size_t>(j), count);
     }
   }
