@@ -22,9 +22,9 @@ struct BatchItem {
 /// As many problems as the kernel has lanes; a lane without a problem of its own repeats another's.
 struct BatchGroup {
   BatchItem items[kBatchMaxLanes];
-  double rho_limit = 0;  ///< at most this rho, in double
+  double rho_limit = 0;          ///< at most this rho, in double
   double certain_rho_limit = 0;  ///< or this one with the rounding of its evaluation
-  double row_limit = 0;  ///< at most this backward error of each row, in double
+  double row_limit = 0;          ///< at most this backward error of each row, in double
   // Answers.
   std::uint32_t met = 0;  ///< bit l: the f of lane l passed both limits
   int pivots[kBatchMaxLanes] = {};

@@ -40,13 +40,12 @@ struct LanesAvx512 {
   static unsigned Bits(M m) { return m; }
   static M FromBits(unsigned bits) { return static_cast<M>(bits); }
 
-  /// (add + (bits of a >> 52 + 1) / 2 * sign) as an exponent; see tableau_kernel.h.
-  static V HalvedExponent(V a, long long from) {
+  static V PowerOfHalf(V a, long long from) {
     const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
     const __m512i half = _mm512_srli_epi64(_mm512_add_epi64(e, _mm512_set1_epi64(1)), 1);
     return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), half), 52));
   }
-  static V NegatedExponent(V a, long long from) {
+  static V PowerOf(V a, long long from) {
     const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
     return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), e), 52));
   }

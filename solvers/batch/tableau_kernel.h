@@ -26,7 +26,9 @@ constexpr int Times(int v) {
 template <typename L, int N>
 class TableauKernel {
  public:
-  explicit TableauKernel(BatchGroup* group) : group_(*group) {}
+  explicit TableauKernel(BatchGroup* group) : group_(*group) {
+    for (int k = 0; k < W; ++k) f_[N + k] = L::Set(0);
+  }
 
   void Solve() {
     Load();
@@ -152,7 +154,7 @@ class TableauKernel {
     Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
       const M acts = L::Less(zero, d);
-      const V s = L::Select(acts, L::HalvedExponent(d, 1535), one);
+      const V s = L::Select(acts, L::PowerOfHalf(d, 1535), one);
       scale_[i] = s;
       const V q = L::Mul(b_[i], s);
       q_[i] = q;
@@ -160,7 +162,7 @@ class TableauKernel {
       largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
     });
     const V top = L::Min(largest, L::Set(0x1p1022));
-    const V t = L::Select(L::Less(zero, top), L::NegatedExponent(top, 2046), one);
+    const V t = L::Select(L::Less(zero, top), L::PowerOf(top, 2046), one);
     b_scale_ = t;
     inverse_b_scale_ = L::Div(one, t);
     V norm = zero;
@@ -172,9 +174,8 @@ class TableauKernel {
     b_square_ = L::Select(L::Less(zero, norm), norm, one);
     Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
-      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
-        tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]);
-      });
+      EachUpTo(i, [&](auto j)
+                      LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]); });
       const V d = L::Mul(L::Mul(matrix_[At(i, i)], s), s);
       tableau_[At(i, i)] = d;
       least_[i] = L::Mul(L::Set(kLeastPivot), d);
@@ -366,7 +367,7 @@ class TableauKernel {
   // With the whole of (|A| |f| + |b|)_i, which bounds the rounding of w, too: rho may then come closer to the tier.
   [[gnu::noinline]] M LookAgain() const {
     const V limit = L::Set(group_.row_limit);
-    const V rounding = L::Set(kRounding * (N + kRoundingOfRow));
+    const V rounding = L::Set(kRounding * (kBatchMaxRows + kRoundingOfRow));
     M met = L::FromBits(kAllLanes);
     V sum = L::Set(0);
     for (int i = 0; i < N; ++i) {
@@ -411,7 +412,7 @@ class TableauKernel {
     for (int j = 0; j < n; j += W) {
       V part[W];
       const int count = n - j < W ? n - j : W;
-      for (int k = 0; k < W; ++k) part[k] = k < count ? f_[j + k] : L::Set(0);
+      for (int k = 0; k < W; ++k) part[k] = f_[j + k];
       L::StoreTransposed(part, to, static_cast<std::size_t>(j), count);
     }
   }
@@ -419,23 +420,29 @@ class TableauKernel {
   BatchGroup& group_;
   V tableau_[kEntries];
   V matrix_[kEntries];  // in given units
-  V q_[N], b_[N], sign_[N], least_[N], scale_[N], f_[N], w_[N];
+  V q_[N], b_[N], sign_[N], least_[N], scale_[N], w_[N];
+  V f_[N + W];  // read in whole blocks
   M joint_[N];
   M moved_, rows_met_, solid_;
   V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_;
   bool any_joint_;
 };
 
+// By the smallest even size that holds all lanes' problems.
+template <typename L, int N = 2>
+void SolveGroupOfSize(int n, BatchGroup* group) {
+  if (n <= N) {
+    TableauKernel<L, N>(group).Solve();
+  } else if constexpr (N < kBatchMaxRows) {
+    SolveGroupOfSize<L, N + 2>(n, group);
+  }
+}
+
 template <typename L>
 void SolveGroup(BatchGroup* group) {
   int n = 0;
   for (int l = 0; l < L::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
-  switch ((n + 1) / 2) {
-#define LCPBENCH_CASE(half) case half: TableauKernel<L, 2 * half>(group).Solve(); break;
-    LCPBENCH_CASE(1) LCPBENCH_CASE(2) LCPBENCH_CASE(3) LCPBENCH_CASE(4)
-    LCPBENCH_CASE(5) LCPBENCH_CASE(6) LCPBENCH_CASE(8) LCPBENCH_CASE(10)
-    LCPBENCH_CASE(12) LCPBENCH_CASE(15)
-  }
+  SolveGroupOfSize<L>(n, group);
 }
 
 }  // namespace
