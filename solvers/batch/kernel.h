@@ -22,11 +22,12 @@ struct BatchItem {
 /// As many problems as the kernel has lanes; a lane without a problem of its own repeats another's.
 struct BatchGroup {
   BatchItem items[kBatchMaxLanes];
-  double rho_limit = 0;          ///< at most this rho, in double
-  double certain_rho_limit = 0;  ///< or this one with the rounding of its evaluation
-  double row_limit = 0;          ///< at most this backward error of each row, in double
+  double rho_limit = 0;        ///< at most this rho, in double
+  double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
+  double row_limit = 0;        ///< at most this backward error of each row, in double
   // Answers.
-  std::uint32_t met = 0;  ///< bit l: the f of lane l passed both limits
+  std::uint32_t met = 0;    ///< bit l: the f of lane l passed both limits
+  std::uint32_t close = 0;  ///< bit l: it passed close_rho_limit and row_limit
   int pivots[kBatchMaxLanes] = {};
 };
 

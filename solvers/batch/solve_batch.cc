@@ -9,6 +9,7 @@
 
 #include "solvers/batch/instructions.h"
 #include "solvers/batch/worker_pool.h"
+#include "solvers/given_form.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
@@ -17,7 +18,6 @@ namespace {
 // See solvers/auto_solver.cc: margins between a rho in double and one in extended precision.
 constexpr double kMargin = 0.1;
 constexpr double kLaneRho = 1e-12;
-constexpr double kCertainMargin = 0.5;
 // Groups that a thread takes at a time.
 constexpr std::size_t kChunk = 4;
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
@@ -39,6 +39,7 @@ struct BatchSolver::Implementation {
     }
     for (const std::unique_ptr<AutoSolver>& solver : fallback) solver->Reserve(kMaxRows);
     scratch.resize(fallback.size());
+    tests.resize(fallback.size());
     for (LcpResult& result : scratch) result.f.resize(kMaxRows);
   }
 
@@ -87,7 +88,7 @@ struct BatchSolver::Implementation {
     const std::size_t chunk = kChunk * lanes;
     BatchGroup group;
     group.rho_limit = std::min(kLaneRho, kMargin * options.tolerance);
-    group.certain_rho_limit = kCertainMargin * options.tolerance;
+    group.close_rho_limit = options.tolerance;
     group.row_limit = kMargin * std::sqrt(options.tolerance);
     for (;;) {
       const std::size_t first = next.fetch_add(chunk, std::memory_order_relaxed);
@@ -99,13 +100,15 @@ struct BatchSolver::Implementation {
         const std::size_t used = std::min(lanes, last - p);
         for (std::size_t l = 0; l < used; ++l) group.items[l] = batch->Item(order[p + l]);
         for (std::size_t l = used; l < lanes; ++l) group.items[l] = group.items[0];
-        group.met = 0;
+        group.met = group.close = 0;
         if (!TimeIsUp()) entry.kernel(&group);
         for (std::size_t l = 0; l < used; ++l) {
           if ((group.met >> l & 1U) != 0) {
             batch->Accept(order[p + l], group.pivots[l]);
-          } else {
+          } else if ((group.close >> l & 1U) == 0 || !batch->Meets(order[p + l], options, &tests[worker])) {
             Leave(batch, order[p + l], worker);
+          } else {
+            batch->Accept(order[p + l], group.pivots[l]);
           }
         }
       }
@@ -129,6 +132,7 @@ struct BatchSolver::Implementation {
   BatchKernelEntry entry;
   std::vector<std::unique_ptr<AutoSolver>> fallback;  // one per thread
   std::vector<LcpResult> scratch;
+  std::vector<GivenFormTest> tests;
   LcpProblem nothing = LcpProblem::FromDense("", Eigen::MatrixXd(), Eigen::VectorXd());
   std::vector<std::size_t> order;
   std::size_t others = 0;
@@ -160,6 +164,10 @@ struct ProblemBatch {
     f.resize(problem.size());
     return {problem.DenseA().data(), problem.b().data(), f.data(), BilateralMask(problem),
             static_cast<int>(problem.size())};
+  }
+  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) const {
+    test->Reset(problems[p]);
+    return test->Meets(options.tolerance, results[p].f);
   }
   void Accept(std::size_t p, int pivots) { Answer(p, LcpStatus::kSolved, pivots, "lanes"); }
   void OutOfTime(std::size_t p) {
@@ -195,12 +203,23 @@ struct RawBatch {
     return {given.A + p * n * n, given.b + p * n, f + p * n, given.bilateral == nullptr ? 0 : given.bilateral[p],
             static_cast<int>(n)};
   }
+  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) {
+    test->Reset(Problem(p));
+    return test->Meets(options.tolerance, Forces(p));
+  }
   void Accept(std::size_t p, int /*pivots*/) { SetStatus(p, LcpStatus::kSolved); }
   void OutOfTime(std::size_t p) {
     Forces(p).setZero();
     SetStatus(p, LcpStatus::kTimeLimit);
   }
   void Fallback(std::size_t p, LcpSolver* solver, const LcpOptions& options, LcpResult* scratch) {
+    solver->Solve(Problem(p), options, scratch);
+    Forces(p) = scratch->f;
+    SetStatus(p, scratch->status);
+  }
+
+ private:
+  LcpProblem Problem(std::size_t p) {
     const BatchItem item = Item(p);
     std::vector<Index> bilateral;
     for (Index i = 0; i < given.rows; ++i) {
@@ -208,15 +227,10 @@ struct RawBatch {
     }
     // Columns of the map are rows of the given A: what is read is its upper triangle.
     const Eigen::MatrixXd A = Eigen::Map<const Eigen::MatrixXd>(item.A, given.rows, given.rows);
-    solver->Solve(LcpProblem::FromDense(std::to_string(p), A.selfadjointView<Eigen::Upper>(),
-                                        Eigen::Map<const Eigen::VectorXd>(item.b, given.rows),
-                                        RowBounds::WithBilateralRows(given.rows, bilateral)),
-                  options, scratch);
-    Forces(p) = scratch->f;
-    SetStatus(p, scratch->status);
+    return LcpProblem::FromDense(std::to_string(p), A.selfadjointView<Eigen::Upper>(),
+                                 Eigen::Map<const Eigen::VectorXd>(item.b, given.rows),
+                                 RowBounds::WithBilateralRows(given.rows, bilateral));
   }
-
- private:
   Eigen::Map<Eigen::VectorXd> Forces(std::size_t p) {
     return Eigen::Map<Eigen::VectorXd>(f + p * static_cast<std::size_t>(given.rows), given.rows);
   }

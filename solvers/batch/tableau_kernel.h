@@ -18,6 +18,14 @@ template <int B, int v>
 constexpr auto Times(std::integral_constant<int, v>) {
   return std::integral_constant<int, B * v>{};
 }
+template <int top, int v>
+constexpr auto Mirror(std::integral_constant<int, v>) {
+  return std::integral_constant<int, top - v>{};
+}
+template <int top>
+constexpr int Mirror(int v) {
+  return top - v;
+}
 template <int B>
 constexpr int Times(int v) {
   return B * v;
@@ -33,9 +41,9 @@ class TableauKernel {
   void Solve() {
     Load();
     Scale();
-    if (any_joint_) Sweep(true);
+    if (any_joint_) Sweep(true, false);
     for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
-      Sweep(false);
+      Sweep(false, sweep >= kUpwardSweeps && sweep % 2 != 0);
       if (!L::Any(moved_)) break;
     }
     WriteForces();
@@ -54,9 +62,8 @@ class TableauKernel {
   static constexpr bool kUnroll = N <= 12;
   static constexpr int kEntries = N * (N + 1) / 2;
   static constexpr int kMaxSweeps = 12;
+  static constexpr int kUpwardSweeps = 3;
   static constexpr unsigned kAllLanes = (1U << W) - 1;
-  static constexpr double kRounding = 0x1p-53;
-  static constexpr double kRoundingOfRow = 16;
   static constexpr double kLeastPivot = 1e-11;
   static constexpr double kNoise = 1e-14;
   static constexpr double kGoodEnough = 1e-13;
@@ -190,13 +197,19 @@ class TableauKernel {
     return L::Without(L::Less(L::Xor(q_[k], sign_[k]), noise_), joint_[k]);
   }
 
-  void Sweep(bool joints) {
+  // By panels, up or down.
+  void Sweep(bool joints, bool down) {
     moved_ = L::FromBits(0);
-    Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA {
-      M any = Wanted(panel * B, joints);
-      for (int c = 1; c < B; ++c) any = L::Either(any, Wanted(panel * B + c, joints));
-      if (L::Any(any)) StepPanel(panel, joints);
-    });
+    if (down) {
+      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<N / B - 1>(panel), joints); });
+    } else {
+      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
+    }
+  }
+
+  template <typename P>
+  [[gnu::always_inline]] void VisitPanel(P panel, bool joints) {
+    if (L::Any(L::Either(Wanted(panel * B, joints), Wanted(panel * B + 1, joints)))) StepPanel(panel, joints);
   }
 
   // One exchange within the panel: row k = k0 + c in the lanes that want it. x and y are what it adds to the rest.
@@ -359,29 +372,26 @@ class TableauKernel {
   }
 
   void Judge() {
-    M met = L::Both(rows_met_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
-    if (L::Bits(met) != kAllLanes) met = L::Either(met, LookAgain());
-    group_.met = L::Bits(L::Both(met, solid_));
+    const M right = L::Both(solid_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    M rows = rows_met_;
+    if (L::Bits(L::Both(right, rows)) != kAllLanes) rows = WholeRowsMeet();
+    group_.met = L::Bits(L::Both(right, rows));
+    const M close = L::LessEqual(rho_square_, L::Set(group_.close_rho_limit * group_.close_rho_limit));
+    group_.close = L::Bits(L::Both(solid_, L::Both(close, rows)));
   }
 
-  // With the whole of (|A| |f| + |b|)_i, which bounds the rounding of w, too: rho may then come closer to the tier.
-  [[gnu::noinline]] M LookAgain() const {
+  // As in Check, with the whole of (|A| |f| + |b|)_i.
+  [[gnu::noinline]] M WholeRowsMeet() const {
     const V limit = L::Set(group_.row_limit);
-    const V rounding = L::Set(kRounding * (kBatchMaxRows + kRoundingOfRow));
     M met = L::FromBits(kAllLanes);
-    V sum = L::Set(0);
     for (int i = 0; i < N; ++i) {
       V size = L::Abs(b_[i]);
       for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
       const V force = L::Mul(matrix_[At(i, i)], f_[i]);
       const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
       met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
-      const V error = L::Mul(L::Mul(L::Mul(rounding, size), scale_[i]), b_scale_);
-      sum = L::Fma(error, error, sum);
     }
-    // (x + y)^2 <= 2 (x^2 + y^2)
-    const V rho = L::Mul(L::Set(2), L::Add(rho_square_, L::Div(L::Mul(L::Set(4), sum), b_square_)));
-    return L::Both(met, L::LessEqual(rho, L::Set(group_.certain_rho_limit * group_.certain_rho_limit)));
+    return met;
   }
 
   void StoreForces() {
