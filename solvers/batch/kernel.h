@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// Internal to solvers/batch/: what the batch solver and its kernels, one for each instruction set, know of each other.
+/// Plain types only: this header is compiled with every set of flags.
+namespace lcpbench {
+
+inline constexpr int kBatchMaxRows = 32;
+inline constexpr int kBatchMaxLanes = 8;
+
+/// One problem: symmetric A (n x n, contiguous), b (n), bit i of `joints` for a bilateral row i; f (n) is written.
+struct BatchItem {
+  const double* A = nullptr;
+  const double* b = nullptr;
+  double* f = nullptr;
+  std::uint32_t joints = 0;
+  int n = 0;
+};
+
+/// As many problems as the kernel has lanes; a lane without a problem of its own repeats another's.
+struct BatchGroup {
+  BatchItem items[kBatchMaxLanes];
+  double rho_limit = 0;        ///< at most this rho, in double
+  double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
+  double row_limit = 0;        ///< at most this backward error of each row, in double
+  // Answers.
+  std::uint32_t met = 0;    ///< bit l: the f of lane l passed both limits
+  std::uint32_t close = 0;  ///< bit l: it passed close_rho_limit and row_limit
+  int pivots[kBatchMaxLanes] = {};
+};
+
+using BatchKernel = void (*)(BatchGroup* group);
+
+void SolveGroupAvx512(BatchGroup* group);
+void SolveGroupAvx2(BatchGroup* group);
+void SolveGroupSse2(BatchGroup* group);
+
+}  // namespace lcpbench

@@ -1,0 +1,280 @@
+#include "solvers/batch/solve_batch.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "solvers/batch/instructions.h"
+#include "solvers/batch/worker_pool.h"
+#include "solvers/given_form.h"
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+// See solvers/auto_solver.cc: margins between a rho in double and one in extended precision.
+constexpr double kMargin = 0.1;
+constexpr double kLaneRho = 1e-12;
+// Groups that a thread takes at a time.
+constexpr std::size_t kChunk = 4;
+constexpr std::size_t kSizes = kBatchMaxRows + 1;
+static_assert(BatchSolver::kMaxRows == kBatchMaxRows);
+
+std::uint32_t BilateralMask(const LcpProblem& problem) {
+  std::uint32_t mask = 0;
+  for (const Index row : problem.bilateral_rows()) mask |= 1U << static_cast<unsigned>(row);
+  return mask;
+}
+
+}  // namespace
+
+struct BatchSolver::Implementation {
+  explicit Implementation(const BatchOptions& batch_options)
+      : entry(FindBatchKernel(batch_options.instructions)), pool(CheckedThreads(batch_options)) {
+    for (int i = 0; i < batch_options.threads; ++i) {
+      fallback.push_back(std::make_unique<AutoSolver>(batch_options.fallback));
+    }
+    for (const std::unique_ptr<AutoSolver>& solver : fallback) solver->Reserve(kMaxRows);
+    scratch.resize(fallback.size());
+    tests.resize(fallback.size());
+    for (LcpResult& result : scratch) result.f.resize(kMaxRows);
+  }
+
+  static int CheckedThreads(const BatchOptions& given) {
+    if (given.threads < 1) throw InputError("batch: threads must be >= 1, found " + std::to_string(given.threads));
+    return given.threads;
+  }
+
+  void Start(const LcpOptions& lcp_options) {
+    if (lcp_options.initial_f != nullptr) throw InputError("batch: an initial f is not for a batch of problems");
+    fallback[0]->Solve(nothing, lcp_options, &scratch[0]);  // refuses options out of range
+    options = lcp_options;
+    deadline.emplace(options);
+    fallbacks = 0;
+    next = 0;
+  }
+  bool TimeIsUp() const { return std::isfinite(options.time_limit_s) && deadline->Expired(); }
+
+  // Both kinds of batches: sorts what lanes take by size, runs the groups, and leaves the rest to `batch.Fallback`.
+  template <typename Batch>
+  void Run(Batch* batch) {
+    std::array<std::size_t, kSizes + 1> starts{};
+    const std::size_t count = batch->size();
+    if (order.size() < count) order.resize(count);
+    // Sizes in [1, 32] for the lanes, 0 for the others, which come first.
+    for (std::size_t p = 0; p < count; ++p) ++starts[static_cast<std::size_t>(batch->LaneRows(p)) + 1];
+    for (std::size_t size = 1; size <= kSizes; ++size) starts[size] += starts[size - 1];
+    others = starts[1];
+    end = count;
+    for (std::size_t p = 0; p < count; ++p) order[starts[static_cast<std::size_t>(batch->LaneRows(p))]++] = p;
+    struct Shared {
+      Implementation* self;
+      Batch* batch;
+    } shared{this, batch};
+    pool.Run(
+        [](void* context, int worker) {
+          auto* both = static_cast<Shared*>(context);
+          both->self->Work(both->batch, static_cast<std::size_t>(worker));
+        },
+        &shared);
+  }
+
+  template <typename Batch>
+  void Work(Batch* batch, std::size_t worker) {
+    const auto lanes = static_cast<std::size_t>(entry.lanes);
+    const std::size_t chunk = kChunk * lanes;
+    BatchGroup group;
+    group.rho_limit = std::min(kLaneRho, kMargin * options.tolerance);
+    group.close_rho_limit = options.tolerance;
+    group.row_limit = kMargin * std::sqrt(options.tolerance);
+    for (;;) {
+      const std::size_t first = next.fetch_add(chunk, std::memory_order_relaxed);
+      if (first >= end) return;
+      const std::size_t last = std::min(end, first + chunk);
+      std::size_t p = first;
+      for (; p < last && p < others; ++p) Leave(batch, order[p], worker);
+      for (; p < last; p += lanes) {
+        const std::size_t used = std::min(lanes, last - p);
+        for (std::size_t l = 0; l < used; ++l) group.items[l] = batch->Item(order[p + l]);
+        for (std::size_t l = used; l < lanes; ++l) group.items[l] = group.items[0];
+        group.met = group.close = 0;
+        if (!TimeIsUp()) entry.kernel(&group);
+        for (std::size_t l = 0; l < used; ++l) {
+          if ((group.met >> l & 1U) != 0) {
+            batch->Accept(order[p + l], group.pivots[l]);
+          } else if ((group.close >> l & 1U) == 0 || !batch->Meets(order[p + l], options, &tests[worker])) {
+            Leave(batch, order[p + l], worker);
+          } else {
+            batch->Accept(order[p + l], group.pivots[l]);
+          }
+        }
+      }
+    }
+  }
+
+  template <typename Batch>
+  void Leave(Batch* batch, std::size_t p, std::size_t worker) {
+    if (TimeIsUp()) {
+      batch->OutOfTime(p);
+      return;
+    }
+    fallbacks.fetch_add(1, std::memory_order_relaxed);
+    LcpOptions rest = options;
+    if (std::isfinite(options.time_limit_s)) {
+      rest.time_limit_s = std::max(deadline->Remaining(), std::numeric_limits<double>::min());
+    }
+    batch->Fallback(p, fallback[worker].get(), rest, &scratch[worker]);
+  }
+
+  BatchKernelEntry entry;
+  std::vector<std::unique_ptr<AutoSolver>> fallback;  // one per thread
+  std::vector<LcpResult> scratch;
+  std::vector<GivenFormTest> tests;
+  LcpProblem nothing = LcpProblem::FromDense("", Eigen::MatrixXd(), Eigen::VectorXd());
+  std::vector<std::size_t> order;
+  std::size_t others = 0;
+  std::size_t end = 0;
+  LcpOptions options;
+  std::optional<Deadline> deadline;
+  std::atomic<std::size_t> next = 0;
+  std::atomic<Index> fallbacks = 0;
+  WorkerPool pool;  // last: its threads end first
+};
+
+namespace {
+
+struct ProblemBatch {
+  std::span<const LcpProblem> problems;
+  std::span<LcpResult> results;
+  bool to_lanes;
+
+  std::size_t size() const { return problems.size(); }
+  Index LaneRows(std::size_t p) const {
+    const LcpProblem& problem = problems[p];
+    const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && problem.has_standard_bounds() &&
+                      problem.IsNumericallySymmetric();
+    return fits ? problem.size() : 0;
+  }
+  BatchItem Item(std::size_t p) {
+    const LcpProblem& problem = problems[p];
+    Eigen::VectorXd& f = results[p].f;
+    f.resize(problem.size());
+    return {problem.DenseA().data(), problem.b().data(), f.data(), BilateralMask(problem),
+            static_cast<int>(problem.size())};
+  }
+  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) const {
+    test->Reset(problems[p]);
+    return test->Meets(options.tolerance, results[p].f);
+  }
+  void Accept(std::size_t p, int pivots) { Answer(p, LcpStatus::kSolved, pivots, "lanes"); }
+  void OutOfTime(std::size_t p) {
+    results[p].f.setZero(problems[p].size());
+    Answer(p, LcpStatus::kTimeLimit, 0, "");
+  }
+  void Fallback(std::size_t p, LcpSolver* solver, const LcpOptions& options, LcpResult* /*scratch*/) {
+    solver->Solve(problems[p], options, &results[p]);
+  }
+
+ private:
+  void Answer(std::size_t p, LcpStatus status, int pivots, const char* detail) {
+    LcpResult& result = results[p];
+    result.status = status;
+    result.iterations = pivots;
+    result.detail = detail;
+    result.own_solve_s = -1;
+    result.own_convert_s = -1;
+    result.farkas_ray.reset();
+  }
+};
+
+struct RawBatch {
+  const DenseBatch& given;
+  double* f;
+  LcpStatus* status;
+  bool to_lanes;
+
+  std::size_t size() const { return static_cast<std::size_t>(given.problems); }
+  Index LaneRows(std::size_t /*p*/) const { return to_lanes ? given.rows : 0; }
+  BatchItem Item(std::size_t p) {
+    const auto n = static_cast<std::size_t>(given.rows);
+    return {given.A + p * n * n, given.b + p * n, f + p * n, given.bilateral == nullptr ? 0 : given.bilateral[p],
+            static_cast<int>(n)};
+  }
+  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) {
+    test->Reset(Problem(p));
+    return test->Meets(options.tolerance, Forces(p));
+  }
+  void Accept(std::size_t p, int /*pivots*/) { SetStatus(p, LcpStatus::kSolved); }
+  void OutOfTime(std::size_t p) {
+    Forces(p).setZero();
+    SetStatus(p, LcpStatus::kTimeLimit);
+  }
+  void Fallback(std::size_t p, LcpSolver* solver, const LcpOptions& options, LcpResult* scratch) {
+    solver->Solve(Problem(p), options, scratch);
+    Forces(p) = scratch->f;
+    SetStatus(p, scratch->status);
+  }
+
+ private:
+  LcpProblem Problem(std::size_t p) {
+    const BatchItem item = Item(p);
+    std::vector<Index> bilateral;
+    for (Index i = 0; i < given.rows; ++i) {
+      if ((item.joints >> i & 1U) != 0) bilateral.push_back(i);
+    }
+    // Columns of the map are rows of the given A: what is read is its upper triangle.
+    const Eigen::MatrixXd A = Eigen::Map<const Eigen::MatrixXd>(item.A, given.rows, given.rows);
+    return LcpProblem::FromDense(std::to_string(p), A.selfadjointView<Eigen::Upper>(),
+                                 Eigen::Map<const Eigen::VectorXd>(item.b, given.rows),
+                                 RowBounds::WithBilateralRows(given.rows, bilateral));
+  }
+  Eigen::Map<Eigen::VectorXd> Forces(std::size_t p) {
+    return Eigen::Map<Eigen::VectorXd>(f + p * static_cast<std::size_t>(given.rows), given.rows);
+  }
+  void SetStatus(std::size_t p, LcpStatus value) {
+    if (status != nullptr) status[p] = value;
+  }
+};
+
+}  // namespace
+
+BatchSolver::BatchSolver(BatchOptions options) : implementation_(std::make_unique<Implementation>(options)) {}
+BatchSolver::~BatchSolver() = default;
+
+void BatchSolver::Reserve(Index max_problems) {
+  std::vector<std::size_t>& order = implementation_->order;
+  order.resize(std::max(order.size(), static_cast<std::size_t>(std::max<Index>(max_problems, 0))));
+}
+
+void BatchSolver::Solve(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results) {
+  if (problems.size() != results.size()) {
+    throw InputError("batch: " + std::to_string(problems.size()) + " problems, but " + std::to_string(results.size()) +
+                     " results");
+  }
+  implementation_->Start(options);
+  ProblemBatch batch{problems, results, options.max_iterations == 0};
+  implementation_->Run(&batch);
+}
+
+void BatchSolver::Solve(const DenseBatch& batch, const LcpOptions& options, double* f, LcpStatus* status) {
+  if (batch.rows < 0 || batch.rows > kMaxRows || batch.problems < 0) {
+    throw InputError("batch: rows must be in [0, " + std::to_string(kMaxRows) + "], problems >= 0, found " +
+                     std::to_string(batch.rows) + " and " + std::to_string(batch.problems));
+  }
+  implementation_->Start(options);
+  RawBatch raw{batch, f, status, options.max_iterations == 0};
+  implementation_->Run(&raw);
+}
+
+Index BatchSolver::fallbacks() const { return implementation_->fallbacks; }
+BatchInstructions BatchSolver::instructions() const { return implementation_->entry.instructions; }
+
+void SolveBatch(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results,
+                const BatchOptions& batch_options) {
+  BatchSolver(batch_options).Solve(problems, options, results);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "solvers/auto_solver.h"
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// Instruction sets that the kernels are compiled for. kBest: the widest of those that this machine has.
+enum class BatchInstructions { kBest, kSse2, kAvx2, kAvx512 };
+
+/// "best", "sse2", "avx2", "avx512".
+std::string_view ToString(BatchInstructions instructions);
+
+/// What this machine has, narrowest first; never empty.
+std::vector<BatchInstructions> AvailableBatchInstructions();
+
+struct BatchOptions {
+  /// Threads that share a batch, the calling one among them, >= 1. One by default: engines have threads of their own,
+  /// and a batch of some hundred problems takes less time than waking others.
+  int threads = 1;
+  BatchInstructions instructions = BatchInstructions::kBest;
+  /// Of the solver that gets what the lanes do not solve.
+  AutoOptions fallback;
+};
+
+/// Problems of one size in one piece of memory, for callers that have no use for LcpProblem objects.
+struct DenseBatch {
+  Index rows = 0;             ///< n of every problem, in [0, BatchSolver::kMaxRows]
+  Index problems = 0;         ///< how many
+  const double* A = nullptr;  ///< problems x n x n; symmetric: only the entries (i, j), j <= i, of row-major A are read
+  const double* b = nullptr;  ///< problems x n
+  /// Bit i of entry p: row i of problem p is bilateral. nullptr: all rows of all problems are unilateral.
+  const std::uint32_t* bilateral = nullptr;
+};
+
+/// Solves many small LCPs at once: one problem per SIMD lane, in double precision.
+///
+/// Method: principal pivoting on a symmetric tableau, the principal transform of (A, b) for the active set F [Tucker
+/// 1963; Cottle, Pang, Stone, sec. 4.1] in the signs of the sweep operator [Goodnight 1979], of which one triangle is
+/// kept. Lanes cannot branch, so the order of pivots is the same in all of them: the rows in turn, 0 to n - 1, again
+/// and again, from the fourth sweep on up and down in turn, which breaks most cycles; a row is exchanged in the lanes
+/// where it has the wrong sign just then and its pivot is more than rounding, and nothing changes in the others.
+/// Bilateral rows enter first and stay. A lane is done when a sweep moves none of its rows. Powers of two scale rows
+/// and b, so that units do not matter. Departure from Murty's rule, which goes back to row 0 after every pivot: fewer
+/// sweeps, but no proof of finiteness, not even for positive definite A.
+///
+/// Every lane is checked by the given A and b as AutoSolver checks its tableau: rho <= min(1e-12, tolerance / 10) in
+/// double, and every row's backward error <= sqrt(tolerance) / 10; one step of refinement comes before where rho >
+/// 1e-13. Where rho is between that and the tolerance, extended precision decides, by the problem's given form. A lane
+/// that did not finish, or does not pass, goes to AutoSolver: its answers, statuses, rays and details are those of
+/// AutoSolver, and so is the guaranteed class: symmetric positive semidefinite A of any rank. So do problems with more
+/// than kMaxRows rows, with other bounds, with nonsymmetric A, and all problems if options.max_iterations is set, whose
+/// unit is that of a single backend. A failure leaves what AutoSolver leaves.
+///
+/// Cost: about n pivots of n^2 / 2 fused operations for a whole vector of problems, two to four times, plus reading A.
+/// Equal sizes share vectors; sizes that do not fill one share with the next.
+///
+/// Determinism: an answer's bits depend on the problem alone, not on its place in the batch, on its neighbours or on
+/// the number of threads. AVX2 and AVX-512 give the same bits; SSE2, which has no fused operations, its own.
+///
+/// One object serves one thread at a time.
+class BatchSolver {
+ public:
+  static constexpr Index kMaxRows = 32;
+
+  /// @throws InputError if this machine lacks the instructions, for threads < 1, or for options that AutoSolver refuses
+  explicit BatchSolver(BatchOptions options = {});
+  ~BatchSolver();
+
+  /// Workspace for batches of up to `max_problems`: then Solve allocates only for results whose f has another size, in
+  /// AutoSolver's later backends and tests in extended precision, and for forms of A that no one asked for before
+  /// (DenseA is what is read).
+  void Reserve(Index max_problems);
+
+  /// results[i] answers problems[i]; status, f, iterations (pivots), detail ("lanes") and ray as LcpSolver::Solve
+  /// writes them. Once options.time_limit_s is over, for the whole batch, the rest ends as kTimeLimit with f = 0.
+  /// @throws InputError if the spans differ in length, for options out of range, or with an initial_f
+  void Solve(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results);
+
+  /// The same for a DenseBatch: f (problems x n) and, if not nullptr, status (one per problem) are written.
+  /// @throws InputError also for rows out of range and where a problem has NaN or infinite numbers
+  void Solve(const DenseBatch& batch, const LcpOptions& options, double* f, LcpStatus* status);
+
+  /// How many problems of the last Solve went to AutoSolver.
+  Index fallbacks() const;
+  /// The instruction set in use; never kBest.
+  BatchInstructions instructions() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// One batch with a solver of its own. Callers with many keep a BatchSolver.
+void SolveBatch(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results,
+                const BatchOptions& batch_options = {});
+
+}  // namespace lcpbench

@@ -1,0 +1,459 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+
+#include "solvers/batch/kernel.h"
+
+#define LCPBENCH_INLINE_LAMBDA __attribute__((always_inline))
+
+namespace lcpbench {
+namespace {
+
+template <int... k, typename F>
+[[gnu::always_inline]] inline void EachUnrolled(std::integer_sequence<int, k...>, int /*shift*/, const F& f) {
+  (f(std::integral_constant<int, k>{}), ...);
+}
+template <int B, int v>
+constexpr auto Times(std::integral_constant<int, v>) {
+  return std::integral_constant<int, B * v>{};
+}
+template <int top, int v>
+constexpr auto Mirror(std::integral_constant<int, v>) {
+  return std::integral_constant<int, top - v>{};
+}
+template <int top>
+constexpr int Mirror(int v) {
+  return top - v;
+}
+template <int B>
+constexpr int Times(int v) {
+  return B * v;
+}
+
+template <typename L, int N>
+class TableauKernel {
+ public:
+  explicit TableauKernel(BatchGroup* group) : group_(*group) {
+    for (int k = 0; k < W; ++k) f_[N + k] = L::Set(0);
+  }
+
+  void Solve() {
+    Load();
+    Scale();
+    if (any_joint_) Sweep(true, false);
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+      Sweep(false, sweep >= kUpwardSweeps && sweep % 2 != 0);
+      if (!L::Any(moved_)) break;
+    }
+    WriteForces();
+    Check();
+    const M poor = L::Less(L::Set(kGoodEnough * kGoodEnough), rho_square_);
+    if (L::Any(poor)) Refine(poor);
+    Judge();
+    StoreForces();
+  }
+
+ private:
+  using V = typename L::V;
+  using M = typename L::M;
+  static constexpr int W = L::kWidth;
+  static constexpr int B = 2;
+  static constexpr bool kUnroll = N <= 12;
+  static constexpr int kEntries = N * (N + 1) / 2;
+  static constexpr int kMaxSweeps = 12;
+  static constexpr int kUpwardSweeps = 3;
+  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  static constexpr double kLeastPivot = 1e-11;
+  static constexpr double kNoise = 1e-14;
+  static constexpr double kGoodEnough = 1e-13;
+
+  static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
+
+  // f(j) for j < i.
+  template <typename I, typename F>
+  [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
+    if constexpr (kUnroll) {
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, 0, f);
+    } else {
+      for (int j = 0; j < i; ++j) f(j);
+    }
+  }
+  template <int kBegin, int kEnd, typename F>
+  [[gnu::always_inline]] static void Each(const F& f) {
+    if constexpr (kUnroll) {
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, 0, f);
+    } else {
+      for (int i = kBegin; i < kEnd; ++i) f(i);
+    }
+  }
+
+  void Load() {
+    int n = 0;
+    bool uniform = true;
+    std::uint32_t joints = 0;
+    const double* matrices[W];
+    const double* loads[W];
+    for (int l = 0; l < W; ++l) {
+      const BatchItem& item = group_.items[l];
+      n = item.n > n ? item.n : n;
+      uniform &= item.n == group_.items[0].n;
+      joints |= item.joints;
+      matrices[l] = item.A;
+      loads[l] = item.b;
+    }
+    for (int i = 0; i < N; ++i) joint_[i] = L::FromBits(0);
+    any_joint_ = joints != 0;
+    if (any_joint_) LoadJoints();
+    if (!uniform) {
+      LoadMixed();
+    } else if (n == N) {
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
+      LoadRow(loads, 0, N, N, b_);
+    } else {
+      for (int i = 0; i < n; ++i) LoadRow(matrices, i * n, n, i + 1, matrix_ + At(i, 0));
+      LoadRow(loads, 0, n, n, b_);
+      for (int i = n; i < N; ++i) {
+        for (int j = 0; j < i; ++j) matrix_[At(i, j)] = L::Set(0);
+        matrix_[At(i, i)] = L::Set(1);
+        b_[i] = L::Set(0);
+      }
+    }
+  }
+
+  // to[j] = entry `offset` + j of every lane, j < keep <= n; n - j of them can be read.
+  [[gnu::always_inline]] static void LoadRow(const double* const* from, int offset, int n, int keep, V* to) {
+    for (int j = 0; j < keep; j += W) {
+      V part[W];
+      L::LoadTransposed(from, static_cast<std::size_t>(offset + j), n - j < W ? n - j : W, part);
+      for (int k = 0; k < W && j + k < keep; ++k) to[j + k] = part[k];
+    }
+  }
+
+  [[gnu::noinline]] void LoadJoints() {
+    for (int i = 0; i < N; ++i) {
+      unsigned bits = 0;
+      for (int l = 0; l < W; ++l) bits |= (group_.items[l].joints >> i & 1U) << l;
+      joint_[i] = L::FromBits(bits);
+    }
+  }
+
+  // Lanes of different sizes: the rows that a lane does not have are those of the unit matrix.
+  [[gnu::noinline]] void LoadMixed() {
+    for (int i = 0; i < N; ++i) {
+      alignas(64) double values[W];
+      for (int j = 0; j <= i; ++j) {
+        for (int l = 0; l < W; ++l) {
+          const BatchItem& item = group_.items[l];
+          values[l] = i < item.n ? item.A[i * item.n + j] : (i == j ? 1.0 : 0.0);
+        }
+        matrix_[At(i, j)] = L::Load(values);
+      }
+      for (int l = 0; l < W; ++l) values[l] = i < group_.items[l].n ? group_.items[l].b[i] : 0.0;
+      b_[i] = L::Load(values);
+    }
+  }
+
+  void Scale() {
+    const V one = L::Set(1);
+    const V zero = L::Set(0);
+    V largest = zero;
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V d = matrix_[At(i, i)];
+      const M acts = L::Less(zero, d);
+      const V s = L::Select(acts, L::PowerOfHalf(d, 1535), one);
+      scale_[i] = s;
+      const V q = L::Mul(b_[i], s);
+      q_[i] = q;
+      sign_[i] = zero;
+      largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
+    });
+    const V top = L::Min(largest, L::Set(0x1p1022));
+    const V t = L::Select(L::Less(zero, top), L::PowerOf(top, 2046), one);
+    b_scale_ = t;
+    inverse_b_scale_ = L::Div(one, t);
+    V norm = zero;
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V q = L::Mul(q_[i], t);
+      q_[i] = q;
+      norm = L::Fma(q, q, norm);
+    });
+    b_square_ = L::Select(L::Less(zero, norm), norm, one);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V s = scale_[i];
+      EachUpTo(i, [&](auto j)
+                      LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]); });
+      const V d = L::Mul(L::Mul(matrix_[At(i, i)], s), s);
+      tableau_[At(i, i)] = d;
+      least_[i] = L::Mul(L::Set(kLeastPivot), d);
+    });
+    noise_ = L::Set(-kNoise);
+    pivots_ = zero;
+  }
+
+  // Rows that a lane wants to move: bilateral ones first, then those with the wrong sign.
+  M Wanted(int k, bool joints) const {
+    if (joints) return L::Without(joint_[k], L::SignOf(sign_[k]));
+    return L::Without(L::Less(L::Xor(q_[k], sign_[k]), noise_), joint_[k]);
+  }
+
+  // By panels, up or down.
+  void Sweep(bool joints, bool down) {
+    moved_ = L::FromBits(0);
+    if (down) {
+      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<N / B - 1>(panel), joints); });
+    } else {
+      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
+    }
+  }
+
+  template <typename P>
+  [[gnu::always_inline]] void VisitPanel(P panel, bool joints) {
+    if (L::Any(L::Either(Wanted(panel * B, joints), Wanted(panel * B + 1, joints)))) StepPanel(panel, joints);
+  }
+
+  // One exchange within the panel: row k = k0 + c in the lanes that want it. x and y are what it adds to the rest.
+  template <typename K>
+  [[gnu::always_inline]] bool Exchange(K k0, int c, bool joints, V (*u)[N], V* x, V* y) {
+    const int k = k0 + c;
+    const V sign = sign_[k];
+    const V a = u[c][k];
+    const V size = L::Xor(a, sign);
+    const M can = L::Less(least_[k], size);
+    const M m = L::Both(Wanted(k, joints), can);
+    if (!L::Any(m)) return false;
+    moved_ = L::Either(moved_, m);
+    const V inverse_size = L::Div(L::Set(1), size);
+    const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
+    const V factor = L::Select(m, inverse_size, L::Set(1));
+    const V qk = q_[k];
+    const V qy = L::Mul(qk, inverse);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      x[i] = u[c][i];
+      y[i] = L::Mul(x[i], inverse);
+      u[c][i] = L::Mul(x[i], factor);
+      q_[i] = L::Fnma(x[i], qy, q_[i]);
+    });
+    const int o = 1 - c;
+    const V before = u[o][k];
+    const V yo = y[k0 + o];
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[o][i] = L::Fnma(x[i], yo, u[o][i]); });
+    u[o][k] = L::Mul(before, factor);
+    u[c][k] = L::Select(m, L::Sub(L::Set(0), inverse), a);
+    const V moved = L::Mul(qk, factor);
+    q_[k] = moved;
+    sign_[k] = L::Xor(sign, L::Masked(m, L::Set(-0.0)));
+    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(moved))));
+    pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
+    return true;
+  }
+
+  template <typename P>
+  [[gnu::noinline]] void StepPanel(P panel, bool joints) {
+    const auto k0 = Times<B>(panel);
+    V u[B][N], x[B][N], y[B][N];
+    for (int c = 0; c < B; ++c) {
+      const int k = k0 + c;
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[c][i] = tableau_[i < k ? At(k, i) : At(i, k)]; });
+    }
+    const bool first = Exchange(k0, 0, joints, u, x[0], y[0]);
+    const bool second = Exchange(k0, 1, joints, u, x[1], y[1]);
+    if (first && second) {
+      Trail<2>(k0, x, y);
+    } else if (first) {
+      Trail<1>(k0, x, y);
+    } else if (second) {
+      Trail<1>(k0, x + 1, y + 1);
+    } else {
+      return;
+    }
+    for (int c = 0; c < B; ++c) {
+      const int k = k0 + c;
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { tableau_[i < k ? At(k, i) : At(i, k)] = u[c][i]; });
+    }
+  }
+
+  // The rest of the tableau; where that is cheaper the panel's own entries, too, which are overwritten later.
+  template <int R, typename K>
+  [[gnu::always_inline]] void Trail(K /*k0*/, const V (*x)[N], const V (*y)[N]) {
+    if constexpr (kUnroll) {
+      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+        if constexpr (i < K::value || i >= K::value + B) {
+          EachUpTo(Times<1>(std::integral_constant<int, i + 1>{}), [&](auto j) LCPBENCH_INLINE_LAMBDA {
+            if constexpr (j < K::value || j >= K::value + B) TrailEntry<R>(i, j, x, y);
+          });
+        }
+      });
+    } else {
+      constexpr int kRows = 2;
+      for (int i = 0; i < N; i += kRows) {
+        for (int j = 0; j < i; ++j) {
+          for (int r = 0; r < kRows; ++r) TrailEntry<R>(i + r, j, x, y);
+        }
+        for (int r = 0; r < kRows; ++r) {
+          for (int j = 0; j <= r; ++j) TrailEntry<R>(i + r, i + j, x, y);
+        }
+      }
+    }
+  }
+
+  template <int R>
+  [[gnu::always_inline]] void TrailEntry(int i, int j, const V (*x)[N], const V (*y)[N]) {
+    V t = tableau_[At(i, j)];
+    for (int r = 0; r < R; ++r) t = L::Fnma(x[r][i], y[r][j], t);
+    tableau_[At(i, j)] = t;
+  }
+
+  // Forces of the basic point, in given units.
+  void WriteForces() {
+    const V zero = L::Set(0);
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
+      f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
+    });
+  }
+
+  // w by the given A and b; which lanes have rows with small backward errors only; and an upper bound of rho^2, at most
+  // 4 times too large: it takes D_ii = 1 for rows and D_ii = 4 for b, because A is scaled so that 1 <= D_ii < 4.
+  void Check() {
+    const V limit = L::Set(group_.row_limit);
+    V sum = L::Set(0);
+    M met = L::FromBits(kAllLanes);
+    M solid = met;
+    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+      V even = b_[i];
+      V odd = L::Set(0);
+      Each<0, N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
+        const V a = matrix_[j <= i ? At(i, j) : At(j, i)];
+        if (j % 2 == 0) {
+          even = L::Fma(a, f_[j], even);
+        } else {
+          odd = L::Fma(a, f_[j], odd);
+        }
+      });
+      const V w = L::Add(even, odd);
+      w_[i] = w;
+      const V d = matrix_[At(i, i)];
+      const V force = L::Mul(d, f_[i]);
+      const V defect = L::Select(joint_[i], w, L::Min(w, force));
+      const V r = L::Mul(L::Mul(defect, scale_[i]), b_scale_);
+      sum = L::Fma(r, r, sum);
+      // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
+      const V b = b_[i];
+      const V least = L::Add(L::Max(L::Abs(L::Sub(w, b)), L::Abs(force)), L::Abs(b));
+      met = L::Both(met, L::LessEqual(L::Abs(defect), L::Mul(limit, least)));
+      solid = L::Both(solid, L::LessEqual(L::Set(0), d));
+    });
+    rows_met_ = met;
+    solid_ = solid;
+    rho_square_ = L::Div(L::Mul(L::Set(4), sum), b_square_);
+  }
+
+  // f_F -= A_FF^-1 w_F in the lanes of `poor`, kept where rho falls.
+  [[gnu::noinline]] void Refine(M poor) {
+    const V rho = rho_square_;
+    V before[N];
+    for (int i = 0; i < N; ++i) {
+      before[i] = q_[i];
+      w_[i] = L::Masked(L::Both(poor, L::SignOf(sign_[i])), L::Mul(L::Mul(w_[i], scale_[i]), b_scale_));
+    }
+    for (int i = 0; i < N; ++i) {
+      V sum = q_[i];
+      for (int j = 0; j < N; ++j) sum = L::Fnma(tableau_[j <= i ? At(i, j) : At(j, i)], w_[j], sum);
+      q_[i] = L::Select(L::Both(poor, L::SignOf(sign_[i])), sum, before[i]);
+    }
+    WriteForces();
+    Check();
+    const M worse = L::Less(rho, rho_square_);
+    if (!L::Any(worse)) return;
+    for (int i = 0; i < N; ++i) q_[i] = L::Select(worse, before[i], q_[i]);
+    WriteForces();
+    Check();
+  }
+
+  void Judge() {
+    const M right = L::Both(solid_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    M rows = rows_met_;
+    if (L::Bits(L::Both(right, rows)) != kAllLanes) rows = WholeRowsMeet();
+    group_.met = L::Bits(L::Both(right, rows));
+    const M close = L::LessEqual(rho_square_, L::Set(group_.close_rho_limit * group_.close_rho_limit));
+    group_.close = L::Bits(L::Both(solid_, L::Both(close, rows)));
+  }
+
+  // As in Check, with the whole of (|A| |f| + |b|)_i.
+  [[gnu::noinline]] M WholeRowsMeet() const {
+    const V limit = L::Set(group_.row_limit);
+    M met = L::FromBits(kAllLanes);
+    for (int i = 0; i < N; ++i) {
+      V size = L::Abs(b_[i]);
+      for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
+      const V force = L::Mul(matrix_[At(i, i)], f_[i]);
+      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
+      met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
+    }
+    return met;
+  }
+
+  void StoreForces() {
+    double* to[W];
+    int n = group_.items[0].n;
+    for (int l = 0; l < W; ++l) {
+      to[l] = group_.items[l].f;
+      if (group_.items[l].n != n) n = 0;
+    }
+    if (n == N) {
+      StoreAll(to, N);
+    } else if (n > 0) {
+      StoreAll(to, n);
+    } else {
+      for (int i = 0; i < N; ++i) {
+        alignas(64) double values[W];
+        L::Store(values, f_[i]);
+        for (int l = 0; l < W; ++l) {
+          if (i < group_.items[l].n) to[l][i] = values[l];
+        }
+      }
+    }
+    alignas(64) double pivots[W];
+    L::Store(pivots, pivots_);
+    for (int l = 0; l < W; ++l) group_.pivots[l] = static_cast<int>(pivots[l]);
+  }
+  [[gnu::always_inline]] void StoreAll(double* const* to, int n) const {
+    for (int j = 0; j < n; j += W) {
+      V part[W];
+      const int count = n - j < W ? n - j : W;
+      for (int k = 0; k < W; ++k) part[k] = f_[j + k];
+      L::StoreTransposed(part, to, static_cast<std::size_t>(j), count);
+    }
+  }
+
+  BatchGroup& group_;
+  V tableau_[kEntries];
+  V matrix_[kEntries];  // in given units
+  V q_[N], b_[N], sign_[N], least_[N], scale_[N], w_[N];
+  V f_[N + W];  // read in whole blocks
+  M joint_[N];
+  M moved_, rows_met_, solid_;
+  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_;
+  bool any_joint_;
+};
+
+// By the smallest even size that holds all lanes' problems.
+template <typename L, int N = 2>
+void SolveGroupOfSize(int n, BatchGroup* group) {
+  if (n <= N) {
+    TableauKernel<L, N>(group).Solve();
+  } else if constexpr (N < kBatchMaxRows) {
+    SolveGroupOfSize<L, N + 2>(n, group);
+  }
+}
+
+template <typename L>
+void SolveGroup(BatchGroup* group) {
+  int n = 0;
+  for (int l = 0; l < L::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
+  SolveGroupOfSize<L>(n, group);
+}
+
+}  // namespace
+}  // namespace lcpbench
