@@ -367,6 +367,7 @@ TEST(OutlineChecks, RandomPolygonsAreRefusedExactlyIfTheyCrossThemselvesOrRunClo
     SCOPED_TRACE(k);
     const int n = 3 + RandomInteger(4, &random);
     std::vector<Vec2> corners;
+    corners.reserve(static_cast<std::size_t>(n));
     for (int i = 0; i < n; ++i) corners.push_back(random.Vector(1));
     const auto corner = [&](int i) { return corners[static_cast<std::size_t>(i % n)]; };
     bool crosses = false;

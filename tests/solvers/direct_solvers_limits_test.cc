@@ -1,7 +1,9 @@
 // Warm starts, limits, refusals and allocations of all direct solvers.
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -30,7 +32,21 @@ class DirectSolversLimits : public DirectSolverTest {
   }
 };
 
+std::vector<DirectSolver> Those(bool (*are_meant)(const DirectSolver& direct)) {
+  std::vector<DirectSolver> those;
+  std::copy_if(DirectSolvers().begin(), DirectSolvers().end(), std::back_inserter(those), are_meant);
+  return those;
+}
+
+class DirectSolversRowLimit : public DirectSolverTest {};
+class DirectSolversAllocations : public DirectSolverTest {};
+
 INSTANTIATE_TEST_SUITE_P(All, DirectSolversLimits, testing::ValuesIn(DirectSolvers()), NameOf);
+INSTANTIATE_TEST_SUITE_P(WhereThereIsOne, DirectSolversRowLimit,
+                         testing::ValuesIn(Those([](const DirectSolver& d) { return d.row_limit != nullptr; })),
+                         NameOf);
+INSTANTIATE_TEST_SUITE_P(OfThoseThatPromiseNone, DirectSolversAllocations,
+                         testing::ValuesIn(Those([](const DirectSolver& d) { return !d.allocates; })), NameOf);
 
 TEST_P(DirectSolversLimits, AStartFromTheAnswerTakesFewIterations) {
   constexpr unsigned kProblems = 300;
@@ -103,8 +119,7 @@ TEST_P(DirectSolversLimits, AsymmetricMatricesAndNegativeDiagonalsAreUnsupported
   EXPECT_FALSE(negative.detail.empty());
 }
 
-TEST_P(DirectSolversLimits, MoreRowsThanItsArraysAreMeantForAreUnsupported) {
-  if (GetParam().row_limit == nullptr) GTEST_SKIP() << "takes any number of rows";
+TEST_P(DirectSolversRowLimit, MoreRowsThanItsArraysAreMeantForAreUnsupported) {
   const LcpProblem problem = PlantedProblem(8, 4, 1, 0, 0).problem;
   Settings settings = GetParam().settings;
   for (const bool fits : {false, true}) {
@@ -140,9 +155,8 @@ TEST_P(DirectSolversLimits, NothingWrongIsClaimedForAMatrixThatIsNotPsd) {
   }
 }
 
-TEST_P(DirectSolversLimits, SolvingAgainDoesNotAllocate) {
+TEST_P(DirectSolversAllocations, SolvingAgainDoesNotAllocate) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
-  if (GetParam().allocates) GTEST_SKIP() << "its library allocates";
   for (unsigned seed = 0; seed < 50; ++seed) {
     const TestProblem dense = PlantedExactly(seed, 60, false);
     const Index n = dense.problem.size();
