@@ -34,6 +34,9 @@ class ActiveBlock {
   /// Nanoseconds that a Factor of all rows and what goes with it take, roughly, for a choice between forms. Measured
   /// with AVX-512 on one machine; the ratio of the two forms matters only.
   virtual double factor_time() const = 0;
+  /// Rows of the last factor that depend on others: whose pivot is little more than the shift.  O(n)
+  virtual Index CountDependentRows() const = 0;
+  static constexpr double kDependentPivot = 10;  ///< in shift A_ii
 };
 
 }  // namespace lcpbench

@@ -12,6 +12,9 @@ class ActiveBlockChoice {
   /// Matrices that are nearly full are not analyzed as sparse ones where they may be dense.
   ActiveBlock* Analyze(const LcpProblem& problem, bool may_be_sparse, bool may_be_dense);
   bool is_dense(const ActiveBlock* chosen) const { return chosen == &dense_; }
+  /// Nanoseconds that a Factor of all `rows`, a Solve and what a method does with it take, roughly: for comparison with
+  /// methods that do not factor.
+  double StepTime(const ActiveBlock* chosen, Index rows) const;
 
  private:
   SparseActiveBlock sparse_;

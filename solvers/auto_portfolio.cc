@@ -10,11 +10,10 @@
 namespace lcpbench {
 namespace {
 
-// Nanoseconds of an nncg iteration by row, and of a step of the others: of ActiveBlock::factor_time, and by row for the
-// rest of it. Measured together on one machine; only ratios are used.
+// Nanoseconds of an nncg iteration, by row of the matrix-free form and by entry of A in the assembled one: measured
+// together with ActiveBlockChoice::StepTime, and compared with it only.
 constexpr double kNncgTimePerRow = 8;
-constexpr double kStepTimePerRow = 25;
-constexpr double kStepTimePerFactorTime = 2;
+constexpr double kNncgTimePerEntry = 1.5;
 // What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
 // well, and half of what the Newton method needs on redundant rows.
 constexpr double kFactorisationsOfBpp = 6;
@@ -24,6 +23,12 @@ constexpr double kProbeRatio = 6;
 constexpr std::int64_t kLeastNncgIterations = 16;
 // Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
 constexpr std::int64_t kMostFactorisationsOfBpp = 24;
+
+BppOptions EndWhenSingular() {
+  BppOptions options;
+  options.end_when_singular = true;
+  return options;
+}
 
 NncgOptions EndWhenHopeless() {
   NncgOptions options;
@@ -52,26 +57,29 @@ bool RowsOutnumberFreedoms(const LcpProblem& problem) {
 }  // namespace
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
-    : newton_factorisations_(newton_factorisations), nncg_(EndWhenHopeless()) {}
+    : newton_factorisations_(newton_factorisations), nncg_(EndWhenHopeless()), bpp_(EndWhenSingular()) {}
+
+// Up to which number of iterations nncg may go for the price of so many factorisations.
+void AutoPortfolio::SetNncgLimit(double factorisations, double step_time) {
+  nncg_limit_ = std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
+}
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   is_redundant_ = RowsOutnumberFreedoms(problem);
-  double factor_time = 0;
+  nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
+                   ? kNncgTimePerRow * static_cast<double>(problem.size())
+                   : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
+  nncg_limit_ = 0;
+  suits_tableau_ = is_redundant_;
   if (is_redundant_) {
     newton_.Prepare(problem);
-    factor_time = newton_.FactorTime();
+    SetNncgLimit(kFactorisationsOfNewton, newton_.StepTime());
   } else {
     bpp_.Prepare(problem);
-    factor_time = bpp_.FactorTime();
+    suits_tableau_ = bpp_.is_dense();
+    if (bpp_.StepTime() > kProbeRatio * nncg_time_) SetNncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
   }
-  const auto rows = static_cast<double>(problem.size());
-  const double ratio = (kStepTimePerFactorTime * factor_time + kStepTimePerRow * rows) / (kNncgTimePerRow * rows);
-  nncg_limit_ = 0;
-  if (is_redundant_ || ratio > kProbeRatio) {
-    const double factorisations = is_redundant_ ? kFactorisationsOfNewton : kFactorisationsOfBpp;
-    nncg_limit_ = std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * ratio));
-    nncg_.Prepare(problem);
-  }
+  if (nncg_limit_ > 0) nncg_.Prepare(problem);
   start_.setZero(problem.size());
 }
 
@@ -108,21 +116,38 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
   }
 }
 
-void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+// What nncg leaves is where the next ones start.
+bool AutoPortfolio::TryNncg(LcpResult* result) {
+  if (Try(&nncg_, "nncg", Trust::kVerifiesItself, nncg_limit_, result)) return true;
+  if (result->f.allFinite()) {
+    start_ = result->f;
+    has_start_ = true;
+  }
+  return false;
+}
+
+bool AutoPortfolio::TryBpp(LcpResult* result) {
+  if (Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return true;
+  const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
+  // A sweep over a dense A costs too much of its factorisation.
+  if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense()) return false;
+  SetNncgLimit(kFactorisationsOfNewton, bpp_.StepTime());
+  const bool is_over = TryNncg(result);
+  nncg_limit_ = 0;
+  return is_over;
+}
+
+void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
                           LcpResult* result) {
   problem_ = &problem;
   options_ = &options;
   deadline_ = &deadline;
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
-  if (nncg_limit_ > 0) {
-    if (Try(&nncg_, "nncg", Trust::kVerifiesItself, nncg_limit_, result)) return;
-    if (result->f.allFinite()) {
-      start_ = result->f;
-      has_start_ = true;
-    }
+  if (choice == Choice::kByCost) {
+    if (nncg_limit_ > 0 && TryNncg(result)) return;
+    if (!is_redundant_ && TryBpp(result)) return;
   }
-  if (!is_redundant_ && Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return;
   if (Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result)) return;
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;

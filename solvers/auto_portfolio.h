@@ -21,7 +21,8 @@ namespace lcpbench {
 /// Predictions come from the structure: what a factorisation takes (fill), what an nncg iteration takes (rows), and
 /// whether rows outnumber the degrees of freedom of the bodies, which makes A singular.
 ///
-/// - Rows outnumber freedoms: block pivoting would cycle. nncg first, for as long as its own rate of convergence
+/// - Rows outnumber freedoms, or the first factor of block pivoting shows that many rows depend on others: block
+///   pivoting would cycle. nncg first, for as long as its own rate of convergence
 ///   promises less than the Newton method costs.
 /// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
 ///   packings, nncg goes first in the same way, and often arrives. What it leaves is a good guess of the active set.
@@ -31,20 +32,32 @@ class AutoPortfolio {
  public:
   explicit AutoPortfolio(std::int64_t newton_factorisations);
 
+  enum class Choice {
+    kByCost,
+    kRobust,  ///< the Newton method at once: something has shown that the problem is not an easy one
+  };
+
   /// Set-up of the backends that come first. `problem` has at least one row.
   void Prepare(const LcpProblem& problem);
   /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
   /// result->detail.
-  void Solve(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
-  /// True if rows outnumber freedoms in the prepared problem.
-  bool is_redundant() const { return is_redundant_; }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
+             LcpResult* result);
+  /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
+  /// larger sizes.
+  bool suits_tableau() const { return suits_tableau_; }
 
  private:
   enum class Trust { kVerifiesItself, kVerify };
+  void SetNncgLimit(double factorisations, double step_time);
+  bool TryNncg(LcpResult* result);
+  bool TryBpp(LcpResult* result);
   bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
 
   std::int64_t newton_factorisations_;
   bool is_redundant_ = false;
+  bool suits_tableau_ = false;
+  double nncg_time_ = 1;         // of an iteration, nanoseconds
   std::int64_t nncg_limit_ = 0;  // 0: not worth a try
 
   NncgSolver nncg_;

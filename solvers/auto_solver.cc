@@ -129,7 +129,7 @@ void AutoSolver::Parts::SolveRest(const LcpProblem& problem, const LcpOptions& o
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(m);
-  portfolio.Solve(part, part_options, deadline, &answer);
+  portfolio.Solve(part, part_options, AutoPortfolio::Choice::kByCost, deadline, &answer);
   result->status = answer.status;
   result->iterations += answer.iterations;
   result->detail += "; " + answer.detail;
@@ -152,7 +152,7 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
         reader.Number(name, static_cast<double>(*rows), 0, static_cast<double>(SmallPivoting::kMaxRows)));
   };
   read_rows("tableau_rows", &options.tableau_rows);
-  read_rows("redundant_tableau_rows", &options.redundant_tableau_rows);
+  read_rows("hard_tableau_rows", &options.hard_tableau_rows);
   options.newton_factorisations = static_cast<std::int64_t>(
       reader.Number("newton_factorisations", static_cast<double>(options.newton_factorisations), 1, 1e9));
   reader.Finish();
@@ -162,7 +162,7 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
 AutoSolver::AutoSolver(AutoOptions options)
     : options_(options), parts_(std::make_unique<Parts>(options.newton_factorisations)) {
   if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
-  for (const Index rows : {options.tableau_rows, options.redundant_tableau_rows}) {
+  for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
     if (rows < 0 || rows > SmallPivoting::kMaxRows) {
       throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
     }
@@ -182,8 +182,8 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
   parts.tableau_rows = options_.tableau_rows;
   if (n > options_.tableau_rows) {
     parts.whole.Prepare(problem);
-    if (parts.whole.is_redundant()) {
-      parts.tableau_rows = std::max(parts.tableau_rows, options_.redundant_tableau_rows);
+    if (parts.whole.suits_tableau()) {
+      parts.tableau_rows = std::max(parts.tableau_rows, options_.hard_tableau_rows);
     }
   }
   if (n <= parts.tableau_rows) {
@@ -206,14 +206,16 @@ void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, L
   const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
   // Reading the clock costs a tenth of the smallest problems.
   std::optional<Deadline> limit;
+  auto choice = AutoPortfolio::Choice::kByCost;
   if (std::isfinite(options.time_limit_s)) limit.emplace(options);
   if (problem.size() <= parts.tableau_rows) {
     if (may_choose && parts.TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
     parts.whole.Prepare(problem);
+    choice = AutoPortfolio::Choice::kRobust;
   }
   const Deadline deadline = limit.value_or(Deadline(options));
   if (problem.size() > parts.tableau_rows && may_choose && parts.TryIslands(problem, options, deadline, result)) return;
-  parts.whole.Solve(problem, options, deadline, result);
+  parts.whole.Solve(problem, options, choice, deadline, result);
 }
 
 }  // namespace lcpbench

@@ -11,12 +11,13 @@ namespace lcpbench {
 struct AutoOptions {
   /// Up to this many rows a dense tableau is tried first; in [0, SmallPivoting::kMaxRows].
   Index tableau_rows = 64;
-  /// The same where rows outnumber the degrees of freedom of the bodies, which other backends find harder.
-  Index redundant_tableau_rows = 128;
+  /// The same where rows outnumber the degrees of freedom of the bodies, or A is nearly full: other backends find that
+  /// harder.
+  Index hard_tableau_rows = 128;
   /// Factorisations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
   std::int64_t newton_factorisations = 150;
 
-  /// Keys `tableau_rows`, `redundant_tableau_rows` and `newton_factorisations`. @throws InputError for others
+  /// Keys `tableau_rows`, `hard_tableau_rows` and `newton_factorisations`. @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
 };
 

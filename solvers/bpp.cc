@@ -219,6 +219,9 @@ void BppSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
     result->status = LcpStatus::kSolved;
   } else if (end == End::kIterationLimit) {
     result->status = LcpStatus::kIterationLimit;
+  } else if (end == End::kSingular) {
+    result->status = LcpStatus::kNumericalFailure;
+    result->detail = "A is singular";
   } else if (end == End::kTimeLimit) {
     result->status = LcpStatus::kTimeLimit;
   } else {
@@ -243,6 +246,7 @@ BppOptions BppOptions::FromSettings(const Settings& settings) {
   options.proximal = reader.Number("proximal", options.proximal, kLeastShift, 1e-2);
   options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeastShift, 100);
   options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
+  options.end_when_singular = reader.Choice("end_when_singular", "no", {"yes", "no"}) == "yes";
   options.max_dense_rows =
       static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
   reader.Finish();
@@ -259,7 +263,8 @@ std::string BppSolver::WhyUnsupported(const LcpProblem& problem) const {
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 
-double BppSolver::FactorTime() const { return engine_->FactorTime(); }
+double BppSolver::StepTime() const { return engine_->StepTime(); }
+bool BppSolver::is_dense() const { return engine_->is_dense(); }
 
 void BppSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 

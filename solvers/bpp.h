@@ -30,12 +30,17 @@ struct BppOptions {
   /// weight rises or single exchanges follow. [Portugal, Judice, Vicente 1994 use 3 to 10] In [1, 100].
   int patience = 3;
 
+  /// Ends with kNumericalFailure after the first factorisation if more than one row in kDependentShare of its F depends
+  /// on others: blocks are likely to cycle then, and a caller may have a better method.
+  bool end_when_singular = false;
+  static constexpr Index kDependentShare = 50;
+
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].
   Index max_dense_rows = 10'000;
 
-  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience` and `max_dense_rows`. @throws
-  /// InputError for others
+  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes, no) and
+  /// `max_dense_rows`. @throws InputError for others
   static BppOptions FromSettings(const Settings& settings);
 };
 
@@ -91,8 +96,10 @@ class BppSolver final : public LcpSolver {
   /// Refuses A that is not numerically symmetric.
   std::string WhyUnsupported(const LcpProblem& problem) const override;
 
-  /// What one factorisation of the prepared problem takes, predicted from its structure (ActiveBlock::factor_time).
-  double FactorTime() const;
+  /// Nanoseconds of one iteration on the prepared problem, predicted from its structure.
+  double StepTime() const;
+  /// Whether the prepared problem's A is factored as a dense matrix.
+  bool is_dense() const;
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;

@@ -71,6 +71,10 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
     if (factorisations_ >= limit_) return End::kIterationLimit;
     if (TimeIsUp()) return End::kTimeLimit;
     SolveActive();
+    if (options_.end_when_singular && factorisations_ == 1 &&
+        BppOptions::kDependentShare * block_->CountDependentRows() > f_.size()) {
+      return End::kSingular;
+    }
     const Index count = FindViolated(true);
     if (count == 0) return End::kDone;
     if (count < least) {

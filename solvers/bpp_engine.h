@@ -22,11 +22,12 @@ class BppSolver::Engine {
 
   bool TooLargeForDense(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem);
-  double FactorTime() const { return block_->factor_time(); }
+  double StepTime() const { return blocks_.StepTime(block_, f_.size()); }
+  bool is_dense() const { return blocks_.is_dense(block_); }
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:
-  enum class End { kDone, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
+  enum class End { kDone, kInfeasible, kNotMet, kSingular, kIterationLimit, kTimeLimit };
 
   bool Load();
   void SetStart();

@@ -115,6 +115,14 @@ bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, con
   return true;
 }
 
+Index DenseActiveBlock::CountDependentRows() const {
+  Index count = 0;
+  for (Index k = 0; k < static_cast<Index>(rows_.size()); ++k) {
+    if (1 <= kDependentPivot * floor_[k] * inverse_[k]) ++count;
+  }
+  return count;
+}
+
 void DenseActiveBlock::Solve(double* x) {
   const auto m = static_cast<Index>(rows_.size());
   double* y = x_.data();

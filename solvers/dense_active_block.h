@@ -17,6 +17,7 @@ class DenseActiveBlock final : public ActiveBlock {
   bool Factor(const std::vector<char>& active, double shift, const Deadline* deadline) override;
   void Solve(double* x) override;
   void Multiply(const double* x, double* y) const override;
+  Index CountDependentRows() const override;
   double factor_time() const override { return FactorTime(n_); }
   /// The same without an analysis, which allocates three n x n arrays.
   static double FactorTime(Index n);

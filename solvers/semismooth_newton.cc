@@ -247,7 +247,7 @@ std::string SemismoothNewtonSolver::WhyUnsupported(const LcpProblem& problem) co
   return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
 }
 
-double SemismoothNewtonSolver::FactorTime() const { return engine_->FactorTime(); }
+double SemismoothNewtonSolver::StepTime() const { return engine_->StepTime(); }
 
 void SemismoothNewtonSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 

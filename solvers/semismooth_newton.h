@@ -68,8 +68,8 @@ class SemismoothNewtonSolver final : public LcpSolver {
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
 
-  /// What one factorisation of the prepared problem takes, predicted from its structure (ActiveBlock::factor_time).
-  double FactorTime() const;
+  /// Nanoseconds of one iteration on the prepared problem, predicted from its structure.
+  double StepTime() const;
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;

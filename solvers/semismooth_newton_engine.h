@@ -22,7 +22,7 @@ class SemismoothNewtonSolver::Engine {
   explicit Engine(SemismoothNewtonOptions options) : options_(options) {}
 
   void Prepare(const LcpProblem& problem);
-  double FactorTime() const { return block_->factor_time(); }
+  double StepTime() const { return blocks_.StepTime(block_, n_); }
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:

@@ -106,6 +106,14 @@ double SparseActiveBlock::factor_time() const {
   return kMultiplyAdd * factor_work_;
 }
 
+Index SparseActiveBlock::CountDependentRows() const {
+  Index count = 0;
+  for (int r = 0; r < n_; ++r) {
+    if (active_[At(r)] != 0 && pivots_[At(r)] <= kDependentPivot * shift_ * diagonal_[At(r)]) ++count;
+  }
+  return count;
+}
+
 void SparseActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
   const double* given = problem.SparseA().valuePtr();
   for (int r = 0; r < n_; ++r) {

@@ -20,6 +20,7 @@ class SparseActiveBlock final : public ActiveBlock {
   void Solve(double* x) override;
   void Multiply(const double* x, double* y) const override;
   double factor_time() const override;
+  Index CountDependentRows() const override;
 
  private:
   void FindPatterns();

@@ -128,7 +128,7 @@ TEST(AutoSolver, RefusesImpossibleOptions) {
   options.newton_factorisations = 0;
   EXPECT_THROW(AutoSolver{options}, InputError);
   options = {};
-  options.redundant_tableau_rows = -1;
+  options.hard_tableau_rows = -1;
   EXPECT_THROW(AutoSolver{options}, InputError);
 }
 
