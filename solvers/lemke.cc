@@ -36,7 +36,7 @@ PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
     if (Publish(result)) break;
     SolveForces(Leaving::kOneByOne);
   }
-  if (end != End::kDone) Publish(result);
+  if (end != End::kDone) PublishUnfinished(end, result);
   return Conclude(end);
 }
 

@@ -72,14 +72,15 @@ bool PivotBase::TimeIsUp(Index work) {
   return deadline_->Expired();
 }
 
-bool PivotBase::Load(const PermutedLcp::Guess& guess) {
-  if (!lcp_.Load(*problem_, guess)) return false;
+PermutedLcp::Loaded PivotBase::Load(const PermutedLcp::Guess& guess) {
+  const PermutedLcp::Loaded loaded = lcp_.Load(*problem_, guess, deadline());
+  if (loaded != PermutedLcp::Loaded::kDone) return loaded;
   active_.Reset();
   solved_at_ = -1;
   joints_ = 0;
   open_ = lcp_.nonzero;
   unit_ = lcp_.nonzero > 0 ? lcp_.diagonal[0] : 1.0;
-  return true;
+  return loaded;
 }
 
 void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
@@ -92,7 +93,12 @@ void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
     const bool first = factor == kAttempts[0];
     blocks_ = first && (block_start_ || options.initial_f != nullptr);
     guess_ = {first ? options.initial_f : nullptr, blocks_};
-    if (!Load(guess_)) {
+    const PermutedLcp::Loaded loaded = Load(guess_);
+    if (loaded == PermutedLcp::Loaded::kOutOfTime) {
+      end = End::kTimeLimit;
+      break;
+    }
+    if (loaded == PermutedLcp::Loaded::kNegativeDiagonal) {
       result->status = LcpStatus::kUnsupported;
       result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
       return;
@@ -178,7 +184,7 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
     bool clear = active_.first_left_out(rows) >= joints_;
     for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
     if (!clear) {
-      Load(guess_);  // the order as it was
+      if (Load(guess_) != PermutedLcp::Loaded::kDone) return End::kTimeLimit;  // the order as it was
       End end = EnterJoints(result);
       if (end == End::kDone) end = EnterOneByOne(least_pivot);
       if (end != End::kDone) return end;
@@ -311,10 +317,21 @@ double PivotBase::ComputeGaps() {
 }
 
 bool PivotBase::Publish(LcpResult* result) {
-  Eigen::VectorXd& f = judge_.candidate();
-  f.setZero();
-  for (Index p = 0; p < lcp_.nonzero; ++p) f[RowAt(p)] = lcp_.GivenForce(p);
+  GiveForces(&judge_.candidate());
   return judge_.Publish(result);
+}
+
+void PivotBase::PublishUnfinished(End end, LcpResult* result) {
+  if (end != End::kTimeLimit) {
+    Publish(result);
+  } else if (!std::isfinite(judge_.tier())) {
+    GiveForces(&result->f);
+  }
+}
+
+void PivotBase::GiveForces(Eigen::VectorXd* f) const {
+  f->setZero();
+  for (Index p = 0; p < lcp_.nonzero; ++p) (*f)[RowAt(p)] = lcp_.GivenForce(p);
 }
 
 // Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward

@@ -193,7 +193,11 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
   if (best_rho_ == kInfinity) {
     f_ = c_;
-    Publish(result);
+    if (end == End::kTimeLimit) {
+      for (Index p = 0; p < n_; ++p) result->f[p] = scaled_.GivenForce(p, c_[p]);
+    } else {
+      Publish(result);
+    }
   }
   result->iterations = factors_;
   switch (end) {
