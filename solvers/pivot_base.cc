@@ -211,13 +211,17 @@ PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
 PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
   for (Index most = open_;;) {
     violated_ = SetViolatedApart();
+    if (out_of_time_) return End::kTimeLimit;
     const Index count = open_ - violated_;
     if (count <= kFewViolated || count > most) return End::kDone;
     most = static_cast<Index>(kBlockProgress * static_cast<double>(count));
     if (pivots_ >= pivot_limit_) return End::kIterationLimit;
     if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
     ++pivots_;
-    for (Index k = 0; k < count && m() + k < violated_; ++k) lcp_.Swap(m() + k, open_ - 1 - k);
+    for (Index k = 0; k < count && m() + k < violated_; ++k) {
+      if (TimeIsUp(lcp_.n)) return End::kTimeLimit;
+      lcp_.Swap(m() + k, open_ - 1 - k);
+    }
     if (!active_.Factor(m() + count, least_pivot, deadline())) return End::kTimeLimit;
     SolveForces(Leaving::kAll);
     if (out_of_time_) return End::kTimeLimit;
@@ -227,6 +231,10 @@ PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
 Index PivotBase::SetViolatedApart() {
   Index q = open_;
   for (Index p = m(); p < q;) {
+    if (TimeIsUp(m() + lcp_.n)) {
+      out_of_time_ = true;
+      return open_;
+    }
     const PermutedLcp::Sum w = lcp_.FreshW(p, m());
     lcp_.f[p] = 0;
     lcp_.w[p] = w.value;

@@ -56,7 +56,7 @@ class PivotBase {
   /// Each such block is one pivot; the first one is free.
   End EnterStart(LcpResult* result);
   /// w of all rows in play outside F, with f = 0 there; those with w < 0 beyond rounding move behind the others, whose
-  /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none.
+  /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none; also where time runs out.
   Index SetViolatedApart();
 
   /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was

@@ -43,6 +43,7 @@ double SemismoothNewtonSolver::Engine::RhoInDouble() {
 // Keeps f_ if it is the best so far. True if it is good enough to stop. What is good enough in double, rounding
 // included, is far below any tolerance; only what is not is looked at in extended precision.
 bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
+  if (deadline_->Expired()) return false;
   Eigen::VectorXd& f = judge_.candidate();
   for (Index p = 0; p < n_; ++p) {
     const double given = scaled_.GivenForce(p, f_[p]);
@@ -56,6 +57,7 @@ bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
     result->f.swap(judged_.f);
     return true;
   }
+  if (deadline_->Expired()) return false;
   const auto rho = static_cast<double>(test_.Rho(judged_.f));
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
