@@ -21,7 +21,16 @@ void ActiveSet::Reset() {
 
 bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
   constexpr Index kLanes = DenseLdlt::kLanes;
+  m_ = 0;
+  dropped_.clear();
+  constexpr Index kWorkPerClockRead = 1 << 14;  // entries, some 10 us
+  Index work = 0;
   for (Index k = 0; k < rows; ++k) {
+    work += rows - k;
+    if (deadline != nullptr && work > kWorkPerClockRead) {
+      work = 0;
+      if (deadline->Expired()) return false;
+    }
     const double* from = lcp.column(k);
     double* to = ldlt_.column(k);
     Index i = k / kLanes * kLanes;
@@ -30,11 +39,7 @@ bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
     std::copy(from + i, from + rows, to + i);
     std::fill(to + rows, to + i + kLanes, 0.0);
   }
-  m_ = 0;
-  if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) {
-    dropped_.clear();
-    return false;
-  }
+  if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) return false;
   Index k = 0;
   auto gap = dropped_.begin();
   for (Index p = 0; p < rows; ++p) {

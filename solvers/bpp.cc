@@ -120,7 +120,7 @@ bool BppSolver::Engine::Publish(LcpResult* result) {
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, std::abs(f_[i]) * ForceRoot(i));
   for (const double tiny : kTinyForces) {
-    if (judge_.tier() <= proof_tolerance_) break;
+    if (judge_.tier() <= proof_tolerance_ || TimeIsUp()) break;
     publish(tiny * largest);
   }
   return judge_.tier() <= AnswerJudge::kGoodEnough;

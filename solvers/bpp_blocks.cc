@@ -28,8 +28,8 @@ constexpr double kRaise = 10;
 
 // f_ and w_ of the shifted problem for active_.
 void BppSolver::Engine::SolveActive() {
-  block_->Factor(active_, shift_, deadline());
   ++factorisations_;
+  if (!block_->Factor(active_, shift_, deadline())) return;
   f_.array() = shift_ * scaled_.diagonal.array() * center_.array() - scaled_.b.array();
   block_->Solve(f_.data());
   block_->Multiply(f_.data(), w_.data());
@@ -71,6 +71,7 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
     if (factorisations_ >= limit_) return End::kIterationLimit;
     if (TimeIsUp()) return End::kTimeLimit;
     SolveActive();
+    if (TimeIsUp()) return End::kTimeLimit;
     if (options_.end_when_singular && factorisations_ == 1 &&
         BppOptions::kDependentShare * block_->CountDependentRows() > f_.size()) {
       return End::kSingular;
@@ -136,7 +137,7 @@ BppSolver::Engine::End BppSolver::Engine::CorrectForces() {
 BppSolver::Engine::End BppSolver::Engine::Polish(LcpResult* result) {
   Index least = f_.size() + 1;
   for (int round = 0; round < kMaxPolishes; ++round) {
-    if (CorrectForces() == End::kTimeLimit) return End::kTimeLimit;
+    if (CorrectForces() == End::kTimeLimit || TimeIsUp()) return End::kTimeLimit;
     if (Publish(result)) return End::kDone;
     const Index count = FindViolated(false);
     if (count == 0 || count >= least) break;

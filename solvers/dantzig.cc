@@ -41,7 +41,7 @@ PivotBase::End DantzigSolver::Engine::Run(LcpResult* result) {
     SolveForces(Leaving::kOneByOne);
     if (!FindViolations()) break;
   }
-  if (end != End::kDone) Publish(result);
+  if (end != End::kDone) PublishUnfinished(end, result);
   return Conclude(end);
 }
 

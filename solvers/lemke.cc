@@ -36,7 +36,7 @@ PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
     if (Publish(result)) break;
     SolveForces(Leaving::kOneByOne);
   }
-  if (end != End::kDone) Publish(result);
+  if (end != End::kDone) PublishUnfinished(end, result);
   return Conclude(end);
 }
 
@@ -46,7 +46,7 @@ LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   options.rank_tolerance =
       reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
   options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
-  options.block_start = reader.Choice("block_start", "yes", {"yes", "no"}) == "yes";
+  options.block_start = reader.Choice("block_start", "no", {"yes", "no"}) == "yes";
   reader.Finish();
   return options;
 }

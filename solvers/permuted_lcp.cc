@@ -12,6 +12,9 @@ namespace {
 
 using Index = Eigen::Index;
 
+// Entries between two looks at the clock, some 10 us.
+constexpr Index kWorkPerClockRead = 1 << 14;
+
 size_t At(Index i) { return static_cast<size_t>(i); }
 
 // Whole cache lines, but no multiple of 4 KiB: walking along a row would then hit one cache set only.
@@ -78,7 +81,7 @@ void PermutedLcp::Order(const LcpProblem& problem, const Guess& guess) {
   }
 }
 
-bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
+PermutedLcp::Loaded PermutedLcp::Load(const LcpProblem& problem, const Guess& guess, const Deadline* deadline) {
   const Eigen::MatrixXd& given = problem.DenseA();
   const Eigen::VectorXd& given_b = problem.b();
   n = problem.size();
@@ -88,7 +91,7 @@ bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
   double b_squared = 0;
   for (Index i = 0; i < n; ++i) {
     const double d = given(i, i);
-    if (d < 0) return false;
+    if (d < 0) return Loaded::kNegativeDiagonal;
     if (d == 0) {
       --nonzero;
       scale[i] = 1;
@@ -112,7 +115,13 @@ bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
     Order(problem, guess);
   }
   const double* __restrict factor = scale.data();
+  Index work = 0;
   for (Index q = 0; q < nonzero; ++q) {
+    work += n;
+    if (deadline != nullptr && work > kWorkPerClockRead) {
+      work = 0;
+      if (deadline->Expired()) return Loaded::kOutOfTime;
+    }
     const Index source = row[At(q)];
     const double* __restrict from = given.data() + source * n;
     double* __restrict to = column(q);
@@ -124,7 +133,7 @@ bool PermutedLcp::Load(const LcpProblem& problem, const Guess& guess) {
     w[q] = b[q];
   }
   f.head(nonzero).setZero();
-  return true;
+  return Loaded::kDone;
 }
 
 void PermutedLcp::Swap(Index p, Index q) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -32,9 +33,12 @@ struct PermutedLcp {
     bool negative_b = false;
   };
 
-  /// O(n^2). False, with nothing loaded, if an A_ii < 0.
-  /// @param problem  its DenseA() is read as it stands, so one triangle does not speak for the other
-  bool Load(const LcpProblem& problem, const Guess& guess);
+  enum class Loaded { kDone, kNegativeDiagonal, kOutOfTime };
+
+  /// O(n^2). Nothing is loaded unless kDone.
+  /// @param problem   its DenseA() is read as it stands, so one triangle does not speak for the other
+  /// @param deadline  nullptr for none; looked at every some 10 us
+  Loaded Load(const LcpProblem& problem, const Guess& guess, const Deadline* deadline);
   static constexpr double kGuessThreshold = 1e-10;
 
   /// Exchanges the rows and columns at two positions.  O(n)

@@ -72,14 +72,15 @@ bool PivotBase::TimeIsUp(Index work) {
   return deadline_->Expired();
 }
 
-bool PivotBase::Load(const PermutedLcp::Guess& guess) {
-  if (!lcp_.Load(*problem_, guess)) return false;
+PermutedLcp::Loaded PivotBase::Load(const PermutedLcp::Guess& guess) {
+  const PermutedLcp::Loaded loaded = lcp_.Load(*problem_, guess, deadline());
+  if (loaded != PermutedLcp::Loaded::kDone) return loaded;
   active_.Reset();
   solved_at_ = -1;
   joints_ = 0;
   open_ = lcp_.nonzero;
   unit_ = lcp_.nonzero > 0 ? lcp_.diagonal[0] : 1.0;
-  return true;
+  return loaded;
 }
 
 void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
@@ -92,7 +93,12 @@ void PivotBase::Solve(const LcpOptions& options, LcpResult* result) {
     const bool first = factor == kAttempts[0];
     blocks_ = first && (block_start_ || options.initial_f != nullptr);
     guess_ = {first ? options.initial_f : nullptr, blocks_};
-    if (!Load(guess_)) {
+    const PermutedLcp::Loaded loaded = Load(guess_);
+    if (loaded == PermutedLcp::Loaded::kOutOfTime) {
+      end = End::kTimeLimit;
+      break;
+    }
+    if (loaded == PermutedLcp::Loaded::kNegativeDiagonal) {
       result->status = LcpStatus::kUnsupported;
       result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
       return;
@@ -178,7 +184,7 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
     bool clear = active_.first_left_out(rows) >= joints_;
     for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
     if (!clear) {
-      Load(guess_);  // the order as it was
+      if (Load(guess_) != PermutedLcp::Loaded::kDone) return End::kTimeLimit;  // the order as it was
       End end = EnterJoints(result);
       if (end == End::kDone) end = EnterOneByOne(least_pivot);
       if (end != End::kDone) return end;
@@ -205,13 +211,17 @@ PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
 PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
   for (Index most = open_;;) {
     violated_ = SetViolatedApart();
+    if (out_of_time_) return End::kTimeLimit;
     const Index count = open_ - violated_;
     if (count <= kFewViolated || count > most) return End::kDone;
     most = static_cast<Index>(kBlockProgress * static_cast<double>(count));
     if (pivots_ >= pivot_limit_) return End::kIterationLimit;
     if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
     ++pivots_;
-    for (Index k = 0; k < count && m() + k < violated_; ++k) lcp_.Swap(m() + k, open_ - 1 - k);
+    for (Index k = 0; k < count && m() + k < violated_; ++k) {
+      if (TimeIsUp(lcp_.n)) return End::kTimeLimit;
+      lcp_.Swap(m() + k, open_ - 1 - k);
+    }
     if (!active_.Factor(m() + count, least_pivot, deadline())) return End::kTimeLimit;
     SolveForces(Leaving::kAll);
     if (out_of_time_) return End::kTimeLimit;
@@ -221,6 +231,10 @@ PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
 Index PivotBase::SetViolatedApart() {
   Index q = open_;
   for (Index p = m(); p < q;) {
+    if (TimeIsUp(m() + lcp_.n)) {
+      out_of_time_ = true;
+      return open_;
+    }
     const PermutedLcp::Sum w = lcp_.FreshW(p, m());
     lcp_.f[p] = 0;
     lcp_.w[p] = w.value;
@@ -311,10 +325,21 @@ double PivotBase::ComputeGaps() {
 }
 
 bool PivotBase::Publish(LcpResult* result) {
-  Eigen::VectorXd& f = judge_.candidate();
-  f.setZero();
-  for (Index p = 0; p < lcp_.nonzero; ++p) f[RowAt(p)] = lcp_.GivenForce(p);
+  GiveForces(&judge_.candidate());
   return judge_.Publish(result);
+}
+
+void PivotBase::PublishUnfinished(End end, LcpResult* result) {
+  if (end != End::kTimeLimit) {
+    Publish(result);
+  } else if (!std::isfinite(judge_.tier())) {
+    GiveForces(&result->f);
+  }
+}
+
+void PivotBase::GiveForces(Eigen::VectorXd* f) const {
+  f->setZero();
+  for (Index p = 0; p < lcp_.nonzero; ++p) (*f)[RowAt(p)] = lcp_.GivenForce(p);
 }
 
 // Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward

@@ -56,7 +56,7 @@ class PivotBase {
   /// Each such block is one pivot; the first one is free.
   End EnterStart(LcpResult* result);
   /// w of all rows in play outside F, with f = 0 there; those with w < 0 beyond rounding move behind the others, whose
-  /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none.
+  /// w < 0 becomes 0. Returns the position of the first of them, open_ if there is none; also where time runs out.
   Index SetViolatedApart();
 
   /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
@@ -73,6 +73,8 @@ class PivotBase {
   void Release(Index p);
   /// Judges f; true if it is good enough to stop.
   bool Publish(LcpResult* result);
+  /// For a search that came to no end: f, judged unless time is up. Then it stands if nothing was published before.
+  void PublishUnfinished(End end, LcpResult* result);
   /// One step of iterative refinement with the residual of the given form at the published f.
   void Refine();
   /// y = sign (df_F, 1 at d) as a Farkas ray, refined with extended-precision residuals until VerifyFarkasRay accepts
@@ -114,12 +116,13 @@ class PivotBase {
  private:
   enum class Surplus { kNone, kNegative, kTiny, kRounding };
   void Start(const LcpOptions& options);
-  bool Load(const PermutedLcp::Guess& guess);
+  PermutedLcp::Loaded Load(const PermutedLcp::Guess& guess);
   End EnterJoints(LcpResult* result);
   End EnterOneByOne(double least_pivot);
   End EnterBlocks(double least_pivot);
   void ReleaseAll();
   End DropTinyForces(LcpResult* result);
+  void GiveForces(Eigen::VectorXd* f) const;
   const Deadline* deadline() const { return deadline_.has_value() ? &*deadline_ : nullptr; }
   Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
 

@@ -123,7 +123,7 @@ double SemismoothNewtonSolver::Engine::StepLength() const {
   double low = 0;
   double high = 1;
   double t = 1;
-  for (int k = 0; k < kMaxLineSteps && std::abs(slope) > flat; ++k) {
+  for (int k = 0; k < kMaxLineSteps && std::abs(slope) > flat && !deadline_->Expired(); ++k) {
     (slope > 0 ? high : low) = t;
     const double next = t - slope / curvature;
     t = next > low && next < high ? next : 0.5 * (low + high);
@@ -140,6 +140,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubprob
     if (end != End::kGoOn) return end;
     for (Index p = 0; p < n_; ++p) step_[p] = eps * scaled_.diagonal[p] * c_[p] - scaled_.b[p];
     block_->Solve(step_.data());
+    if (deadline_->Expired()) return End::kTimeLimit;
     step_ -= u_;
     block_->Multiply(step_.data(), step_w_.data());
     slope_at_0_ = u_.dot(step_w_);
@@ -193,7 +194,11 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
   if (best_rho_ == kInfinity) {
     f_ = c_;
-    Publish(result);
+    if (end == End::kTimeLimit) {
+      for (Index p = 0; p < n_; ++p) result->f[p] = scaled_.GivenForce(p, c_[p]);
+    } else {
+      Publish(result);
+    }
   }
   result->iterations = factors_;
   switch (end) {

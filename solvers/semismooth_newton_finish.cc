@@ -43,6 +43,7 @@ double SemismoothNewtonSolver::Engine::RhoInDouble() {
 // Keeps f_ if it is the best so far. True if it is good enough to stop. What is good enough in double, rounding
 // included, is far below any tolerance; only what is not is looked at in extended precision.
 bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
+  if (deadline_->Expired()) return false;
   Eigen::VectorXd& f = judge_.candidate();
   for (Index p = 0; p < n_; ++p) {
     const double given = scaled_.GivenForce(p, f_[p]);
@@ -56,6 +57,7 @@ bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
     result->f.swap(judged_.f);
     return true;
   }
+  if (deadline_->Expired()) return false;
   const auto rho = static_cast<double>(test_.Rho(judged_.f));
   if (!(rho < best_rho_)) return false;
   best_rho_ = rho;
@@ -90,6 +92,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Correct(doub
     const double before = rho;
     rho = RhoInDouble();
     if (k > 0 && !(rho <= kFinishProgress * before)) break;
+    if (deadline_->Expired()) return End::kTimeLimit;
   }
   if (Publish(result)) return End::kDone;
   // Once more with the residual of the given form in extended precision, if rounding is what is left.
@@ -99,6 +102,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Correct(doub
     for (Index p = 0; p < n_; ++p) {
       residual_[p] = static_cast<double>(test_.w(p)) * scaled_.b_scale * scaled_.scale[p];
     }
+    if (deadline_->Expired()) return End::kTimeLimit;
     block_->Solve(residual_.data());
     f_ -= residual_;
     if (Publish(result)) return End::kDone;
@@ -141,7 +145,8 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromSt
     const double rho = RhoInDouble();
     const Index wrong = FindWrongRows();
     if (wrong == 0) {
-      if (Correct(rho, result) == End::kDone) return End::kDone;
+      const End corrected = Correct(rho, result);
+      if (corrected != End::kGoOn) return corrected;
       break;
     }
     if (wrong >= least) break;
@@ -173,6 +178,7 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
   double largest = 0;
   for (Index p = 0; p < n_; ++p) largest = std::max(largest, scaled_.diagonal[p] * f_[p] * f_[p]);
   for (const double level : kSnapLevels) {
+    if (deadline_->Expired()) return false;
     for (Index p = 0; p < n_; ++p) {
       const bool tiny = scaled_.diagonal[p] * f_[p] * f_[p] <= level * level * largest;
       f_trial_[p] = tiny ? 0.0 : result->f[p];
@@ -183,7 +189,7 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
   }
   // Forces that should be a tiny positive number: the failing rows are relaxed one by one, in their own units.
   f_trial_ = result->f;
-  for (int k = 0; k < kTinyRowSweeps; ++k) {
+  for (int k = 0; k < kTinyRowSweeps && !deadline_->Expired(); ++k) {
     test_.Rho(f_trial_);
     for (Index p = 0; p < n_; ++p) {
       const Index i = p;

@@ -65,9 +65,11 @@ struct SuitesparseStatistics {
 ///
 /// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; normally 5 to 30, up
 /// to 60 at 1e5 rows with many degenerate contacts. Default limit 500. Cost of one: CHOLMOD's Factorize plus 3 to 10
-/// solves. Limits are checked before each factorisation. A failure leaves the iterate of least rho seen. Warm start:
-/// initial_f is returned if it meets the tier; else its active set is tried (a few pivots), and the interior point
-/// starts from it, shifted into the interior by its own residual. May change the answer where f is not unique.
+/// solves. Limits are checked before each factorisation; none is begun that would end
+/// more than 10 % past the time limit if it takes as long as the one before. A failure leaves the iterate of least rho
+/// seen. Warm start: initial_f is returned if it meets the tier; else its active set is tried (a few pivots), and the
+/// interior point starts from it, shifted into the interior by its own residual. May change the answer where f is not
+/// unique.
 class SuitesparseSolver final : public LcpSolver {
  public:
   explicit SuitesparseSolver(SuitesparseOptions options = {});

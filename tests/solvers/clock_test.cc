@@ -1,0 +1,100 @@
+// How often own solvers look at the clock, counted with a clock of ours: often enough for a time limit to be kept
+// within 10 % or 20 us (benchmarks/deadline_benchmark.cc measures that), and once is enough for them to end.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kTolerance = 1e-9;
+constexpr Index kRows = 300;
+
+// Reads are counted; from read `expires_at` on, time is up.
+std::int64_t reads;
+std::int64_t expires_at;
+double CountingClock() { return ++reads >= expires_at ? 2.0 : 0.0; }
+
+class ClockTest : public testing::TestWithParam<SolverEntry> {
+ protected:
+  void SetUp() override {
+    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
+    solver_ = GetParam().make({});
+  }
+
+  LcpResult Solve(const LcpProblem& problem, std::int64_t expires) {
+    reads = 0;
+    expires_at = expires;
+    LcpOptions options;
+    options.tolerance = kTolerance;
+    options.time_limit_s = 1;
+    options.now = &CountingClock;
+    LcpResult result;
+    solver_->Solve(problem, options, &result);
+    return result;
+  }
+
+  std::unique_ptr<LcpSolver> solver_;
+};
+
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+
+TEST_P(ClockTest, IsReadForEveryUnitOfWork) {
+  const LcpProblem problem = PlantedProblem(kRows, 150, 1, 0, 0).problem;
+  const LcpResult result = Solve(problem, kNever);
+  // An iteration of the first-order methods is one product with A, of which there are some hundred in 20 us where n is
+  // small; of the others at least a factorisation or, with a dense factor, n^2 numbers.
+  const auto work = static_cast<double>(result.iterations) * static_cast<double>(problem.SparseA().nonZeros());
+  constexpr double kMostWorkPerRead = 1 << 16;
+  EXPECT_GE(static_cast<double>(reads), work / kMostWorkPerRead) << result.iterations << " iterations";
+  EXPECT_GE(reads, 2);
+}
+
+TEST_P(ClockTest, EndsTheSolveSoonAfterItHasRunOut) {
+  constexpr std::int64_t kMoreReads = 8;
+  constexpr std::int64_t kPoints = 10;
+  // The first reads say when the solve, and a solve within it, began.
+  constexpr std::int64_t kFirstRead = 5;
+  for (const int degenerate : {0, 3}) {
+    const TestProblem test = PlantedProblem(kRows, degenerate == 0 ? 150 : 60, 2, 7, degenerate);
+    Solve(test.problem, kNever);
+    const std::int64_t all = reads;
+    for (std::int64_t expires = kFirstRead; expires < all; expires += 1 + all / kPoints) {
+      const LcpResult result = Solve(test.problem, expires);
+      EXPECT_LE(reads, expires + kMoreReads) << "expired at read " << expires << " of " << all;
+      EXPECT_FALSE(Verify(test.problem, result, kTolerance, &test.reference).false_success);
+      if (result.status != LcpStatus::kSolved) {
+        EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << expires << " of " << all << ": " << result.detail;
+      }
+      EXPECT_TRUE(result.f.allFinite());
+    }
+  }
+}
+
+std::vector<SolverEntry> OwnSolvers() {
+  std::vector<SolverEntry> own;
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (entry.origin == SolverOrigin::kOwn) own.push_back(entry);
+  }
+  return own;
+}
+
+std::string TestName(const testing::TestParamInfo<SolverEntry>& info) {
+  std::string name = info.param.key;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Own, ClockTest, testing::ValuesIn(OwnSolvers()), TestName);
+
+}  // namespace
+}  // namespace lcpbench
