@@ -212,96 +212,77 @@ class TableauKernel {
     if (L::Any(L::Either(Wanted(panel * B, joints), Wanted(panel * B + 1, joints)))) StepPanel(panel, joints);
   }
 
-  // One exchange within the panel: row k = k0 + c in the lanes that want it. x and y are what it adds to the rest.
-  template <typename K>
-  [[gnu::always_inline]] bool Exchange(K k0, int c, bool joints, V (*u)[N], V* x, V* y) {
-    const int k = k0 + c;
+  // What an exchange of row k does to the rest: row i becomes row i - x_i y with x the old column k, y = x `inverse`;
+  // row k itself is multiplied by `factor`. Lanes that do not move have inverse 0 and factor 1.
+  struct Move {
+    V inverse, factor, diagonal;
+  };
+  [[gnu::always_inline]] Move Decide(int k, bool joints, V a) {
     const V sign = sign_[k];
-    const V a = u[c][k];
     const V size = L::Xor(a, sign);
-    const M can = L::Less(least_[k], size);
-    const M m = L::Both(Wanted(k, joints), can);
-    if (!L::Any(m)) return false;
+    const M m = L::Both(Wanted(k, joints), L::Less(least_[k], size));
     moved_ = L::Either(moved_, m);
     const V inverse_size = L::Div(L::Set(1), size);
     const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
     const V factor = L::Select(m, inverse_size, L::Set(1));
-    const V qk = q_[k];
-    const V qy = L::Mul(qk, inverse);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-      x[i] = u[c][i];
-      y[i] = L::Mul(x[i], inverse);
-      u[c][i] = L::Mul(x[i], factor);
-      q_[i] = L::Fnma(x[i], qy, q_[i]);
-    });
-    const int o = 1 - c;
-    const V before = u[o][k];
-    const V yo = y[k0 + o];
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[o][i] = L::Fnma(x[i], yo, u[o][i]); });
-    u[o][k] = L::Mul(before, factor);
-    u[c][k] = L::Select(m, L::Sub(L::Set(0), inverse), a);
-    const V moved = L::Mul(qk, factor);
-    q_[k] = moved;
     sign_[k] = L::Xor(sign, L::Masked(m, L::Set(-0.0)));
-    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(moved))));
+    q_[k] = L::Mul(q_[k], factor);
+    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(q_[k]))));
     pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
-    return true;
+    return {inverse, factor, L::Select(m, L::Sub(L::Set(0), inverse), a)};
   }
 
+  // Exchanges rows k and k + 1 where lanes want that, both in one pass over the tableau: it is the stores that count.
   template <typename P>
   [[gnu::noinline]] void StepPanel(P panel, bool joints) {
-    const auto k0 = Times<B>(panel);
-    V u[B][N], x[B][N], y[B][N];
-    for (int c = 0; c < B; ++c) {
-      const int k = k0 + c;
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[c][i] = tableau_[i < k ? At(k, i) : At(i, k)]; });
-    }
-    const bool first = Exchange(k0, 0, joints, u, x[0], y[0]);
-    const bool second = Exchange(k0, 1, joints, u, x[1], y[1]);
-    if (first && second) {
-      Trail<2>(k0, x, y);
-    } else if (first) {
-      Trail<1>(k0, x, y);
-    } else if (second) {
-      Trail<1>(k0, x + 1, y + 1);
-    } else {
-      return;
-    }
-    for (int c = 0; c < B; ++c) {
-      const int k = k0 + c;
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { tableau_[i < k ? At(k, i) : At(i, k)] = u[c][i]; });
-    }
-  }
+    const int k = 2 * panel;
+    const int l = k + 1;
+    const V kq = q_[k];
+    const V lk = tableau_[At(l, k)];
+    const Move first = Decide(k, joints, tableau_[At(k, k)]);
+    const V first_y = L::Mul(lk, first.inverse);
+    const V first_q = L::Mul(kq, first.inverse);
+    q_[l] = L::Fnma(lk, first_q, q_[l]);
+    const V lq = q_[l];
+    const V moved_lk = L::Mul(lk, first.factor);
+    const Move second = Decide(l, joints, L::Fnma(lk, first_y, tableau_[At(l, l)]));
+    const V second_y = L::Mul(moved_lk, second.inverse);
+    const V second_q = L::Mul(lq, second.inverse);
+    tableau_[At(k, k)] = L::Fnma(moved_lk, second_y, first.diagonal);
+    tableau_[At(l, k)] = L::Mul(moved_lk, second.factor);
+    tableau_[At(l, l)] = second.diagonal;
+    q_[k] = L::Fnma(moved_lk, second_q, q_[k]);
 
-  // The rest of the tableau; where that is cheaper the panel's own entries, too, which are overwritten later.
-  template <int R, typename K>
-  [[gnu::always_inline]] void Trail(K /*k0*/, const V (*x)[N], const V (*y)[N]) {
-    if constexpr (kUnroll) {
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-        if constexpr (i < K::value || i >= K::value + B) {
-          EachUpTo(Times<1>(std::integral_constant<int, i + 1>{}), [&](auto j) LCPBENCH_INLINE_LAMBDA {
-            if constexpr (j < K::value || j >= K::value + B) TrailEntry<R>(i, j, x, y);
-          });
-        }
-      });
-    } else {
-      constexpr int kRows = 2;
-      for (int i = 0; i < N; i += kRows) {
-        for (int j = 0; j < i; ++j) {
-          for (int r = 0; r < kRows; ++r) TrailEntry<R>(i + r, j, x, y);
-        }
-        for (int r = 0; r < kRows; ++r) {
-          for (int j = 0; j <= r; ++j) TrailEntry<R>(i + r, i + j, x, y);
-        }
+    V y0[N];
+    V y1[N];
+    y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
+    Each<0, N / 2>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
+      if (pair == panel) return;
+      const auto i = Times<2>(pair);
+      V x0[2];
+      V x1[2];
+      for (int r = 0; r < 2; ++r) {
+        x0[r] = tableau_[pair < panel ? At(k, i + r) : At(i + r, k)];
+        x1[r] = L::Fnma(x0[r], first_y, tableau_[pair < panel ? At(l, i + r) : At(i + r, l)]);
+        y0[i + r] = L::Mul(x0[r], first.inverse);
+        y1[i + r] = L::Mul(x1[r], second.inverse);
+        q_[i + r] = L::Fnma(x1[r], second_q, L::Fnma(x0[r], first_q, q_[i + r]));
       }
-    }
-  }
-
-  template <int R>
-  [[gnu::always_inline]] void TrailEntry(int i, int j, const V (*x)[N], const V (*y)[N]) {
-    V t = tableau_[At(i, j)];
-    for (int r = 0; r < R; ++r) t = L::Fnma(x[r][i], y[r][j], t);
-    tableau_[At(i, j)] = t;
+      V* const upper = tableau_ + At(i, 0);
+      V* const lower = tableau_ + At(i + 1, 0);
+      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+        if (kUnroll && j / 2 == panel) return;  // else overwritten below
+        upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
+        lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
+      });
+      upper[i] = L::Fnma(x1[0], y1[i], L::Fnma(x0[0], y0[i], upper[i]));
+      lower[i] = L::Fnma(x1[1], y1[i], L::Fnma(x0[1], y0[i], lower[i]));
+      lower[i + 1] = L::Fnma(x1[1], y1[i + 1], L::Fnma(x0[1], y0[i + 1], lower[i + 1]));
+      for (int r = 0; r < 2; ++r) {
+        tableau_[pair < panel ? At(k, i + r) : At(i + r, k)] = L::Fnma(x1[r], second_y, L::Mul(x0[r], first.factor));
+        tableau_[pair < panel ? At(l, i + r) : At(i + r, l)] = L::Mul(x1[r], second.factor);
+      }
+    });
   }
 
   // Forces of the basic point, in given units.
