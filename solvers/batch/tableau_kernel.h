@@ -1,36 +1,22 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 
 #include "solvers/batch/kernel.h"
-
-#define LCPBENCH_INLINE_LAMBDA __attribute__((always_inline))
+#include "solvers/batch/unroll.h"
 
 namespace lcpbench {
 namespace {
 
-template <int... k, typename F>
-[[gnu::always_inline]] inline void EachUnrolled(std::integer_sequence<int, k...>, int /*shift*/, const F& f) {
-  (f(std::integral_constant<int, k>{}), ...);
-}
-template <int B, int v>
-constexpr auto Times(std::integral_constant<int, v>) {
-  return std::integral_constant<int, B * v>{};
-}
-template <int top, int v>
-constexpr auto Mirror(std::integral_constant<int, v>) {
-  return std::integral_constant<int, top - v>{};
-}
-template <int top>
-constexpr int Mirror(int v) {
-  return top - v;
-}
-template <int B>
-constexpr int Times(int v) {
-  return B * v;
-}
-
+/// Solves one group of N rows or fewer, one problem per lane of L (lanes_avx512.h says what L has), by the method of
+/// solve_batch.h.
+///
+/// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
+///     T_ij -= T_ik T_kj / a,   T_kj /= |a|,   T_kk = -1 / a,   and q_i, q_k as if q were another column,
+/// which is its own inverse. Then q_i = w_i outside F and -f_i in F, so `sign_` (-0 in F) turns both into what must not
+/// be negative. Two neighbouring rows are exchanged in one pass, because the stores of T are what takes the time: n^2 /
+/// 2 of them, and twice as many fused operations. Nothing here depends on another lane but whether a pass is made at
+/// all, which changes no bits in a lane that moves nothing (its multipliers are 0).
 template <typename L, int N>
 class TableauKernel {
  public:
@@ -58,12 +44,16 @@ class TableauKernel {
   using V = typename L::V;
   using M = typename L::M;
   static constexpr int W = L::kWidth;
-  static constexpr int B = 2;
-  static constexpr bool kUnroll = N <= 12;
+  static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
+  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is.
+  static constexpr bool kUnroll = N <= 12;
+  // Scene families need 2 to 5 sweeps at 10 rows and 3 to 7 at 30; a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
-  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  // The same three as in small_pivoting.cc: a pivot below this part of A_ii is rounding, and the row depends on F;
+  // violations below this part of the largest force (and of 1, the scaled b) are; and rho up to here is not refined.
   static constexpr double kLeastPivot = 1e-11;
   static constexpr double kNoise = 1e-14;
   static constexpr double kGoodEnough = 1e-13;
@@ -74,17 +64,17 @@ class TableauKernel {
   template <typename I, typename F>
   [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
     if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, I::value>{}, 0, f);
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
     } else {
       for (int j = 0; j < i; ++j) f(j);
     }
   }
-  template <int kBegin, int kEnd, typename F>
+  template <int kEnd, typename F>
   [[gnu::always_inline]] static void Each(const F& f) {
     if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, 0, f);
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
     } else {
-      for (int i = kBegin; i < kEnd; ++i) f(i);
+      for (int i = 0; i < kEnd; ++i) f(i);
     }
   }
 
@@ -108,7 +98,7 @@ class TableauKernel {
     if (!uniform) {
       LoadMixed();
     } else if (n == N) {
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
+      Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
       LoadRow(loads, 0, N, N, b_);
     } else {
       for (int i = 0; i < n; ++i) LoadRow(matrices, i * n, n, i + 1, matrix_ + At(i, 0));
@@ -158,7 +148,7 @@ class TableauKernel {
     const V one = L::Set(1);
     const V zero = L::Set(0);
     V largest = zero;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
       const M acts = L::Less(zero, d);
       const V s = L::Select(acts, L::PowerOfHalf(d, 1535), one);
@@ -173,13 +163,13 @@ class TableauKernel {
     b_scale_ = t;
     inverse_b_scale_ = L::Div(one, t);
     V norm = zero;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V q = L::Mul(q_[i], t);
       q_[i] = q;
       norm = L::Fma(q, q, norm);
     });
     b_square_ = L::Select(L::Less(zero, norm), norm, one);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j)
                       LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]); });
@@ -201,15 +191,15 @@ class TableauKernel {
   void Sweep(bool joints, bool down) {
     moved_ = L::FromBits(0);
     if (down) {
-      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<N / B - 1>(panel), joints); });
+      Each<kPanels>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<kPanels - 1>(panel), joints); });
     } else {
-      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
+      Each<kPanels>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
     }
   }
 
   template <typename P>
   [[gnu::always_inline]] void VisitPanel(P panel, bool joints) {
-    if (L::Any(L::Either(Wanted(panel * B, joints), Wanted(panel * B + 1, joints)))) StepPanel(panel, joints);
+    if (L::Any(L::Either(Wanted(2 * panel, joints), Wanted(2 * panel + 1, joints)))) StepPanel(panel, joints);
   }
 
   // What an exchange of row k does to the rest: row i becomes row i - x_i y with x the old column k, y = x `inverse`;
@@ -256,9 +246,9 @@ class TableauKernel {
     V y0[N];
     V y1[N];
     y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
-    Each<0, N / 2>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
+    EachUnrolled(std::make_integer_sequence<int, kPanels>{}, [&](auto pair) LCPBENCH_INLINE_LAMBDA {
       if (pair == panel) return;
-      const auto i = Times<2>(pair);
+      const auto i = Twice(pair);
       V x0[2];
       V x1[2];
       for (int r = 0; r < 2; ++r) {
@@ -270,7 +260,7 @@ class TableauKernel {
       }
       V* const upper = tableau_ + At(i, 0);
       V* const lower = tableau_ + At(i + 1, 0);
-      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+      EachUnrolled(std::make_integer_sequence<int, decltype(pair)::value * 2>{}, [&](auto j) LCPBENCH_INLINE_LAMBDA {
         if (kUnroll && j / 2 == panel) return;  // else overwritten below
         upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
         lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
@@ -288,7 +278,7 @@ class TableauKernel {
   // Forces of the basic point, in given units.
   void WriteForces() {
     const V zero = L::Set(0);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
       f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
     });
@@ -298,13 +288,14 @@ class TableauKernel {
   // 4 times too large: it takes D_ii = 1 for rows and D_ii = 4 for b, because A is scaled so that 1 <= D_ii < 4.
   void Check() {
     const V limit = L::Set(group_.row_limit);
+    // Min and Max give their second operand where one is NaN, so that a w that is none passes no test.
     V sum = L::Set(0);
     M met = L::FromBits(kAllLanes);
     M solid = met;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       V even = b_[i];
       V odd = L::Set(0);
-      Each<0, N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
+      Each<N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
         const V a = matrix_[j <= i ? At(i, j) : At(j, i)];
         if (j % 2 == 0) {
           even = L::Fma(a, f_[j], even);
@@ -316,12 +307,12 @@ class TableauKernel {
       w_[i] = w;
       const V d = matrix_[At(i, i)];
       const V force = L::Mul(d, f_[i]);
-      const V defect = L::Select(joint_[i], w, L::Min(w, force));
+      const V defect = L::Select(joint_[i], w, L::Min(force, w));
       const V r = L::Mul(L::Mul(defect, scale_[i]), b_scale_);
       sum = L::Fma(r, r, sum);
       // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
       const V b = b_[i];
-      const V least = L::Add(L::Max(L::Abs(L::Sub(w, b)), L::Abs(force)), L::Abs(b));
+      const V least = L::Add(L::Max(L::Abs(force), L::Abs(L::Sub(w, b))), L::Abs(b));
       met = L::Both(met, L::LessEqual(L::Abs(defect), L::Mul(limit, least)));
       solid = L::Both(solid, L::LessEqual(L::Set(0), d));
     });
@@ -369,7 +360,7 @@ class TableauKernel {
       V size = L::Abs(b_[i]);
       for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
       const V force = L::Mul(matrix_[At(i, i)], f_[i]);
-      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
+      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(force, w_[i])));
       met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
     }
     return met;
