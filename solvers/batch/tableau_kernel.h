@@ -47,8 +47,10 @@ class TableauKernel {
   static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
   static constexpr unsigned kAllLanes = (1U << W) - 1;
-  // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is.
+  // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is, and
+  // not where it has more instructions (SSE2) than a first-level cache holds.
   static constexpr bool kUnroll = N <= 12;
+  static constexpr bool kUnrollPass = kUnroll || W > 2;
   // Scene families need 2 to 5 sweeps at 10 rows and 3 to 7 at 30; a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
@@ -72,6 +74,24 @@ class TableauKernel {
   template <int kEnd, typename F>
   [[gnu::always_inline]] static void Each(const F& f) {
     if constexpr (kUnroll) {
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
+    } else {
+      for (int i = 0; i < kEnd; ++i) f(i);
+    }
+  }
+
+  // The same for the pass of an exchange.
+  template <typename I, typename F>
+  [[gnu::always_inline]] static void EachInPassUpTo(I i, const F& f) {
+    if constexpr (kUnrollPass) {
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
+    } else {
+      for (int j = 0; j < i; ++j) f(j);
+    }
+  }
+  template <int kEnd, typename F>
+  [[gnu::always_inline]] static void EachInPass(const F& f) {
+    if constexpr (kUnrollPass) {
       EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
     } else {
       for (int i = 0; i < kEnd; ++i) f(i);
@@ -246,7 +266,7 @@ class TableauKernel {
     V y0[N];
     V y1[N];
     y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
-    EachUnrolled(std::make_integer_sequence<int, kPanels>{}, [&](auto pair) LCPBENCH_INLINE_LAMBDA {
+    EachInPass<kPanels>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
       if (pair == panel) return;
       const auto i = Twice(pair);
       V x0[2];
@@ -260,7 +280,7 @@ class TableauKernel {
       }
       V* const upper = tableau_ + At(i, 0);
       V* const lower = tableau_ + At(i + 1, 0);
-      EachUnrolled(std::make_integer_sequence<int, decltype(pair)::value * 2>{}, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+      EachInPassUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
         if (kUnroll && j / 2 == panel) return;  // else overwritten below
         upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
         lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
