@@ -40,11 +40,13 @@ struct LanesAvx512 {
   static unsigned Bits(M m) { return m; }
   static M FromBits(unsigned bits) { return static_cast<M>(bits); }
 
+  /// 2^x with the biased exponent `from` - (E + 1) / 2, E that of a > 0: from = 1535 gives s with s^2 a in [1, 4).
   static V PowerOfHalf(V a, long long from) {
     const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
     const __m512i half = _mm512_srli_epi64(_mm512_add_epi64(e, _mm512_set1_epi64(1)), 1);
     return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), half), 52));
   }
+  /// 2^x with the biased exponent `from` - E: from = 2046 gives s with s a in [1, 2).
   static V PowerOf(V a, long long from) {
     const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
     return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), e), 52));

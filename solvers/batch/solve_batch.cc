@@ -58,18 +58,27 @@ struct BatchSolver::Implementation {
   }
   bool TimeIsUp() const { return std::isfinite(options.time_limit_s) && deadline->Expired(); }
 
+  void Reserve(std::size_t problems) {
+    if (order.size() >= problems) return;
+    order.resize(problems);
+    rows.resize(problems);
+  }
+
   // Both kinds of batches: sorts what lanes take by size, runs the groups, and leaves the rest to `batch.Fallback`.
   template <typename Batch>
   void Run(Batch* batch) {
     std::array<std::size_t, kSizes + 1> starts{};
     const std::size_t count = batch->size();
-    if (order.size() < count) order.resize(count);
+    Reserve(count);
     // Sizes in [1, 32] for the lanes, 0 for the others, which come first.
-    for (std::size_t p = 0; p < count; ++p) ++starts[static_cast<std::size_t>(batch->LaneRows(p)) + 1];
+    for (std::size_t p = 0; p < count; ++p) {
+      rows[p] = static_cast<unsigned char>(batch->LaneRows(p));
+      ++starts[rows[p] + 1U];
+    }
     for (std::size_t size = 1; size <= kSizes; ++size) starts[size] += starts[size - 1];
     others = starts[1];
     end = count;
-    for (std::size_t p = 0; p < count; ++p) order[starts[static_cast<std::size_t>(batch->LaneRows(p))]++] = p;
+    for (std::size_t p = 0; p < count; ++p) order[starts[rows[p]]++] = p;
     struct Shared {
       Implementation* self;
       Batch* batch;
@@ -103,12 +112,12 @@ struct BatchSolver::Implementation {
         group.met = group.close = 0;
         if (!TimeIsUp()) entry.kernel(&group);
         for (std::size_t l = 0; l < used; ++l) {
-          if ((group.met >> l & 1U) != 0) {
+          const bool met = (group.met >> l & 1U) != 0;
+          const bool close = (group.close >> l & 1U) != 0;
+          if (met || (close && batch->Meets(order[p + l], options, &tests[worker]))) {
             batch->Accept(order[p + l], group.pivots[l]);
-          } else if ((group.close >> l & 1U) == 0 || !batch->Meets(order[p + l], options, &tests[worker])) {
-            Leave(batch, order[p + l], worker);
           } else {
-            batch->Accept(order[p + l], group.pivots[l]);
+            Leave(batch, order[p + l], worker);
           }
         }
       }
@@ -135,6 +144,7 @@ struct BatchSolver::Implementation {
   std::vector<GivenFormTest> tests;
   LcpProblem nothing = LcpProblem::FromDense("", Eigen::MatrixXd(), Eigen::VectorXd());
   std::vector<std::size_t> order;
+  std::vector<unsigned char> rows;  // as lanes see a problem, 0 for what is not for them
   std::size_t others = 0;
   std::size_t end = 0;
   LcpOptions options;
@@ -245,8 +255,7 @@ BatchSolver::BatchSolver(BatchOptions options) : implementation_(std::make_uniqu
 BatchSolver::~BatchSolver() = default;
 
 void BatchSolver::Reserve(Index max_problems) {
-  std::vector<std::size_t>& order = implementation_->order;
-  order.resize(std::max(order.size(), static_cast<std::size_t>(std::max<Index>(max_problems, 0))));
+  implementation_->Reserve(static_cast<std::size_t>(std::max<Index>(max_problems, 0)));
 }
 
 void BatchSolver::Solve(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results) {

@@ -1,36 +1,22 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 
 #include "solvers/batch/kernel.h"
-
-#define LCPBENCH_INLINE_LAMBDA __attribute__((always_inline))
+#include "solvers/batch/unroll.h"
 
 namespace lcpbench {
 namespace {
 
-template <int... k, typename F>
-[[gnu::always_inline]] inline void EachUnrolled(std::integer_sequence<int, k...>, int /*shift*/, const F& f) {
-  (f(std::integral_constant<int, k>{}), ...);
-}
-template <int B, int v>
-constexpr auto Times(std::integral_constant<int, v>) {
-  return std::integral_constant<int, B * v>{};
-}
-template <int top, int v>
-constexpr auto Mirror(std::integral_constant<int, v>) {
-  return std::integral_constant<int, top - v>{};
-}
-template <int top>
-constexpr int Mirror(int v) {
-  return top - v;
-}
-template <int B>
-constexpr int Times(int v) {
-  return B * v;
-}
-
+/// Solves one group of N rows or fewer, one problem per lane of L (lanes_avx512.h says what L has), by the method of
+/// solve_batch.h.
+///
+/// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
+///     T_ij -= T_ik T_kj / a,   T_kj /= |a|,   T_kk = -1 / a,   and q_i, q_k as if q were another column,
+/// which is its own inverse. Then q_i = w_i outside F and -f_i in F, so `sign_` (-0 in F) turns both into what must not
+/// be negative. Two neighbouring rows are exchanged in one pass, because the stores of T are what takes the time: n^2 /
+/// 2 of them, and twice as many fused operations. Nothing here depends on another lane but whether a pass is made at
+/// all, which changes no bits in a lane that moves nothing (its multipliers are 0).
 template <typename L, int N>
 class TableauKernel {
  public:
@@ -58,12 +44,18 @@ class TableauKernel {
   using V = typename L::V;
   using M = typename L::M;
   static constexpr int W = L::kWidth;
-  static constexpr int B = 2;
-  static constexpr bool kUnroll = N <= 12;
+  static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
+  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is, and
+  // not where it has more instructions (SSE2) than a first-level cache holds.
+  static constexpr bool kUnroll = N <= 12;
+  static constexpr bool kUnrollPass = kUnroll || W > 2;
+  // Scene families need 2 to 5 sweeps at 10 rows and 3 to 7 at 30; a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
-  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  // The same three as in small_pivoting.cc: a pivot below this part of A_ii is rounding, and the row depends on F;
+  // violations below this part of the largest force (and of 1, the scaled b) are; and rho up to here is not refined.
   static constexpr double kLeastPivot = 1e-11;
   static constexpr double kNoise = 1e-14;
   static constexpr double kGoodEnough = 1e-13;
@@ -74,17 +66,35 @@ class TableauKernel {
   template <typename I, typename F>
   [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
     if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, I::value>{}, 0, f);
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
     } else {
       for (int j = 0; j < i; ++j) f(j);
     }
   }
-  template <int kBegin, int kEnd, typename F>
+  template <int kEnd, typename F>
   [[gnu::always_inline]] static void Each(const F& f) {
     if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, 0, f);
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
     } else {
-      for (int i = kBegin; i < kEnd; ++i) f(i);
+      for (int i = 0; i < kEnd; ++i) f(i);
+    }
+  }
+
+  // The same for the pass of an exchange.
+  template <typename I, typename F>
+  [[gnu::always_inline]] static void EachInPassUpTo(I i, const F& f) {
+    if constexpr (kUnrollPass) {
+      EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
+    } else {
+      for (int j = 0; j < i; ++j) f(j);
+    }
+  }
+  template <int kEnd, typename F>
+  [[gnu::always_inline]] static void EachInPass(const F& f) {
+    if constexpr (kUnrollPass) {
+      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
+    } else {
+      for (int i = 0; i < kEnd; ++i) f(i);
     }
   }
 
@@ -108,7 +118,7 @@ class TableauKernel {
     if (!uniform) {
       LoadMixed();
     } else if (n == N) {
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
+      Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA { LoadRow(matrices, i * N, N, i + 1, matrix_ + At(i, 0)); });
       LoadRow(loads, 0, N, N, b_);
     } else {
       for (int i = 0; i < n; ++i) LoadRow(matrices, i * n, n, i + 1, matrix_ + At(i, 0));
@@ -158,7 +168,7 @@ class TableauKernel {
     const V one = L::Set(1);
     const V zero = L::Set(0);
     V largest = zero;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
       const M acts = L::Less(zero, d);
       const V s = L::Select(acts, L::PowerOfHalf(d, 1535), one);
@@ -173,13 +183,13 @@ class TableauKernel {
     b_scale_ = t;
     inverse_b_scale_ = L::Div(one, t);
     V norm = zero;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V q = L::Mul(q_[i], t);
       q_[i] = q;
       norm = L::Fma(q, q, norm);
     });
     b_square_ = L::Select(L::Less(zero, norm), norm, one);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j)
                       LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]); });
@@ -201,113 +211,94 @@ class TableauKernel {
   void Sweep(bool joints, bool down) {
     moved_ = L::FromBits(0);
     if (down) {
-      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<N / B - 1>(panel), joints); });
+      Each<kPanels>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(Mirror<kPanels - 1>(panel), joints); });
     } else {
-      Each<0, N / B>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
+      Each<kPanels>([&](auto panel) LCPBENCH_INLINE_LAMBDA { VisitPanel(panel, joints); });
     }
   }
 
   template <typename P>
   [[gnu::always_inline]] void VisitPanel(P panel, bool joints) {
-    if (L::Any(L::Either(Wanted(panel * B, joints), Wanted(panel * B + 1, joints)))) StepPanel(panel, joints);
+    if (L::Any(L::Either(Wanted(2 * panel, joints), Wanted(2 * panel + 1, joints)))) StepPanel(panel, joints);
   }
 
-  // One exchange within the panel: row k = k0 + c in the lanes that want it. x and y are what it adds to the rest.
-  template <typename K>
-  [[gnu::always_inline]] bool Exchange(K k0, int c, bool joints, V (*u)[N], V* x, V* y) {
-    const int k = k0 + c;
+  // What an exchange of row k does to the rest: row i becomes row i - x_i y with x the old column k, y = x `inverse`;
+  // row k itself is multiplied by `factor`. Lanes that do not move have inverse 0 and factor 1.
+  struct Move {
+    V inverse, factor, diagonal;
+  };
+  [[gnu::always_inline]] Move Decide(int k, bool joints, V a) {
     const V sign = sign_[k];
-    const V a = u[c][k];
     const V size = L::Xor(a, sign);
-    const M can = L::Less(least_[k], size);
-    const M m = L::Both(Wanted(k, joints), can);
-    if (!L::Any(m)) return false;
+    const M m = L::Both(Wanted(k, joints), L::Less(least_[k], size));
     moved_ = L::Either(moved_, m);
     const V inverse_size = L::Div(L::Set(1), size);
     const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
     const V factor = L::Select(m, inverse_size, L::Set(1));
-    const V qk = q_[k];
-    const V qy = L::Mul(qk, inverse);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-      x[i] = u[c][i];
-      y[i] = L::Mul(x[i], inverse);
-      u[c][i] = L::Mul(x[i], factor);
-      q_[i] = L::Fnma(x[i], qy, q_[i]);
-    });
-    const int o = 1 - c;
-    const V before = u[o][k];
-    const V yo = y[k0 + o];
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[o][i] = L::Fnma(x[i], yo, u[o][i]); });
-    u[o][k] = L::Mul(before, factor);
-    u[c][k] = L::Select(m, L::Sub(L::Set(0), inverse), a);
-    const V moved = L::Mul(qk, factor);
-    q_[k] = moved;
     sign_[k] = L::Xor(sign, L::Masked(m, L::Set(-0.0)));
-    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(moved))));
+    q_[k] = L::Mul(q_[k], factor);
+    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(q_[k]))));
     pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
-    return true;
+    return {inverse, factor, L::Select(m, L::Sub(L::Set(0), inverse), a)};
   }
 
+  // Exchanges rows k and k + 1 where lanes want that, both in one pass over the tableau: it is the stores that count.
   template <typename P>
   [[gnu::noinline]] void StepPanel(P panel, bool joints) {
-    const auto k0 = Times<B>(panel);
-    V u[B][N], x[B][N], y[B][N];
-    for (int c = 0; c < B; ++c) {
-      const int k = k0 + c;
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { u[c][i] = tableau_[i < k ? At(k, i) : At(i, k)]; });
-    }
-    const bool first = Exchange(k0, 0, joints, u, x[0], y[0]);
-    const bool second = Exchange(k0, 1, joints, u, x[1], y[1]);
-    if (first && second) {
-      Trail<2>(k0, x, y);
-    } else if (first) {
-      Trail<1>(k0, x, y);
-    } else if (second) {
-      Trail<1>(k0, x + 1, y + 1);
-    } else {
-      return;
-    }
-    for (int c = 0; c < B; ++c) {
-      const int k = k0 + c;
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA { tableau_[i < k ? At(k, i) : At(i, k)] = u[c][i]; });
-    }
-  }
+    const int k = 2 * panel;
+    const int l = k + 1;
+    const V kq = q_[k];
+    const V lk = tableau_[At(l, k)];
+    const Move first = Decide(k, joints, tableau_[At(k, k)]);
+    const V first_y = L::Mul(lk, first.inverse);
+    const V first_q = L::Mul(kq, first.inverse);
+    q_[l] = L::Fnma(lk, first_q, q_[l]);
+    const V lq = q_[l];
+    const V moved_lk = L::Mul(lk, first.factor);
+    const Move second = Decide(l, joints, L::Fnma(lk, first_y, tableau_[At(l, l)]));
+    const V second_y = L::Mul(moved_lk, second.inverse);
+    const V second_q = L::Mul(lq, second.inverse);
+    tableau_[At(k, k)] = L::Fnma(moved_lk, second_y, first.diagonal);
+    tableau_[At(l, k)] = L::Mul(moved_lk, second.factor);
+    tableau_[At(l, l)] = second.diagonal;
+    q_[k] = L::Fnma(moved_lk, second_q, q_[k]);
 
-  // The rest of the tableau; where that is cheaper the panel's own entries, too, which are overwritten later.
-  template <int R, typename K>
-  [[gnu::always_inline]] void Trail(K /*k0*/, const V (*x)[N], const V (*y)[N]) {
-    if constexpr (kUnroll) {
-      Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-        if constexpr (i < K::value || i >= K::value + B) {
-          EachUpTo(Times<1>(std::integral_constant<int, i + 1>{}), [&](auto j) LCPBENCH_INLINE_LAMBDA {
-            if constexpr (j < K::value || j >= K::value + B) TrailEntry<R>(i, j, x, y);
-          });
-        }
-      });
-    } else {
-      constexpr int kRows = 2;
-      for (int i = 0; i < N; i += kRows) {
-        for (int j = 0; j < i; ++j) {
-          for (int r = 0; r < kRows; ++r) TrailEntry<R>(i + r, j, x, y);
-        }
-        for (int r = 0; r < kRows; ++r) {
-          for (int j = 0; j <= r; ++j) TrailEntry<R>(i + r, i + j, x, y);
-        }
+    V y0[N];
+    V y1[N];
+    y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
+    EachInPass<kPanels>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
+      if (pair == panel) return;
+      const auto i = Twice(pair);
+      V x0[2];
+      V x1[2];
+      for (int r = 0; r < 2; ++r) {
+        x0[r] = tableau_[pair < panel ? At(k, i + r) : At(i + r, k)];
+        x1[r] = L::Fnma(x0[r], first_y, tableau_[pair < panel ? At(l, i + r) : At(i + r, l)]);
+        y0[i + r] = L::Mul(x0[r], first.inverse);
+        y1[i + r] = L::Mul(x1[r], second.inverse);
+        q_[i + r] = L::Fnma(x1[r], second_q, L::Fnma(x0[r], first_q, q_[i + r]));
       }
-    }
-  }
-
-  template <int R>
-  [[gnu::always_inline]] void TrailEntry(int i, int j, const V (*x)[N], const V (*y)[N]) {
-    V t = tableau_[At(i, j)];
-    for (int r = 0; r < R; ++r) t = L::Fnma(x[r][i], y[r][j], t);
-    tableau_[At(i, j)] = t;
+      V* const upper = tableau_ + At(i, 0);
+      V* const lower = tableau_ + At(i + 1, 0);
+      EachInPassUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+        if (kUnroll && j / 2 == panel) return;  // else overwritten below
+        upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
+        lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
+      });
+      upper[i] = L::Fnma(x1[0], y1[i], L::Fnma(x0[0], y0[i], upper[i]));
+      lower[i] = L::Fnma(x1[1], y1[i], L::Fnma(x0[1], y0[i], lower[i]));
+      lower[i + 1] = L::Fnma(x1[1], y1[i + 1], L::Fnma(x0[1], y0[i + 1], lower[i + 1]));
+      for (int r = 0; r < 2; ++r) {
+        tableau_[pair < panel ? At(k, i + r) : At(i + r, k)] = L::Fnma(x1[r], second_y, L::Mul(x0[r], first.factor));
+        tableau_[pair < panel ? At(l, i + r) : At(i + r, l)] = L::Mul(x1[r], second.factor);
+      }
+    });
   }
 
   // Forces of the basic point, in given units.
   void WriteForces() {
     const V zero = L::Set(0);
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
       f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
     });
@@ -317,13 +308,14 @@ class TableauKernel {
   // 4 times too large: it takes D_ii = 1 for rows and D_ii = 4 for b, because A is scaled so that 1 <= D_ii < 4.
   void Check() {
     const V limit = L::Set(group_.row_limit);
+    // Min and Max give their second operand where one is NaN, so that a w that is none passes no test.
     V sum = L::Set(0);
     M met = L::FromBits(kAllLanes);
     M solid = met;
-    Each<0, N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
+    Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       V even = b_[i];
       V odd = L::Set(0);
-      Each<0, N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
+      Each<N>([&](auto j) LCPBENCH_INLINE_LAMBDA {
         const V a = matrix_[j <= i ? At(i, j) : At(j, i)];
         if (j % 2 == 0) {
           even = L::Fma(a, f_[j], even);
@@ -335,12 +327,12 @@ class TableauKernel {
       w_[i] = w;
       const V d = matrix_[At(i, i)];
       const V force = L::Mul(d, f_[i]);
-      const V defect = L::Select(joint_[i], w, L::Min(w, force));
+      const V defect = L::Select(joint_[i], w, L::Min(force, w));
       const V r = L::Mul(L::Mul(defect, scale_[i]), b_scale_);
       sum = L::Fma(r, r, sum);
       // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
       const V b = b_[i];
-      const V least = L::Add(L::Max(L::Abs(L::Sub(w, b)), L::Abs(force)), L::Abs(b));
+      const V least = L::Add(L::Max(L::Abs(force), L::Abs(L::Sub(w, b))), L::Abs(b));
       met = L::Both(met, L::LessEqual(L::Abs(defect), L::Mul(limit, least)));
       solid = L::Both(solid, L::LessEqual(L::Set(0), d));
     });
@@ -388,7 +380,7 @@ class TableauKernel {
       V size = L::Abs(b_[i]);
       for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
       const V force = L::Mul(matrix_[At(i, i)], f_[i]);
-      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(w_[i], force)));
+      const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(force, w_[i])));
       met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
     }
     return met;

@@ -333,6 +333,11 @@ TEST_P(SolveBatchTest, RefusesNumbersThatAreNotFinite) {
       A[4 * 5] = bad;
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
       A[4 * 5] = 1;
+      A[4 * 2 + 2] = bad;  // beside forces and beside zeros
+      EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
+      b[4] = b[5] = 1;
+      EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
+      A[4 * 2 + 2] = 0;
       b[3] = bad;
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
     }
