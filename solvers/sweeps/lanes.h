@@ -34,4 +34,22 @@ LCPBENCH_ALWAYS_INLINE Lanes Masked(const Lanes& lanes, const LaneMask& mask) {
 }
 LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
 
+#ifdef __AVX512F__
+/// Eight doubles, where the machine has registers for them.
+using WideLanes = double __attribute__((vector_size(2 * kLanes * sizeof(double))));
+
+LCPBENCH_ALWAYS_INLINE WideLanes LoadWide(const double* from) {
+  WideLanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+LCPBENCH_ALWAYS_INLINE void Store(double* to, const WideLanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+LCPBENCH_ALWAYS_INLINE Lanes LowHalf(const WideLanes& lanes) {
+  return __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3);
+}
+LCPBENCH_ALWAYS_INLINE Lanes HighHalf(const WideLanes& lanes) {
+  return __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
+}
+#endif
+
 }  // namespace lcpbench
