@@ -58,7 +58,7 @@ class ProjectedStep {
     const T residual = NaturalResidual<kMixed>(w, old, floor);
     residual_.template Add<kHalf>(residual, residual);
     const T moved = old - rate * w;
-    const T next = moved < floor ? floor : moved;
+    const T next = AtLeast(floor, moved);
     StoreTo(to_ + row, next);
     const T change = next - old;
     change_.template Add<kHalf>(change, change);

@@ -19,12 +19,12 @@ namespace lcpbench {
 /// by eights, a register a row, with the eight dot products added up in one transposition; by fours, half a row a
 /// register, where there is no AVX-512; what is left of a set by fours and one by one. All give the same bits.
 ///
-/// Cost: in cache 1.6 ns per row of a coloured order on a processor of 3.9 GHz, three to four times the bandwidth floor
-/// of the first-level cache and 1.8 times that of the second; from memory 1.2 to 1.7 times the floor. What bounds it in
-/// cache is the two loads and two stores of bodies at places of their own: a loop of nothing but the stores takes
-/// longer than the floor. Tried as well: products of a whole set before its updates (a fifth slower, as is the next
-/// eight's products before this one's updates: all is read twice), padding short sets to eights (no gain), f aligned to
-/// eights (a twelfth faster, but every array over rows would have gaps).
+/// Cost of a row of a coloured order against the bandwidth floor (benchmarks/sweep_benchmark.cc): in cache 1.5 ns at
+/// 3.9 GHz, 2.2 times the floor (the second-level cache's; three times where all fits the first); 1.2 to 2 times
+/// between 10^5 and 10^6 rows. What bounds it in cache is the two loads and two stores of bodies at places of their
+/// own: a loop of nothing but those stores takes as long as the floor. Tried as well: products of a whole set before
+/// its updates, or of the next eight before the updates of these (a fifth slower: rows and bodies are read twice);
+/// short sets padded to eights (no gain; costs memory); eights that begin at cache lines of f (no gain).
 class TwoBodyRows final : public RowKernel {
  public:
   /// @param scaled  not owned
