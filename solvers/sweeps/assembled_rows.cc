@@ -57,7 +57,7 @@ double AssembledRows::W(Index row, const Array& f, const Array& /*image*/) const
 void AssembledRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                           StepSums* sums) const {
   RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-    const auto visit = [&](Index k) { (*step)(k, W(k, *f, *image)); };
+    const auto visit = [&](Index k) { step->Take(k, W(k, *f, *image)); };
     if (backward) {
       for (Index k = end; k-- > begin;) visit(k);
     } else {
@@ -69,13 +69,13 @@ void AssembledRows::Sweep(Index begin, Index end, bool backward, double omega, A
 void AssembledRows::GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
                                  Array* /*next_image*/, StepSums* sums) const {
   RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-    for (Index k = begin; k < end; ++k) (*projected)(k, scaled_.b[At(k)] + y_image[At(k)]);
+    for (Index k = begin; k < end; ++k) projected->Take(k, scaled_.b[At(k)] + y_image[At(k)]);
   });
 }
 
 double AssembledRows::ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const {
   return RunResidual(scaled_, f, [&](auto* residual) {
-    for (Index k = begin; k < end; ++k) (*residual)(k, scaled_.b[At(k)] + image[At(k)]);
+    for (Index k = begin; k < end; ++k) residual->Take(k, scaled_.b[At(k)] + image[At(k)]);
   });
 }
 

@@ -45,7 +45,7 @@ void FactorRows::AddRowToImage(Index row, double df, Array* image) const { rows_
 void FactorRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
                        StepSums* sums) const {
   RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-    const auto visit = [&](Index k) { rows_.Add(k, (*step)(k, W(k, *f, *image)), image->data()); };
+    const auto visit = [&](Index k) { rows_.Add(k, step->Take(k, W(k, *f, *image)), image->data()); };
     if (backward) {
       for (Index k = end; k-- > begin;) visit(k);
     } else {
@@ -57,13 +57,13 @@ void FactorRows::Sweep(Index begin, Index end, bool backward, double omega, Arra
 void FactorRows::GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
                               Array* next_image, StepSums* sums) const {
   RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-    for (Index k = begin; k < end; ++k) rows_.Add(k, (*projected)(k, W(k, y, y_image)), next_image->data());
+    for (Index k = begin; k < end; ++k) rows_.Add(k, projected->Take(k, W(k, y, y_image)), next_image->data());
   });
 }
 
 double FactorRows::ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const {
   return RunResidual(scaled_, f, [&](auto* residual) {
-    for (Index k = begin; k < end; ++k) (*residual)(k, W(k, f, image));
+    for (Index k = begin; k < end; ++k) residual->Take(k, W(k, f, image));
   });
 }
 

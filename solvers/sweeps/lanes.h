@@ -3,6 +3,10 @@
 #include <cstddef>
 #include <cstring>
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 /// Internal to solvers/: four doubles that are worked on at once. The compiler's vector types, not one machine's
 /// intrinsics: without AVX the same source becomes pairs of SSE2 operations. The sources in solvers/sweeps/ are
 /// compiled without contraction to fused operations, so that a row gives the same bits alone and among others, and on
@@ -32,6 +36,31 @@ LCPBENCH_ALWAYS_INLINE Lanes Broadcast(double value) { return Lanes{value, value
 LCPBENCH_ALWAYS_INLINE Lanes Masked(const Lanes& lanes, const LaneMask& mask) {
   return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(lanes) & mask);
 }
+/// max(value, floor), and a NaN that is a NaN.
+LCPBENCH_ALWAYS_INLINE double AtLeast(double floor, double value) { return value < floor ? floor : value; }
+LCPBENCH_ALWAYS_INLINE Lanes AtLeast(const Lanes& floor, const Lanes& value) { return value < floor ? floor : value; }
 LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+
+#ifdef __AVX512F__
+/// Eight doubles, where the machine has registers for them.
+using WideLanes = double __attribute__((vector_size(2 * kLanes * sizeof(double))));
+
+LCPBENCH_ALWAYS_INLINE WideLanes LoadWide(const double* from) {
+  WideLanes lanes;
+  std::memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+LCPBENCH_ALWAYS_INLINE void Store(double* to, const WideLanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
+/// One instruction, which the compiler does not find in the comparison where the floor is 0.
+LCPBENCH_ALWAYS_INLINE WideLanes AtLeast(const WideLanes& floor, const WideLanes& value) {
+  return _mm512_max_pd(floor, value);
+}
+LCPBENCH_ALWAYS_INLINE Lanes LowHalf(const WideLanes& lanes) {
+  return __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3);
+}
+LCPBENCH_ALWAYS_INLINE Lanes HighHalf(const WideLanes& lanes) {
+  return __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
+}
+#endif
 
 }  // namespace lcpbench

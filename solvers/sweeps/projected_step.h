@@ -1,32 +1,30 @@
 #pragma once
 
+#include <cstring>
+
 #include "solvers/lcp/problem.h"
 #include "solvers/sweeps/lanes.h"
 #include "solvers/sweeps/row_kernel.h"
 #include "solvers/sweeps/scaled_problem.h"
 #include "solvers/sweeps/vector_ops.h"
 
-/// Internal to solvers/sweeps/: what one row, or four independent ones, do with their w.
+/// Internal to solvers/sweeps/: what one row, or several independent ones, do with their w.
 namespace lcpbench {
 
 template <typename T>
 LCPBENCH_ALWAYS_INLINE T LoadAs(const double* from) {
-  if constexpr (sizeof(T) == sizeof(double)) {
-    return *from;
-  } else {
-    return Load(from);
-  }
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
 }
 template <typename T>
 LCPBENCH_ALWAYS_INLINE T Filled(double value) {
-  if constexpr (sizeof(T) == sizeof(double)) {
-    return value;
-  } else {
-    return Broadcast(value);
-  }
+  return value - T{};
 }
-LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, double value) { *to = value; }
-LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, const Lanes& value) { Store(to, value); }
+template <typename T>
+LCPBENCH_ALWAYS_INLINE void StoreTo(double* to, const T& value) {
+  std::memcpy(to, &value, sizeof value);
+}
 
 /// Comparisons are ordered so that a NaN stays.
 template <bool kMixed, typename T>
@@ -47,8 +45,9 @@ class ProjectedStep {
   ProjectedStep(const ScaledProblem& scaled, double rate, const double* from, double* to)
       : from_(from), to_(to), gain_(scaled.gain.data()), floor_(scaled.floor.data()), rate_(rate) {}
 
-  template <typename T>
-  LCPBENCH_ALWAYS_INLINE T operator()(Index row, const T& w) {
+  /// T: one row, or consecutive ones by fours or eights.
+  template <HalfOfEight kHalf = HalfOfEight::kNone, typename T>
+  LCPBENCH_ALWAYS_INLINE T Take(Index row, const T& w) {
     const T old = LoadAs<T>(from_ + row);
     T rate = Filled<T>(rate_);
     T floor = Filled<T>(0);
@@ -57,16 +56,16 @@ class ProjectedStep {
       floor = LoadAs<T>(floor_ + row);
     }
     const T residual = NaturalResidual<kMixed>(w, old, floor);
-    residual_.Add(residual, residual);
+    residual_.template Add<kHalf>(residual, residual);
     const T moved = old - rate * w;
-    const T next = moved < floor ? floor : moved;
+    const T next = AtLeast(floor, moved);
     StoreTo(to_ + row, next);
     const T change = next - old;
-    change_.Add(change, change);
+    change_.template Add<kHalf>(change, change);
     if constexpr (kGradient) {
       return next;
     } else {
-      energy_.Add(change, w + 0.5 * change);  // the diagonal is 1; rows without one do not change
+      energy_.template Add<kHalf>(change, w + 0.5 * change);  // the diagonal is 1; rows without one do not change
       return change;
     }
   }
@@ -94,12 +93,12 @@ class ResidualOnly {
  public:
   ResidualOnly(const ScaledProblem& scaled, const double* f) : f_(f), floor_(scaled.floor.data()) {}
 
-  template <typename T>
-  LCPBENCH_ALWAYS_INLINE T operator()(Index row, const T& w) {
+  template <HalfOfEight kHalf = HalfOfEight::kNone, typename T>
+  LCPBENCH_ALWAYS_INLINE T Take(Index row, const T& w) {
     T floor = Filled<T>(0);
     if constexpr (kMixed) floor = LoadAs<T>(floor_ + row);
     const T residual = NaturalResidual<kMixed>(w, LoadAs<T>(f_ + row), floor);
-    residual_.Add(residual, residual);
+    residual_.template Add<kHalf>(residual, residual);
     return w;
   }
   double Total() const { return residual_.Total(); }

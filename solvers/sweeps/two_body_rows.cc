@@ -4,6 +4,10 @@
 #include <cmath>
 #include <cstring>
 
+#ifdef __AVX512F__
+#include <immintrin.h>
+#endif
+
 #include "solvers/sweeps/lanes.h"
 #include "solvers/sweeps/projected_step.h"
 
@@ -17,10 +21,13 @@ constexpr Index kEntriesPerRow = 12;
 // Where fewer rows than this share of all go by fours, looking for sets costs more than they save.
 constexpr double kLeastShareInFours = 0.5;
 constexpr auto kFour = static_cast<Index>(kLanes);
-// From so many rows on (16 MB) rows and bodies come from memory, and are asked for ahead of time: bodies as many rows
-// ahead as memory's latency takes, rows twice as many, so that they are there when their bodies are asked for.
-constexpr Index kRowsFromMemory = Index{1} << 18;
-constexpr Index kAhead = 24;
+constexpr Index kEight = 2 * kFour;
+// From so many rows on (4 MB) rows and bodies come from beyond the second-level cache, and are asked for ahead of time:
+// bodies as many rows ahead as the latency takes, rows twice as many, so that they are there when their bodies are
+// asked for. 48 to 192 rows are alike, 24 are too few for eights; backward passes, which the hardware does not foresee,
+// gain a factor of two. Below, asking takes longer than it saves (a fifth).
+constexpr Index kRowsFromMemory = Index{1} << 16;
+constexpr Index kAhead = 96;
 constexpr LaneMask kFirstThree = {-1, -1, -1, 0};
 
 using Offsets = std::array<int, 2>;
@@ -62,6 +69,48 @@ struct Loaded {
     Store(out + second, to_second + second_block * df);
   }
 };
+
+#ifdef __AVX512F__
+// Rows whole, in one register each: half the instructions of rows by halves. Only what the compiler's vector types
+// cannot say is in intrinsics; the arithmetic is that of Loaded, lane by lane.
+struct WideRow {
+  __m512d body;  // both, first below second
+
+  LCPBENCH_ALWAYS_INLINE WideRow(const double* s, const double* in) {
+    const Offsets offsets = BodiesOf(s);
+    const __m512d first = _mm512_castpd256_pd512(_mm256_load_pd(in + offsets[0]));
+    body = _mm512_insertf64x4(first, _mm256_load_pd(in + offsets[1]), 1);
+  }
+  LCPBENCH_ALWAYS_INLINE __m512d Products(const double* s) const {
+    return _mm512_maskz_mul_pd(kFactors, body, _mm512_load_pd(s));
+  }
+  template <bool kInPlace>
+  LCPBENCH_ALWAYS_INLINE void Push(const double* s, __m512d df, double* out) const {
+    const Offsets offsets = BodiesOf(s);
+    const __m512d to = kInPlace ? body : WideRow(s, out).body;
+    const __m512d sum = _mm512_add_pd(to, _mm512_maskz_mul_pd(kBlocks, df, _mm512_load_pd(s)));
+    _mm256_store_pd(out + offsets[0], _mm512_castpd512_pd256(sum));
+    _mm256_store_pd(out + offsets[1], _mm512_extractf64x4_pd(sum, 1));
+  }
+
+ private:
+  static constexpr __mmask8 kFactors = 0b01111111;  // all but the offsets
+  static constexpr __mmask8 kBlocks = 0b01110111;   // all but the offsets and b
+};
+
+// Sums of the lower and upper halves of a and b, lane by lane: four lanes of a, then of b.
+LCPBENCH_ALWAYS_INLINE __m512d AddHalves(__m512d a, __m512d b) {
+  return _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0b01'00'01'00), _mm512_shuffle_f64x2(a, b, 0b11'10'11'10));
+}
+// Sums of neighbouring lanes.
+LCPBENCH_ALWAYS_INLINE __m512d AddNeighbours(__m512d a, __m512d b) {
+  return _mm512_add_pd(_mm512_unpacklo_pd(a, b), _mm512_unpackhi_pd(a, b));
+}
+// Sums of neighbouring pairs of lanes.
+LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
+  return _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0b10'00'10'00), _mm512_shuffle_f64x2(a, b, 0b11'01'11'01));
+}
+#endif
 
 }  // namespace
 
@@ -120,11 +169,11 @@ void TwoBodyRows::FindSets() {
 template <TwoBodyRows::Pass kPass, typename Step>
 LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitOne(const Row& row, Index k, const double* in, double* out, Step* step) {
   const Loaded loaded(row.s.data(), in);
-  const double value = (*step)(k, Sum(loaded.Products()));
+  const double value = step->Take(k, Sum(loaded.Products()));
   if constexpr (kPass != Pass::kRead) loaded.Push<kPass == Pass::kInPlace>(Broadcast(value), out);
 }
 
-template <TwoBodyRows::Pass kPass, typename Step>
+template <TwoBodyRows::Pass kPass, HalfOfEight kHalf, typename Step>
 LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitFour(const Row* row, Index k, const double* in, double* out, Step* step) {
   const Loaded r0(row[0].s.data(), in);
   const Loaded r1(row[1].s.data(), in);
@@ -139,7 +188,7 @@ LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitFour(const Row* row, Index k, cons
   const Lanes pairs23 = __builtin_shufflevector(p2, p3, 0, 4, 2, 6) + __builtin_shufflevector(p2, p3, 1, 5, 3, 7);
   const Lanes w =
       __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) + __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
-  const Lanes value = (*step)(k, w);
+  const Lanes value = step->template Take<kHalf>(k, w);
   if constexpr (kPass != Pass::kRead) {
     r0.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
     r1.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 1, 1, 1, 1), out);
@@ -162,40 +211,86 @@ LCPBENCH_ALWAYS_INLINE void TwoBodyRows::FetchAhead(Index k, Index ahead, const 
   }
 }
 
+template <TwoBodyRows::Pass kPass, bool kBackward, typename Step>
+LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitEight(const Row* row, Index k, const double* in, double* out,
+                                                    Step* step) {
+#ifdef __AVX512F__
+  const auto s = [&](Index i) { return row[i].s.data(); };
+  const std::array<WideRow, kEight> rows = {WideRow(s(0), in), WideRow(s(1), in), WideRow(s(2), in), WideRow(s(3), in),
+                                            WideRow(s(4), in), WideRow(s(5), in), WideRow(s(6), in), WideRow(s(7), in)};
+  const auto halves = [&](Index i, Index j) {
+    return AddHalves(rows[At(i)].Products(s(i)), rows[At(j)].Products(s(j)));
+  };
+  const __m512d w = AddPairs(AddNeighbours(halves(0, 2), halves(1, 3)), AddNeighbours(halves(4, 6), halves(5, 7)));
+  alignas(kCacheLine) std::array<double, kEight> value;
+  StoreTo(value.data(), step->Take(k, WideLanes(w)));
+  if constexpr (kPass != Pass::kRead) {
+    asm("" : "+m"(value));  // broadcasts from memory are free, from registers they take a quarter of the pass
+    for (Index i = 0; i < kEight; ++i) {
+      rows[At(i)].template Push<kPass == Pass::kInPlace>(s(i), _mm512_set1_pd(value[At(i)]), out);
+    }
+  }
+#else
+  if constexpr (kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+  VisitFour<kPass, HalfOfEight::kLow>(row, k, in, out, step);
+  if constexpr (!kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+#endif
+}
+
+template <TwoBodyRows::Pass kPass, bool kBackward, typename Step>
+void TwoBodyRows::VisitSets(Index begin, Index end, const double* in, double* out, Step* step_of_all) const {
+  // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
+  Step step = *step_of_all;
+  const Row* const rows = rows_.data();
+  const bool from_memory = scaled_.size >= kRowsFromMemory;
+  constexpr Index kAheadOfPass = kBackward ? -kAhead : kAhead;
+  const auto by_eights = [&](Index k) __attribute__((always_inline)) {
+    if (from_memory) {
+      FetchAhead(k, kAheadOfPass, in);
+      FetchAhead(k + kFour, kAheadOfPass, in);
+    }
+    VisitEight<kPass, kBackward>(rows + k, k, in, out, &step);
+  };
+  const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
+  // Within a set the order does not matter to the result, but memory is best walked one way.
+  if constexpr (kBackward) {
+    auto set = At(std::lower_bound(set_end_.begin(), set_end_.end(), end) - set_end_.begin());
+    for (Index to = end; to > begin; to = start_of(set--)) {
+      const Index from = std::max(begin, start_of(set));
+      const Index ones = from + (to - from) / kFour * kFour;
+      const Index fours = from + (to - from) / kEight * kEight;
+      for (Index k = to; k-- > ones;) VisitOne<kPass>(rows[k], k, in, out, &step);
+      if (fours < ones) VisitFour<kPass, HalfOfEight::kNone>(rows + fours, fours, in, out, &step);
+      for (Index k = fours - kEight; k >= from; k -= kEight) by_eights(k);
+    }
+  } else {
+    auto set = At(std::upper_bound(set_end_.begin(), set_end_.end(), begin) - set_end_.begin());
+    for (Index k = begin; k < end; ++set) {
+      const Index to = std::min(end, set_end_[set]);
+      for (; k + kEight <= to; k += kEight) by_eights(k);
+      if (k + kFour <= to) {
+        VisitFour<kPass, HalfOfEight::kNone>(rows + k, k, in, out, &step);
+        k += kFour;
+      }
+      for (; k < to; ++k) VisitOne<kPass>(rows[k], k, in, out, &step);
+    }
+  }
+  *step_of_all = step;
+}
+
 template <TwoBodyRows::Pass kPass, typename Step>
 void TwoBodyRows::Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const {
   const Row* rows = rows_.data();
-  if (set_end_.empty()) {
+  if (!set_end_.empty()) {
     if (backward) {
-      for (Index k = end; k-- > begin;) VisitOne<kPass>(rows[k], k, in, out, step);
+      VisitSets<kPass, true>(begin, end, in, out, step);
     } else {
-      for (Index k = begin; k < end; ++k) VisitOne<kPass>(rows[k], k, in, out, step);
+      VisitSets<kPass, false>(begin, end, in, out, step);
     }
-    return;
-  }
-  const bool from_memory = scaled_.size >= kRowsFromMemory;
-  // Within a set the order does not matter to the result, but memory is best walked one way.
-  const auto by_fours = [&](Index k) {
-    if (from_memory) FetchAhead(k, backward ? -kAhead : kAhead, in);
-    VisitFour<kPass>(rows + k, k, in, out, step);
-  };
-  const auto visit_set = [&](Index from, Index to) {
-    const Index rest = from + (to - from) / kFour * kFour;
-    if (backward) {
-      for (Index k = to; k-- > rest;) VisitOne<kPass>(rows[k], k, in, out, step);
-      for (Index k = rest - kFour; k >= from; k -= kFour) by_fours(k);
-    } else {
-      for (Index k = from; k < rest; k += kFour) by_fours(k);
-      for (Index k = rest; k < to; ++k) VisitOne<kPass>(rows[k], k, in, out, step);
-    }
-  };
-  const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
-  if (backward) {
-    auto set = At(std::lower_bound(set_end_.begin(), set_end_.end(), end) - set_end_.begin());
-    for (Index to = end; to > begin; to = start_of(set--)) visit_set(std::max(begin, start_of(set)), to);
+  } else if (backward) {
+    for (Index k = end; k-- > begin;) VisitOne<kPass>(rows[k], k, in, out, step);
   } else {
-    auto set = At(std::upper_bound(set_end_.begin(), set_end_.end(), begin) - set_end_.begin());
-    for (Index from = begin; from < end; from = set_end_[set++]) visit_set(from, std::min(end, set_end_[set]));
+    for (Index k = begin; k < end; ++k) VisitOne<kPass>(rows[k], k, in, out, step);
   }
 }
 

@@ -16,16 +16,45 @@ LCPBENCH_ALWAYS_INLINE void ForLanes(std::size_t size, Four&& four, One&& one) {
   for (; i < size; ++i) one(i);
 }
 
-/// A sum of products that are added four at a time.
+/// Which lanes of eight a value of four lanes is; kNone where there are no eight.
+enum class HalfOfEight { kLow, kHigh, kNone };
+
+/// A sum of products that are added one, four or eight at a time. The halves of eights are summed apart from all else,
+/// so that the total has the same bits where a machine takes them half by half.
 class ProductSum {
  public:
-  LCPBENCH_ALWAYS_INLINE void Add(double a, double b) { one_ += a * b; }
-  LCPBENCH_ALWAYS_INLINE void Add(const Lanes& a, const Lanes& b) { four_ += a * b; }
-  double Total() const { return one_ + Sum(four_); }
+  template <HalfOfEight kHalf = HalfOfEight::kNone>
+  LCPBENCH_ALWAYS_INLINE void Add(double a, double b) {
+    one_ += a * b;
+  }
+  template <HalfOfEight kHalf = HalfOfEight::kNone>
+  LCPBENCH_ALWAYS_INLINE void Add(const Lanes& a, const Lanes& b) {
+    if constexpr (kHalf == HalfOfEight::kLow) {
+      low_ += a * b;
+    } else if constexpr (kHalf == HalfOfEight::kHigh) {
+      high_ += a * b;
+    } else {
+      four_ += a * b;
+    }
+  }
+#ifdef __AVX512F__
+  template <HalfOfEight kHalf = HalfOfEight::kNone>
+  LCPBENCH_ALWAYS_INLINE void Add(const WideLanes& a, const WideLanes& b) {
+    eight_ += a * b;
+  }
+  double Total() const { return one_ + (Sum(four_) + (Sum(low_ + LowHalf(eight_)) + Sum(high_ + HighHalf(eight_)))); }
+#else
+  double Total() const { return one_ + (Sum(four_) + (Sum(low_) + Sum(high_))); }
+#endif
 
  private:
   double one_ = 0;
   Lanes four_{};
+  Lanes low_{};
+  Lanes high_{};
+#ifdef __AVX512F__
+  WideLanes eight_{};
+#endif
 };
 
 inline double Dot(const Array& a, const Array& b) {

@@ -173,6 +173,75 @@ TEST(Sweeps, CuttingAPassChangesNothing) {
   }
 }
 
+// Rows on two of many bodies each, in sets of a few hundred that share none.
+LcpProblem Loose(Index n, int bilateral_every) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Index bodies = n;
+  std::uniform_int_distribution<Index> any(0, bodies - 1);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<Index> bilateral;
+  for (Index row = 0; row < n; ++row) {
+    if (bilateral_every > 0 && row % bilateral_every == 0) bilateral.push_back(row);
+    const Index first = any(random);
+    const Index second = any(random);
+    for (Index k = 0; k < 3; ++k) {
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * first + k), uniform(random));
+      if (row % 5 == 0 || second == first) continue;  // on one body
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * second + k), uniform(random));
+    }
+  }
+  SparseMatrix J(n, 3 * bodies);
+  J.setFromTriplets(entries.begin(), entries.end());
+  const auto draw = [&](Index) { return uniform(random); };
+  const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, draw);
+  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::NullaryExpr(3 * bodies, draw).cwiseAbs();
+  return LcpProblem::FromFactors("loose", J, inverse_mass, b, RowBounds::WithBilateralRows(n, bilateral));
+}
+
+// The last size is one that fetches rows ahead.
+TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
+  for (const Index n : {Index{37}, Index{1000}, Index{70'000}}) {
+    for (const int bilateral_every : {0, 9}) {
+      const LcpProblem problem = Loose(n, bilateral_every);
+      RowWork together;
+      RowWork alone;
+      together.Prepare(problem, RowForm::kMatrixFree, true);
+      alone.Prepare(problem, RowForm::kMatrixFree, true);
+      const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
+      for (const bool backward : {false, true, false}) {
+        StepSums sums;
+        StepSums sums_alone;
+        together.rows->Sweep(0, n, backward, 0.9, &together.f, &together.image, &sums);
+        for (Index i = 0; i < n; ++i) {
+          const Index k = backward ? n - 1 - i : i;
+          alone.rows->Sweep(k, k + 1, backward, 0.9, &alone.f, &alone.image, &sums_alone);
+        }
+        EXPECT_EQ(together.f, alone.f) << n;
+        EXPECT_EQ(together.image, alone.image) << n;
+        EXPECT_TRUE(near(sums.residual, sums_alone.residual)) << n;
+        EXPECT_TRUE(near(sums.change, sums_alone.change)) << n;
+        EXPECT_TRUE(near(sums.energy, sums_alone.energy)) << n;
+      }
+      Array next = together.f;
+      Array next_alone = together.f;
+      Array image;
+      together.rows->StartImage(&image);
+      Array image_alone = image;
+      StepSums sums;
+      together.rows->GradientStep(0, n, 0.2, together.f, together.image, &next, &image, &sums);
+      double residual = 0;
+      for (Index k = 0; k < n; ++k) {
+        alone.rows->GradientStep(k, k + 1, 0.2, alone.f, alone.image, &next_alone, &image_alone, &sums);
+        residual += alone.rows->ResidualSquares(k, k + 1, alone.f, alone.image);
+      }
+      EXPECT_EQ(next, next_alone) << n;
+      EXPECT_EQ(image, image_alone) << n;
+      EXPECT_TRUE(near(together.rows->ResidualSquares(0, n, together.f, together.image), residual)) << n;
+    }
+  }
+}
+
 TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
   for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
     for (const TestProblem& test : Problems()) {
