@@ -51,7 +51,8 @@ class TableauKernel {
   // not where it has more instructions (SSE2) than a first-level cache holds.
   static constexpr bool kUnroll = N <= 12;
   static constexpr bool kUnrollPass = kUnroll || W > 2;
-  // Scene families need 2 to 5 sweeps at 10 rows and 3 to 7 at 30; a lane that cycles costs its neighbours the rest.
+  // After three sweeps nine lanes in ten of the scene families are done at 10 rows, after twelve 99 in a hundred at 30;
+  // a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
   // The same three as in small_pivoting.cc: a pivot below this part of A_ii is rounding, and the row depends on F;

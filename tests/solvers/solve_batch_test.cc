@@ -209,6 +209,7 @@ TEST_P(SolveBatchTest, AnswersDoNotDependOnPlaceOrNeighboursOrThreads) {
   std::vector<size_t> order(problems.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i * 37 % order.size();
   std::vector<LcpProblem> shuffled;
+  shuffled.reserve(order.size());
   for (const size_t p : order) shuffled.push_back(problems[p]);
   shuffled.resize(shuffled.size() - 5, shuffled[0]);
   const std::vector<LcpResult> results = SolveWith(GetParam(), shuffled);
@@ -323,21 +324,22 @@ TEST_P(SolveBatchTest, RefusesNumbersThatAreNotFinite) {
     for (const int threads : {1, 2}) {
       options.threads = threads;
       BatchSolver solver(options);
-      std::vector<double> A(4 * 9, 0);
-      std::vector<double> b(9 * 2, -1);
-      for (size_t p = 0; p < 9; ++p) A[4 * p] = A[4 * p + 3] = 1;
-      std::vector<double> f(9 * 2);
-      const DenseBatch batch{2, 9, A.data(), b.data(), nullptr};
+      constexpr size_t kCount = 9;  // of two rows
+      std::vector<double> A(4 * kCount, 0);
+      std::vector<double> b(2 * kCount, -1);
+      for (size_t p = 0; p < kCount; ++p) A[4 * p] = A[4 * p + 3] = 1;
+      std::vector<double> f(2 * kCount);
+      const DenseBatch batch{2, kCount, A.data(), b.data(), nullptr};
       solver.Solve(batch, LcpOptions{}, f.data(), nullptr);
-      EXPECT_EQ(f, std::vector<double>(9 * 2, 1.0));
-      A[4 * 5] = bad;
+      EXPECT_EQ(f, std::vector<double>(2 * kCount, 1.0));
+      A[20] = bad;  // diagonal
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
-      A[4 * 5] = 1;
-      A[4 * 2 + 2] = bad;  // beside forces and beside zeros
+      A[20] = 1;
+      A[10] = bad;  // off the diagonal, beside forces and beside zeros
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
       b[4] = b[5] = 1;
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
-      A[4 * 2 + 2] = 0;
+      A[10] = 0;
       b[3] = bad;
       EXPECT_THROW(solver.Solve(batch, LcpOptions{}, f.data(), nullptr), InputError);
     }
