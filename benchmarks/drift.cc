@@ -23,6 +23,7 @@ class PairCollector {
     const std::vector<std::optional<int>> previous = matching_.Follow(met.system, met.rows);
     if (wanted_ && latest_.has_value() && latest_kind_ == met.kind) {
       std::vector<int> row_before;
+      row_before.reserve(previous.size());
       for (const std::optional<int>& row : previous) row_before.push_back(row.value_or(-1));
       pairs_.push_back({*latest_, met.problem, std::move(row_before)});
       wanted_ = false;

@@ -15,8 +15,8 @@ namespace {
 
 // Entries of a warm start enter F above this multiple of the largest D^1/2 f (an interior point leaves no zeros).
 constexpr double kWarmThreshold = 1e-10;
-// A warm start is of use if its rho is at most this part of the one at f = 0.
-constexpr double kUsefulStart = 0.5;
+// Of a warm start whose rho is at most this part of the one at f = 0, not only the set is of use.
+constexpr double kUsefulForces = 0.05;
 // A proof of infeasibility is worth while above this residual only, or above the tolerance if that is less.
 constexpr double kProofTolerance = 1e-9;
 // An answer within the tolerance is taken when a proximal step improves it by less than this factor.
@@ -78,12 +78,17 @@ double BppSolver::Engine::Residual(const Eigen::VectorXd& f, const Eigen::Vector
   return std::sqrt(sum);
 }
 
-// With forces that are of use here, F is what they leave active, and they are the first centre: the step from there is
-// shorter than from 0. Of other forces only the set is taken.
-void BppSolver::Engine::SetStart() {
+void BppSolver::Engine::StartCold() {
   center_.setZero();
   f_.setZero();
   active_ = scaled_.can_act;
+  started_warm_ = false;
+}
+
+// With forces that are of use here, F is what they leave active, and they are the first centre: the step from there is
+// shorter than from 0. Of other forces only the set is taken.
+void BppSolver::Engine::SetStart() {
+  StartCold();
   if (initial_f_ == nullptr) return;
   const double cold = Residual(f_, scaled_.b);
   double largest = 0;
@@ -95,13 +100,14 @@ void BppSolver::Engine::SetStart() {
   }
   block_->Multiply(f_.data(), w_.data());
   w_ += scaled_.b;
-  const bool useful = Residual(f_, w_) <= kUsefulStart * cold;
+  started_warm_ = true;
+  const bool near = Residual(f_, w_) <= kUsefulForces * cold;
   for (Index i = 0; i < f_.size(); ++i) {
     if (bilateral_[At(i)] != 0 || scaled_.can_act[At(i)] == 0) continue;
-    const bool acts = useful ? scaled_.diagonal[i] * f_[i] > w_[i] : f_[i] * ForceRoot(i) > kWarmThreshold * largest;
+    const bool acts = near ? scaled_.diagonal[i] * f_[i] > w_[i] : f_[i] * ForceRoot(i) > kWarmThreshold * largest;
     active_[At(i)] = acts ? 1 : 0;
   }
-  if (useful) center_ = f_;
+  if (near) center_ = f_;
 }
 
 // Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row

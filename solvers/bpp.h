@@ -70,8 +70,10 @@ struct BppOptions {
 /// kNumericalFailure.
 ///
 /// Start: F = all rows (in contact problems most are active: far fewer exchanges than from F = rows with b < 0). With
-/// initial_f whose rho is at most half the one at f = 0: F = {D f > w}, and c starts at initial_f instead of 0, which
-/// saves conjugate gradient steps. With any other initial_f only the set counts: F = the rows with initial_f_i > 0.
+/// initial_f whose rho is at most 5 % of the one at f = 0, F = {D f > w}, and c starts at initial_f instead of 0, which
+/// saves conjugate gradient steps; steps from a farther centre cost more than they save, so of any other initial_f only
+/// the set counts: F = the rows with initial_f_i > 0. Where the first factorisation leaves more than 10 % of the rows
+/// violated, or blocks cycle, a warm start is forgotten.
 ///
 /// Units: A and b are scaled by powers of two, all comparisons are relative to sqrt(A_ii) in units of one row's, so
 /// that powers of two in A, b or single rows change no bit.

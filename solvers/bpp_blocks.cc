@@ -20,6 +20,8 @@ constexpr double kSlowCorrection = 0.5;
 // Curvature y.A y below this multiple of y.D y: the direction is in the null space.
 constexpr double kNullCurvature = 1e-14;
 constexpr int kMaxPolishes = 8;
+// A warm start that leaves more than this part of the rows violated is forgotten.
+constexpr double kFarStart = 0.1;
 // Where blocks cycle, the shift rises to this at least, then tenfold: on all redundant families blocks settle there.
 constexpr double kCyclingShift = 1e-2;
 constexpr double kRaise = 10;
@@ -78,11 +80,19 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
     }
     const Index count = FindViolated(true);
     if (count == 0) return End::kDone;
+    const bool far = least > f_.size() && static_cast<double>(count) > kFarStart * static_cast<double>(f_.size());
     if (count < least) {
       least = count;
       patience = options_.patience;
     } else {
       patience = std::max(patience - 1, 0);
+    }
+    if (started_warm_ && (patience == 0 || far)) {
+      // The start is not as good as it should be: from all rows, as without it.
+      StartCold();
+      least = f_.size() + 1;
+      patience = options_.patience;
+      continue;
     }
     if (patience == 0 && shift_ < options_.largest_proximal) {
       shift_ = std::min(std::max(kCyclingShift, shift_ * kRaise), options_.largest_proximal);

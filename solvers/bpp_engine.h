@@ -31,6 +31,7 @@ class BppSolver::Engine {
 
   bool Load();
   void SetStart();
+  void StartCold();
   double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
   End Run(LcpResult* result);
 
@@ -69,6 +70,7 @@ class BppSolver::Engine {
   std::int64_t factorisations_ = 0;
   std::int64_t limit_ = 0;
   std::int64_t single_exchanges_ = 0;
+  bool started_warm_ = false;  // and still on the way from there
 
   // State.
   double shift_ = 0;

@@ -55,7 +55,7 @@ void PermutedLcp::Order(const LcpProblem& problem, const Guess& guess) {
     least = kGuessThreshold * kGuessThreshold * largest;
   }
   // Kinds of rows in their order, and where the places of each begin.
-  enum Kind : char { kJoint, kGuessed, kOther, kZero, kKinds };
+  enum Kind : unsigned char { kJoint, kGuessed, kOther, kZero, kKinds };
   Index count[kKinds] = {};
   for (Index i = 0; i < n; ++i) kind_[At(i)] = d[i] == 0 ? kZero : size[i] > least ? kGuessed : kOther;
   for (const Index i : joints) {

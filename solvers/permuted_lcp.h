@@ -80,8 +80,8 @@ struct PermutedLcp {
  private:
   void Order(const LcpProblem& problem, const Guess& guess);
 
-  std::vector<char> kind_;    // by row of the problem, while Load orders them
-  std::vector<Index> moved_;  // positions that do not begin with the row of their number
+  std::vector<unsigned char> kind_;  // by row of the problem, while Load orders them
+  std::vector<Index> moved_;         // positions that do not begin with the row of their number
 };
 
 }  // namespace lcpbench

@@ -19,7 +19,9 @@ TEST(Dantzig, MakesOneMoreRowRightWithEveryPivotWhereNoForceBlocks) {
   const Index n = 12;
   const MatrixXd A = MatrixXd::Identity(n, n) + 0.1 * MatrixXd::Ones(n, n);
   const LcpProblem problem = LcpProblem::FromDense("limits", A, -VectorXd::Ones(n), {}, SymmetricPsd());
-  DantzigSolver solver;
+  DantzigOptions one_by_one;
+  one_by_one.block_start = false;
+  DantzigSolver solver(one_by_one);
   for (Index pivots = 1; pivots < n; ++pivots) {
     LcpOptions options;
     options.max_iterations = pivots;

@@ -66,6 +66,7 @@ class ThreadsTest : public testing::TestWithParam<SolverEntry> {
   std::vector<LcpResult> OnOneThread(const std::vector<LcpProblem>& problems) const {
     const std::unique_ptr<LcpSolver> solver = GetParam().make({});
     std::vector<LcpResult> results;
+    results.reserve(problems.size());
     for (const LcpProblem& problem : problems) results.push_back(SolveOne(solver.get(), problem.CopyOfGivenForm()));
     return results;
   }
@@ -75,6 +76,8 @@ class ThreadsTest : public testing::TestWithParam<SolverEntry> {
     const std::vector<LcpProblem> problems = FreshProblems();
     const std::vector<LcpResult> expected = OnOneThread(problems);
     std::array<std::vector<LcpResult>, kThreads> results;
+    std::array<std::vector<LcpProblem>, kThreads> copies;  // which share storage
+    copies.fill(problems);
     std::barrier start(kThreads);
     std::vector<std::thread> threads;
     for (size_t t = 0; t < kThreads; ++t) {
@@ -84,8 +87,7 @@ class ThreadsTest : public testing::TestWithParam<SolverEntry> {
         start.arrive_and_wait();
         for (size_t k = 0; k < problems.size(); ++k) {
           const size_t at = (k + t * stride) % problems.size();
-          const LcpProblem own_copy = problems[at];
-          results[t][at] = SolveOne(solver.get(), own_copy);
+          results[t][at] = SolveOne(solver.get(), copies[t][at]);
         }
       });
     }
