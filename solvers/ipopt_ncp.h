@@ -36,6 +36,7 @@ struct IpoptNcpOptions {
 ///   smoothed Fischer-Burmeister equations                     102, 179
 /// The penalty on the energy is `ipopt-qp` in all but name, and equations leave Ipopt the line search of a Newton
 /// method. The KKT matrix has 3n rows and A twice, against n rows and A once in `ipopt-qp`: two to five times slower.
+/// All scene families are met at 1e-9 up to n = 1000; at n = 10^4 12 of 16 within 5 s, the others run out of time.
 ///
 /// Two forms. Contact: constraints A f - w = -b. Lifted, for problems given by factors: v = S^T f with
 /// S = D^-1/2 J M^-1/2, constraints S v - w = -b, objective v.v + b.f. Auto with factors: lifted alone where A has over

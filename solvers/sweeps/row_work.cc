@@ -12,7 +12,8 @@ namespace lcpbench {
 namespace {
 
 // Entries of A per row (as BoundEntriesOfA counts them) up to which a sweep over A is at least as fast as one over J:
-// measured, 0.6 ns per entry of A against 6 ns per two-body row in the given order and 2 ns in a coloured one.
+// measured, 0.6 ns per entry of A against 5 to 6 ns per two-body row in the given order and 1.5 to 2 ns in a coloured
+// one.
 constexpr Index kAssembledRowLimit = 14;
 constexpr Index kAssembledRowLimitColoured = 4;
 

@@ -54,7 +54,8 @@ class TwoBodyRows final : public RowKernel {
     kAcross,   ///< read one image, change another
   };
   void FindSets();
-  void FetchAhead(Index k, Index ahead, const double* in) const;
+  template <bool kBackward, Index kRows>
+  void FetchAhead(Index k, const double* in) const;
   template <Pass kPass, typename Step>
   void Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const;
   template <Pass kPass, typename Step>
@@ -65,7 +66,7 @@ class TwoBodyRows final : public RowKernel {
   template <Pass kPass, bool kBackward, typename Step>
   static void VisitEight(const Row* row, Index k, const double* in, double* out, Step* step);
   template <Pass kPass, bool kBackward, typename Step>
-  void VisitSets(Index begin, Index end, const double* in, double* out, Step* step) const;
+  void VisitRows(Index begin, Index end, const double* in, double* out, Step* step) const;
 
   const ScaledProblem& scaled_;
   AlignedVector<Row> rows_;

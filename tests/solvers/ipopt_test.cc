@@ -153,7 +153,8 @@ TEST_P(Ipopt, DistinctObjectsAreUsableFromDistinctThreads) {
   std::vector<LcpProblem> problems;
   std::vector<LcpResult> alone;
   for (unsigned seed = 0; seed < kProblems; ++seed) {
-    problems.push_back(PlantedProblem(8 + seed, 4, seed, seed % 3, seed % 4).problem);
+    problems.push_back(
+        PlantedProblem(8 + seed, 4, seed, static_cast<int>(seed % 3), static_cast<int>(seed % 4)).problem);
     alone.push_back(Solve(problems.back(), 1e-9));
   }
   std::vector<std::vector<LcpResult>> together(kThreads, std::vector<LcpResult>(kProblems));
