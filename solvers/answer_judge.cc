@@ -3,6 +3,11 @@
 #include <algorithm>
 
 namespace lcpbench {
+namespace {
+
+constexpr double kNearTolerance = 0.01;
+
+}  // namespace
 
 void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
   problem_ = problem;
@@ -39,6 +44,24 @@ void AnswerJudge::ComputeWByFactors(Eigen::Matrix<Real, Eigen::Dynamic, 1>* body
   }
 }
 
+void AnswerJudge::ComputeWInExtendedPrecision() {
+  if (problem_->has_factors()) {
+    ComputeWByFactors(&body_extended_);
+    return;
+  }
+  for (Index i = 0; i < f_.size(); ++i) {
+    long double sum = problem_->b()[i];
+    if (problem_->given_form() == MatrixForm::kDense) {
+      for (Index j = 0; j < f_.size(); ++j) sum += static_cast<long double>(problem_->DenseA()(i, j)) * f_[j];
+    } else {
+      for (SparseMatrix::InnerIterator it(problem_->SparseA(), i); it; ++it) {
+        sum += static_cast<long double>(it.value()) * f_[it.col()];
+      }
+    }
+    w_[i] = static_cast<double>(sum);
+  }
+}
+
 bool AnswerJudge::Publish(LcpResult* result) {
   latest_is_best_ = false;
   if (problem_->has_factors()) {
@@ -46,13 +69,16 @@ bool AnswerJudge::Publish(LcpResult* result) {
   } else {
     problem_->ComputeW(f_, &w_);
   }
-  const double rho = estimate_.Rho(f_, w_);
+  double rho = estimate_.Rho(f_, w_);
   if (!(rho < tier_)) return false;
   double backward = estimate_.BackwardError(f_, w_);
-  if (problem_->has_factors() && backward * backward > tolerance_) {
-    // Where the sums through body space cancel in a row whose own terms are all (nearly) 0, the row's backward error is
-    // rounding over nothing. The verdict is made in extended precision, so the estimate is, too.
-    ComputeWByFactors(&body_extended_);
+  // The verdict is made in extended precision, so the estimate is, too, where rounding may matter: where rho is near
+  // the tolerance (it is as large as the rounding of w at least), and where sums cancel in a row whose own terms are
+  // all (nearly) 0, so that its backward error is rounding over nothing.
+  if ((rho <= tolerance_ && rho > kNearTolerance * tolerance_) ||
+      (rho <= tolerance_ && backward * backward > tolerance_)) {
+    ComputeWInExtendedPrecision();
+    rho = estimate_.Rho(f_, w_);
     backward = estimate_.BackwardError(f_, w_);
   }
   const double tier = std::max(rho, backward * backward);

@@ -39,6 +39,8 @@ class AnswerJudge {
   template <typename Real>
   void ComputeWByFactors(Eigen::Matrix<Real, Eigen::Dynamic, 1>* body);
 
+  void ComputeWInExtendedPrecision();
+
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
   ResidualEstimate estimate_;
   double tolerance_ = 0;
