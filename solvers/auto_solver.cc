@@ -204,10 +204,10 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
 void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   Parts& parts = *parts_;
   const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
-  // Reading the clock costs a tenth of the smallest problems.
+  // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
   auto choice = AutoPortfolio::Choice::kByCost;
-  if (std::isfinite(options.time_limit_s)) limit.emplace(options);
+  if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
   if (problem.size() <= parts.tableau_rows) {
     if (may_choose && parts.TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
     parts.whole.Prepare(problem);

@@ -29,15 +29,20 @@ constexpr int kPivotsPerClockRead = 8;
 template <int count>
 void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
   Register p[count];
-  for (int v = 0; v < count; ++v) p[v] = AsRegisters(pivot_row)[v];
-  const double inverse = pivot_row[r];
+  IntegerRegister is_r[count];
+  for (int v = 0; v < count; ++v) {
+    p[v] = AsRegisters(pivot_row)[v];
+    is_r[v] = kFirstRows + kRegister * v == r;
+  }
   for (Index i = 0; i < n; ++i) {
     double* row = tableau + i * count * kRegister;
     const double factor = row[r];
     // With two registers a row the work is cheaper than a wrong guess of the branch.
     if (count > 2 && factor == 0) continue;
-    for (int v = 0; v < count; ++v) AsRegisters(row)[v] += factor * p[v];
-    row[r] = factor * inverse;
+    for (int v = 0; v < count; ++v) {
+      const Register others = is_r[v] ? Register{} : AsRegisters(row)[v];
+      AsRegisters(row)[v] = others + factor * p[v];
+    }
   }
 }
 
@@ -124,33 +129,50 @@ void SmallPivoting::SetSize(Index n) {
   joints_.clear();
 }
 
-// diagonal_ and b_ are the given ones here and scaled ones afterwards; the rest follows from them.
+// diagonal_ and b_ are the given ones here and scaled ones afterwards; the rest follows from them. False unless all of
+// the diagonal is positive.
 bool SmallPivoting::Scale() {
-  const auto diagonal = diagonal_.head(n_).array();
-  if (!(diagonal.minCoeff() > 0)) return false;
-  for (Index i = 0; i < n_; ++i) scale_[i] = ScaleOfDiagonal(diagonal_[i]);
-  const auto scale = scale_.head(n_).array();
-  root_.head(n_) = (diagonal * scale * scale).sqrt();
-  inverse_root_.head(n_) = root_.head(n_).array().inverse();
-  b_.head(n_).array() *= scale;
-  for (Index i = n_; i < stride_; ++i) scale_[i] = root_[i] = inverse_root_[i] = b_[i] = 0;
+  for (Index i = n_; i < stride_; ++i) {
+    diagonal_[i] = 1;
+    b_[i] = 0;
+  }
   Register largest = {};
   Register squared = {};
+  IntegerRegister at = kFirstRows;
+  IntegerRegister is_wrong = {};
   const Index registers = stride_ / kRegister;
   for (Index v = 0; v < registers; ++v) {
-    const Register b = AsRegisters(b_.data())[v];
+    const Register d = AsRegisters(diagonal_.data())[v];
+    is_wrong |= !(d > 0);
+    // ScaleOfDiagonal of eight rows at once; 0 where there is no row.
+    const IntegerRegister exponent = (reinterpret_cast<const IntegerRegister&>(d) >> kMantissaBits) - kExponentBias;
+    const IntegerRegister bits = (kExponentBias - (exponent >> 1)) << kMantissaBits;
+    const Register scale = at < n_ ? reinterpret_cast<const Register&>(bits) : Register{};
+    const Register one = d * scale * scale;
+    Register root;
+    Eigen::Map<Eigen::Array<double, kRegister, 1>>(reinterpret_cast<double*>(&root)) =
+        Eigen::Map<const Eigen::Array<double, kRegister, 1>>(reinterpret_cast<const double*>(&one)).sqrt();
+    const Register inverse = at < n_ ? 1 / root : Register{};
+    const Register b = AsRegisters(b_.data())[v] * scale;
+    AsRegisters(scale_.data())[v] = scale;
+    AsRegisters(root_.data())[v] = root;
+    AsRegisters(inverse_root_.data())[v] = inverse;
+    AsRegisters(b_.data())[v] = b;
     const Register size = b < 0 ? -b : b;
     largest = size > largest ? size : largest;
-    const Register relative = b * AsRegisters(inverse_root_.data())[v];
+    const Register relative = b * inverse;
     squared += relative * relative;
+    at += kRegister;
   }
   largest = -largest;
   b_scale_ = ScaleOfLargest(-Least(&largest));
+  inverse_b_scale_ = 1 / b_scale_;
   const double norm = Sum(&squared);
   b_norm_ = norm == 0 ? 1.0 : std::sqrt(norm) * b_scale_;
   for (Index v = 0; v < registers; ++v) {
-    AsRegisters(b_.data())[v] *= b_scale_;
-    AsRegisters(q_.data())[v] = AsRegisters(b_.data())[v];
+    const Register b = AsRegisters(b_.data())[v] * b_scale_;
+    AsRegisters(b_.data())[v] = b;
+    AsRegisters(q_.data())[v] = b;
     AsRegisters(weight_.data())[v] = AsRegisters(inverse_root_.data())[v];
     AsRegisters(sign_.data())[v] = Register{} - 1.0;
     AsRegisters(least_force_.data())[v] = Register{};
@@ -160,10 +182,14 @@ bool SmallPivoting::Scale() {
     weight_[i] = 0;
     least_force_[i] = -kInfinity;
   }
+  for (Index k = 0; k < kRegister; ++k) {
+    if (is_wrong[k] != 0) return false;
+  }
   return true;
 }
 
 // Exchanges f_r and w_r. False if rounding is all that the pivot is made of.
+template <int count>
 bool SmallPivoting::Pivot(Index r) {
   double* row = tableau_.data() + r * stride_;
   const double pivot = row[r];
@@ -171,7 +197,7 @@ bool SmallPivoting::Pivot(Index r) {
   if (!(pivot > least)) return false;
   ++pivots_;
   const double inverse = 1 / pivot;
-  const Index registers = stride_ / kRegister;
+  const Index registers = Registers<count>();
   const double q = -q_[r] * inverse;
   double* p = pivot_row_.data();
   const double sign = sign_[r];
@@ -191,39 +217,17 @@ bool SmallPivoting::Pivot(Index r) {
     at += kRegister;
   }
   double* tableau = tableau_.data();
-  switch (registers) {
-    case 1:
-      Eliminate<1>(tableau, n_, r, p);
-      break;
-    case 2:
-      Eliminate<2>(tableau, n_, r, p);
-      break;
-    case 3:
-      Eliminate<3>(tableau, n_, r, p);
-      break;
-    case 4:
-      Eliminate<4>(tableau, n_, r, p);
-      break;
-    case 5:
-      Eliminate<5>(tableau, n_, r, p);
-      break;
-    case 6:
-      Eliminate<6>(tableau, n_, r, p);
-      break;
-    case 7:
-      Eliminate<7>(tableau, n_, r, p);
-      break;
-    case 8:
-      Eliminate<8>(tableau, n_, r, p);
-      break;
-    default:
-      EliminateLong(tableau, n_, r, stride_, p);
+  if constexpr (count > 0) {
+    Eliminate<count>(tableau, n_, r, p);
+  } else {
+    EliminateLong(tableau, n_, r, stride_, p);
   }
   for (Index v = 0; v < registers; ++v) AsRegisters(row)[v] = AsRegisters(p)[v];
   return true;
 }
 
 // -1 if there is none.
+template <int count>
 Index SmallPivoting::MostViolated() const {
   // The last bits of a double carry the row, so that one minimum finds both; a violation is not needed to 1e-13. Of
   // equal ones, which negative numbers order by larger bits, the least row wins.
@@ -231,7 +235,7 @@ Index SmallPivoting::MostViolated() const {
   IntegerRegister row = {kRowBits,     kRowBits - 1, kRowBits - 2, kRowBits - 3,
                          kRowBits - 4, kRowBits - 5, kRowBits - 6, kRowBits - 7};
   Register least = {};
-  for (Index v = 0; v < stride_ / kRegister; ++v) {
+  for (Index v = 0; v < Registers<count>(); ++v) {
     Register marked = AsRegisters(q_.data())[v] * AsRegisters(weight_.data())[v];
     IntegerRegister& bits = reinterpret_cast<IntegerRegister&>(marked);
     bits = (bits & ~kRowBits) | row;
@@ -360,6 +364,59 @@ SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
   return answer;
 }
 
+// False if the limit of pivots or the deadline came first.
+template <int count>
+bool SmallPivoting::DrivePivots(const Deadline* deadline) {
+  noise_ = kNoise;
+  for (const Index r : joints_) Pivot<count>(r);
+  for (const Index r : guess_) {
+    if (sign_[r] < 0) Pivot<count>(r);
+  }
+  const int greedy = static_cast<int>(2 * n_);
+  const int limit = static_cast<int>(6 * n_) + 20;
+  for (bool any_blocked = false;;) {
+    const Index r = pivots_ > greedy ? FirstViolated() : MostViolated<count>();
+    if (r < 0) return true;
+    const bool is_late =
+        deadline != nullptr && n_ > kRowsWithoutClock && pivots_ % kPivotsPerClockRead == 0 && deadline->Expired();
+    if (pivots_ >= limit || is_late) return false;
+    if (!Pivot<count>(r)) {
+      std::swap(weight_[r], blocked_weight_[r]);
+      any_blocked = true;
+      continue;
+    }
+    if (any_blocked) {  // F has changed, and what depends on it
+      for (Index i = 0; i < n_; ++i) weight_[i] += blocked_weight_[i];
+      blocked_weight_.setZero();
+      any_blocked = false;
+    }
+    noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
+  }
+}
+
+bool SmallPivoting::FindActiveSet(const Deadline* deadline) {
+  switch (stride_ / kRegister) {
+    case 1:
+      return DrivePivots<1>(deadline);
+    case 2:
+      return DrivePivots<2>(deadline);
+    case 3:
+      return DrivePivots<3>(deadline);
+    case 4:
+      return DrivePivots<4>(deadline);
+    case 5:
+      return DrivePivots<5>(deadline);
+    case 6:
+      return DrivePivots<6>(deadline);
+    case 7:
+      return DrivePivots<7>(deadline);
+    case 8:
+      return DrivePivots<8>(deadline);
+    default:
+      return DrivePivots<0>(deadline);
+  }
+}
+
 double SmallPivoting::Run(const Deadline* deadline) {
   if (n_ <= 2 && SolveInClosedForm()) {
     const double rho = Rho();
@@ -371,32 +428,9 @@ double SmallPivoting::Run(const Deadline* deadline) {
     std::copy(b_.data(), b_.data() + stride_, q_.data());
     std::copy(matrix_.data(), matrix_.data() + n_ * stride_, tableau_.data());
   }
-  noise_ = kNoise;
-  for (const Index r : joints_) Pivot(r);
-  for (const Index r : guess_) {
-    if (sign_[r] < 0) Pivot(r);
-  }
-  const int greedy = static_cast<int>(2 * n_);
-  const int limit = static_cast<int>(6 * n_) + 20;
-  for (bool any_blocked = false;;) {
-    const Index r = pivots_ > greedy ? FirstViolated() : MostViolated();
-    if (r < 0) break;
-    const bool is_late = deadline != nullptr && pivots_ % kPivotsPerClockRead == 0 && deadline->Expired();
-    if (pivots_ >= limit || is_late) {
-      FindForces();
-      return kInfinity;
-    }
-    if (!Pivot(r)) {
-      std::swap(weight_[r], blocked_weight_[r]);
-      any_blocked = true;
-      continue;
-    }
-    if (any_blocked) {  // F has changed, and what depends on it
-      for (Index i = 0; i < n_; ++i) weight_[i] += blocked_weight_[i];
-      blocked_weight_.setZero();
-      any_blocked = false;
-    }
-    noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
+  if (!FindActiveSet(deadline)) {
+    FindForces();
+    return kInfinity;
   }
   FindForces();
   double rho = Rho();

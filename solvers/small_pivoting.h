@@ -6,6 +6,7 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/vector_register.h"
 
 namespace lcpbench {
 
@@ -32,6 +33,8 @@ class SmallPivoting {
  public:
   using Index = Eigen::Index;
   static constexpr Index kMaxRows = 128;
+  /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
+  static constexpr Index kRowsWithoutClock = 24;
 
   /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
   void Reserve(Index max_rows, Index problem_rows = 0);
@@ -42,7 +45,7 @@ class SmallPivoting {
     /// nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer for it, or after
     /// changing sides of violated rows once, there is no tableau.
     const Eigen::VectorXd* initial_f = nullptr;
-    /// nullptr for none; Solve gives up when it has expired.
+    /// nullptr for none; Solve gives up when it has expired. Not read up to kRowsWithoutClock.
     const Deadline* deadline = nullptr;
   };
   struct Answer {
@@ -77,19 +80,30 @@ class SmallPivoting {
   bool SolveInClosedForm();
   double TryGuess();
   void SolveGuess();
+  bool FindActiveSet(const Deadline* deadline);
+  // Loops over `count` registers a row are unrolled; 0: any number.
+  template <int count>
+  bool DrivePivots(const Deadline* deadline);
+  template <int count>
   bool Pivot(Index r);
+  template <int count>
   Index MostViolated() const;
+  template <int count>
+  Index Registers() const {
+    return count > 0 ? count : stride_ / kRegister;
+  }
   Index FirstViolated() const;
   void FindForces();
   double Rho();
   void Refine();
-  double GivenForce(Index i) const { return force_[i] * (scale_[i] / b_scale_); }
+  double GivenForce(Index i) const { return force_[i] * (scale_[i] * inverse_b_scale_); }
   bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
 
   Index n_ = 0;
   Index stride_ = 0;  // n in whole registers
   int pivots_ = 0;
   double b_scale_ = 1;
+  double inverse_b_scale_ = 1;
   double b_norm_ = 1;
   double noise_ = 0;                             // violations below this are rounding
   Eigen::VectorXd matrix_, tableau_;             // row i from i * stride_
