@@ -16,6 +16,11 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kLeastAllowedWeight = 1e-10;
 constexpr int kMaxProximalSteps = 100;
+// A subproblem that takes more steps than this is too hard for double precision: its weight is raised by kRaise, and
+// does not fall below that any more.
+constexpr std::int64_t kMostNewtonSteps = 60;
+constexpr double kRaise = 1000;
+constexpr double kHeaviestWeight = 1;
 // Where the slope along the step has fallen to this part of the one at its start, the minimum is close enough. A full
 // step is worth more than a slope of that size: it may end the subproblem.
 constexpr double kFlatSlope = 1e-3;
@@ -135,7 +140,9 @@ double SemismoothNewtonSolver::Engine::StepLength() const {
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubproblem(double eps) {
   for (Index p = 0; p < n_; ++p) inverse_[p] = 1 / (eps * scaled_.diagonal[p]);
   FindActiveSet(eps);
+  const std::int64_t most = factors_ + kMostNewtonSteps;
   for (bool full_step = false;;) {
+    if (factors_ >= most && eps < kHeaviestWeight) return End::kStalled;
     const End end = Factor(eps);
     if (end != End::kGoOn) return end;
     for (Index p = 0; p < n_; ++p) step_[p] = eps * scaled_.diagonal[p] * c_[p] - scaled_.b[p];
@@ -176,9 +183,18 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
   End end = End::kGoOn;
   double eps = options_.first_weight;
+  double least_weight = options_.least_weight;
   if (warm) end = FinishFromStart(result);
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
     end = SolveSubproblem(eps);
+    if (end == End::kStalled) {
+      eps = least_weight = std::min(kHeaviestWeight, eps * kRaise);
+      u_ = c_;
+      block_->Multiply(u_.data(), w_.data());
+      w_ += scaled_.b;
+      end = End::kGoOn;
+      continue;
+    }
     if (end != End::kGoOn) break;
     for (Index p = 0; p < n_; ++p) {
       double next = c_[p] - w_[p] * inverse_[p];
@@ -190,7 +206,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     end = Finish(result);
     if (end == End::kGoOn && k >= kFirstRayStep && best_rho_ > std::min(tolerance_, kProofTolerance))
       end = TryRay(result);
-    eps = std::max(options_.least_weight, eps * options_.weight_factor);
+    eps = std::max(least_weight, eps * options_.weight_factor);
   }
   if (best_rho_ == kInfinity) {
     f_ = c_;
@@ -214,6 +230,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     case End::kIterationLimit:
       result->status = LcpStatus::kIterationLimit;
       break;
+    case End::kStalled:
     case End::kGoOn: {
       if (IsAnswer(result)) {
         result->status = LcpStatus::kSolved;

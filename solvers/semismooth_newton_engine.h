@@ -27,7 +27,7 @@ class SemismoothNewtonSolver::Engine {
 
  private:
   static size_t At(Index i) { return static_cast<size_t>(i); }
-  enum class End { kGoOn, kDone, kInfeasible, kTimeLimit, kIterationLimit };
+  enum class End { kGoOn, kStalled, kDone, kInfeasible, kTimeLimit, kIterationLimit };
 
   bool Start(const Eigen::VectorXd* initial_f);
   double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
