@@ -9,6 +9,7 @@
 
 #include "solvers/answer_judge.h"
 #include "solvers/auto_portfolio.h"
+#include "solvers/given_form.h"
 #include "solvers/islands.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
@@ -17,18 +18,22 @@
 namespace lcpbench {
 namespace {
 
-// A rho in double of at most this part of the tolerance passes in extended precision, too: rounding of n <= 128 terms
-// is far below the difference. Above 1e-13 other backends may do better.
+// Above this rho a tableau counts as failed, whatever the tolerance: other backends do better.
+constexpr double kTableauRho = 1e-9;
+// Backward errors in double of at most this part of what is allowed pass in extended precision, too.
 constexpr double kMargin = 0.1;
-constexpr double kTableauRho = 1e-12;
 // Where the rows that remain are more than this part of all, the whole problem is as cheap, and is set up already.
 constexpr double kWorthDividing = 0.75;
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
 // piece of a chain cut at random is some ln(cuts) times the mean one.
 constexpr Index kRowsPerCut = 16;
 
-bool IsRight(const SmallPivoting::Answer& answer, double tolerance) {
-  return answer.rho <= std::min(kTableauRho, kMargin * tolerance) && answer.rows_meet;
+// What is known of a tableau's answer in double.
+enum class Known { kRight, kUnclear, kWrong };
+
+Known Judge(const SmallPivoting::Answer& answer, double tolerance) {
+  if (!(answer.rho <= kTableauRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
+  return answer.rho + answer.rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
 SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) {
@@ -50,6 +55,8 @@ struct AutoSolver::Parts {
   SmallPivoting tableau;
   AutoPortfolio whole;  // for all rows
 
+  GivenFormTest test;  // of problems of one tableau
+
   // Of problems that are too large for one tableau.
   IdleRows idle_rows;
   Islands islands;
@@ -62,7 +69,9 @@ struct AutoSolver::Parts {
 
 bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
                                    LcpResult* result) {
-  if (!IsRight(tableau.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance)) return false;
+  const Known known = Judge(tableau.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance);
+  if (known == Known::kWrong) return false;
+  if (known == Known::kUnclear && !test.Meets(options.tolerance, result->f)) return false;
   result->status = LcpStatus::kSolved;
   result->iterations = tableau.pivots();
   result->detail = "tableau";
@@ -86,9 +95,9 @@ bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& 
   std::int64_t pivots = 0;
   for (Index k = 0; k < islands.count(); ++k) {
     const std::span<const Index> rows = islands.rows(k);
-    const bool solved =
-        static_cast<Index>(rows.size()) <= tableau_rows &&
-        IsRight(tableau.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f), options.tolerance);
+    const bool solved = static_cast<Index>(rows.size()) <= tableau_rows &&
+                        Judge(tableau.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f),
+                              options.tolerance) != Known::kWrong;  // what is unclear is judged with the whole
     if (solved) {
       pivots += tableau.pivots();
     } else {
@@ -189,6 +198,7 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
   if (n <= parts.tableau_rows) {
     problem.DenseA();
     parts.tableau.Reserve(n);
+    parts.test.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
     return;
   }
   parts.tableau.Reserve(parts.tableau_rows, n);

@@ -31,15 +31,20 @@ inline Index BoundEntriesOfA(const LcpProblem& problem) {
 
 /// Whether f meets a tier, by the problem's given form (same formulas as verify.h) in extended precision, so that the
 /// answer does not hang on the rounding of one evaluation. Unlike ResidualEstimate it asks for no form of A that the
-/// problem was not given in. Allocates in Reset only.
+/// problem was not given in. Allocates in Reset only, unless
+/// columns are made when needed.
 class GivenFormTest {
  public:
-  void Reset(const LcpProblem& problem) {
+  /// When J by columns is made, which only rows need whose residual is not small by itself.
+  enum class Columns { kNow, kWhenNeeded };
+
+  void Reset(const LcpProblem& problem, Columns columns = Columns::kNow) {
     problem_ = problem;
+    has_columns_ = false;
     const Index n = problem.size();
     w_.assign(At(n), 0);
     if (problem.has_factors()) {
-      columns_ = problem.J();
+      if (columns == Columns::kNow) MakeColumns();
       body_.assign(At(problem.J().cols()), 0);
       entry_.assign(At(n), 0);
       stamped_.assign(At(n), 0);
@@ -95,6 +100,11 @@ class GivenFormTest {
  private:
   static size_t At(Index i) { return static_cast<size_t>(i); }
 
+  void MakeColumns() {
+    columns_ = problem_->J();
+    has_columns_ = true;
+  }
+
   void ComputeW(const Eigen::VectorXd& f) {
     const LcpProblem& problem = *problem_;
     for (Index i = 0; i < f.size(); ++i) w_[At(i)] = problem.b()[i];
@@ -146,6 +156,7 @@ class GivenFormTest {
         }
         break;
       case MatrixForm::kFactors:
+        if (!has_columns_) MakeColumns();
         touched_.clear();
         ++stamp_;
         for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
@@ -169,6 +180,7 @@ class GivenFormTest {
 
   std::optional<LcpProblem> problem_;  // a copy: what Prepare was given may be gone
   Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns_;
+  bool has_columns_ = false;
   std::vector<long double> w_, body_, entry_;
   std::vector<Index> touched_;
   std::vector<std::int64_t> stamped_;  // == stamp_: entry_ is of the row at hand

@@ -321,7 +321,7 @@ bool SmallPivoting::RowsMeet(double limit) const {
 
 SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
   pivots_ = 0;
-  if (!LoadDense(problem)) return {kInfinity, false};
+  if (!LoadDense(problem)) return {kInfinity, kInfinity, false};
   guess_.clear();
   if (request.initial_f != nullptr) {
     for (Index i = 0; i < n_; ++i) {
@@ -336,7 +336,7 @@ SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Requ
 SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
                                                const Request& request, Eigen::VectorXd* f) {
   pivots_ = 0;
-  if (!LoadPart(problem, rows)) return {kInfinity, false};
+  if (!LoadPart(problem, rows)) return {kInfinity, kInfinity, false};
   guess_.clear();
   if (request.initial_f != nullptr) {
     for (Index i = 0; i < n_; ++i) {
@@ -349,8 +349,12 @@ SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::s
 }
 
 SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
-  Answer answer{Run(request.deadline), false};
+  Answer answer{Run(request.deadline), kInfinity, false};
   if (answer.rho == kInfinity) return answer;
+  double size = 0;
+  for (Index i = 0; i < n_; ++i) size += std::abs(force_[i]) * root_[i];
+  const auto rows = static_cast<double>(n_);
+  answer.rounding = 2 * (rows + 8) * std::numeric_limits<double>::epsilon() * std::sqrt(rows) * size / b_norm_;
   answer.rows_meet = RowsMeet(request.row_limit);
   if (answer.rows_meet) return answer;
   // Where all forces around a row should be 0, its backward error is rounding over rounding.

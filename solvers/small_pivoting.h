@@ -49,7 +49,10 @@ class SmallPivoting {
     const Deadline* deadline = nullptr;
   };
   struct Answer {
-    double rho;      ///< in double; infinity if it gave up
+    double rho;  ///< in double; infinity if it gave up
+    /// What rounding can hide of the rho of the given form: w_i / A_ii^1/2 is off by at most 2 (n + 8) epsilon
+    /// |D^1/2 f|_1, also where A_ij is a rounded sum, because (|J| M^-1 |J|^T)_ij <= (A_ii A_jj)^1/2.
+    double rounding;
     bool rows_meet;  ///< row_limit, in double
   };
 

@@ -22,7 +22,8 @@ struct BatchItem {
 /// As many problems as the kernel has lanes; a lane without a problem of its own repeats another's.
 struct BatchGroup {
   BatchItem items[kBatchMaxLanes];
-  double rho_limit = 0;        ///< at most this rho, in double
+  double rho_limit = 0;        ///< at most this rho, in double, where rounding
+  double rounding_limit = 0;   ///< can hide at most this much of it
   double close_rho_limit = 0;  ///< up to this one a test in higher precision is worth while
   double row_limit = 0;        ///< at most this backward error of each row, in double
   // Answers.

@@ -15,9 +15,9 @@
 namespace lcpbench {
 namespace {
 
-// See solvers/auto_solver.cc: margins between a rho in double and one in extended precision.
+// See solvers/auto_solver.cc: a lane of a larger rho counts as failed, and the margin of backward errors in double.
+constexpr double kLaneRho = 1e-9;
 constexpr double kMargin = 0.1;
-constexpr double kLaneRho = 1e-12;
 // Groups that a thread takes at a time.
 constexpr std::size_t kChunk = 4;
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
@@ -96,7 +96,8 @@ struct BatchSolver::Implementation {
     const auto lanes = static_cast<std::size_t>(entry.lanes);
     const std::size_t chunk = kChunk * lanes;
     BatchGroup group;
-    group.rho_limit = std::min(kLaneRho, kMargin * options.tolerance);
+    group.rho_limit = std::min(kLaneRho, options.tolerance / 2);
+    group.rounding_limit = options.tolerance / 2;
     group.close_rho_limit = options.tolerance;
     group.row_limit = kMargin * std::sqrt(options.tolerance);
     for (;;) {
@@ -176,7 +177,7 @@ struct ProblemBatch {
             static_cast<int>(problem.size())};
   }
   bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) const {
-    test->Reset(problems[p]);
+    test->Reset(problems[p], GivenFormTest::Columns::kWhenNeeded);
     return test->Meets(options.tolerance, results[p].f);
   }
   void Accept(std::size_t p, int pivots) { Answer(p, LcpStatus::kSolved, pivots, "lanes"); }
@@ -214,7 +215,7 @@ struct RawBatch {
             static_cast<int>(n)};
   }
   bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) {
-    test->Reset(Problem(p));
+    test->Reset(Problem(p), GivenFormTest::Columns::kWhenNeeded);
     return test->Meets(options.tolerance, Forces(p));
   }
   void Accept(std::size_t p, int /*pivots*/) { SetStatus(p, LcpStatus::kSolved); }

@@ -51,9 +51,10 @@ struct DenseBatch {
 /// and b, so that units do not matter. Departure from Murty's rule, which goes back to row 0 after every pivot: fewer
 /// sweeps, but no proof of finiteness, not even for positive definite A.
 ///
-/// Every lane is checked by the given A and b as AutoSolver checks its tableau: rho <= min(1e-12, tolerance / 10) in
-/// double, and every row's backward error <= sqrt(tolerance) / 10; one step of refinement comes before where rho >
-/// 1e-13. Where rho is between that and the tolerance, extended precision decides, by the problem's given form. A lane
+/// Every lane is checked by the given A and b as AutoSolver checks its tableau: rho <= 1e-9 and at most the tolerance
+/// in double with all that rounding can hide of it, and every row's backward error <= sqrt(tolerance) / 10; one step of
+/// refinement comes before where rho > 1e-13. Where rho alone meets the tolerance, extended precision decides, by the
+/// problem's given form. A lane
 /// that did not finish, or does not pass, goes to AutoSolver: its answers, statuses, rays and details are those of
 /// AutoSolver, and so is the guaranteed class: symmetric positive semidefinite A of any rank. So do problems with more
 /// than kMaxRows rows, with other bounds, with nonsymmetric A, and all problems if options.max_iterations is set, whose

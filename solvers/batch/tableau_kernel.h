@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 
 #include "solvers/batch/kernel.h"
 #include "solvers/batch/unroll.h"
@@ -299,10 +300,13 @@ class TableauKernel {
   // Forces of the basic point, in given units.
   void WriteForces() {
     const V zero = L::Set(0);
+    V size = zero;
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
       f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
+      size = L::Add(size, L::Abs(force));
     });
+    size_ = size;
   }
 
   // w by the given A and b; which lanes have rows with small backward errors only; and an upper bound of rho^2, at most
@@ -365,7 +369,12 @@ class TableauKernel {
   }
 
   void Judge() {
-    const M right = L::Both(solid_, L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    // SmallPivoting::Answer::rounding, squared, with D_ii = 4 for forces and b.
+    constexpr double kRounding = 2 * (N + 8) * std::numeric_limits<double>::epsilon() * 2 * 2;
+    const V rounding = L::Div(L::Mul(L::Set(kRounding * kRounding * N), L::Mul(size_, size_)), b_square_);
+    const M clear = L::LessEqual(rounding, L::Set(group_.rounding_limit * group_.rounding_limit));
+    const M right =
+        L::Both(L::Both(solid_, clear), L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
     M rows = rows_met_;
     if (L::Bits(L::Both(right, rows)) != kAllLanes) rows = WholeRowsMeet();
     group_.met = L::Bits(L::Both(right, rows));
@@ -427,7 +436,7 @@ class TableauKernel {
   V f_[N + W];  // read in whole blocks
   M joint_[N];
   M moved_, rows_met_, solid_;
-  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_;
+  V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_, size_;
   bool any_joint_;
 };
 

@@ -58,11 +58,13 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
     for (unsigned seed = 0; seed < 5; ++seed) {
       const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
       VectorXd f(n);
-      const auto [rho, rows_meet] = tableau.Solve(problem, {}, &f);
+      const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
       EXPECT_LE(rho, 1e-13) << n;
       const Verdict verdict = Verify(problem, Claimed(f), 1e-9);
       EXPECT_TRUE(verdict.passes) << n << ": " << verdict.reason;
       EXPECT_TRUE(rows_meet);
+      EXPECT_LE(rounding, 1e-10);
+      EXPECT_LE(verdict.metrics.rho, rho + rounding);
       EXPECT_NEAR(rho, verdict.metrics.rho, 1e-14);
     }
   }
