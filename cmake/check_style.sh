@@ -3,8 +3,11 @@
 set -eu
 build=$1
 git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror
+# clang does not know every option of GCC.
+mkdir -p build/lint
+sed 's/ -fno-tree-loop-distribute-patterns//' "$build/compile_commands.json" > build/lint/compile_commands.json
 git ls-files 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' |
-  xargs -P "$(nproc)" -n 2 clang-tidy -p "$build" --quiet --extra-arg=-Wno-unknown-warning-option 2> build/clang-tidy.log || {
+  xargs -P "$(nproc)" -n 2 clang-tidy -p build/lint --quiet --extra-arg=-Wno-unknown-warning-option 2> build/clang-tidy.log || {
   echo "clang-tidy found something (see above)" >&2
   exit 1
 }

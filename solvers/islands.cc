@@ -165,8 +165,7 @@ LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
     }
     SparseMatrix part(m, 3 * bodies);
     part.setFromTriplets(entries.begin(), entries.end());
-    return LcpProblem::FromFactors(id, std::move(part), std::move(inverse_mass), std::move(b), std::move(bounds),
-                                   facts);
+    return LcpProblem::FromFactors(id, part, std::move(inverse_mass), std::move(b), bounds, facts);
   }
   const SparseMatrix& A = problem.SparseA();
   std::vector<Index> number(At(problem.size()), -1);
@@ -179,7 +178,7 @@ LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
   }
   SparseMatrix part(m, m);
   part.setFromTriplets(entries.begin(), entries.end());
-  return LcpProblem::FromSparse(id, std::move(part), std::move(b), std::move(bounds), facts);
+  return LcpProblem::FromSparse(id, part, std::move(b), bounds, facts);
 }
 
 }  // namespace lcpbench

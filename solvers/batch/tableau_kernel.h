@@ -22,7 +22,7 @@ template <typename L, int N>
 class TableauKernel {
  public:
   explicit TableauKernel(BatchGroup* group) : group_(*group) {
-    for (int k = 0; k < W; ++k) f_[N + k] = L::Set(0);
+    for (int k = 0; k < kLaneCount; ++k) f_[N + k] = L::Set(0);
   }
 
   void Solve() {
@@ -44,14 +44,14 @@ class TableauKernel {
  private:
   using V = typename L::V;
   using M = typename L::M;
-  static constexpr int W = L::kWidth;
+  static constexpr int kLaneCount = L::kWidth;
   static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
-  static constexpr unsigned kAllLanes = (1U << W) - 1;
+  static constexpr unsigned kAllLanes = (1U << kLaneCount) - 1;
   // Up to this size everything is unrolled and vectors stay in registers; above, only the pass of an exchange is, and
   // not where it has more instructions (SSE2) than a first-level cache holds.
   static constexpr bool kUnroll = N <= 12;
-  static constexpr bool kUnrollPass = kUnroll || W > 2;
+  static constexpr bool kUnrollPass = kUnroll || kLaneCount > 2;
   // After three sweeps nine lanes in ten of the scene families are done at 10 rows, after twelve 99 in a hundred at 30;
   // a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
@@ -104,9 +104,9 @@ class TableauKernel {
     int n = 0;
     bool uniform = true;
     std::uint32_t joints = 0;
-    const double* matrices[W];
-    const double* loads[W];
-    for (int l = 0; l < W; ++l) {
+    const double* matrices[kLaneCount];
+    const double* loads[kLaneCount];
+    for (int l = 0; l < kLaneCount; ++l) {
       const BatchItem& item = group_.items[l];
       n = item.n > n ? item.n : n;
       uniform &= item.n == group_.items[0].n;
@@ -135,17 +135,18 @@ class TableauKernel {
 
   // to[j] = entry `offset` + j of every lane, j < keep <= n; n - j of them can be read.
   [[gnu::always_inline]] static void LoadRow(const double* const* from, int offset, int n, int keep, V* to) {
-    for (int j = 0; j < keep; j += W) {
-      V part[W];
-      L::LoadTransposed(from, static_cast<std::size_t>(offset + j), n - j < W ? n - j : W, part);
-      for (int k = 0; k < W && j + k < keep; ++k) to[j + k] = part[k];
+    for (int j = 0; j < keep; j += kLaneCount) {
+      V part[kLaneCount];
+      L::LoadTransposed(from, static_cast<std::size_t>(offset) + static_cast<std::size_t>(j),
+                        n - j < kLaneCount ? n - j : kLaneCount, part);
+      for (int k = 0; k < kLaneCount && j + k < keep; ++k) to[j + k] = part[k];
     }
   }
 
   [[gnu::noinline]] void LoadJoints() {
     for (int i = 0; i < N; ++i) {
       unsigned bits = 0;
-      for (int l = 0; l < W; ++l) bits |= (group_.items[l].joints >> i & 1U) << l;
+      for (int l = 0; l < kLaneCount; ++l) bits |= (group_.items[l].joints >> i & 1U) << l;
       joint_[i] = L::FromBits(bits);
     }
   }
@@ -153,15 +154,15 @@ class TableauKernel {
   // Lanes of different sizes: the rows that a lane does not have are those of the unit matrix.
   [[gnu::noinline]] void LoadMixed() {
     for (int i = 0; i < N; ++i) {
-      alignas(64) double values[W];
+      alignas(64) double values[kLaneCount];
       for (int j = 0; j <= i; ++j) {
-        for (int l = 0; l < W; ++l) {
+        for (int l = 0; l < kLaneCount; ++l) {
           const BatchItem& item = group_.items[l];
           values[l] = i < item.n ? item.A[i * item.n + j] : (i == j ? 1.0 : 0.0);
         }
         matrix_[At(i, j)] = L::Load(values);
       }
-      for (int l = 0; l < W; ++l) values[l] = i < group_.items[l].n ? group_.items[l].b[i] : 0.0;
+      for (int l = 0; l < kLaneCount; ++l) values[l] = i < group_.items[l].n ? group_.items[l].b[i] : 0.0;
       b_[i] = L::Load(values);
     }
   }
@@ -397,9 +398,9 @@ class TableauKernel {
   }
 
   void StoreForces() {
-    double* to[W];
+    double* to[kLaneCount];
     int n = group_.items[0].n;
-    for (int l = 0; l < W; ++l) {
+    for (int l = 0; l < kLaneCount; ++l) {
       to[l] = group_.items[l].f;
       if (group_.items[l].n != n) n = 0;
     }
@@ -409,22 +410,22 @@ class TableauKernel {
       StoreAll(to, n);
     } else {
       for (int i = 0; i < N; ++i) {
-        alignas(64) double values[W];
+        alignas(64) double values[kLaneCount];
         L::Store(values, f_[i]);
-        for (int l = 0; l < W; ++l) {
+        for (int l = 0; l < kLaneCount; ++l) {
           if (i < group_.items[l].n) to[l][i] = values[l];
         }
       }
     }
-    alignas(64) double pivots[W];
+    alignas(64) double pivots[kLaneCount];
     L::Store(pivots, pivots_);
-    for (int l = 0; l < W; ++l) group_.pivots[l] = static_cast<int>(pivots[l]);
+    for (int l = 0; l < kLaneCount; ++l) group_.pivots[l] = static_cast<int>(pivots[l]);
   }
   [[gnu::always_inline]] void StoreAll(double* const* to, int n) const {
-    for (int j = 0; j < n; j += W) {
-      V part[W];
-      const int count = n - j < W ? n - j : W;
-      for (int k = 0; k < W; ++k) part[k] = f_[j + k];
+    for (int j = 0; j < n; j += kLaneCount) {
+      V part[kLaneCount];
+      const int count = n - j < kLaneCount ? n - j : kLaneCount;
+      for (int k = 0; k < kLaneCount; ++k) part[k] = f_[j + k];
       L::StoreTransposed(part, to, static_cast<std::size_t>(j), count);
     }
   }
@@ -433,7 +434,7 @@ class TableauKernel {
   V tableau_[kEntries];
   V matrix_[kEntries];  // in given units
   V q_[N], b_[N], sign_[N], least_[N], scale_[N], w_[N];
-  V f_[N + W];  // read in whole blocks
+  V f_[N + kLaneCount];  // read in whole blocks
   M joint_[N];
   M moved_, rows_met_, solid_;
   V noise_, pivots_, b_scale_, inverse_b_scale_, b_square_, rho_square_, size_;
