@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/solver_study.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -92,11 +92,7 @@ std::vector<double> Overshoots(const SolverEntry& entry, double limit_s, const A
 }
 
 void Run(Arguments arguments) {
-  if (arguments.solvers.empty()) {
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (entry.available && entry.origin == SolverOrigin::kOwn) arguments.solvers.push_back(entry.key);
-    }
-  }
+  if (arguments.solvers.empty()) arguments.solvers = AvailableOwnSolvers();
   std::printf("Microseconds over the limit: median, largest, share within %g %% or %g us\n%-18s", 100 * kAllowedPart,
               1e6 * kAllowedLeast, "solver");
   for (const double limit : arguments.limits_us) std::printf("%18g us limit ", limit);
@@ -132,12 +128,5 @@ int main(int argc, char** argv) {
   app.add_option("--limits", arguments.limits_us, "Time limits [us]")->delimiter(',')->capture_default_str();
   app.add_option("--repetitions", arguments.repetitions, "Solves per scene and limit")->capture_default_str();
   app.add_flag("--wall-clock", arguments.wall_clock, "Wall-clock time instead of the thread's");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    lcpbench::Run(arguments);
-  } catch (const lcpbench::InputError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
-  return 0;
+  return lcpbench::RunStudy(&app, argc, argv, [&] { lcpbench::Run(arguments); });
 }

@@ -19,9 +19,9 @@
 #include <vector>
 
 #include "benchmarks/drift.h"
+#include "benchmarks/solver_study.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -169,11 +169,7 @@ void PrintTables(const Table& table, const std::vector<std::string>& solvers, co
 }
 
 void Run(Arguments arguments) {
-  if (arguments.solvers.empty()) {
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (entry.available && entry.origin == SolverOrigin::kOwn) arguments.solvers.push_back(entry.key);
-    }
-  }
+  if (arguments.solvers.empty()) arguments.solvers = AvailableOwnSolvers();
   if (arguments.scenes.empty()) {
     for (const SceneFamily& scene : AllScenes()) arguments.scenes.emplace_back(scene.key);
   }
@@ -205,12 +201,5 @@ int main(int argc, char** argv) {
   app.add_option("--pairs", arguments.pairs, "Pairs of consecutive time steps per scene")->capture_default_str();
   app.add_option("--tolerance", arguments.tolerance, "Bound on rho")->capture_default_str();
   app.add_flag("--verbose", arguments.verbose, "Print every case");
-  CLI11_PARSE(app, argc, argv);
-  try {
-    lcpbench::Run(arguments);
-  } catch (const lcpbench::InputError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  }
-  return 0;
+  return lcpbench::RunStudy(&app, argc, argv, [&] { lcpbench::Run(arguments); });
 }
