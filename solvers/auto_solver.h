@@ -30,8 +30,9 @@ struct AutoOptions {
 ///    predicted cost suggests.
 /// 4. Wherever an answer does not pass, the next backend is asked; a tableau that gave up sends its island to 3.
 ///
-/// kSolved is claimed only for an f that passed, by rho and backward error of the problem: in double with a wide margin
-/// after a single tableau, in extended precision by the given form otherwise. kInfeasible only with a ray that
+/// kSolved is claimed only for an f that passed, by rho and backward error of the problem: after a single tableau in
+/// double, with a bound of what rounding can hide, and in extended precision by the given form where that is too wide;
+/// after several tableaus by the given form; the backends of 3 judge by it themselves or are judged so. kInfeasible only with a ray that
 /// VerifyFarkasRay accepts.
 ///
 /// LcpResult::detail says what was done: islands, rows left out, which backend answered, and which ones failed before
