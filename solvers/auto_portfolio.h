@@ -22,8 +22,8 @@ namespace lcpbench {
 /// whether rows outnumber the degrees of freedom of the bodies, which makes A singular.
 ///
 /// - Rows outnumber freedoms, or the first factor of block pivoting shows that many rows depend on others: block
-///   pivoting would cycle. nncg first, for as long as its own rate of convergence
-///   promises less than the Newton method costs.
+///   pivoting would cycle. nncg first, for as long as its own rate of convergence promises less than the Newton method
+///   costs; not where A is dense, of which a sweep costs too much.
 /// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
 ///   packings, nncg goes first in the same way, and often arrives. What it leaves is a good guess of the active set.
 /// - Then the semismooth Newton method, which gets through on every kind of problem; then the interior point method

@@ -32,15 +32,16 @@ struct AutoOptions {
 ///
 /// kSolved is claimed only for an f that passed, by rho and backward error of the problem: after a single tableau in
 /// double, with a bound of what rounding can hide, and in extended precision by the given form where that is too wide;
-/// after several tableaus by the given form; the backends of 3 judge by it themselves or are judged so. kInfeasible only with a ray that
-/// VerifyFarkasRay accepts.
+/// after several tableaus by the given form; the backends of 3 judge by it themselves or are judged so. kInfeasible
+/// only with a ray that VerifyFarkasRay accepts.
 ///
 /// LcpResult::detail says what was done: islands, rows left out, which backend answered, and which ones failed before
 /// it. `iterations` are those of the backend that answered, in its unit; with islands the sum of pivots, then the
 /// iterations of the backend of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its
 /// backends; nonsymmetric A is refused. A failure leaves the last backend's f and status.
 ///
-/// Warm start: the tableau enters the rows with initial_f > 0 first; the others as their own headers say.
+/// Warm start: for a tableau's size one factorisation of the rows with initial_f > 0, a second one after their wrong
+/// rows have changed sides, and a tableau only where that is not the answer; the others as their own headers say.
 ///
 /// Set-up covers what the problem's structure suggests first; other backends prepare within the solve. Limits are the
 /// backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a tableau fails.
