@@ -18,6 +18,9 @@ constexpr double kNncgTimePerEntry = 1.5;
 // well, and half of what the Newton method needs on redundant rows.
 constexpr double kFactorisationsOfBpp = 6;
 constexpr double kFactorisationsOfNewton = 12;
+// The same for psor, which is asked only where it is the cheapest; and its sweep, in nncg iterations.
+constexpr double kFactorisationsForPsor = 4;
+constexpr double kPsorTime = 0.5;
 // nncg goes before block pivoting if a factorisation costs as much as so many of its iterations.
 constexpr double kProbeRatio = 6;
 constexpr std::int64_t kLeastNncgIterations = 16;
@@ -30,8 +33,9 @@ BppOptions EndWhenSingular() {
   return options;
 }
 
-NncgOptions EndWhenHopeless() {
-  NncgOptions options;
+template <typename Options>
+Options EndWhenHopeless() {
+  Options options;
   options.end_when_hopeless = true;
   return options;
 }
@@ -57,7 +61,10 @@ bool RowsOutnumberFreedoms(const LcpProblem& problem) {
 }  // namespace
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
-    : newton_factorisations_(newton_factorisations), nncg_(EndWhenHopeless()), bpp_(EndWhenSingular()) {}
+    : newton_factorisations_(newton_factorisations),
+      psor_(EndWhenHopeless<PsorOptions>()),
+      nncg_(EndWhenHopeless<NncgOptions>()),
+      bpp_(EndWhenSingular()) {}
 
 // Up to which number of iterations nncg may go for the price of so many factorisations.
 void AutoPortfolio::SetNncgLimit(double factorisations, double step_time) {
@@ -70,6 +77,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
                    ? kNncgTimePerRow * static_cast<double>(problem.size())
                    : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
   nncg_limit_ = 0;
+  psor_limit_ = 0;
   suits_tableau_ = is_redundant_;
   if (is_redundant_) {
     newton_.Prepare(problem);
@@ -77,7 +85,11 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   } else {
     bpp_.Prepare(problem);
     suits_tableau_ = bpp_.is_dense();
-    if (bpp_.StepTime() > kProbeRatio * nncg_time_) SetNncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
+    if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
+      SetNncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
+      psor_limit_ = static_cast<std::int64_t>(kFactorisationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
+      psor_.Prepare(problem);
+    }
   }
   if (nncg_limit_ > 0) nncg_.Prepare(problem);
   start_.setZero(problem.size());
@@ -116,14 +128,23 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
   }
 }
 
-// What nncg leaves is where the next ones start.
+// What nncg and psor leave is where the next ones start.
 bool AutoPortfolio::TryNncg(LcpResult* result) {
   if (Try(&nncg_, "nncg", Trust::kVerifiesItself, nncg_limit_, result)) return true;
-  if (result->f.allFinite()) {
-    start_ = result->f;
-    has_start_ = true;
-  }
+  StartFrom(result->f);
   return false;
+}
+
+bool AutoPortfolio::TryPsor(LcpResult* result) {
+  if (Try(&psor_, "psor", Trust::kVerifiesItself, psor_limit_, result)) return true;
+  StartFrom(result->f);
+  return false;
+}
+
+void AutoPortfolio::StartFrom(const Eigen::VectorXd& f) {
+  if (!f.allFinite()) return;
+  start_ = f;
+  has_start_ = true;
 }
 
 bool AutoPortfolio::TryBpp(LcpResult* result) {
@@ -145,6 +166,7 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
   if (choice == Choice::kByCost) {
+    if (psor_limit_ > 0 && TryPsor(result)) return;
     if (nncg_limit_ > 0 && TryNncg(result)) return;
     if (!is_redundant_ && TryBpp(result)) return;
   }

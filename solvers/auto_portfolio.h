@@ -8,6 +8,7 @@
 #include "solvers/given_form.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/nncg.h"
+#include "solvers/psor.h"
 #include "solvers/semismooth_newton.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/suitesparse.h"
@@ -25,7 +26,8 @@ namespace lcpbench {
 ///   pivoting would cycle. nncg first, for as long as its own rate of convergence promises less than the Newton method
 ///   costs; not where A is dense, of which a sweep costs too much.
 /// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
-///   packings, nncg goes first in the same way, and often arrives. What it leaves is a good guess of the active set.
+///   packings, psor and nncg go first in the same way, and often arrive: psor where its rate promises to cost even
+///   less, which eight sweeps tell. What they leave is a good guess of the active set.
 /// - Then the semismooth Newton method, which gets through on every kind of problem; then the interior point method
 ///   and Dantzig pivoting, which have hardly ever been needed.
 class AutoPortfolio {
@@ -50,7 +52,9 @@ class AutoPortfolio {
  private:
   enum class Trust { kVerifiesItself, kVerify };
   void SetNncgLimit(double factorisations, double step_time);
+  bool TryPsor(LcpResult* result);
   bool TryNncg(LcpResult* result);
+  void StartFrom(const Eigen::VectorXd& f);
   bool TryBpp(LcpResult* result);
   bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
 
@@ -59,7 +63,9 @@ class AutoPortfolio {
   bool suits_tableau_ = false;
   double nncg_time_ = 1;         // of an iteration, nanoseconds
   std::int64_t nncg_limit_ = 0;  // 0: not worth a try
+  std::int64_t psor_limit_ = 0;
 
+  PsorSolver psor_;
   NncgSolver nncg_;
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;

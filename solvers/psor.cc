@@ -65,6 +65,7 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   options.form = ReadRowForm(&reader);
   options.sweep = ReadSweepOrder(&reader);
   options.first_relaxation = reader.Number("first-relaxation", options.first_relaxation, 0.0, 2.0);
+  options.end_when_hopeless = reader.Choice("end-when-hopeless", "no", {"yes", "no"}) == "yes";
   reader.Finish();
   CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
   return options;
@@ -81,6 +82,7 @@ void PsorSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, 
 
 void PsorSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
   AdaptiveRelaxation relaxation(options_.first_relaxation);
+  work_->test.EndWhenHopeless(options_.end_when_hopeless);
   work_->Solve(options_.sweep, options, kDefaultSweeps, &relaxation, result);
 }
 

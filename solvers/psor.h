@@ -16,8 +16,10 @@ struct PsorOptions {
   /// omega of the first sweeps, in (0, 2), before anything is measured: the constant that loses least over the scenes,
   /// short chains and long ones.
   double first_relaxation = 1.6;
+  /// As in NncgOptions.
+  bool end_when_hopeless = false;
 
-  /// Options `form`, `sweep` and `first-relaxation`.
+  /// Options `form`, `sweep`, `first-relaxation` and `end-when-hopeless` = yes | no.
   static PsorOptions FromSettings(const Settings& settings);
 };
 
