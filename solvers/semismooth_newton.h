@@ -56,9 +56,9 @@ struct SemismoothNewtonOptions {
 /// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,
 /// kIterationLimit and kNumericalFailure (no progress over all proximal steps) leave the f of least rho that was seen.
 ///
-/// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor, and rises where a subproblem
-/// takes so many steps that rounding must be what keeps it from ending; subproblems are solved to
-/// the end (their last steps cost nothing that an inexact rule would save); the finish.
+/// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor, and rises where a
+/// subproblem takes so many steps that rounding must be what keeps it from ending; subproblems are solved to the end
+/// (their last steps cost nothing that an inexact rule would save); the finish.
 class SemismoothNewtonSolver final : public LcpSolver {
  public:
   static constexpr std::int64_t kDefaultFactors = 500;

@@ -41,10 +41,7 @@ const std::vector<DirectSolver>& DirectSolvers() {
        .rho = 1e-9,
        .warm_iterations = 1.1,
        .powers_of_two_leave_zero_rows = false},
-      {.name = "semismooth_newton",
-       .key = "semismooth-newton",
-       .rho = 1e-9,
-       .powers_of_two_leave_zero_rows = false},
+      {.name = "semismooth_newton", .key = "semismooth-newton", .rho = 1e-9, .powers_of_two_leave_zero_rows = false},
       // Naming the backend that answered may allocate.
       {.name = "auto",
        .key = "auto",
