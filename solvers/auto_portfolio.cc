@@ -67,8 +67,8 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
       bpp_(EndWhenSingular()) {}
 
 // Up to which number of iterations nncg may go for the price of so many factorisations.
-void AutoPortfolio::SetNncgLimit(double factorisations, double step_time) {
-  nncg_limit_ = std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
+std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) const {
+  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
 }
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
@@ -81,12 +81,12 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   suits_tableau_ = is_redundant_;
   if (is_redundant_) {
     newton_.Prepare(problem);
-    SetNncgLimit(kFactorisationsOfNewton, newton_.StepTime());
+    nncg_limit_ = NncgLimit(kFactorisationsOfNewton, newton_.StepTime());
   } else {
     bpp_.Prepare(problem);
     suits_tableau_ = bpp_.is_dense();
     if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
-      SetNncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
+      nncg_limit_ = NncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
       psor_limit_ = static_cast<std::int64_t>(kFactorisationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
       psor_.Prepare(problem);
     }
@@ -120,7 +120,10 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
       result->status = LcpStatus::kNumericalFailure;
       return false;
     case LcpStatus::kInfeasible:
-      return result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted;
+      if (result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted) return true;
+      result->farkas_ray.reset();
+      result->status = LcpStatus::kNumericalFailure;
+      return false;
     case LcpStatus::kTimeLimit:
       return true;
     default:
@@ -128,23 +131,14 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
   }
 }
 
-// What nncg and psor leave is where the next ones start.
-bool AutoPortfolio::TryNncg(LcpResult* result) {
-  if (Try(&nncg_, "nncg", Trust::kVerifiesItself, nncg_limit_, result)) return true;
-  StartFrom(result->f);
+// Psor or nncg. What they leave is where the next ones start.
+bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
+  if (Try(solver, name, Trust::kVerifiesItself, limit, result)) return true;
+  if (result->f.allFinite()) {
+    start_ = result->f;
+    has_start_ = true;
+  }
   return false;
-}
-
-bool AutoPortfolio::TryPsor(LcpResult* result) {
-  if (Try(&psor_, "psor", Trust::kVerifiesItself, psor_limit_, result)) return true;
-  StartFrom(result->f);
-  return false;
-}
-
-void AutoPortfolio::StartFrom(const Eigen::VectorXd& f) {
-  if (!f.allFinite()) return;
-  start_ = f;
-  has_start_ = true;
 }
 
 bool AutoPortfolio::TryBpp(LcpResult* result) {
@@ -152,10 +146,7 @@ bool AutoPortfolio::TryBpp(LcpResult* result) {
   const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
   // A sweep over a dense A costs too much of its factorisation.
   if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense()) return false;
-  SetNncgLimit(kFactorisationsOfNewton, bpp_.StepTime());
-  const bool is_over = TryNncg(result);
-  nncg_limit_ = 0;
-  return is_over;
+  return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorisationsOfNewton, bpp_.StepTime()), result);
 }
 
 void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
@@ -166,8 +157,8 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
   if (choice == Choice::kByCost) {
-    if (psor_limit_ > 0 && TryPsor(result)) return;
-    if (nncg_limit_ > 0 && TryNncg(result)) return;
+    if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
+    if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
     if (!is_redundant_ && TryBpp(result)) return;
   }
   if (Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result)) return;

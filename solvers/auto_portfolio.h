@@ -39,7 +39,7 @@ class AutoPortfolio {
     kRobust,  ///< the Newton method at once: something has shown that the problem is not an easy one
   };
 
-  /// Set-up of the backends that come first. `problem` has at least one row.
+  /// Set-up of the backends that come first; not needed for Choice::kRobust. `problem` has at least one row.
   void Prepare(const LcpProblem& problem);
   /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
   /// result->detail.
@@ -51,10 +51,8 @@ class AutoPortfolio {
 
  private:
   enum class Trust { kVerifiesItself, kVerify };
-  void SetNncgLimit(double factorisations, double step_time);
-  bool TryPsor(LcpResult* result);
-  bool TryNncg(LcpResult* result);
-  void StartFrom(const Eigen::VectorXd& f);
+  std::int64_t NncgLimit(double factorisations, double step_time) const;
+  bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
   bool TryBpp(LcpResult* result);
   bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
 

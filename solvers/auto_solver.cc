@@ -220,7 +220,6 @@ void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, L
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
   if (problem.size() <= parts.tableau_rows) {
     if (may_choose && parts.TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
-    parts.whole.Prepare(problem);
     choice = AutoPortfolio::Choice::kRobust;
   }
   const Deadline deadline = limit.value_or(Deadline(options));

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <set>
 #include <string>
 #include <vector>
@@ -18,6 +21,22 @@ inline std::vector<SolverEntry> OwnSolversAndAPeerOfEachLibrary() {
     if (entry.origin == SolverOrigin::kOwn || libraries.insert(entry.source).second) chosen.push_back(entry);
   }
   return chosen;
+}
+
+/// All own solvers, also those that are not in this build: for tests that skip these by name.
+inline std::vector<SolverEntry> OwnSolvers() {
+  std::vector<SolverEntry> own;
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (entry.origin == SolverOrigin::kOwn) own.push_back(entry);
+  }
+  return own;
+}
+
+/// The key, as the name of a test instance.
+inline std::string SolverTestName(const testing::TestParamInfo<SolverEntry>& info) {
+  std::string name = info.param.key;
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
 }
 
 }  // namespace lcpbench

@@ -12,6 +12,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -80,21 +81,7 @@ TEST_P(ClockTest, EndsTheSolveSoonAfterItHasRunOut) {
   }
 }
 
-std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> own;
-  for (const SolverEntry& entry : AllSolvers()) {
-    if (entry.origin == SolverOrigin::kOwn) own.push_back(entry);
-  }
-  return own;
-}
-
-std::string TestName(const testing::TestParamInfo<SolverEntry>& info) {
-  std::string name = info.param.key;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(Own, ClockTest, testing::ValuesIn(OwnSolvers()), TestName);
+INSTANTIATE_TEST_SUITE_P(Own, ClockTest, testing::ValuesIn(OwnSolvers()), SolverTestName);
 
 }  // namespace
 }  // namespace lcpbench
