@@ -440,11 +440,7 @@ TEST_P(VelocityMotionSolvers, DriveASmallPileWithVerifiedAnswers) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, VelocityMotionSolvers, testing::ValuesIn(OwnSolversAndAPeerOfEachLibrary()),
-                         [](const auto& param) {
-                           std::string name(param.param.key);
-                           std::replace(name.begin(), name.end(), '-', '_');
-                           return name;
-                         });
+                         SolverTestName);
 
 TEST(VelocityMotion, StartsFromTheImpulsesOfTheStepBefore) {
   VelocityOptions options;

@@ -16,6 +16,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -79,20 +80,7 @@ class SolverContract : public testing::TestWithParam<SolverEntry> {
   std::unique_ptr<LcpSolver> solver_;
 };
 
-std::string KeyOf(const testing::TestParamInfo<SolverEntry>& info) {
-  std::string name(info.param.key);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-std::vector<SolverEntry> OwnSolvers() {
-  std::vector<SolverEntry> own;
-  std::copy_if(AllSolvers().begin(), AllSolvers().end(), std::back_inserter(own),
-               [](const SolverEntry& entry) { return entry.origin == SolverOrigin::kOwn; });
-  return own;
-}
-
-INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(OwnSolvers()), KeyOf);
+INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(OwnSolvers()), SolverTestName);
 
 TEST_P(SolverContract, TextbookProblemsMayFailButMayNotLie) {
   for (const TestProblem& test : TextbookProblems()) {

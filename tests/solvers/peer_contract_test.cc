@@ -14,6 +14,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
@@ -82,13 +83,7 @@ std::vector<SolverEntry> Peers() {
   return peers;
 }
 
-std::string KeyOf(const testing::TestParamInfo<SolverEntry>& info) {
-  std::string name(info.param.key);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
-INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(Peers()), KeyOf);
+INSTANTIATE_TEST_SUITE_P(AllPeers, PeerContract, testing::ValuesIn(Peers()), SolverTestName);
 
 TEST_P(PeerContract, TextbookProblemsAreJudged) {
   for (const TestProblem& test : TextbookProblems()) Judge(test, 1e-9);
