@@ -152,17 +152,18 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   cholmod_common& common = state_->common;
   common.print = 0;  // an error is a status, never a line on the terminal
   common.error_handler = nullptr;
-  // One ordering method keeps the set-up cheap and independent of how CHOLMOD was built (METIS or not).
+  // One ordering method, which Analyze chooses, keeps the set-up cheap and independent of how CHOLMOD was built (METIS
+  // or not).
   common.nmethods = 1;
-  common.method[0].ordering = CHOLMOD_AMD;
   common.postorder = 1;
   common.quick_return_if_not_posdef = 1;
 }
 
 CholmodFactor::~CholmodFactor() = default;
 
-void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower) {
+void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order) {
   State& s = *state_;
+  const SingleThread one(true);
   s.Free();
   s.lower = lower;
   s.lower.makeCompressed();
@@ -183,7 +184,11 @@ void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower
   s.view.packed = 1;
   s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
   s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
-  s.factor = cholmod_analyze(&s.view, &s.common);
+  const bool given = order.size() > 0;
+  if (given && order.size() != n) throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
+  s.common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  // CHOLMOD takes the order as non-const and only reads it.
+  s.factor = cholmod_analyze_p(&s.view, given ? const_cast<int*>(order.data()) : nullptr, nullptr, 0, &s.common);
   if (s.factor == nullptr || s.common.status < CHOLMOD_OK) {
     throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
   }

@@ -30,8 +30,10 @@ class CholmodFactor {
 
   /// Symbolic analysis. `lower` is the lower triangle with sorted columns and every diagonal entry stored; it is
   /// copied.
-  /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large)
-  void Analyze(Definiteness definiteness, const ColumnMatrix& lower);
+  /// @param order  order[k] is the row to eliminate k-th, for callers that know more than the matrix shows (its
+  ///     elimination tree is postordered afterwards, which changes neither fill nor work); empty: AMD of the matrix.
+  /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large, `order` not a permutation)
+  void Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order = {});
 
   Eigen::Index size() const;
   /// Predicted work of one factorisation [flop] and entries of L.
