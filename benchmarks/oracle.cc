@@ -4,8 +4,9 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "benchmarks/body_order.h"
+#include "benchmarks/body_system.h"
 #include "solvers/lcp/solver.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/cholmod_factor.h"
@@ -122,56 +123,48 @@ class Elimination {
 };
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
-// M + J_F^T J_F / epsilon on the bodies that can move.
-ColumnMatrix BodySpaceMatrix(const LcpProblem& problem, const std::vector<Index>& rows) {
-  // Stiff against the masses, far from the limits of double: only the time matters here.
-  constexpr double kStiffness = 1e6;
-  const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
-  std::vector<int> place(static_cast<std::size_t>(inverse_mass.size()), -1);
-  int unknowns = 0;
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (Index c = 0; c < inverse_mass.size(); ++c) {
-    if (inverse_mass[c] == 0) continue;
-    place[static_cast<std::size_t>(c)] = unknowns;
-    entries.emplace_back(unknowns, unknowns, 1 / inverse_mass[c]);
-    ++unknowns;
-  }
-  const SparseMatrix& J = problem.J();
-  for (const Index row : rows) {
-    const double scale = kStiffness / std::max(problem.DiagonalA()[row], std::numeric_limits<double>::min());
-    for (SparseMatrix::InnerIterator p(J, row); p; ++p) {
-      for (SparseMatrix::InnerIterator q(J, row); q; ++q) {
-        const int i = place[static_cast<std::size_t>(p.col())];
-        const int j = place[static_cast<std::size_t>(q.col())];
-        if (i >= 0 && j >= 0) entries.emplace_back(i, j, scale * p.value() * q.value());
-      }
-    }
-  }
-  ColumnMatrix K(unknowns, unknowns);
-  K.setFromTriplets(entries.begin(), entries.end());
-  return K;
-}
-
-double TimeFactorisation(const ColumnMatrix& matrix) {
-  if (matrix.cols() == 0) return 0;
+// The shortest of a few runs of `run`, which fills in a Factorisation and returns false on failure.
+template <typename Run>
+std::optional<Factorisation> Shortest(const Run& run) {
   constexpr int kMostRuns = 5;
   constexpr double kBudget = 0.2;  // s; longer ones run once
-  const ColumnMatrix lower = matrix.triangularView<Eigen::Lower>();
-  const Eigen::VectorXd right = Eigen::VectorXd::Ones(matrix.cols());
-  Eigen::VectorXd x;
-  double shortest = -1;
+  std::optional<Factorisation> shortest;
   double total = 0;
-  for (int run = 0; run < kMostRuns && total < kBudget; ++run) {
-    CholmodFactor factor;
-    const double start = SteadyNow();
-    factor.Analyze(CholmodFactor::Definiteness::kPositiveDefinite, lower);
-    if (!factor.Factorize()) return -1;
-    factor.Solve(right, &x);
-    const double elapsed = SteadyNow() - start;
-    total += elapsed;
-    if (shortest < 0 || elapsed < shortest) shortest = elapsed;
+  for (int k = 0; k < kMostRuns && total < kBudget; ++k) {
+    Factorisation one;
+    if (!run(&one)) return std::nullopt;
+    total += one.total_s();
+    if (!shortest.has_value() || one.total_s() < shortest->total_s()) shortest = one;
   }
   return shortest;
+}
+
+// Analyses, factorises and solves in `order` (empty: AMD of the matrix).
+bool TimeOnce(const ColumnMatrix& lower, CholmodFactor::Definiteness kind, const Eigen::VectorXi& order,
+              Factorisation* time) {
+  const Eigen::VectorXd right = Eigen::VectorXd::Ones(lower.cols());
+  Eigen::VectorXd x;
+  CholmodFactor factor;
+  const double start = SteadyNow();
+  factor.Analyze(kind, lower, order);
+  const double analysed = SteadyNow();
+  if (!factor.Factorize()) return false;
+  const double factorised = SteadyNow();
+  factor.Solve(right, &x);
+  time->solve_s = SteadyNow() - factorised;
+  time->factor_s = factorised - analysed;
+  time->analyse_s = analysed - start;
+  time->fill = factor.fill();
+  time->flops = factor.flops();
+  return true;
+}
+
+double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& independent) {
+  if (independent.empty()) return 0;
+  const ColumnMatrix lower = Submatrix(problem.SparseA(), independent).triangularView<Eigen::Lower>();
+  const std::optional<Factorisation> time = Shortest(
+      [&](Factorisation* one) { return TimeOnce(lower, CholmodFactor::Definiteness::kPositiveDefinite, {}, one); });
+  return time.has_value() ? time->total_s() : -1;
 }
 #endif
 
@@ -208,6 +201,47 @@ std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Inde
   return independent;
 }
 
+std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active) {
+  std::vector<Factorisation> times;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  if (!problem.has_factors()) return times;
+  const BodySystem system = MakeBodySystem(problem, active);
+  if (system.bodies() == 0) {
+    times.emplace_back().name = "nothing to solve";
+    return times;
+  }
+  using Kind = CholmodFactor::Definiteness;
+  // Operations per entry of L up to which columns one by one may beat supernodes: measured to break even at 60 to 90.
+  constexpr double kMostForColumns = 150;
+  for (const BodyOrder method : kBodyOrders) {
+    for (const Kind kind : {Kind::kPositiveDefinite, Kind::kQuasidefinite}) {
+      if (kind == Kind::kQuasidefinite && !times.empty() && times.back().flops > kMostForColumns * times.back().fill) {
+        continue;
+      }
+      std::optional<Factorisation> time = Shortest([&](Factorisation* one) {
+        const double start = SteadyNow();
+        const Eigen::VectorXi bodies = OrderBodies(system, method);
+        if (bodies.size() < system.bodies()) return false;
+        const Eigen::VectorXi order = ExpandOrder(system, bodies);
+        one->order_s = SteadyNow() - start;
+        return TimeOnce(system.lower, kind, order, one);
+      });
+      if (!time.has_value()) continue;
+      time->name = ToString(method) + (kind == Kind::kPositiveDefinite ? "" : "-simplicial");
+      times.push_back(*time);
+    }
+  }
+#endif
+  return times;
+}
+
+std::optional<Factorisation> Cheapest(const std::vector<Factorisation>& times) {
+  const auto best = std::min_element(times.begin(), times.end(), [](const Factorisation& a, const Factorisation& b) {
+    return a.total_s() < b.total_s();
+  });
+  return best == times.end() ? std::nullopt : std::optional(*best);
+}
+
 OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
   OracleTime time;
   const std::vector<Index> active = ActiveRows(problem, f, w);
@@ -215,8 +249,9 @@ OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const
   time.active = static_cast<Index>(active.size());
   time.independent = static_cast<Index>(independent.size());
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  time.contact_s = TimeFactorisation(Submatrix(problem.SparseA(), independent));
-  if (problem.has_factors()) time.body_s = TimeFactorisation(BodySpaceMatrix(problem, active));
+  time.contact_s = TimeContactSpace(problem, independent);
+  const std::optional<Factorisation> body = Cheapest(TimeBodySpace(problem, active));
+  if (body.has_value()) time.body_s = body->total_s();
 #endif
   return time;
 }
