@@ -15,7 +15,7 @@ GOAL_RESULTS ?= build/results/goals
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
 
-.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark large-benchmark check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
@@ -24,6 +24,7 @@ help:
 	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
+	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
@@ -67,9 +68,9 @@ goals: configure
 	  --output $(GOAL_RESULTS)
 	@$(PYTHON) report/goals.py $(GOAL_RESULTS)
 
-geometry-benchmark scene-benchmark: configure
+geometry-benchmark scene-benchmark large-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
-	@$(BUILD)/$(subst -,_,$@)
+	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)

@@ -158,15 +158,22 @@ bool TimeOnce(const ColumnMatrix& lower, CholmodFactor::Definiteness kind, const
   time->flops = factor.flops();
   return true;
 }
+#endif
 
-double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& independent) {
+// Negative without CHOLMOD.
+double TimeIndependent(const LcpProblem& problem, const std::vector<Index>& independent) {
+#ifdef LCPBENCH_WITH_SUITESPARSE
   if (independent.empty()) return 0;
   const ColumnMatrix lower = Submatrix(problem.SparseA(), independent).triangularView<Eigen::Lower>();
   const std::optional<Factorisation> time = Shortest(
       [&](Factorisation* one) { return TimeOnce(lower, CholmodFactor::Definiteness::kPositiveDefinite, {}, one); });
   return time.has_value() ? time->total_s() : -1;
-}
+#else
+  static_cast<void>(problem);
+  static_cast<void>(independent);
+  return -1;
 #endif
+}
 
 }  // namespace
 
@@ -201,6 +208,10 @@ std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Inde
   return independent;
 }
 
+double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active) {
+  return TimeIndependent(problem, IndependentRows(problem.SparseA(), active));
+}
+
 std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active) {
   std::vector<Factorisation> times;
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -231,6 +242,9 @@ std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::v
       times.push_back(*time);
     }
   }
+#else
+  static_cast<void>(problem);
+  static_cast<void>(active);
 #endif
   return times;
 }
@@ -248,11 +262,9 @@ OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const
   const std::vector<Index> independent = IndependentRows(problem.SparseA(), active);
   time.active = static_cast<Index>(active.size());
   time.independent = static_cast<Index>(independent.size());
-#ifdef LCPBENCH_WITH_SUITESPARSE
-  time.contact_s = TimeContactSpace(problem, independent);
+  time.contact_s = TimeIndependent(problem, independent);
   const std::optional<Factorisation> body = Cheapest(TimeBodySpace(problem, active));
   if (body.has_value()) time.body_s = body->total_s();
-#endif
   return time;
 }
 

@@ -41,6 +41,9 @@ OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const
 /// and the graph of bodies are given. Empty without factors of A or without CHOLMOD.
 std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active);
 
+/// Analyse + factor + solve of A_FF on the independent ones of `active` [s]; negative without CHOLMOD.
+double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active);
+
 /// The one with the least total.
 std::optional<Factorisation> Cheapest(const std::vector<Factorisation>& times);
 

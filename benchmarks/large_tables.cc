@@ -1,0 +1,260 @@
+#include "benchmarks/large_tables.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <utility>
+
+#include "benchmarks/csv.h"
+#include "benchmarks/growth_report.h"
+
+namespace lcpbench {
+namespace {
+
+template <typename... Values>
+std::string Format(const char* format, Values... values) {
+  constexpr int kLongest = 512;
+  char text[kLongest];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
+}
+
+// "-" for what is not there, which is negative.
+std::string Shown(const char* format, double value) { return value < 0 ? "-" : Format(format, value); }
+
+std::string Cell(double value) { return value < 0 ? "" : CsvWriter::Cell(value); }
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+// "median (most)"
+std::string MedianAndMost(const std::vector<double>& values) {
+  if (values.empty()) return "-";
+  return Format("%.3g (%.3g)", Median(values), *std::max_element(values.begin(), values.end()));
+}
+
+std::vector<int> Sizes(const std::vector<LargeRow>& rows) {
+  std::set<int> sizes;
+  for (const LargeRow& row : rows) sizes.insert(row.problem.size);
+  return {sizes.begin(), sizes.end()};
+}
+
+std::vector<std::string> Families(const std::vector<LargeRow>& rows) {
+  std::vector<std::string> families;
+  for (const LargeRow& row : rows) {
+    if (std::find(families.begin(), families.end(), row.problem.family) == families.end()) {
+      families.push_back(row.problem.family);
+    }
+  }
+  return families;
+}
+
+std::string Table(const std::string& title, const std::vector<std::string>& head,
+                  const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> widths;
+  for (std::size_t column = 0; column < head.size(); ++column) {
+    widths.push_back(head[column].size());
+    for (const auto& line : lines) widths[column] = std::max(widths[column], line[column].size());
+  }
+  const auto row = [&](const std::vector<std::string>& cells, char fill) {
+    std::string text = "|";
+    for (std::size_t column = 0; column < cells.size(); ++column) {
+      const std::string space(widths[column] - cells[column].size(), fill);
+      text += " " + (column == 0 ? cells[column] + space : space + cells[column]) + " |";
+    }
+    return text + "\n";
+  };
+  std::string text = "\n" + title + "\n\n" + row(head, ' ');
+  text += row(std::vector<std::string>(head.size(), ""), '-');
+  for (const auto& line : lines) text += row(line, ' ');
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> CsvColumns() {
+  return {"family",  "n",         "seed",        "mass_ratio", "solver",    "bodies", "active",         "k_s",
+          "k_how",   "k_order_s", "k_analyse_s", "k_factor_s", "k_solve_s", "k_fill", "k_flops",        "contact_s",
+          "setup_s", "solve_s",   "in_k",        "iterations", "rho",       "floor",  "backward_error", "verdict",
+          "detail",  "peak_bytes"};
+}
+
+std::vector<std::string> CsvCells(const LargeRow& row) {
+  const SolveOutcome& o = row.outcome;
+  std::vector<std::string> cells = {row.problem.family, std::to_string(row.problem.size),
+                                    std::to_string(row.problem.seed), CsvWriter::Cell(row.problem.mass_ratio),
+                                    row.solver};
+  if (row.oracle.has_value()) {
+    const Factorisation& k = row.oracle->best;
+    for (const std::string& cell : {std::to_string(row.oracle->bodies), std::to_string(row.oracle->active),
+                                    Cell(k.total_s()), k.name, Cell(k.order_s), Cell(k.analyse_s), Cell(k.factor_s),
+                                    Cell(k.solve_s), Cell(k.fill), Cell(k.flops), Cell(row.oracle->contact_s)}) {
+      cells.push_back(cell);
+    }
+  } else {
+    constexpr std::size_t kOracleCells = 11;
+    cells.resize(cells.size() + kOracleCells);
+  }
+  for (const std::string& cell :
+       {Cell(o.setup_s), Cell(o.solve_s), Cell(row.in_k()), o.iterations < 0 ? "" : std::to_string(o.iterations),
+        Cell(o.rho), Cell(o.floor), Cell(o.backward_error), o.verdict, o.detail,
+        o.peak_bytes > 0 ? CsvWriter::Cell(o.peak_bytes) : ""}) {
+    cells.push_back(cell);
+  }
+  return cells;
+}
+
+std::string MarkdownHead() {
+  std::string head =
+      Format("| %-16s | %7s | %4s | %6s | %-18s | %7s | %9s | %9s | %10s | %8s | %7s | %8s | %8s | %7s | %s |\n",
+             "family", "n", "seed", "ratio", "solver", "bodies", "K [ms]", "set-up", "solve [ms]", "in K", "iter.",
+             "rho", "floor", "MB", "verdict");
+  std::string line = head;
+  for (char& c : line) {
+    if (c != '|' && c != '\n' && c != ' ') c = '-';
+  }
+  for (std::size_t k = 1; k + 1 < line.size(); ++k) {
+    if (line[k] == ' ' && line[k - 1] != '|' && line[k + 1] != '|') line[k] = '-';
+  }
+  return head + line;
+}
+
+std::string MarkdownRow(const LargeRow& row) {
+  const SolveOutcome& o = row.outcome;
+  const double k = row.oracle.has_value() ? 1e3 * row.oracle->best.total_s() : -1;
+  const std::string verdict = o.verdict + (o.detail.empty() ? "" : ": " + o.detail);
+  return Format("| %-16s | %7d | %4llu | %6s | %-18s | %7s | %9s | %9s | %10s | %8s | %7s | %8s | %8s | %7s | ",
+                row.problem.family.c_str(), row.problem.size, static_cast<unsigned long long>(row.problem.seed),
+                Format("%g", row.problem.mass_ratio).c_str(), row.solver.c_str(),
+                Shown("%.0f", row.oracle.has_value() ? row.oracle->bodies : -1).c_str(), Shown("%.2f", k).c_str(),
+                Shown("%.2f", o.setup_s < 0 ? -1 : 1e3 * o.setup_s).c_str(),
+                Shown("%.2f", o.solve_s < 0 ? -1 : 1e3 * o.solve_s).c_str(), Shown("%.1f", row.in_k()).c_str(),
+                Shown("%.0f", static_cast<double>(o.iterations)).c_str(), Shown("%.1e", o.rho).c_str(),
+                Shown("%.1e", o.floor).c_str(), Shown("%.0f", o.peak_bytes > 0 ? 1e-6 * o.peak_bytes : -1).c_str()) +
+         verdict + " |\n";
+}
+
+std::string VerifiedTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers) {
+  std::vector<std::string> head = {"solver"};
+  std::vector<std::vector<std::string>> lines;
+  for (const int size : Sizes(rows)) head.push_back("n = " + std::to_string(size));
+  for (const std::string& solver : solvers) {
+    lines.push_back({solver});
+    for (const int size : Sizes(rows)) {
+      int verified = 0;
+      int all = 0;
+      std::vector<double> in_k;
+      for (const LargeRow& row : rows) {
+        if (row.solver != solver || row.problem.size != size) continue;
+        ++all;
+        if (row.outcome.verified) ++verified;
+        if (row.in_k() >= 0) in_k.push_back(row.in_k());
+      }
+      lines.back().push_back(Format("%d/%d, %s K", verified, all, MedianAndMost(in_k).c_str()));
+    }
+  }
+  return Table("Verified of all, and median (most) of (set-up + solve) / K", head, lines);
+}
+
+std::string ExponentTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers) {
+  std::vector<std::string> head = {"family"};
+  head.insert(head.end(), solvers.begin(), solvers.end());
+  std::vector<std::vector<std::string>> lines;
+  for (const std::string& family : Families(rows)) {
+    lines.push_back({family});
+    for (const std::string& solver : solvers) {
+      SizeSeries series;
+      for (const int size : Sizes(rows)) {
+        if (size < kLeastForExponent) continue;
+        std::vector<double> times;
+        bool all_verified = true;
+        for (const LargeRow& row : rows) {
+          if (row.solver != solver || row.problem.size != size || row.problem.family != family) continue;
+          all_verified = all_verified && row.outcome.verified;
+          times.push_back(row.total_s());
+        }
+        if (all_verified && !times.empty()) series.points.push_back({static_cast<double>(size), Median(times)});
+      }
+      lines.back().push_back(series.points.size() > 1 ? Format("%.2f", series.Exponent()) : "-");
+    }
+  }
+  return Table("p of time ~ n^p from n = 10000 on", head, lines);
+}
+
+std::string PeerTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers,
+                      const std::vector<std::string>& peers) {
+  using Key = std::tuple<std::string, int, std::uint64_t, double>;
+  const auto key = [](const LargeProblem& p) { return Key{p.family, p.size, p.seed, p.mass_ratio}; };
+  std::map<Key, double> fastest;
+  for (const LargeRow& row : rows) {
+    if (!row.outcome.verified || std::find(peers.begin(), peers.end(), row.solver) == peers.end()) continue;
+    const auto [it, is_new] = fastest.try_emplace(key(row.problem), row.outcome.solve_s);
+    if (!is_new) it->second = std::min(it->second, row.outcome.solve_s);
+  }
+  std::vector<std::string> head = {"solver"};
+  for (const int size : Sizes(rows)) head.push_back("n = " + std::to_string(size));
+  std::vector<std::vector<std::string>> lines;
+  for (const std::string& solver : solvers) {
+    lines.push_back({solver});
+    for (const int size : Sizes(rows)) {
+      std::vector<double> ratios;
+      for (const LargeRow& row : rows) {
+        if (row.solver != solver || row.problem.size != size || !row.outcome.verified) continue;
+        const auto peer = fastest.find(key(row.problem));
+        if (peer != fastest.end()) ratios.push_back(row.total_s() / peer->second);
+      }
+      lines.back().push_back(MedianAndMost(ratios) + Format(" of %zu", ratios.size()));
+    }
+  }
+  return Table("(Set-up + solve) / solve of the fastest verified peer: median (most) of problems", head, lines);
+}
+
+std::string MassTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers, double tolerance) {
+  std::vector<std::string> head = {"solver",   "family",     "n",   "mass ratio", "verified",
+                                   "at floor", "iterations", "rho", "floor"};
+  std::vector<std::vector<std::string>> lines;
+  std::set<double> ratios;
+  for (const LargeRow& row : rows) ratios.insert(row.problem.mass_ratio);
+  for (const std::string& solver : solvers) {
+    for (const std::string& family : Families(rows)) {
+      for (const int size : Sizes(rows)) {
+        for (const double ratio : ratios) {
+          int all = 0;
+          int verified = 0;
+          int at_floor = 0;
+          std::vector<double> iterations;
+          std::vector<double> rho;
+          std::vector<double> floor;
+          for (const LargeRow& row : rows) {
+            if (row.solver != solver || row.problem.family != family || row.problem.size != size ||
+                row.problem.mass_ratio != ratio) {
+              continue;
+            }
+            const SolveOutcome& o = row.outcome;
+            ++all;
+            if (o.verified) ++verified;
+            if (o.rho >= 0 && o.rho <= std::max(tolerance, o.floor)) ++at_floor;
+            if (o.iterations >= 0) iterations.push_back(static_cast<double>(o.iterations));
+            if (o.rho >= 0) rho.push_back(o.rho);
+            if (o.floor >= 0) floor.push_back(o.floor);
+          }
+          if (all == 0) continue;
+          const auto median = [](const char* format, const std::vector<double>& values) {
+            return values.empty() ? std::string("-") : Format(format, Median(values));
+          };
+          lines.push_back({solver, family, std::to_string(size), Format("%g", ratio), Format("%d/%d", verified, all),
+                           Format("%d/%d", at_floor, all), median("%.0f", iterations), median("%.1e", rho),
+                           median("%.1e", floor)});
+        }
+      }
+    }
+  }
+  return Table("Mass ratios: verified, rho <= max(tolerance, floor), and medians over seeds", head, lines);
+}
+
+}  // namespace lcpbench
