@@ -165,7 +165,7 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  if (Try(&interior_, "suitesparse", Trust::kVerify, 0, result)) return;
+  if (Try(&interior_, "ipm", Trust::kVerify, 0, result)) return;
 #endif
   Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
 }

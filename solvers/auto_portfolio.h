@@ -11,7 +11,7 @@
 #include "solvers/psor.h"
 #include "solvers/semismooth_newton.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/suitesparse.h"
+#include "solvers/ipm.h"
 #endif
 
 namespace lcpbench {
@@ -68,7 +68,7 @@ class AutoPortfolio {
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  SuitesparseSolver interior_;
+  IpmSolver interior_;
 #endif
   DantzigSolver dantzig_;
   GivenFormTest test_;

@@ -21,7 +21,7 @@
 #include "solvers/ipopt_qp.h"
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/suitesparse.h"
+#include "solvers/ipm.h"
 #endif
 
 namespace lcpbench {
@@ -78,9 +78,9 @@ const Factory kMakeIpoptQp = nullptr;
 const Factory kMakeIpoptNcp = nullptr;
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-const Factory kMakeSuitesparse = &Make<SuitesparseSolver, SuitesparseOptions>;
+const Factory kMakeIpm = &Make<IpmSolver, IpmOptions>;
 #else
-const Factory kMakeSuitesparse = nullptr;
+const Factory kMakeIpm = nullptr;
 #endif
 
 std::vector<SolverEntry> OwnSolvers() {
@@ -109,8 +109,8 @@ std::vector<SolverEntry> OwnSolvers() {
                   kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
       SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
                   kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
-      SolverEntry{"suitesparse", "interior point on sparse CHOLMOD, proximal, finished by an active set",
-                  "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeSuitesparse},
+      SolverEntry{"ipm", "interior point on sparse CHOLMOD, proximal, finished by an active set",
+                  "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeIpm},
   };
 }
 
@@ -134,6 +134,9 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   return entry;
 }
 
+// Keys that result files and scripts of earlier versions name.
+std::string_view PresentKey(std::string_view key) { return key == "suitesparse" ? "ipm" : key; }
+
 // Filled on the first use, so that no order of static initialisers matters.
 std::vector<SolverEntry>& Solvers() {
   static std::vector<SolverEntry> solvers = [] {
@@ -150,8 +153,9 @@ std::span<const SolverEntry> AllSolvers() { return Solvers(); }
 
 const SolverEntry& FindSolver(std::string_view key) {
   std::string known;
+  const std::string_view present = PresentKey(key);
   for (const SolverEntry& entry : Solvers()) {
-    if (entry.key == key) return entry;
+    if (entry.key == present) return entry;
     known += (known.empty() ? "" : ", ") + entry.key;
   }
   throw InputError("unknown solver '" + std::string(key) + "', expected one of " + known);
@@ -188,7 +192,8 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
   }
   if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
   std::vector<SolverEntry>& solvers = Solvers();
-  const bool taken = std::any_of(solvers.begin(), solvers.end(), [&](const SolverEntry& e) { return e.key == key; });
+  const bool taken =
+      std::any_of(solvers.begin(), solvers.end(), [&](const SolverEntry& e) { return e.key == PresentKey(key); });
   if (taken) throw InputError("external solver '" + key + "': the key is taken");
   SolverEntry entry;
   entry.key = key;

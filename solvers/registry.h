@@ -41,6 +41,7 @@ inline std::ostream& operator<<(std::ostream& out, const SolverEntry& entry) { r
 /// Every backend, in the report's order: own, peers, external. Valid until the next RegisterExternalSolver.
 std::span<const SolverEntry> AllSolvers();
 
+/// An older key of a solver, `suitesparse` for `ipm`, finds it too.
 /// @throws InputError naming the known keys
 const SolverEntry& FindSolver(std::string_view key);
 

@@ -15,7 +15,7 @@ SEEDS = (1, 2, 3)
 TIERS = (1e-3, 1e-6, 1e-9)
 # key -> time at n = 1 [s], exponent, factor per tier
 OWN = {"dantzig": (3e-8, 2.6, 1.0), "auto": (2e-8, 2.4, 1.0), "pgs": (6e-7, 1.6, 3.5), "ipopt-qp": (4e-5, 1.5, 1.3),
-       "ipopt-ncp": (9e-5, 1.6, 1.5), "suitesparse": (5e-6, 1.25, 1.2)}
+       "ipopt-ncp": (9e-5, 1.6, 1.5), "ipm": (5e-6, 1.25, 1.2)}
 PEERS = {"bullet-dantzig": (4e-8, 2.6, 1.0), "bullet-dantzig-cfm": (4e-8, 2.6, 1.0), "clp": (1e-6, 2.0, 1.2),
          "clp-default": (1e-6, 2.1, 1.1)}
 EXTERNAL = {"mine": (1e-4, 1.1, 1.0)}

@@ -51,7 +51,7 @@ class Motion(unittest.TestCase):
         table = motion.of_scene(results.motion, "disc-pile", "velocity")
         rows = {(row["solver"], row["tolerance"]): row for row in motion.summary(table, results.solvers)}
         self.assertEqual(len(rows), 1 + len(TIERS) * (len(OWN) - 1))
-        full, stopped = rows["suitesparse", "1e-6"], rows["pgs", "1e-3"]
+        full, stopped = rows["ipm", "1e-6"], rows["pgs", "1e-3"]
         self.assertEqual((full["energy"], full["penetration"], full["distance"]), ("1.0e-04", "1.0e-05", "2.0e-04"))
         self.assertEqual((full["solves"], full["false"], full["stopped"]), (100, 0, ""))
         self.assertEqual((stopped["solves"], stopped["false"], stopped["stopped"]), (50, 1, "not finite"))

@@ -100,7 +100,7 @@ TEST(BodySystem, GraphIsThePatternOfItsBlocks) {
 }
 
 TEST(BodyOrder, KeepsTheUnknownsOfABodyTogether) {
-  if (!FindSolver("suitesparse").available) GTEST_SKIP() << "orders come from CHOLMOD, which is not in this build";
+  if (!FindSolver("ipm").available) GTEST_SKIP() << "orders come from CHOLMOD, which is not in this build";
   for (const SceneFamily& family : AllScenes()) {
     SCOPED_TRACE(family.key);
     const LcpProblem problem = Scene(family.key, 80, 1);
@@ -122,7 +122,7 @@ TEST(BodyOrder, KeepsTheUnknownsOfABodyTogether) {
 
 // A tree of bodies is ordered without fill: L has the entries of the matrix.
 TEST(BodyOrder, OfAChainHasNoFill) {
-  if (!FindSolver("suitesparse").available) GTEST_SKIP() << "orders come from CHOLMOD, which is not in this build";
+  if (!FindSolver("ipm").available) GTEST_SKIP() << "orders come from CHOLMOD, which is not in this build";
   const LcpProblem problem = Scene("chain-of-links", 200, 1);
   std::vector<Index> rows;
   for (Index i = 0; i < problem.size(); ++i) {

@@ -35,7 +35,7 @@ struct Direct {
 };
 
 constexpr Direct kDirect[] = {{"auto"},       {"dantzig"}, {"lemke"}, {"bpp", 15}, {"semismooth-newton", 15},
-                              {"suitesparse"}};
+                              {"ipm"}};
 
 // What one solver came to on a set of problems.
 struct Tally {

@@ -46,7 +46,7 @@ TEST(Oracle, IndependentRowsAreAMaximalSet) {
 }
 
 TEST(Oracle, SolvesTheProblemThatItIsToldTheActiveSetOf) {
-  if (!FindSolver("suitesparse").available) GTEST_SKIP() << "suitesparse is not in this build";
+  if (!FindSolver("ipm").available) GTEST_SKIP() << "ipm is not in this build";
   for (const char* key : {"discs-in-v", "disc-pile", "boxes-and-discs"}) {
     const LcpProblem problem = AssembleContactLcp(GenerateScene(key, 120, 3)).problem;
     LcpResult result;

@@ -79,7 +79,7 @@ TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
     EXPECT_EQ(Json::parse(FormatLcpRecord(records[k].problem, true)).at("A"), written[k].at("A"));
     EXPECT_TRUE(records[k].problem.has_factors());
   }
-  const CommandOutcome solved = Run("solve --solver suitesparse " + file);
+  const CommandOutcome solved = Run("solve --solver ipm " + file);
   EXPECT_EQ(solved.status, 0) << solved.error;
   const std::vector<Json> answers = Records(solved.out);
   ASSERT_EQ(answers.size(), 20u);

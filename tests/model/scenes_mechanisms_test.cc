@@ -125,7 +125,7 @@ double SeparatingShare(const ContactSystem& system, LcpSolver* solver) {
 
 TEST_P(Mechanisms, MixActiveAndSeparatingRows) {
   const auto dense = MakeSolver("dantzig");
-  const auto sparse = FindSolver("suitesparse").available ? MakeSolver("suitesparse") : nullptr;
+  const auto sparse = FindSolver("ipm").available ? MakeSolver("ipm") : nullptr;
   for (const int rows : {10, 30, 100, 300, 1000, 3000}) {
     LcpSolver* solver = rows < 1000 ? dense.get() : sparse.get();
     if (solver == nullptr) continue;

@@ -296,6 +296,8 @@ TEST_P(SolverContract, ImpossibleOptionsAreRefused) {
   EXPECT_THROW(GetParam().make({{"no-such-option", "1"}}), InputError);
 }
 
+TEST(Registry, AnOlderKeyFindsItsSolver) { EXPECT_EQ(FindSolver("suitesparse").key, "ipm"); }
+
 TEST(Registry, UnknownKeysNameTheKnownOnes) {
   try {
     FindSolver("simplex");

@@ -1,4 +1,4 @@
-#include "solvers/suitesparse_interior.h"
+#include "solvers/interior_point.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ void InteriorPoint::Reserve(Index n) {
   }
 }
 
-InteriorPoint::Progress InteriorPoint::StartCold(SuitesparseRun* run) {
+InteriorPoint::Progress InteriorPoint::StartCold(IpmRun* run) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   poor_steps_ = 0;
@@ -73,7 +73,7 @@ InteriorPoint::Progress InteriorPoint::StartCold(SuitesparseRun* run) {
   return Progress::kGood;
 }
 
-void InteriorPoint::StartWarm(SuitesparseRun* run, const Eigen::VectorXd& f) {
+void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   poor_steps_ = 0;
@@ -92,7 +92,7 @@ void InteriorPoint::StartWarm(SuitesparseRun* run, const Eigen::VectorXd& f) {
   Measure(run);
 }
 
-void InteriorPoint::Measure(SuitesparseRun* run) {
+void InteriorPoint::Measure(IpmRun* run) {
   const ScaledSystem& system = run->system();
   system.Multiply(f_, &defect_);
   mu_ = 0;
@@ -112,7 +112,7 @@ void InteriorPoint::Measure(SuitesparseRun* run) {
   if (contacts_ > 0) mu_ /= contacts_;
 }
 
-bool InteriorPoint::FactorizeStep(SuitesparseRun* run) {
+bool InteriorPoint::FactorizeStep(IpmRun* run) {
   const ScaledSystem& system = run->system();
   for (Index i = 0; i < f_.size(); ++i) {
     // Without the cap, quotients of a row that has left would overflow into its neighbours as NaN.
@@ -122,7 +122,7 @@ bool InteriorPoint::FactorizeStep(SuitesparseRun* run) {
   return run->Factorize(right_);
 }
 
-void InteriorPoint::SolveRefined(SuitesparseRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+void InteriorPoint::SolveRefined(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   ScaledSystem& system = run->system();
   system.Solve(r, x);
   system.Multiply(*x, &product_);
@@ -133,8 +133,7 @@ void InteriorPoint::SolveRefined(SuitesparseRun* run, const Eigen::VectorXd& r, 
   *x += correction_;
 }
 
-void InteriorPoint::Direction(SuitesparseRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df,
-                              Eigen::VectorXd* dw) {
+void InteriorPoint::Direction(IpmRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw) {
   const ScaledSystem& system = run->system();
   for (Index i = 0; i < f_.size(); ++i) {
     right_[i] = -defect_[i];
@@ -156,7 +155,7 @@ double InteriorPoint::MaxStep(const ScaledSystem& system, const Eigen::VectorXd&
   return inverse > 0 ? 1 / inverse : 2.0;
 }
 
-void InteriorPoint::CorrectCentrality(SuitesparseRun* run, double target_mu) {
+void InteriorPoint::CorrectCentrality(IpmRun* run, double target_mu) {
   const ScaledSystem& system = run->system();
   double step = std::min(1.0, MaxStep(system, df_, dw_));
   for (int k = 0; k < run->own().correctors && step < 1.0 - kLeastGain; ++k) {
@@ -181,7 +180,7 @@ void InteriorPoint::CorrectCentrality(SuitesparseRun* run, double target_mu) {
   }
 }
 
-InteriorPoint::Progress InteriorPoint::Step(SuitesparseRun* run) {
+InteriorPoint::Progress InteriorPoint::Step(IpmRun* run) {
   const ScaledSystem& system = run->system();
   const Index n = f_.size();
   if (!FactorizeStep(run)) return Progress::kStopped;

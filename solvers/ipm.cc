@@ -1,15 +1,15 @@
-#include "solvers/suitesparse.h"
+#include "solvers/ipm.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "solvers/interior_point.h"
+#include "solvers/ipm_run.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/suitesparse_finish.h"
-#include "solvers/suitesparse_interior.h"
-#include "solvers/suitesparse_run.h"
-#include "solvers/suitesparse_system.h"
+#include "solvers/proximal_pivoting.h"
+#include "solvers/scaled_system.h"
 
 namespace lcpbench {
 namespace {
@@ -30,13 +30,13 @@ constexpr double kTame = 10;
 constexpr double kHeaviest = 1e-2;
 double TameWeight(double mu) { return std::min(kHeaviest, kTame * std::sqrt(mu)); }
 
-ScaledSystem::Space SystemSpace(SuitesparseOptions::Space space) {
+ScaledSystem::Space SystemSpace(IpmOptions::Space space) {
   switch (space) {
-    case SuitesparseOptions::Space::kContact:
+    case IpmOptions::Space::kContact:
       return ScaledSystem::Space::kContact;
-    case SuitesparseOptions::Space::kBody:
+    case IpmOptions::Space::kBody:
       return ScaledSystem::Space::kBody;
-    case SuitesparseOptions::Space::kAutomatic:
+    case IpmOptions::Space::kAutomatic:
       break;
   }
   return ScaledSystem::Space::kAutomatic;
@@ -44,9 +44,9 @@ ScaledSystem::Space SystemSpace(SuitesparseOptions::Space space) {
 
 }  // namespace
 
-SuitesparseOptions SuitesparseOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("suitesparse", settings);
-  SuitesparseOptions options;
+IpmOptions IpmOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("ipm", settings);
+  IpmOptions options;
   const std::string space = reader.Choice("space", "auto", {"auto", "contact", "body"});
   if (space == "contact") options.space = Space::kContact;
   if (space == "body") options.space = Space::kBody;
@@ -56,9 +56,9 @@ SuitesparseOptions SuitesparseOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-class SuitesparseSolver::Implementation {
+class IpmSolver::Implementation {
  public:
-  explicit Implementation(const SuitesparseOptions& options) : options_(options) {}
+  explicit Implementation(const IpmOptions& options) : options_(options) {}
 
   void Prepare(const LcpProblem& problem) {
     statistics_ = {};
@@ -72,7 +72,7 @@ class SuitesparseSolver::Implementation {
 
   void Solve(const LcpOptions& options, LcpResult* result) {
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
-    SuitesparseRun run(system_, options_, options, statistics_);
+    IpmRun run(system_, options_, options, statistics_);
     result->status = SolveWithin(&run, result);
     result->iterations = statistics_.factorizations;
     if (result->status == LcpStatus::kInfeasible && !result->farkas_ray.has_value()) {
@@ -81,7 +81,7 @@ class SuitesparseSolver::Implementation {
     result->f = run.best_f();
   }
 
-  const SuitesparseStatistics& statistics() const { return statistics_; }
+  const IpmStatistics& statistics() const { return statistics_; }
 
  private:
   using Outcome = ProximalPivoting::Outcome;
@@ -104,7 +104,7 @@ class SuitesparseSolver::Implementation {
     return false;
   }
 
-  LcpStatus SolveWithin(SuitesparseRun* run, LcpResult* result) {
+  LcpStatus SolveWithin(IpmRun* run, LcpResult* result) {
     const LcpProblem& problem = system_.problem();
     const Index n = problem.size();
     if (HasImpossibleRow(result)) return LcpStatus::kInfeasible;
@@ -164,12 +164,11 @@ class SuitesparseSolver::Implementation {
     return Finish(run, interior_.f(), interior_.w(), TameWeight(interior_.mu()), result);
   }
 
-  LcpStatus Finish(SuitesparseRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight,
-                   LcpResult* result) {
+  LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
     return Ended(run, finish_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
   }
 
-  LcpStatus Ended(SuitesparseRun* run, Outcome outcome, LcpResult* result) {
+  LcpStatus Ended(IpmRun* run, Outcome outcome, LcpResult* result) {
     switch (outcome) {
       case Outcome::kSolved:
         return LcpStatus::kSolved;
@@ -185,27 +184,26 @@ class SuitesparseSolver::Implementation {
     return LcpStatus::kNumericalFailure;
   }
 
-  void Remember(SuitesparseRun* run) {
+  void Remember(IpmRun* run) {
     Eigen::VectorXd f = interior_.f().cwiseProduct(system_.force_unit());
     Eigen::VectorXd w;
     system_.GapsExtended(f, true, &w);
     run->Accept(f, w);
   }
 
-  SuitesparseOptions options_;
-  SuitesparseStatistics statistics_;
+  IpmOptions options_;
+  IpmStatistics statistics_;
   ScaledSystem system_;
   InteriorPoint interior_;
   ProximalPivoting finish_;
 };
 
-SuitesparseSolver::SuitesparseSolver(SuitesparseOptions options)
-    : implementation_(std::make_unique<Implementation>(options)) {}
-SuitesparseSolver::~SuitesparseSolver() = default;
+IpmSolver::IpmSolver(IpmOptions options) : implementation_(std::make_unique<Implementation>(options)) {}
+IpmSolver::~IpmSolver() = default;
 
-const SuitesparseStatistics& SuitesparseSolver::statistics() const { return implementation_->statistics(); }
+const IpmStatistics& IpmSolver::statistics() const { return implementation_->statistics(); }
 
-std::string SuitesparseSolver::WhyUnsupported(const LcpProblem& problem) const {
+std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
   if (!problem.IsNumericallySymmetric()) return "A is not symmetric";
   const Eigen::VectorXd& diagonal = problem.DiagonalA();
   for (Index i = 0; i < problem.size(); ++i) {
@@ -220,9 +218,9 @@ std::string SuitesparseSolver::WhyUnsupported(const LcpProblem& problem) const {
   return {};
 }
 
-void SuitesparseSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
+void IpmSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
 
-void SuitesparseSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+void IpmSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
   implementation_->Solve(options, result);
 }
 

@@ -1,4 +1,4 @@
-#include "solvers/suitesparse_finish.h"
+#include "solvers/proximal_pivoting.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ void ProximalPivoting::Reserve(Index n) {
   wrong_.assign(static_cast<size_t>(n), 0);
 }
 
-bool ProximalPivoting::Factorize(SuitesparseRun* run) {
+bool ProximalPivoting::Factorize(IpmRun* run) {
   for (;;) {
     for (size_t i = 0; i < active_.size(); ++i) {
       theta_[static_cast<Index>(i)] = active_[i] != 0 ? weight_ : ScaledSystem::kOut;
@@ -48,14 +48,14 @@ bool ProximalPivoting::Factorize(SuitesparseRun* run) {
   }
 }
 
-void ProximalPivoting::ProximalGaps(SuitesparseRun* run) {
+void ProximalPivoting::ProximalGaps(IpmRun* run) {
   ScaledSystem& system = run->system();
   forces_ = system.force_unit().cwiseProduct(x_);
   system.GapsExtended(forces_, true, &gap_);
   for (Index i = 0; i < x_.size(); ++i) gap_[i] = gap_[i] / system.gap_unit()[i] + weight_ * (x_[i] - center_[i]);
 }
 
-void ProximalPivoting::SolveOnActiveSet(SuitesparseRun* run) {
+void ProximalPivoting::SolveOnActiveSet(IpmRun* run) {
   ScaledSystem& system = run->system();
   const Index n = x_.size();
   for (Index i = 0; i < n; ++i) x_[i] = active_[static_cast<size_t>(i)] != 0 ? center_[i] : 0.0;
@@ -70,7 +70,7 @@ void ProximalPivoting::SolveOnActiveSet(SuitesparseRun* run) {
   ProximalGaps(run);
 }
 
-bool ProximalPivoting::AcceptClipped(SuitesparseRun* run) {
+bool ProximalPivoting::AcceptClipped(IpmRun* run) {
   ScaledSystem& system = run->system();
   for (Index i = 0; i < x_.size(); ++i) {
     if (system.unilateral(i)) polished_[i] = std::max(polished_[i], 0.0);
@@ -83,7 +83,7 @@ bool ProximalPivoting::AcceptClipped(SuitesparseRun* run) {
   return RepairTinyRows(run);
 }
 
-bool ProximalPivoting::RepairTinyRows(SuitesparseRun* run) {
+bool ProximalPivoting::RepairTinyRows(IpmRun* run) {
   ScaledSystem& system = run->system();
   const Index n = x_.size();
   const double allowed = std::sqrt(run->options().tolerance);
@@ -109,7 +109,7 @@ bool ProximalPivoting::RepairTinyRows(SuitesparseRun* run) {
   return false;
 }
 
-bool ProximalPivoting::Polish(SuitesparseRun* run) {
+bool ProximalPivoting::Polish(IpmRun* run) {
   ScaledSystem& system = run->system();
   polished_ = x_;
   double rho = std::numeric_limits<double>::infinity();
@@ -129,7 +129,7 @@ bool ProximalPivoting::Polish(SuitesparseRun* run) {
   return false;
 }
 
-void ProximalPivoting::Sharpen(SuitesparseRun* run) {
+void ProximalPivoting::Sharpen(IpmRun* run) {
   weight_ = run->own().proximal;
   center_ = polished_;
   if (!Factorize(run)) return;
@@ -164,7 +164,7 @@ void ProximalPivoting::Flip(const ScaledSystem& system, bool all) {
   }
 }
 
-ProximalPivoting::Outcome ProximalPivoting::Run(SuitesparseRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
+ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
                                                 int pivots, double progress, double weight) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
@@ -225,7 +225,7 @@ ProximalPivoting::Outcome ProximalPivoting::Run(SuitesparseRun* run, const Eigen
   return Outcome::kGaveUp;
 }
 
-bool ProximalPivoting::TryRay(SuitesparseRun* run, const Eigen::VectorXd& direction) {
+bool ProximalPivoting::TryRay(IpmRun* run, const Eigen::VectorXd& direction) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   const double size = MaxAbs(direction);

@@ -9,7 +9,7 @@
 
 namespace lcpbench {
 
-struct SuitesparseOptions {
+struct IpmOptions {
   /// Where the linear systems live.
   enum class Space {
     kAutomatic,  ///< by the column counts of J; contact space where no factors are given
@@ -24,11 +24,11 @@ struct SuitesparseOptions {
   int correctors = 2;
 
   /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10].
-  static SuitesparseOptions FromSettings(const Settings& settings);
+  static IpmOptions FromSettings(const Settings& settings);
 };
 
 /// What happened below, for tests and tuning.
-struct SuitesparseStatistics {
+struct IpmStatistics {
   std::int64_t analyses = 0;        ///< symbolic analyses in the latest Prepare
   std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
   std::int64_t interior_steps = 0;  ///< of these, interior-point steps
@@ -40,7 +40,7 @@ struct SuitesparseStatistics {
 /// Sparse second-order LCP solver on CHOLMOD: an interior point that finds the active set, and an active-set method
 /// that makes the answer exact. [Mehrotra 1992; Gondzio 1996; Judice, Pires 1994; Rockafellar 1976; Chen et al. 2008]
 ///
-/// Scaled variables (suitesparse_system.h): unit diagonal, b of size 1 in every connected component.
+/// Scaled variables (scaled_system.h): unit diagonal, b of size 1 in every connected component.
 ///
 /// 1. Mehrotra predictor-corrector with Gondzio's centrality correctors on  w = A f + b, f w = mu e; bilateral rows are
 ///    free. Every step factorises A + diag(w/f) + eps I once. The pattern never changes, so neither does the symbolic
@@ -70,13 +70,13 @@ struct SuitesparseStatistics {
 /// seen. Warm start: initial_f is returned if it meets the tier; else its active set is tried (a few pivots), and the
 /// interior point starts from it, shifted into the interior by its own residual. May change the answer where f is not
 /// unique.
-class SuitesparseSolver final : public LcpSolver {
+class IpmSolver final : public LcpSolver {
  public:
-  explicit SuitesparseSolver(SuitesparseOptions options = {});
-  ~SuitesparseSolver() override;
+  explicit IpmSolver(IpmOptions options = {});
+  ~IpmSolver() override;
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
-  const SuitesparseStatistics& statistics() const;
+  const IpmStatistics& statistics() const;
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;

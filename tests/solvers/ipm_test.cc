@@ -1,7 +1,7 @@
 // What is particular to the sparse backend: one symbolic analysis, the proximal term on singular A, iteration counts
 // that hardly grow, invariance under scaling, rays, limits. The promises of every solver are in contract_test.cc.
 
-#include "solvers/suitesparse.h"
+#include "solvers/ipm.h"
 
 #include <gtest/gtest.h>
 
@@ -17,17 +17,17 @@
 namespace lcpbench {
 namespace {
 
-using Space = SuitesparseOptions::Space;
+using Space = IpmOptions::Space;
 using Triplets = std::vector<Eigen::Triplet<double, int>>;
 
-LcpResult SolveWith(SuitesparseSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
+LcpResult SolveWith(IpmSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
   LcpResult result;
   solver->Solve(problem, options, &result);
   return result;
 }
 
-SuitesparseOptions InSpace(Space space) {
-  SuitesparseOptions options;
+IpmOptions InSpace(Space space) {
+  IpmOptions options;
   options.space = space;
   return options;
 }
@@ -117,9 +117,9 @@ LcpProblem Redundant(Index n, Index columns, unsigned seed) {
                                  RowBounds::WithBilateralRows(n, bilateral));
 }
 
-TEST(Suitesparse, AnalysesOnceForAllSolvesOfAProblem) {
+TEST(Ipm, AnalysesOnceForAllSolvesOfAProblem) {
   for (const Space space : {Space::kAutomatic, Space::kContact, Space::kBody}) {
-    SuitesparseSolver solver(InSpace(space));
+    IpmSolver solver(InSpace(space));
     const LcpProblem problem = Pile(200, 1);
     solver.Prepare(problem);
     EXPECT_EQ(solver.statistics().analyses, 1);
@@ -134,11 +134,11 @@ TEST(Suitesparse, AnalysesOnceForAllSolvesOfAProblem) {
   }
 }
 
-TEST(Suitesparse, BothSpacesGiveTheSameGaps) {
+TEST(Ipm, BothSpacesGiveTheSameGaps) {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const LcpProblem problem = Redundant(30, 12, seed);
-    SuitesparseSolver contact(InSpace(Space::kContact));
-    SuitesparseSolver body(InSpace(Space::kBody));
+    IpmSolver contact(InSpace(Space::kContact));
+    IpmSolver body(InSpace(Space::kBody));
     const LcpResult a = SolveWith(&contact, problem);
     const LcpResult b = SolveWith(&body, problem);
     ExpectSolved(problem, a);
@@ -153,11 +153,11 @@ TEST(Suitesparse, BothSpacesGiveTheSameGaps) {
   }
 }
 
-TEST(Suitesparse, ProximalTermAndRefinementSolveSingularSystems) {
+TEST(Ipm, ProximalTermAndRefinementSolveSingularSystems) {
   for (const double proximal : {1e-9, 1e-10, 1e-11, 1e-12}) {
-    SuitesparseOptions options;
+    IpmOptions options;
     options.proximal = proximal;
-    SuitesparseSolver solver(options);
+    IpmSolver solver(options);
     for (unsigned seed = 0; seed < 50; ++seed) {
       const LcpProblem problem = Redundant(10 + seed, 4 + seed % 9, seed);
       ExpectSolved(problem, SolveWith(&solver, problem));
@@ -165,20 +165,20 @@ TEST(Suitesparse, ProximalTermAndRefinementSolveSingularSystems) {
   }
 }
 
-TEST(Suitesparse, JointsAloneAreOneLinearSystem) {
+TEST(Ipm, JointsAloneAreOneLinearSystem) {
   const LcpProblem chain = Chain(50, 3);
   std::vector<Index> every(50);
   for (Index i = 0; i < 50; ++i) every[static_cast<size_t>(i)] = i;
   const LcpProblem joints = LcpProblem::FromFactors("joints", chain.J(), chain.inverse_mass(), chain.b(),
                                                     RowBounds::WithBilateralRows(50, every));
-  SuitesparseSolver solver;
+  IpmSolver solver;
   const LcpResult result = SolveWith(&solver, joints);
   ExpectSolved(joints, result);
   EXPECT_EQ(result.iterations, 1);
 }
 
-TEST(Suitesparse, IterationsHardlyGrowWithSize) {
-  SuitesparseSolver solver;
+TEST(Ipm, IterationsHardlyGrowWithSize) {
+  IpmSolver solver;
   for (LcpProblem (*const generate)(Index, unsigned) : {&Chain, &Pile}) {
     for (unsigned seed = 0; seed < 3; ++seed) {
       for (const Index n : {100, 300, 1000, 3000}) {
@@ -191,9 +191,9 @@ TEST(Suitesparse, IterationsHardlyGrowWithSize) {
   }
 }
 
-TEST(Suitesparse, ScalingByPowersOfTwoChangesNoPivot) {
+TEST(Ipm, ScalingByPowersOfTwoChangesNoPivot) {
   for (const Space space : {Space::kContact, Space::kBody}) {
-    SuitesparseSolver solver(InSpace(space));
+    IpmSolver solver(InSpace(space));
     for (unsigned seed = 0; seed < 10; ++seed) {
       const LcpProblem problem = Redundant(25, 10, seed);
       const LcpResult plain = SolveWith(&solver, problem);
@@ -217,7 +217,7 @@ TEST(Suitesparse, ScalingByPowersOfTwoChangesNoPivot) {
   }
 }
 
-TEST(Suitesparse, IndependentGroupsOfAnyMagnitudeAreEachSolved) {
+TEST(Ipm, IndependentGroupsOfAnyMagnitudeAreEachSolved) {
   // Two chains side by side, the loads of one 1e12 times those of the other: rho alone would not see the small one.
   const LcpProblem one = Chain(20, 5);
   SparseMatrix J(40, 120);
@@ -233,16 +233,16 @@ TEST(Suitesparse, IndependentGroupsOfAnyMagnitudeAreEachSolved) {
   }
   J.setFromTriplets(entries.begin(), entries.end());
   const LcpProblem both = LcpProblem::FromFactors("both", J, Eigen::VectorXd::Ones(120), b);
-  SuitesparseSolver solver;
+  IpmSolver solver;
   const LcpResult result = SolveWith(&solver, both);
   ExpectSolved(both, result);
   EXPECT_LE((1e12 * result.f.tail(20) - result.f.head(20)).cwiseAbs().maxCoeff(),
             1e-9 * result.f.cwiseAbs().maxCoeff());
 }
 
-TEST(Suitesparse, InfeasibleProblemsComeWithAnAcceptedRay) {
+TEST(Ipm, InfeasibleProblemsComeWithAnAcceptedRay) {
   for (const Space space : {Space::kContact, Space::kBody}) {
-    SuitesparseSolver solver(InSpace(space));
+    IpmSolver solver(InSpace(space));
     for (unsigned seed = 0; seed < 30; ++seed) {
       // A solvable chain, and two opposed rows on its top body that both demand to open.
       const LcpProblem chain = Chain(10 + seed, seed);
@@ -269,10 +269,10 @@ TEST(Suitesparse, InfeasibleProblemsComeWithAnAcceptedRay) {
   }
 }
 
-TEST(Suitesparse, RowsWithoutMobilityAreDecidedByTheirGap) {
+TEST(Ipm, RowsWithoutMobilityAreDecidedByTheirGap) {
   Eigen::MatrixXd A(3, 3);
   A << 2, 0, 1, 0, 0, 0, 1, 0, 2;
-  SuitesparseSolver solver;
+  IpmSolver solver;
   const LcpProblem open = LcpProblem::FromDense("open", A, Eigen::Vector3d(-1, 0.5, -1));
   ExpectSolved(open, SolveWith(&solver, open));
   const LcpProblem closed = LcpProblem::FromDense("closed", A, Eigen::Vector3d(-1, -0.5, -1));
@@ -285,9 +285,9 @@ TEST(Suitesparse, RowsWithoutMobilityAreDecidedByTheirGap) {
   EXPECT_EQ(SolveWith(&solver, indefinite).status, LcpStatus::kUnsupported);
 }
 
-TEST(Suitesparse, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
+TEST(Ipm, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
   const LcpProblem problem = Pile(300, 2);
-  SuitesparseSolver solver;
+  IpmSolver solver;
   const LcpResult cold = SolveWith(&solver, problem);
   ExpectSolved(problem, cold);
   LcpOptions options;
@@ -301,9 +301,9 @@ TEST(Suitesparse, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
 
 double ticks = 0;
 
-TEST(Suitesparse, LimitsAreCheckedBeforeEveryFactorization) {
+TEST(Ipm, LimitsAreCheckedBeforeEveryFactorization) {
   const LcpProblem problem = Pile(100, 4);
-  SuitesparseSolver solver;
+  IpmSolver solver;
   const std::int64_t needed = SolveWith(&solver, problem).iterations;
   for (std::int64_t limit = 1; limit < needed; ++limit) {
     LcpOptions by_count;
@@ -323,16 +323,15 @@ TEST(Suitesparse, LimitsAreCheckedBeforeEveryFactorization) {
   }
 }
 
-TEST(Suitesparse, OptionsHaveNamesAndRanges) {
-  const SuitesparseOptions options =
-      SuitesparseOptions::FromSettings({{"space", "body"}, {"proximal", "1e-10"}, {"correctors", "0"}});
+TEST(Ipm, OptionsHaveNamesAndRanges) {
+  const IpmOptions options = IpmOptions::FromSettings({{"space", "body"}, {"proximal", "1e-10"}, {"correctors", "0"}});
   EXPECT_EQ(options.space, Space::kBody);
   EXPECT_EQ(options.proximal, 1e-10);
   EXPECT_EQ(options.correctors, 0);
-  EXPECT_THROW(SuitesparseOptions::FromSettings({{"space", "phase"}}), InputError);
-  EXPECT_THROW(SuitesparseOptions::FromSettings({{"proximal", "1"}}), InputError);
-  EXPECT_THROW(SuitesparseOptions::FromSettings({{"ordering", "amd"}}), InputError);
-  SuitesparseSolver without(options);
+  EXPECT_THROW(IpmOptions::FromSettings({{"space", "phase"}}), InputError);
+  EXPECT_THROW(IpmOptions::FromSettings({{"proximal", "1"}}), InputError);
+  EXPECT_THROW(IpmOptions::FromSettings({{"ordering", "amd"}}), InputError);
+  IpmSolver without(options);
   const LcpProblem problem = Pile(100, 6);
   ExpectSolved(problem, SolveWith(&without, problem));
 }

@@ -6,17 +6,16 @@
 #include <limits>
 #include <string>
 
+#include "solvers/ipm.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/suitesparse.h"
-#include "solvers/suitesparse_system.h"
+#include "solvers/scaled_system.h"
 
 namespace lcpbench {
 
-/// One solve of the `suitesparse` backend: limits, counters and the best iterate so far, shared by its two methods.
-class SuitesparseRun {
+/// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods.
+class IpmRun {
  public:
-  SuitesparseRun(ScaledSystem& system, const SuitesparseOptions& own, const LcpOptions& options,
-                 SuitesparseStatistics& statistics)
+  IpmRun(ScaledSystem& system, const IpmOptions& own, const LcpOptions& options, IpmStatistics& statistics)
       : system_(system),
         own_(own),
         options_(options),
@@ -26,9 +25,9 @@ class SuitesparseRun {
         best_f_(Eigen::VectorXd::Zero(system.size())) {}
 
   ScaledSystem& system() { return system_; }
-  const SuitesparseOptions& own() const { return own_; }
+  const IpmOptions& own() const { return own_; }
   const LcpOptions& options() const { return options_; }
-  SuitesparseStatistics& statistics() { return statistics_; }
+  IpmStatistics& statistics() { return statistics_; }
 
   /// Factorises A^ + diag(theta) if the limits allow it. False: limit_hit() or a breakdown told by system().why().
   bool Factorize(const Eigen::VectorXd& theta) {
@@ -80,11 +79,11 @@ class SuitesparseRun {
   static constexpr double kMargin = 0.9;
 
   ScaledSystem& system_;
-  const SuitesparseOptions& own_;
+  const IpmOptions& own_;
   const LcpOptions& options_;
   Deadline deadline_;
   std::int64_t limit_;
-  SuitesparseStatistics& statistics_;
+  IpmStatistics& statistics_;
   LcpStatus status_ = LcpStatus::kNotRun;
   double last_factorization_ = -1;  // when it began [s]
   Eigen::VectorXd best_f_;

@@ -1,4 +1,4 @@
-#include "solvers/suitesparse_system.h"
+#include "solvers/scaled_system.h"
 
 #include <algorithm>
 #include <cmath>

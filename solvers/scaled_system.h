@@ -13,7 +13,7 @@ namespace lcpbench {
 /// max |x_i|, 0 for no entries; NaN where x has one.
 double MaxAbs(const Eigen::VectorXd& x);
 
-/// The linear algebra below the `suitesparse` solver: an LcpProblem in scaled variables, and solves with
+/// The linear algebra below the `ipm` solver: an LcpProblem in scaled variables, and solves with
 /// A^ + diag(theta) on one symbolic analysis.
 ///
 /// Scaled variables: A^ = S A S with S = D^-1/2, D = diag A, so that A^ has a unit diagonal; rows that A couples,

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "solvers/suitesparse_run.h"
+#include "solvers/ipm_run.h"
 
 namespace lcpbench {
 
@@ -19,11 +19,11 @@ class InteriorPoint {
 
   void Reserve(Index n);
   /// Regularised equality solve and Mehrotra's shift (one factorisation).
-  Progress StartCold(SuitesparseRun* run);
+  Progress StartCold(IpmRun* run);
   /// From f, clipped and shifted by its own natural residual (no factorisation).
-  void StartWarm(SuitesparseRun* run, const Eigen::VectorXd& f);
+  void StartWarm(IpmRun* run, const Eigen::VectorXd& f);
   /// One step (one factorisation).
-  Progress Step(SuitesparseRun* run);
+  Progress Step(IpmRun* run);
 
   const Eigen::VectorXd& f() const { return f_; }
   const Eigen::VectorXd& w() const { return w_; }
@@ -32,13 +32,13 @@ class InteriorPoint {
   double residual() const { return residual_; }
 
  private:
-  void Measure(SuitesparseRun* run);
-  bool FactorizeStep(SuitesparseRun* run);
-  void SolveRefined(SuitesparseRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
+  void Measure(IpmRun* run);
+  bool FactorizeStep(IpmRun* run);
+  void SolveRefined(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
   // Direction for the complementarity target f w + dw f + w df = target_i; rows C only.
-  void Direction(SuitesparseRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw);
+  void Direction(IpmRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw);
   double MaxStep(const ScaledSystem& system, const Eigen::VectorXd& df, const Eigen::VectorXd& dw) const;
-  void CorrectCentrality(SuitesparseRun* run, double target_mu);
+  void CorrectCentrality(IpmRun* run, double target_mu);
 
   Eigen::VectorXd f_, w_, df_, dw_, affine_df_, affine_dw_, trial_df_, trial_dw_;
   Eigen::VectorXd theta_, defect_, target_, right_, correction_, product_;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/suitesparse_run.h"
+#include "solvers/ipm_run.h"
 
 namespace lcpbench {
 
@@ -30,27 +30,27 @@ class ProximalPivoting {
   /// eps,
   ///                  so with eps about the residual of f the pivots stay near f even where A_FF is singular; eps then
   ///                  falls with the residual, as in regularised Newton methods [Qi, Sun 1993; Facchinei, Pang 2003]
-  Outcome Run(SuitesparseRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, int pivots, double progress,
+  Outcome Run(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, int pivots, double progress,
               double weight);
 
   /// Projects the growth direction on the null space of A over its support, and has VerifyFarkasRay judge it.
   /// Restricted to the component where it is largest: noise of the others would spoil the proof.
-  bool TryRay(SuitesparseRun* run, const Eigen::VectorXd& direction);
+  bool TryRay(IpmRun* run, const Eigen::VectorXd& direction);
   /// In the problem's units.
   const Eigen::VectorXd& ray() const { return ray_; }
 
  private:
-  bool Factorize(SuitesparseRun* run);
+  bool Factorize(IpmRun* run);
   // x_ = the solution of the proximal problem on F; gap_ = its gaps.
-  void SolveOnActiveSet(SuitesparseRun* run);
-  void ProximalGaps(SuitesparseRun* run);
+  void SolveOnActiveSet(IpmRun* run);
+  void ProximalGaps(IpmRun* run);
   // Proximal-point iterations on A_FF f_F = -b_F from x_; true if one of them is accepted.
-  bool Polish(SuitesparseRun* run);
+  bool Polish(IpmRun* run);
   // After acceptance with a heavy eps: the same active set once more with the light one, kept if it is better.
-  void Sharpen(SuitesparseRun* run);
-  bool AcceptClipped(SuitesparseRun* run);
+  void Sharpen(IpmRun* run);
+  bool AcceptClipped(IpmRun* run);
   // For forces_ that meet rho but not the componentwise measure, which then fails in rows where all terms are tiny.
-  bool RepairTinyRows(SuitesparseRun* run);
+  bool RepairTinyRows(IpmRun* run);
   // Rows that violate the proximal problem; their number is returned, they are marked in wrong_.
   Index FindWrongRows(const ScaledSystem& system);
   void Flip(const ScaledSystem& system, bool all);
