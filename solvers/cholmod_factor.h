@@ -35,12 +35,20 @@ class CholmodFactor {
   /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large, `order` not a permutation)
   void Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order = {});
 
+  /// The same for a positive definite matrix whose rows are in elimination order, postordered, so that a factorisation
+  /// reads it in place instead of permuting it first.
+  void AnalyzeAsOrdered(const ColumnMatrix& lower);
+
   Eigen::Index size() const;
   /// Predicted work of one factorisation [flop] and entries of L.
   double flops() const;
   double fill() const;
 
   void SetDiagonal(Eigen::Index i, double value);
+  /// The matrix itself, lower triangle by columns: size() + 1 starts, rows, and values that may be changed.
+  const int* column_starts() const;
+  const int* row_indices() const;
+  double* values();
 
   /// False if a pivot is zero (or, for kPositiveDefinite, not positive); why() then says so in words, with CHOLMOD's
   /// status. Solve must not be called after that.
@@ -52,6 +60,7 @@ class CholmodFactor {
 
  private:
   struct State;
+  void AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order);
   std::unique_ptr<State> state_;
 };
 

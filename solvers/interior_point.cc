@@ -9,13 +9,15 @@ namespace {
 constexpr double kStepToBoundary = 0.99;        // early, where accuracy of the direction is not worth the boundary
 constexpr double kLateStepToBoundary = 0.9995;  // once mu is small, for superlinear convergence
 constexpr double kLateMu = 1e-4;
-constexpr double kShift = 1.5;       // Mehrotra's starting shift
-constexpr double kPoorStep = 0.05;   // shorter steps count as stagnation, as do ...
-constexpr double kPoorFall = 0.5;    // ... steps that leave more than this of a mu that is ...
-constexpr double kPoorMu = 1e-10;    // ... this small already, where rounding may be what stops it ...
-constexpr int kPoorSteps = 4;        // ... when this many come in a row
-constexpr double kDivergence = 1e9;  // |f^| beyond this is taken for divergence (scaled b has size 1)
-constexpr double kWarmShift = 1e-3;  // least distance from the boundary of a warm start
+constexpr double kShift = 1.5;         // Mehrotra's starting shift
+constexpr double kPoorStep = 0.05;     // shorter steps count as stagnation, as do ...
+constexpr double kPoorFall = 0.5;      // ... steps that leave more than this of a mu that is ...
+constexpr double kPoorMu = 1e-10;      // ... this small already, where rounding may be what stops it ...
+constexpr int kPoorSteps = 4;          // ... when this many come in a row
+constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergence (scaled b has size 1)
+constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
+constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
+constexpr double kWarmShift = 1e-3;    // least distance from the boundary of a warm start
 // Gondzio's corrector: aimed-for step, box around mu, and the gain that makes a corrector worth keeping.
 constexpr double kAimedStep = 0.3;
 constexpr double kAimedGrowth = 1.1;
@@ -36,17 +38,17 @@ InteriorPoint::Progress InteriorPoint::StartCold(IpmRun* run) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   poor_steps_ = 0;
-  for (Index i = 0; i < n; ++i) theta_[i] = system.unilateral(i) ? 1.0 : run->own().proximal;
+  for (Index i = 0; i < n; ++i) theta_[i] = system.unilateral(i) ? kStartWeight : run->proximal();
   if (!run->Factorize(theta_)) return Progress::kStopped;
   for (Index i = 0; i < n; ++i) right_[i] = system.idle(i) ? 0.0 : -system.b()[i];
   system.Solve(right_, &f_);
-  // (A + I) f = -b: the gap of a unilateral row is -f, so one of the two is positive already.
+  // (A + c I) f = -b: the gap of a unilateral row is -c f, so one of the two is positive already.
   double least_f = 0, least_w = 0;
   for (Index i = 0; i < n; ++i) {
     w_[i] = 0;
     if (system.idle(i)) f_[i] = 0;
     if (!system.unilateral(i)) continue;
-    w_[i] = -f_[i];
+    w_[i] = -kStartWeight * f_[i];
     least_f = std::min(least_f, f_[i]);
     least_w = std::min(least_w, w_[i]);
   }
@@ -117,18 +119,22 @@ bool InteriorPoint::FactorizeStep(IpmRun* run) {
   for (Index i = 0; i < f_.size(); ++i) {
     // Without the cap, quotients of a row that has left would overflow into its neighbours as NaN.
     theta_[i] = system.unilateral(i) ? std::min(w_[i] / f_[i], ScaledSystem::kOut) : 0.0;
-    right_[i] = theta_[i] + run->own().proximal;
+    right_[i] = theta_[i] + run->proximal();
   }
   return run->Factorize(right_);
 }
 
-void InteriorPoint::SolveRefined(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+void InteriorPoint::SolveSystem(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   ScaledSystem& system = run->system();
   system.Solve(r, x);
+  if (!refine_) return;
   system.Multiply(*x, &product_);
   for (Index i = 0; i < f_.size(); ++i) {
     product_[i] = system.idle(i) ? 0.0 : r[i] - product_[i] - theta_[i] * (*x)[i];
   }
+  // The first solve of a step tells whether the others need this as well.
+  refine_ = MaxAbs(product_) > kRefineAbove * std::sqrt(mu_);
+  if (!refine_) return;
   system.Solve(product_, &correction_);
   *x += correction_;
 }
@@ -139,7 +145,7 @@ void InteriorPoint::Direction(IpmRun* run, const Eigen::VectorXd& target, Eigen:
     right_[i] = -defect_[i];
     if (system.unilateral(i)) right_[i] += (target[i] - f_[i] * w_[i]) / f_[i];
   }
-  SolveRefined(run, right_, df);
+  SolveSystem(run, right_, df);
   for (Index i = 0; i < f_.size(); ++i) {
     if (system.idle(i)) (*df)[i] = 0;
     (*dw)[i] = system.unilateral(i) ? (target[i] - f_[i] * w_[i] - w_[i] * (*df)[i]) / f_[i] : 0.0;
@@ -158,7 +164,7 @@ double InteriorPoint::MaxStep(const ScaledSystem& system, const Eigen::VectorXd&
 void InteriorPoint::CorrectCentrality(IpmRun* run, double target_mu) {
   const ScaledSystem& system = run->system();
   double step = std::min(1.0, MaxStep(system, df_, dw_));
-  for (int k = 0; k < run->own().correctors && step < 1.0 - kLeastGain; ++k) {
+  for (int k = 0; k < run->correctors() && step < 1.0 - kLeastGain; ++k) {
     const double aimed = std::min(1.0, kAimedGrowth * step + kAimedStep);
     for (Index i = 0; i < f_.size(); ++i) {
       if (!system.unilateral(i)) continue;
@@ -185,6 +191,7 @@ InteriorPoint::Progress InteriorPoint::Step(IpmRun* run) {
   const Index n = f_.size();
   if (!FactorizeStep(run)) return Progress::kStopped;
   ++run->statistics().interior_steps;
+  refine_ = true;
 
   target_.setZero();
   Direction(run, target_, &affine_df_, &affine_dw_);

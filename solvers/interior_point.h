@@ -34,7 +34,7 @@ class InteriorPoint {
  private:
   void Measure(IpmRun* run);
   bool FactorizeStep(IpmRun* run);
-  void SolveRefined(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
+  void SolveSystem(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
   // Direction for the complementarity target f w + dw f + w df = target_i; rows C only.
   void Direction(IpmRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw);
   double MaxStep(const ScaledSystem& system, const Eigen::VectorXd& df, const Eigen::VectorXd& dw) const;
@@ -46,6 +46,7 @@ class InteriorPoint {
   double residual_ = 0;
   int contacts_ = 0;
   int poor_steps_ = 0;
+  bool refine_ = false;  // whether the present factor needs a refinement after every solve
 };
 
 }  // namespace lcpbench

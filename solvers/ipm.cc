@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/interior_finish.h"
 #include "solvers/interior_point.h"
 #include "solvers/ipm_run.h"
 #include "solvers/lcp/verify.h"
@@ -15,12 +16,15 @@ namespace lcpbench {
 namespace {
 
 constexpr int kInteriorSteps = 80;        // far above the 10 to 30 that are normal
-constexpr double kFirstPolish = 1e-4;     // mu at which the active set is first guessed ...
-constexpr double kPolishResidual = 1e-4;  // ... if the linear residual is this small too
-constexpr double kNextPolish = 1e-3;      // fall of mu before the next guess
-constexpr double kLeastMu = 1e-22;        // nothing is to be learnt below
-constexpr int kPolishPivots = 10;         // of one guess, as long as every pivot leaves ...
-constexpr double kPolishProgress = 0.5;   // ... at most this fraction of the wrong rows
+constexpr double kFirstFinish = 1e-4;     // mu from which every iterate may be the last one ...
+constexpr double kFinishResidual = 1e-4;  // ... if the linear residual is this small too
+constexpr double kFewWrongRows =
+    0.02;  // with at most this fraction of rows wrong, pivots from the active set are tried
+constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend what is local
+constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
+constexpr double kLeastMu = 1e-22;             // nothing is to be learnt below
+constexpr int kGuessPivots = 10;               // of one guessed active set, as long as every pivot leaves ...
+constexpr double kGuessProgress = 0.5;         // ... at most this fraction of the wrong rows
 constexpr int kFallbackPivots = 300;
 constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
 
@@ -64,7 +68,8 @@ class IpmSolver::Implementation {
     statistics_ = {};
     system_.Prepare(problem, SystemSpace(options_.space));
     interior_.Reserve(problem.size());
-    finish_.Reserve(problem.size());
+    finish_.Reserve(problem.size(), system_.flops());
+    pivoting_.Reserve(problem.size());
     statistics_.analyses = system_.analyses();
     statistics_.body_space = system_.in_body_space();
     statistics_.fill = system_.fill();
@@ -74,9 +79,10 @@ class IpmSolver::Implementation {
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
     IpmRun run(system_, options_, options, statistics_);
     result->status = SolveWithin(&run, result);
+    if (run.accepted()) result->status = LcpStatus::kSolved;
     result->iterations = statistics_.factorizations;
     if (result->status == LcpStatus::kInfeasible && !result->farkas_ray.has_value()) {
-      result->farkas_ray = finish_.ray();
+      result->farkas_ray = pivoting_.ray();
     }
     result->f = run.best_f();
   }
@@ -131,23 +137,27 @@ class IpmSolver::Implementation {
       if (run->Accept(start, gaps)) return LcpStatus::kSolved;
       f = start.cwiseQuotient(system_.force_unit());
       w = gaps.cwiseQuotient(system_.gap_unit());
-      const Outcome outcome = finish_.Run(run, f, w, kPolishPivots, kPolishProgress, 0.0);
+      const Outcome outcome = pivoting_.Run(run, f, w, kGuessPivots, kGuessProgress, 0.0);
       if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
       interior_.StartWarm(run, f);
     } else if (interior_.StartCold(run) == Progress::kStopped) {
       return Ended(run, run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp, result);
     }
 
-    double polish_below = kFirstPolish;
-    int polishes = 0;
+    finish_.Restart();
+    double guess_below = kFirstFinish;
+    int guesses = 0;
+    const double few_wrong = finish_.may_sweep() ? kFewWrongRowsOfMany : kFewWrongRows;
     Progress progress = Progress::kGood;
     for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
       progress = interior_.Step(run);
       if (progress != Progress::kGood) break;
-      if (interior_.mu() > polish_below || interior_.residual() > kPolishResidual) continue;
-      polish_below = kNextPolish * interior_.mu();
-      const Outcome outcome = finish_.Run(run, interior_.f(), interior_.w(), kPolishPivots, kPolishProgress,
-                                          polishes++ == 0 ? 0.0 : TameWeight(interior_.mu()));
+      if (interior_.mu() > kFirstFinish || interior_.residual() > kFinishResidual) continue;
+      if (finish_.Try(run, interior_.f(), interior_.w())) return LcpStatus::kSolved;
+      if (interior_.mu() > guess_below || finish_.wrong_rows() > few_wrong) continue;
+      guess_below = kNextGuess * interior_.mu();
+      const Outcome outcome = pivoting_.Run(run, interior_.f(), interior_.w(), kGuessPivots, kGuessProgress,
+                                            guesses++ == 0 ? 0.0 : TameWeight(interior_.mu()));
       if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
     }
     if (run->limit_hit()) {
@@ -155,7 +165,7 @@ class IpmSolver::Implementation {
       return Ended(run, Outcome::kStopped, result);
     }
     if (progress == Progress::kDiverged) {
-      if (finish_.TryRay(run, interior_.f())) return Ended(run, Outcome::kInfeasible, result);
+      if (pivoting_.TryRay(run, interior_.f())) return Ended(run, Outcome::kInfeasible, result);
       f.setZero();
       w = interior_.w();
       for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
@@ -165,7 +175,7 @@ class IpmSolver::Implementation {
   }
 
   LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
-    return Ended(run, finish_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
+    return Ended(run, pivoting_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
   }
 
   LcpStatus Ended(IpmRun* run, Outcome outcome, LcpResult* result) {
@@ -195,7 +205,8 @@ class IpmSolver::Implementation {
   IpmStatistics statistics_;
   ScaledSystem system_;
   InteriorPoint interior_;
-  ProximalPivoting finish_;
+  InteriorFinish finish_;
+  ProximalPivoting pivoting_;
 };
 
 IpmSolver::IpmSolver(IpmOptions options) : implementation_(std::make_unique<Implementation>(options)) {}

@@ -19,7 +19,7 @@ struct IpmOptions {
   Space space = Space::kAutomatic;
   /// Proximal weight relative to the scaled unit diagonal. Smaller than 1e-13 meets rounding of singular A; 1e-7
   /// already slows the interior point on rank-deficient A, as directions in the null space are damped.
-  double proximal = 1e-11;
+  double proximal = 1e-12;
   /// Centrality correctors per interior-point step; each costs one solve and saves steps while factorising dominates.
   int correctors = 2;
 

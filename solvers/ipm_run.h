@@ -25,7 +25,9 @@ class IpmRun {
         best_f_(Eigen::VectorXd::Zero(system.size())) {}
 
   ScaledSystem& system() { return system_; }
-  const IpmOptions& own() const { return own_; }
+  /// Weight of the proximal term.
+  double proximal() const { return own_.proximal; }
+  int correctors() const { return own_.correctors; }
   const LcpOptions& options() const { return options_; }
   IpmStatistics& statistics() { return statistics_; }
 
@@ -42,6 +44,11 @@ class IpmRun {
     }
     ++statistics_.factorizations;
     return system_.Factorize(theta);
+  }
+  /// Seconds until the limit; false where none are left.
+  bool TimeLeft(double* seconds) const {
+    *seconds = options_.time_limit_s - deadline_.Elapsed();
+    return *seconds > 0;
   }
   /// True once a limit has stopped a factorisation; limit_status() says which.
   bool limit_hit() const { return status_ != LcpStatus::kNotRun; }
@@ -61,6 +68,8 @@ class IpmRun {
   }
   const Eigen::VectorXd& best_f() const { return best_f_; }
   double best_rho() const { return best_rho_; }
+  /// Whether best_f() meets the tier.
+  bool accepted() const { return accepted_; }
 
  private:
   // A factorisation cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it

@@ -130,7 +130,7 @@ bool ProximalPivoting::Polish(IpmRun* run) {
 }
 
 void ProximalPivoting::Sharpen(IpmRun* run) {
-  weight_ = run->own().proximal;
+  weight_ = run->proximal();
   center_ = polished_;
   if (!Factorize(run)) return;
   ++run->statistics().pivots;
@@ -168,7 +168,7 @@ ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::Vector
                                                 int pivots, double progress, double weight) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
-  weight_ = std::max(run->own().proximal, weight);
+  weight_ = std::max(run->proximal(), weight);
   for (Index i = 0; i < n; ++i) {
     active_[static_cast<size_t>(i)] = !system.idle(i) && (!system.unilateral(i) || f[i] > w[i]) ? 1 : 0;
     center_[i] = system.idle(i) ? 0.0 : f[i];
@@ -187,7 +187,7 @@ ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::Vector
     SolveOnActiveSet(run);
     if (!x_.allFinite()) return Outcome::kGaveUp;
     if (Polish(run)) {
-      if (weight_ > run->own().proximal) Sharpen(run);
+      if (weight_ > run->proximal()) Sharpen(run);
       return Outcome::kSolved;
     }
     const Index wrong = FindWrongRows(system);
@@ -203,9 +203,9 @@ ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::Vector
         factorized = false;
       }
       if (++outer >= kOuterSteps) return Outcome::kGaveUp;
-      if (weight_ > run->own().proximal) {
+      if (weight_ > run->proximal()) {
         // What is left of the residual is eps (x - c); an eps of its size keeps later steps as tame, and faster.
-        weight_ = std::clamp(weight_ * growth, run->own().proximal, kWeightFall * weight_);
+        weight_ = std::clamp(weight_ * growth, run->proximal(), kWeightFall * weight_);
         factorized = false;
       }
       fewest = n + 1;
@@ -240,7 +240,7 @@ bool ProximalPivoting::TryRay(IpmRun* run, const Eigen::VectorXd& direction) {
     const double y = direction[i] / size;
     if (system.unilateral(i) && y < kSupport) continue;
     polished_[i] = y;
-    theta_[i] = run->own().proximal;
+    theta_[i] = run->proximal();
   }
   if (!run->Factorize(theta_)) return false;
   for (int k = 0; k < kRaySteps; ++k) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "solvers/body_space.h"
 #include "solvers/cholmod_factor.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/residual.h"
@@ -26,13 +27,13 @@ class ScaledSystem {
  public:
   enum class RowKind : unsigned char { kIdle, kUnilateral, kBilateral };
   enum class Space {
-    kAutomatic,  ///< the sparser one, by column counts of J; kContact where no factors are given
+    kAutomatic,  ///< the one of less predicted work
     kContact,    ///< factorises A^ + diag(theta), n x n
-    kBody,       ///< factorises [-I, J^^T; J^, diag(theta)], J^ = S J M^-1/2, of which the former is a Schur complement
+    kBody,       ///< factorises I + J^^T diag(1 / theta) J^ on the bodies (BodySpace)
   };
 
   /// Scales, finds components, chooses the space and analyses. O(nnz) and the analysis.
-  /// kBody needs factors; without them it means kContact.
+  /// kBody needs BodySpace::Suits(problem); otherwise it means kContact.
   void Prepare(const LcpProblem& problem, Space space);
 
   /// The prepared problem (a copy that shares storage).
@@ -59,7 +60,7 @@ class ScaledSystem {
   /// Numeric factorisation of A^ + diag(theta); rows with theta = kOut are left out (x_i = 0 there to rounding), as are
   /// idle rows whatever their theta.
   bool Factorize(const Eigen::VectorXd& theta);
-  const std::string& why() const { return factor_.why(); }
+  const std::string& why() const { return body_space_ ? bodies_.why() : factor_.why(); }
   /// x = (A^ + diag(theta))^-1 r.
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
 
@@ -71,18 +72,20 @@ class ScaledSystem {
 
   bool in_body_space() const { return body_space_; }
   int analyses() const { return analyses_; }
-  double fill() const { return factor_.fill(); }
-  double flops() const { return factor_.flops(); }
+  double fill() const { return factor().fill(); }
+  double flops() const { return factor().flops(); }
 
   /// A pivot so large that its row neither moves nor moves others: 1 / kOut is far below the rounding of a unit
   /// diagonal.
-  static constexpr double kOut = 1e24;
+  static constexpr double kOut = BodySpace::kOut;
 
  private:
+  const CholmodFactor& factor() const { return body_space_ ? bodies_.factor() : factor_; }
   void ScaleRows();
   void FindComponents();
   void BuildContactSpace();
   void BuildBodySpace();
+  bool ChooseBodySpace(Space space, double contact_entries);
 
   std::optional<LcpProblem> problem_;
   std::vector<RowKind> kind_;
@@ -92,10 +95,8 @@ class ScaledSystem {
   Eigen::VectorXd root_, diagonal_, b_, force_unit_, gap_unit_;
   double b_norm_ = 1;  // |D^-1/2 b|_2
   SparseMatrix scaled_A_;
-  SparseMatrix scaled_J_;  // movable columns only
-  mutable Eigen::VectorXd body_;
-  CholmodFactor factor_;
-  Eigen::VectorXd stacked_;  // (0, r) and (u, x) of body space
+  CholmodFactor factor_;  // of contact space
+  BodySpace bodies_;
   bool body_space_ = false;
   bool a_is_affordable_ = true;
   int analyses_ = 0;

@@ -13,6 +13,7 @@
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -136,7 +137,7 @@ TEST(Ipm, AnalysesOnceForAllSolvesOfAProblem) {
 
 TEST(Ipm, BothSpacesGiveTheSameGaps) {
   for (unsigned seed = 0; seed < 20; ++seed) {
-    const LcpProblem problem = Redundant(30, 12, seed);
+    const LcpProblem problem = PlantedProblem(40, 8, seed + 1, static_cast<int>(seed % 4), 5).problem;
     IpmSolver contact(InSpace(Space::kContact));
     IpmSolver body(InSpace(Space::kBody));
     const LcpResult a = SolveWith(&contact, problem);
