@@ -17,7 +17,8 @@ constexpr int kPoorSteps = 4;          // ... when this many come in a row
 constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergence (scaled b has size 1)
 constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
 constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
-constexpr double kWarmShift = 1e-3;    // least distance from the boundary of a warm start
+constexpr double kWarmShifts = 3;      // distance from the boundary of a warm start, in its root mean square residual
+constexpr double kWarmShift = 1e-8;    // least such distance
 // Gondzio's corrector: aimed-for step, box around mu, and the gain that makes a corrector worth keeping.
 constexpr double kAimedStep = 0.3;
 constexpr double kAimedGrowth = 1.1;
@@ -81,11 +82,17 @@ void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
   poor_steps_ = 0;
   for (Index i = 0; i < n; ++i) f_[i] = system.idle(i) ? 0.0 : f[i];
   system.Multiply(f_, &w_);
-  double shift = kWarmShift;
+  double sum = 0;
+  Index count = 0;
   for (Index i = 0; i < n; ++i) {
     w_[i] = system.unilateral(i) ? w_[i] + system.b()[i] : 0.0;
-    if (system.unilateral(i)) shift = std::max(shift, std::abs(std::min(f_[i], w_[i])));
+    if (!system.unilateral(i)) continue;
+    const double residual = std::min(f_[i], w_[i]);
+    sum += residual * residual;
+    ++count;
   }
+  const double shift =
+      std::max(kWarmShift, kWarmShifts * std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1))));
   for (Index i = 0; i < n; ++i) {
     if (!system.unilateral(i)) continue;
     f_[i] = std::max(f_[i], 0.0) + shift;

@@ -73,6 +73,7 @@ class IpmSolver::Implementation {
     statistics_.analyses = system_.analyses();
     statistics_.body_space = system_.in_body_space();
     statistics_.fill = system_.fill();
+    statistics_.factor_flops = system_.flops();
   }
 
   void Solve(const LcpOptions& options, LcpResult* result) {

@@ -34,7 +34,8 @@ struct IpmStatistics {
   std::int64_t interior_steps = 0;  ///< of these, interior-point steps
   std::int64_t pivots = 0;          ///< of these, active sets tried
   bool body_space = false;
-  double fill = 0;  ///< entries of L
+  double fill = 0;          ///< entries of L
+  double factor_flops = 0;  ///< of one factorisation
 };
 
 /// Sparse second-order LCP solver on CHOLMOD: an interior point that finds the active set, and an active-set method

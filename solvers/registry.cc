@@ -21,6 +21,7 @@
 #include "solvers/ipopt_qp.h"
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/hybrid.h"
 #include "solvers/ipm.h"
 #endif
 
@@ -79,7 +80,9 @@ const Factory kMakeIpoptNcp = nullptr;
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
 const Factory kMakeIpm = &Make<IpmSolver, IpmOptions>;
+const Factory kMakeHybrid = &Make<HybridSolver, HybridOptions>;
 #else
+const Factory kMakeHybrid = nullptr;
 const Factory kMakeIpm = nullptr;
 #endif
 
@@ -111,6 +114,8 @@ std::vector<SolverEntry> OwnSolvers() {
                   kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
       SolverEntry{"ipm", "interior point on sparse CHOLMOD, proximal, finished by an active set",
                   "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeIpm},
+      SolverEntry{"hybrid", "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
+                  "see solvers/hybrid.h", kHaveSuitesparse, true, &AnyPsd, kMakeHybrid},
   };
 }
 

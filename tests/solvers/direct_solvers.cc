@@ -57,6 +57,12 @@ const std::vector<DirectSolver>& DirectSolvers() {
        .warm_iterations = 0,
        .powers_of_two_leave_zero_rows = false,
        .allocates = true},
+      {.name = "hybrid",
+       .key = "hybrid",
+       .rho = 1e-9,
+       .warm_iterations = 1.1,
+       .powers_of_two_leave_zero_rows = false,
+       .allocates = true},
   };
   return solvers;
 }

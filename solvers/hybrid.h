@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "solvers/ipm.h"
+#include "solvers/lcp/settings.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/nncg.h"
+
+namespace lcpbench {
+
+struct HybridOptions {
+  /// What the sweeps may cost while their rate of convergence promises an answer, in factorisations, in [0, 1000]; 0:
+  /// the interior point at once.
+  double probe_factorizations = 8;
+  /// Iterations that the sweeps take in any case, as the interior point starts better from them, in [0, 10000].
+  int least_iterations = 100;
+
+  /// Names: probe, least-iterations.
+  static HybridOptions FromSettings(const Settings& settings);
+};
+
+/// First-order, then second-order: nonsmooth conjugate gradients (NncgSolver) for as long as they promise to be
+/// cheaper, then active sets and the interior point (IpmSolver) from where they stopped.
+///
+/// Sweeps cost a hundredth of a factorisation at 10^5 rows. On ovals and loose piles they arrive; where redundant
+/// contacts or long chains make them stall they still find most of the active set and four digits, which spares the
+/// interior point its first steps. Where the rate flattens is measured: the sweeps end as soon as the present rate
+/// would not reach the tolerance within probe_factorizations (StoppingTest::EndWhenHopeless), after least_iterations at
+/// the earliest.
+///
+/// Trees and chains of bodies need no case of their own: minimum degree eliminates them from the leaves without fill
+/// (tests/solvers/body_space_test.cc), in either space.
+///
+/// Guaranteed class, failures, certificates: as IpmSolver, which has the last word. Unit of `iterations`: the steps of
+/// both, sweeps and factorisations; statistics() tells them apart. Limits hold for both together. Problems of less than
+/// 500 rows go to the interior point at once.
+/// Warm start: the sweeps start from initial_f. Departures: none; the two methods are used as they are.
+class HybridSolver final : public LcpSolver {
+ public:
+  explicit HybridSolver(HybridOptions options = {});
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+  const IpmStatistics& statistics() const { return interior_.statistics(); }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+ private:
+  HybridOptions options_;
+  NncgSolver least_;  // takes its iterations whatever it promises
+  NncgSolver probe_;  // ends when hopeless
+  IpmSolver interior_;
+  std::int64_t probe_limit_ = 0;
+};
+
+}  // namespace lcpbench
