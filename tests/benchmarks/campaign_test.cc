@@ -123,6 +123,29 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
   EXPECT_NE(ReadFile(folder_ / "page.csv").find("hanging,external,disc-pile,6,1e-6,time limit"), std::string::npos);
 }
 
+TEST_F(Campaign, EveryAnswerIsJudgedByItsProblemsFloor) {
+  const CommandOutcome run =
+      Run("run --suite quick --scenes tall-stacks,boxes-and-discs --sizes 8,20 --min-time 0.0001"
+          " --solvers pgs,dantzig -o " +
+          Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  std::map<std::string, std::string> floors;
+  for (const Row& row : ReadTable(folder_ / "r/problems.csv")) {
+    floors[row.at("problem")] = row.at("floor");
+    EXPECT_EQ(row.at("floor_solver"), "auto");
+    EXPECT_GT(std::stod(row.at("floor")), 0);
+    EXPECT_LT(std::stod(row.at("floor")), 1e-12);
+  }
+  EXPECT_EQ(floors.size(), 4u);
+  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
+  ASSERT_EQ(rows.size(), 4u * 2 * 3);
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.at("floor"), floors.at(row.at("problem")));
+    EXPECT_FALSE(row.at("answer_floor").empty());
+    EXPECT_EQ(row.at("at_floor"), "false");
+  }
+}
+
 TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
   const CommandOutcome run = Run("run --suite quick --scenes disc-pile --sizes 6 --time-limit 0.1 --solvers hanging" +
                                  External("hanging", "hang") + " -o " + Path("r"));
