@@ -204,7 +204,8 @@ def _map_cell(cells: Cells, run: dict | None) -> dict:
     if run is None or run["excluded"]:
         return {"level": -1, "rho": formats.DASH, "word": "", "at_floor": False, "false": False,
                 "title": run["excluded"] if run else "not run"}
-    level = 0
+    # best_tier knows the three usual tiers only; a run may have had others.
+    level = 1 if run["verified"] else 0
     for i, tier in enumerate(reversed(cells.results.tiers), start=1):
         if not level and run["best_tier"] > 0 and run["best_tier"] <= tier * (1 + 1e-6):
             level = i

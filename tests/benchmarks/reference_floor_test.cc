@@ -17,7 +17,7 @@ constexpr double kTimeLimit = 20;
 
 TEST(ReferenceFloor, IsKnownOnEveryFamilyAndBelowEveryTier) {
   for (const SceneFamily& scene : AllScenes()) {
-    for (const std::uint64_t seed : {1, 2}) {
+    for (const std::uint64_t seed : {1U, 2U}) {
       const LcpProblem problem = AssembleContactLcp(GenerateScene(std::string(scene.key), 40, seed)).problem;
       const ReferenceFloor found = FindReferenceFloor(problem, kStrictest, kTimeLimit);
       ASSERT_TRUE(found.reference.floor.has_value()) << scene.key;
