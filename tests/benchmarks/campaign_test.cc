@@ -146,6 +146,36 @@ TEST_F(Campaign, EveryAnswerIsJudgedByItsProblemsFloor) {
   }
 }
 
+TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
+  // Mass ratios of 1e6 put the floor at 7e-14, far above this tier.
+  const CommandOutcome run =
+      Run("run --suite quick --scenes tall-stacks --sizes 300 --tiers 1e-15 --min-time 0.0001"
+          " --solvers dantzig,lemke -o " +
+          Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.at("passes"), "true") << row.at("reason");
+    EXPECT_EQ(row.at("at_floor"), "true");
+    EXPECT_EQ(row.at("false_success"), "false");
+    EXPECT_GT(std::stod(row.at("rho")), 1e-15);
+    EXPECT_LE(std::stod(row.at("rho")), std::stod(row.at("floor")));
+  }
+  // Both passes judge alike: nothing was left out of the timing.
+  int timed = 0;
+  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
+  for (const nlohmann::json& entry : timing["benchmarks"]) {
+    EXPECT_FALSE(entry.value("error_occurred", false)) << entry.dump();
+    timed += entry["name"].get<std::string>().starts_with("solve/") ? 1 : 0;
+  }
+  EXPECT_GE(timed, 2);
+
+  const CommandOutcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
+  EXPECT_EQ(report.status, 0) << report.error;
+  EXPECT_NE(ReadFile(folder_ / "page.html").find("2 runs passed thanks to it only"), std::string::npos);
+}
+
 TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
   const CommandOutcome run = Run("run --suite quick --scenes disc-pile --sizes 6 --time-limit 0.1 --solvers hanging" +
                                  External("hanging", "hang") + " -o " + Path("r"));
