@@ -3,8 +3,6 @@
 Verdicts are relative to the larger of tier and floor. Files written before there were floors know none.
 """
 
-import math
-
 from . import formats
 from .cells import Cells
 
@@ -63,7 +61,7 @@ def sentence(cells: Cells) -> str:
             f"{formats.plural(at_floor(cells), 'run')} passed thanks to it only (marked {MARK}).{missing}")
 
 
-def span(problems) -> str:
+def largest(problems) -> str:
     """Of some rows of problems.csv; '' where none is known."""
-    values = [float(v) for v in problems["floor"].dropna() if not math.isnan(v)]
-    return formats.span(values, formats.residual) if values else ""
+    known_ones = problems["floor"].dropna()
+    return "" if known_ones.empty else f"at most {formats.residual(float(known_ones.max()))}"

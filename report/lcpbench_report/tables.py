@@ -252,7 +252,7 @@ def scenes(cells: Cells) -> list[dict]:
                 ("density of A", _span(mine["nnz_a"] / mine["n"] ** 2, formats.percent)),
                 ("separating rows", _span(mine["separating"], formats.percent)),
                 ("redundancy n − rank A", _redundancy(mine)),
-                ("rounding floor of rho", floors.span(mine)),
+                ("rounding floor of rho", floors.largest(mine)),
             ) if value]})
     return rows
 
