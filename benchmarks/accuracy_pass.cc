@@ -9,6 +9,7 @@
 #include "benchmarks/csv.h"
 #include "benchmarks/oracle.h"
 #include "benchmarks/progress.h"
+#include "benchmarks/reference_floor.h"
 #include "benchmarks/solver_pool.h"
 #include "model/assembly.h"
 #include "solvers/lcp/metric_table.h"
@@ -22,15 +23,16 @@ constexpr Index kLargestRank = 1000;
 // Relative to the largest eigenvalue of the Jacobi-scaled matrix.
 constexpr double kRankTolerance = 1e-10;
 
-const std::vector<std::string> kProblemColumns = {
-    "problem", "family",     "n",      "seed",        "bodies",           "movable",      "nnz_a",
-    "rank_a",  "separating", "active", "independent", "oracle_contact_s", "oracle_body_s"};
+const std::vector<std::string> kProblemColumns = {"problem",       "family",  "n",           "seed",
+                                                  "bodies",        "movable", "nnz_a",       "rank_a",
+                                                  "separating",    "active",  "independent", "oracle_contact_s",
+                                                  "oracle_body_s", "floor",   "floor_solver"};
 
 std::vector<std::string> AccuracyColumns() {
   std::vector<std::string> columns = {
-      "problem", "family",    "n",         "seed",          "solver",           "tier",
-      "claim",   "passes",    "best_tier", "false_success", "false_infeasible", "iterations",
-      "setup_s", "convert_s", "solve_s"};
+      "problem",    "family",  "n",         "seed",     "solver",        "tier",
+      "claim",      "passes",  "best_tier", "at_floor", "false_success", "false_infeasible",
+      "iterations", "setup_s", "convert_s", "solve_s"};
   for (const MetricEntry& metric : AllMetrics()) columns.emplace_back(metric.key);
   columns.insert(columns.end(), {"excluded", "detail", "reason"});
   return columns;
@@ -119,6 +121,10 @@ class AccuracyPass {
     const AssembledLcp lcp = AssembleContactLcp(system);
     best_rho_ = 1;
     separating_.reset();
+    // Of its own copy: forms of A that it makes are no part of anybody's set-up.
+    floor_ =
+        FindReferenceFloor(lcp.problem.CopyOfGivenForm(), *std::min_element(suite_.tiers.begin(), suite_.tiers.end()),
+                           TimeLimit(suite_, info.size));
     for (const std::string& key : suite_.solvers) {
       const SolverEntry& entry = FindSolver(key);
       if (entry.available) RunSolver(info, lcp.problem, entry);
@@ -134,7 +140,8 @@ class AccuracyPass {
                    separating_.has_value() ? CsvWriter::Cell(*separating_) : "",
                    oracle.has_value() ? std::to_string(oracle->active) : "",
                    oracle.has_value() ? std::to_string(oracle->independent) : "",
-                   TimeCell(oracle, &OracleTime::contact_s), TimeCell(oracle, &OracleTime::body_s)});
+                   TimeCell(oracle, &OracleTime::contact_s), TimeCell(oracle, &OracleTime::body_s),
+                   floor_.reference.floor.has_value() ? CsvWriter::Cell(*floor_.reference.floor) : "", floor_.solver});
   }
 
   CellOutcomes TakeOutcomes() { return std::move(outcomes_); }
@@ -178,14 +185,15 @@ class AccuracyPass {
                                     CsvWriter::Cell(tier)};
     CellOutcome& outcome = outcomes_[{info.id, std::string(entry.key), tier}];
     outcome.solve_s = times.solve_s;
+    outcome.reference = floor_.reference;
     if (!rule.empty()) {
-      row.resize(row.size() + 9 + AllMetrics().size());
+      row.resize(row.size() + 10 + AllMetrics().size());
       row.insert(row.end(), {rule, "", ""});
       accuracy_.Row(row);
       outcome.failure = "excluded by rule: " + rule;
       return;
     }
-    const Verdict verdict = Verify(problem, result, tier);
+    const Verdict verdict = Verify(problem, result, tier, &floor_.reference);
     if (!verdict.passes) {
       outcome.failure = std::string(verdict.false_success ? "false success: " : "") +
                         std::string(ToString(result.status)) + ": " + verdict.reason;
@@ -196,10 +204,11 @@ class AccuracyPass {
       best_w_ = verdict.metrics.w;
       separating_ = SeparatingFraction(problem, result.f, verdict.metrics.w, verdict.metrics.rho);
     }
-    row.insert(row.end(), {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
-                           verdict.best_tier > 0 ? CsvWriter::Cell(verdict.best_tier) : "",
-                           CsvWriter::Cell(verdict.false_success), CsvWriter::Cell(verdict.false_infeasible),
-                           std::to_string(result.iterations), times.setup, times.convert, times.solve});
+    row.insert(row.end(),
+               {std::string(ToString(result.status)), CsvWriter::Cell(verdict.passes),
+                verdict.best_tier > 0 ? CsvWriter::Cell(verdict.best_tier) : "", CsvWriter::Cell(verdict.at_floor),
+                CsvWriter::Cell(verdict.false_success), CsvWriter::Cell(verdict.false_infeasible),
+                std::to_string(result.iterations), times.setup, times.convert, times.solve});
     for (const MetricEntry& metric : AllMetrics()) {
       const double value = verdict.metrics.*metric.value;
       row.push_back(value == -1 ? "" : CsvWriter::Cell(value));
@@ -213,6 +222,7 @@ class AccuracyPass {
   CsvWriter problems_;
   CsvWriter accuracy_;
   CellOutcomes outcomes_;
+  ReferenceFloor floor_;  // of the current problem
   double best_rho_ = 1;
   std::optional<double> separating_;
   Eigen::VectorXd best_f_;

@@ -5,6 +5,7 @@
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
 #include "benchmarks/input_files.h"
+#include "benchmarks/reference_floor.h"
 #include "benchmarks/settings_option.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
@@ -19,6 +20,7 @@ struct SolveArguments {
   double tolerance = 1e-9;
   double time_limit_s = std::numeric_limits<double>::infinity();
   std::int64_t max_iterations = 0;
+  bool relative_to_floor = false;
   std::vector<std::string> files;
 };
 
@@ -34,7 +36,7 @@ int Solve(const SolveArguments& arguments, const Settings& settings) {
   if (options.max_iterations < 0) throw InputError("--max-iterations: expected a number >= 0");
 
   return ForEachLine(arguments.files, [&](const std::string& line, const std::string& where) {
-    const LcpRecord record = ParseLcpRecord(line, where);
+    LcpRecord record = ParseLcpRecord(line, where);
     LcpResult result;
     const double start = SteadyNow();
     solver->Prepare(record.problem);
@@ -42,6 +44,10 @@ int Solve(const SolveArguments& arguments, const Settings& settings) {
     solver->Solve(record.problem, options, &result);
     const double wall = SteadyNow() - prepared;
     const double solve_s = result.own_solve_s >= 0 ? result.own_solve_s : wall;
+    if (arguments.relative_to_floor) {
+      record.reference.floor =
+          FindReferenceFloor(record.problem, options.tolerance, options.time_limit_s).reference.floor;
+    }
     const Verdict verdict = Verify(record.problem, result, options.tolerance, &record.reference);
     std::cout << FormatSolveRecord(record.problem, arguments.solver, result, verdict, prepared - start, solve_s)
               << std::endl;
@@ -59,6 +65,8 @@ void AddSolveCommand(CLI::App& app, CommandRun& run) {
   solve->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem")->capture_default_str();
   solve->add_option("--max-iterations", arguments->max_iterations, "In the solver's unit; 0 = its default")
       ->capture_default_str();
+  solve->add_flag("--floor", arguments->relative_to_floor,
+                  "Judge by the larger of tolerance and the problem's rounding floor, which a reference solve finds");
   const auto settings = AddSettingsOption(*solve);
   solve->add_option("FILE", arguments->files, "JSON lines; - for standard input")->required();
   const auto externals = AddExternalOption(*solve);

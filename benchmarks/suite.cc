@@ -142,12 +142,18 @@ double TimeLimit(const Suite& suite, int size) {
 
 std::span<const SizeLimit> SizeLimits() { return kSizeLimits; }
 
-std::string ExclusionRule(const Suite& suite, const SolverEntry& solver, int size, double tier) {
+std::string SizeRefusal(const SolverEntry& solver, Index size) {
   for (const SizeLimit& limit : kSizeLimits) {
     if (size > limit.largest && Names(limit.solver, solver.key)) {
       return "not above n = " + std::to_string(limit.largest) + ": " + std::string(limit.reason);
     }
   }
+  return {};
+}
+
+std::string ExclusionRule(const Suite& suite, const SolverEntry& solver, int size, double tier) {
+  std::string refusal = SizeRefusal(solver, size);
+  if (!refusal.empty()) return refusal;
   const SizeRule* rule = RuleFor(suite, size);
   // A direct method's one run is judged at every tier.
   if (rule != nullptr && !rule->tiers.empty() && solver.uses_tolerance && !Contains(rule->tiers, tier)) {

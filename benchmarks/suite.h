@@ -70,6 +70,9 @@ struct SizeLimit {
 /// All of them. Solvers that are not listed are given everything.
 std::span<const SizeLimit> SizeLimits();
 
+/// "" where problems of this size are given to the solver, else the rule by which they are not (SizeLimits).
+std::string SizeRefusal(const SolverEntry& solver, Index size);
+
 /// "" where the cell is run, else the rule by which it is not (recorded as such, never silently).
 /// Solvers that are not in the build have no cells at all.
 std::string ExclusionRule(const Suite& suite, const SolverEntry& solver, int size, double tier);

@@ -64,8 +64,9 @@ class CurrentCell {
     return *problem_;
   }
 
+  // `reference`: as in the accuracy pass, so that both judge alike.
   Cell& Get(const std::string& name, const SuiteProblem& info, const SolverEntry& entry, double tier,
-            const Suite& suite) {
+            const LcpReference& reference, const Suite& suite) {
     if (cell_ == nullptr || cell_->name != name) {
       cell_.reset();
       const LcpProblem& given = Problem(info);
@@ -75,7 +76,7 @@ class CurrentCell {
       cell_->options.time_limit_s = TimeLimit(suite, info.size);
       cell_->solver->Prepare(cell_->problem);
       cell_->solver->Solve(cell_->problem, cell_->options, &cell_->result);
-      cell_->verdict = Verify(cell_->problem, cell_->result, tier);
+      cell_->verdict = Verify(cell_->problem, cell_->result, tier, &reference);
       cell_->options.repetitions = RepetitionsInWorker(cell_->result, suite.min_time_s);
     }
     return *cell_;
@@ -179,8 +180,8 @@ class TimingPass {
         break;
       }
       any_passed = true;
-      const auto function = [this, name, info, &entry, tier](benchmark::State& state) {
-        TimeSolve(state, current_.Get(name, info, entry, tier, suite_));
+      const auto function = [this, name, info, &entry, tier, outcome](benchmark::State& state) {
+        TimeSolve(state, current_.Get(name, info, entry, tier, outcome->second.reference, suite_));
       };
       const TimeSource source = TimesItself(entry) ? TimeSource::kWorker : TimeSource::kCall;
       Register(name, source, function, Repetitions(outcome->second.solve_s));

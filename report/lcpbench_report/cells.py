@@ -41,6 +41,7 @@ class Cell:
     time_s: float  # NaN where nothing was verified
     time_source: str  # BENCHMARK, SINGLE_RUN or ""
     convert_s: float  # what a solve converts besides, median; NaN where the solver does not say
+    at_floor: int = 0  # verified runs that pass only because the problem's rounding floor lies above the tier
 
     @property
     def passes(self) -> bool:
@@ -71,6 +72,8 @@ class Cells:
         for run in self.runs.to_dict("records"):
             groups.setdefault((run["family"], run["n"], run["solver"], run["tier"]), []).append(run)
         self._cells = {key: self._make_cell(key, group) for key, group in groups.items()}
+        self._floors = {(str(family), int(n)): float(floor)
+                        for (family, n), floor in results.problems.groupby(["family", "n"])["floor"].max().items()}
         self._run_solvers = {cell.solver for cell in self._cells.values() if cell.runs}
         self._setups = self.runs[self.runs["verified"]].groupby(["family", "n", "solver"])["setup_s"].median().to_dict()
         self._problem_times: dict[float, tuple[pd.DataFrame, int]] = {}
@@ -94,6 +97,10 @@ class Cells:
 
     def sizes(self, family: str) -> list[int]:
         return self._sizes.get(family, [])
+
+    def floor(self, family: str, n: int) -> float:
+        """Largest rounding floor of the seeds; NaN where none is known."""
+        return self._floors.get((family, n), math.nan)
 
     def setup_time(self, family: str, n: int, solver: str) -> float:
         """Median set-up time [s]: of the repetitions, else of the single runs that ended with a verified answer."""
@@ -182,7 +189,8 @@ class Cells:
         bench = _known(good, "bench_s")
         times, source = (bench, BENCHMARK) if bench else (_known(good, "solve_s"), SINGLE_RUN)
         return Cell(*key, len(tried), len(good), excluded, failure, reason, rho,
-                    median(times), source if times else "", median(_known(good, "convert_s")))
+                    median(times), source if times else "", median(_known(good, "convert_s")),
+                    sum(run["at_floor"] for run in good))
 
 
 def _known(runs: list[dict], column: str) -> list[float]:

@@ -3,7 +3,7 @@
 import math
 import statistics
 
-from . import formats
+from . import floors, formats
 from .cells import SINGLE_RUN, Cells
 
 # A solver is called out as built for looser tiers when its verified share falls below this part of the loosest tier's.
@@ -15,7 +15,7 @@ _NOISY_SPREAD = 0.1
 def limitations(cells: Cells) -> list[tuple[str, str]]:
     """[(subject, sentence)]"""
     rules = (_machine, _build, _noise, _single_runs, _disagreements, _accuracy_once, _seeds, _limit, _excluded,
-             _unavailable, _tiers, _direct, _families, _reference, _setup, _scope)
+             _unavailable, _tiers, _direct, _families, _reference, _floor, _setup, _scope)
     lines = []
     for rule in rules:
         lines += rule(cells)
@@ -174,6 +174,11 @@ def _reference(cells: Cells) -> list:
     return [("No reference",
              f"On {formats.plural(unknown, 'problem')} no solver was verified at the strictest tier: there the "
              "separating fraction is not known.")] if unknown else []
+
+
+def _floor(cells: Cells) -> list:
+    sentence = floors.sentence(cells)
+    return [("Rounding floor", sentence)] if sentence else []
 
 
 def _setup(cells: Cells) -> list:

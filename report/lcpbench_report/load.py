@@ -21,18 +21,20 @@ SCHEMA = "lcpbench-run/1"
 PROBLEM_COLUMNS = {
     "problem": "text", "family": "text", "n": "count", "seed": "integer", "bodies": "number?", "movable": "number?",
     "nnz_a": "number?", "rank_a": "number?", "separating": "number?", "active": "number?", "independent": "number?",
-    "oracle_contact_s": "number?", "oracle_body_s": "number?",
+    "oracle_contact_s": "number?", "oracle_body_s": "number?", "floor": "number?", "floor_solver": "text?",
 }
 ACCURACY_COLUMNS = {
     "problem": "text", "family": "text", "n": "count", "seed": "integer", "solver": "text", "tier": "number",
-    "claim": "text*", "passes": "boolean*", "best_tier": "number?", "false_success": "boolean*",
+    "claim": "text*", "passes": "boolean*", "best_tier": "number?", "at_floor": "boolean*", "false_success": "boolean*",
     "false_infeasible": "boolean*", "iterations": "number?", "setup_s": "number?", "convert_s": "number?",
     "solve_s": "number?", "rho": "number?", "backward_error": "number?", "natural_residual": "number?",
     "natural_residual_siconos": "number?", "fischer_burmeister": "number?", "primal_infeasibility": "number?",
     "dual_infeasibility": "number?", "complementarity": "number?", "gap": "number?", "gap_rel": "number?",
-    "energy_bound": "number?", "energy_shift": "number?", "w_error": "number?", "excluded": "text?",
-    "detail": "text?", "reason": "text?",
+    "energy_bound": "number?", "energy_shift": "number?", "w_error": "number?", "answer_floor": "number?",
+    "excluded": "text?", "detail": "text?", "reason": "text?",
 }
+# Columns that older files of this schema do not have, and the cell that stands for them there.
+ADDED_COLUMNS = {"floor": "", "floor_solver": "", "at_floor": "false", "answer_floor": ""}
 # Key -> type; what the page cannot do without.
 RUN_KEYS = {
     "schema": str, "suite": str, "started": str, "wall_s": (int, float, type(None)), "git_commit": str,
@@ -172,6 +174,8 @@ def _read_table(folder: Path, name: str, columns: dict[str, str]) -> pd.DataFram
     except (pd.errors.ParserError, pd.errors.EmptyDataError) as error:
         raise ReportError(name, str(error), "comma-separated rows under a header") from error
     for column in columns:
+        if column not in raw.columns and column in ADDED_COLUMNS:
+            raw[column] = ADDED_COLUMNS[column]
         if column not in raw.columns:
             raise ReportError(name, f"column '{column}' is missing", "columns " + ", ".join(columns))
     if raw.empty:

@@ -6,7 +6,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from . import figures, formats, motion, motion_figure, svg, tables
+from . import figures, floors, formats, motion, motion_figure, svg, tables
 from .cells import BENCHMARK, SINGLE_RUN, Cells
 from .limitations import limitations
 from .load import Results
@@ -40,6 +40,8 @@ def render(cells: Cells) -> str:
         "motion": _motion(results, styles), "described": _solvers(results),
         "limitations": limitations(cells), "sources": _time_sources(cells),
         "verdicts": tables.verdicts(cells), "levels": level_colours(len(results.tiers)),
+        "floors": {"known": floors.known(cells), "shown": floors.shown(cells), "mark": floors.MARK,
+                   "any": floors.at_floor(cells) > 0},
         "oracle_colour": ORACLE_COLOUR,
         "plot": "plot" if len(figures.panel_groups(results.solvers, styles)) > 1 else "plot wide",
         "first_tier": formats.tier(min(results.tiers, key=lambda tier: abs(math.log(tier / _FIRST_TIER)))),
@@ -84,6 +86,7 @@ def _nonzero(accuracy: list[dict], cells: Cells) -> dict[str, bool]:
     return {"false_infeasible": any(row["false_infeasible"] for row in rows),
             "infeasible": "infeasible" in tables.other_claims(cells),
             "unclaimed": any(row["unclaimed"] for row in rows),
+            "at_floor": any(row["at_floor"] for row in rows),
             "excluded": any(row["excluded"] for row in rows),
             "w_error": any(row["w_error_max"] != formats.DASH for row in rows)}
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import formats
+from . import floors, formats
 from .cells import Cells
 from .stats import geometric_mean, time_ratios
 
@@ -59,6 +59,8 @@ def summary_lines(cells: Cells) -> list[dict]:
         lines.append({"label": f"Fastest at {formats.tier(tier)}", "text": _fastest(cells, tier), "alert": False})
     wrong = cells.runs[cells.runs["false_success"]]
     lines.append({"label": "False successes", "text": _false_successes(cells, wrong), "alert": len(wrong) > 0})
+    if any(floors.above(cells, floor) for floor in cells.results.problems["floor"]):
+        lines.append({"label": "Rounding floor", "text": floors.sentence(cells), "alert": False})
     for solver in cells.results.solvers:
         lines.append({"label": solver, "text": _solver_line(cells, solver), "alert": False, "solver": solver,
                       "origin": cells.results.origin(solver)})

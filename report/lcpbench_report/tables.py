@@ -4,7 +4,7 @@ import math
 
 import pandas as pd
 
-from . import formats
+from . import floors, formats
 from .cells import SINGLE_RUN, Cell, Cells, failure_line, failure_word
 from .figures import growth
 from .stats import geometric_mean, median
@@ -134,6 +134,7 @@ def accuracy_row(runs: pd.DataFrame, claims: list[str]) -> dict:
         "problems": len(runs), "excluded": len(runs) - len(tried),
         "claimed": int((tried["claim"] == "solved").sum()),
         "verified": len(good), "share": len(good) / len(runs) if len(runs) else 0.0,
+        "at_floor": int(good["at_floor"].sum()),
         "unclaimed": int((good["claim"] != "solved").sum()),
         "false_success": int(tried["false_success"].sum()),
         "false_infeasible": int(tried["false_infeasible"].sum()),
@@ -149,8 +150,14 @@ def verdicts(cells: Cells) -> list[dict]:
     """One look at everything: a row per family and size, a cell per solver: the strictest tier that all seeds pass."""
     tiers = list(reversed(cells.results.tiers))
     return [{"family": family, "n": n, "first": n == cells.sizes(family)[0], "span": len(cells.sizes(family)),
+             "floor": _floor(cells, cells.floor(family, n)),
              "cells": [_verdict(cells, family, n, solver, tiers) for solver in cells.results.solvers]}
             for family in cells.results.families for n in cells.sizes(family)]
+
+
+def _floor(cells: Cells, floor: float) -> dict:
+    return {"text": floors.text(cells, floor), "above": floors.above(cells, floor),
+            "title": floors.title(cells, floor) if floors.text(cells, floor) else ""}
 
 
 def _verdict(cells: Cells, family: str, n: int, solver: str, tiers: list[float]) -> dict:
@@ -166,8 +173,9 @@ def _verdict(cells: Cells, family: str, n: int, solver: str, tiers: list[float])
                {"kind": "level0", "text": "✗", "title": name + tried[-1].failure}
     exponent = formats.tier(cell.tier).split("e")[1].replace("-", "−")
     return {"kind": f"level{tiers.index(cell.tier) + 1}" + (" lied" if lied else ""),
-            "text": exponent + ("!" if lied else ""),
+            "text": exponent + (floors.MARK if cell.at_floor else "") + ("!" if lied else ""),
             "title": f"{name}passes {formats.tier(cell.tier)}, rho {formats.residual(cell.rho)}"
+                     + (" (thanks to the rounding floor)" if cell.at_floor else "")
                      + (f"; {lie}" if lied else "")}
 
 
@@ -185,7 +193,8 @@ def residual_map(cells: Cells) -> list[dict]:
                 for solver in cells.results.solvers]
         verified = sum(cell["level"] == 1 for row in rows for cell in row["cells"])
         families.append({"family": family, "rows": rows, "verified": verified,
-                         "problems": [{"name": p.problem, "n": p.n, "seed": p.seed} for p in mine],
+                         "problems": [{"name": p.problem, "n": p.n, "seed": p.seed,
+                                       "floor": _floor(cells, p.floor)} for p in mine],
                          "of": len(rows) * len(mine)})
     return families
 
@@ -193,14 +202,16 @@ def residual_map(cells: Cells) -> list[dict]:
 def _map_cell(cells: Cells, run: dict | None) -> dict:
     """`level` 1 is the strictest tier, 2 the next, ...; 0 is none."""
     if run is None or run["excluded"]:
-        return {"level": -1, "rho": formats.DASH, "word": "", "false": False,
+        return {"level": -1, "rho": formats.DASH, "word": "", "at_floor": False, "false": False,
                 "title": run["excluded"] if run else "not run"}
-    level = 0
+    # best_tier knows the three usual tiers only; a run may have had others.
+    level = 1 if run["verified"] else 0
     for i, tier in enumerate(reversed(cells.results.tiers), start=1):
         if not level and run["best_tier"] > 0 and run["best_tier"] <= tier * (1 + 1e-6):
             level = i
     word = "" if run["verified"] else failure_word(run)
-    return {"level": level, "rho": formats.residual(run["rho"]), "word": word, "false": bool(run["false_success"]),
+    return {"level": level, "rho": formats.residual(run["rho"]), "word": word,
+            "at_floor": bool(run["verified"] and run["at_floor"]), "false": bool(run["false_success"]),
             "title": "" if run["verified"] else failure_line(run)}
 
 
@@ -241,6 +252,7 @@ def scenes(cells: Cells) -> list[dict]:
                 ("density of A", _span(mine["nnz_a"] / mine["n"] ** 2, formats.percent)),
                 ("separating rows", _span(mine["separating"], formats.percent)),
                 ("redundancy n − rank A", _redundancy(mine)),
+                ("rounding floor of rho", floors.largest(mine)),
             ) if value]})
     return rows
 

@@ -8,7 +8,7 @@ from . import formats, tables
 from .cells import Cell, Cells
 
 COLUMNS = ("solver", "origin", "family", "n", "tier", "verdict", "time_s", "convert_s", "setup_s", "time_source",
-           "runs", "verified", "rho", "over_oracle", "reason")
+           "runs", "verified", "rho", "over_oracle", "floor", "at_floor", "reason")
 
 
 def as_csv(cells: Cells) -> str:
@@ -32,7 +32,8 @@ def _row(cells: Cells, cell: Cell, oracle: float) -> dict:
             "convert_s": _number(cell.convert_s),
             "setup_s": _number(cells.setup_time(cell.family, cell.n, cell.solver)) if cell.runs else "",
             "time_source": cell.time_source, "runs": cell.runs, "verified": cell.verified, "rho": _number(cell.rho),
-            "over_oracle": _number(cell.time_s / oracle), "reason": cell.reason}
+            "over_oracle": _number(cell.time_s / oracle), "floor": _number(cells.floor(cell.family, cell.n)),
+            "at_floor": cell.at_floor, "reason": cell.reason}
 
 
 def _number(value: float) -> str:

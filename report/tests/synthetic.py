@@ -81,7 +81,13 @@ def _problem(rng, f, family, n, seed) -> dict:
     return {"problem": f"{family}-n{n}-s{seed}", "family": family, "n": n, "seed": seed, "bodies": n // 2 + 2,
             "movable": n // 2, "nnz_a": min(n * n, 7 * n), "rank_a": n - (f * n) // 10 if n <= 1000 else "",
             "separating": round(rng.uniform(0.1, 0.5), 3), "active": n // 2, "independent": n // 2 - (f * n) // 20,
-            "oracle_contact_s": f"{2e-7 * n:.6e}", "oracle_body_s": f"{1e-6 * n**0.9:.6e}" if f else ""}
+            "oracle_contact_s": f"{2e-7 * n:.6e}", "oracle_body_s": f"{1e-6 * n**0.9:.6e}" if f else "",
+            "floor": f"{floor_of(f, n):.6e}" if n > 10 else "", "floor_solver": "auto" if n > 10 else ""}
+
+
+def floor_of(f, n) -> float:
+    """Of the last family it comes near the strictest tier at n = 1000 and exceeds it at n = 3000."""
+    return {1000: 3e-10, 3000: 4e-9}.get(n, 1e-15 * n) if f == len(FAMILIES) - 1 else 1e-15 * n
 
 
 def _run(rng, f, problem, solver, tier) -> dict:
@@ -107,9 +113,14 @@ def _run(rng, f, problem, solver, tier) -> dict:
         rho = 10 ** rng.uniform(-3, 2) if rng.random() < 0.8 else math.inf
     if solver == "ipopt-qp" and tier == 1e-9 and f == 4 and n in (300, 1000):
         rho = 3.1e-9
-    passes = rho <= tier
+    # Above the strictest tier and below the floor.
+    at_floor = solver == "suitesparse" and tier == 1e-9 and floor_of(f, n) > tier
+    if at_floor:
+        rho = 2.5e-9
+    passes = rho <= max(tier, floor_of(f, n))
     row |= {"passes": str(passes).lower(), "false_success": str(row["claim"] == "solved" and not passes).lower(),
-            "best_tier": next((f"{t:.0e}" for t in sorted(TIERS) if rho <= t), ""), "rho": f"{rho:.6e}",
+            "best_tier": next((f"{t:.0e}" for t in sorted(TIERS) if rho <= max(t, floor_of(f, n))), ""),
+            "at_floor": str(at_floor).lower(), "rho": f"{rho:.6e}",
             "backward_error": f"{10 * rho:.6e}", "setup_s": f"{2e-7 * n**1.1 * (1 + len(solver)):.6e}",
             "solve_s": f"{time0 * n**exponent * per_tier ** (digits / 3) * (1 + 0.3 * f) * rng.uniform(1, 1.4):.6e}"}
     if solver in PEERS:

@@ -203,6 +203,12 @@ class OnSyntheticResults(unittest.TestCase):
         times, _ = self.cells.problem_times(1e-9)
         self.assertEqual((times["dantzig"] == INF).sum(), 15)
 
+    def test_the_residual_map_counts_what_passes_the_strictest_tier(self):
+        runs = self.cells.runs[self.cells.runs["tier"] == min(TIERS)]
+        for family in tables.residual_map(self.cells):
+            mine = runs[runs["family"] == family["family"]]
+            self.assertEqual((family["verified"], family["of"]), (int(mine["verified"].sum()), len(mine)))
+
     def test_residuals_are_taken_over_verified_answers_only(self):
         runs = self.cells.runs[(self.cells.runs["solver"] == "pgs") & (self.cells.runs["tier"] == 1e-9)]
         row = tables.accuracy_row(runs, [])

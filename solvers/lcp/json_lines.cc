@@ -360,6 +360,7 @@ std::string FormatSolveRecord(const LcpProblem& problem, std::string_view solver
   nlohmann::ordered_json judgement;
   judgement["requested"] = verdict.requested;
   judgement["passes"] = verdict.passes;
+  judgement["at_floor"] = verdict.at_floor;
   judgement["best_tier"] = verdict.best_tier > 0 ? Json(verdict.best_tier) : Json(nullptr);
   judgement["false_success"] = verdict.false_success;
   judgement["false_infeasible"] = verdict.false_infeasible;

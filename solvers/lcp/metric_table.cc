@@ -24,6 +24,10 @@ constexpr std::array kMetrics{
     MetricEntry{"energy_shift", &Metrics::energy_shift, "|D^-1/2 (b~ - b)|_2, by which energy_bound is off"},
     MetricEntry{"w_error", &Metrics::w_error, "max_i |w_i - w*_i| / (1 + |b|_inf), where w* is known"},
     MetricEntry{"f_error", &Metrics::f_error, "max_i |f_i - f*_i| / (1 + |f*|_inf), where f* is known and unique"},
+    MetricEntry{"floor", &Metrics::floor,
+                "rounding floor of the problem: answer_floor of a reference answer; tiers below it cannot be demanded"},
+    MetricEntry{"answer_floor", &Metrics::answer_floor,
+                "2^-53 |D^-1/2 |A||f||_2 / |D^-1/2 b|_2: what rounding f to double can add to rho"},
 };
 
 }  // namespace

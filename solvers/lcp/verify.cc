@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "solvers/lcp/rounding_floor.h"
+
 namespace lcpbench {
 namespace {
 
@@ -142,6 +144,11 @@ double Ratio(Extended numerator, Extended denominator) {
   return static_cast<double>(numerator / denominator);
 }
 
+// Written so that NaN fails.
+bool Meets(const Metrics& m, double tier) {
+  return m.rho <= tier && m.backward_error <= std::sqrt(tier) && std::isfinite(m.natural_residual) && m.w.allFinite();
+}
+
 std::string Number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
@@ -153,6 +160,11 @@ std::string Number(double value) {
 Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference) {
   const Index n = problem.size();
   Metrics m;
+  if (reference != nullptr && reference->floor.has_value() && std::isfinite(*reference->floor) &&
+      *reference->floor >= 0) {
+    m.floor = *reference->floor;
+  }
+  m.answer_floor = RoundingFloor(problem, f);
   if (f.size() != n || !f.allFinite()) {
     m.w = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::quiet_NaN());
     m.rho = m.backward_error = m.natural_residual = m.natural_residual_siconos = kInfinity;
@@ -282,11 +294,11 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
   return verdict;
 }
 
-bool PassesTier(const Metrics& m, double tolerance) {
-  // Written so that NaN fails.
-  return m.rho <= tolerance && m.backward_error <= std::sqrt(tolerance) && std::isfinite(m.natural_residual) &&
-         m.w.allFinite();
+double EffectiveTier(const Metrics& m, double tolerance) {
+  return std::max(tolerance, std::min(m.floor, kLargestFloor));
 }
+
+bool PassesTier(const Metrics& m, double tolerance) { return Meets(m, EffectiveTier(m, tolerance)); }
 
 Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolerance, const LcpReference* reference) {
   Verdict verdict;
@@ -294,6 +306,7 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
   verdict.metrics = ComputeMetrics(problem, result.f, reference);
   const Metrics& m = verdict.metrics;
   verdict.passes = PassesTier(m, tolerance);
+  verdict.at_floor = verdict.passes && !Meets(m, tolerance);
   for (const double tier : kTiers) {
     if (PassesTier(m, tier)) {
       verdict.best_tier = tier;
@@ -307,15 +320,17 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
   const bool proved = verdict.farkas.has_value() && verdict.farkas->accepted;
   verdict.false_infeasible = result.status == LcpStatus::kInfeasible && (known_solvable || (verdict.passes && !proved));
   if (!verdict.passes) {
+    const double tier = EffectiveTier(m, tolerance);
+    const std::string whose = tier > tolerance ? " (rounding floor)" : "";
     if (result.f.size() != problem.size()) {
       verdict.reason =
           "f has " + std::to_string(result.f.size()) + " entries, expected " + std::to_string(problem.size());
     } else if (!result.f.allFinite()) {
       verdict.reason = "f is not finite";
-    } else if (!(m.rho <= tolerance)) {
-      verdict.reason = "rho = " + Number(m.rho) + " > " + Number(tolerance);
-    } else if (!(m.backward_error <= std::sqrt(tolerance))) {
-      verdict.reason = "backward error = " + Number(m.backward_error) + " > " + Number(std::sqrt(tolerance));
+    } else if (!(m.rho <= tier)) {
+      verdict.reason = "rho = " + Number(m.rho) + " > " + Number(tier) + whose;
+    } else if (!(m.backward_error <= std::sqrt(tier))) {
+      verdict.reason = "backward error = " + Number(m.backward_error) + " > " + Number(std::sqrt(tier)) + whose;
     } else {
       verdict.reason = "a metric is not finite";
     }

@@ -45,6 +45,11 @@ struct Metrics {
   /// max |f_i - f*_i| / (1 + |f*|_inf).
   double w_error = -1;
   double f_error = -1;
+  /// The problem's rounding floor, from the reference; -1 unknown. What verdicts are relative to.
+  double floor = -1;
+  /// The rounding floor of f itself (rounding_floor.h): a self-stress shows as answer_floor far above floor. No verdict
+  /// depends on it.
+  double answer_floor = -1;
 };
 
 /// O(nnz of the given form) plus, from factors, the cost of one pass over the entries of A.
@@ -66,11 +71,17 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
 /// Tiers that results are sorted into.
 inline constexpr double kTiers[] = {1e-9, 1e-6, 1e-3};
 
+/// A problem's floor raises a tier to this at most: f = 0 always has rho <= 1, and must never pass.
+inline constexpr double kLargestFloor = 1e-3;
+
 /// The judgement, the same code for every solver.
-/// Tier T passes if and only if f is finite, rho <= T and backward_error <= sqrt(T).
+/// Tier T passes if and only if f is finite, rho <= T' and backward_error <= sqrt(T'), where T' = T, or, where the
+/// reference knows the problem's rounding floor, T' = max(T, min(floor, kLargestFloor)): below it not even the rounded
+/// exact solution can be expected to be.
 struct Verdict {
   double requested = 0;           ///< the tolerance asked for
   bool passes = false;            ///< at `requested`
+  bool at_floor = false;          ///< passes thanks to the problem's floor only: without it, it would not
   double best_tier = 0;           ///< smallest of kTiers that passes; 0 when none does
   bool false_success = false;     ///< claimed kSolved and does not pass
   bool false_infeasible = false;  ///< claimed kInfeasible, but a solution is known, or f passes and no ray is accepted
@@ -83,7 +94,10 @@ struct Verdict {
 Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolerance,
                const LcpReference* reference = nullptr);
 
-/// True if `m` passes tier `tolerance`: finite, rho <= T, backward_error <= sqrt(T).
+/// T' of Verdict: the tier, or the problem's floor where that is known (m.floor) and larger.
+double EffectiveTier(const Metrics& m, double tolerance);
+
+/// True if `m` passes tier `tolerance`: finite, rho <= T', backward_error <= sqrt(T') with T' = EffectiveTier.
 bool PassesTier(const Metrics& m, double tolerance);
 
 }  // namespace lcpbench

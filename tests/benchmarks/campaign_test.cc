@@ -123,6 +123,59 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
   EXPECT_NE(ReadFile(folder_ / "page.csv").find("hanging,external,disc-pile,6,1e-6,time limit"), std::string::npos);
 }
 
+TEST_F(Campaign, EveryAnswerIsJudgedByItsProblemsFloor) {
+  const CommandOutcome run =
+      Run("run --suite quick --scenes tall-stacks,boxes-and-discs --sizes 8,20 --min-time 0.0001"
+          " --solvers pgs,dantzig -o " +
+          Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  std::map<std::string, std::string> floors;
+  for (const Row& row : ReadTable(folder_ / "r/problems.csv")) {
+    floors[row.at("problem")] = row.at("floor");
+    EXPECT_EQ(row.at("floor_solver"), "auto");
+    EXPECT_GT(std::stod(row.at("floor")), 0);
+    EXPECT_LT(std::stod(row.at("floor")), 1e-12);
+  }
+  EXPECT_EQ(floors.size(), 4u);
+  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
+  ASSERT_EQ(rows.size(), 4u * 2 * 3);
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.at("floor"), floors.at(row.at("problem")));
+    EXPECT_FALSE(row.at("answer_floor").empty());
+    EXPECT_EQ(row.at("at_floor"), "false");
+  }
+}
+
+TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
+  // Mass ratios of 1e6 put the floor at 7e-14, far above this tier.
+  const CommandOutcome run =
+      Run("run --suite quick --scenes tall-stacks --sizes 300 --tiers 1e-15 --min-time 0.0001"
+          " --solvers dantzig,lemke -o " +
+          Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
+  ASSERT_EQ(rows.size(), 2u);
+  for (const Row& row : rows) {
+    EXPECT_EQ(row.at("passes"), "true") << row.at("reason");
+    EXPECT_EQ(row.at("at_floor"), "true");
+    EXPECT_EQ(row.at("false_success"), "false");
+    EXPECT_GT(std::stod(row.at("rho")), 1e-15);
+    EXPECT_LE(std::stod(row.at("rho")), std::stod(row.at("floor")));
+  }
+  // Both passes judge alike: nothing was left out of the timing.
+  int timed = 0;
+  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
+  for (const nlohmann::json& entry : timing["benchmarks"]) {
+    EXPECT_FALSE(entry.value("error_occurred", false)) << entry.dump();
+    timed += entry["name"].get<std::string>().starts_with("solve/") ? 1 : 0;
+  }
+  EXPECT_GE(timed, 2);
+
+  const CommandOutcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
+  EXPECT_EQ(report.status, 0) << report.error;
+  EXPECT_NE(ReadFile(folder_ / "page.html").find("2 runs passed thanks to it only"), std::string::npos);
+}
+
 TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
   const CommandOutcome run = Run("run --suite quick --scenes disc-pile --sizes 6 --time-limit 0.1 --solvers hanging" +
                                  External("hanging", "hang") + " -o " + Path("r"));

@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "model/scenes/scene.h"
+#include "solvers/lcp/json_lines.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/lcp/stacked_column.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {
@@ -113,6 +115,26 @@ TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
   EXPECT_EQ(nlohmann::json::parse(lines[1])["id"], "q");
 }
 
+TEST_F(Command, SolveJudgesByTheToleranceAloneUnlessAskedForTheFloor) {
+  Write("heavy.jsonl", FormatLcpRecord(MakeStackedColumn(200, 1e6).problem) + "\n");
+  const Outcome strict = Run("solve --solver dantzig --tolerance 1e-9 " + Path("heavy.jsonl"));
+  const Outcome relative = Run("solve --solver dantzig --tolerance 1e-9 --floor " + Path("heavy.jsonl"));
+  ASSERT_EQ(strict.status, 0) << strict.error;
+  ASSERT_EQ(relative.status, 0) << relative.error;
+  const nlohmann::json by_tolerance = nlohmann::json::parse(strict.out);
+  const nlohmann::json by_floor = nlohmann::json::parse(relative.out);
+  // The floor of the answer is told either way.
+  EXPECT_GT(by_tolerance["metrics"]["answer_floor"].get<double>(), 1e-9);
+  EXPECT_TRUE(by_tolerance["metrics"]["floor"].is_null());
+  const double floor = by_floor["metrics"]["floor"].get<double>();
+  EXPECT_NEAR(floor, by_floor["metrics"]["answer_floor"].get<double>(), 1e-3 * floor);
+  EXPECT_EQ(by_tolerance["f"], by_floor["f"]);
+  EXPECT_FALSE(by_tolerance["verdict"]["at_floor"].get<bool>());
+  EXPECT_FALSE(by_tolerance["verdict"]["passes"].get<bool>());
+  EXPECT_TRUE(by_floor["verdict"]["passes"].get<bool>());
+  EXPECT_TRUE(by_floor["verdict"]["at_floor"].get<bool>());
+}
+
 TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
   for (const SceneFamily& scene : AllScenes()) {
     const Outcome generated = Run("generate " + std::string(scene.key) + " --size 12 --seed 3");
@@ -151,7 +173,10 @@ TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
   }
   EXPECT_EQ(Lines(accuracy).size(), 1 + 2 * available * 3);
   EXPECT_EQ(about["solvers"].size(), AllSolvers().size());
-  EXPECT_EQ(Lines(ReadFile(folder_ / "r/problems.csv")).size(), 3u);
+  const std::vector<std::string> problems = Lines(ReadFile(folder_ / "r/problems.csv"));
+  ASSERT_EQ(problems.size(), 3u);
+  EXPECT_TRUE(problems[0].ends_with(",floor,floor_solver")) << problems[0];
+  EXPECT_TRUE(problems[1].ends_with(",auto")) << problems[1];
   const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
   EXPECT_TRUE(timing["context"].contains("git_commit"));
   EXPECT_FALSE(timing["benchmarks"].empty());

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// The rounding floor of a problem and who answered it.
+struct ReferenceFloor {
+  LcpReference reference;  ///< holds `floor` where an answer was verified, and nothing else
+  std::string solver;      ///< the key of the solver whose answer has that floor; "" where none was verified
+};
+
+/// The floor that all verdicts on one problem are relative to, found without any of the judged answers: where f is not
+/// unique, a solver that returns a huge self-stress must not loosen its own verdict.
+///
+/// Own solvers with their default options are asked one by one, with `tolerance` and a time limit for each. An answer
+/// counts where it passes tier `tolerance` relative to *its own* floor, and the least floor of those wins. The first
+/// answer settles it unless its floor exceeds `tolerance`: a smaller floor changes no verdict.
+/// Sizes at which a solver is not run in a campaign (SizeLimits) hold here, too. Solvers that are not in the build are
+/// passed over. Costs a solve, up to four where the first one's floor matters or nothing is verified.
+///
+/// @param tolerance     the strictest tier that will be judged, in (0, 1)
+/// @param time_limit_s  of each solve, > 0
+ReferenceFloor FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s);
+
+}  // namespace lcpbench
