@@ -41,7 +41,7 @@ struct SolveOutcome {
   double backward_error = -1;
   double floor = -1;  ///< of rho, by rounding of f; these three are negative where they are not finite numbers
   /// Resident from set-up to the end of the solve, the problem included; of a peer: of its worker.
-  double peak_bytes = 0;
+  double peak_bytes = -1;
 };
 
 struct OracleCell {

@@ -40,7 +40,8 @@ struct LargeRow {
   LargeProblem problem;
   std::string solver;
   SolveOutcome outcome;
-  std::optional<OracleOutcome> oracle;  ///< of the problem; absent where no answer is verified
+  std::optional<OracleOutcome> oracle;  ///< of the problem
+  std::string why_no_k;                 ///< where `oracle` is absent
 
   double total_s() const { return outcome.setup_s + outcome.solve_s; }
   /// (set-up + solve) / K; negative where there is no K or no verified answer.

@@ -127,7 +127,7 @@ class Elimination {
 template <typename Run>
 std::optional<Factorisation> Shortest(const Run& run) {
   constexpr int kMostRuns = 5;
-  constexpr double kBudget = 0.2;  // s; longer ones run once
+  constexpr double kBudget = 1;  // s; longer ones run once
   std::optional<Factorisation> shortest;
   double total = 0;
   for (int k = 0; k < kMostRuns && total < kBudget; ++k) {
