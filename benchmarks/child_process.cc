@@ -105,6 +105,7 @@ ChildOutcome RunSelf(const std::vector<std::string>& arguments, const ChildLimit
   std::vector<std::string> copies = arguments;
   copies.insert(copies.begin(), kThisProgram);
   std::vector<char*> pointers;
+  pointers.reserve(copies.size() + 1);
   for (std::string& copy : copies) pointers.push_back(copy.data());
   pointers.push_back(nullptr);
   const Pipe output = MakePipe();

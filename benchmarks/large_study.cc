@@ -184,6 +184,11 @@ std::vector<std::string> LargePeers(int size) {
   return keys;
 }
 
+double LargeRow::total_s() const {
+  const bool own = FindSolver(solver).origin == SolverOrigin::kOwn;
+  return own ? outcome.setup_s + outcome.solve_s : outcome.solve_s;
+}
+
 double LargeRow::in_k() const {
   if (!outcome.verified || !oracle.has_value() || oracle->best.total_s() <= 0) return -1;
   return total_s() / oracle->best.total_s();

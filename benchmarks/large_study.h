@@ -43,8 +43,9 @@ struct LargeRow {
   std::optional<OracleOutcome> oracle;  ///< of the problem
   std::string why_no_k;                 ///< where `oracle` is absent
 
-  double total_s() const { return outcome.setup_s + outcome.solve_s; }
-  /// (set-up + solve) / K; negative where there is no K or no verified answer.
+  /// Set-up + solve; of a peer the solve alone, because its set-up is ours: conversions and what goes through pipes.
+  double total_s() const;
+  /// total_s() / K; negative where there is no K or no verified answer.
   double in_k() const;
 };
 

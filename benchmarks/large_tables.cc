@@ -231,8 +231,8 @@ std::string PeerTable(const std::vector<LargeRow>& rows, const std::vector<std::
   std::map<Key, double> fastest;
   for (const LargeRow& row : rows) {
     if (!row.outcome.verified || std::find(peers.begin(), peers.end(), row.solver) == peers.end()) continue;
-    const auto [it, is_new] = fastest.try_emplace(key(row.problem), row.outcome.solve_s);
-    if (!is_new) it->second = std::min(it->second, row.outcome.solve_s);
+    const auto [it, is_new] = fastest.try_emplace(key(row.problem), row.total_s());
+    if (!is_new) it->second = std::min(it->second, row.total_s());
   }
   std::vector<std::string> head = {"solver"};
   for (const int size : Sizes(rows)) head.push_back("n = " + std::to_string(size));
