@@ -148,6 +148,8 @@ int main(int argc, char** argv) {
                  "Of a solve of 10^5 rows [s]; others in proportion, at least 2 s, at most three times")
       ->capture_default_str();
   app.add_option("--memory-limit", study.memory_limit_gb, "Address space of a solve [GB]")->capture_default_str();
+  app.add_flag("--cpu-time", study.cpu_time,
+               "Processor time of solves and K, for a machine that does other things; peers still take wall time");
   app.add_option("--mass-ratio", arguments.mass_ratio, "Spread masses over this ratio, and compare");
   app.add_option("--csv", arguments.csv, "Write all rows to this file");
   app.add_option("--markdown", arguments.markdown, "Write the tables to this file");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -56,19 +57,27 @@ double PeakOfWorkers() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+// Of the processor, by all threads of this process [s].
+double ProcessTime() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 struct Times {
   double setup_s = 0;
   double solve_s = 0;
   double total() const { return setup_s + solve_s; }
 };
 
-Times SolveOnce(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+Times SolveOnce(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options, double (*now)(),
+                LcpResult* result) {
   Times times;
-  const double start = SteadyNow();
+  const double start = now();
   solver->Prepare(problem);
-  const double prepared = SteadyNow();
+  const double prepared = now();
   solver->Solve(problem, options, result);
-  times.solve_s = result->own_solve_s >= 0 ? result->own_solve_s : SteadyNow() - prepared;
+  times.solve_s = result->own_solve_s >= 0 ? result->own_solve_s : now() - prepared;
   times.setup_s = prepared - start;
   return times;
 }
@@ -95,16 +104,17 @@ SolveOutcome RunSolveCell(const SolveCell& cell) {
   LcpOptions options;
   options.tolerance = cell.tolerance;
   options.time_limit_s = cell.time_limit_s;
+  double (*const now)() = cell.cpu_time ? &ProcessTime : &SteadyNow;
   SolveOutcome outcome;
   LcpResult result;
   ResetPeak();
-  Times times = SolveOnce(solver, problem.CopyOfGivenForm(), options, &result);
+  Times times = SolveOnce(solver, problem.CopyOfGivenForm(), options, now, &result);
   outcome.peak_bytes = PeakBytes();
   for (int run = 1; run < kMostRuns && times.total() < kRepeatBelow; ++run) {
     const LcpProblem copy = problem.CopyOfGivenForm();
     solver = &pool->Get(entry);
     LcpResult again;
-    const Times next = SolveOnce(solver, copy, options, &again);
+    const Times next = SolveOnce(solver, copy, options, now, &again);
     if (next.total() < times.total()) times = next;
   }
   pool.reset();
@@ -129,13 +139,14 @@ OracleOutcome RunOracleCell(const OracleCell& cell) {
   const Eigen::VectorXd f = ReadAnswer(cell.answer_file, problem.size());
   const Eigen::VectorXd w = ComputeMetrics(problem, f).w;
   const std::vector<Index> active = ActiveRows(problem, f, w);
-  const std::optional<Factorisation> best = Cheapest(TimeBodySpace(problem, active));
+  double (*const now)() = cell.cpu_time ? &ProcessTime : &SteadyNow;
+  const std::optional<Factorisation> best = Cheapest(TimeBodySpace(problem, active, now));
   if (!best.has_value()) throw InputError("K needs CHOLMOD, which is not in this build");
   OracleOutcome outcome;
   outcome.bodies = MakeBodySystem(problem, active).bodies();
   outcome.active = static_cast<Index>(active.size());
   outcome.best = *best;
-  if (problem.size() <= kLargestContactSpace) outcome.contact_s = TimeContactSpace(problem, active);
+  if (problem.size() <= kLargestContactSpace) outcome.contact_s = TimeContactSpace(problem, active, now);
   return outcome;
 }
 

@@ -75,7 +75,7 @@ SolveOutcome RunSolve(const LargeStudy& study, const LargeProblem& problem, cons
     return outcome;
   }
   const double limit = TimeLimit(study, problem.size);
-  const SolveCell cell{problem, solver, study.tolerance, limit, answer_file};
+  const SolveCell cell{problem, solver, study.tolerance, limit, study.cpu_time, answer_file};
   constexpr double kGraceFactor = 2;  // of the limit: a solver that looks at the clock seldom
   ChildOutcome child = RunSelf({kSolveCellOption, json(cell).dump()},
                                {kGraceFactor * limit + GraceFor(problem.size), MemoryLimit(study)});
@@ -87,9 +87,10 @@ SolveOutcome RunSolve(const LargeStudy& study, const LargeProblem& problem, cons
   return outcome;
 }
 
-void RunOracle(const LargeProblem& problem, const std::string& answer_file, std::vector<LargeRow>* rows) {
+void RunOracle(const LargeStudy& study, const LargeProblem& problem, const std::string& answer_file,
+               std::vector<LargeRow>* rows) {
   constexpr double kGraceFactor = 10;  // factorises in several ways
-  ChildOutcome child = RunSelf({kOracleCellOption, json(OracleCell{problem, answer_file}).dump()},
+  ChildOutcome child = RunSelf({kOracleCellOption, json(OracleCell{problem, study.cpu_time, answer_file}).dump()},
                                {kGraceFactor * GraceFor(problem.size), 0});
   OracleOutcome oracle;
   const bool measured = ReadOutcome(&child, &oracle);
@@ -117,7 +118,7 @@ std::vector<LargeRow> RunProblem(const LargeStudy& study, const LargeProblem& pr
   }
   if (answered) {
     begin(name + ": K");
-    RunOracle(problem, answer.path(), &rows);
+    RunOracle(study, problem, answer.path(), &rows);
   }
   return rows;
 }

@@ -18,6 +18,7 @@ struct LargeStudy {
   std::vector<double> mass_ratios = {1};
   std::vector<std::string> solvers;  ///< registry keys, peers among them
   double tolerance = 1e-9;
+  bool cpu_time = false;       ///< of solves and K, instead of wall time: for a machine that does other things
   double time_limit_s = 60;    ///< of one solve at kTimedSize rows, see TimeLimit
   double memory_limit_gb = 8;  ///< address space of a cell [1e9 bytes]: what the largest problems may take at most
 };

@@ -82,6 +82,15 @@ TEST_F(LargeBenchmark, WritesARowPerSolverAndProblemInUnitsOfK) {
   EXPECT_EQ(ReadFile(Path("tables.md")), outcome.out);
 }
 
+TEST_F(LargeBenchmark, TakesProcessorTimeWhereAsked) {
+  const CommandOutcome outcome =
+      Run("--cpu-time --scenes disc-pile --sizes 300 --solvers dantzig --csv " + Path("rows.csv"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const std::vector<CsvRow> rows = ReadCsv(Path("rows.csv"));
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_GT(Number(rows[0], "solve_s"), 0);
+}
+
 TEST_F(LargeBenchmark, ComparesMassesSpreadOverARatioWithTheirOwn) {
   const CommandOutcome outcome =
       Run("--mass-ratio 1e6 --scenes disc-pile --sizes 200 --seeds 1,2 --solvers dantzig --csv " + Path("rows.csv"));
