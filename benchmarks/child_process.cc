@@ -21,6 +21,7 @@ namespace lcpbench {
 namespace {
 
 constexpr int kNotStarted = 127;
+constexpr const char* kThisProgram = "/proc/self/exe";
 
 struct Pipe {
   int read_end = -1;
@@ -43,7 +44,7 @@ Pipe MakePipe() {
   dup2(output.write_end, STDOUT_FILENO);
   dup2(error.write_end, STDERR_FILENO);
   for (const int end : {output.read_end, output.write_end, error.read_end, error.write_end}) close(end);
-  execv("/proc/self/exe", arguments);
+  execv(kThisProgram, arguments);
   _exit(kNotStarted);
 }
 
@@ -102,8 +103,9 @@ std::string HowItEnded(int status, bool in_time, double time_s, const std::strin
 
 ChildOutcome RunSelf(const std::vector<std::string>& arguments, const ChildLimits& limits) {
   std::vector<std::string> copies = arguments;
-  copies.insert(copies.begin(), "large_benchmark");
+  copies.insert(copies.begin(), kThisProgram);
   std::vector<char*> pointers;
+  pointers.reserve(copies.size() + 1);
   for (std::string& copy : copies) pointers.push_back(copy.data());
   pointers.push_back(nullptr);
   const Pipe output = MakePipe();

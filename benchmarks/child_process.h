@@ -20,7 +20,7 @@ struct ChildLimits {
   std::uint64_t memory_bytes = 0;  ///< address space; 0 for no limit
 };
 
-/// Runs /proc/self/exe with `arguments` and waits for it. The child is killed when this process ends.
+/// Runs this program (Linux: /proc/self/exe) with `arguments` and waits for it. It is killed when this process ends.
 /// @throws std::runtime_error where the system gives no process or pipe
 ChildOutcome RunSelf(const std::vector<std::string>& arguments, const ChildLimits& limits);
 

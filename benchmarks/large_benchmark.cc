@@ -9,6 +9,8 @@
 // --mass-ratio=1e6: 8000 rows and six seeds unless told otherwise, every problem with its own masses and with masses
 // spread over that ratio (mass_spread.h).
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -100,9 +102,10 @@ void Run(Arguments arguments) {
   if (!arguments.csv.empty()) csv = std::make_unique<CsvWriter>(arguments.csv, CsvColumns());
 
   output.Write(MarkdownHead());
-  const auto begin = [](const std::string& what) {
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  const auto begin = [terminal](const std::string& what) {
     constexpr int kWidth = 72;  // covers what stood there
-    std::fprintf(stderr, "%-*s\r", kWidth, what.c_str());
+    if (terminal) std::fprintf(stderr, "%-*s\r", kWidth, what.c_str());
   };
   const auto done = [&](const std::vector<LargeRow>& rows) {
     for (const LargeRow& row : rows) {
@@ -112,7 +115,8 @@ void Run(Arguments arguments) {
   };
   const std::vector<LargeRow> rows = RunLargeStudy(arguments.study, begin, done);
   output.Write(VerifiedTable(rows, arguments.study.solvers));
-  if (arguments.study.sizes.back() > kLeastForExponent) {
+  const auto counts = [](int size) { return size >= kLeastForExponent; };
+  if (std::count_if(arguments.study.sizes.begin(), arguments.study.sizes.end(), counts) > 1) {
     output.Write(ExponentTable(rows, arguments.study.solvers));
   }
   if (!arguments.peers.empty()) output.Write(PeerTable(rows, own, arguments.peers));
@@ -144,6 +148,8 @@ int main(int argc, char** argv) {
                  "Of a solve of 10^5 rows [s]; others in proportion, at least 2 s, at most three times")
       ->capture_default_str();
   app.add_option("--memory-limit", study.memory_limit_gb, "Address space of a solve [GB]")->capture_default_str();
+  app.add_flag("--cpu-time", study.cpu_time,
+               "Processor time of solves and K, for a machine that does other things; peers still take wall time");
   app.add_option("--mass-ratio", arguments.mass_ratio, "Spread masses over this ratio, and compare");
   app.add_option("--csv", arguments.csv, "Write all rows to this file");
   app.add_option("--markdown", arguments.markdown, "Write the tables to this file");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -11,6 +12,7 @@
 #include "benchmarks/body_system.h"
 #include "benchmarks/growth_report.h"
 #include "benchmarks/mass_spread.h"
+#include "benchmarks/solver_pool.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/input_error.h"
@@ -55,19 +57,27 @@ double PeakOfWorkers() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+// Of the processor, by all threads of this process [s].
+double ProcessTime() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
 struct Times {
   double setup_s = 0;
   double solve_s = 0;
   double total() const { return setup_s + solve_s; }
 };
 
-Times SolveOnce(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+Times SolveOnce(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& options, double (*now)(),
+                LcpResult* result) {
   Times times;
-  const double start = SteadyNow();
+  const double start = now();
   solver->Prepare(problem);
-  const double prepared = SteadyNow();
+  const double prepared = now();
   solver->Solve(problem, options, result);
-  times.solve_s = result->own_solve_s >= 0 ? result->own_solve_s : SteadyNow() - prepared;
+  times.solve_s = result->own_solve_s >= 0 ? result->own_solve_s : now() - prepared;
   times.setup_s = prepared - start;
   return times;
 }
@@ -89,24 +99,25 @@ LcpProblem LargeProblem::Make() const {
 SolveOutcome RunSolveCell(const SolveCell& cell) {
   const LcpProblem problem = cell.problem.Make();
   const SolverEntry& entry = FindSolver(cell.solver);
-  std::unique_ptr<LcpSolver> solver = MakeSolver(cell.solver);
+  auto pool = std::make_unique<SolverPool>();  // starting a worker is no part of solving
+  LcpSolver* solver = &pool->Get(entry);
   LcpOptions options;
   options.tolerance = cell.tolerance;
   options.time_limit_s = cell.time_limit_s;
+  double (*const now)() = cell.cpu_time ? &ProcessTime : &SteadyNow;
   SolveOutcome outcome;
   LcpResult result;
   ResetPeak();
-  Times times = SolveOnce(solver.get(), problem.CopyOfGivenForm(), options, &result);
+  Times times = SolveOnce(solver, problem.CopyOfGivenForm(), options, now, &result);
   outcome.peak_bytes = PeakBytes();
   for (int run = 1; run < kMostRuns && times.total() < kRepeatBelow; ++run) {
     const LcpProblem copy = problem.CopyOfGivenForm();
-    // A worker lives on: starting it is no part of solving.
-    if (entry.origin == SolverOrigin::kOwn) solver = MakeSolver(cell.solver);
+    solver = &pool->Get(entry);
     LcpResult again;
-    const Times next = SolveOnce(solver.get(), copy, options, &again);
+    const Times next = SolveOnce(solver, copy, options, now, &again);
     if (next.total() < times.total()) times = next;
   }
-  solver.reset();
+  pool.reset();
   if (entry.origin != SolverOrigin::kOwn) outcome.peak_bytes = PeakOfWorkers();
 
   const Verdict verdict = Verify(problem, result, cell.tolerance);
@@ -128,13 +139,14 @@ OracleOutcome RunOracleCell(const OracleCell& cell) {
   const Eigen::VectorXd f = ReadAnswer(cell.answer_file, problem.size());
   const Eigen::VectorXd w = ComputeMetrics(problem, f).w;
   const std::vector<Index> active = ActiveRows(problem, f, w);
-  const std::optional<Factorisation> best = Cheapest(TimeBodySpace(problem, active));
+  double (*const now)() = cell.cpu_time ? &ProcessTime : &SteadyNow;
+  const std::optional<Factorisation> best = Cheapest(TimeBodySpace(problem, active, now));
   if (!best.has_value()) throw InputError("K needs CHOLMOD, which is not in this build");
   OracleOutcome outcome;
   outcome.bodies = MakeBodySystem(problem, active).bodies();
   outcome.active = static_cast<Index>(active.size());
   outcome.best = *best;
-  if (problem.size() <= kLargestContactSpace) outcome.contact_s = TimeContactSpace(problem, active);
+  if (problem.size() <= kLargestContactSpace) outcome.contact_s = TimeContactSpace(problem, active, now);
   return outcome;
 }
 

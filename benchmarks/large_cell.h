@@ -27,6 +27,7 @@ struct SolveCell {
   std::string solver;
   double tolerance = 1e-9;
   double time_limit_s = 60;
+  bool cpu_time = false;    ///< times are of the processor, of all threads; time limits stay those of the wall clock
   std::string answer_file;  ///< f is written here where it is verified; empty: nowhere
 };
 
@@ -41,11 +42,12 @@ struct SolveOutcome {
   double backward_error = -1;
   double floor = -1;  ///< of rho, by rounding of f; these three are negative where they are not finite numbers
   /// Resident from set-up to the end of the solve, the problem included; of a peer: of its worker.
-  double peak_bytes = 0;
+  double peak_bytes = -1;
 };
 
 struct OracleCell {
   LargeProblem problem;
+  bool cpu_time = false;
   std::string answer_file;
 };
 
@@ -67,10 +69,10 @@ SolveOutcome RunSolveCell(const SolveCell& cell);
 OracleOutcome RunOracleCell(const OracleCell& cell);
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LargeProblem, family, size, seed, mass_ratio)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveCell, problem, solver, tolerance, time_limit_s, answer_file)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveCell, problem, solver, tolerance, time_limit_s, cpu_time, answer_file)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveOutcome, verdict, detail, verified, setup_s, solve_s, iterations, rho,
                                    backward_error, floor, peak_bytes)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OracleCell, problem, answer_file)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OracleCell, problem, cpu_time, answer_file)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Factorisation, name, order_s, analyse_s, factor_s, solve_s, fill, flops)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(OracleOutcome, bodies, active, best, contact_s)
 

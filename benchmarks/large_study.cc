@@ -1,5 +1,6 @@
 #include "benchmarks/large_study.h"
 
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,9 +8,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
 
 #include "benchmarks/child_process.h"
@@ -23,24 +22,20 @@ namespace {
 
 using nlohmann::json;
 
-// A file that goes away with this object.
-class TemporaryFile {
+// Where one child leaves an answer for another: memory that both reach by a path, and that is gone with this process
+// however it ends.
+class AnswerFile {
  public:
-  TemporaryFile() : path_((std::filesystem::temp_directory_path() / "lcpbench-answer-XXXXXX").string()) {
-    const int file = mkstemp(path_.data());
-    if (file < 0) throw InputError(path_ + ": " + std::strerror(errno));
-    close(file);
+  AnswerFile() : descriptor_(memfd_create("answer", 0)) {
+    if (descriptor_ < 0) throw std::runtime_error(std::string("memfd_create: ") + std::strerror(errno));
   }
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  const std::string& path() const { return path_; }
+  ~AnswerFile() { close(descriptor_); }
+  AnswerFile(const AnswerFile&) = delete;
+  AnswerFile& operator=(const AnswerFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 
  private:
-  std::string path_;
+  int descriptor_;
 };
 
 std::uint64_t MemoryLimit(const LargeStudy& study) { return static_cast<std::uint64_t>(1e9 * study.memory_limit_gb); }
@@ -57,6 +52,19 @@ std::string WhyNotRun(const std::string& solver, int size, double tolerance) {
   return ExclusionRule(Suite{}, FindSolver(solver), size, tolerance);
 }
 
+// What the child printed; false, with its failure completed, where that is no outcome.
+template <typename Outcome>
+bool ReadOutcome(ChildOutcome* child, Outcome* outcome) {
+  if (!child->ok) return false;
+  try {
+    *outcome = json::parse(child->output).get<Outcome>();
+    return true;
+  } catch (const json::exception& error) {
+    child->failure = std::string("no outcome: ") + error.what();
+    return false;
+  }
+}
+
 SolveOutcome RunSolve(const LargeStudy& study, const LargeProblem& problem, const std::string& solver,
                       const std::string& answer_file) {
   SolveOutcome outcome;
@@ -67,43 +75,51 @@ SolveOutcome RunSolve(const LargeStudy& study, const LargeProblem& problem, cons
     return outcome;
   }
   const double limit = TimeLimit(study, problem.size);
-  const SolveCell cell{problem, solver, study.tolerance, limit, answer_file};
+  const SolveCell cell{problem, solver, study.tolerance, limit, study.cpu_time, answer_file};
   constexpr double kGraceFactor = 2;  // of the limit: a solver that looks at the clock seldom
-  const ChildOutcome child = RunSelf({kSolveCellOption, json(cell).dump()},
-                                     {kGraceFactor * limit + GraceFor(problem.size), MemoryLimit(study)});
-  if (child.ok) return json::parse(child.output).get<SolveOutcome>();
-  outcome.verdict = "killed";
-  outcome.detail = child.failure;
-  outcome.peak_bytes = child.peak_bytes;
+  ChildOutcome child = RunSelf({kSolveCellOption, json(cell).dump()},
+                               {kGraceFactor * limit + GraceFor(problem.size), MemoryLimit(study)});
+  if (!ReadOutcome(&child, &outcome)) {
+    outcome.verdict = "killed";
+    outcome.detail = child.failure;
+    outcome.peak_bytes = child.peak_bytes;
+  }
   return outcome;
 }
 
-std::optional<OracleOutcome> RunOracle(const LargeProblem& problem, const std::string& answer_file) {
-  const ChildOutcome child = RunSelf({kOracleCellOption, json(OracleCell{problem, answer_file}).dump()},
-                                     {kLeastTimeLimitS + 10 * GraceFor(problem.size), 0});
-  if (!child.ok) {
-    std::fprintf(stderr, "no K for %s, n = %d: %s\n", problem.family.c_str(), problem.size, child.failure.c_str());
-    return std::nullopt;
+void RunOracle(const LargeStudy& study, const LargeProblem& problem, const std::string& answer_file,
+               std::vector<LargeRow>* rows) {
+  constexpr double kGraceFactor = 10;  // factorises in several ways
+  ChildOutcome child = RunSelf({kOracleCellOption, json(OracleCell{problem, study.cpu_time, answer_file}).dump()},
+                               {kGraceFactor * GraceFor(problem.size), 0});
+  OracleOutcome oracle;
+  const bool measured = ReadOutcome(&child, &oracle);
+  for (LargeRow& row : *rows) {
+    if (measured) {
+      row.oracle = oracle;
+    } else {
+      row.why_no_k = child.failure;
+    }
   }
-  return json::parse(child.output).get<OracleOutcome>();
 }
 
 std::vector<LargeRow> RunProblem(const LargeStudy& study, const LargeProblem& problem,
                                  const std::function<void(const std::string& what)>& begin) {
-  const TemporaryFile answer;
+  const AnswerFile answer;
   bool answered = false;
   const std::string name =
       problem.family + ", n = " + std::to_string(problem.size) + ", seed " + std::to_string(problem.seed);
   std::vector<LargeRow> rows;
   for (const std::string& solver : study.solvers) {
     begin(name + ": " + solver);
-    rows.push_back({problem, solver, RunSolve(study, problem, solver, answered ? "" : answer.path()), {}});
-    answered = answered || rows.back().outcome.verified;
+    const SolveOutcome outcome = RunSolve(study, problem, solver, answered ? "" : answer.path());
+    rows.push_back({problem, solver, outcome, {}, "no verified answer"});
+    answered = answered || outcome.verified;
   }
-  if (!answered) return rows;
-  begin(name + ": K");
-  const std::optional<OracleOutcome> oracle = RunOracle(problem, answer.path());
-  for (LargeRow& row : rows) row.oracle = oracle;
+  if (answered) {
+    begin(name + ": K");
+    RunOracle(study, problem, answer.path(), &rows);
+  }
   return rows;
 }
 
@@ -167,6 +183,11 @@ std::vector<std::string> LargePeers(int size) {
     }
   }
   return keys;
+}
+
+double LargeRow::total_s() const {
+  const bool own = FindSolver(solver).origin == SolverOrigin::kOwn;
+  return own ? outcome.setup_s + outcome.solve_s : outcome.solve_s;
 }
 
 double LargeRow::in_k() const {

@@ -18,6 +18,7 @@ struct LargeStudy {
   std::vector<double> mass_ratios = {1};
   std::vector<std::string> solvers;  ///< registry keys, peers among them
   double tolerance = 1e-9;
+  bool cpu_time = false;       ///< of solves and K, instead of wall time: for a machine that does other things
   double time_limit_s = 60;    ///< of one solve at kTimedSize rows, see TimeLimit
   double memory_limit_gb = 8;  ///< address space of a cell [1e9 bytes]: what the largest problems may take at most
 };
@@ -40,10 +41,12 @@ struct LargeRow {
   LargeProblem problem;
   std::string solver;
   SolveOutcome outcome;
-  std::optional<OracleOutcome> oracle;  ///< of the problem; absent where no answer is verified
+  std::optional<OracleOutcome> oracle;  ///< of the problem
+  std::string why_no_k;                 ///< where `oracle` is absent
 
-  double total_s() const { return outcome.setup_s + outcome.solve_s; }
-  /// (set-up + solve) / K; negative where there is no K or no verified answer.
+  /// Set-up + solve; of a peer the solve alone, because its set-up is ours: conversions and what goes through pipes.
+  double total_s() const;
+  /// total_s() / K; negative where there is no K or no verified answer.
   double in_k() const;
 };
 

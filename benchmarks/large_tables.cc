@@ -1,10 +1,11 @@
 #include "benchmarks/large_tables.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "benchmarks/csv.h"
@@ -75,68 +76,105 @@ std::string Table(const std::string& title, const std::vector<std::string>& head
   return text;
 }
 
+// A column of the files and of the table that is printed row by row.
+struct Column {
+  const char* name;
+  std::string (*cell)(const LargeRow& row);
+  int width = 0;  // of the printed table; negative: flush left
+};
+
+template <double Factorisation::*member>
+std::string OfK(const LargeRow& row) {
+  return row.oracle.has_value() ? Cell(row.oracle->best.*member) : "";
+}
+
+const Column kCsvColumns[] = {
+    {"family", [](const LargeRow& row) { return row.problem.family; }},
+    {"n", [](const LargeRow& row) { return std::to_string(row.problem.size); }},
+    {"seed", [](const LargeRow& row) { return std::to_string(row.problem.seed); }},
+    {"mass_ratio", [](const LargeRow& row) { return Cell(row.problem.mass_ratio); }},
+    {"solver", [](const LargeRow& row) { return row.solver; }},
+    {"bodies", [](const LargeRow& row) { return row.oracle ? std::to_string(row.oracle->bodies) : ""; }},
+    {"active", [](const LargeRow& row) { return row.oracle ? std::to_string(row.oracle->active) : ""; }},
+    {"k_s", [](const LargeRow& row) { return row.oracle ? Cell(row.oracle->best.total_s()) : ""; }},
+    {"k_how", [](const LargeRow& row) { return row.oracle ? row.oracle->best.name : row.why_no_k; }},
+    {"k_order_s", OfK<&Factorisation::order_s>},
+    {"k_analyse_s", OfK<&Factorisation::analyse_s>},
+    {"k_factor_s", OfK<&Factorisation::factor_s>},
+    {"k_solve_s", OfK<&Factorisation::solve_s>},
+    {"k_fill", OfK<&Factorisation::fill>},
+    {"k_flops", OfK<&Factorisation::flops>},
+    {"contact_s", [](const LargeRow& row) { return row.oracle ? Cell(row.oracle->contact_s) : ""; }},
+    {"setup_s", [](const LargeRow& row) { return Cell(row.outcome.setup_s); }},
+    {"solve_s", [](const LargeRow& row) { return Cell(row.outcome.solve_s); }},
+    {"in_k", [](const LargeRow& row) { return Cell(row.in_k()); }},
+    {"iterations",
+     [](const LargeRow& row) { return row.outcome.iterations < 0 ? "" : std::to_string(row.outcome.iterations); }},
+    {"rho", [](const LargeRow& row) { return Cell(row.outcome.rho); }},
+    {"floor", [](const LargeRow& row) { return Cell(row.outcome.floor); }},
+    {"backward_error", [](const LargeRow& row) { return Cell(row.outcome.backward_error); }},
+    {"verdict", [](const LargeRow& row) { return row.outcome.verdict; }},
+    {"detail", [](const LargeRow& row) { return row.outcome.detail; }},
+    {"peak_bytes", [](const LargeRow& row) { return Cell(row.outcome.peak_bytes); }},
+};
+
+const Column kPrintedColumns[] = {
+    {"family", [](const LargeRow& row) { return row.problem.family; }, -16},
+    {"n", [](const LargeRow& row) { return std::to_string(row.problem.size); }, 7},
+    {"seed", [](const LargeRow& row) { return std::to_string(row.problem.seed); }, 4},
+    {"masses", [](const LargeRow& row) { return Format("%g", row.problem.mass_ratio); }, 6},
+    {"solver", [](const LargeRow& row) { return row.solver; }, -18},
+    {"bodies", [](const LargeRow& row) { return row.oracle ? std::to_string(row.oracle->bodies) : "-"; }, 7},
+    {"K [ms]", [](const LargeRow& row) { return row.oracle ? Format("%.2f", 1e3 * row.oracle->best.total_s()) : "-"; },
+     9},
+    {"set-up", [](const LargeRow& row) { return Shown("%.2f", 1e3 * row.outcome.setup_s); }, 9},
+    {"solve [ms]", [](const LargeRow& row) { return Shown("%.2f", 1e3 * row.outcome.solve_s); }, 10},
+    {"in K", [](const LargeRow& row) { return Shown("%.1f", row.in_k()); }, 8},
+    {"iter.", [](const LargeRow& row) { return Shown("%.0f", static_cast<double>(row.outcome.iterations)); }, 7},
+    {"rho", [](const LargeRow& row) { return Shown("%.1e", row.outcome.rho); }, 8},
+    {"floor", [](const LargeRow& row) { return Shown("%.1e", row.outcome.floor); }, 8},
+    {"MB", [](const LargeRow& row) { return Shown("%.0f", 1e-6 * row.outcome.peak_bytes); }, 7},
+    {"verdict",
+     [](const LargeRow& row) {
+       return row.outcome.verdict + (row.outcome.detail.empty() ? "" : ": " + row.outcome.detail);
+     },
+     -8},
+};
+
+std::string PrintedCell(const Column& column, const std::string& text, char fill) {
+  const auto width = static_cast<std::size_t>(std::abs(column.width));
+  const std::string space(width > text.size() ? width - text.size() : 0, fill);
+  return " " + (column.width < 0 ? text + space : space + text) + " |";
+}
+
 }  // namespace
 
 std::vector<std::string> CsvColumns() {
-  return {"family",  "n",         "seed",        "mass_ratio", "solver",    "bodies", "active",         "k_s",
-          "k_how",   "k_order_s", "k_analyse_s", "k_factor_s", "k_solve_s", "k_fill", "k_flops",        "contact_s",
-          "setup_s", "solve_s",   "in_k",        "iterations", "rho",       "floor",  "backward_error", "verdict",
-          "detail",  "peak_bytes"};
+  std::vector<std::string> names;
+  for (const Column& column : kCsvColumns) names.emplace_back(column.name);
+  return names;
 }
 
 std::vector<std::string> CsvCells(const LargeRow& row) {
-  const SolveOutcome& o = row.outcome;
-  std::vector<std::string> cells = {row.problem.family, std::to_string(row.problem.size),
-                                    std::to_string(row.problem.seed), CsvWriter::Cell(row.problem.mass_ratio),
-                                    row.solver};
-  if (row.oracle.has_value()) {
-    const Factorisation& k = row.oracle->best;
-    for (const std::string& cell : {std::to_string(row.oracle->bodies), std::to_string(row.oracle->active),
-                                    Cell(k.total_s()), k.name, Cell(k.order_s), Cell(k.analyse_s), Cell(k.factor_s),
-                                    Cell(k.solve_s), Cell(k.fill), Cell(k.flops), Cell(row.oracle->contact_s)}) {
-      cells.push_back(cell);
-    }
-  } else {
-    constexpr std::size_t kOracleCells = 11;
-    cells.resize(cells.size() + kOracleCells);
-  }
-  for (const std::string& cell :
-       {Cell(o.setup_s), Cell(o.solve_s), Cell(row.in_k()), o.iterations < 0 ? "" : std::to_string(o.iterations),
-        Cell(o.rho), Cell(o.floor), Cell(o.backward_error), o.verdict, o.detail,
-        o.peak_bytes > 0 ? CsvWriter::Cell(o.peak_bytes) : ""}) {
-    cells.push_back(cell);
-  }
+  std::vector<std::string> cells;
+  for (const Column& column : kCsvColumns) cells.push_back(column.cell(row));
   return cells;
 }
 
 std::string MarkdownHead() {
-  std::string head =
-      Format("| %-16s | %7s | %4s | %6s | %-18s | %7s | %9s | %9s | %10s | %8s | %7s | %8s | %8s | %7s | %s |\n",
-             "family", "n", "seed", "ratio", "solver", "bodies", "K [ms]", "set-up", "solve [ms]", "in K", "iter.",
-             "rho", "floor", "MB", "verdict");
-  std::string line = head;
-  for (char& c : line) {
-    if (c != '|' && c != '\n' && c != ' ') c = '-';
+  std::string names = "|";
+  std::string line = "|";
+  for (const Column& column : kPrintedColumns) {
+    names += PrintedCell(column, column.name, ' ');
+    line += PrintedCell(column, "", '-');
   }
-  for (std::size_t k = 1; k + 1 < line.size(); ++k) {
-    if (line[k] == ' ' && line[k - 1] != '|' && line[k + 1] != '|') line[k] = '-';
-  }
-  return head + line;
+  return names + "\n" + line + "\n";
 }
 
 std::string MarkdownRow(const LargeRow& row) {
-  const SolveOutcome& o = row.outcome;
-  const double k = row.oracle.has_value() ? 1e3 * row.oracle->best.total_s() : -1;
-  const std::string verdict = o.verdict + (o.detail.empty() ? "" : ": " + o.detail);
-  return Format("| %-16s | %7d | %4llu | %6s | %-18s | %7s | %9s | %9s | %10s | %8s | %7s | %8s | %8s | %7s | ",
-                row.problem.family.c_str(), row.problem.size, static_cast<unsigned long long>(row.problem.seed),
-                Format("%g", row.problem.mass_ratio).c_str(), row.solver.c_str(),
-                Shown("%.0f", row.oracle.has_value() ? row.oracle->bodies : -1).c_str(), Shown("%.2f", k).c_str(),
-                Shown("%.2f", o.setup_s < 0 ? -1 : 1e3 * o.setup_s).c_str(),
-                Shown("%.2f", o.solve_s < 0 ? -1 : 1e3 * o.solve_s).c_str(), Shown("%.1f", row.in_k()).c_str(),
-                Shown("%.0f", static_cast<double>(o.iterations)).c_str(), Shown("%.1e", o.rho).c_str(),
-                Shown("%.1e", o.floor).c_str(), Shown("%.0f", o.peak_bytes > 0 ? 1e-6 * o.peak_bytes : -1).c_str()) +
-         verdict + " |\n";
+  std::string line = "|";
+  for (const Column& column : kPrintedColumns) line += PrintedCell(column, column.cell(row), ' ');
+  return line + "\n";
 }
 
 std::string VerifiedTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers) {
@@ -193,8 +231,8 @@ std::string PeerTable(const std::vector<LargeRow>& rows, const std::vector<std::
   std::map<Key, double> fastest;
   for (const LargeRow& row : rows) {
     if (!row.outcome.verified || std::find(peers.begin(), peers.end(), row.solver) == peers.end()) continue;
-    const auto [it, is_new] = fastest.try_emplace(key(row.problem), row.outcome.solve_s);
-    if (!is_new) it->second = std::min(it->second, row.outcome.solve_s);
+    const auto [it, is_new] = fastest.try_emplace(key(row.problem), row.total_s());
+    if (!is_new) it->second = std::min(it->second, row.total_s());
   }
   std::vector<std::string> head = {"solver"};
   for (const int size : Sizes(rows)) head.push_back("n = " + std::to_string(size));

@@ -16,14 +16,14 @@ std::string MarkdownHead();
 std::string MarkdownRow(const LargeRow& row);
 
 /// Tables over all rows, in Markdown with a title line each.
-/// Per solver and size: how many answers are verified, and median (most) of (set-up + solve) / K over those.
+/// Per solver and size: how many answers are verified, and median (most) of in_k() over those.
 std::string VerifiedTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers);
-/// Per solver and family: p of (set-up + solve) ~ n^p by least squares from kLeastForExponent rows on, medians over
+/// Per solver and family: p of total_s() ~ n^p by least squares from kLeastForExponent rows on, medians over
 /// seeds, where all are verified at two sizes at least.
 inline constexpr int kLeastForExponent = 10'000;
 std::string ExponentTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers);
-/// Per solver and size: median (most) over problems of (set-up + solve) of the solver / solve of the fastest of `peers`
-/// with a verified answer. A peer's set-up, which holds conversions, does not count.
+/// Per solver and size: median (most) over problems of total_s() relative to that of the fastest of `peers` with a
+/// verified answer.
 std::string PeerTable(const std::vector<LargeRow>& rows, const std::vector<std::string>& solvers,
                       const std::vector<std::string>& peers);
 /// Per solver, family and mass ratio: over the seeds how many answers are verified, how many have rho <= max(tolerance,

@@ -127,7 +127,7 @@ class Elimination {
 template <typename Run>
 std::optional<Factorisation> Shortest(const Run& run) {
   constexpr int kMostRuns = 5;
-  constexpr double kBudget = 0.2;  // s; longer ones run once
+  constexpr double kBudget = 1;  // s; longer ones run once
   std::optional<Factorisation> shortest;
   double total = 0;
   for (int k = 0; k < kMostRuns && total < kBudget; ++k) {
@@ -141,17 +141,17 @@ std::optional<Factorisation> Shortest(const Run& run) {
 
 // Analyses, factorises and solves in `order` (empty: AMD of the matrix).
 bool TimeOnce(const ColumnMatrix& lower, CholmodFactor::Definiteness kind, const Eigen::VectorXi& order,
-              Factorisation* time) {
+              double (*now)(), Factorisation* time) {
   const Eigen::VectorXd right = Eigen::VectorXd::Ones(lower.cols());
   Eigen::VectorXd x;
   CholmodFactor factor;
-  const double start = SteadyNow();
+  const double start = now();
   factor.Analyze(kind, lower, order);
-  const double analysed = SteadyNow();
+  const double analysed = now();
   if (!factor.Factorize()) return false;
-  const double factorised = SteadyNow();
+  const double factorised = now();
   factor.Solve(right, &x);
-  time->solve_s = SteadyNow() - factorised;
+  time->solve_s = now() - factorised;
   time->factor_s = factorised - analysed;
   time->analyse_s = analysed - start;
   time->fill = factor.fill();
@@ -161,16 +161,18 @@ bool TimeOnce(const ColumnMatrix& lower, CholmodFactor::Definiteness kind, const
 #endif
 
 // Negative without CHOLMOD.
-double TimeIndependent(const LcpProblem& problem, const std::vector<Index>& independent) {
+double TimeIndependent(const LcpProblem& problem, const std::vector<Index>& independent, double (*now)()) {
 #ifdef LCPBENCH_WITH_SUITESPARSE
   if (independent.empty()) return 0;
   const ColumnMatrix lower = Submatrix(problem.SparseA(), independent).triangularView<Eigen::Lower>();
-  const std::optional<Factorisation> time = Shortest(
-      [&](Factorisation* one) { return TimeOnce(lower, CholmodFactor::Definiteness::kPositiveDefinite, {}, one); });
+  const std::optional<Factorisation> time = Shortest([&](Factorisation* one) {
+    return TimeOnce(lower, CholmodFactor::Definiteness::kPositiveDefinite, {}, now, one);
+  });
   return time.has_value() ? time->total_s() : -1;
 #else
   static_cast<void>(problem);
   static_cast<void>(independent);
+  static_cast<void>(now);
   return -1;
 #endif
 }
@@ -208,11 +210,11 @@ std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Inde
   return independent;
 }
 
-double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active) {
-  return TimeIndependent(problem, IndependentRows(problem.SparseA(), active));
+double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active, double (*now)()) {
+  return TimeIndependent(problem, IndependentRows(problem.SparseA(), active), now);
 }
 
-std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active) {
+std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active, double (*now)()) {
   std::vector<Factorisation> times;
 #ifdef LCPBENCH_WITH_SUITESPARSE
   if (!problem.has_factors()) return times;
@@ -230,12 +232,12 @@ std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::v
         continue;
       }
       std::optional<Factorisation> time = Shortest([&](Factorisation* one) {
-        const double start = SteadyNow();
+        const double start = now();
         const Eigen::VectorXi bodies = OrderBodies(system, method);
         if (bodies.size() < system.bodies()) return false;
         const Eigen::VectorXi order = ExpandOrder(system, bodies);
-        one->order_s = SteadyNow() - start;
-        return TimeOnce(system.lower, kind, order, one);
+        one->order_s = now() - start;
+        return TimeOnce(system.lower, kind, order, now, one);
       });
       if (!time.has_value()) continue;
       time->name = ToString(method) + (kind == Kind::kPositiveDefinite ? "" : "-simplicial");
@@ -245,6 +247,7 @@ std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::v
 #else
   static_cast<void>(problem);
   static_cast<void>(active);
+  static_cast<void>(now);
 #endif
   return times;
 }
@@ -262,7 +265,7 @@ OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const
   const std::vector<Index> independent = IndependentRows(problem.SparseA(), active);
   time.active = static_cast<Index>(active.size());
   time.independent = static_cast<Index>(independent.size());
-  time.contact_s = TimeIndependent(problem, independent);
+  time.contact_s = TimeIndependent(problem, independent, &SteadyNow);
   const std::optional<Factorisation> body = Cheapest(TimeBodySpace(problem, active));
   if (body.has_value()) time.body_s = body->total_s();
   return time;

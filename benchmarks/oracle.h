@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -39,10 +40,12 @@ OracleTime TimeOracle(const LcpProblem& problem, const Eigen::VectorXd& f, const
 
 /// Order + analyse + factor + solve of the body-space matrix (body_system.h) on `active`, in several ways; the matrix
 /// and the graph of bodies are given. Empty without factors of A or without CHOLMOD.
-std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active);
+/// @param now  the clock [s]
+std::vector<Factorisation> TimeBodySpace(const LcpProblem& problem, const std::vector<Index>& active,
+                                         double (*now)() = &SteadyNow);
 
 /// Analyse + factor + solve of A_FF on the independent ones of `active` [s]; negative without CHOLMOD.
-double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active);
+double TimeContactSpace(const LcpProblem& problem, const std::vector<Index>& active, double (*now)() = &SteadyNow);
 
 /// The one with the least total.
 std::optional<Factorisation> Cheapest(const std::vector<Factorisation>& times);

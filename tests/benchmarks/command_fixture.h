@@ -24,7 +24,7 @@ inline std::string ReadFile(const std::filesystem::path& path) {
   return text.str();
 }
 
-/// Runs the lcpbench command in a folder of the test's own.
+/// Runs the lcpbench command, or another program, in a folder of the test's own.
 class CommandTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -38,7 +38,7 @@ class CommandTest : public testing::Test {
 
   CommandOutcome Run(const std::string& arguments, const std::string& input = "") {
     Write("stdin", input);
-    const std::string command = std::string(LCPBENCH_COMMAND) + " " + arguments + " < " + Path("stdin") + " > " +
+    const std::string command = program_ + " " + arguments + " < " + Path("stdin") + " > " +
                                 Path("stdout") + " 2> " + Path("stderr");
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
@@ -49,6 +49,7 @@ class CommandTest : public testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
 
+  std::string program_ = LCPBENCH_COMMAND;
   std::filesystem::path folder_;
 };
 
