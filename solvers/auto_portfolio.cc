@@ -1,10 +1,12 @@
 #include "solvers/auto_portfolio.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {
@@ -26,6 +28,17 @@ constexpr double kProbeRatio = 6;
 constexpr std::int64_t kLeastNncgIterations = 16;
 // Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
 constexpr std::int64_t kMostFactorisationsOfBpp = 24;
+
+// Above, the supernodes of hybrid's factor pay, unless there is no fill at all.
+constexpr Index kMostRowsOfBpp = 200000;
+// A dense A of 0.2 GB, and minutes.
+constexpr Index kMostRowsOfDantzig = 5000;
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+constexpr bool kHasHybrid = true;
+#else
+constexpr bool kHasHybrid = false;
+#endif
 
 BppOptions EndWhenSingular() {
   BppOptions options;
@@ -58,6 +71,41 @@ bool RowsOutnumberFreedoms(const LcpProblem& problem) {
   return problem.size() > freedoms;
 }
 
+// Whether bodies and the pairs that share a row form trees: such a factor has no fill. Rows of one body, or of one pair
+// more, make no circle. False where it is not known. O(nnz J)
+bool IsForest(const LcpProblem& problem) {
+  if (!problem.has_factors() || !problem.has_two_body_rows()) return false;
+  constexpr Index kAxes = 3;
+  const SparseMatrix& J = problem.J();
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index i = 0; i < J.rows(); ++i) {
+    Index first = -1, second = -1;
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      const Index body = it.col() / kAxes;
+      (first < 0 || first == body ? first : second) = body;
+    }
+    if (second >= 0) pairs.emplace_back(std::min(first, second), std::max(first, second));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Index> parent(static_cast<size_t>(J.cols() / kAxes + 1));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index i) {
+    while (parent[static_cast<size_t>(i)] != i) {
+      parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
+      i = parent[static_cast<size_t>(i)];
+    }
+    return i;
+  };
+  for (const auto& [first, second] : pairs) {
+    const Index a = root(first), b = root(second);
+    if (a == b) return false;
+    parent[static_cast<size_t>(a)] = b;
+  }
+  return true;
+}
+
 }  // namespace
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
@@ -71,6 +119,18 @@ std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) c
   return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
 }
 
+bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
+  try {
+    if (problem.size() <= kMostRowsOfBpp || IsForest(problem)) {
+      bpp_.Prepare(problem);
+      has_bpp_ = true;
+    }
+  } catch (const MemoryRefusal&) {
+    // Others need less.
+  }
+  return has_bpp_;
+}
+
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   is_redundant_ = RowsOutnumberFreedoms(problem);
   nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
@@ -79,11 +139,14 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   nncg_limit_ = 0;
   psor_limit_ = 0;
   suits_tableau_ = is_redundant_;
-  if (is_redundant_) {
+  is_large_ = kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
+  has_bpp_ = false;
+  if (is_redundant_ && is_large_) {
+    // Sweeps and their limits are hybrid's own.
+  } else if (is_redundant_) {
     newton_.Prepare(problem);
     nncg_limit_ = NncgLimit(kFactorisationsOfNewton, newton_.StepTime());
-  } else {
-    bpp_.Prepare(problem);
+  } else if (PrepareBpp(problem)) {
     suits_tableau_ = bpp_.is_dense();
     if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
       nncg_limit_ = NncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
@@ -144,8 +207,8 @@ bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int
 bool AutoPortfolio::TryBpp(LcpResult* result) {
   if (Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return true;
   const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
-  // A sweep over a dense A costs too much of its factorisation.
-  if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense()) return false;
+  // A sweep over a dense A costs too much of its factorisation; hybrid has sweeps of its own.
+  if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense() || is_large_) return false;
   return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorisationsOfNewton, bpp_.StepTime()), result);
 }
 
@@ -159,15 +222,27 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   if (choice == Choice::kByCost) {
     if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
     if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
-    if (!is_redundant_ && TryBpp(result)) return;
+    if (has_bpp_ && TryBpp(result)) return;
   }
-  if (Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result)) return;
+  const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;
+  if (begins_with_hybrid ? TryHybrid(result) : TryNewton(result)) return;
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
+  if (begins_with_hybrid ? TryNewton(result) : TryHybrid(result)) return;
+  if (problem.size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
+}
+
+bool AutoPortfolio::TryNewton(LcpResult* result) {
+  return Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result);
+}
+
+bool AutoPortfolio::TryHybrid(LcpResult* result) {
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  if (Try(&interior_, "ipm", Trust::kVerify, 0, result)) return;
+  return Try(&hybrid_, "hybrid", Trust::kVerify, 0, result);
+#else
+  static_cast<void>(result);
+  return false;
 #endif
-  Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
 }
 
 }  // namespace lcpbench

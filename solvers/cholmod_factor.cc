@@ -7,6 +7,8 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "solvers/lcp/memory_budget.h"
+
 namespace lcpbench {
 namespace {
 
@@ -212,6 +214,10 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   }
   s.flops = s.common.fl;
   s.fill = s.common.lnz;
+  // Supernodes hold numbers only, a factor by columns has an index beside each. Factorize holds no more for long.
+  const double entry = s.factor->is_super != 0 ? sizeof(double) : sizeof(double) + sizeof(int);
+  const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
+  RequireMemory(entries * entry, "the factor");
   s.right_side.resize(n);
 }
 

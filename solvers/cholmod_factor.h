@@ -32,6 +32,7 @@ class CholmodFactor {
   /// copied.
   /// @param order  order[k] is the row to eliminate k-th, for callers that know more than the matrix shows (its
   ///     elimination tree is postordered afterwards, which changes neither fill nor work); empty: AMD of the matrix.
+  /// @throws MemoryRefusal where the predicted factor is larger than the memory that is left
   /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large, `order` not a permutation)
   void Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order = {});
 

@@ -11,13 +11,13 @@
 namespace lcpbench {
 
 struct HybridOptions {
-  /// What the sweeps may cost while their rate of convergence promises an answer, in factorisations, in [0, 1000]; 0:
-  /// the interior point at once.
-  double probe_factorizations = 8;
-  /// Iterations that the sweeps take in any case, as the interior point starts better from them, in [0, 10000].
+  /// Iterations that the sweeps take in any case, as the interior point starts better from them, in [0, 100000].
   int least_iterations = 100;
+  /// Iterations that they may take while their rate of convergence promises an answer within them, in [0, 100000]: at
+  /// 10^5 rows of a pile about four factorisations. 0: the interior point at once.
+  int most_iterations = 600;
 
-  /// Names: probe, least-iterations.
+  /// Names: least-iterations, most-iterations.
   static HybridOptions FromSettings(const Settings& settings);
 };
 
@@ -53,7 +53,7 @@ class HybridSolver final : public LcpSolver {
   NncgSolver least_;  // takes its iterations whatever it promises
   NncgSolver probe_;  // ends when hopeless
   IpmSolver interior_;
-  std::int64_t probe_limit_ = 0;
+  bool probes_ = false;
 };
 
 }  // namespace lcpbench

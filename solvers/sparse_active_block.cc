@@ -3,6 +3,8 @@
 #include <Eigen/OrderingMethods>
 #include <algorithm>
 
+#include "solvers/lcp/memory_budget.h"
+
 namespace lcpbench {
 namespace {
 
@@ -82,6 +84,7 @@ void SparseActiveBlock::FindPatterns() {
     column_start_.push_back(column_start_.back() + count[At(k)]);
     factor_work_ += 0.5 * count[At(k)] * (count[At(k)] + 1.0);
   }
+  RequireMemory(static_cast<double>(row_columns_.size()) * (sizeof(double) + 3 * sizeof(int)), "the factor");
   rows_.assign(row_columns_.size(), 0);
   row_places_.assign(row_columns_.size(), 0);
   std::vector<int> next(column_start_.begin(), column_start_.end() - 1);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
 namespace {
@@ -267,6 +268,8 @@ const Eigen::MatrixXd& LcpProblem::DenseA() const {
   State& s = *state_;
   if (s.form == MatrixForm::kDense) return s.given_dense;
   std::call_once(s.dense_once, [&] {
+    const auto n = static_cast<double>(size());
+    RequireMemory(n * n * sizeof(double), "the dense A");
     const SparseMatrix& sparse = s.form == MatrixForm::kSparse ? s.given_sparse : SparseA();
     s.derived_dense = Eigen::MatrixXd(sparse);
   });

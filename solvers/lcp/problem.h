@@ -77,6 +77,7 @@ class LcpProblem {
   bool has_two_body_rows() const;
 
   /// n x n. From factors: O(sum over columns of (column count)^2) plus n^2 to fill; from sparse: n^2.
+  /// @throws MemoryRefusal where n^2 numbers are more than there is memory
   const Eigen::MatrixXd& DenseA() const;
   /// n x n with both triangles, column indices sorted, the diagonal always stored (so also where it is zero).
   /// From factors: O(sum over columns of (column count)^2); columns of zero inverse mass do not count.

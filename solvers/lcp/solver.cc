@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
 namespace {
@@ -106,6 +107,10 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   try {
     Prepare(problem);
     DoSolve(problem, options, result);
+  } catch (const MemoryRefusal& refusal) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = refusal.what();
+    result->f.setZero(problem.size());
   } catch (const std::exception& error) {
     result->status = LcpStatus::kNumericalFailure;
     result->detail = error.what();
