@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/supernodal_factor.h"
 
 namespace lcpbench {
 namespace {
@@ -125,7 +126,8 @@ struct CholmodFactor::State {
   ColumnMatrix lower;
   cholmod_sparse view{};  // of `lower`
   Eigen::VectorXi diagonal;
-  cholmod_factor* factor = nullptr;
+  cholmod_factor* factor = nullptr;  // where supernodal, its structure only
+  SupernodalFactor panels;           // and these are its numbers
   cholmod_dense* solution = nullptr;
   cholmod_dense* y_workspace = nullptr;
   cholmod_dense* e_workspace = nullptr;
@@ -147,6 +149,20 @@ struct CholmodFactor::State {
     cholmod_free_dense(&y_workspace, &common);
     cholmod_free_dense(&e_workspace, &common);
     cholmod_free_factor(&factor, &common);
+    panels.Clear();
+  }
+  void PreparePanels() {
+    SupernodalFactor::Structure structure;
+    structure.n = static_cast<int>(factor->n);
+    structure.supernodes = static_cast<int>(factor->nsuper);
+    structure.first_column = static_cast<const int*>(factor->super);
+    structure.row_start = static_cast<const int*>(factor->pi);
+    structure.value_start = static_cast<const int*>(factor->px);
+    structure.rows = static_cast<const int*>(factor->s);
+    structure.values = factor->xsize;
+    structure.largest_update = factor->maxcsize;
+    structure.order = static_cast<const int*>(factor->Perm);
+    panels.Prepare(structure, lower.outerIndexPtr(), lower.innerIndexPtr());
   }
 };
 
@@ -219,6 +235,7 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
   RequireMemory(entries * entry, "the factor");
   s.right_side.resize(n);
+  if (s.factor->is_super != 0) s.PreparePanels();
 }
 
 Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
@@ -234,7 +251,12 @@ double* CholmodFactor::values() { return state_->lower.valuePtr(); }
 
 bool CholmodFactor::Factorize() {
   State& s = *state_;
-  const SingleThread one(s.factor->is_super != 0);
+  if (s.panels.ready()) {
+    const SingleThread one(true);
+    if (s.panels.Factorize(s.lower.valuePtr())) return true;
+    s.why = "numeric factorisation: " + StatusText(CHOLMOD_NOT_POSDEF);
+    return false;
+  }
   s.common.status = CHOLMOD_OK;
   const int done = cholmod_factorize(&s.view, s.factor, &s.common);
   if (done != 0 && s.common.status == CHOLMOD_OK && s.factor->minor == s.factor->n) return true;
@@ -244,7 +266,12 @@ bool CholmodFactor::Factorize() {
 
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   State& s = *state_;
-  const SingleThread one(s.factor->is_super != 0);
+  if (s.panels.ready()) {
+    const SingleThread one(true);
+    *x = r;
+    s.panels.Solve(x->data());
+    return;
+  }
   s.right_side = r;
   cholmod_dense right_side = Wrap(s.right_side.size(), s.right_side.data());
   const int done = cholmod_solve2(CHOLMOD_A, s.factor, &right_side, nullptr, &s.solution, nullptr, &s.y_workspace,
