@@ -39,7 +39,7 @@ constexpr int kFirstRayStep = 3;
 void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   n_ = problem.size();
-  block_ = blocks_.Analyze(problem, true, n_ <= kMaxDenseRows);
+  block_ = blocks_.Analyze(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= 10000});
   test_.Reset(problem);
   judge_.Reset(problem, blocks_.is_dense(block_));
   judged_.f.setZero(n_);
