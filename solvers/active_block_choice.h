@@ -22,6 +22,7 @@ class ActiveBlockChoice {
   /// not analyzed at all where the graph of bodies promises much less fill.
   ActiveBlock* Analyze(const LcpProblem& problem, Allowed allowed);
   bool is_dense(const ActiveBlock* chosen) const { return chosen == &dense_; }
+  bool is_through_bodies(const ActiveBlock* chosen) const { return chosen == bodies_.get(); }
   /// Nanoseconds that a Factor of all `rows`, a Solve and what a method does with it take, roughly: for comparison with
   /// methods that do not factor.
   double StepTime(const ActiveBlock* chosen, Index rows) const;
