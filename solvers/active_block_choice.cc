@@ -17,7 +17,7 @@ constexpr double kSparseStep = 2;
 constexpr double kSparseStepPerRow = 25;
 // Where A has more entries per row than this, bodies carry so many rows that their graph is the sparser one; where
 // fewer, A is, and the other form is not analysed. Smaller problems are not worth two analyses.
-constexpr double kFullRows = 13;
+constexpr double kFullRows = 10;
 constexpr double kSparseRows = 10;
 constexpr Eigen::Index kLeastRowsForBodies = 1000;
 
