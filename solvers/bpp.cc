@@ -43,8 +43,13 @@ bool BppSolver::Engine::TooLargeForDense(const LcpProblem& problem) const {
 void BppSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   const Index n = problem.size();
-  const bool may_be_dense = options_.form != BppOptions::Form::kSparse && n <= options_.max_dense_rows;
-  block_ = blocks_.Analyze(problem, options_.form != BppOptions::Form::kDense, may_be_dense);
+  using Form = BppOptions::Form;
+  const bool bodies_only = options_.form == Form::kBodies && ActiveBlockChoice::HasBodies(problem);
+  block_ =
+      blocks_.Analyze(problem, {.sparse = options_.form != Form::kDense && !bodies_only,
+                                .dense = options_.form != Form::kSparse && !bodies_only && n <= options_.max_dense_rows,
+                                .bodies = bodies_only || options_.form == Form::kAny});
+  through_bodies_ = blocks_.is_through_bodies(block_);
   judge_.Reset(problem, blocks_.is_dense(block_));
   product_.Reset(problem);
   for (Eigen::VectorXd* v :
@@ -122,9 +127,11 @@ bool BppSolver::Engine::Publish(LcpResult* result) {
     }
     return judge_.Publish(result);
   };
-  if (publish(0)) return true;
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, std::abs(f_[i]) * ForceRoot(i));
+  // Through the bodies, rows that touch a body under load have forces of rounding where those by A are 0.
+  if (through_bodies_ && publish(std::numeric_limits<double>::epsilon() * largest)) return true;
+  if (!(through_bodies_ && judge_.tier() <= proof_tolerance_) && publish(0)) return true;
   for (const double tiny : kTinyForces) {
     if (judge_.tier() <= proof_tolerance_ || TimeIsUp()) break;
     publish(tiny * largest);
@@ -243,12 +250,13 @@ void BppSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
   }
 }
 
-BppOptions BppOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("bpp", settings);
+BppOptions BppOptions::FromSettings(const Settings& settings, const char* key) {
+  SettingsReader reader(key, settings);
   BppOptions options;
-  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse"});
+  const std::string form = reader.Choice("form", "auto", {"auto", "dense", "sparse", "bodies"});
   if (form == "dense") options.form = Form::kDense;
   if (form == "sparse") options.form = Form::kSparse;
+  if (form == "bodies") options.form = Form::kBodies;
   options.proximal = reader.Number("proximal", options.proximal, kLeastShift, 1e-2);
   options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeastShift, 100);
   options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));

@@ -14,6 +14,8 @@ struct BppOptions {
     kAuto,  ///< sparse where its factorisation is predicted to take less time
     kDense,
     kSparse,
+    kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build has not what it takes
+    kAny,     ///< any of these three, by predicted time: the way of ActiveSetSolver
   };
   Form form = Form::kAuto;
 
@@ -39,9 +41,9 @@ struct BppOptions {
   /// 100000].
   Index max_dense_rows = 10'000;
 
-  /// Keys `form` (auto, dense, sparse), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes, no) and
-  /// `max_dense_rows`. @throws InputError for others
-  static BppOptions FromSettings(const Settings& settings);
+  /// Keys `form` (auto, dense, sparse, bodies), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
+  /// no) and `max_dense_rows`. @throws InputError for others
+  static BppOptions FromSettings(const Settings& settings, const char* key = "bpp");
 };
 
 /// Block principal pivoting with a proximal outer loop.

@@ -59,6 +59,7 @@ class BppSolver::Engine {
   GivenFormTest product_;
   ActiveBlockChoice blocks_;
   ActiveBlock* block_ = nullptr;
+  bool through_bodies_ = false;
   ScaledVectors scaled_;
   std::vector<char> bilateral_;
 

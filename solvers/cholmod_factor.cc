@@ -126,8 +126,10 @@ struct CholmodFactor::State {
   ColumnMatrix lower;
   cholmod_sparse view{};  // of `lower`
   Eigen::VectorXi diagonal;
-  cholmod_factor* factor = nullptr;  // where supernodal, its structure only
-  SupernodalFactor panels;           // and these are its numbers
+  cholmod_factor* factor = nullptr;    // where supernodal and not to be updated, its structure only
+  SupernodalFactor panels;             // and these are its numbers
+  cholmod_factor* analysis = nullptr;  // a copy of `factor` before its first numbers, for after an update
+  bool updated = false;
   cholmod_dense* solution = nullptr;
   cholmod_dense* y_workspace = nullptr;
   cholmod_dense* e_workspace = nullptr;
@@ -149,6 +151,8 @@ struct CholmodFactor::State {
     cholmod_free_dense(&y_workspace, &common);
     cholmod_free_dense(&e_workspace, &common);
     cholmod_free_factor(&factor, &common);
+    cholmod_free_factor(&analysis, &common);
+    updated = false;
     panels.Clear();
   }
   void PreparePanels() {
@@ -195,10 +199,14 @@ void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower
   AnalyzeBy(definiteness, lower, given ? const_cast<int*>(order.data()) : nullptr);
 }
 
-void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower) {
-  state_->common.method[0].ordering = CHOLMOD_NATURAL;
-  state_->common.postorder = 0;
+void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update) {
+  State& s = *state_;
+  s.common.method[0].ordering = CHOLMOD_NATURAL;
+  s.common.postorder = 0;
   AnalyzeBy(Definiteness::kPositiveDefinite, lower, nullptr);
+  if (!will_update) return;
+  s.analysis = cholmod_copy_factor(s.factor, &s.common);
+  if (s.analysis == nullptr) throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
 }
 
 void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order) {
@@ -235,7 +243,6 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
   RequireMemory(entries * entry, "the factor");
   s.right_side.resize(n);
-  if (s.factor->is_super != 0) s.PreparePanels();
 }
 
 Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
@@ -251,18 +258,59 @@ double* CholmodFactor::values() { return state_->lower.valuePtr(); }
 
 bool CholmodFactor::Factorize() {
   State& s = *state_;
-  if (s.panels.ready()) {
+  if (s.factor->is_super != 0 && s.analysis == nullptr) {
     const SingleThread one(true);
+    if (!s.panels.ready()) s.PreparePanels();
     if (s.panels.Factorize(s.lower.valuePtr())) return true;
     s.why = "numeric factorisation: " + StatusText(CHOLMOD_NOT_POSDEF);
     return false;
   }
+  if (s.updated) {
+    cholmod_free_factor(&s.factor, &s.common);
+    s.factor = cholmod_copy_factor(s.analysis, &s.common);
+    s.updated = false;
+    if (s.factor == nullptr) throw std::runtime_error("numeric factorisation: " + StatusText(s.common.status));
+  }
+  const SingleThread one(s.factor->is_super != 0);
   s.common.status = CHOLMOD_OK;
   const int done = cholmod_factorize(&s.view, s.factor, &s.common);
   if (done != 0 && s.common.status == CHOLMOD_OK && s.factor->minor == s.factor->n) return true;
   s.why = "numeric factorisation: " + StatusText(s.common.status);
   return false;
 }
+
+bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
+  State& s = *state_;
+  s.common.status = CHOLMOD_OK;
+  if (!s.updated) {
+    if (s.analysis == nullptr) throw std::logic_error("CholmodFactor::Update without will_update");
+    s.updated = true;
+    if (cholmod_change_factor(CHOLMOD_REAL, /*to_ll=*/0, /*to_super=*/0, /*to_packed=*/1, /*to_monotonic=*/1, s.factor,
+                              &s.common) == 0) {
+      throw std::runtime_error("update: " + StatusText(s.common.status));
+    }
+  }
+  // CHOLMOD takes the columns as non-const and only reads them.
+  cholmod_sparse view{};
+  view.nrow = static_cast<size_t>(columns.rows());
+  view.ncol = static_cast<size_t>(columns.cols());
+  view.nzmax = static_cast<size_t>(columns.nonZeros());
+  view.p = const_cast<int*>(columns.outerIndexPtr());
+  view.i = const_cast<int*>(columns.innerIndexPtr());
+  view.x = const_cast<double*>(columns.valuePtr());
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  const int done = cholmod_updown(add ? 1 : 0, &view, s.factor, &s.common);
+  if (done != 0 && s.common.status == CHOLMOD_OK) return true;
+  s.why = "update: " + StatusText(s.common.status);
+  return false;
+}
+
+const int* CholmodFactor::column_counts() const { return static_cast<const int*>(state_->factor->ColCount); }
+bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0; }
 
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
   State& s = *state_;

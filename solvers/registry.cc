@@ -4,6 +4,7 @@
 #include <map>
 #include <utility>
 
+#include "solvers/active_set_solver.h"
 #include "solvers/apgd.h"
 #include "solvers/auto_solver.h"
 #include "solvers/bpp.h"
@@ -100,6 +101,9 @@ std::vector<SolverEntry> OwnSolvers() {
                   &Make<LemkeSolver, LemkeOptions>},
       SolverEntry{"bpp", "block principal pivoting, proximal, on sparse or dense factors",
                   "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
+      SolverEntry{"active-set", "primal-dual active set on an updated sparse factor, through the bodies",
+                  "Portugal, Judice, Vicente 1994; Davis, Hager 2001", true, false, &NoBoundOnBlocks,
+                  &Make<ActiveSetSolver, ActiveSetOptions>},
       SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
                   &Never, &Make<PgsSolver, PgsOptions>},
       SolverEntry{"psor", "projected SOR, relaxation adapted to the measured rate", "Cryer 1971; Young 1971", true,
@@ -140,7 +144,11 @@ SolverEntry EntryOf(const PeerEntry& peer) {
 }
 
 // Keys that result files and scripts of earlier versions name.
-std::string_view PresentKey(std::string_view key) { return key == "suitesparse" ? "ipm" : key; }
+// And short ones.
+std::string_view PresentKey(std::string_view key) {
+  if (key == "suitesparse") return "ipm";
+  return key == "ssn" ? "semismooth-newton" : key;
+}
 
 // Filled on the first use, so that no order of static initialisers matters.
 std::vector<SolverEntry>& Solvers() {

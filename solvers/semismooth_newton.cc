@@ -33,13 +33,29 @@ constexpr double kUsefulStart = 0.5;
 constexpr Eigen::Index kMaxDenseRows = 10000;
 // Proximal steps before the first look for a ray. Feasible problems rarely need more.
 constexpr int kFirstRayStep = 3;
+// Continuation: how the weight follows the Newton steps that its subproblems take.
+constexpr double kContinuationStart = 1;
+constexpr double kContinuationEnd = 1e-8;
+constexpr double kContinuationFactor = 0.1;
+constexpr std::int64_t kFewSteps = 5;
+constexpr std::int64_t kModerateSteps = 15;
+constexpr std::int64_t kMostContinuationSteps = 200;
+constexpr double kSlow = 0.7;  // of rho, from one proximal step to the next
+// Rounding of w is magnified by 1 / eps: where rho rises with a weight up to this, that is why.
+constexpr double kNoisyWeight = 3e-7;
+// The finish is tried below this rho, and again when rho has fallen to kWorthAnother of what it was then.
+constexpr double kWorthFinish = 1e-4;
+constexpr double kWorthAnother = 0.1;
+// Rays are looked for after every so many steps only: that costs two factorisations.
+constexpr int kRayEvery = 10;
 
 }  // namespace
 
 void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   n_ = problem.size();
-  block_ = blocks_.Analyze(problem, true, n_ <= kMaxDenseRows);
+  continuation_ = n_ >= options_.continuation_rows;
+  block_ = blocks_.Analyze(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows});
   test_.Reset(problem);
   judge_.Reset(problem, blocks_.is_dense(block_));
   judged_.f.setZero(n_);
@@ -140,7 +156,7 @@ double SemismoothNewtonSolver::Engine::StepLength() const {
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubproblem(double eps) {
   for (Index p = 0; p < n_; ++p) inverse_[p] = 1 / (eps * scaled_.diagonal[p]);
   FindActiveSet(eps);
-  const std::int64_t most = factors_ + kMostNewtonSteps;
+  const std::int64_t most = factors_ + (continuation_ ? kMostContinuationSteps : kMostNewtonSteps);
   for (bool full_step = false;;) {
     if (factors_ >= most && eps < kHeaviestWeight) return End::kStalled;
     const End end = Factor(eps);
@@ -156,19 +172,29 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubprob
     full_step = t == 1;
     u_ += t * step_;
     w_ += t * step_w_;
-    if (FindActiveSet(eps) == 0 && full_step) return End::kGoOn;
+    exact_ = FindActiveSet(eps) == 0 && full_step;
+    if (exact_) return End::kGoOn;
     if (t * step_.cwiseAbs().maxCoeff() <= std::numeric_limits<double>::epsilon() * u_.cwiseAbs().maxCoeff()) {
+      exact_ = true;
       return End::kGoOn;  // F flips over by rounding only
     }
     if (deadline_->Expired()) return End::kTimeLimit;
   }
 }
 
+void SemismoothNewtonSolver::Engine::RestartFromCenter() {
+  u_ = c_;
+  block_->Multiply(u_.data(), w_.data());
+  w_ += scaled_.b;
+}
+
 void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
   tolerance_ = options.tolerance;
   deadline_.emplace(options);
   factors_ = 0;
-  factor_limit_ = options.max_iterations > 0 ? options.max_iterations : kDefaultFactors;
+  factor_limit_ = options.max_iterations > 0 ? options.max_iterations
+                  : continuation_            ? kContinuationFactors
+                                             : kDefaultFactors;
   if (!scaled_.Load(*problem_)) {
     result->status = LcpStatus::kUnsupported;
     result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
@@ -182,31 +208,61 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     return;
   }
   End end = End::kGoOn;
-  double eps = options_.first_weight;
-  double least_weight = options_.least_weight;
+  double eps = continuation_ ? kContinuationStart : options_.first_weight;
+  double least_weight = continuation_ ? kContinuationEnd : options_.least_weight;
+  double rho_before = kInfinity;
+  double finished_rho = kWorthFinish / kWorthAnother;
   if (warm) end = FinishFromStart(result);
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
+    const std::int64_t before = factors_;
     end = SolveSubproblem(eps);
     if (end == End::kStalled) {
-      eps = least_weight = std::min(kHeaviestWeight, eps * kRaise);
-      u_ = c_;
-      block_->Multiply(u_.data(), w_.data());
-      w_ += scaled_.b;
+      eps = least_weight = std::min(kHeaviestWeight, eps * (continuation_ ? 1 / kContinuationFactor : kRaise));
+      RestartFromCenter();
       end = End::kGoOn;
       continue;
     }
     if (end != End::kGoOn) break;
     for (Index p = 0; p < n_; ++p) {
-      double next = c_[p] - w_[p] * inverse_[p];
+      // The two are the same where u solves the subproblem, but w / eps magnifies the rounding of w.
+      double next = exact_ && continuation_ ? u_[p] : c_[p] - w_[p] * inverse_[p];
       if (!is_joint(p)) next = std::max(next, 0.0);
       if (scaled_.can_act[At(p)] == 0) next = 0;
       growth_[p] = next - c_[p];
       c_[p] = next;
     }
-    end = Finish(result);
-    if (end == End::kGoOn && k >= kFirstRayStep && best_rho_ > std::min(tolerance_, kProofTolerance))
+    if (!continuation_) {
+      end = Finish(result);
+      if (end == End::kGoOn && k >= kFirstRayStep && best_rho_ > std::min(tolerance_, kProofTolerance))
+        end = TryRay(result);
+      eps = std::max(least_weight, eps * options_.weight_factor);
+      continue;
+    }
+    const std::int64_t steps = factors_ - before;
+    RestartFromCenter();
+    const double rho = Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale);
+    if (rho < best_rho_) {
+      f_ = c_;
+      Publish(result);
+      if (IsAnswer(result)) {
+        end = End::kDone;
+        break;
+      }
+    }
+    if (rho <= kWorthAnother * finished_rho) {
+      finished_rho = rho;
+      end = FinishFromStart(result);
+    }
+    if (end == End::kGoOn && k % kRayEvery == kRayEvery - 1 && best_rho_ > std::min(tolerance_, kProofTolerance)) {
       end = TryRay(result);
-    eps = std::max(least_weight, eps * options_.weight_factor);
+    }
+    const bool is_slow = steps <= kModerateSteps && rho > kSlow * rho_before;
+    if (rho >= rho_before && eps <= kNoisyWeight) {
+      eps = least_weight = eps / kContinuationFactor;
+    } else if (steps <= kFewSteps || is_slow) {
+      eps = std::max(least_weight, eps * kContinuationFactor);
+    }
+    rho_before = rho;
   }
   if (best_rho_ == kInfinity) {
     f_ = c_;
@@ -251,6 +307,8 @@ SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& se
   options.first_weight = reader.Number("first_weight", options.first_weight, kLeastAllowedWeight, 1);
   options.weight_factor = reader.Number("weight_factor", options.weight_factor, kLeastAllowedWeight, 1);
   options.least_weight = reader.Number("least_weight", options.least_weight, kLeastAllowedWeight, 1);
+  options.continuation_rows =
+      static_cast<Index>(reader.Number("continuation_rows", static_cast<double>(options.continuation_rows), 1, 1e9));
   reader.Finish();
   return options;
 }

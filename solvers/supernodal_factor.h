@@ -58,7 +58,10 @@ class SupernodalFactor {
   Panel PanelOf(int supernode);
   void Scatter(const Panel& panel, const double* values);
   void Collect(const Panel& from, int begin, const Panel& to, int inner, int outer);
+  void Multiply(const double* block, const Panel& from, int inner, int outer);
   void Enqueue(int supernode, int at_row);
+  void SolveSmall(const Panel& panel, double* own);
+  void SolveSmallTransposed(const Panel& panel, double* own);
 
   Structure structure_;
   std::vector<int> starts_, rows_, source_;  // the matrix in elimination order; source_ empty: it was given so

@@ -298,6 +298,8 @@ TEST_P(SolverContract, ImpossibleOptionsAreRefused) {
 
 TEST(Registry, AnOlderKeyFindsItsSolver) { EXPECT_EQ(FindSolver("suitesparse").key, "ipm"); }
 
+TEST(Registry, AShortKeyFindsItsSolver) { EXPECT_EQ(FindSolver("ssn").key, "semismooth-newton"); }
+
 TEST(Registry, UnknownKeysNameTheKnownOnes) {
   try {
     FindSolver("simplex");

@@ -52,7 +52,8 @@ TEST(SemismoothNewton, NeedsFewFactorisationsOnLongChains) {
     const LcpProblem problem = Chain(n, 5);
     const LcpResult result = SolveWith(problem);
     ExpectSolved(problem, result);
-    EXPECT_LT(result.iterations, 60) << n;
+    // Continuation, from 2000 rows on, takes more but shorter ways.
+    EXPECT_LT(result.iterations, n < SemismoothNewtonOptions().continuation_rows ? 60 : 120) << n;
   }
 }
 
