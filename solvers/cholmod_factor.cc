@@ -35,6 +35,11 @@ struct ThreadControls {
   }
 };
 
+// Flops per entry of L from which supernodes are faster than columns. CHOLMOD's own numeric phase breaks even at 40,
+// its default. Measured at 1000 to 3000 rows: 10 to 20 are alike, 20 % less time than 40; without a limit, chains take
+// twice as long.
+constexpr double kWorthSupernodes = 20;
+
 // One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
 // the code asks for a number of threads. The settings are the process's, so lifetimes on several threads are counted:
 // the first one changes them and the last one puts them back.
@@ -179,6 +184,7 @@ CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
   common.nmethods = 1;
   common.postorder = 1;
   common.quick_return_if_not_posdef = 1;
+  common.supernodal_switch = kWorthSupernodes;
   // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
   // problems in the plane have narrow supernodes. 10 to 25 % less time at 10^5 rows.
   common.nrelax[0] = 8;

@@ -8,17 +8,18 @@
 
 namespace lcpbench {
 
-/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorised many times by
-/// CHOLMOD. [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
+/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorised many times.
+/// CHOLMOD orders, analyses, and factorises by columns; by supernodes SupernodalFactor does, on CHOLMOD's structure.
+/// [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
 ///
-/// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: while
-/// CHOLMOD's supernodal code runs, OpenMP teams and OpenBLAS are held to one thread where these libraries are loaded
-/// (Debian's CHOLMOD asks for teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first
-/// call; Factorize allocates the permuted copy of the matrix inside CHOLMOD.
+/// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: OpenMP
+/// teams and OpenBLAS are held to one thread meanwhile where these libraries are loaded (Debian's CHOLMOD asks for
+/// teams of four whatever OMP_NUM_THREADS says). Solve allocates nothing after the first call, Factorize nothing by
+/// supernodes; by columns it allocates the permuted copy of the matrix inside CHOLMOD.
 class CholmodFactor {
  public:
   enum class Definiteness {
-    kPositiveDefinite,  ///< LL' by supernodes or LDL' by columns, whichever CHOLMOD predicts to be faster
+    kPositiveDefinite,  ///< LL' by supernodes or LDL' by columns, whichever is predicted to be faster
     kQuasidefinite,     ///< LDL' with pivots of both signs, by columns [Vanderbei 1995]
   };
   using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;

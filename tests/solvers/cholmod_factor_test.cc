@@ -7,6 +7,8 @@
 #include <numeric>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 namespace lcpbench {
 namespace {
@@ -66,6 +68,71 @@ TEST(CholmodFactor, EliminatesInTheGivenOrder) {
   // A later analysis without an order is AMD's again.
   factor.Analyze(Definiteness::kPositiveDefinite, lower);
   EXPECT_EQ(factor.fill(), static_cast<double>(2 * n - 1));
+}
+
+// The Laplacian of a square grid, shifted; large enough that CHOLMOD's analysis asks for supernodes.
+ColumnMatrix GridLaplacian(int side, double shift) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (int i = 0; i < side * side; ++i) {
+    entries.emplace_back(i, i, 4 + shift);
+    if (i % side + 1 < side) entries.emplace_back(i + 1, i, -1.0);
+    if (i + side < side * side) entries.emplace_back(i + side, i, -1.0);
+  }
+  ColumnMatrix lower(side * side, side * side);
+  lower.setFromTriplets(entries.begin(), entries.end());
+  return lower;
+}
+
+TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged) {
+  const ColumnMatrix lower = GridLaplacian(60, 0.01);
+  const Eigen::Index n = lower.cols();
+  Eigen::VectorXi backwards(n);
+  std::iota(backwards.begin(), backwards.end(), 0);
+  backwards.reverseInPlace();
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd expected(n);
+  for (double& value : expected) value = normal(random);
+  for (const int way : {0, 1, 2}) {
+    CholmodFactor factor;
+    if (way == 0) factor.Analyze(Definiteness::kPositiveDefinite, lower);
+    if (way == 1) factor.Analyze(Definiteness::kPositiveDefinite, lower, backwards);
+    if (way == 2) factor.AnalyzeAsOrdered(lower);
+    for (const double diagonal : {4.01, 5.0, 1e9}) {
+      ColumnMatrix changed = lower;
+      for (Eigen::Index i = 0; i < n; i += 7) {
+        changed.coeffRef(i, i) = diagonal;
+        factor.SetDiagonal(i, diagonal);
+      }
+      ASSERT_TRUE(factor.Factorize()) << factor.why();
+      Eigen::VectorXd x = changed.selfadjointView<Eigen::Lower>() * expected;
+      factor.Solve(x, &x);
+      EXPECT_LE((x - expected).norm(), 1e-11 * expected.norm()) << way << ' ' << diagonal;
+    }
+  }
+}
+
+// A factorisation that has failed leaves nothing behind that the next one would see.
+TEST(CholmodFactor, RefusesAPivotThatIsNotPositiveAndRecovers) {
+  const ColumnMatrix lower = GridLaplacian(60, 0.01);
+  const Eigen::Index n = lower.cols();
+  CholmodFactor factor;
+  CholmodFactor fresh;
+  factor.Analyze(Definiteness::kPositiveDefinite, lower);
+  fresh.Analyze(Definiteness::kPositiveDefinite, lower);
+  for (const Eigen::Index row : {Eigen::Index{0}, n / 2, n - 1}) {
+    factor.SetDiagonal(row, -1.0);
+    EXPECT_FALSE(factor.Factorize());
+    EXPECT_NE(factor.why().find("not positive"), std::string::npos) << factor.why();
+    factor.SetDiagonal(row, 4.01);
+    ASSERT_TRUE(factor.Factorize());
+    ASSERT_TRUE(fresh.Factorize());
+    Eigen::VectorXd x;
+    Eigen::VectorXd y;
+    factor.Solve(Eigen::VectorXd::Ones(n), &x);
+    fresh.Solve(Eigen::VectorXd::Ones(n), &y);
+    EXPECT_EQ(x, y);
+  }
 }
 
 TEST(CholmodFactor, RefusesWhatIsNoPermutation) {
