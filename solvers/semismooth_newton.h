@@ -24,7 +24,7 @@ struct SemismoothNewtonOptions {
 };
 
 /// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on
-/// a sparse or dense factor of the active block, whichever is cheaper (ActiveBlock).
+/// a factor of the active block in the form that is cheapest (ActiveBlock).
 ///
 /// Outer loop [Rockafellar 1976]: c <- argmin 1/2 f.A f + b.f + (eps/2) |D^1/2 (f - c)|^2 over f_C >= 0, C the
 /// unilateral rows. With u any forces, w(u) = A u + b and f(u) = (c - w(u) / (eps D))_+ on C (not clipped on bilateral
