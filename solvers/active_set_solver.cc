@@ -41,6 +41,7 @@ void ActiveSetSolver::DoSolve(const LcpProblem& problem, const LcpOptions& optio
   const Deadline deadline(options);
   impatient_.Solve(problem, options, result);
   if (result->status != LcpStatus::kNumericalFailure) return;
+  if (!deadline.Expired() && !std::exchange(newton_is_prepared_, true)) newton_.Prepare(problem);
   LcpOptions rest = options;
   if (options.max_iterations > 0) rest.max_iterations = options.max_iterations - result->iterations;
   if (options.max_iterations > 0 && rest.max_iterations <= 0) {
@@ -54,7 +55,6 @@ void ActiveSetSolver::DoSolve(const LcpProblem& problem, const LcpOptions& optio
       return;
     }
   }
-  if (!std::exchange(newton_is_prepared_, true)) newton_.Prepare(problem);
   LcpResult second;
   newton_.Solve(problem, rest, &second);
   second.iterations += result->iterations;
