@@ -37,6 +37,8 @@ constexpr int kMaxRefinements = 4;
 constexpr double kWornOut = 1e-11;
 
 size_t At(Index i) { return static_cast<size_t>(i); }
+// The first freedom of a body.
+Index First(int body) { return Index{kAxes} * body; }
 
 }  // namespace
 
@@ -89,9 +91,9 @@ void BodyActiveBlock::AnalyzeInOrder(const ColumnMatrix& graph, const Eigen::Vec
   Eigen::VectorXi counts(kAxes * bodies_);
   for (int k = 0; k < bodies_; ++k) {
     std::sort(after[At(k)].begin(), after[At(k)].end());
-    for (int a = 0; a < kAxes; ++a) counts[kAxes * k + a] = kAxes * static_cast<int>(after[At(k)].size() + 1) - a;
+    for (int a = 0; a < kAxes; ++a) counts[First(k) + a] = kAxes * static_cast<int>(after[At(k)].size() + 1) - a;
   }
-  ColumnMatrix lower(kAxes * bodies_, kAxes * bodies_);
+  ColumnMatrix lower(freedoms(), freedoms());
   lower.reserve(counts);
   for (int column = 0; column < kAxes * bodies_; ++column) {
     const int k = column / kAxes;
@@ -110,7 +112,7 @@ void BodyActiveBlock::FindPaths() {
   const int* indices = factor_.row_indices();
   std::vector<std::vector<int>> before(At(bodies_));
   for (int k = 0; k < bodies_; ++k) {
-    for (int p = starts[kAxes * k] + kAxes; p < starts[kAxes * k + 1]; p += kAxes) {
+    for (int p = starts[First(k)] + kAxes; p < starts[First(k) + 1]; p += kAxes) {
       before[At(indices[p] / kAxes)].push_back(k);
     }
   }
@@ -129,7 +131,7 @@ void BodyActiveBlock::FindPaths() {
   path_.assign(At(bodies_), 0);
   const int* counts = factor_.column_counts();
   for (int k = bodies_ - 1; k >= 0; --k) {
-    for (int a = 0; a < kAxes; ++a) path_[At(k)] += counts[kAxes * k + a];
+    for (int a = 0; a < kAxes; ++a) path_[At(k)] += counts[First(k) + a];
     if (parent[At(k)] != kNone) path_[At(k)] += path_[At(parent[At(k)])];
   }
 }
@@ -163,15 +165,15 @@ void BodyActiveBlock::Analyze(const LcpProblem& problem) {
     if (row.second == kNone) continue;
     row.second = place[At(row.second)];
     if (row.first > row.second) std::swap(row.first, row.second);
-    const int* begin = indices + starts[kAxes * row.first] + kAxes;
-    const int* end = indices + starts[kAxes * row.first + 1];
+    const int* begin = indices + starts[First(row.first)] + kAxes;
+    const int* end = indices + starts[First(row.first) + 1];
     row.below = static_cast<int>(std::lower_bound(begin, end, kAxes * row.second) - begin);
   }
   by_supernodes_ = factor_.is_supernodal();
   flop_time_ = by_supernodes_ ? kFlopBySupernodes : kFlopByColumns;
   FindPaths();
   for (Eigen::VectorXd* v : {&diagonal_, &right_, &residual_, &x_, &step_}) v->setZero(n_);
-  for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(kAxes * bodies_);
+  for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(freedoms());
   active_.assign(At(n_), 0);
   entering_.reserve(At(n_));
   leaving_.reserve(At(n_));
@@ -221,14 +223,14 @@ void BodyActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& sca
 void BodyActiveBlock::FactorAnew() {
   double* values = factor_.values();
   const int* starts = factor_.column_starts();
-  std::fill(values, values + starts[kAxes * bodies_], 0.0);
-  for (int j = 0; j < kAxes * bodies_; ++j) values[starts[j]] = 1;
+  std::fill(values, values + starts[freedoms()], 0.0);
+  for (Index j = 0; j < freedoms(); ++j) values[starts[j]] = 1;
   for (Index i = 0; i < n_; ++i) {
     const Row& row = rows_[At(i)];
     if (active_[At(i)] == 0 || row.first == kNone) continue;
     const double t = 1 / (shift_ * diagonal_[i]);
     for (int a = 0; a < kAxes; ++a) {
-      double* column = values + starts[kAxes * row.first + a];
+      double* column = values + starts[First(row.first) + a];
       const double scaled = t * row.first_j[a];
       for (int r = a; r < kAxes; ++r) column[r - a] += scaled * row.first_j[r];
       if (row.second == kNone) continue;
@@ -237,7 +239,7 @@ void BodyActiveBlock::FactorAnew() {
     }
     if (row.second == kNone) continue;
     for (int a = 0; a < kAxes; ++a) {
-      double* column = values + starts[kAxes * row.second + a];
+      double* column = values + starts[First(row.second) + a];
       const double scaled = t * row.second_j[a];
       for (int r = a; r < kAxes; ++r) column[r - a] += scaled * row.second_j[r];
     }
@@ -266,8 +268,8 @@ bool BodyActiveBlock::Update() {
     // Rows with much of their way in common follow each other: CHOLMOD takes up to eight together.
     std::sort(rows->begin(), rows->end(),
               [&](int i, int j) { return std::pair(rows_[At(i)].first, i) < std::pair(rows_[At(j)].first, j); });
-    ColumnMatrix columns(kAxes * bodies_, static_cast<int>(rows->size()));
-    columns.reserve(2 * kAxes * static_cast<Index>(rows->size()));
+    ColumnMatrix columns(freedoms(), static_cast<int>(rows->size()));
+    columns.reserve(Index{2} * kAxes * static_cast<Index>(rows->size()));
     int k = 0;
     for (const int i : *rows) {
       const Row& row = rows_[At(i)];
@@ -311,9 +313,9 @@ void BodyActiveBlock::SolveOnce(const Eigen::VectorXd& r) {
     const Row& row = rows_[At(i)];
     if (active_[At(i)] == 0 || row.first == kNone) continue;
     const double value = r[i] / (shift_ * diagonal_[i]);
-    for (int a = 0; a < kAxes; ++a) body[kAxes * row.first + a] += row.first_j[a] * value;
+    for (int a = 0; a < kAxes; ++a) body[First(row.first) + a] += row.first_j[a] * value;
     if (row.second == kNone) continue;
-    for (int a = 0; a < kAxes; ++a) body[kAxes * row.second + a] += row.second_j[a] * value;
+    for (int a = 0; a < kAxes; ++a) body[First(row.second) + a] += row.second_j[a] * value;
   }
   factor_.Solve(body_, &body_);
   body = body_.data();
@@ -324,8 +326,8 @@ void BodyActiveBlock::SolveOnce(const Eigen::VectorXd& r) {
       continue;
     }
     double sum = 0;
-    for (int a = 0; a < kAxes && row.first != kNone; ++a) sum += row.first_j[a] * body[kAxes * row.first + a];
-    for (int a = 0; a < kAxes && row.second != kNone; ++a) sum += row.second_j[a] * body[kAxes * row.second + a];
+    for (int a = 0; a < kAxes && row.first != kNone; ++a) sum += row.first_j[a] * body[First(row.first) + a];
+    for (int a = 0; a < kAxes && row.second != kNone; ++a) sum += row.second_j[a] * body[First(row.second) + a];
     step_[i] = (r[i] - sum) / (shift_ * diagonal_[i]);
   }
 }
@@ -374,15 +376,15 @@ void BodyActiveBlock::Multiply(const double* x, double* y) const {
   for (Index i = 0; i < n_; ++i) {
     const Row& row = rows_[At(i)];
     if (x[i] == 0 || row.first == kNone) continue;
-    for (int a = 0; a < kAxes; ++a) image[kAxes * row.first + a] += row.first_j[a] * x[i];
+    for (int a = 0; a < kAxes; ++a) image[First(row.first) + a] += row.first_j[a] * x[i];
     if (row.second == kNone) continue;
-    for (int a = 0; a < kAxes; ++a) image[kAxes * row.second + a] += row.second_j[a] * x[i];
+    for (int a = 0; a < kAxes; ++a) image[First(row.second) + a] += row.second_j[a] * x[i];
   }
   for (Index i = 0; i < n_; ++i) {
     const Row& row = rows_[At(i)];
     double sum = 0;
-    for (int a = 0; a < kAxes && row.first != kNone; ++a) sum += row.first_j[a] * image[kAxes * row.first + a];
-    for (int a = 0; a < kAxes && row.second != kNone; ++a) sum += row.second_j[a] * image[kAxes * row.second + a];
+    for (int a = 0; a < kAxes && row.first != kNone; ++a) sum += row.first_j[a] * image[First(row.first) + a];
+    for (int a = 0; a < kAxes && row.second != kNone; ++a) sum += row.second_j[a] * image[First(row.second) + a];
     y[i] = sum;
   }
 }

@@ -59,6 +59,7 @@ class BodyActiveBlock final : public ActiveBlock {
     int below = -1;
   };
 
+  Index freedoms() const { return Index{3} * bodies_; }
   Eigen::VectorXi FindBodies(const LcpProblem& problem);
   CholmodFactor::ColumnMatrix Graph() const;
   void AnalyzeInOrder(const CholmodFactor::ColumnMatrix& graph, const Eigen::VectorXi& nodes);

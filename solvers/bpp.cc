@@ -235,6 +235,9 @@ void BppSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
   } else if (end == End::kSingular) {
     result->status = LcpStatus::kNumericalFailure;
     result->detail = "A is singular";
+  } else if (end == End::kCycling) {
+    result->status = LcpStatus::kNumericalFailure;
+    result->detail = "blocks cycle";
   } else if (end == End::kTimeLimit) {
     result->status = LcpStatus::kTimeLimit;
   } else {
@@ -261,6 +264,7 @@ BppOptions BppOptions::FromSettings(const Settings& settings, const char* key) {
   options.largest_proximal = reader.Number("largest_proximal", options.largest_proximal, kLeastShift, 100);
   options.patience = static_cast<int>(reader.Number("patience", options.patience, 1, 100));
   options.end_when_singular = reader.Choice("end_when_singular", "no", {"yes", "no"}) == "yes";
+  options.end_when_cycling = reader.Choice("end_when_cycling", "no", {"yes", "no"}) == "yes";
   options.max_dense_rows =
       static_cast<Index>(reader.Number("max_dense_rows", static_cast<double>(options.max_dense_rows), 1, 1e5));
   reader.Finish();

@@ -37,6 +37,9 @@ struct BppOptions {
   bool end_when_singular = false;
   static constexpr Index kDependentShare = 50;
 
+  /// Ends with kNumericalFailure where blocks cycle, instead of raising the weight.
+  bool end_when_cycling = false;
+
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].
   Index max_dense_rows = 10'000;

@@ -94,6 +94,7 @@ BppSolver::Engine::End BppSolver::Engine::PivotBlocks() {
       patience = options_.patience;
       continue;
     }
+    if (patience == 0 && options_.end_when_cycling) return End::kCycling;
     if (patience == 0 && shift_ < options_.largest_proximal) {
       shift_ = std::min(std::max(kCyclingShift, shift_ * kRaise), options_.largest_proximal);
       least = f_.size() + 1;

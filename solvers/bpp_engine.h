@@ -27,7 +27,7 @@ class BppSolver::Engine {
   void Solve(const LcpOptions& options, LcpResult* result);
 
  private:
-  enum class End { kDone, kInfeasible, kNotMet, kSingular, kIterationLimit, kTimeLimit };
+  enum class End { kDone, kInfeasible, kNotMet, kSingular, kCycling, kIterationLimit, kTimeLimit };
 
   bool Load();
   void SetStart();

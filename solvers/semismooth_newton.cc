@@ -46,15 +46,16 @@ constexpr double kNoisyWeight = 3e-7;
 // The finish is tried below this rho, and again when rho has fallen to kWorthAnother of what it was then.
 constexpr double kWorthFinish = 1e-4;
 constexpr double kWorthAnother = 0.1;
-// Rays are looked for after every so many steps only: that costs two factorisations.
-constexpr int kRayEvery = 10;
+// A proximal step at least this part of f / steps so far does not look like convergence.
+constexpr double kDivergence = 0.25;
+// So many proximal steps, then the other path: problems that are unsolvable but for rounding, mostly.
+constexpr int kMaxContinuationSteps = 50;
 
 }  // namespace
 
 void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   n_ = problem.size();
-  continuation_ = n_ >= options_.continuation_rows;
   block_ = blocks_.Analyze(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows});
   test_.Reset(problem);
   judge_.Reset(problem, blocks_.is_dense(block_));
@@ -182,6 +183,13 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::SolveSubprob
   }
 }
 
+bool SemismoothNewtonSolver::Engine::IsDiverging(int steps) const {
+  if (best_rho_ <= std::min(tolerance_, kProofTolerance)) return false;
+  const double moved = (scaled_.diagonal.array() * growth_.array().square()).maxCoeff();
+  const double size = (scaled_.diagonal.array() * c_.array().square()).maxCoeff();
+  return std::sqrt(moved) * (steps + 1) >= kDivergence * std::sqrt(size);
+}
+
 void SemismoothNewtonSolver::Engine::RestartFromCenter() {
   u_ = c_;
   block_->Multiply(u_.data(), w_.data());
@@ -192,6 +200,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   tolerance_ = options.tolerance;
   deadline_.emplace(options);
   factors_ = 0;
+  continuation_ = n_ >= options_.continuation_rows;
   factor_limit_ = options.max_iterations > 0 ? options.max_iterations
                   : continuation_            ? kContinuationFactors
                                              : kDefaultFactors;
@@ -214,6 +223,11 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   double finished_rho = kWorthFinish / kWorthAnother;
   if (warm) end = FinishFromStart(result);
   for (int k = 0; k < kMaxProximalSteps && end == End::kGoOn; ++k) {
+    if (continuation_ && k == kMaxContinuationSteps) {
+      continuation_ = false;
+      eps = options_.first_weight;
+      least_weight = options_.least_weight;
+    }
     const std::int64_t before = factors_;
     end = SolveSubproblem(eps);
     if (end == End::kStalled) {
@@ -244,18 +258,14 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     if (rho < best_rho_) {
       f_ = c_;
       Publish(result);
-      if (IsAnswer(result)) {
-        end = End::kDone;
-        break;
-      }
     }
-    if (rho <= kWorthAnother * finished_rho) {
+    const bool is_answer = IsAnswer(result);
+    if (is_answer || rho <= kWorthAnother * finished_rho) {
       finished_rho = rho;
       end = FinishFromStart(result);
     }
-    if (end == End::kGoOn && k % kRayEvery == kRayEvery - 1 && best_rho_ > std::min(tolerance_, kProofTolerance)) {
-      end = TryRay(result);
-    }
+    if (end == End::kGoOn && is_answer) end = End::kDone;
+    if (end == End::kGoOn && k >= kFirstRayStep && IsDiverging(k)) end = TryRay(result);
     const bool is_slow = steps <= kModerateSteps && rho > kSlow * rho_before;
     if (rho >= rho_before && eps <= kNoisyWeight) {
       eps = least_weight = eps / kContinuationFactor;
@@ -301,8 +311,8 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
   }
 }
 
-SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("semismooth-newton", settings);
+SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings, const char* key) {
+  SettingsReader reader(key, settings);
   SemismoothNewtonOptions options;
   options.first_weight = reader.Number("first_weight", options.first_weight, kLeastAllowedWeight, 1);
   options.weight_factor = reader.Number("weight_factor", options.weight_factor, kLeastAllowedWeight, 1);

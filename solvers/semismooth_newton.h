@@ -20,11 +20,11 @@ struct SemismoothNewtonOptions {
 
   /// Keys `first_weight`, `weight_factor`, `least_weight` and `continuation_rows`. @throws InputError for others, or
   /// out of their range
-  static SemismoothNewtonOptions FromSettings(const Settings& settings);
+  static SemismoothNewtonOptions FromSettings(const Settings& settings, const char* key = "semismooth-newton");
 };
 
 /// Proximal-point iteration whose subproblems are solved by a semismooth Newton method with an exact line search, on
-/// a sparse or dense factor of the active block, whichever is cheaper (ActiveBlock).
+/// a factor of the active block in the form that is cheapest (ActiveBlock).
 ///
 /// Outer loop [Rockafellar 1976]: c <- argmin 1/2 f.A f + b.f + (eps/2) |D^1/2 (f - c)|^2 over f_C >= 0, C the
 /// unilateral rows. With u any forces, w(u) = A u + b and f(u) = (c - w(u) / (eps D))_+ on C (not clipped on bilateral
@@ -43,7 +43,8 @@ struct SemismoothNewtonOptions {
 /// few rows at a constant eps, so a step is an update of the factor through the bodies (BodyActiveBlock) where A has
 /// ten entries per row or more. Subproblems are solved exactly, and the next c is their u, not c - w / (eps D): the two
 /// are the same but for rounding. On redundant problems of 10^4 rows: 30 to 60 factorisations and 150 to 200 updates.
-/// The finish is tried each time rho has fallen tenfold, by exchanges as from a warm start, not after each step.
+/// The finish is tried each time rho has fallen tenfold, by exchanges as from a warm start, not after each step; rays
+/// where c grows. After 50 proximal steps without an answer the other path goes on from c.
 ///
 /// Finish: after each proximal step the forces c of the active set F are corrected by A_FF d = -w_F, with a shift that
 /// only keeps a singular A_FF solvable, refined until w_F is rounding: the answer is exact as soon as F is right. Where
@@ -55,21 +56,22 @@ struct SemismoothNewtonOptions {
 /// claimed only if accepted. Bilateral rows may be dependent. A that is not symmetric is refused. kSolved is claimed
 /// only if the given form meets the tolerance in extended precision.
 ///
-/// Unit of `iterations` and max_iterations: factorisations, kDefaultFactors at most. Typically 3 to 30, hardly growing
-/// with n. Each costs O(sum over columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some
-/// ten entries per row.
+/// Unit of `iterations` and max_iterations: factors asked for, new or updated, kDefaultFactors at most and
+/// kContinuationFactors with continuation. Typically 3 to 30, 15 to 250 with continuation. Each costs O(sum over
+/// columns of L of (entries)^2) and a product with A; L of two-dimensional piles has some ten entries per row.
 ///
 /// Warm start: c = u = initial_f, clipped at 0, if its rho is at most half the one at f = 0; else it is ignored. Its F
 /// = {D f > w} is finished first, wrong rows changing sides while their number falls, so that an answer with the same
 /// active set costs one factorisation; where that fails, proximal steps go on from what is better, it or initial_f.
 ///
-/// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray. The clock is read
+/// Set-up: order (approximate minimum degree) and room for L. Solve allocates nothing but a ray, and what CHOLMOD does
+/// where the block is in body space. The clock is read
 /// every some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,
 /// kIterationLimit and kNumericalFailure (no progress over all proximal steps) leave the f of least rho that was seen.
 ///
-/// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor, and rises where a
-/// subproblem takes so many steps that rounding must be what keeps it from ending; subproblems are solved to the end
-/// (their last steps cost nothing that an inexact rule would save); the finish.
+/// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor or by the rule above, and
+/// rises where a subproblem takes so many steps that rounding must be what keeps it from ending; subproblems are solved
+/// to the end (their last steps cost nothing that an inexact rule would save); the finish.
 class SemismoothNewtonSolver final : public LcpSolver {
  public:
   static constexpr std::int64_t kDefaultFactors = 500;

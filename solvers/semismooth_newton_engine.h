@@ -34,6 +34,7 @@ class SemismoothNewtonSolver::Engine {
   End Factor(double shift);
   Index FindActiveSet(double eps);
   End SolveSubproblem(double eps);
+  bool IsDiverging(int steps) const;
   void RestartFromCenter();
   double StepLength() const;
   double Slope(double t, double* curvature) const;
@@ -62,8 +63,8 @@ class SemismoothNewtonSolver::Engine {
   std::optional<Deadline> deadline_;
 
   Index n_ = 0;
-  bool continuation_ = false;
-  bool exact_ = false;  // u solves the latest subproblem
+  bool continuation_ = false;  // still
+  bool exact_ = false;         // u solves the latest subproblem
   ScaledVectors scaled_;
   std::vector<char> bilateral_;
   Eigen::VectorXd c_, u_, w_;      // proximal centre, dual point, A u + b

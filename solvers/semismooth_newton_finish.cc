@@ -20,7 +20,8 @@ constexpr int kFinishSteps = 6;
 constexpr double kGentleShift = 1e-6;
 // Forces and gaps of the wrong sign that are below this part of the largest force or of b do not make a row wrong.
 constexpr double kWrongSign = 1e-9;
-// Where more than one row in so many is wrong, exchanging them all rarely ends.
+// On the way of continuation: where more than one row in so many is wrong, exchanging them all rarely ends.
+constexpr Index kPartWrong = 30;
 constexpr Index kFewWrong = 30;
 constexpr double kNearlySolved = 1e-3;
 // rho that is good enough to stop refining, whatever the tolerance: a direct method pays next to nothing for it.
@@ -138,7 +139,7 @@ Eigen::Index SemismoothNewtonSolver::Engine::FindWrongRows() {
 SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromStart(LcpResult* result) {
   FindActiveSet(1);
   for (Index p = 0; p < n_; ++p) f_[p] = in_F_[At(p)] != 0 ? c_[p] : 0;
-  for (Index least = continuation_ ? n_ / kFewWrong + 1 : n_ + 1;;) {
+  for (Index least = continuation_ ? std::max(n_ / kPartWrong, kFewWrong) + 1 : n_ + 1;;) {
     const End end = Factor(kStartShift);
     if (end != End::kGoOn) return end;
     RhoInDouble();
