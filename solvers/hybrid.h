@@ -53,6 +53,7 @@ class HybridSolver final : public LcpSolver {
   NncgSolver least_;  // takes its iterations whatever it promises
   NncgSolver probe_;  // ends when hopeless
   IpmSolver interior_;
+  double sweeps_per_factorization_ = 0;
   std::int64_t probe_limit_ = 0;
 };
 

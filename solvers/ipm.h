@@ -79,6 +79,14 @@ class IpmSolver final : public LcpSolver {
   std::string WhyUnsupported(const LcpProblem& problem) const override;
   const IpmStatistics& statistics() const;
 
+  /// What later solves do with initial_f, for callers that sweep themselves.
+  enum class WarmStart {
+    kFull,         ///< active set, sweeps, interior point
+    kGuessOnly,    ///< the active set alone: ends with kIterationLimit and the best iterate where it is not the answer
+    kAfterSweeps,  ///< active set, interior point
+  };
+  void UseWarmStart(WarmStart use);
+
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
