@@ -39,6 +39,10 @@ class CholmodFactor {
   /// reads it in place instead of permuting it first.
   void AnalyzeAsOrdered(const ColumnMatrix& lower);
 
+  /// Takes over the values of `lower` where its pattern is that of the matrix analysed last, whose analysis is kept.
+  /// False, and nothing done, where it is another.
+  bool TakeValues(const ColumnMatrix& lower);
+
   Eigen::Index size() const;
   /// Predicted work of one factorisation [flop] and entries of L.
   double flops() const;
