@@ -17,7 +17,7 @@ class InteriorGuess {
  public:
   void Reserve(Index n);
 
-  /// @param f, w  scaled, w the gaps of f; both may be overwritten by the call's own iterates only through `run`
+  /// @param f, w  scaled, w the gaps of f
   /// @returns whether run->best_f() meets the tier now; where not, it is the best of all iterates, clipped, unless a
   ///     limit is hit
   bool Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);

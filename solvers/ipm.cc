@@ -30,7 +30,7 @@ constexpr int kFallbackPivots = 300;
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
-constexpr double kCloseEnough = 3e-4;
+constexpr double kCloseEnough = 3e-2;
 constexpr double kLeastWarmSweeps = 60;
 constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
 constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
