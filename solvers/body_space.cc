@@ -66,6 +66,7 @@ void BodySpace::Relabel(const Eigen::VectorXi& nodes) {
 
 void BodySpace::Analyze(const ColumnMatrix& graph, GraphOrder order, const Eigen::VectorXi& nodes) {
   order_ = order;
+  ++analyses_;
   std::vector<int> place(static_cast<size_t>(bodies_));
   for (int k = 0; k < bodies_; ++k) place[static_cast<size_t>(nodes[k])] = k;
   // Neighbours of a body that come after it, in elimination order.
@@ -100,8 +101,22 @@ void BodySpace::Analyze(const ColumnMatrix& graph, GraphOrder order, const Eigen
   factor_.AnalyzeAsOrdered(lower);
 }
 
-void BodySpace::Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part) {
-  ReadRows(problem, root, taking_part);
+bool BodySpace::JoinsAsBefore() {
+  const auto same = [](const Row& row, const std::pair<int, int>& pair) {
+    return row.first == pair.first && row.second == pair.second;
+  };
+  if (factor_.size() == kAxes * bodies_ && nodes_.size() == bodies_ &&
+      std::equal(rows_.begin(), rows_.end(), joined_.begin(), joined_.end(), same)) {
+    return true;
+  }
+  joined_.resize(rows_.size());
+  std::transform(rows_.begin(), rows_.end(), joined_.begin(),
+                 [](const Row& row) { return std::make_pair(row.first, row.second); });
+  return false;
+}
+
+void BodySpace::Order() {
+  nodes_.resize(0);  // until the analysis has succeeded
   const ColumnMatrix graph = Graph();
   Eigen::VectorXi nodes = OrderGraph(graph, GraphOrder::kMinimumDegree);
   Analyze(graph, GraphOrder::kMinimumDegree, nodes);
@@ -117,7 +132,14 @@ void BodySpace::Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, 
       }
     }
   }
-  Relabel(nodes);
+  nodes_ = nodes;
+}
+
+void BodySpace::Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part) {
+  ReadRows(problem, root, taking_part);
+  analyses_ = 0;
+  if (!JoinsAsBefore()) Order();
+  Relabel(nodes_);
   // The place of a row's block within the columns of its first body.
   const int* starts = factor_.column_starts();
   const int* indices = factor_.row_indices();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/cholmod_factor.h"
@@ -27,8 +28,14 @@ class BodySpace {
 
   /// Orders the bodies and analyses K. `root` = D^1/2; rows with taking_part[i] = 0 are left out of K and of A^.
   /// O(rows) and the ordering; nested dissection is tried too where a factorisation is long enough to pay for it.
+  /// Where the rows join the same bodies in the same order as those of the problem before, order and analysis are kept,
+  /// bit for bit what they would be: O(rows).
   /// @throws std::runtime_error as CholmodFactor::Analyze
   void Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part);
+
+  /// Symbolic analyses of the latest Prepare: 0 if the one before was kept, else one for every order tried and, where
+  /// the first one is taken after all, one more.
+  int analyses() const { return analyses_; }
 
   Index rows() const { return static_cast<Index>(rows_.size()); }
   int bodies() const { return bodies_; }
@@ -62,12 +69,17 @@ class BodySpace {
   };
 
   void ReadRows(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part);
+  bool JoinsAsBefore();
+  void Order();
   CholmodFactor::ColumnMatrix Graph() const;
   void Analyze(const CholmodFactor::ColumnMatrix& graph, GraphOrder order, const Eigen::VectorXi& nodes);
   void Relabel(const Eigen::VectorXi& nodes);
 
   std::vector<Row> rows_;
   int bodies_ = 0;
+  int analyses_ = 0;
+  std::vector<std::pair<int, int>> joined_;  // by every row, as numbered before the order is chosen
+  Eigen::VectorXi nodes_;                    // that order
   GraphOrder order_ = GraphOrder::kMinimumDegree;
   CholmodFactor factor_;
   Eigen::VectorXd weight_;          // T

@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <dlfcn.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <stdexcept>
@@ -249,6 +250,19 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
   RequireMemory(entries * entry, "the factor");
   s.right_side.resize(n);
+}
+
+bool CholmodFactor::TakeValues(const ColumnMatrix& lower) {
+  State& s = *state_;
+  const Eigen::Index columns = lower.cols();
+  if (s.factor == nullptr || !lower.isCompressed() || columns != s.lower.cols() ||
+      lower.nonZeros() != s.lower.nonZeros() ||
+      !std::equal(lower.outerIndexPtr(), lower.outerIndexPtr() + columns + 1, s.lower.outerIndexPtr()) ||
+      !std::equal(lower.innerIndexPtr(), lower.innerIndexPtr() + lower.nonZeros(), s.lower.innerIndexPtr())) {
+    return false;
+  }
+  std::copy(lower.valuePtr(), lower.valuePtr() + lower.nonZeros(), s.lower.valuePtr());
+  return true;
 }
 
 Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }

@@ -42,6 +42,10 @@ class CholmodFactor {
   /// @param will_update  whether Update may be called, which needs a second copy of the analysis
   void AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update = false);
 
+  /// Takes over the values of `lower` where its pattern is that of the matrix analysed last, whose analysis is kept.
+  /// False, and nothing done, where it is another.
+  bool TakeValues(const ColumnMatrix& lower);
+
   Eigen::Index size() const;
   /// Predicted work of one factorisation [flop] and entries of L.
   double flops() const;

@@ -4,11 +4,19 @@
 #include <cstdint>
 #include <string>
 
+#include "solvers/interior_finish.h"
+
 namespace lcpbench {
 namespace {
 
 // Below, a factorisation takes no longer than a few sweeps, and its answers have more digits.
 constexpr Index kLeastRows = 500;
+// Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
+constexpr Index kMostRowsAnalysed = 20000;
+// Of a warm start: the active set is tried before the sweeps where a factorisation takes no longer than so many, with
+// pivots that take no longer than so many together.
+constexpr double kCheapFactorization = 20;
+constexpr double kGuessWork = 90;
 
 NncgOptions Probe() {
   NncgOptions options;
@@ -33,6 +41,7 @@ HybridSolver::HybridSolver(HybridOptions options) : options_(options), probe_(Pr
 std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
 
 void HybridSolver::DoPrepare(const LcpProblem& problem) {
+  sweeps_per_factorization_ = 0;
   probes_ = options_.most_iterations > 0 && problem.size() >= kLeastRows;
   if (!probes_) {
     interior_.Prepare(problem);
@@ -40,41 +49,67 @@ void HybridSolver::DoPrepare(const LcpProblem& problem) {
   }
   least_.Prepare(problem);
   probe_.Prepare(problem);
+  if (problem.size() > kMostRowsAnalysed) return;
+  interior_.Prepare(problem);
+  const IpmStatistics& factor = interior_.statistics();
+  sweeps_per_factorization_ = SweepsPerFactorization(problem, factor.factor_flops, factor.fill);
 }
 
 void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
   LcpOptions rest = options;
   Eigen::VectorXd start;
-  std::int64_t sweeps = 0;
-  const auto left = [&](std::int64_t wanted) {
-    return options.max_iterations > 0 ? std::min(wanted, options.max_iterations - sweeps) : wanted;
-  };
-  for (NncgSolver* solver : {&least_, &probe_}) {
-    const std::int64_t wanted = solver == &least_ ? options_.least_iterations : options_.most_iterations - sweeps;
-    if (!probes_ || wanted <= 0) continue;
-    rest.max_iterations = left(wanted);
+  std::int64_t done = 0;
+  std::string detail;
+  // The limits that are left, at most `wanted` iterations (0: any number). False where none are.
+  const auto limit = [&](std::int64_t wanted) {
+    rest.max_iterations = wanted;
+    if (options.max_iterations > 0) {
+      const std::int64_t left = options.max_iterations - done;
+      if (left <= 0) {
+        result->status = LcpStatus::kIterationLimit;
+        return false;
+      }
+      rest.max_iterations = wanted > 0 ? std::min(wanted, left) : left;
+    }
     rest.time_limit_s = deadline.Remaining();
-    if (!(rest.time_limit_s > 0)) break;
-    solver->Solve(problem, rest, result);
-    sweeps += result->iterations;
-    result->iterations = sweeps;
-    result->detail = "nncg";
-    if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kTimeLimit) return;
-    if (options.max_iterations > 0 && sweeps >= options.max_iterations) return;
-    if (!result->f.allFinite()) continue;
-    start = result->f;
-    rest.initial_f = &start;
-  }
-  rest.max_iterations = options.max_iterations > 0 ? options.max_iterations - sweeps : 0;
-  rest.time_limit_s = deadline.Remaining();
-  if (!(rest.time_limit_s > 0)) {
+    if (rest.time_limit_s > 0) return true;
     result->status = LcpStatus::kTimeLimit;
-    return;
+    return false;
+  };
+  // Runs one of the methods from where the one before has stopped. True if it is the last one.
+  const auto run = [&](LcpSolver* solver, const char* name) {
+    solver->Solve(problem, rest, result);
+    done += result->iterations;
+    result->iterations = done;
+    if (detail.find(name) == std::string::npos) detail += (detail.empty() ? "" : "; ") + std::string(name);
+    result->detail = detail + (result->detail.empty() ? "" : ": " + result->detail);
+    if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible ||
+        result->status == LcpStatus::kTimeLimit) {
+      return true;
+    }
+    if (result->f.allFinite()) {
+      start = result->f;
+      rest.initial_f = &start;
+    }
+    return false;
+  };
+
+  if (sweeps_per_factorization_ > 0 && options.initial_f != nullptr &&
+      sweeps_per_factorization_ <= kCheapFactorization) {
+    if (!limit(static_cast<std::int64_t>(kGuessWork / sweeps_per_factorization_))) return;
+    interior_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
+    if (run(&interior_, "ipm")) return;
   }
-  interior_.Solve(problem, rest, result);
-  if (sweeps > 0) result->detail = "nncg; ipm" + (result->detail.empty() ? "" : ": " + result->detail);
-  result->iterations += sweeps;
+  for (NncgSolver* solver : {&least_, &probe_}) {
+    const std::int64_t wanted =
+        solver == &least_ ? options_.least_iterations : options_.most_iterations - options_.least_iterations;
+    if (!probes_ || wanted <= 0) continue;
+    if (!limit(wanted) || run(solver, "nncg")) return;
+  }
+  if (!limit(0)) return;
+  interior_.UseWarmStart(probes_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
+  run(&interior_, "ipm");
 }
 
 }  // namespace lcpbench

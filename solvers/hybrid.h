@@ -27,8 +27,9 @@ struct HybridOptions {
 /// Sweeps cost a hundredth of a factorisation at 10^5 rows. On ovals and loose piles they arrive; where redundant
 /// contacts or long chains make them stall they still find most of the active set and four digits, which spares the
 /// interior point its first steps. Where the rate flattens is measured: the sweeps end as soon as the present rate
-/// would not reach the tolerance within probe_factorizations (StoppingTest::EndWhenHopeless), after least_iterations at
-/// the earliest.
+/// would not reach the tolerance within most_iterations (StoppingTest::EndWhenHopeless), after least_iterations at
+/// the earliest. Above 20 000 rows the interior point is set up only where it is needed: ordering takes longer than 50
+/// sweeps.
 ///
 /// Trees and chains of bodies need no case of their own: minimum degree eliminates them from the leaves without fill
 /// (tests/solvers/body_space_test.cc), in either space.
@@ -36,7 +37,9 @@ struct HybridOptions {
 /// Guaranteed class, failures, certificates: as IpmSolver, which has the last word. Unit of `iterations`: the steps of
 /// both, sweeps and factorisations; statistics() tells them apart. Limits hold for both together. Problems of less than
 /// 500 rows go to the interior point at once.
-/// Warm start: the sweeps start from initial_f. Departures: none; the two methods are used as they are.
+/// Warm start: where a factorisation takes no longer than 20 sweeps, the active set of initial_f first (IpmSolver), as
+/// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. Departures: none; the two
+/// methods are used as they are.
 class HybridSolver final : public LcpSolver {
  public:
   explicit HybridSolver(HybridOptions options = {});
@@ -54,6 +57,7 @@ class HybridSolver final : public LcpSolver {
   NncgSolver probe_;  // ends when hopeless
   IpmSolver interior_;
   bool probes_ = false;
+  double sweeps_per_factorization_ = 0;  // 0: not known before the interior point is set up
 };
 
 }  // namespace lcpbench

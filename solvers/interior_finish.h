@@ -7,6 +7,11 @@
 
 namespace lcpbench {
 
+/// How many iterations of nonsmooth conjugate gradients take as long as one factorisation with its solves, from times
+/// measured together on one machine; of them only ratios enter.
+/// @param flops, fill  of the factorisation
+double SweepsPerFactorization(const LcpProblem& problem, double flops, double fill);
+
 /// Turns an interior iterate into an answer without another factorisation. An interior point that has found mu leaves a
 /// residual of sqrt(mu) in every row where f and w both vanish, so that going on to mu = 1e-18 would take it twice as
 /// long as finding the active set. Two ways out, of which each costs less than one step:
@@ -31,12 +36,16 @@ class InteriorFinish {
   /// Rows whose side the latest Try found to be wrong after one solve, as a fraction of all: how far F is from right.
   double wrong_rows() const { return wrong_rows_; }
   bool may_sweep() const { return may_sweep_; }
+  /// From run->best_f(), for as long as the rate of convergence promises the tier within `iterations`.
+  /// @returns as Try
+  bool SweepFromBest(IpmRun* run, std::int64_t iterations);
 
  private:
   bool Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
   bool Sweep(IpmRun* run, const Eigen::VectorXd& f);
   double Rho(const ScaledSystem& system, const Eigen::VectorXd& f);
   bool Accept(IpmRun* run, const Eigen::VectorXd& scaled_f);
+  bool Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations);
 
   Eigen::VectorXd x_, gap_, right_, correction_, forces_, gaps_;
   NncgSolver sweeps_;

@@ -17,8 +17,8 @@ constexpr int kPoorSteps = 4;          // ... when this many come in a row
 constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergence (scaled b has size 1)
 constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
 constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
-constexpr double kWarmShifts = 3;      // distance from the boundary of a warm start, in its root mean square residual
-constexpr double kWarmShift = 1e-8;    // least such distance
+constexpr double kWarmMu = 0.1;        // mu of a warm start, in its root mean square residual ...
+constexpr double kLeastWarmMu = 1e-12;
 // Gondzio's corrector: aimed-for step, box around mu, and the gain that makes a corrector worth keeping.
 constexpr double kAimedStep = 0.3;
 constexpr double kAimedGrowth = 1.1;
@@ -91,12 +91,15 @@ void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
     sum += residual * residual;
     ++count;
   }
-  const double shift =
-      std::max(kWarmShift, kWarmShifts * std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1))));
+  const double mu = std::max(kLeastWarmMu, kWarmMu * std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1))));
   for (Index i = 0; i < n; ++i) {
     if (!system.unilateral(i)) continue;
-    f_[i] = std::max(f_[i], 0.0) + shift;
-    w_[i] = std::max(w_[i], 0.0) + shift;
+    // f w = mu in every row, and f - w as it was, whose sign is the active set.
+    const double difference = f_[i] - w_[i];
+    const double root = std::sqrt(difference * difference + 4 * mu);
+    const double larger = (std::abs(difference) + root) / 2;
+    f_[i] = difference > 0 ? larger : mu / larger;
+    w_[i] = difference > 0 ? mu / larger : larger;
   }
   Measure(run);
 }

@@ -20,7 +20,8 @@ class InteriorPoint {
   void Reserve(Index n);
   /// Regularised equality solve and Mehrotra's shift (one factorisation).
   Progress StartCold(IpmRun* run);
-  /// From f, clipped and shifted by its own natural residual (no factorisation).
+  /// From f, moved onto f w = mu with f - w kept, so that no row is off centre; mu in proportion to its natural
+  /// residual (no factorisation). [The smoothing of Chen, Harker 1993 and Kanzow 1996, taken for a start]
   void StartWarm(IpmRun* run, const Eigen::VectorXd& f);
   /// One step (one factorisation).
   Progress Step(IpmRun* run);

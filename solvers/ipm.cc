@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "solvers/interior_finish.h"
+#include "solvers/interior_guess.h"
 #include "solvers/interior_point.h"
 #include "solvers/ipm_run.h"
 #include "solvers/lcp/verify.h"
@@ -26,6 +27,12 @@ constexpr double kLeastMu = 1e-22;             // nothing is to be learnt below
 constexpr int kGuessPivots = 10;               // of one guessed active set, as long as every pivot leaves ...
 constexpr double kGuessProgress = 0.5;         // ... at most this fraction of the wrong rows
 constexpr int kFallbackPivots = 300;
+// Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
+// interior point starts from it rather than cold.
+constexpr double kWorthTrying = 0.5;
+constexpr double kCloseEnough = 3e-2;
+constexpr double kLeastWarmSweeps = 60;
+constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
 constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
 
 // Weight of the proximal term for pivots from an interior-point iterate: its distance from the solution is of the order
@@ -69,6 +76,9 @@ class IpmSolver::Implementation {
     system_.Prepare(problem, SystemSpace(options_.space));
     interior_.Reserve(problem.size());
     finish_.Reserve(problem.size(), system_.flops());
+    guess_.Reserve(problem.size());
+    warm_sweeps_ = static_cast<std::int64_t>(
+        std::max(kLeastWarmSweeps, kWarmSweepWork * SweepsPerFactorization(problem, system_.flops(), system_.fill())));
     pivoting_.Reserve(problem.size());
     statistics_.analyses = system_.analyses();
     statistics_.body_space = system_.in_body_space();
@@ -89,6 +99,7 @@ class IpmSolver::Implementation {
   }
 
   const IpmStatistics& statistics() const { return statistics_; }
+  void UseWarmStart(WarmStart use) { use_ = use; }
 
  private:
   using Outcome = ProximalPivoting::Outcome;
@@ -132,20 +143,22 @@ class IpmSolver::Implementation {
     Eigen::VectorXd w = f;
     if (!contacts) return Finish(run, f, w, 0.0, result);
 
+    finish_.Restart();
+    bool warm = false;
     if (run->options().initial_f != nullptr) {
-      const Eigen::VectorXd& start = *run->options().initial_f;
-      system_.GapsExtended(start, true, &gaps);
-      if (run->Accept(start, gaps)) return LcpStatus::kSolved;
-      f = start.cwiseQuotient(system_.force_unit());
-      w = gaps.cwiseQuotient(system_.gap_unit());
-      const Outcome outcome = pivoting_.Run(run, f, w, kGuessPivots, kGuessProgress, 0.0);
-      if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
+      const double rho_of_zero = run->best_rho();
+      if (TryStart(run, rho_of_zero)) return LcpStatus::kSolved;
+      if (run->limit_hit()) return Ended(run, Outcome::kStopped, result);
+      if (use_ == WarmStart::kGuessOnly) return LcpStatus::kIterationLimit;
+      warm = run->best_rho() <= kCloseEnough * rho_of_zero;
+    }
+    if (warm) {
+      f = run->best_f().cwiseQuotient(system_.force_unit());
       interior_.StartWarm(run, f);
     } else if (interior_.StartCold(run) == Progress::kStopped) {
       return Ended(run, run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp, result);
     }
 
-    finish_.Restart();
     double guess_below = kFirstFinish;
     int guesses = 0;
     const double few_wrong = finish_.may_sweep() ? kFewWrongRowsOfMany : kFewWrongRows;
@@ -173,6 +186,18 @@ class IpmSolver::Implementation {
       return Finish(run, f, w, 0.0, result);
     }
     return Finish(run, interior_.f(), interior_.w(), TameWeight(interior_.mu()), result);
+  }
+
+  // All of a warm start that comes before the interior point; what it finds is run->best_f(). True if that is it.
+  bool TryStart(IpmRun* run, double rho_of_zero) {
+    const Eigen::VectorXd& start = *run->options().initial_f;
+    const Eigen::VectorXd f = start.cwiseQuotient(system_.force_unit());
+    Eigen::VectorXd w;
+    if (guess_.Judge(run, f, &w)) return true;
+    if (!(run->best_rho() <= kWorthTrying * rho_of_zero)) return false;
+    if (guess_.Try(run, f, w)) return true;
+    if (run->limit_hit() || use_ != WarmStart::kFull) return false;
+    return finish_.SweepFromBest(run, warm_sweeps_);
   }
 
   LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
@@ -203,10 +228,13 @@ class IpmSolver::Implementation {
   }
 
   IpmOptions options_;
+  WarmStart use_ = WarmStart::kFull;
+  std::int64_t warm_sweeps_ = 0;
   IpmStatistics statistics_;
   ScaledSystem system_;
   InteriorPoint interior_;
   InteriorFinish finish_;
+  InteriorGuess guess_;
   ProximalPivoting pivoting_;
 };
 
@@ -214,6 +242,8 @@ IpmSolver::IpmSolver(IpmOptions options) : implementation_(std::make_unique<Impl
 IpmSolver::~IpmSolver() = default;
 
 const IpmStatistics& IpmSolver::statistics() const { return implementation_->statistics(); }
+
+void IpmSolver::UseWarmStart(WarmStart use) { implementation_->UseWarmStart(use); }
 
 std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
   if (!problem.IsNumericallySymmetric()) return "A is not symmetric";

@@ -29,7 +29,7 @@ struct IpmOptions {
 
 /// What happened below, for tests and tuning.
 struct IpmStatistics {
-  std::int64_t analyses = 0;        ///< symbolic analyses in the latest Prepare
+  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if the problem before had the same graph
   std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
   std::int64_t interior_steps = 0;  ///< of these, interior-point steps
   std::int64_t pivots = 0;          ///< of these, active sets tried
@@ -68,9 +68,17 @@ struct IpmStatistics {
 /// to 60 at 1e5 rows with many degenerate contacts. Default limit 500. Cost of one: CHOLMOD's Factorize plus 3 to 10
 /// solves. Limits are checked before each factorisation; none is begun that would end
 /// more than 10 % past the time limit if it takes as long as the one before. A failure leaves the iterate of least rho
-/// seen. Warm start: initial_f is returned if it meets the tier; else its active set is tried (a few pivots), and the
-/// interior point starts from it, shifted into the interior by its own residual. May change the answer where f is not
-/// unique.
+/// seen.
+///
+/// Warm start: initial_f, clipped at 0, is returned if it meets the tier. Where its rho is at least half that of f = 0
+/// it is ignored. Else, in this order: its active set on one factorisation, block pivots from there only as long as
+/// they pay (InteriorGuess, at most eight); nncg for as long as its rate promises an answer within the time of four
+/// factorisations; the interior point from the best iterate so far, on f w = mu with f - w kept, where that has a rho
+/// below 3 % of that of f = 0, else a cold start. Measured against a cold solve at 10^3 and 10^4 rows, all families:
+/// 0.04 to 0.6 where loads and masses have drifted by 1 %. May change the answer where f is not unique.
+///
+/// Set-up: while rows join the same bodies in the same order as in the problem prepared before (contact space: while A
+/// has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are always new.
 class IpmSolver final : public LcpSolver {
  public:
   explicit IpmSolver(IpmOptions options = {});
@@ -78,6 +86,14 @@ class IpmSolver final : public LcpSolver {
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
   const IpmStatistics& statistics() const;
+
+  /// What later solves do with initial_f, for callers that sweep themselves.
+  enum class WarmStart {
+    kFull,         ///< active set, sweeps, interior point
+    kGuessOnly,    ///< the active set alone: ends with kIterationLimit and the best iterate where it is not the answer
+    kAfterSweeps,  ///< active set, interior point
+  };
+  void UseWarmStart(WarmStart use);
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;

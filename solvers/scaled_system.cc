@@ -166,9 +166,10 @@ void ScaledSystem::BuildContactSpace() {
   }
   // Row-major upper triangle = column-major lower triangle of the symmetric matrix.
   const SparseMatrix upper = scaled_A_.triangularView<Eigen::Upper>();
-  factor_.Analyze(CholmodFactor::Definiteness::kPositiveDefinite,
-                  Eigen::Map<const CholmodFactor::ColumnMatrix>(n, n, upper.nonZeros(), upper.outerIndexPtr(),
-                                                                upper.innerIndexPtr(), upper.valuePtr()));
+  const Eigen::Map<const CholmodFactor::ColumnMatrix> lower(n, n, upper.nonZeros(), upper.outerIndexPtr(),
+                                                            upper.innerIndexPtr(), upper.valuePtr());
+  if (factor_.TakeValues(lower)) return;
+  factor_.Analyze(CholmodFactor::Definiteness::kPositiveDefinite, lower);
   ++analyses_;
 }
 
@@ -176,7 +177,7 @@ void ScaledSystem::BuildBodySpace() {
   std::vector<char> live(kind_.size());
   for (size_t i = 0; i < live.size(); ++i) live[i] = kind_[i] != RowKind::kIdle ? 1 : 0;
   bodies_.Prepare(*problem_, root_, live);
-  ++analyses_;
+  analyses_ += bodies_.analyses();
 }
 
 void ScaledSystem::Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const {

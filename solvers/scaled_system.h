@@ -71,6 +71,7 @@ class ScaledSystem {
   bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
   bool in_body_space() const { return body_space_; }
+  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept.
   int analyses() const { return analyses_; }
   double fill() const { return factor().fill(); }
   double flops() const { return factor().flops(); }

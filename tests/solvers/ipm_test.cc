@@ -13,6 +13,7 @@
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -43,56 +44,6 @@ double Uniform(std::mt19937_64* random, double low, double high) {
   return low + (high - low) * static_cast<double>((*random)() >> 11) * 0x1p-53;
 }
 
-// Unit masses on a vertical line, each resting on the one below, pushed by random loads: some contacts open.
-LcpProblem Chain(Index n, unsigned seed) {
-  std::mt19937_64 random(seed);
-  Triplets entries;
-  Eigen::VectorXd acceleration(3 * n);
-  for (int k = 0; k < n; ++k) {
-    entries.emplace_back(k, 3 * k + 1, 1.0);
-    if (k > 0) entries.emplace_back(k, 3 * (k - 1) + 1, -1.0);
-    acceleration.segment<3>(Index{3} * k) << 0.0, -10.0 + Uniform(&random, -8.0, 8.0), 0.0;
-  }
-  SparseMatrix J(n, 3 * n);
-  J.setFromTriplets(entries.begin(), entries.end());
-  return LcpProblem::FromFactors("chain-" + std::to_string(n), J, Eigen::VectorXd::Ones(3 * n), J * acceleration);
-}
-
-// Discs in rows of ten on a floor, each touching the two below: as many contacts as translations, and side loads that
-// open some of them.
-LcpProblem Pile(Index n, unsigned seed) {
-  constexpr int kWidth = 10;
-  const double half = 0.5;
-  const double height = std::sqrt(0.75);
-  std::mt19937_64 random(seed);
-  Triplets entries;
-  int row = 0;
-  int disc = 0;
-  for (; row < n; ++disc) {
-    const int below = disc - kWidth;
-    for (const double side : {-half, half}) {
-      if (row >= n) break;
-      entries.emplace_back(row, 3 * disc, -side);
-      entries.emplace_back(row, 3 * disc + 1, height);
-      const int neighbour = below + (side > 0 ? 1 : 0);
-      if (neighbour >= 0 && neighbour < disc) {
-        entries.emplace_back(row, 3 * neighbour, side);
-        entries.emplace_back(row, 3 * neighbour + 1, -height);
-      }
-      ++row;
-    }
-  }
-  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(Index{3} * disc);
-  for (Index k = 0; k < disc; ++k) {
-    acceleration[3 * k] = Uniform(&random, -3.0, 3.0);
-    acceleration[3 * k + 1] = -10.0;
-  }
-  SparseMatrix J(n, Index{3} * disc);
-  J.setFromTriplets(entries.begin(), entries.end());
-  return LcpProblem::FromFactors("pile-" + std::to_string(n), J, Eigen::VectorXd::Ones(Index{3} * disc),
-                                 J * acceleration);
-}
-
 // Planted solution of a problem whose rows are drawn with repetition from few distinct ones, so that A is singular,
 // A_FF included; every seventh row is bilateral, every fifth has f = w = 0.
 LcpProblem Redundant(Index n, Index columns, unsigned seed) {
@@ -121,7 +72,7 @@ LcpProblem Redundant(Index n, Index columns, unsigned seed) {
 TEST(Ipm, AnalysesOnceForAllSolvesOfAProblem) {
   for (const Space space : {Space::kAutomatic, Space::kContact, Space::kBody}) {
     IpmSolver solver(InSpace(space));
-    const LcpProblem problem = Pile(200, 1);
+    const LcpProblem problem = DiscPile(200, 1);
     solver.Prepare(problem);
     EXPECT_EQ(solver.statistics().analyses, 1);
     const LcpResult first = SolveWith(&solver, problem);
@@ -167,7 +118,7 @@ TEST(Ipm, ProximalTermAndRefinementSolveSingularSystems) {
 }
 
 TEST(Ipm, JointsAloneAreOneLinearSystem) {
-  const LcpProblem chain = Chain(50, 3);
+  const LcpProblem chain = Column(50, 3);
   std::vector<Index> every(50);
   for (Index i = 0; i < 50; ++i) every[static_cast<size_t>(i)] = i;
   const LcpProblem joints = LcpProblem::FromFactors("joints", chain.J(), chain.inverse_mass(), chain.b(),
@@ -180,7 +131,7 @@ TEST(Ipm, JointsAloneAreOneLinearSystem) {
 
 TEST(Ipm, IterationsHardlyGrowWithSize) {
   IpmSolver solver;
-  for (LcpProblem (*const generate)(Index, unsigned) : {&Chain, &Pile}) {
+  for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
     for (unsigned seed = 0; seed < 3; ++seed) {
       for (const Index n : {100, 300, 1000, 3000}) {
         const LcpProblem problem = generate(n, seed);
@@ -220,7 +171,7 @@ TEST(Ipm, ScalingByPowersOfTwoChangesNoPivot) {
 
 TEST(Ipm, IndependentGroupsOfAnyMagnitudeAreEachSolved) {
   // Two chains side by side, the loads of one 1e12 times those of the other: rho alone would not see the small one.
-  const LcpProblem one = Chain(20, 5);
+  const LcpProblem one = Column(20, 5);
   SparseMatrix J(40, 120);
   Triplets entries;
   Eigen::VectorXd b(40);
@@ -245,23 +196,7 @@ TEST(Ipm, InfeasibleProblemsComeWithAnAcceptedRay) {
   for (const Space space : {Space::kContact, Space::kBody}) {
     IpmSolver solver(InSpace(space));
     for (unsigned seed = 0; seed < 30; ++seed) {
-      // A solvable chain, and two opposed rows on its top body that both demand to open.
-      const LcpProblem chain = Chain(10 + seed, seed);
-      const Index n = chain.size() + 2;
-      Triplets entries;
-      for (Index i = 0; i < chain.size(); ++i) {
-        for (SparseMatrix::InnerIterator it(chain.J(), i); it; ++it) {
-          entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
-        }
-      }
-      const int column = 3 * static_cast<int>(chain.size() - 1);
-      entries.emplace_back(static_cast<int>(n - 2), column, 1.0);
-      entries.emplace_back(static_cast<int>(n - 1), column, -1.0);
-      SparseMatrix J(n, chain.J().cols());
-      J.setFromTriplets(entries.begin(), entries.end());
-      Eigen::VectorXd b(n);
-      b << chain.b(), -1.0, 0.5;
-      const LcpProblem jam = LcpProblem::FromFactors("jam", J, chain.inverse_mass(), b);
+      const LcpProblem jam = JammedColumn(10 + seed, seed);
       const LcpResult result = SolveWith(&solver, jam);
       EXPECT_EQ(result.status, LcpStatus::kInfeasible) << seed << ": " << result.detail;
       ASSERT_TRUE(result.farkas_ray.has_value());
@@ -287,7 +222,7 @@ TEST(Ipm, RowsWithoutMobilityAreDecidedByTheirGap) {
 }
 
 TEST(Ipm, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
-  const LcpProblem problem = Pile(300, 2);
+  const LcpProblem problem = DiscPile(300, 2);
   IpmSolver solver;
   const LcpResult cold = SolveWith(&solver, problem);
   ExpectSolved(problem, cold);
@@ -300,10 +235,115 @@ TEST(Ipm, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
   EXPECT_LE(warm.iterations, 3);
 }
 
+TEST(Ipm, StartsThatSayNothingAreColdOnes) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem problem = DiscPile(200, seed);
+      const LcpResult cold = SolveWith(&solver, problem);
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd start(problem.size());
+      for (double& f : start) f = Uniform(&random, 0, 1e4);
+      LcpOptions options;
+      options.initial_f = &start;
+      const LcpResult warm = SolveWith(&solver, problem, options);
+      EXPECT_EQ(warm.f, cold.f);
+      EXPECT_EQ(warm.iterations, cold.iterations);
+    }
+  }
+}
+
+TEST(Ipm, WarmStartsCostFewFactorizationsMoreThanColdOnes) {
+  // Six of the guessed active set at most; where the start is near it is far less.
+  constexpr std::int64_t kMostOfAGuess = 6;
+  for (const double drift : {1e-4, 1e-2, 0.1, 0.3, 1.0}) {
+    std::int64_t all_cold = 0, all_warm = 0;
+    IpmSolver solver;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      const LcpProblem before = seed % 2 == 0 ? DiscPile(300, seed) : Redundant(60, 20, seed);
+      const Eigen::VectorXd f = SolveWith(&solver, before).f;
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd inverse_mass = before.inverse_mass();
+      for (double& m : inverse_mass) m *= 1 + 0.5 * drift * Uniform(&random, -1, 1);
+      Eigen::VectorXd push(before.J().cols());
+      for (double& a : push) a = drift * Uniform(&random, -5, 5);
+      const LcpProblem after =
+          LcpProblem::FromFactors("drifted", before.J(), inverse_mass, before.b() + before.J() * push,
+                                  RowBounds::WithBilateralRows(before.size(), before.bilateral_rows()));
+      const LcpResult cold = SolveWith(&solver, after);
+      LcpOptions options;
+      options.initial_f = &f;
+      const LcpResult warm = SolveWith(&solver, after, options);
+      ExpectSolved(after, cold);
+      ExpectSolved(after, warm);
+      EXPECT_LE(warm.iterations, cold.iterations + kMostOfAGuess) << drift << " " << seed;
+      all_cold += cold.iterations;
+      all_warm += warm.iterations;
+    }
+    if (drift <= 1e-2) {
+      EXPECT_LE(2 * all_warm, all_cold) << drift;
+    }
+  }
+}
+
+// Other masses, other loads, the same contacts.
+LcpProblem OtherValues(const LcpProblem& problem, unsigned seed) {
+  std::mt19937_64 random(seed);
+  SparseMatrix J = problem.J();
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) it.valueRef() *= Uniform(&random, 0.9, 1.1);
+  }
+  Eigen::VectorXd inverse_mass = problem.inverse_mass();
+  for (double& m : inverse_mass) m *= Uniform(&random, 0.1, 10);
+  Eigen::VectorXd push(J.cols());
+  for (double& a : push) a = Uniform(&random, -1, 1);
+  return LcpProblem::FromFactors("other", J, inverse_mass, problem.b() + J * push,
+                                 RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()));
+}
+
+TEST(Ipm, KeepsTheAnalysisWhileTheContactGraphIsTheSame) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem before = DiscPile(200, seed);
+      IpmSolver kept(InSpace(space));
+      SolveWith(&kept, before);
+      const auto expect_as_fresh = [&](const LcpProblem& problem, std::int64_t analyses) {
+        const LcpResult result = SolveWith(&kept, problem);
+        EXPECT_EQ(kept.statistics().analyses, analyses);
+        IpmSolver fresh(InSpace(space));
+        const LcpResult expected = SolveWith(&fresh, problem);
+        EXPECT_EQ(fresh.statistics().analyses, 1);
+        ExpectSolved(problem, result);
+        EXPECT_EQ(result.f, expected.f);
+        EXPECT_EQ(result.iterations, expected.iterations);
+      };
+      expect_as_fresh(OtherValues(before, seed), 0);
+      expect_as_fresh(before, 0);
+      // Rows in another order are another graph, as is a body that leans on another neighbour, or a row less.
+      std::vector<Index> order(200);
+      for (Index i = 0; i < 200; ++i) order[static_cast<size_t>(i)] = (i * 77 + 5) % 200;
+      expect_as_fresh(PermuteRows(before, order), 1);
+      SparseMatrix J = before.J();
+      std::vector<Eigen::Triplet<double, int>> entries;
+      for (Index i = 0; i < 200; ++i) {
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+          const bool moved = i == 199 && it.col() < 3 * 50;
+          entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()) + (moved ? 6 : 0), it.value());
+        }
+      }
+      entries.emplace_back(150, 0, 0.25);
+      J.setFromTriplets(entries.begin(), entries.end());
+      expect_as_fresh(LcpProblem::FromFactors("swapped", J, before.inverse_mass(), before.b()), 1);
+      expect_as_fresh(
+          LcpProblem::FromFactors("less", before.J().topRows(199), before.inverse_mass(), before.b().head(199)), 1);
+    }
+  }
+}
+
 double ticks = 0;
 
 TEST(Ipm, LimitsAreCheckedBeforeEveryFactorization) {
-  const LcpProblem problem = Pile(100, 4);
+  const LcpProblem problem = DiscPile(100, 4);
   IpmSolver solver;
   const std::int64_t needed = SolveWith(&solver, problem).iterations;
   for (std::int64_t limit = 1; limit < needed; ++limit) {
@@ -333,7 +373,7 @@ TEST(Ipm, OptionsHaveNamesAndRanges) {
   EXPECT_THROW(IpmOptions::FromSettings({{"proximal", "1"}}), InputError);
   EXPECT_THROW(IpmOptions::FromSettings({{"ordering", "amd"}}), InputError);
   IpmSolver without(options);
-  const LcpProblem problem = Pile(100, 6);
+  const LcpProblem problem = DiscPile(100, 6);
   ExpectSolved(problem, SolveWith(&without, problem));
 }
 
