@@ -15,7 +15,7 @@ constexpr Index kLeastRows = 500;
 constexpr Index kMostRowsAnalysed = 20000;
 // Of a warm start: the active set is tried before the sweeps where a factorisation takes no longer than so many, with
 // pivots that take no longer than so many together.
-constexpr double kCheapFactorization = 20;
+constexpr double kCheapFactorization = 17;
 constexpr double kGuessWork = 90;
 
 NncgOptions Probe() {

@@ -37,7 +37,7 @@ struct HybridOptions {
 /// Guaranteed class, failures, certificates: as IpmSolver, which has the last word. Unit of `iterations`: the steps of
 /// both, sweeps and factorisations; statistics() tells them apart. Limits hold for both together. Problems of less than
 /// 500 rows go to the interior point at once.
-/// Warm start: where a factorisation takes no longer than 20 sweeps, the active set of initial_f first (IpmSolver), as
+/// Warm start: where a factorisation takes no longer than 17 sweeps, the active set of initial_f first (IpmSolver), as
 /// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. Departures: none; the two
 /// methods are used as they are.
 class HybridSolver final : public LcpSolver {

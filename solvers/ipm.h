@@ -75,7 +75,7 @@ struct IpmStatistics {
 /// they pay (InteriorGuess, at most eight); nncg for as long as its rate promises an answer within the time of four
 /// factorisations; the interior point from the best iterate so far, on f w = mu with f - w kept, where that has a rho
 /// below 3 % of that of f = 0, else a cold start. Measured against a cold solve at 10^3 and 10^4 rows, all families:
-/// 0.04 to 0.6 where loads and masses have drifted by 1 %. May change the answer where f is not unique.
+/// 0.04 to 0.7 where loads and masses have drifted by 1 %. May change the answer where f is not unique.
 ///
 /// Set-up: while rows join the same bodies in the same order as in the problem prepared before (contact space: while A
 /// has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are always new.
