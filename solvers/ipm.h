@@ -46,17 +46,16 @@ struct IpmStatistics {
 /// 1. Mehrotra predictor-corrector with Gondzio's centrality correctors on  w = A f + b, f w = mu e; bilateral rows are
 ///    free. Every step factorises A + diag(w/f) + eps I once. The pattern never changes, so neither does the symbolic
 ///    analysis of Prepare. eps is a proximal term about the current iterate, so it slows but does not move the limit.
-/// 2. Once mu is small, the guess F = {f > w} is tried: proximal-point iterations on A_FF f_F = -b_F. They converge for
-///    singular A_FF, as the system of the right F is consistent. Residuals are summed in extended precision from the
-///    given form of A.
-///    Rows outside F leave through the diagonal, again on the same analysis. Accepted only if the tier is met by a
-///    fresh w; where not, block pivots correct F as long as each halves the number of wrong rows, else the interior
-///    point goes on to a mu a thousand times smaller. After the first guess, pivots start from an eps of about
-///    sqrt(mu), which keeps them near the interior point's f where A_FF is singular, and which falls with the residual.
-/// 3. Where the interior point stagnates: block principal pivoting with Murty's least-index rule as a safeguard on
+/// 2. Systems live on the contacts, A + diag(w/f), or on the bodies (BodySpace), where redundant rows cost nothing: on
+///    the bodies where the columns of J hold many rows. A solve is refined only where its residual calls for it.
+/// 3. From mu = 1e-4 on every iterate may be the last one (InteriorFinish): refinement on the factor of the step where
+///    F = {f > w} is right, sweeps where what is wrong with it is local. Where few rows are wrong, block pivots correct
+///    F (ProximalPivoting), with an eps of about sqrt(mu) after the first try. Accepted only if the tier is met by a
+///    fresh w, summed in extended precision from the given form of A.
+/// 4. Where the interior point stagnates: block principal pivoting with Murty's least-index rule as a safeguard on
 ///    A + eps I, b - eps c (a P-matrix, so finite), inside a proximal-point loop c <- f (convergent for PSD A), up to
 ///    300 pivots.
-/// 4. Where f grows without bound, growth directions of 1 or 3 are projected onto the null space of A over their
+/// 5. Where f grows without bound, growth directions of 1 or 4 are projected onto the null space of A over their
 ///    support; kInfeasible is claimed only with a ray that VerifyFarkasRay accepts.
 ///
 /// Guaranteed class: in exact arithmetic, and within the limits, all symmetric PSD A. In double, scaled eigenvalues of
@@ -64,11 +63,10 @@ struct IpmStatistics {
 /// negative diagonal entry, or a nonzero beside a zero diagonal entry. Departures: one step length for f and w (the QP
 /// couples them); the proximal term; finishing by active sets.
 ///
-/// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; normally 5 to 30, up
-/// to 60 at 1e5 rows with many degenerate contacts. Default limit 500. Cost of one: CHOLMOD's Factorize plus 3 to 10
-/// solves. Limits are checked before each factorisation; none is begun that would end
-/// more than 10 % past the time limit if it takes as long as the one before. A failure leaves the iterate of least rho
-/// seen.
+/// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; normally 5 to 20, 20
+/// to 50 where redundant contacts leave many rows with f = w = 0. Default limit 500. Cost of one: CHOLMOD's Factorize
+/// plus 3 to 10 solves. Limits are checked before each factorisation; none is begun that would end more than 10 % past
+/// the time limit if it takes as long as the one before. A failure leaves the iterate of least rho seen.
 ///
 /// Warm start: initial_f, clipped at 0, is returned if it meets the tier. Where its rho is at least half that of f = 0
 /// it is ignored. Else, in this order: its active set on one factorisation, block pivots from there only as long as

@@ -114,7 +114,7 @@ def _run(rng, f, problem, solver, tier) -> dict:
     if solver == "ipopt-qp" and tier == 1e-9 and f == 4 and n in (300, 1000):
         rho = 3.1e-9
     # Above the strictest tier and below the floor.
-    at_floor = solver == "suitesparse" and tier == 1e-9 and floor_of(f, n) > tier
+    at_floor = solver == "ipm" and tier == 1e-9 and floor_of(f, n) > tier
     if at_floor:
         rho = 2.5e-9
     passes = rho <= max(tier, floor_of(f, n))

@@ -59,13 +59,13 @@ class Floors(unittest.TestCase):
         self.assertEqual(self.page.count(">floor 4.0e-9</span>"), len(SEEDS))
 
     def test_answers_that_pass_thanks_to_the_floor_are_verified_and_say_so(self):
-        cell = self.cells.get(LAST, 3000, "suitesparse", 1e-9)
+        cell = self.cells.get(LAST, 3000, "ipm", 1e-9)
         self.assertTrue(cell.passes)
         self.assertGreater(cell.rho, 1e-9)
         for other in self.cells.all():
             self.assertEqual(other.at_floor, len(SEEDS) if other is cell else 0)
         for row in tables.accuracy(self.cells):
-            here = (row["solver"], row["tier"]) == ("suitesparse", "1e-9")
+            here = (row["solver"], row["tier"]) == ("ipm", "1e-9")
             self.assertEqual(row["at_floor"], len(SEEDS) if here else 0)
             self.assertLessEqual(row["at_floor"], row["verified"])
         self.assertIn("−9" + floors.MARK, self.page)

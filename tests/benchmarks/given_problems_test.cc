@@ -34,8 +34,7 @@ struct Direct {
   int undecided_scenes = 0;
 };
 
-constexpr Direct kDirect[] = {{"auto"},       {"dantzig"}, {"lemke"}, {"bpp", 15}, {"semismooth-newton", 15},
-                              {"ipm"}};
+constexpr Direct kDirect[] = {{"auto"}, {"dantzig"}, {"lemke"}, {"bpp", 15}, {"semismooth-newton", 15}, {"ipm"}};
 
 // What one solver came to on a set of problems.
 struct Tally {
