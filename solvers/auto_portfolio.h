@@ -50,7 +50,7 @@ class AutoPortfolio {
   void Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
              LcpResult* result);
   /// From here on `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
-  static constexpr Index kSmallRows = 1500;
+  static constexpr Index kSmallRows = 900;
 
   /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
   /// larger sizes.

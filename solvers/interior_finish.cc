@@ -13,6 +13,8 @@ constexpr double kMoreDigits = 1e-3;  // of the tolerance: a right F gives them 
 constexpr double kWithinReach = 100;  // times the tolerance: rho from which sweeps are tried, ...
 constexpr double kTryAgain = 0.4;     // ... again where rho has fallen to this fraction
 constexpr std::int64_t kSweeps = 60;
+constexpr double kNear = 5;  // times the tolerance: rho from which ...
+constexpr std::int64_t kSweepsWhereNear = 300;
 constexpr double kWorthSweeps = 1e6;  // flop; below, going on is as cheap, and exact
 
 // Nanoseconds of an nncg iteration by row and by entry of an assembled A, and of a factorisation with its solves, by
@@ -106,7 +108,7 @@ bool InteriorFinish::Sweep(IpmRun* run, const Eigen::VectorXd& f) {
   if (!(rho <= kWithinReach * tolerance) || rho > kTryAgain * least_tried_) return false;
   least_tried_ = rho;
   const Eigen::VectorXd start = forces_;
-  return Sweeps(run, start, kClose * tolerance, kSweeps);
+  return Sweeps(run, start, kClose * tolerance, rho <= kNear * tolerance ? kSweepsWhereNear : kSweeps);
 }
 
 bool InteriorFinish::SweepFromBest(IpmRun* run, std::int64_t iterations) {

@@ -23,9 +23,10 @@ constexpr double kFewWrongRows =
     0.02;  // with at most this fraction of rows wrong, pivots from the active set are tried
 constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend what is local
 constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
-constexpr double kLeastMu = 1e-22;             // nothing is to be learnt below
-constexpr int kGuessPivots = 10;               // of one guessed active set, as long as every pivot leaves ...
-constexpr double kGuessProgress = 0.5;         // ... at most this fraction of the wrong rows
+constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnates, while their rate promises an answer
+constexpr double kLeastMu = 1e-22;          // nothing is to be learnt below
+constexpr int kGuessPivots = 10;            // of one guessed active set, as long as every pivot leaves ...
+constexpr double kGuessProgress = 0.5;      // ... at most this fraction of the wrong rows
 constexpr int kFallbackPivots = 300;
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
@@ -184,6 +185,10 @@ class IpmSolver::Implementation {
       w = interior_.w();
       for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
       return Finish(run, f, w, 0.0, result);
+    }
+    if (finish_.may_sweep()) {
+      Remember(run);
+      if (finish_.SweepFromBest(run, kLastSweeps)) return LcpStatus::kSolved;
     }
     return Finish(run, interior_.f(), interior_.w(), TameWeight(interior_.mu()), result);
   }
