@@ -17,7 +17,9 @@ constexpr int kPoorSteps = 4;          // ... when this many come in a row
 constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergence (scaled b has size 1)
 constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
 constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
-constexpr double kWarmMu = 0.1;        // mu of a warm start, in its root mean square residual ...
+constexpr double kRecentredMu =
+    10;                          // times the present mu: a row that blocks every step is off centre by more than that
+constexpr double kWarmMu = 0.1;  // mu of a warm start, in its root mean square residual ...
 constexpr double kLeastWarmMu = 1e-12;
 // Gondzio's corrector: aimed-for step, box around mu, and the gain that makes a corrector worth keeping.
 constexpr double kAimedStep = 0.3;
@@ -92,16 +94,26 @@ void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
     ++count;
   }
   const double mu = std::max(kLeastWarmMu, kWarmMu * std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1))));
-  for (Index i = 0; i < n; ++i) {
+  Centre(system, mu);
+  Measure(run);
+}
+
+void InteriorPoint::Recentre(IpmRun* run) {
+  poor_steps_ = 0;
+  Centre(run->system(), kRecentredMu * mu_);
+  Measure(run);
+}
+
+// f w = mu in every row, and f - w as it was, whose sign is the active set.
+void InteriorPoint::Centre(const ScaledSystem& system, double mu) {
+  for (Index i = 0; i < f_.size(); ++i) {
     if (!system.unilateral(i)) continue;
-    // f w = mu in every row, and f - w as it was, whose sign is the active set.
     const double difference = f_[i] - w_[i];
     const double root = std::sqrt(difference * difference + 4 * mu);
     const double larger = (std::abs(difference) + root) / 2;
     f_[i] = difference > 0 ? larger : mu / larger;
     w_[i] = difference > 0 ? mu / larger : larger;
   }
-  Measure(run);
 }
 
 void InteriorPoint::Measure(IpmRun* run) {

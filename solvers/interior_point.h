@@ -23,6 +23,9 @@ class InteriorPoint {
   /// From f, moved onto f w = mu with f - w kept, so that no row is off centre; mu in proportion to its natural
   /// residual (no factorisation). [The smoothing of Chen, Harker 1993 and Kanzow 1996, taken for a start]
   void StartWarm(IpmRun* run, const Eigen::VectorXd& f);
+  /// After stagnation: back to the middle, f w = 10 mu in every row with f - w as it is, from where steps are long
+  /// again.
+  void Recentre(IpmRun* run);
   /// One step (one factorisation).
   Progress Step(IpmRun* run);
 
@@ -34,6 +37,7 @@ class InteriorPoint {
 
  private:
   void Measure(IpmRun* run);
+  void Centre(const ScaledSystem& system, double mu);
   bool FactorizeStep(IpmRun* run);
   void SolveSystem(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
   // Direction for the complementarity target f w + dw f + w df = target_i; rows C only.

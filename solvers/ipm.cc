@@ -24,9 +24,10 @@ constexpr double kFewWrongRows =
 constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend what is local
 constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
 constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnates, while their rate promises an answer
-constexpr double kLeastMu = 1e-22;          // nothing is to be learnt below
-constexpr int kGuessPivots = 10;            // of one guessed active set, as long as every pivot leaves ...
-constexpr double kGuessProgress = 0.5;      // ... at most this fraction of the wrong rows
+constexpr int kMostRecentred = 3;
+constexpr double kLeastMu = 1e-22;      // nothing is to be learnt below
+constexpr int kGuessPivots = 10;        // of one guessed active set, as long as every pivot leaves ...
+constexpr double kGuessProgress = 0.5;  // ... at most this fraction of the wrong rows
 constexpr int kFallbackPivots = 300;
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
@@ -162,10 +163,16 @@ class IpmSolver::Implementation {
 
     double guess_below = kFirstFinish;
     int guesses = 0;
+    int recentred = 0;
     const double few_wrong = finish_.may_sweep() ? kFewWrongRowsOfMany : kFewWrongRows;
     Progress progress = Progress::kGood;
     for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
       progress = interior_.Step(run);
+      if (progress == Progress::kStagnant && recentred++ < kMostRecentred) {
+        interior_.Recentre(run);
+        progress = Progress::kGood;
+        continue;
+      }
       if (progress != Progress::kGood) break;
       if (interior_.mu() > kFirstFinish || interior_.residual() > kFinishResidual) continue;
       if (finish_.Try(run, interior_.f(), interior_.w())) return LcpStatus::kSolved;
