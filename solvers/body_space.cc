@@ -16,6 +16,9 @@ constexpr double kWorthChange = 0.9;  // its work against that of minimum degree
 
 constexpr int kAxes = 3;
 
+// The first column of a body.
+Index At(int body) { return Index{kAxes} * body; }
+
 }  // namespace
 
 void BodySpace::ReadRows(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part) {
@@ -86,7 +89,7 @@ void BodySpace::Analyze(const ColumnMatrix& graph, GraphOrder order, const Eigen
       counts[kAxes * k + a] = kAxes - a + kAxes * static_cast<int>(neighbours.size());
     }
   }
-  ColumnMatrix lower(kAxes * bodies_, kAxes * bodies_);
+  ColumnMatrix lower(At(bodies_), At(bodies_));
   lower.reserve(counts);
   for (int k = 0; k < bodies_; ++k) {
     for (int a = 0; a < kAxes; ++a) {
@@ -105,7 +108,7 @@ bool BodySpace::JoinsAsBefore() {
   const auto same = [](const Row& row, const std::pair<int, int>& pair) {
     return row.first == pair.first && row.second == pair.second;
   };
-  if (factor_.size() == kAxes * bodies_ && nodes_.size() == bodies_ &&
+  if (factor_.size() == At(bodies_) && nodes_.size() == bodies_ &&
       std::equal(rows_.begin(), rows_.end(), joined_.begin(), joined_.end(), same)) {
     return true;
   }
@@ -145,27 +148,27 @@ void BodySpace::Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, 
   const int* indices = factor_.row_indices();
   for (Row& row : rows_) {
     if (row.second < 0) continue;
-    const int* begin = indices + starts[kAxes * row.first] + kAxes;
-    const int* end = indices + starts[kAxes * row.first + 1];
+    const int* begin = indices + starts[At(row.first)] + kAxes;
+    const int* end = indices + starts[At(row.first) + 1];
     row.below = static_cast<int>(std::lower_bound(begin, end, kAxes * row.second) - begin);
   }
   weight_.setZero(rows());
   product_.setZero(rows());
-  body_.setZero(kAxes * bodies_);
-  image_.setZero(kAxes * bodies_);
+  body_.setZero(At(bodies_));
+  image_.setZero(At(bodies_));
 }
 
 void BodySpace::ToBodies(const Eigen::VectorXd& f, Eigen::VectorXd* x) const {
-  x->setZero(kAxes * bodies_);
+  x->setZero(At(bodies_));
   double* out = x->data();
   const double* force = f.data();
   for (const Row& row : rows_) {
     const double value = *force++;
     if (row.first < 0) continue;
-    double* first = out + kAxes * row.first;
+    double* first = out + At(row.first);
     for (int a = 0; a < kAxes; ++a) first[a] += row.first_j[a] * value;
     if (row.second < 0) continue;
-    double* second = out + kAxes * row.second;
+    double* second = out + At(row.second);
     for (int a = 0; a < kAxes; ++a) second[a] += row.second_j[a] * value;
   }
 }
@@ -177,11 +180,11 @@ void BodySpace::ToRows(const Eigen::VectorXd& x, Eigen::VectorXd* w) const {
   for (const Row& row : rows_) {
     double sum = 0;
     if (row.first >= 0) {
-      const double* first = in + kAxes * row.first;
+      const double* first = in + At(row.first);
       for (int a = 0; a < kAxes; ++a) sum += row.first_j[a] * first[a];
     }
     if (row.second >= 0) {
-      const double* second = in + kAxes * row.second;
+      const double* second = in + At(row.second);
       for (int a = 0; a < kAxes; ++a) sum += row.second_j[a] * second[a];
     }
     *out++ = sum;
@@ -196,7 +199,7 @@ void BodySpace::Multiply(const Eigen::VectorXd& f, Eigen::VectorXd* y) const {
 bool BodySpace::Factorize(const Eigen::VectorXd& theta) {
   double* values = factor_.values();
   const int* starts = factor_.column_starts();
-  std::fill(values, values + starts[kAxes * bodies_], 0.0);
+  std::fill(values, values + starts[At(bodies_)], 0.0);
   for (int j = 0; j < kAxes * bodies_; ++j) values[starts[j]] = 1;
   Index i = 0;
   for (const Row& row : rows_) {
