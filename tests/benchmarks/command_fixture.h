@@ -38,8 +38,8 @@ class CommandTest : public testing::Test {
 
   CommandOutcome Run(const std::string& arguments, const std::string& input = "") {
     Write("stdin", input);
-    const std::string command = program_ + " " + arguments + " < " + Path("stdin") + " > " +
-                                Path("stdout") + " 2> " + Path("stderr");
+    const std::string command =
+        program_ + " " + arguments + " < " + Path("stdin") + " > " + Path("stdout") + " 2> " + Path("stderr");
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
   }
