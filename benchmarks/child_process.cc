@@ -23,6 +23,13 @@ namespace {
 constexpr int kNotStarted = 127;
 constexpr const char* kThisProgram = "/proc/self/exe";
 
+// The address sanitizer reserves more than any limit.
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kLimitsMemory = false;
+#else
+constexpr bool kLimitsMemory = true;
+#endif
+
 struct Pipe {
   int read_end = -1;
   int write_end = -1;
@@ -37,7 +44,7 @@ Pipe MakePipe() {
 // After fork: only what is safe there.
 [[noreturn]] void Become(char* const* arguments, const Pipe& output, const Pipe& error, const ChildLimits& limits) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (limits.memory_bytes > 0) {
+  if (limits.memory_bytes > 0 && kLimitsMemory) {
     const rlimit limit{limits.memory_bytes, limits.memory_bytes};
     setrlimit(RLIMIT_AS, &limit);
   }

@@ -17,7 +17,7 @@ struct ChildOutcome {
 
 struct ChildLimits {
   double time_s = 0;               ///< killed after this
-  std::uint64_t memory_bytes = 0;  ///< address space; 0 for no limit
+  std::uint64_t memory_bytes = 0;  ///< address space; 0 for no limit; not kept under sanitizers
 };
 
 /// Runs this program (Linux: /proc/self/exe) with `arguments` and waits for it. It is killed when this process ends.
