@@ -18,12 +18,6 @@ constexpr Index kMostRowsAnalysed = 20000;
 constexpr double kCheapFactorization = 17;
 constexpr double kGuessWork = 90;
 
-NncgOptions Probe() {
-  NncgOptions options;
-  options.end_when_hopeless = true;
-  return options;
-}
-
 }  // namespace
 
 HybridOptions HybridOptions::FromSettings(const Settings& settings) {
@@ -36,7 +30,7 @@ HybridOptions HybridOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-HybridSolver::HybridSolver(HybridOptions options) : options_(options), probe_(Probe()) {}
+HybridSolver::HybridSolver(HybridOptions options) : options_(options), probe_(NncgOptions{.end_when_hopeless = true}) {}
 
 std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
 

@@ -24,12 +24,6 @@ constexpr double kSweepTimePerEntry = 1.5;
 constexpr double kTimePerFlop = 0.1;
 constexpr double kTimePerFactorEntry = 12;
 
-NncgOptions SweepOptions() {
-  NncgOptions options;
-  options.end_when_hopeless = true;
-  return options;
-}
-
 }  // namespace
 
 double SweepsPerFactorization(const LcpProblem& problem, double flops, double fill) {
@@ -39,7 +33,7 @@ double SweepsPerFactorization(const LcpProblem& problem, double flops, double fi
   return (kTimePerFlop * flops + kTimePerFactorEntry * fill) / sweep;
 }
 
-InteriorFinish::InteriorFinish() : sweeps_(SweepOptions()) {}
+InteriorFinish::InteriorFinish() : sweeps_(NncgOptions{.end_when_hopeless = true}) {}
 
 void InteriorFinish::Reserve(Index n, double factor_work) {
   may_sweep_ = factor_work > kWorthSweeps;
