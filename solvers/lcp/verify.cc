@@ -269,7 +269,7 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
   }
   const ExtendedVector D = ScalingDiagonal(problem);
   const Products Ay = Multiply(problem, y);
-  Extended b_dot_y = 0, largest = 0, b_norm1 = 0;
+  Extended b_dot_y = 0, largest = 0, largest_summed = 0, b_norm1 = 0;
   Index negative = -1;
   for (Index i = 0; i < n; ++i) {
     const auto k = static_cast<size_t>(i);
@@ -277,6 +277,9 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
     b_dot_y += static_cast<Extended>(problem.b()[i]) * y[i];
     b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[k]);
     RaiseTo(std::abs(Ay.product[k]) / std::sqrt(D[k]), &largest);
+    // A row of zeros stands as one whose diagonal entry, taken as 1, has vanished.
+    const Extended summed = Ay.summed[k] == 0 ? std::abs(static_cast<Extended>(y[i])) : Ay.summed[k];
+    RaiseTo(summed / std::sqrt(D[k]), &largest_summed);
   }
   verdict.b_dot_y = static_cast<double>(b_dot_y);
   if (negative >= 0) {
@@ -286,8 +289,13 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
   } else {
     verdict.force_min = largest == 0 ? kInfinity : static_cast<double>(-b_dot_y / largest);
     const double needed = FarkasVerdict::kRayThreshold * static_cast<double>(b_norm1);
-    verdict.accepted = verdict.force_min >= needed;
-    if (!verdict.accepted) {
+    verdict.null_residual = largest == 0 ? 0.0 : static_cast<double>(largest / largest_summed);
+    if (verdict.null_residual > FarkasVerdict::kNullTolerance) {
+      verdict.reason = "A y = 0 holds to " + Number(verdict.null_residual) + " of |A||y| only, expected " +
+                       Number(FarkasVerdict::kNullTolerance);
+    } else if (verdict.force_min >= needed) {
+      verdict.accepted = true;
+    } else {
       verdict.reason = "F_min = " + Number(verdict.force_min) + " is below 1e12 |D^-1/2 b|_1 = " + Number(needed);
     }
   }

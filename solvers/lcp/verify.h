@@ -56,15 +56,23 @@ struct Metrics {
 Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, const LcpReference* reference = nullptr);
 
 /// Judgement of a claimed Farkas ray y (symmetric A). A solution f has 0 <= y.w = f.A y + b.y, hence
-/// -b.y <= |D^1/2 f|_1 |D^-1/2 A y|_inf: any solution needs |D^1/2 f|_1 >= force_min. The ray is accepted only if y_C
-/// >= 0, b.y < 0 and force_min >= kRayThreshold |D^-1/2 b|_1. ("A y is small" alone would accept false rays: A =
-/// diag(1, 1e-10), b = (1, -1).)
+/// -b.y <= |D^1/2 f|_1 |D^-1/2 A y|_inf: any solution needs |D^1/2 f|_1 >= force_min. The ray is accepted only if
+///   - y_C >= 0 and b.y < 0,
+///   - force_min >= kRayThreshold |D^-1/2 b|_1 (a small A y alone proves nothing: A = diag(1, 1e-10), b = (1, -1)),
+///   - A y = 0 up to the rounding of the entries of A, or of J: null_residual <= kNullTolerance. Then a problem whose
+///     data differ from the given ones in their last digits is infeasible. Without it a column of 8000 bodies with
+///     masses 1 and 10^6 in turns, which is solvable with a sum of forces of 10^13 |b|, would have a ray.
 struct FarkasVerdict {
   static constexpr double kRayThreshold = 1e12;
+  /// 32 u: the entries rounded (2 u), y rounded (u), and a factor of 10 for rays that make A y = 0 exactly on some
+  /// rows and leave the rounding to the others. Problems of a condition near 1/u cannot be told from infeasible ones.
+  static constexpr double kNullTolerance = 0x1p-48;
   bool accepted = false;
   double b_dot_y = 0;
   double force_min = 0;  ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite when A y = 0 exactly
-  std::string reason;    ///< why it was not accepted; empty otherwise
+  /// |D^-1/2 A y|_inf / |D^-1/2 |A||y||_inf; from factors with |J| M^-1 |J^T| for |A|
+  double null_residual = 0;
+  std::string reason;  ///< why it was not accepted; empty otherwise
 };
 FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y);
 

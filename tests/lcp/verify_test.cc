@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 #include "solvers/lcp/residual.h"
+#include "tests/lcp/stacked_column.h"
 
 namespace lcpbench {
 namespace {
@@ -250,6 +252,24 @@ TEST(FarkasRay, ASmallAyIsNotAProof) {
   const FarkasVerdict verdict = VerifyFarkasRay(problem, Eigen::Vector2d(0, 1));
   EXPECT_FALSE(verdict.accepted);
   EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(0, 1e10)), 1e-9).passes);
+}
+
+// A column of light and heavy bodies in turns is solvable, by forces whose sum is 10^14 |b|. Along the forces y under
+// which body k falls with k + 1 times a unit A y is constant, and so small that F_min alone would take y for a proof.
+TEST(FarkasRay, AForceThatIsOnlyLargeIsNotAProof) {
+  for (const auto& [n, ratio] : {std::pair<Index, double>{8000, 1e6}, {500, 1e8}, {2000, 1e8}}) {
+    const StackedColumn column = MakeStackedColumn(n, ratio);
+    Eigen::VectorXd y(n);
+    double above = 0;
+    for (Index k = n - 1; k >= 0; --k) {
+      above += static_cast<double>(k + 1) / column.problem.inverse_mass()[3 * k];
+      y[k] = above;
+    }
+    const FarkasVerdict verdict = VerifyFarkasRay(column.problem, y);
+    EXPECT_FALSE(verdict.accepted) << n;
+    EXPECT_GT(verdict.force_min, FarkasVerdict::kRayThreshold * 10) << n;
+    EXPECT_GT(verdict.null_residual, FarkasVerdict::kNullTolerance) << n;
+  }
 }
 
 TEST(FarkasRay, WrongSignsAreRefused) {

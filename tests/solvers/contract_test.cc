@@ -11,10 +11,12 @@
 #include <numeric>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/lcp/stacked_column.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 
@@ -99,6 +101,17 @@ TEST_P(SolverContract, ExactOracleProblemsMayFailButMayNotLie) {
 TEST_P(SolverContract, GeneratedProblemsMayFailButMayNotLie) {
   for (const TestProblem& test : GeneratedProblems()) {
     for (const double tolerance : {1e-6, 1e-9}) Check(test, tolerance);
+  }
+}
+
+// Solvable, with forces up to 10^12 |b|: what is nearly a ray must not be taken for one.
+TEST_P(SolverContract, HeavyOnLightIsNeverCalledInfeasible) {
+  for (const auto& [n, ratio] : {std::pair<Index, double>{500, 1e6}, {1000, 1e7}, {500, 1e8}}) {
+    const StackedColumn column = MakeStackedColumn(n, ratio);
+    LcpOptions options = OptionsFor(1e-9);
+    options.time_limit_s = 2;
+    const LcpResult result = Solve(column.problem, options);
+    EXPECT_NE(result.status, LcpStatus::kInfeasible) << n << " bodies of masses 1 and " << ratio;
   }
 }
 
