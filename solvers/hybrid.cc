@@ -17,6 +17,8 @@ constexpr Index kMostRowsAnalysed = 20000;
 // pivots that take no longer than so many together.
 constexpr double kCheapFactorization = 17;
 constexpr double kGuessWork = 90;
+// A start is used where its rho is below this share of that of f = 0.
+constexpr double kWorthTrying = 0.5;
 
 }  // namespace
 
@@ -30,19 +32,21 @@ HybridOptions HybridOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-HybridSolver::HybridSolver(HybridOptions options) : options_(options), probe_(NncgOptions{.end_when_hopeless = true}) {}
+HybridSolver::HybridSolver(HybridOptions options)
+    : options_(options),
+      sweeps_(NncgOptions{.end_when_hopeless = true, .least_iterations = options.least_iterations}) {}
 
 std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
 
 void HybridSolver::DoPrepare(const LcpProblem& problem) {
   sweeps_per_factorization_ = 0;
-  probes_ = options_.most_iterations > 0 && problem.size() >= kLeastRows;
-  if (!probes_) {
+  sweeps_first_ = options_.most_iterations > 0 && problem.size() >= kLeastRows;
+  if (!sweeps_first_) {
     interior_.Prepare(problem);
     return;
   }
-  least_.Prepare(problem);
-  probe_.Prepare(problem);
+  sweeps_.Prepare(problem);
+  start_test_.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
   if (problem.size() > kMostRowsAnalysed) return;
   interior_.Prepare(problem);
   const IpmStatistics& factor = interior_.statistics();
@@ -52,7 +56,7 @@ void HybridSolver::DoPrepare(const LcpProblem& problem) {
 void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
   LcpOptions rest = options;
-  Eigen::VectorXd start;
+  Eigen::VectorXd start;  // where the next method goes on
   std::int64_t done = 0;
   std::string detail;
   // The limits that are left, at most `wanted` iterations (0: any number). False where none are.
@@ -89,20 +93,20 @@ void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options,
     return false;
   };
 
-  if (sweeps_per_factorization_ > 0 && options.initial_f != nullptr &&
-      sweeps_per_factorization_ <= kCheapFactorization) {
+  if (sweeps_first_ && options.initial_f != nullptr) {
+    const long double rho = start_test_.Rho(*options.initial_f);
+    if (!(rho < kWorthTrying * start_test_.Rho(Eigen::VectorXd::Zero(problem.size())))) rest.initial_f = nullptr;
+  }
+  if (sweeps_per_factorization_ > 0 && rest.initial_f != nullptr && sweeps_per_factorization_ <= kCheapFactorization) {
     if (!limit(static_cast<std::int64_t>(kGuessWork / sweeps_per_factorization_))) return;
     interior_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
     if (run(&interior_, "ipm")) return;
   }
-  for (NncgSolver* solver : {&least_, &probe_}) {
-    const std::int64_t wanted =
-        solver == &least_ ? options_.least_iterations : options_.most_iterations - options_.least_iterations;
-    if (!probes_ || wanted <= 0) continue;
-    if (!limit(wanted) || run(solver, "nncg")) return;
+  if (sweeps_first_) {
+    if (!limit(std::max(options_.least_iterations, options_.most_iterations)) || run(&sweeps_, "nncg")) return;
   }
   if (!limit(0)) return;
-  interior_.UseWarmStart(probes_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
+  interior_.UseWarmStart(sweeps_first_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
   run(&interior_, "ipm");
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "solvers/given_form.h"
 #include "solvers/ipm.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
@@ -38,8 +39,8 @@ struct HybridOptions {
 /// both, sweeps and factorisations; statistics() tells them apart. Limits hold for both together. Problems of less than
 /// 500 rows go to the interior point at once.
 /// Warm start: where a factorisation takes no longer than 17 sweeps, the active set of initial_f first (IpmSolver), as
-/// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. Departures: none; the two
-/// methods are used as they are.
+/// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. A start whose rho is at least
+/// half that of f = 0 is passed over. Departures: none; the two methods are used as they are.
 class HybridSolver final : public LcpSolver {
  public:
   explicit HybridSolver(HybridOptions options = {});
@@ -53,10 +54,10 @@ class HybridSolver final : public LcpSolver {
 
  private:
   HybridOptions options_;
-  NncgSolver least_;  // takes its iterations whatever it promises
-  NncgSolver probe_;  // ends when hopeless
+  NncgSolver sweeps_;
   IpmSolver interior_;
-  bool probes_ = false;
+  GivenFormTest start_test_;
+  bool sweeps_first_ = false;
   double sweeps_per_factorization_ = 0;  // 0: not known before the interior point is set up
 };
 

@@ -184,6 +184,9 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
     options.direction = Direction::kFletcherReeves;
   }
   options.end_when_hopeless = reader.Choice("end-when-hopeless", "no", {"yes", "no"}) == "yes";
+  constexpr double kMost = 100000;
+  options.least_iterations = static_cast<std::int64_t>(
+      reader.Number("least-iterations", static_cast<double>(options.least_iterations), 0, kMost));
   reader.Finish();
   return options;
 }
@@ -207,7 +210,7 @@ void NncgSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& option
   RowWork& rows = work.rows;
   rows.Start(options.initial_f);
   work.has_previous = false;
-  work.test.EndWhenHopeless(options_.end_when_hopeless);
+  work.test.EndWhenHopeless(options_.end_when_hopeless, options_.least_iterations);
   PacedPasses passes(options, *rows.rows, rows.scaled.size);
   bool over = work.test.Begin(options, kDefaultIterations, &rows, &passes, result);
   while (!over) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 
 #include "solvers/first_order_options.h"
@@ -22,9 +23,11 @@ struct NncgOptions {
   /// Ends with kIterationLimit as soon as the present rate of convergence predicts that max_iterations will not do, for
   /// callers that have another method at hand (StoppingTest::EndWhenHopeless).
   bool end_when_hopeless = false;
+  /// Iterations that end_when_hopeless waits before it looks at the rate, and leaves out of it, in [0, 100000].
+  std::int64_t least_iterations = 0;
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
-  /// coloured, `end-when-hopeless` = yes | no.
+  /// coloured, `end-when-hopeless` = yes | no, `least-iterations`.
   static NncgOptions FromSettings(const Settings& settings);
 };
 

@@ -61,8 +61,8 @@ bool StoppingTest::Continue(double residual) {
 }
 
 bool StoppingTest::IsHopeless(double residual) {
-  const std::int64_t k = result_->iterations;
-  if (k > 1 && k < kFirstLook) return false;
+  const std::int64_t k = result_->iterations - hopeful_iterations_;
+  if (k < 1 || (k > 1 && k < kFirstLook)) return false;
   const double log_residual = std::log(residual / (tolerance_ * work_->scaled.b_norm));
   if (k == 1) {
     first_log_residual_ = log_residual;
@@ -70,8 +70,8 @@ bool StoppingTest::IsHopeless(double residual) {
   }
   if (log_residual <= 0) return false;
   const double fallen = first_log_residual_ - log_residual;
-  // k + still needed > limit
-  return !(log_residual * static_cast<double>(k - 1) <= fallen * static_cast<double>(limit_ - k));
+  // iterations + still needed > limit
+  return !(log_residual * static_cast<double>(k - 1) <= fallen * static_cast<double>(limit_ - result_->iterations));
 }
 
 void StoppingTest::EndOutOfTime() {

@@ -26,9 +26,12 @@ class StoppingTest {
   void Prepare(const LcpProblem& problem);
 
   /// From the next Begin on: whether a solve ends with kIterationLimit as soon as its rate of convergence, the mean
-  /// since its first iteration, will not bring it to the tolerance within the limit. (The rate of the last iterations
+  /// since iteration `after` + 1, will not bring it to the tolerance within the limit. (The rate of the last iterations
   /// says less: it falls where the active set changes, and recovers.) Off at first.
-  void EndWhenHopeless(bool end) { ends_when_hopeless_ = end; }
+  void EndWhenHopeless(bool end, std::int64_t after = 0) {
+    ends_when_hopeless_ = end;
+    hopeful_iterations_ = after;
+  }
 
   /// Begins a solve at work->f and checks it. All pointers are kept until the end of the solve.
   /// @return true when the solve is over already; its status is set
@@ -49,6 +52,7 @@ class StoppingTest {
 
   GivenFormTest given_;
   bool ends_when_hopeless_ = false;
+  std::int64_t hopeful_iterations_ = 0;
   double first_log_residual_ = 0;
   Array best_;
   Eigen::VectorXd candidate_;  // of the given problem, on trial for the claim

@@ -9,6 +9,7 @@
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -103,6 +104,20 @@ TEST(Nncg, BothDirectionsAndOrdersAgreeInTheLimit) {
   }
 }
 
+// A column of 2000 bodies passes a load on by a body per sweep: 300 iterations do not settle it.
+TEST(Nncg, WhereThereIsNoHopeItEndsEarlyButNotBeforeItsLeastIterations) {
+  const LcpProblem problem = Column(2000, 1);
+  for (const std::int64_t least : {0, 40, 90}) {
+    NncgOptions options;
+    options.end_when_hopeless = true;
+    options.least_iterations = least;
+    const LcpResult result = Iterate(problem, options, 1e-9, 300);
+    EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+    EXPECT_GT(result.iterations, least);
+    EXPECT_LT(result.iterations, 300);
+  }
+}
+
 TEST(Nncg, NonsymmetricAIsUnsupported) {
   MatrixXd A(2, 2);
   A << 1, 10, -10, 1;
@@ -113,6 +128,8 @@ TEST(Nncg, NonsymmetricAIsUnsupported) {
 TEST(Nncg, UnknownOptionsAreRefused) {
   EXPECT_THROW(NncgOptions::FromSettings({{"direction", "steepest"}}), InputError);
   EXPECT_THROW(NncgOptions::FromSettings({{"sweep", "forward"}}), InputError);
+  EXPECT_THROW(NncgOptions::FromSettings({{"least-iterations", "-1"}}), InputError);
+  EXPECT_EQ(NncgOptions::FromSettings({{"least-iterations", "7"}}).least_iterations, 7);
   EXPECT_FALSE(NncgOptions::FromSettings({{"sweep", "symmetric"}}).coloured);
 }
 
