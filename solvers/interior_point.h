@@ -40,13 +40,18 @@ class InteriorPoint {
   void Centre(const ScaledSystem& system, double mu);
   bool FactorizeStep(IpmRun* run);
   void SolveSystem(IpmRun* run, const Eigen::VectorXd& r, Eigen::VectorXd* x);
-  // Direction for the complementarity target f w + dw f + w df = target_i; rows C only.
-  void Direction(IpmRun* run, const Eigen::VectorXd& target, Eigen::VectorXd* df, Eigen::VectorXd* dw);
+  // A df - dw = -defects (A f + b - w) and, on the rows C, w df + f dw = products.
+  void Direction(IpmRun* run, double defects, const Eigen::VectorXd& products, Eigen::VectorXd* df,
+                 Eigen::VectorXd* dw);
+  // The target, in mu, of those shares of `most` that leaves the least mu behind the step df + target centre_df.
+  double ChooseTarget(const ScaledSystem& system, double most) const;
   double MaxStep(const ScaledSystem& system, const Eigen::VectorXd& df, const Eigen::VectorXd& dw) const;
   void CorrectCentrality(IpmRun* run, double target_mu);
 
   Eigen::VectorXd f_, w_, df_, dw_, affine_df_, affine_dw_, trial_df_, trial_dw_;
-  Eigen::VectorXd theta_, defect_, target_, right_, correction_, product_;
+  Eigen::VectorXd centre_df_, centre_dw_;  // the direction of products mu
+  Eigen::VectorXd theta_, defect_, right_, correction_, product_;
+  Eigen::VectorXd target_;  // w df + f dw of the direction df_, dw_
   double mu_ = 0;
   double residual_ = 0;
   int contacts_ = 0;
