@@ -29,8 +29,11 @@ constexpr std::int64_t kLeastNncgIterations = 16;
 // Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
 constexpr std::int64_t kMostFactorisationsOfBpp = 24;
 
-// Above, the supernodes of hybrid's factor pay, unless there is no fill at all.
-constexpr Index kMostRowsOfBpp = 200000;
+// Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
+// before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
+constexpr double kFewCircles = 0.25;
+// What these sweeps may take, as hybrid's.
+constexpr std::int64_t kSweepsOfLarge = 600;
 // A dense A of 0.2 GB, and minutes.
 constexpr Index kMostRowsOfDantzig = 5000;
 
@@ -71,10 +74,9 @@ bool RowsOutnumberFreedoms(const LcpProblem& problem) {
   return problem.size() > freedoms;
 }
 
-// Whether bodies and the pairs that share a row form trees: such a factor has no fill. Rows of one body, or of one pair
-// more, make no circle. False where it is not known. O(nnz J)
-bool IsForest(const LcpProblem& problem) {
-  if (!problem.has_factors() || !problem.has_two_body_rows()) return false;
+// Circles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
+// about 1 in a packing of discs. Rows of one body, or of one pair more, make no circle. O(nnz J log)
+double CirclesPerBody(const LcpProblem& problem) {
   constexpr Index kAxes = 3;
   const SparseMatrix& J = problem.J();
   std::vector<std::pair<Index, Index>> pairs;
@@ -98,12 +100,13 @@ bool IsForest(const LcpProblem& problem) {
     }
     return i;
   };
+  Index circles = 0;
   for (const auto& [first, second] : pairs) {
     const Index a = root(first), b = root(second);
-    if (a == b) return false;
+    if (a == b) ++circles;
     parent[static_cast<size_t>(a)] = b;
   }
-  return true;
+  return static_cast<double>(circles) / static_cast<double>(parent.size());
 }
 
 }  // namespace
@@ -121,28 +124,33 @@ std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) c
 
 bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
   try {
-    if (problem.size() <= kMostRowsOfBpp || IsForest(problem)) {
-      bpp_.Prepare(problem);
-      has_bpp_ = true;
-    }
+    bpp_.Prepare(problem);
+    has_bpp_ = true;
   } catch (const MemoryRefusal&) {
     // Others need less.
   }
   return has_bpp_;
 }
 
-void AutoPortfolio::Prepare(const LcpProblem& problem) {
+void AutoPortfolio::Classify(const LcpProblem& problem) {
   is_redundant_ = RowsOutnumberFreedoms(problem);
+  is_large_ = kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
+  suits_tableau_ = is_redundant_;
+}
+
+void AutoPortfolio::Prepare(const LcpProblem& problem) {
+  Classify(problem);
   nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
                    ? kNncgTimePerRow * static_cast<double>(problem.size())
                    : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
   nncg_limit_ = 0;
   psor_limit_ = 0;
-  suits_tableau_ = is_redundant_;
-  is_large_ = kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
   has_bpp_ = false;
   if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
+  } else if (is_large_ && problem.has_factors() && problem.has_two_body_rows() &&
+             CirclesPerBody(problem) > kFewCircles) {
+    nncg_limit_ = kSweepsOfLarge;
   } else if (is_redundant_) {
     newton_.Prepare(problem);
     nncg_limit_ = NncgLimit(kFactorisationsOfNewton, newton_.StepTime());

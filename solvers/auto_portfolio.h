@@ -27,7 +27,8 @@ namespace lcpbench {
 ///   costs; not where A is dense, of which a sweep costs too much.
 /// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
 ///   packings, psor and nncg go first in the same way, and often arrive: psor where its rate promises to cost even
-///   less, which eight sweeps tell. What they leave is a good guess of the active set.
+///   less, which eight sweeps tell. What they leave is a good guess of the active set. Above kSmallRows packings get
+///   sweeps, then `hybrid`, and A is never formed.
 /// - Then, up to kSmallRows rows, the semismooth Newton method; above, `hybrid`: it needs 10 to 40 factorisations where
 ///   that one needs a hundred or does not arrive (discs-in-v, boxes-and-discs, rounded-wall, billiards-break). Large
 ///   problems with redundant rows begin there.
@@ -43,6 +44,8 @@ class AutoPortfolio {
     kRobust,  ///< the Newton method at once: something has shown that the problem is not an easy one
   };
 
+  /// What suits_tableau tells before any set-up, and is_large.  O(nnz J)
+  void Classify(const LcpProblem& problem);
   /// Set-up of the backends that come first; not needed for Choice::kRobust. `problem` has at least one row.
   void Prepare(const LcpProblem& problem);
   /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
@@ -55,6 +58,8 @@ class AutoPortfolio {
   /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
   /// larger sizes.
   bool suits_tableau() const { return suits_tableau_; }
+  /// Above kSmallRows, and not given as a dense matrix.
+  bool is_large() const { return is_large_; }
 
  private:
   enum class Trust { kVerifiesItself, kVerify };

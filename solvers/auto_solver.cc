@@ -46,6 +46,10 @@ struct AutoSolver::Parts {
   explicit Parts(std::int64_t most_factorisations)
       : newton_factorisations(most_factorisations), whole(most_factorisations) {}
 
+  void PrepareWhole(const LcpProblem& problem) {
+    whole.Prepare(problem);
+    whole_is_ready = true;
+  }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
   void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
@@ -54,6 +58,8 @@ struct AutoSolver::Parts {
   Index tableau_rows = 0;  // of the prepared problem
   SmallPivoting tableau;
   AutoPortfolio whole;  // for all rows
+  bool whole_is_ready = false;
+  bool divides = false;  // whether islands are looked for at all
 
   GivenFormTest test;  // of problems of one tableau
 
@@ -81,6 +87,7 @@ bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& 
 // Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
 bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                                    LcpResult* result) {
+  if (!divides) return false;
   const Index idle = idle_rows.Find();
   if (idle < few_idle_rows && !has_islands) return false;
   islands.Find(problem.SparseA(), idle_rows.keep());
@@ -189,8 +196,16 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
   Parts& parts = *parts_;
   const Index n = problem.size();
   parts.tableau_rows = options_.tableau_rows;
+  parts.whole_is_ready = false;
+  parts.divides = n > options_.tableau_rows;
   if (n > options_.tableau_rows) {
-    parts.whole.Prepare(problem);
+    parts.whole.Classify(problem);
+    const bool looks_first = parts.whole.is_large() && problem.has_factors();
+    if (looks_first) {
+      parts.islands.FindByColumns(problem.J(), problem.inverse_mass());
+      parts.divides = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
+    }
+    if (!looks_first || !parts.divides) parts.PrepareWhole(problem);
     if (parts.whole.suits_tableau()) {
       parts.tableau_rows = std::max(parts.tableau_rows, options_.hard_tableau_rows);
     }
@@ -201,6 +216,7 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
     parts.test.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
     return;
   }
+  if (!parts.divides) return;
   parts.tableau.Reserve(parts.tableau_rows, n);
   parts.idle_rows.Prepare(problem);
   parts.rest.reserve(static_cast<size_t>(n));
@@ -224,6 +240,7 @@ void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, L
   }
   const Deadline deadline = limit.value_or(Deadline(options));
   if (problem.size() > parts.tableau_rows && may_choose && parts.TryIslands(problem, options, deadline, result)) return;
+  if (!parts.whole_is_ready && choice == AutoPortfolio::Choice::kByCost) parts.PrepareWhole(problem);
   parts.whole.Solve(problem, options, choice, deadline, result);
 }
 

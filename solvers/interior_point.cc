@@ -21,8 +21,7 @@ constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergen
 constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
 constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
 constexpr double kRecentredMu =
-    10;                          // times the present mu: a row that blocks every step is off centre by more than that
-constexpr double kWarmMu = 0.1;  // mu of a warm start, in its root mean square residual ...
+    10;  // times the present mu: a row that blocks every step is off centre by more than that
 constexpr double kLeastWarmMu = 1e-12;
 // Mehrotra's target mu is a guess from the affine step alone, and too cautious where rows block that step early which
 // the second order lets go: smaller ones are tried as well. Measured at 10^5 redundant rows (rounded-wall): 54 steps
@@ -85,7 +84,7 @@ InteriorPoint::Progress InteriorPoint::StartCold(IpmRun* run) {
   return Progress::kGood;
 }
 
-void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
+void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f, double mu_per_residual) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   poor_steps_ = 0;
@@ -100,7 +99,8 @@ void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f) {
     sum += residual * residual;
     ++count;
   }
-  const double mu = std::max(kLeastWarmMu, kWarmMu * std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1))));
+  const double mean = std::sqrt(sum / static_cast<double>(std::max<Index>(count, 1)));
+  const double mu = std::max(kLeastWarmMu, mu_per_residual * mean);
   Centre(system, mu);
   Measure(run);
 }

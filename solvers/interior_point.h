@@ -20,9 +20,10 @@ class InteriorPoint {
   void Reserve(Index n);
   /// Regularised equality solve and Mehrotra's shift (one factorisation).
   Progress StartCold(IpmRun* run);
-  /// From f, moved onto f w = mu with f - w kept, so that no row is off centre; mu in proportion to its natural
-  /// residual (no factorisation). [The smoothing of Chen, Harker 1993 and Kanzow 1996, taken for a start]
-  void StartWarm(IpmRun* run, const Eigen::VectorXd& f);
+  /// From f, moved onto f w = mu with f - w kept, so that no row is off centre (no factorisation). [The smoothing of
+  /// Chen, Harker 1993 and Kanzow 1996, taken for a start]
+  /// @param mu_per_residual  mu in root mean squares of the natural residual of f
+  void StartWarm(IpmRun* run, const Eigen::VectorXd& f, double mu_per_residual);
   /// After stagnation: back to the middle, f w = 10 mu in every row with f - w as it is, from where steps are long
   /// again.
   void Recentre(IpmRun* run);

@@ -87,26 +87,54 @@ Index Islands::Root(Index i) {
   return i;
 }
 
+void Islands::Start(Index n) {
+  parent_.resize(At(n));
+  for (Index i = 0; i < n; ++i) parent_[At(i)] = i;
+}
+
+// The least row is the root, so that islands come in the order of their first rows.
+void Islands::Join(Index i, Index j) {
+  const Index a = Root(i);
+  const Index b = Root(j);
+  parent_[At(std::max(a, b))] = std::min(a, b);
+}
+
 void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
   const Index n = A.rows();
-  parent_.resize(At(n));
-  island_.assign(At(n), -1);
-  for (Index i = 0; i < n; ++i) parent_[At(i)] = i;
+  Start(n);
   for (Index i = 0; i < n; ++i) {
     if (keep[At(i)] == 0) continue;
-    Index root = Root(i);
     for (SparseMatrix::InnerIterator it(A, i); it && it.col() < i; ++it) {
-      if (it.value() == 0 || keep[At(it.col())] == 0) continue;
-      // The least row is the root, so that islands come in the order of their first rows.
-      const Index other = Root(it.col());
-      parent_[At(std::max(root, other))] = std::min(root, other);
-      root = std::min(root, other);
+      if (it.value() != 0 && keep[At(it.col())] != 0) Join(it.col(), i);
     }
   }
+  Collect(&keep);
+}
+
+void Islands::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
+  const Index n = J.rows();
+  Start(n);
+  std::vector<Index> last_row(At(J.cols()), -1);
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
+      Index& last = last_row[At(it.col())];
+      if (last >= 0) Join(last, i);
+      last = i;
+    }
+  }
+  Collect(nullptr);
+}
+
+// Numbers the islands of the rows with (*keep)[i] != 0, and sorts their rows.
+void Islands::Collect(const std::vector<char>* keep) {
+  const auto n = static_cast<Index>(parent_.size());
+  const auto left_out = [keep](Index i) { return keep != nullptr && (*keep)[At(i)] == 0; };
+  island_.assign(At(n), -1);
   Index count = 0;
   begin_.assign(1, 0);
   for (Index i = 0; i < n; ++i) {
-    if (keep[At(i)] == 0) continue;
+    if (left_out(i)) continue;
     const Index root = Root(i);
     if (root == i) {
       island_[At(i)] = count++;
@@ -124,7 +152,7 @@ void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
   // Counting sort; parent_ is done with and counts what each island has got.
   for (Index k = 0; k < count; ++k) parent_[At(k)] = begin_[At(k)];
   for (Index i = 0; i < n; ++i) {
-    if (keep[At(i)] != 0) order_[At(parent_[At(island_[At(i)])]++)] = i;
+    if (!left_out(i)) order_[At(parent_[At(island_[At(i)])]++)] = i;
   }
 }
 

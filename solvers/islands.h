@@ -36,6 +36,9 @@ class Islands {
   void Reserve(Index max_rows);
   /// Islands among the rows with keep[i] != 0, in the order of their first rows.  O(nnz A)
   void Find(const SparseMatrix& A, const std::vector<char>& keep);
+  /// Islands among all rows of a problem by factors, A not formed: rows that share a column of J which can move belong
+  /// together, even where products of J cancel.  O(nnz J), allocates one number per column.
+  void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass);
 
   Index count() const { return static_cast<Index>(begin_.size()) - 1; }
   /// Ascending.
@@ -45,6 +48,9 @@ class Islands {
 
  private:
   Index Root(Index i);
+  void Start(Index n);
+  void Join(Index i, Index j);
+  void Collect(const std::vector<char>* keep);
 
   std::vector<Index> parent_, island_, order_, begin_;
   Index largest_ = 0;

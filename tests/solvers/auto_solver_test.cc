@@ -13,6 +13,7 @@
 #include "solvers/lcp/verify.h"
 #include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/stacked_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -64,6 +65,26 @@ TEST(AutoSolver, SolvesIslandsOneByOne) {
   }
   EXPECT_GT(divided, 90);
   EXPECT_GT(with_rest, 10);
+}
+
+// Above AutoPortfolio::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
+// large ones go to the portfolio together.
+TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
+  const auto check = [](const LcpProblem& problem, bool divides) {
+    const LcpResult result = Solve(problem);
+    ExpectRight(problem, result, 1e-9);
+    EXPECT_EQ(result.detail.find(" islands, largest ") != std::string::npos, divides) << result.detail;
+  };
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
+      check(generate(1200, seed), false);
+      check(Compose({generate(1200, seed), Column(50, seed)}, seed), false);
+      check(Compose({generate(1200, seed), generate(1000, seed + 1)}, seed), false);
+      std::vector<LcpProblem> parts;
+      for (unsigned k = 0; k < 40; ++k) parts.push_back(generate(40, 40 * seed + k));
+      check(Compose(parts, seed), true);
+    }
+  }
 }
 
 TEST(AutoSolver, AWarmStartChangesTheWayAndNotTheAnswer) {

@@ -79,6 +79,38 @@ TEST(Islands, AreTheConnectedComponentsOfA) {
   }
 }
 
+// With J >= 0 no products cancel, and the islands are those of A; else they are unions of those of A.
+TEST(Islands, ByColumnsNeedNoA) {
+  Islands by_columns;
+  Islands by_A;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const LcpProblem given = RandomParts(seed);
+    const std::vector<char> all(static_cast<size_t>(given.size()), 1);
+    const LcpProblem positive =
+        LcpProblem::FromFactors("positive", given.J().cwiseAbs(), given.inverse_mass(), given.b());
+    for (const LcpProblem& problem : {given, positive}) {
+      by_columns.FindByColumns(problem.J(), problem.inverse_mass());
+      by_A.Find(problem.SparseA(), all);
+      ASSERT_LE(by_columns.count(), by_A.count()) << seed;
+      std::vector<Index> island(all.size());
+      Index rows = 0;
+      for (Index k = 0; k < by_columns.count(); ++k) {
+        for (const Index i : by_columns.rows(k)) island[static_cast<size_t>(i)] = k;
+        rows += static_cast<Index>(by_columns.rows(k).size());
+      }
+      EXPECT_EQ(rows, problem.size());
+      for (Index i = 0; i < problem.size(); ++i) {
+        for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+          if (it.value() == 0) continue;
+          EXPECT_EQ(island[static_cast<size_t>(i)], island[static_cast<size_t>(it.col())]) << seed;
+        }
+      }
+    }
+    EXPECT_EQ(by_columns.count(), by_A.count()) << seed;
+    EXPECT_EQ(by_columns.largest(), by_A.largest()) << seed;
+  }
+}
+
 TEST(Islands, APartIsTheBlockOfItsRows) {
   for (unsigned seed = 0; seed < 100; ++seed) {
     const LcpProblem by_factors = RandomParts(seed);
