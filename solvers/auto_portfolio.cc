@@ -32,6 +32,8 @@ constexpr std::int64_t kMostFactorisationsOfBpp = 24;
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
 constexpr double kFewCircles = 0.25;
+// Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
+constexpr Index kLeastRowsOfSweepsAlone = 5000;
 // What these sweeps may take, as hybrid's.
 constexpr std::int64_t kSweepsOfLarge = 600;
 // A dense A of 0.2 GB, and minutes.
@@ -148,8 +150,8 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
   has_bpp_ = false;
   if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
-  } else if (is_large_ && problem.has_factors() && problem.has_two_body_rows() &&
-             CirclesPerBody(problem) > kFewCircles) {
+  } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
+             problem.has_two_body_rows() && CirclesPerBody(problem) > kFewCircles) {
     nncg_limit_ = kSweepsOfLarge;
   } else if (is_redundant_) {
     newton_.Prepare(problem);

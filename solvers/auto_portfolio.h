@@ -27,8 +27,8 @@ namespace lcpbench {
 ///   costs; not where A is dense, of which a sweep costs too much.
 /// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
 ///   packings, psor and nncg go first in the same way, and often arrive: psor where its rate promises to cost even
-///   less, which eight sweeps tell. What they leave is a good guess of the active set. Above kSmallRows packings get
-///   sweeps, then `hybrid`, and A is never formed.
+///   less, which eight sweeps tell. What they leave is a good guess of the active set. From 5000 rows on
+///   packings get sweeps, then `hybrid`, and A is never formed.
 /// - Then, up to kSmallRows rows, the semismooth Newton method; above, `hybrid`: it needs 10 to 40 factorisations where
 ///   that one needs a hundred or does not arrive (discs-in-v, boxes-and-discs, rounded-wall, billiards-break). Large
 ///   problems with redundant rows begin there.
