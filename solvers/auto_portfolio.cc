@@ -34,15 +34,16 @@ constexpr std::int64_t kMostFactorisationsOfBpp = 24;
 constexpr double kFewCircles = 0.25;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
 constexpr Index kLeastRowsOfSweepsAlone = 5000;
-// What these sweeps may take, as hybrid's.
-constexpr std::int64_t kSweepsOfLarge = 600;
 // A dense A of 0.2 GB, and minutes.
 constexpr Index kMostRowsOfDantzig = 5000;
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
 constexpr bool kHasHybrid = true;
+// What the sweeps of large packings may take: before hybrid as within it.
+constexpr std::int64_t kSweepsOfLarge = HybridOptions{}.most_iterations;
 #else
 constexpr bool kHasHybrid = false;
+constexpr std::int64_t kSweepsOfLarge = 0;
 #endif
 
 BppOptions EndWhenSingular() {
@@ -134,9 +135,13 @@ bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
   return has_bpp_;
 }
 
+bool AutoPortfolio::IsLarge(const LcpProblem& problem) {
+  return kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
+}
+
 void AutoPortfolio::Classify(const LcpProblem& problem) {
   is_redundant_ = RowsOutnumberFreedoms(problem);
-  is_large_ = kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
+  is_large_ = IsLarge(problem);
   suits_tableau_ = is_redundant_;
 }
 

@@ -44,7 +44,9 @@ class AutoPortfolio {
     kRobust,  ///< the Newton method at once: something has shown that the problem is not an easy one
   };
 
-  /// What suits_tableau tells before any set-up, and is_large.  O(nnz J)
+  /// Above kSmallRows, and not given as a dense matrix.
+  static bool IsLarge(const LcpProblem& problem);
+  /// What suits_tableau tells before any set-up.  O(nnz J)
   void Classify(const LcpProblem& problem);
   /// Set-up of the backends that come first; not needed for Choice::kRobust. `problem` has at least one row.
   void Prepare(const LcpProblem& problem);
@@ -58,8 +60,6 @@ class AutoPortfolio {
   /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
   /// larger sizes.
   bool suits_tableau() const { return suits_tableau_; }
-  /// Above kSmallRows, and not given as a dense matrix.
-  bool is_large() const { return is_large_; }
 
  private:
   enum class Trust { kVerifiesItself, kVerify };

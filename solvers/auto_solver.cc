@@ -198,14 +198,17 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
   parts.tableau_rows = options_.tableau_rows;
   parts.whole_is_ready = false;
   parts.divides = n > options_.tableau_rows;
+  const bool looks_first = AutoPortfolio::IsLarge(problem) && problem.has_factors();
   if (n > options_.tableau_rows) {
-    parts.whole.Classify(problem);
-    const bool looks_first = parts.whole.is_large() && problem.has_factors();
     if (looks_first) {
       parts.islands.FindByColumns(problem.J(), problem.inverse_mass());
       parts.divides = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
     }
-    if (!looks_first || !parts.divides) parts.PrepareWhole(problem);
+    if (looks_first && parts.divides) {
+      parts.whole.Classify(problem);  // set up only if the islands turn out to be too large
+    } else {
+      parts.PrepareWhole(problem);
+    }
     if (parts.whole.suits_tableau()) {
       parts.tableau_rows = std::max(parts.tableau_rows, options_.hard_tableau_rows);
     }
@@ -222,7 +225,7 @@ void AutoSolver::DoPrepare(const LcpProblem& problem) {
   parts.rest.reserve(static_cast<size_t>(n));
   parts.judge.Reset(problem, false);
   parts.islands.Reserve(n);
-  parts.islands.Find(problem.SparseA(), parts.idle_rows.keep());
+  if (!looks_first) parts.islands.Find(problem.SparseA(), parts.idle_rows.keep());
   parts.has_islands = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
   parts.few_idle_rows = n / kRowsPerCut;
 }

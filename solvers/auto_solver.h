@@ -26,7 +26,7 @@ struct AutoOptions {
 /// 1. Up to tableau_rows rows: principal pivoting on a dense tableau (SmallPivoting); one and two rows in closed form.
 /// 2. Above that, rows that cannot carry force and repeated rows are left out (IdleRows), and what remains
 ///    falls into islands that share no moving body. Islands of up to tableau_rows rows get a tableau each. Large
-///    problems by factors (AutoPortfolio::is_large) are looked at by columns of J first: one large island stays whole.
+///    problems by factors (AutoPortfolio::IsLarge) are looked at by columns of J first: one large island stays whole.
 /// 3. The rest goes to AutoPortfolio: nncg, bpp, semismooth-newton, hybrid and dantzig in the order that their
 ///    predicted cost suggests.
 /// 4. Wherever an answer does not pass, the next backend is asked; a tableau that gave up sends its island to 3.

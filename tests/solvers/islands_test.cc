@@ -50,6 +50,7 @@ LcpProblem RandomParts(unsigned seed) {
   TestRandom random(seed);
   std::vector<LcpProblem> parts;
   const int count = random.Integer(1, 6);
+  parts.reserve(static_cast<size_t>(count));
   for (int k = 0; k < count; ++k) {
     parts.push_back(PlantedProblem(random.Integer(1, 12), random.Integer(1, 6), 31 * seed + static_cast<unsigned>(k),
                                    random.Integer(0, 4), random.Integer(0, 3))
