@@ -43,7 +43,41 @@ class PairCollector {
   std::vector<ConsecutiveProblems> pairs_;
 };
 
+LcpProblem RowsOf(const LcpProblem& given, const std::vector<int>& rows, const std::string& id) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<Index> bilateral;
+  Eigen::VectorXd b(static_cast<Index>(rows.size()));
+  for (int k = 0; k < static_cast<int>(rows.size()); ++k) {
+    const int row = rows[static_cast<size_t>(k)];
+    b[k] = given.b()[row];
+    if (given.is_bilateral(row)) bilateral.push_back(k);
+    for (SparseMatrix::InnerIterator it(given.J(), row); it; ++it) {
+      entries.emplace_back(k, static_cast<int>(it.col()), it.value());
+    }
+  }
+  SparseMatrix J(b.size(), given.J().cols());
+  J.setFromTriplets(entries.begin(), entries.end());
+  const Index n = b.size();
+  return LcpProblem::FromFactors(id, std::move(J), given.inverse_mass(), std::move(b),
+                                 RowBounds::WithBilateralRows(n, bilateral));
+}
+
 }  // namespace
+
+ConsecutiveProblems LoseContacts(const LcpProblem& given, double part, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<int> before, after, row_before;
+  for (int i = 0; i < static_cast<int>(given.size()); ++i) {
+    const bool was = random.Uniform(0, 1) >= part || given.is_bilateral(i);
+    const bool is = random.Uniform(0, 1) >= part || given.is_bilateral(i);
+    if (was) before.push_back(i);
+    if (!is) continue;
+    after.push_back(i);
+    row_before.push_back(was ? static_cast<int>(before.size()) - 1 : -1);
+  }
+  return {RowsOf(given, before, given.id() + "-before"), RowsOf(given, after, given.id() + "-after"),
+          std::move(row_before)};
+}
 
 LcpProblem Drift(const LcpProblem& given, double size, std::uint64_t seed) {
   Random random(seed);

@@ -27,6 +27,12 @@ struct ConsecutiveProblems {
   std::vector<int> row_before;  ///< of every row of `after`; -1: it was not there
 };
 
+/// Contacts come and go: two problems of the given rows, each without a random `part` of the unilateral ones, drawn row
+/// by row. A solvable problem stays solvable with fewer of them, but for rounding.
+/// @param given  by factors
+/// @param part   in [0, 1)
+ConsecutiveProblems LoseContacts(const LcpProblem& given, double part, std::uint64_t seed);
+
 /// Pairs of consecutive time steps (or accelerations) of a family's motion at its own step, `spacing` steps apart; the
 /// first after as many. Fewer where the motion ends, and those without rows are passed over.
 /// @throws InputError for an unknown family

@@ -1,11 +1,12 @@
 // Times warm starts against cold ones: the same problem with and without LcpOptions::initial_f from the answer to a
-// problem that differs a little. Three kinds of change: masses and loads drifted by 1 % and by 0.1 % (drift.h), and the
-// next time step of a motion, its rows matched.
+// problem that differs a little. Kinds of change: masses and loads drifted by 1 % and by 0.1 %, 0.5 % of the contacts
+// lost and others gained (drift.h), and the next time step of a motion, its rows matched.
 //
 // Every solver starts from its own answer to the problem before. Warm and cold solves alternate in one process on one
 // prepared solver, and the least time of each counts; where either answer is not verified, the case has no ratio.
-// The tables have for every solver and number of rows the median and the worst of warm / cold over all scene families,
-// seeds or pairs, and how many warm answers are verified.
+// --with-setup counts the set-up as well: a cold solve has a new solver, a warm one that of the problem before, which
+// may keep what it knows of the graph. The tables have for every solver and number of rows the median and the worst of
+// warm / cold over all scene families, seeds or pairs, and how many warm answers are verified.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -44,6 +45,8 @@ struct Arguments {
   std::vector<std::string> scenes;
   std::vector<int> sizes = {10, 30, 100, 300, 1000};
   std::vector<double> drifts = {0.01, 0.001};
+  std::vector<double> lost = {0.005};
+  bool with_setup = false;
   int seeds = 3;
   int pairs = 3;
   double tolerance = 1e-9;
@@ -72,6 +75,18 @@ double Seconds(LcpSolver* solver, const LcpProblem& problem, const LcpOptions& o
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / solves;
 }
 
+// Set-up and solve, on a copy without derived forms; `before` is what the solver knows already, nullptr: nothing.
+double SecondsWithSetup(const SolverEntry& entry, const LcpProblem* before, const LcpProblem& problem,
+                        const LcpOptions& options, LcpResult* result) {
+  const LcpProblem copy = problem.CopyOfGivenForm();
+  const std::unique_ptr<LcpSolver> solver = entry.make({});
+  if (before != nullptr) solver->Prepare(*before);
+  const auto start = std::chrono::steady_clock::now();
+  solver->Prepare(copy);
+  solver->Solve(copy, options, result);
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 Eigen::VectorXd MatchedStart(const Case& item, const Eigen::VectorXd& f) {
   if (item.row_before.empty()) return f;
   Eigen::VectorXd start = Eigen::VectorXd::Zero(item.after.size());
@@ -94,11 +109,19 @@ void Measure(const SolverEntry& entry, const Case& item, const Arguments& argume
   LcpOptions warm_options = options;
   warm_options.initial_f = &start;
   const std::unique_ptr<LcpSolver> solver = entry.make({});
-  solver->Prepare(item.after);
+  if (!arguments.with_setup) solver->Prepare(item.after);
   LcpResult cold;
   LcpResult warm;
-  double cold_s = Seconds(solver.get(), item.after, options, 1, &cold);
-  double warm_s = Seconds(solver.get(), item.after, warm_options, 1, &warm);
+  const auto time_cold = [&](int solves) {
+    return arguments.with_setup ? SecondsWithSetup(entry, nullptr, item.after, options, &cold)
+                                : Seconds(solver.get(), item.after, options, solves, &cold);
+  };
+  const auto time_warm = [&](int solves) {
+    return arguments.with_setup ? SecondsWithSetup(entry, &item.before, item.after, warm_options, &warm)
+                                : Seconds(solver.get(), item.after, warm_options, solves, &warm);
+  };
+  double cold_s = time_cold(1);
+  double warm_s = time_warm(1);
   const bool cold_passes = Verify(item.after, cold, arguments.tolerance).passes;
   const bool warm_passes = Verify(item.after, warm, arguments.tolerance).passes;
   ++statistics->all;
@@ -107,8 +130,8 @@ void Measure(const SolverEntry& entry, const Case& item, const Arguments& argume
     const double rounds = std::min<double>(kRounds, kBudget / (cold_s + warm_s));
     for (int round = 0; round < rounds; ++round) {
       const auto solves = [](double once) { return std::max(1, static_cast<int>(kLeastMeasured / once)); };
-      cold_s = std::min(cold_s, Seconds(solver.get(), item.after, options, solves(cold_s), &cold));
-      warm_s = std::min(warm_s, Seconds(solver.get(), item.after, warm_options, solves(warm_s), &warm));
+      cold_s = std::min(cold_s, time_cold(solves(cold_s)));
+      warm_s = std::min(warm_s, time_warm(solves(warm_s)));
     }
     statistics->ratios.push_back(warm_s / cold_s);
   }
@@ -121,23 +144,31 @@ void Measure(const SolverEntry& entry, const Case& item, const Arguments& argume
   }
 }
 
-std::string DriftName(double drift) {
+std::string Percent(double part) {
   char text[32];
-  std::snprintf(text, sizeof text, "%g %%", 100 * drift);
+  std::snprintf(text, sizeof text, "%g %%", 100 * part);
   return text;
 }
 
 std::vector<Case> CasesOf(const std::string& scene, int size, const Arguments& arguments) {
   std::vector<Case> cases;
-  if (!arguments.drifts.empty()) {
+  if (!arguments.drifts.empty() || !arguments.lost.empty()) {
     const LcpProblem given = AssembleContactLcp(GenerateScene(scene, size, 1)).problem;
+    for (const double part : arguments.lost) {
+      for (int seed = 1; seed <= arguments.seeds; ++seed) {
+        ConsecutiveProblems pair = LoseContacts(given, part, static_cast<std::uint64_t>(seed));
+        cases.push_back({Percent(part) + " lost", scene, size, std::move(pair.before), std::move(pair.after),
+                         std::move(pair.row_before)});
+      }
+    }
     for (const double drift : arguments.drifts) {
       for (int seed = 1; seed <= arguments.seeds; ++seed) {
         cases.push_back(
-            {DriftName(drift), scene, size, given, Drift(given, drift, static_cast<std::uint64_t>(seed)), {}});
+            {Percent(drift), scene, size, given, Drift(given, drift, static_cast<std::uint64_t>(seed)), {}});
       }
     }
   }
+  if (arguments.pairs == 0) return cases;
   for (ConsecutiveProblems& pair : PairsOfMotion(scene, size, 1, arguments.pairs, kFirstPairSpacing)) {
     cases.push_back({"motion", scene, size, std::move(pair.before), std::move(pair.after), std::move(pair.row_before)});
   }
@@ -199,6 +230,10 @@ int main(int argc, char** argv) {
   app.add_option("--scenes", arguments.scenes, "Scene keys [default: all]")->delimiter(',');
   app.add_option("--sizes", arguments.sizes, "Numbers of rows")->delimiter(',')->capture_default_str();
   app.add_option("--drifts", arguments.drifts, "Relative drifts")->delimiter(',')->capture_default_str();
+  app.add_option("--lost", arguments.lost, "Parts of the contacts that go, and come")
+      ->delimiter(',')
+      ->capture_default_str();
+  app.add_flag("--with-setup", arguments.with_setup, "Time the set-up as well");
   app.add_option("--seeds", arguments.seeds, "Drifted problems per scene")->capture_default_str();
   app.add_option("--pairs", arguments.pairs, "Pairs of consecutive time steps per scene")->capture_default_str();
   app.add_option("--tolerance", arguments.tolerance, "Bound on rho")->capture_default_str();

@@ -1,5 +1,7 @@
 #include "solvers/active_block_choice.h"
 
+#include <utility>
+
 #include "solvers/given_form.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/body_active_block.h"
@@ -39,13 +41,13 @@ bool ActiveBlockChoice::HasBodies(const LcpProblem& problem) {
 
 ActiveBlock* ActiveBlockChoice::Analyze(const LcpProblem& problem, Allowed allowed) {
   const Eigen::Index n = problem.size();
-  bodies_.reset();
+  std::unique_ptr<ActiveBlock> before = std::move(bodies_);
 #ifdef LCPBENCH_WITH_SUITESPARSE
   const bool alone = !allowed.sparse && !allowed.dense;
   if (allowed.bodies && HasBodies(problem) && (alone || n >= kLeastRowsForBodies)) {
     const double entries = static_cast<double>(BoundEntriesOfA(problem)) / static_cast<double>(n);
     if (alone || entries >= kSparseRows) {
-      bodies_ = std::make_unique<BodyActiveBlock>();
+      bodies_ = before != nullptr ? std::move(before) : std::make_unique<BodyActiveBlock>();
       bodies_->Analyze(problem);
       if (alone || entries >= kFullRows) return bodies_.get();
     }

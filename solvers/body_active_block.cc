@@ -9,15 +9,8 @@
 namespace lcpbench {
 namespace {
 
-using ColumnMatrix = CholmodFactor::ColumnMatrix;
-
 constexpr int kAxes = 3;
 constexpr int kNone = -1;
-
-// Nested dissection takes some hundred times as long as minimum degree and saves a fifth to a third of the work of
-// factorisations of this many flop.
-constexpr double kWorthDissection = 4e8;
-constexpr double kWorthChange = 0.9;  // its work against that of minimum degree
 
 // Nanoseconds, measured on scenes of 10^3 to 10^5 rows; only their ratios matter, and only to time, not to answers.
 constexpr double kFlopBySupernodes = 0.08;
@@ -41,70 +34,6 @@ size_t At(Index i) { return static_cast<size_t>(i); }
 Index First(int body) { return Index{kAxes} * body; }
 
 }  // namespace
-
-// Bodies of rows in order of their appearance: place_ and rows_. Returns the bodies' columns of J, by threes.
-Eigen::VectorXi BodyActiveBlock::FindBodies(const LcpProblem& problem) {
-  const SparseMatrix& J = problem.J();
-  const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
-  place_.assign(At((J.cols() + kAxes - 1) / kAxes), kNone);
-  std::vector<int> found;
-  rows_.assign(At(n_), {});
-  for (Index i = 0; i < n_; ++i) {
-    Row& row = rows_[At(i)];
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
-      int& body = place_[At(it.col() / kAxes)];
-      if (body == kNone) {
-        body = static_cast<int>(found.size());
-        found.push_back(static_cast<int>(it.col() / kAxes));
-      }
-      (row.first == kNone || row.first == body ? row.first : row.second) = body;
-    }
-  }
-  bodies_ = static_cast<int>(found.size());
-  return Eigen::Map<const Eigen::VectorXi>(found.data(), bodies_);
-}
-
-ColumnMatrix BodyActiveBlock::Graph() const {
-  std::vector<Eigen::Triplet<double, int>> edges;
-  edges.reserve(rows_.size());
-  for (const Row& row : rows_) {
-    if (row.second != kNone) edges.emplace_back(std::max(row.first, row.second), std::min(row.first, row.second), 1.0);
-  }
-  ColumnMatrix graph(bodies_, bodies_);
-  graph.setFromTriplets(edges.begin(), edges.end());
-  return graph;
-}
-
-// The pattern of K: every node of the graph a block of three, in the order `nodes`.
-void BodyActiveBlock::AnalyzeInOrder(const ColumnMatrix& graph, const Eigen::VectorXi& nodes) {
-  std::vector<int> place(At(bodies_));
-  for (int k = 0; k < bodies_; ++k) place[At(nodes[k])] = k;
-  std::vector<std::vector<int>> after(At(bodies_));  // neighbours that come later
-  for (int j = 0; j < bodies_; ++j) {
-    for (ColumnMatrix::InnerIterator it(graph, j); it; ++it) {
-      const int p = place[At(j)];
-      const int q = place[At(it.row())];
-      after[At(std::min(p, q))].push_back(std::max(p, q));
-    }
-  }
-  Eigen::VectorXi counts(kAxes * bodies_);
-  for (int k = 0; k < bodies_; ++k) {
-    std::sort(after[At(k)].begin(), after[At(k)].end());
-    for (int a = 0; a < kAxes; ++a) counts[First(k) + a] = kAxes * static_cast<int>(after[At(k)].size() + 1) - a;
-  }
-  ColumnMatrix lower(freedoms(), freedoms());
-  lower.reserve(counts);
-  for (int column = 0; column < kAxes * bodies_; ++column) {
-    const int k = column / kAxes;
-    for (int r = column; r < kAxes * (k + 1); ++r) lower.insert(r, column) = 0;
-    for (const int other : after[At(k)]) {
-      for (int r = 0; r < kAxes; ++r) lower.insert(kAxes * other + r, column) = 0;
-    }
-  }
-  lower.makeCompressed();
-  factor_.AnalyzeAsOrdered(lower, /*will_update=*/true);
-}
 
 // The elimination tree of bodies [Liu 1986], and what a change of a body's columns touches.
 void BodyActiveBlock::FindPaths() {
@@ -138,40 +67,20 @@ void BodyActiveBlock::FindPaths() {
 
 void BodyActiveBlock::Analyze(const LcpProblem& problem) {
   n_ = problem.size();
-  const Eigen::VectorXi found = FindBodies(problem);
-  const ColumnMatrix graph = Graph();
-  Eigen::VectorXi nodes = OrderGraph(graph, GraphOrder::kMinimumDegree);
-  AnalyzeInOrder(graph, nodes);
-  const double work = factor_.flops();
-  if (work > kWorthDissection) {
-    const Eigen::VectorXi dissected = OrderGraph(graph, GraphOrder::kNestedDissection);
-    if (dissected.size() == bodies_) {
-      AnalyzeInOrder(graph, dissected);
-      if (factor_.flops() < kWorthChange * work) {
-        nodes = dissected;
-      } else {
-        AnalyzeInOrder(graph, nodes);
-      }
-    }
+  graph_.Prepare(problem, {}, /*will_update=*/true, &factor_);
+  bodies_ = graph_.bodies();
+  rows_.assign(At(n_), {});
+  for (Index i = 0; i < n_; ++i) {
+    const BodyGraph::Ends& ends = graph_.ends()[At(i)];
+    rows_[At(i)].first = ends.first;
+    rows_[At(i)].second = ends.second;
+    rows_[At(i)].below = ends.below;
   }
-  std::vector<int> place(At(bodies_));
-  for (int k = 0; k < bodies_; ++k) place[At(nodes[k])] = k;
-  for (int k = 0; k < bodies_; ++k) place_[At(found[k])] = place[At(k)];
-  const int* starts = factor_.column_starts();
-  const int* indices = factor_.row_indices();
-  for (Row& row : rows_) {
-    if (row.first == kNone) continue;
-    row.first = place[At(row.first)];
-    if (row.second == kNone) continue;
-    row.second = place[At(row.second)];
-    if (row.first > row.second) std::swap(row.first, row.second);
-    const int* begin = indices + starts[First(row.first)] + kAxes;
-    const int* end = indices + starts[First(row.first) + 1];
-    row.below = static_cast<int>(std::lower_bound(begin, end, kAxes * row.second) - begin);
+  if (graph_.analyses() > 0) {
+    by_supernodes_ = factor_.is_supernodal();
+    flop_time_ = by_supernodes_ ? kFlopBySupernodes : kFlopByColumns;
+    FindPaths();
   }
-  by_supernodes_ = factor_.is_supernodal();
-  flop_time_ = by_supernodes_ ? kFlopBySupernodes : kFlopByColumns;
-  FindPaths();
   for (Eigen::VectorXd* v : {&diagonal_, &right_, &residual_, &x_, &step_}) v->setZero(n_);
   for (Eigen::VectorXd* v : {&body_, &image_}) v->setZero(freedoms());
   active_.assign(At(n_), 0);
@@ -210,7 +119,7 @@ void BodyActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& sca
     diagonal_[i] = (problem.DiagonalA()[i] * scale[i]) * scale[i];
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
       if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
-      const bool is_first = place_[At(it.col() / kAxes)] == row.first;
+      const bool is_first = graph_.place(it.col()) == row.first;
       (is_first ? row.first_j : row.second_j)[it.col() % kAxes] =
           it.value() * std::sqrt(inverse_mass[it.col()]) * scale[i];
     }
@@ -268,7 +177,7 @@ bool BodyActiveBlock::Update() {
     // Rows with much of their way in common follow each other: CHOLMOD takes up to eight together.
     std::sort(rows->begin(), rows->end(),
               [&](int i, int j) { return std::pair(rows_[At(i)].first, i) < std::pair(rows_[At(j)].first, j); });
-    ColumnMatrix columns(freedoms(), static_cast<int>(rows->size()));
+    CholmodFactor::ColumnMatrix columns(freedoms(), static_cast<int>(rows->size()));
     columns.reserve(Index{2} * kAxes * static_cast<Index>(rows->size()));
     int k = 0;
     for (const int i : *rows) {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "solvers/active_block.h"
+#include "solvers/body_graph.h"
 #include "solvers/cholmod_factor.h"
-#include "solvers/graph_order.h"
 
 namespace lcpbench {
 
@@ -31,7 +31,7 @@ namespace lcpbench {
 class BodyActiveBlock final : public ActiveBlock {
  public:
   /// Whether the problem has the form for it.
-  static bool Suits(const LcpProblem& problem) { return problem.has_factors() && problem.has_two_body_rows(); }
+  static bool Suits(const LcpProblem& problem) { return BodyGraph::Suits(problem); }
 
   /// @throws std::runtime_error as CholmodFactor::Analyze
   void Analyze(const LcpProblem& problem) override;
@@ -49,8 +49,7 @@ class BodyActiveBlock final : public ActiveBlock {
   std::int64_t updates() const { return updates_; }
 
  private:
-  // A row's two bodies in elimination order, -1 for none, first < second; J M^-1/2 on them; and where their common
-  // block begins in a column of the first one, counted from below the diagonal block.
+  // BodyGraph::Ends, and J M^-1/2 on the two bodies.
   struct alignas(64) Row {
     double first_j[3] = {0, 0, 0};
     double second_j[3] = {0, 0, 0};
@@ -60,9 +59,6 @@ class BodyActiveBlock final : public ActiveBlock {
   };
 
   Index freedoms() const { return Index{3} * bodies_; }
-  Eigen::VectorXi FindBodies(const LcpProblem& problem);
-  CholmodFactor::ColumnMatrix Graph() const;
-  void AnalyzeInOrder(const CholmodFactor::ColumnMatrix& graph, const Eigen::VectorXi& nodes);
   void FindPaths();
   void FactorAnew();
   bool Update();
@@ -73,7 +69,7 @@ class BodyActiveBlock final : public ActiveBlock {
 
   Index n_ = 0;
   int bodies_ = 0;
-  std::vector<int> place_;  // of a triple of columns of J in the elimination order of bodies; -1: fixed, or no row
+  BodyGraph graph_;
   std::vector<Row> rows_;
   CholmodFactor factor_;
   bool by_supernodes_ = false;  // a new factor

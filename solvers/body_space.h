@@ -2,11 +2,10 @@
 
 #include <Eigen/Core>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "solvers/body_graph.h"
 #include "solvers/cholmod_factor.h"
-#include "solvers/graph_order.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -18,29 +17,24 @@ namespace lcpbench {
 /// lost in r - J^ x instead, where theta is tiny: about eps / theta of r, which one step of refinement brings back.
 /// [Woodbury; the body-space form of MODEL.md section 8]
 ///
-/// The order comes from the graph of bodies, a ninth of the entries of K, and is expanded by three. [as oracle.h]
+/// The bodies are ordered by their graph, which is kept from problem to problem where it changes little: BodyGraph.
 /// Vectors of rows have one entry per row of the problem; those of bodies three per movable body, in elimination order.
 /// Internal to solvers/; one object serves one thread at a time.
 class BodySpace {
  public:
   /// Whether the problem has the form for it: factors, rows on at most two movable bodies each.
-  static bool Suits(const LcpProblem& problem) { return problem.has_factors() && problem.has_two_body_rows(); }
+  static bool Suits(const LcpProblem& problem) { return BodyGraph::Suits(problem); }
 
-  /// Orders the bodies and analyses K. `root` = D^1/2; rows with taking_part[i] = 0 are left out of K and of A^.
-  /// O(rows) and the ordering; nested dissection is tried too where a factorisation is long enough to pay for it.
-  /// Where the rows join the same bodies in the same order as those of the problem before, order and analysis are kept,
-  /// bit for bit what they would be: O(rows).
-  /// @throws std::runtime_error as CholmodFactor::Analyze
+  /// `root` = D^1/2; rows with taking_part[i] = 0 are left out of K and of A^. Cost and errors as BodyGraph::Prepare.
   void Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part);
 
-  /// Symbolic analyses of the latest Prepare: 0 if the one before was kept, else one for every order tried and, where
-  /// the first one is taken after all, one more.
-  int analyses() const { return analyses_; }
+  /// Symbolic analyses of the latest Prepare, as BodyGraph::analyses.
+  int analyses() const { return graph_.analyses(); }
 
   Index rows() const { return static_cast<Index>(rows_.size()); }
   int bodies() const { return bodies_; }
   const CholmodFactor& factor() const { return factor_; }
-  GraphOrder order() const { return order_; }
+  GraphOrder order() const { return graph_.order(); }
 
   /// x = J^^T f.  O(rows)
   void ToBodies(const Eigen::VectorXd& f, Eigen::VectorXd* x) const;
@@ -58,8 +52,7 @@ class BodySpace {
   static constexpr double kOut = 1e24;
 
  private:
-  // A row's two bodies, -1 for none, first < second; J^ on them; and where their common block begins in a column of
-  // the first one, counted from below the diagonal block.
+  // BodyGraph::Ends, and J^ on the two bodies.
   struct alignas(64) Row {
     double first_j[3] = {0, 0, 0};
     double second_j[3] = {0, 0, 0};
@@ -68,19 +61,9 @@ class BodySpace {
     int below = -1;
   };
 
-  void ReadRows(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part);
-  bool JoinsAsBefore();
-  void Order();
-  CholmodFactor::ColumnMatrix Graph() const;
-  void Analyze(const CholmodFactor::ColumnMatrix& graph, GraphOrder order, const Eigen::VectorXi& nodes);
-  void Relabel(const Eigen::VectorXi& nodes);
-
   std::vector<Row> rows_;
   int bodies_ = 0;
-  int analyses_ = 0;
-  std::vector<std::pair<int, int>> joined_;  // by every row, as numbered before the order is chosen
-  Eigen::VectorXi nodes_;                    // that order
-  GraphOrder order_ = GraphOrder::kMinimumDegree;
+  BodyGraph graph_;
   CholmodFactor factor_;
   Eigen::VectorXd weight_;          // T
   Eigen::VectorXd body_, product_;  // of Solve

@@ -266,6 +266,9 @@ bool CholmodFactor::TakeValues(const ColumnMatrix& lower) {
 }
 
 Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
+Eigen::VectorXi CholmodFactor::order() const {
+  return Eigen::Map<const Eigen::VectorXi>(static_cast<const int*>(state_->factor->Perm), size());
+}
 double CholmodFactor::flops() const { return state_->flops; }
 double CholmodFactor::fill() const { return state_->fill; }
 const std::string& CholmodFactor::why() const { return state_->why; }

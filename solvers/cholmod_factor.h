@@ -47,6 +47,8 @@ class CholmodFactor {
   bool TakeValues(const ColumnMatrix& lower);
 
   Eigen::Index size() const;
+  /// The order of elimination that the latest analysis chose: order()[k] is the row to eliminate k-th.
+  Eigen::VectorXi order() const;
   /// Predicted work of one factorisation [flop] and entries of L.
   double flops() const;
   double fill() const;

@@ -16,4 +16,8 @@ enum class GraphOrder {
 /// @param graph  lower triangle of the adjacency matrix; only its pattern is read; the diagonal does not matter
 Eigen::VectorXi OrderGraph(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph, GraphOrder order);
 
+/// The order `nodes` of this graph, postordered: of equal fill. Empty where there is no memory for it.
+Eigen::VectorXi Postordered(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph,
+                            const Eigen::VectorXi& nodes);
+
 }  // namespace lcpbench

@@ -20,8 +20,6 @@ constexpr int kPoorSteps = 4;          // ... when this many come in a row
 constexpr double kDivergence = 1e9;    // |f^| beyond this is taken for divergence (scaled b has size 1)
 constexpr double kRefineAbove = 1e-3;  // residual of a linear system, in sqrt(mu), that calls for refinement
 constexpr double kStartWeight = 0.1;   // of the regularised equality solve: w = -weight f
-constexpr double kRecentredMu =
-    10;  // times the present mu: a row that blocks every step is off centre by more than that
 constexpr double kLeastWarmMu = 1e-12;
 // Mehrotra's target mu is a guess from the affine step alone, and too cautious where rows block that step early which
 // the second order lets go: smaller ones are tried as well. Measured at 10^5 redundant rows (rounded-wall): 54 steps
@@ -105,9 +103,9 @@ void InteriorPoint::StartWarm(IpmRun* run, const Eigen::VectorXd& f, double mu_p
   Measure(run);
 }
 
-void InteriorPoint::Recentre(IpmRun* run) {
+void InteriorPoint::Recentre(IpmRun* run, double growth) {
   poor_steps_ = 0;
-  Centre(run->system(), kRecentredMu * mu_);
+  Centre(run->system(), growth * mu_);
   Measure(run);
 }
 
@@ -278,7 +276,7 @@ InteriorPoint::Progress InteriorPoint::Step(IpmRun* run) {
   CorrectCentrality(run, share * mu_);
 
   const double boundary = mu_ < kLateMu ? kLateStepToBoundary : kStepToBoundary;
-  const double step = std::min(1.0, boundary * MaxStep(system, df_, dw_));
+  const double step = step_ = std::min(1.0, boundary * MaxStep(system, df_, dw_));
   if (!std::isfinite(step) || !df_.allFinite()) return Progress::kStagnant;
   const double mu_before = mu_;
   f_ += step * df_;

@@ -24,15 +24,17 @@ class InteriorPoint {
   /// Chen, Harker 1993 and Kanzow 1996, taken for a start]
   /// @param mu_per_residual  mu in root mean squares of the natural residual of f
   void StartWarm(IpmRun* run, const Eigen::VectorXd& f, double mu_per_residual);
-  /// After stagnation: back to the middle, f w = 10 mu in every row with f - w as it is, from where steps are long
-  /// again.
-  void Recentre(IpmRun* run);
+  /// Where rows block the steps: back to the middle, f w = growth mu in every row with f - w as it is, from where
+  /// steps are long again.
+  void Recentre(IpmRun* run, double growth);
   /// One step (one factorisation).
   Progress Step(IpmRun* run);
 
   const Eigen::VectorXd& f() const { return f_; }
   const Eigen::VectorXd& w() const { return w_; }
   double mu() const { return mu_; }
+  /// Part of its direction that the latest Step went, 0 to 1.
+  double step() const { return step_; }
   /// max |A f + b - w|.
   double residual() const { return residual_; }
 
@@ -53,6 +55,7 @@ class InteriorPoint {
   Eigen::VectorXd centre_df_, centre_dw_;  // the direction of products mu
   Eigen::VectorXd theta_, defect_, right_, correction_, product_;
   Eigen::VectorXd target_;  // w df + f dw of the direction df_, dw_
+  double step_ = 0;
   double mu_ = 0;
   double residual_ = 0;
   int contacts_ = 0;

@@ -25,6 +25,7 @@ constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend wha
 constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
 constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnates, while their rate promises an answer
 constexpr int kMostRecentred = 3;
+constexpr double kRecentredMu = 10;     // a row that blocks every step is off centre by more than that
 constexpr double kLeastMu = 1e-22;      // nothing is to be learnt below
 constexpr int kGuessPivots = 10;        // of one guessed active set, as long as every pivot leaves ...
 constexpr double kGuessProgress = 0.5;  // ... at most this fraction of the wrong rows
@@ -37,6 +38,14 @@ constexpr double kWorthTrying = 0.5;
 constexpr double kWarmMu = 0.1;
 constexpr double kSweptMu = 40;
 constexpr double kCloseEnough = 3e-2;
+// A warm start whose first steps are as short as this is too close to the boundary for what has changed: its mu is
+// lifted, and if that does not help either, the start is cold. Where 0.5 % of the contacts went and others came, this
+// takes the worst of 16 scene families from 1.3 to 1.05 of a cold solve at 10^4 rows, and from 7 (and unsolved) at
+// 10^5.
+constexpr int kTrialSteps = 6;
+constexpr double kBlockedStep = 0.3;
+constexpr double kLift = 100;
+constexpr int kMostLifts = 2;
 constexpr double kLeastWarmSweeps = 60;
 constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
 constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
@@ -168,13 +177,27 @@ class IpmSolver::Implementation {
     double guess_below = kFirstFinish;
     int guesses = 0;
     int recentred = 0;
+    int lifted = 0;
     const double few_wrong = finish_.may_sweep() ? kFewWrongRowsOfMany : kFewWrongRows;
     Progress progress = Progress::kGood;
     for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
       progress = interior_.Step(run);
-      if (progress == Progress::kStagnant && recentred++ < kMostRecentred) {
-        interior_.Recentre(run);
+      const bool stagnant = progress == Progress::kStagnant;
+      const bool blocked = progress == Progress::kGood && warm && k < kTrialSteps && interior_.step() < kBlockedStep;
+      if (stagnant && recentred++ < kMostRecentred) {
+        interior_.Recentre(run, kRecentredMu);
         progress = Progress::kGood;
+        continue;
+      }
+      if (blocked && lifted++ < kMostLifts) {
+        interior_.Recentre(run, kLift);
+        k = -1;
+        continue;
+      }
+      if (blocked || (stagnant && warm)) {
+        warm = false;
+        progress = interior_.StartCold(run);
+        k = -1;
         continue;
       }
       if (progress != Progress::kGood) break;

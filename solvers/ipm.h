@@ -30,7 +30,7 @@ struct IpmOptions {
 
 /// What happened below, for tests and tuning.
 struct IpmStatistics {
-  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if the problem before had the same graph
+  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if those of the problem before serve
   std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
   std::int64_t interior_steps = 0;  ///< of these, interior-point steps
   std::int64_t pivots = 0;          ///< of these, active sets tried

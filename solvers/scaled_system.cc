@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "solvers/lcp/memory_budget.h"
+
 namespace lcpbench {
 namespace {
 
@@ -168,9 +170,26 @@ void ScaledSystem::BuildContactSpace() {
   const SparseMatrix upper = scaled_A_.triangularView<Eigen::Upper>();
   const Eigen::Map<const CholmodFactor::ColumnMatrix> lower(n, n, upper.nonZeros(), upper.outerIndexPtr(),
                                                             upper.innerIndexPtr(), upper.valuePtr());
-  if (factor_.TakeValues(lower)) return;
-  factor_.Analyze(CholmodFactor::Definiteness::kPositiveDefinite, lower);
+  if (!factor_.TakeValues(lower)) AnalyzeContactSpace(lower);
+}
+
+// Contacts come and go from problem to problem; the others keep their order while it serves.
+void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower) {
+  constexpr auto kDefinite = CholmodFactor::Definiteness::kPositiveDefinite;
+  const std::vector<KeptOrder::Name> names = NamesOfRows(*problem_);
+  const Eigen::VectorXi order = kept_.Find(names, lower.outerIndexPtr(), lower.innerIndexPtr());
+  if (order.size() > 0) {
+    ++analyses_;
+    try {
+      factor_.Analyze(kDefinite, lower, order);
+      if (kept_.Serves(factor_.flops())) return;
+    } catch (const MemoryRefusal&) {  // an order anew may need less
+    }
+  }
+  kept_.Clear();
   ++analyses_;
+  factor_.Analyze(kDefinite, lower);
+  kept_.Keep(names, factor_.order(), factor_.flops());
 }
 
 void ScaledSystem::BuildBodySpace() {

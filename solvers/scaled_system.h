@@ -6,6 +6,7 @@
 
 #include "solvers/body_space.h"
 #include "solvers/cholmod_factor.h"
+#include "solvers/kept_order.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/residual.h"
 
@@ -71,7 +72,8 @@ class ScaledSystem {
   bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
   bool in_body_space() const { return body_space_; }
-  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept.
+  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept. Of a problem that differs
+  /// little the order is kept (BodyGraph, KeptOrder).
   int analyses() const { return analyses_; }
   double fill() const { return factor().fill(); }
   double flops() const { return factor().flops(); }
@@ -85,6 +87,7 @@ class ScaledSystem {
   void ScaleRows();
   void FindComponents();
   void BuildContactSpace();
+  void AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower);
   void BuildBodySpace();
   bool ChooseBodySpace(Space space, double contact_entries);
 
@@ -97,6 +100,7 @@ class ScaledSystem {
   double b_norm_ = 1;  // |D^-1/2 b|_2
   SparseMatrix scaled_A_;
   CholmodFactor factor_;  // of contact space
+  KeptOrder kept_;        // for it
   BodySpace bodies_;
   bool body_space_ = false;
   bool a_is_affordable_ = true;

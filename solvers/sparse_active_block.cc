@@ -15,16 +15,57 @@ size_t At(int i) { return static_cast<size_t>(i); }
 
 }  // namespace
 
+bool SparseActiveBlock::HasPattern(const SparseMatrix& A) const {
+  const int* outer = A.outerIndexPtr();
+  const int* inner = A.innerIndexPtr();
+  return std::equal(outer, outer + A.rows() + 1, outer_.begin(), outer_.end()) &&
+         std::equal(inner, inner + outer[A.rows()], inner_.begin(), inner_.end());
+}
+
 void SparseActiveBlock::Analyze(const LcpProblem& problem) {
   const SparseMatrix& A = problem.SparseA();
+  if (HasPattern(A)) return;
+  outer_.clear();  // until the analysis has succeeded
   n_ = static_cast<int>(A.rows());
+  const std::vector<KeptOrder::Name> names = NamesOfRows(problem);
+  const Eigen::VectorXi found = kept_.Find(names, A.outerIndexPtr(), A.innerIndexPtr());
+  bool serves = found.size() > 0;
+  if (serves) {
+    order_.assign(found.begin(), found.end());
+    Permute(A);
+    try {
+      FindPatterns();
+      serves = kept_.Serves(factor_work_);
+    } catch (const MemoryRefusal&) {
+      serves = false;  // an order anew may need less
+    }
+  }
+  if (!serves) {
+    kept_.Clear();
+    OrderAnew(A);
+    Permute(A);
+    FindPatterns();
+    kept_.Keep(names, Eigen::Map<const Eigen::VectorXi>(order_.data(), n_), factor_work_);
+  }
+  values_.assign(column_.size(), 0);
+  lower_.assign(rows_.size(), 0);
+  for (std::vector<double>* v : {&diagonal_, &pivots_, &y_, &in_, &out_}) v->assign(At(n_), 0);
+  active_.assign(At(n_), 0);
+  dirty_.assign(At(n_), 0);
+  outer_.assign(A.outerIndexPtr(), A.outerIndexPtr() + n_ + 1);
+  inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + outer_.back());
+}
+
+void SparseActiveBlock::OrderAnew(const SparseMatrix& A) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
   const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = A;
   Eigen::AMDOrdering<int>()(columns, permutation);
   order_.assign(permutation.indices().data(), permutation.indices().data() + n_);
+}
+
+void SparseActiveBlock::Permute(const SparseMatrix& A) {
   std::vector<int> place(At(n_));
   for (int k = 0; k < n_; ++k) place[At(order_[At(k)])] = k;
-
   start_.assign(1, 0);
   column_.clear();
   source_.clear();
@@ -40,12 +81,6 @@ void SparseActiveBlock::Analyze(const LcpProblem& problem) {
     }
     start_.push_back(static_cast<int>(column_.size()));
   }
-  FindPatterns();
-  values_.assign(column_.size(), 0);
-  lower_.assign(rows_.size(), 0);
-  for (std::vector<double>* v : {&diagonal_, &pivots_, &y_, &in_, &out_}) v->assign(At(n_), 0);
-  active_.assign(At(n_), 0);
-  dirty_.assign(At(n_), 0);
 }
 
 // The elimination tree [Liu 1986], then the pattern of each row of L: the nodes met on the way from its entries in A up

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "solvers/active_block.h"
+#include "solvers/kept_order.h"
 
 namespace lcpbench {
 
@@ -12,6 +13,8 @@ namespace lcpbench {
 /// A: a row outside F is a row of zeros. Row r depends on its descendants in the elimination tree only, so a Factor
 /// after a small change of F computes the changed rows and their ancestors anew and keeps the others. Columns of equal
 /// structure are handled up to four together, which shares the indices and the accumulator.
+///
+/// The analysis is kept for a next problem of the same pattern, the order for one that differs little (KeptOrder).
 class SparseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;
@@ -23,8 +26,15 @@ class SparseActiveBlock final : public ActiveBlock {
   Index CountDependentRows() const override;
 
  private:
+  bool HasPattern(const SparseMatrix& A) const;
+  void OrderAnew(const SparseMatrix& A);
+  void Permute(const SparseMatrix& A);
   void FindPatterns();
   void ComputeRow(int r);
+
+  // Of the A analysed last: its pattern, by rows, and its order.
+  std::vector<int> outer_, inner_;
+  KeptOrder kept_;
 
   // A in elimination order: the diagonal, and the entries left of it by rows.
   int n_ = 0;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 
 #include "model/assembly.h"
@@ -64,6 +65,27 @@ TEST(PairsOfMotion, MatchRowsOfTheSameBodies) {
     }
     EXPECT_GE(matched, static_cast<int>(pair.after.size()) - 2);
   }
+}
+
+TEST(LoseContacts, RowsAreThoseOfTheGivenProblemAndMatched) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const LcpProblem given = AssembleContactLcp(GenerateScene("chain-of-links", 300, 1)).problem;
+    const ConsecutiveProblems pair = LoseContacts(given, 0.1, seed);
+    EXPECT_EQ(pair.before.bilateral_rows().size(), given.bilateral_rows().size());
+    EXPECT_EQ(pair.after.bilateral_rows().size(), given.bilateral_rows().size());
+    ASSERT_EQ(static_cast<Index>(pair.row_before.size()), pair.after.size());
+    for (Index i = 0; i < pair.after.size(); ++i) {
+      const int before = pair.row_before[static_cast<size_t>(i)];
+      if (before < 0) continue;
+      EXPECT_EQ(pair.before.b()[before], pair.after.b()[i]);
+      EXPECT_EQ(Eigen::VectorXd(pair.before.J().row(before)), Eigen::VectorXd(pair.after.J().row(i)));
+    }
+  }
+  const LcpProblem given = AssembleContactLcp(GenerateScene("disc-pile", 300, 1)).problem;
+  EXPECT_EQ(LoseContacts(given, 0, 1).after.b(), given.b());
+  const ConsecutiveProblems pair = LoseContacts(given, 0.1, 1);
+  EXPECT_LT(pair.after.size(), given.size());
+  EXPECT_GT(std::count(pair.row_before.begin(), pair.row_before.end(), -1), 0);
 }
 
 }  // namespace

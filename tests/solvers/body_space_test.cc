@@ -94,6 +94,65 @@ TEST(BodySpace, RowsThatAreOutDoNotMove) {
   }
 }
 
+// Bodies in a ring of `bodies`, rows between neighbours and some `reach` further on; every `missing`-th row is left
+// out.
+LcpProblem Ring(int bodies, int reach, int missing) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  int rows = 0;
+  int drawn = 0;
+  const auto join = [&](int a, int b) {
+    std::mt19937 random(static_cast<unsigned>(++drawn));
+    if (missing > 0 && drawn % missing == 0) return;
+    for (int k = 0; k < 3; ++k) {
+      entries.emplace_back(rows, 3 * a + k, (static_cast<int>(random() % 17) - 8) / 8.0 + (k == 0 ? 2.0 : 0.0));
+      entries.emplace_back(rows, 3 * b + k, (static_cast<int>(random() % 17) - 8) / 8.0);
+    }
+    ++rows;
+  };
+  for (int a = 0; a < bodies; ++a) {
+    join(a, (a + 1) % bodies);
+    join(a, (a + reach) % bodies);
+  }
+  SparseMatrix J(rows, 3 * bodies);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("ring", J, Eigen::VectorXd::Ones(3 * bodies), Eigen::VectorXd::Ones(rows));
+}
+
+int AnalysesOf(const LcpProblem& problem, BodySpace* bodies) {
+  const Index n = problem.size();
+  const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt();
+  bodies->Prepare(problem, root, std::vector<char>(static_cast<size_t>(n), 1));
+  const Eigen::VectorXd theta = Eigen::VectorXd::Constant(n, 0.25);
+  EXPECT_TRUE(bodies->Factorize(theta));
+  std::mt19937 random(5);
+  const Eigen::VectorXd r = Random(n, -1, 1, &random);
+  Eigen::VectorXd x, y;
+  bodies->Solve(r, &x);
+  bodies->Multiply(x, &y);
+  const Eigen::VectorXd product = (problem.SparseA() * x.cwiseQuotient(root)).cwiseQuotient(root);
+  EXPECT_LE((y - product).cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LE((product + 0.25 * x - r).cwiseAbs().maxCoeff(), 1e-12);
+  return bodies->analyses();
+}
+
+TEST(BodySpace, KeepsWhatStillFitsOfTheProblemBefore) {
+  for (int bodies = 1200; bodies <= 1500; bodies += 100) {
+    BodySpace space;
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 13), &space), 1);
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 13), &space), 0);
+    // Contacts that are lost leave zeros behind, and may come back.
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 0), &space), 1);
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 11), &space), 0);
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 7), &space), 0);
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 0), &space), 0);
+    // Too much of the pattern would be zeros; other pairs; more bodies; fewer.
+    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 2), &space), 1);
+    EXPECT_GE(AnalysesOf(Ring(bodies, 5, 0), &space), 1);
+    EXPECT_GE(AnalysesOf(Ring(bodies + 1, 5, 0), &space), 1);
+    EXPECT_GE(AnalysesOf(Ring(520, 5, 0), &space), 1);
+  }
+}
+
 TEST(GraphOrder, IsAPermutationThatKeepsTreesFreeOfFill) {
   using Graph = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
   for (unsigned seed = 1; seed <= 30; ++seed) {
