@@ -11,6 +11,7 @@ from .stats import geometric_mean, time_ratios
 
 # Sizes fall into classes around 10, 100, 1000 and 10000; the bounds are the half decades between them.
 _CLASS_BOUNDS = (10**1.5, 10**2.5, 10**3.5)
+_TIER_NOT_RUN = "tier not run"  # how that rule of benchmarks/suite.cc begins
 
 
 @dataclass
@@ -37,8 +38,21 @@ def size_classes(sizes: list[int]) -> list[SizeClass]:
     return [SizeClass(f"n = {formats.span(group)}", group) for group in groups if group]
 
 
+def tier_was_left_out(cells: Cells, tier: float, size_class: SizeClass) -> bool:
+    """Whether a rule spared some solvers this tier at these sizes: direct methods, whose one run is judged at every
+    tier, would be compared among themselves."""
+    runs = cells.runs
+    problems = cells.results.problems
+    names = problems.loc[problems["n"].isin(size_class.sizes), "problem"]
+    spared = runs["excluded"].str.startswith(_TIER_NOT_RUN) & (runs["tier"] == tier) & runs["problem"].isin(names)
+    return bool(spared.any())
+
+
 def ranking(cells: Cells, tier: float, size_class: SizeClass) -> list[Rank]:
-    """Best first: by problems won, then by problems verified, then by mean ratio."""
+    """Best first: by problems won, then by problems verified, then by mean ratio. Empty where the tier was not asked of
+    every solver."""
+    if tier_was_left_out(cells, tier, size_class):
+        return []
     times, _ = cells.problem_times(tier)
     problems = cells.results.problems
     names = set(problems.loc[problems["n"].isin(size_class.sizes), "problem"])
@@ -92,7 +106,9 @@ def _fastest(cells: Cells, tier: float) -> str:
     parts = []
     for size_class in size_classes(list(cells.results.problems["n"])):
         best = next(iter(ranking(cells, tier, size_class)), None)
-        if best is None or best.verified == 0:
+        if tier_was_left_out(cells, tier, size_class):
+            parts.append(f"{size_class.label}: not run")
+        elif best is None or best.verified == 0:
             parts.append(f"{size_class.label}: no solver verified")
         else:
             parts.append(f"{size_class.label}: {best.solver} (first on {best.fastest} of {best.problems}, "

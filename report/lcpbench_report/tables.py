@@ -87,13 +87,16 @@ def _family_cell(cell: Cell | None, fastest: float) -> dict:
 
 
 def rankings(cells: Cells) -> list[dict]:
-    """Per tier (strictest first) and size class the solvers, best first; those without a verified answer apart."""
+    """Per tier (strictest first) and size class the solvers, best first; those without a verified answer apart. Without
+    classes in which the tier was not asked of all."""
     classes = size_classes(list(cells.results.problems["n"]))
     found = []
     for tier in reversed(cells.results.tiers):
         tables = []
         for c in classes:
             ranks = ranking(cells, tier, c)
+            if not ranks:
+                continue
             tables.append({"label": c.label, "ranks": [_rank(r) for r in ranks if r.verified],
                            "none": [r.solver for r in ranks if not r.verified]})
         found.append({"tier": formats.tier(tier), "classes": tables})

@@ -495,6 +495,23 @@ class IncompleteResults(unittest.TestCase):
         self.assertEqual(line["text"], "not run: dense.")
         self.assertEqual(self.run_main(), (0, ""))
 
+    def test_nobody_is_the_fastest_where_a_tier_was_not_asked_of_all(self):
+        table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
+        left = (table["n"] == "100") & (table["solver"] == "pgs") & (table["tier"] == "1e-09")
+        kept = ("problem", "family", "n", "seed", "solver", "tier")
+        table.loc[left, [c for c in table.columns if c not in kept]] = ""
+        table.loc[left, "excluded"] = "tier not run above n = 30"
+        table.to_csv(self.folder / "accuracy.csv", index=False)
+        (self.folder / "timing.json").write_text('{"benchmarks": []}', encoding="utf-8")
+        cells = Cells(load_results(self.folder))
+        large = size_classes([100])[0]
+        self.assertEqual(ranking(cells, 1e-9, large), [])
+        self.assertNotEqual(ranking(cells, 1e-6, large), [])
+        text = {line["label"]: line["text"] for line in summary_lines(cells)}
+        self.assertIn(f"{large.label}: not run", text["Fastest at 1e-9"])
+        self.assertNotIn("not run", text["Fastest at 1e-6"])
+        self.assertEqual(self.run_main(), (0, ""))
+
     def test_who_ran_out_of_time_at_a_looser_tier_is_not_called_excluded(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         mine = (table["solver"] == "clp") & (table["tier"] == "1e-09")
