@@ -221,6 +221,11 @@ bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int
 
 bool AutoPortfolio::TryBpp(LcpResult* result) {
   if (Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return true;
+  // What it has when it runs out of factorisations is mostly right but for a few rows.
+  if (is_large_ && result->iterations > 1 && result->f.allFinite()) {
+    start_ = result->f;
+    has_start_ = true;
+  }
   const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
   // A sweep over a dense A costs too much of its factorisation; hybrid has sweeps of its own.
   if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense() || is_large_) return false;

@@ -22,6 +22,8 @@ struct BppOptions {
   /// Weight e of the proximal term against diag A at the start, dimensionless. Larger values keep blocks from cycling
   /// on singular A, smaller ones leave less for the outer loop to do; over the redundant families 1e-9 to 1e-6 took the
   /// same number of factorisations within 4 %, 1e-4 more. In [1e-11, 1e-2].
+  /// Above 10^4 rows it falls with the square of their number, as the least eigenvalue of A does on chains: the active
+  /// set of the shifted problem would be far from right otherwise.
   double proximal = 1e-8;
 
   /// Where blocks cycle, the weight rises, up to this; single exchanges follow only there. Blocks that cycle at 1e-8

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdio>
 
 #include "solvers/lcp/input_error.h"
 
@@ -17,8 +18,9 @@ double SettingsReader::Number(const std::string& name, double fallback, double m
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size() || !(value >= minimum && value <= maximum)) {
-    throw InputError(owner_ + ": option " + name + " must be a number in [" + std::to_string(minimum) + ", " +
-                     std::to_string(maximum) + "], found '" + text + "'");
+    char range[64];
+    std::snprintf(range, sizeof range, "[%g, %g]", minimum, maximum);
+    throw InputError(owner_ + ": option " + name + " must be a number in " + range + ", found '" + text + "'");
   }
   return value;
 }
