@@ -183,7 +183,9 @@ class IpmSolver::Implementation {
     for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
       progress = interior_.Step(run);
       const bool stagnant = progress == Progress::kStagnant;
-      const bool blocked = progress == Progress::kGood && warm && k < kTrialSteps && interior_.step() < kBlockedStep;
+      // What sweeps have left is worth its short first steps: they are as short from a larger mu.
+      const bool blocked = progress == Progress::kGood && warm && use_ != WarmStart::kAfterSweeps && k < kTrialSteps &&
+                           interior_.step() < kBlockedStep;
       if (stagnant && recentred++ < kMostRecentred) {
         interior_.Recentre(run, kRecentredMu);
         progress = Progress::kGood;
@@ -198,6 +200,8 @@ class IpmSolver::Implementation {
         warm = false;
         progress = interior_.StartCold(run);
         k = -1;
+        recentred = guesses = 0;
+        guess_below = kFirstFinish;
         continue;
       }
       if (progress != Progress::kGood) break;
