@@ -183,9 +183,10 @@ class IpmSolver::Implementation {
     for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
       progress = interior_.Step(run);
       const bool stagnant = progress == Progress::kStagnant;
-      // What sweeps have left is worth its short first steps: they are as short from a larger mu.
-      const bool blocked = progress == Progress::kGood && warm && use_ != WarmStart::kAfterSweeps && k < kTrialSteps &&
-                           interior_.step() < kBlockedStep;
+      // What sweeps have left is worth its short steps: they are as short from elsewhere.
+      const bool doubtful = warm && use_ != WarmStart::kAfterSweeps;
+      const bool blocked =
+          progress == Progress::kGood && doubtful && k < kTrialSteps && interior_.step() < kBlockedStep;
       if (stagnant && recentred++ < kMostRecentred) {
         interior_.Recentre(run, kRecentredMu);
         progress = Progress::kGood;
@@ -196,7 +197,7 @@ class IpmSolver::Implementation {
         k = -1;
         continue;
       }
-      if (blocked || (stagnant && warm)) {
+      if (blocked || (stagnant && doubtful)) {
         warm = false;
         progress = interior_.StartCold(run);
         k = -1;
