@@ -58,8 +58,7 @@ LcpProblem RowsOf(const LcpProblem& given, const std::vector<int>& rows, const s
   SparseMatrix J(b.size(), given.J().cols());
   J.setFromTriplets(entries.begin(), entries.end());
   const Index n = b.size();
-  return LcpProblem::FromFactors(id, std::move(J), given.inverse_mass(), std::move(b),
-                                 RowBounds::WithBilateralRows(n, bilateral));
+  return LcpProblem::FromFactors(id, J, given.inverse_mass(), std::move(b), RowBounds::WithBilateralRows(n, bilateral));
 }
 
 }  // namespace

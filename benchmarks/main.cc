@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   AddGenerateCommand(app, run);
   AddSceneCommand(app, run);
   AddSolveCommand(app, run);
+  AddCertifyCommand(app, run);
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);
   AddRunCommand(app, run);

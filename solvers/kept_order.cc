@@ -60,8 +60,8 @@ Eigen::VectorXi KeptOrder::Find(const std::vector<Name>& names, const int* start
 }
 
 KeptOrder::Name NameOfPair(int body, int other) {
-  const auto low = static_cast<KeptOrder::Name>(std::min(body, other) + 1);
-  const auto high = static_cast<KeptOrder::Name>(std::max(body, other) + 1);
+  const auto low = static_cast<KeptOrder::Name>(std::min(body, other)) + 1;
+  const auto high = static_cast<KeptOrder::Name>(std::max(body, other)) + 1;
   return (low << kBodyBits) | high;
 }
 

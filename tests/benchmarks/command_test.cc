@@ -45,7 +45,7 @@ class Command : public CommandTest {
 constexpr char kProblem[] = R"({"id":"p","A":[[2,1],[1,2]],"b":[-5,-4]})";
 
 TEST_F(Command, HelpIsEverywhere) {
-  for (const char* sub : {"", "list", "list solvers", "generate", "solve", "assemble", "run", "report"}) {
+  for (const char* sub : {"", "list", "list solvers", "generate", "solve", "certify", "assemble", "run", "report"}) {
     const Outcome outcome = Run(std::string(sub) + " --help");
     EXPECT_EQ(outcome.status, 0) << sub;
     EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << sub;
@@ -184,6 +184,42 @@ TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
   const Outcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
   EXPECT_EQ(report.status, 0) << report.error;
   EXPECT_NE(ReadFile(folder_ / "page.html").find("<svg"), std::string::npos);
+}
+
+TEST_F(Command, CertifyAnswersInFractions) {
+  const Outcome outcome = Run("certify -", R"({"id":"p","A":[[2,1],[1,"7/3"]],"b":[-5,"-1/3"]})"
+                                           "\n"
+                                           R"({"id":"q","A":[[1,-1],[-1,1]],"b":[-1,0]})"
+                                           "\n");
+  EXPECT_EQ(outcome.status, 0) << outcome.error;
+  const std::vector<std::string> lines = Lines(outcome.out);
+  ASSERT_EQ(lines.size(), 2u);
+  const nlohmann::json solved = nlohmann::json::parse(lines[0]);
+  EXPECT_EQ(solved["status"], "solved");
+  EXPECT_EQ(solved["certified"], true);
+  EXPECT_EQ(solved["w_exact"], nlohmann::json({"0", "13/6"}));
+  EXPECT_EQ(solved["f_exact"], nlohmann::json({"5/2", "0"}));
+  EXPECT_EQ(solved["f_unique"], true);
+  EXPECT_EQ(solved["rank_A"], 2);
+  const nlohmann::json infeasible = nlohmann::json::parse(lines[1]);
+  EXPECT_EQ(infeasible["status"], "infeasible");
+  EXPECT_EQ(infeasible["certified"], true);
+  EXPECT_EQ(infeasible["ray_exact"], nlohmann::json({"1", "1"}));
+  const nlohmann::json rounded = nlohmann::json::parse(Run("certify --rounded -", std::string(kProblem) + "\n").out);
+  EXPECT_FALSE(rounded.contains("w_exact"));
+  EXPECT_EQ(rounded["w"], nlohmann::json({0.0, 0.0}));
+}
+
+TEST_F(Command, CertifyNamesWhatItCannotTake) {
+  ExpectMisuse("certify -", "symmetric",
+               R"({"id":"p","A":[[1,2],[3,1]],"b":[1,1]})"
+               "\n");
+  ExpectMisuse("certify /nowhere.jsonl", "/nowhere.jsonl");
+  ExpectMisuse("certify --time-limit 0 -", "--time-limit", std::string(kProblem) + "\n");
+  const Outcome outcome = Run("certify -", R"({"id":"p","A":[[1,2],[2,1]],"b":[-1,-1]})"
+                                           "\n");
+  EXPECT_EQ(outcome.status, 0);
+  EXPECT_EQ(nlohmann::json::parse(outcome.out)["certified"], false);
 }
 
 }  // namespace

@@ -1,0 +1,166 @@
+#include <nlohmann/json.hpp>
+
+#include "solvers/exact/exact_lcp.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/json_lines.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+struct Entry {
+  Index row;
+  Index column;
+  Rational value;
+};
+
+// Of what ParseLcpRecord has found to be a number or "p/q".
+Rational ToRational(const Json& value) {
+  if (!value.is_string()) return Rational(value.get<double>());
+  std::string text = value.get<std::string>();
+  const auto parse = [](std::string digits) {
+    const bool negative = digits.front() == '-';
+    const auto first = digits.find_first_not_of("+-0");  // a leading 0 would mean octal
+    boost::multiprecision::mpz_int integer(first == std::string::npos ? "0" : digits.substr(first));
+    return negative ? boost::multiprecision::mpz_int(-integer) : integer;
+  };
+  const auto slash = text.find('/');
+  if (slash == std::string::npos) return Rational(parse(text));
+  return Rational(parse(text.substr(0, slash)), parse(text.substr(slash + 1)));
+}
+
+// The three forms of a matrix in a record.
+std::vector<Entry> Entries(const Json& matrix, Index columns) {
+  std::vector<Entry> entries;
+  if (matrix.is_object()) {
+    for (size_t k = 0; k < matrix["val"].size(); ++k) {
+      entries.push_back({matrix["row"][k].get<Index>(), matrix["col"][k].get<Index>(), ToRational(matrix["val"][k])});
+    }
+    return entries;
+  }
+  Index place = 0;
+  const auto add = [&](const Json& value) {
+    entries.push_back({place / columns, place % columns, ToRational(value)});
+    ++place;
+  };
+  for (const Json& row : matrix) {
+    if (!row.is_array()) {
+      add(row);
+      continue;
+    }
+    for (const Json& value : row) add(value);
+  }
+  return entries;
+}
+
+bool HasStrings(const Json& value) {
+  if (value.is_string()) return true;
+  if (!value.is_structured()) return false;
+  for (const Json& part : value) {
+    if (HasStrings(part)) return true;
+  }
+  return false;
+}
+
+// A = J M^-1 J^T, column by column of J.
+void Multiply(const std::vector<Entry>& J, const std::vector<Rational>& inverse_mass, ExactLcp* lcp) {
+  std::vector<std::vector<const Entry*>> columns(inverse_mass.size());
+  for (const Entry& entry : J) {
+    if (entry.value != 0) columns[At(entry.column)].push_back(&entry);
+  }
+  for (size_t k = 0; k < columns.size(); ++k) {
+    if (inverse_mass[k] == 0) continue;
+    for (const Entry* left : columns[k]) {
+      const Rational scaled = left->value * inverse_mass[k];
+      for (const Entry* right : columns[k]) {
+        lcp->A[At(left->row * lcp->size + right->row)] += scaled * right->value;
+      }
+    }
+  }
+}
+
+void RequireSymmetry(const ExactLcp& lcp) {
+  for (Index i = 0; i < lcp.size; ++i) {
+    for (Index j = 0; j < i; ++j) {
+      if (lcp.A[At(i * lcp.size + j)] == lcp.A[At(j * lcp.size + i)]) continue;
+      throw InputError(lcp.id + ": A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
+                       ") and (" + std::to_string(j) + ", " + std::to_string(i) +
+                       ") differ; expected a symmetric positive semidefinite matrix, or J and invM");
+    }
+  }
+}
+
+// A holds size^2 rationals, and solving takes hours long before it fills the memory.
+constexpr Index kMostRows = 4000;
+
+ExactLcp Frame(const LcpProblem& problem) {
+  if (problem.size() > kMostRows) {
+    throw InputError(problem.id() + ": expected at most " + std::to_string(kMostRows) +
+                     " rows for an exact answer, found " + std::to_string(problem.size()));
+  }
+  ExactLcp lcp;
+  lcp.id = problem.id();
+  lcp.size = problem.size();
+  lcp.A.resize(At(lcp.size * lcp.size));
+  lcp.b.resize(At(lcp.size));
+  lcp.bilateral.assign(At(lcp.size), 0);
+  for (const Index i : problem.bilateral_rows()) lcp.bilateral[At(i)] = 1;
+  lcp.has_factors = problem.has_factors();
+  return lcp;
+}
+
+}  // namespace
+
+ExactLcp ExactFrom(const LcpProblem& problem) {
+  ExactLcp lcp = Frame(problem);
+  for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = Rational(problem.b()[i]);
+  if (problem.has_factors()) {
+    std::vector<Entry> J;
+    for (Index i = 0; i < lcp.size; ++i) {
+      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) J.push_back({i, it.col(), Rational(it.value())});
+    }
+    std::vector<Rational> inverse_mass;
+    for (const double value : problem.inverse_mass()) inverse_mass.emplace_back(value);
+    Multiply(J, inverse_mass, &lcp);
+    return lcp;
+  }
+  if (problem.given_form() == MatrixForm::kDense) {
+    for (Index i = 0; i < lcp.size; ++i) {
+      for (Index j = 0; j < lcp.size; ++j) lcp.A[At(i * lcp.size + j)] = Rational(problem.DenseA()(i, j));
+    }
+  } else {
+    for (Index i = 0; i < lcp.size; ++i) {
+      for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+        lcp.A[At(i * lcp.size + it.col())] = Rational(it.value());
+      }
+    }
+  }
+  RequireSymmetry(lcp);
+  return lcp;
+}
+
+ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
+  const LcpRecord record = ParseLcpRecord(line, where);
+  const Json json = Json::parse(line);
+  const bool factors = record.problem.has_factors();
+  const Json& matrix = factors ? json["J"] : json["A"];
+  if (!HasStrings(matrix) && !HasStrings(json["b"]) && !(factors && HasStrings(json["invM"]))) {
+    return ExactFrom(record.problem);
+  }
+  ExactLcp lcp = Frame(record.problem);
+  for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = ToRational(json["b"][At(i)]);
+  if (factors) {
+    std::vector<Rational> inverse_mass;
+    for (const Json& value : json["invM"]) inverse_mass.push_back(ToRational(value));
+    Multiply(Entries(matrix, static_cast<Index>(inverse_mass.size())), inverse_mass, &lcp);
+    return lcp;
+  }
+  for (Entry& entry : Entries(matrix, lcp.size)) lcp.A[At(entry.row * lcp.size + entry.column)] += entry.value;
+  RequireSymmetry(lcp);
+  return lcp;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,324 @@
+#include "solvers/exact/exact_lcp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/exact/exact_pivoting.h"
+#include "solvers/exact/independent_rows.h"
+#include "solvers/exact/least_norm.h"
+#include "solvers/exact/lemke_guess.h"
+
+namespace lcpbench {
+namespace {
+
+using boost::multiprecision::mpz_int;
+
+// Forces of a guess up to this part of the largest, both in D^1/2 f, are zero.
+constexpr double kGuessedZero = 1e-12;
+// Exact solves from the first guess, before a better one is worth its time.
+constexpr std::int64_t kSolvesOfFirstGuess = 2;
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+mpz_int CommonDenominator(const std::vector<Rational>& values) {
+  mpz_int common = 1;
+  for (const Rational& value : values) common = lcm(common, denominator(value));
+  return common;
+}
+
+// values times `scale`, which makes integers of them.
+IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const mpz_int& scale) {
+  const Index columns = rows == 0 ? 1 : static_cast<Index>(values.size()) / rows;
+  IntegerMatrix scaled(rows, columns);
+  for (Index i = 0; i < rows; ++i) {
+    for (Index j = 0; j < columns; ++j) {
+      const Rational& value = values[At(i * columns + j)];
+      const mpz_int integer = numerator(value) * (scale / denominator(value));
+      fmpz_set_mpz(scaled.at(i, j), integer.backend().data());
+    }
+  }
+  return scaled;
+}
+
+std::vector<Index> AllRows(Index n) {
+  std::vector<Index> rows(At(n));
+  for (Index i = 0; i < n; ++i) rows[At(i)] = i;
+  return rows;
+}
+
+// One SolveExactly. A' = a A and b' = c b are integers; f = (a / c) f', w = w' / c.
+class ExactSolve {
+ public:
+  ExactSolve(const ExactLcp& problem, const ExactOptions& options)
+      : problem_(problem),
+        options_(options),
+        deadline_(Limits(options)),
+        a_(CommonDenominator(problem.A)),
+        c_(CommonDenominator(problem.b)),
+        A_(Scaled(problem.A, problem.size, a_)),
+        b_(Scaled(problem.b, problem.size, c_)) {}
+
+  ExactAnswer Run() {
+    const Index n = problem_.size;
+    if (!problem_.has_factors && (n > options_.most_rows_of_proofs || !IsPositiveSemidefinite(A_))) {
+      answer_.status = ExactAnswer::Status::kNotSemidefinite;
+      if (n > options_.most_rows_of_proofs) {
+        answer_.detail = "a matrix of more than " + std::to_string(options_.most_rows_of_proofs) +
+                         " rows is not proved to be positive semidefinite; J and invM would do";
+      }
+      return answer_;
+    }
+    FindRank();
+    std::vector<char> start(At(n), 0);
+    std::vector<char> support(At(n), 0);
+    Guess(&start, &support);
+    ExactPivoting pivoting(A_, b_, problem_.bilateral);
+    const ExactPivoting::End end = Pivot(start, support, &pivoting);
+    answer_.pivots = pivoting.solves();
+    switch (end) {
+      case ExactPivoting::End::kSolved:
+        answer_.status = ExactAnswer::Status::kSolved;
+        Describe(pivoting);
+        break;
+      case ExactPivoting::End::kRay:
+        answer_.status = ExactAnswer::Status::kInfeasible;
+        SetRay(pivoting.ray());
+        break;
+      case ExactPivoting::End::kNotSemidefinite:
+        answer_.status = ExactAnswer::Status::kNotSemidefinite;
+        break;
+      case ExactPivoting::End::kTimeLimit:
+      case ExactPivoting::End::kSolveLimit:
+        answer_.detail = "out of time after " + std::to_string(answer_.pivots) + " exact solves";
+        break;
+    }
+    return answer_;
+  }
+
+ private:
+  static LcpOptions Limits(const ExactOptions& options) {
+    LcpOptions limits;
+    limits.time_limit_s = options.time_limit_s;
+    return limits;
+  }
+
+  // From the guess in doubles; where that is not right almost at once, from one in more digits.
+  ExactPivoting::End Pivot(const std::vector<char>& start, const std::vector<char>& support, ExactPivoting* pivoting) {
+    const auto any = [](const std::vector<char>& marks) {
+      return std::find(marks.begin(), marks.end(), 1) != marks.end();
+    };
+    if (any(support) && pivoting->TryRay(support)) return ExactPivoting::End::kRay;
+    const ExactPivoting::End end = pivoting->Run(start, deadline_, kSolvesOfFirstGuess);
+    if (end != ExactPivoting::End::kSolveLimit) return end;
+    std::vector<Index> joints;
+    for (const Index i : AllRows(problem_.size)) {
+      if (problem_.bilateral[At(i)] != 0) joints.push_back(i);
+    }
+    const std::optional<LemkeGuess> guess = GuessByLemke(A_, b_, problem_.bilateral, IndependentRows(A_, joints));
+    if (!guess.has_value()) return pivoting->Run(start, deadline_);
+    if (any(guess->support) && pivoting->TryRay(guess->support)) return ExactPivoting::End::kRay;
+    return pivoting->Run(guess->active, deadline_);
+  }
+
+  // The other rows are proved to depend on these by Schur complements of 0.
+  void FindRank() {
+    const Index n = problem_.size;
+    const std::vector<Index> independent = IndependentRows(A_, AllRows(n));
+    answer_.rank = static_cast<Index>(independent.size());
+    answer_.rank_is_proved = n <= options_.most_rows_of_proofs || answer_.rank == n;
+    if (!answer_.rank_is_proved) return;
+    std::vector<Index> others;
+    for (const Index i : AllRows(n)) {
+      if (!std::binary_search(independent.begin(), independent.end(), i)) others.push_back(i);
+    }
+    answer_.rank_is_proved = AllDepend(A_, independent, others);
+  }
+
+  void Guess(std::vector<char>* start, std::vector<char>* support) const {
+    if (!options_.guess) return;
+    const Index n = problem_.size;
+    Eigen::MatrixXd A(n, n);
+    Eigen::VectorXd b(n);
+    std::vector<Index> bilateral;
+    for (Index i = 0; i < n; ++i) {
+      b[i] = problem_.b[At(i)].convert_to<double>();
+      for (Index j = 0; j < n; ++j) A(i, j) = problem_.A[At(i * n + j)].convert_to<double>();
+      if (problem_.bilateral[At(i)] != 0) bilateral.push_back(i);
+    }
+    if (!A.allFinite() || !b.allFinite()) return;
+    const ExactGuess guess =
+        options_.guess(LcpProblem::FromDense(problem_.id, A, b, RowBounds::WithBilateralRows(n, bilateral)));
+    const auto mark = [&](const Eigen::VectorXd& values, std::vector<char>* marks) {
+      if (values.size() != n || !values.allFinite()) return;
+      double largest = 0;
+      for (Index i = 0; i < n; ++i) largest = std::max(largest, std::sqrt(A(i, i)) * std::abs(values[i]));
+      for (Index i = 0; i < n; ++i) {
+        (*marks)[At(i)] = std::sqrt(A(i, i)) * std::abs(values[i]) > kGuessedZero * largest ? 1 : 0;
+      }
+    };
+    mark(guess.f, start);
+    mark(guess.ray, support);
+  }
+
+  void SetRay(std::vector<Rational> y) {
+    Rational b_dot_y = 0;
+    for (Index i = 0; i < problem_.size; ++i) b_dot_y += problem_.b[At(i)] * y[At(i)];
+    for (Rational& value : y) value /= -b_dot_y;
+    answer_.ray = std::move(y);
+  }
+
+  void Describe(const ExactPivoting& pivoting) {
+    const Index n = problem_.size;
+    const Rational force_unit(a_, c_);
+    answer_.f.resize(At(n));
+    answer_.w.resize(At(n));
+    std::vector<Index> active;
+    for (Index i = 0; i < n; ++i) {
+      answer_.f[At(i)] = ToRational(pivoting.f().at(i, 0), pivoting.denominator().get()) * force_unit;
+      answer_.w[At(i)] = ToRational(pivoting.w().at(i, 0), pivoting.denominator().get()) / c_;
+      if (answer_.w[At(i)] == 0) active.push_back(i);
+    }
+    SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}, 0};
+    for (const Index i : active) {
+      set.bilateral.push_back(problem_.bilateral[At(i)]);
+      set.f.push_back(answer_.f[At(i)] / force_unit);
+    }
+    const auto rows = static_cast<Index>(active.size());
+    set.nullity = rows - static_cast<Index>(IndependentRows(set.A, AllRows(rows)).size());
+    answer_.nullity_on_active = set.nullity;
+    std::optional<LeastNorm> least;
+    if (set.nullity == 0) {
+      answer_.f_least_norm = answer_.f;
+      answer_.f_unique = true;
+    } else {
+      least = FindLeastNorm(set, GuessPositive(set));
+      if (!least.has_value() && rows <= options_.most_rows_of_proofs) least = ProjectOnSet(set);
+      if (!least.has_value()) {
+        answer_.detail = "the active set of the least-norm f did not settle";
+        return;
+      }
+      answer_.f_least_norm.assign(At(n), 0);
+      answer_.multipliers.assign(At(n), 0);
+      for (size_t k = 0; k < active.size(); ++k) {
+        answer_.f_least_norm[At(active[k])] = least->f[k] * force_unit;
+        // f - A l >= 0 in the problem's own units: A' l' = a A l', so that l = (a^2 / c) l'.
+        answer_.multipliers[At(active[k])] = least->multipliers[k] * force_unit * a_;
+      }
+      if (answer_.f_least_norm != answer_.f) {
+        answer_.f_unique = false;
+      } else if (rows <= options_.most_rows_of_proofs) {
+        answer_.f_unique = IsOnlySolution(set, least->f);
+      } else {
+        answer_.detail =
+            "uniqueness of f is decided up to " + std::to_string(options_.most_rows_of_proofs) + " active rows";
+      }
+    }
+    for (const Index i : active) {
+      if (problem_.bilateral[At(i)] == 0 && answer_.f_least_norm[At(i)] == 0) answer_.degenerate.push_back(i);
+    }
+  }
+
+  const ExactLcp& problem_;
+  const ExactOptions& options_;
+  Deadline deadline_;
+  mpz_int a_, c_;
+  IntegerMatrix A_, b_;
+  ExactAnswer answer_;
+};
+
+// A x in common denominators: sums of rationals would reduce every one of them.
+std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rational>& x) {
+  const Index n = problem.size;
+  const mpz_int a = CommonDenominator(problem.A);
+  const mpz_int d = CommonDenominator(x);
+  std::vector<mpz_int> scaled(At(n));
+  for (Index j = 0; j < n; ++j) scaled[At(j)] = numerator(x[At(j)]) * (d / denominator(x[At(j)]));
+  std::vector<Rational> product(At(n));
+  const mpz_int unit = a * d;
+  for (Index i = 0; i < n; ++i) {
+    mpz_int sum = 0;
+    for (Index j = 0; j < n; ++j) {
+      const Rational& entry = problem.A[At(i * n + j)];
+      if (entry == 0 || scaled[At(j)] == 0) continue;
+      sum += numerator(entry) * (a / denominator(entry)) * scaled[At(j)];
+    }
+    product[At(i)] = Rational(sum, unit);
+  }
+  return product;
+}
+
+std::string Row(const char* what, Index i) { return what + std::string(" at row ") + std::to_string(i); }
+
+std::string FaultOfForces(const ExactLcp& problem, const std::vector<Rational>& f, const std::vector<Rational>& w) {
+  if (f.size() != At(problem.size) || w.size() != At(problem.size)) return "f or w has another size than the problem";
+  const std::vector<Rational> product = Product(problem, f);
+  for (Index i = 0; i < problem.size; ++i) {
+    if (product[At(i)] + problem.b[At(i)] != w[At(i)]) return Row("w is not A f + b", i);
+    if (problem.bilateral[At(i)] != 0) {
+      if (w[At(i)] != 0) return Row("w is not 0", i);
+      continue;
+    }
+    if (w[At(i)] < 0) return Row("w < 0", i);
+    if (f[At(i)] < 0) return Row("f < 0", i);
+    if (w[At(i)] != 0 && f[At(i)] != 0) return Row("f w is not 0", i);
+  }
+  return {};
+}
+
+std::string FaultOfRay(const ExactLcp& problem, const std::vector<Rational>& y) {
+  if (y.size() != At(problem.size)) return "the ray has another size than the problem";
+  Rational b_dot_y = 0;
+  const std::vector<Rational> product = Product(problem, y);
+  for (Index i = 0; i < problem.size; ++i) {
+    if (product[At(i)] != 0) return Row("A y is not 0", i);
+    if (problem.bilateral[At(i)] == 0 && y[At(i)] < 0) return Row("y < 0", i);
+    b_dot_y += problem.b[At(i)] * y[At(i)];
+  }
+  return b_dot_y == -1 ? "" : "b.y is not -1";
+}
+
+}  // namespace
+
+const char* ToString(ExactAnswer::Status status) {
+  switch (status) {
+    case ExactAnswer::Status::kSolved:
+      return "solved";
+    case ExactAnswer::Status::kInfeasible:
+      return "infeasible";
+    case ExactAnswer::Status::kNotSemidefinite:
+      return "not positive semidefinite";
+    case ExactAnswer::Status::kTimeLimit:
+      return "time limit";
+  }
+  return "";
+}
+
+ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options) {
+  return ExactSolve(problem, options).Run();
+}
+
+std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer) {
+  if (answer.status == ExactAnswer::Status::kInfeasible) return FaultOfRay(problem, answer.ray);
+  if (answer.status != ExactAnswer::Status::kSolved) return {};
+  std::string fault = FaultOfForces(problem, answer.f, answer.w);
+  if (!fault.empty() || answer.f_least_norm.empty()) return fault;
+  if (answer.nullity_on_active == 0) return answer.f_least_norm == answer.f ? "" : "f is unique, and there are two";
+  fault = FaultOfForces(problem, answer.f_least_norm, answer.w);
+  if (!fault.empty()) return "of least norm: " + fault;
+  if (answer.multipliers.size() != answer.f.size()) return "no multipliers";
+  const std::vector<Rational> product = Product(problem, answer.multipliers);
+  for (Index i = 0; i < problem.size; ++i) {
+    const Rational& f = answer.f_least_norm[At(i)];
+    if (answer.w[At(i)] != 0) {
+      if (answer.multipliers[At(i)] != 0) return Row("a multiplier where w > 0", i);
+      continue;
+    }
+    const Rational slack = f - product[At(i)];
+    const bool holds = problem.bilateral[At(i)] != 0 || f != 0 ? slack == 0 : slack >= 0;
+    if (!holds) return Row("f is not of least norm", i);
+  }
+  return {};
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <boost/multiprecision/gmp.hpp>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// Rationals of any size, always reduced. Doubles are the exact rationals that they are.
+using Rational = boost::multiprecision::mpq_rational;
+
+/// w = A f + b, w >= 0, f >= 0, f.w = 0, on bilateral rows w = 0 and f free; in exact numbers.
+struct ExactLcp {
+  std::string id;
+  Index size = 0;
+  std::vector<Rational> A;  ///< size x size by rows, symmetric
+  std::vector<Rational> b;
+  std::vector<char> bilateral;
+  bool has_factors = false;  ///< A = J M^-1 J^T with M >= 0, hence positive semidefinite
+};
+
+/// The problem as its doubles say it, the product J M^-1 J^T without rounding.  O(size^2 entries of a row)
+/// @throws InputError where A is not symmetric
+ExactLcp ExactFrom(const LcpProblem& problem);
+
+/// A record as ParseLcpRecord reads it, where "p/q" stays what it is.
+/// @throws InputError naming `where`, the field, what was expected and what was found
+ExactLcp ParseExactLcp(std::string_view line, const std::string& where);
+
+/// An answer, exact in every number.
+struct ExactAnswer {
+  enum class Status {
+    kSolved,
+    kInfeasible,
+    kNotSemidefinite,  ///< A is not PSD, and nothing is promised
+    kTimeLimit,
+  };
+  Status status = Status::kTimeLimit;
+
+  std::vector<Rational> w;  ///< of a solved problem: unique, as A is PSD
+  std::vector<Rational> f;  ///< a solution whose active rows are independent
+  /// The solution of least Euclidean norm, and whether it is the only one; empty where `detail` says why.
+  std::vector<Rational> f_least_norm;
+  /// l with f_least_norm - A l >= 0 on unilateral rows with w = 0, = 0 there where f > 0 and on bilateral rows; l = 0
+  /// where w > 0: the proof of least norm (its Lagrange multipliers).
+  std::vector<Rational> multipliers;
+  std::optional<bool> f_unique;
+  Index nullity_on_active = 0;    ///< of A on the rows with w = 0
+  std::vector<Index> degenerate;  ///< unilateral rows with w = 0 and least-norm f = 0
+
+  /// Of an infeasible problem: y >= 0 on unilateral rows, A y = 0, b.y = -1. [Farkas]
+  std::vector<Rational> ray;
+
+  Index rank = 0;  ///< of A
+  /// Ranks and nullities are proved; else each is right but with a probability below 2^-50 (two random primes).
+  bool rank_is_proved = false;
+  std::int64_t pivots = 0;  ///< exact solves with a basis
+  std::string detail;
+};
+const char* ToString(ExactAnswer::Status status);
+
+/// What is known in doubles: forces, or a ray of an infeasible problem; either may be empty.
+struct ExactGuess {
+  Eigen::VectorXd f;
+  Eigen::VectorXd ray;
+};
+
+struct ExactOptions {
+  double time_limit_s = 3600;
+  /// Ranks are proved up to this many rows; uniqueness of f, where it takes a program of its own, likewise.
+  Index most_rows_of_proofs = 120;
+  /// A solution in doubles of a problem, by any solver: where the exact method starts. What it returns is trusted in
+  /// nothing. None: it starts from f = 0.
+  std::function<ExactGuess(const LcpProblem& problem)> guess;
+};
+
+/// Solves for a symmetric positive semidefinite A, by exact pivots from the active set of the guess, or from one that
+/// Lemke's method finds in 60 digits where that is not right almost at once (redundant rows): blocks of all
+/// violated rows while their number falls, then the criss-cross method with least indices, which ends from any basis
+/// for sufficient matrices, PSD ones among them [den Hertog, Roos, Terlaky, The linear complementarity problem,
+/// sufficient matrices, and the criss-cross method, Linear Algebra Appl. 187, 1993]. Systems are solved by p-adic
+/// lifting [Dixon 1982, by FLINT]: O(n^3) word operations and O(n^2) of the length of the answer, some hundred bits a
+/// row.
+ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options);
+
+/// Checks an answer in exact arithmetic from the definitions alone: equations, signs, complementarity, the conditions
+/// of a ray, and of the least-norm f that it solves. Empty: nothing to object, else what is wrong.
+std::string FindFault(const ExactLcp& problem, const ExactAnswer& answer);
+
+}  // namespace lcpbench
