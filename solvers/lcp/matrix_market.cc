@@ -1,0 +1,349 @@
+#include "solvers/lcp/matrix_market.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string_view>
+#include <utility>
+
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::string_view kSpace = " \t\r";
+
+// Lines of a file, with numbers, and their words.
+class Lines {
+ public:
+  Lines(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
+
+  bool Next() {
+    if (!std::getline(input_, line_)) return false;
+    ++number_;
+    rest_ = line_;
+    return true;
+  }
+  // The next line that is neither blank nor a comment.
+  bool NextData() {
+    while (Next()) {
+      const auto first = line_.find_first_not_of(kSpace);
+      if (first != std::string::npos && line_[first] != '%') return true;
+    }
+    return false;
+  }
+  std::string_view Word() {
+    const auto begin = std::min(rest_.find_first_not_of(kSpace), rest_.size());
+    const auto end = std::min(rest_.find_first_of(kSpace, begin), rest_.size());
+    const std::string_view word = rest_.substr(begin, end - begin);
+    rest_ = rest_.substr(end);
+    return word;
+  }
+  [[noreturn]] void Reject(const std::string& expected, std::string_view found) const {
+    constexpr size_t kLongest = 40;
+    std::string text(found.substr(0, kLongest));
+    for (char& c : text) {
+      if (c < ' ' || c > '~') c = '?';
+    }
+    if (found.size() > kLongest) text += "...";
+    throw InputError(name_ + ":" + std::to_string(number_) + ": expected " + expected + ", found " +
+                     (found.empty() ? "nothing" : "'" + text + "'"));
+  }
+  [[noreturn]] void RejectEnd(const std::string& expected) const {
+    throw InputError(name_ + ":" + std::to_string(number_) + ": expected " + expected + ", found the end of the file");
+  }
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
+    const std::string_view word = Word();
+    std::int64_t value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || value < least || value > most) {
+      Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
+    }
+    return value;
+  }
+  double Number() {
+    const std::string_view word = Word();
+    const std::string_view digits = !word.empty() && word.front() == '+' ? word.substr(1) : word;
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || digits.empty() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+      Reject("a finite number", word);
+    }
+    return value;
+  }
+  void EndOfLine() {
+    const std::string_view word = Word();
+    if (!word.empty()) Reject("the end of the line", word);
+  }
+  void EndOfFile(std::int64_t entries) {
+    if (NextData()) Reject("the end of the file after " + std::to_string(entries) + " entries", line_);
+  }
+
+ private:
+  std::istream& input_;
+  std::string name_;
+  std::string line_;
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+std::string Lower(std::string_view word) {
+  std::string lower(word);
+  for (char& c : lower) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return lower;
+}
+
+struct Header {
+  bool is_array = false;
+  bool is_symmetric = false;
+};
+
+Header ReadHeader(Lines* lines) {
+  if (!lines->Next()) lines->RejectEnd("'%%MatrixMarket matrix ...'");
+  const auto require = [lines](std::initializer_list<std::string_view> allowed) {
+    const std::string_view word = lines->Word();
+    const std::string lower = Lower(word);
+    std::string names;
+    for (const std::string_view name : allowed) {
+      if (lower == Lower(name)) return lower;
+      names += (names.empty() ? "'" : " or '") + std::string(name) + "'";
+    }
+    lines->Reject(names, word);
+  };
+  require({"%%MatrixMarket"});
+  require({"matrix"});
+  Header header;
+  header.is_array = require({"coordinate", "array"}) == "array";
+  require({"real", "integer"});
+  header.is_symmetric = require({"general", "symmetric"}) == "symmetric";
+  lines->EndOfLine();
+  return header;
+}
+
+void ReadCoordinates(Lines* lines, std::int64_t count, MarketMatrix* matrix) {
+  for (std::int64_t k = 0; k < count; ++k) {
+    if (!lines->NextData()) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
+    const auto i = static_cast<int>(lines->Integer(1, matrix->rows, "a row") - 1);
+    const auto j = static_cast<int>(lines->Integer(1, matrix->columns, "a column") - 1);
+    if (matrix->is_symmetric && i < j) {
+      lines->Reject("a row from the diagonal of a symmetric matrix down", std::to_string(i + 1));
+    }
+    const double value = lines->Number();
+    lines->EndOfLine();
+    matrix->entries.emplace_back(i, j, value);
+    if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(j, i, value);
+  }
+  lines->EndOfFile(count);
+}
+
+void ReadArray(Lines* lines, MarketMatrix* matrix) {
+  const std::int64_t count =
+      matrix->is_symmetric ? matrix->rows * (matrix->rows + 1) / 2 : matrix->rows * matrix->columns;
+  std::int64_t read = 0;
+  for (Index j = 0; j < matrix->columns; ++j) {
+    for (Index i = matrix->is_symmetric ? j : 0; i < matrix->rows; ++i, ++read) {
+      if (!lines->NextData()) lines->RejectEnd("entry " + std::to_string(read + 1) + " of " + std::to_string(count));
+      const double value = lines->Number();
+      lines->EndOfLine();
+      matrix->entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+      if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(static_cast<int>(j), static_cast<int>(i), value);
+    }
+  }
+  lines->EndOfFile(count);
+}
+
+void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
+  std::vector<std::pair<int, int>> places;
+  places.reserve(matrix.entries.size());
+  for (const auto& entry : matrix.entries) places.emplace_back(entry.row(), entry.col());
+  std::sort(places.begin(), places.end());
+  const auto twice = std::adjacent_find(places.begin(), places.end());
+  if (twice == places.end()) return;
+  throw InputError(name + ": expected every entry once, found (" + std::to_string(twice->first + 1) + ", " +
+                   std::to_string(twice->second + 1) + ") twice");
+}
+
+std::string Digits(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+bool IsSymmetric(const SparseMatrix& matrix) {
+  if (matrix.rows() != matrix.cols()) return false;
+  const SparseMatrix transposed = matrix.transpose();
+  if (transposed.nonZeros() != matrix.nonZeros()) return false;
+  const auto equal = [](const auto* a, const auto* b, Index n) { return std::equal(a, a + n, b); };
+  return equal(matrix.outerIndexPtr(), transposed.outerIndexPtr(), matrix.rows() + 1) &&
+         equal(matrix.innerIndexPtr(), transposed.innerIndexPtr(), matrix.nonZeros()) &&
+         equal(matrix.valuePtr(), transposed.valuePtr(), matrix.nonZeros());
+}
+
+// dir/name.mtx -> dir/name_part.mtx
+std::filesystem::path PartOf(const std::filesystem::path& path, const char* part) {
+  return path.parent_path() / (path.stem().string() + part + ".mtx");
+}
+
+std::optional<MarketMatrix> ReadPart(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return std::nullopt;
+  std::ifstream file(path);
+  if (!file) throw InputError(path.string() + ": cannot be opened");
+  return ReadMarketMatrix(file, path.string());
+}
+
+void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const std::filesystem::path& path) {
+  if (matrix.rows == rows && matrix.columns == columns) return;
+  throw InputError(path.string() + ": expected " + std::to_string(rows) + " x " + std::to_string(columns) +
+                   " entries, found " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
+}
+
+template <typename Write>
+void WritePart(const std::filesystem::path& path, bool wanted, const Write& write) {
+  if (!wanted) {
+    std::error_code ignored;
+    std::filesystem::remove(path, ignored);
+    return;
+  }
+  std::ofstream file(path);
+  if (file) write(file);
+  file.close();
+  if (!file) throw InputError(path.string() + ": cannot be written");
+}
+
+}  // namespace
+
+SparseMatrix MarketMatrix::ToSparse() const {
+  SparseMatrix matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+Eigen::VectorXd MarketMatrix::ToVector(const std::string& where) const {
+  if (columns != 1 && rows != 1) {
+    throw InputError(where + ": expected one column, found " + std::to_string(rows) + " x " + std::to_string(columns) +
+                     " entries");
+  }
+  // A vector by coordinates may promise more zeros than the file holds entries.
+  constexpr Index kMostByCoordinates = 10'000'000;
+  const Index length = rows * columns;
+  if (!is_array && length > kMostByCoordinates) {
+    throw InputError(where + ": expected an array for a vector of " + std::to_string(length) +
+                     " entries, found coordinates");
+  }
+  Eigen::VectorXd vector = Eigen::VectorXd::Zero(length);
+  for (const auto& entry : entries) vector[std::max(entry.row(), entry.col())] = entry.value();
+  return vector;
+}
+
+MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
+  Lines lines(input, name);
+  const Header header = ReadHeader(&lines);
+  MarketMatrix matrix;
+  matrix.is_array = header.is_array;
+  matrix.is_symmetric = header.is_symmetric;
+  if (!lines.NextData()) lines.RejectEnd("a line with the size");
+  constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
+  matrix.rows = lines.Integer(0, kMost, "a number of rows");
+  matrix.columns = lines.Integer(0, kMost, "a number of columns");
+  if (matrix.is_symmetric && matrix.rows != matrix.columns) {
+    lines.Reject("a square symmetric matrix", std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
+  }
+  if (matrix.is_array) {
+    lines.EndOfLine();
+    ReadArray(&lines, &matrix);
+    return matrix;
+  }
+  const std::int64_t count = lines.Integer(0, kMost, "a number of entries");
+  lines.EndOfLine();
+  ReadCoordinates(&lines, count, &matrix);
+  RequireNoneTwice(matrix, name);
+  return matrix;
+}
+
+void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output) {
+  const bool symmetric = IsSymmetric(matrix);
+  const auto wanted = [symmetric](Index i, Index j) { return !symmetric || i >= j; };
+  Index count = 0;
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) count += wanted(i, it.col()) ? 1 : 0;
+  }
+  output << "%%MatrixMarket matrix coordinate real " << (symmetric ? "symmetric" : "general") << '\n'
+         << matrix.rows() << ' ' << matrix.cols() << ' ' << count << '\n';
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
+      if (wanted(i, it.col())) output << i + 1 << ' ' << it.col() + 1 << ' ' << Digits(it.value()) << '\n';
+    }
+  }
+}
+
+void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output) {
+  output << "%%MatrixMarket matrix array real general\n" << vector.size() << " 1\n";
+  for (const double value : vector) output << Digits(value) << '\n';
+}
+
+MarketProblem ReadMarketProblem(const std::string& path) {
+  const std::filesystem::path file(path);
+  const std::string id = file.stem().string();
+  const std::filesystem::path b_path = PartOf(file, "_b");
+  const std::optional<MarketMatrix> b_file = ReadPart(b_path);
+  if (!b_file.has_value()) throw InputError(b_path.string() + ": cannot be opened; expected the vector b");
+  Eigen::VectorXd b = b_file->ToVector(b_path.string());
+  const Index n = b.size();
+
+  std::vector<Index> bilateral;
+  if (const auto rows = ReadPart(PartOf(file, "_bilateral"))) {
+    const std::string name = PartOf(file, "_bilateral").string();
+    for (const double value : rows->ToVector(name)) {
+      if (!(value >= 1 && value <= static_cast<double>(n) && value == std::floor(value))) {
+        throw InputError(name + ": expected row numbers from 1 to " + std::to_string(n) + ", found " + Digits(value));
+      }
+      bilateral.push_back(static_cast<Index>(value) - 1);
+    }
+  }
+  std::optional<Eigen::VectorXd> x;
+  if (const auto known = ReadPart(PartOf(file, "_x"))) {
+    x = known->ToVector(PartOf(file, "_x").string());
+    if (x->size() != n) RequireShape(*known, n, 1, PartOf(file, "_x"));
+  }
+  RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
+  const auto J = ReadPart(PartOf(file, "_J"));
+  const auto inverse_mass = ReadPart(PartOf(file, "_invM"));
+  if (J.has_value() != inverse_mass.has_value()) {
+    throw InputError(PartOf(file, J.has_value() ? "_invM" : "_J").string() +
+                     ": cannot be opened; expected both factors, or none");
+  }
+  if (J.has_value()) {
+    Eigen::VectorXd masses = inverse_mass->ToVector(PartOf(file, "_invM").string());
+    RequireShape(*J, n, masses.size(), PartOf(file, "_J"));
+    return {LcpProblem::FromFactors(id, J->ToSparse(), std::move(masses), std::move(b), std::move(bounds)),
+            std::move(x)};
+  }
+  const auto A = ReadPart(file);
+  if (!A.has_value()) throw InputError(path + ": cannot be opened; expected the matrix A, or its factors");
+  RequireShape(*A, n, n, file);
+  return {LcpProblem::FromSparse(id, A->ToSparse(), std::move(b), std::move(bounds)), std::move(x)};
+}
+
+void WriteMarketProblem(const LcpProblem& problem, const std::string& path) {
+  const std::filesystem::path file(path);
+  WritePart(file, true, [&](std::ostream& out) { WriteMarketMatrix(problem.SparseA(), out); });
+  WritePart(PartOf(file, "_b"), true, [&](std::ostream& out) { WriteMarketVector(problem.b(), out); });
+  const bool factors = problem.has_factors();
+  WritePart(PartOf(file, "_J"), factors, [&](std::ostream& out) { WriteMarketMatrix(problem.J(), out); });
+  WritePart(PartOf(file, "_invM"), factors, [&](std::ostream& out) { WriteMarketVector(problem.inverse_mass(), out); });
+  const std::vector<Index>& bilateral = problem.bilateral_rows();
+  WritePart(PartOf(file, "_bilateral"), !bilateral.empty(), [&](std::ostream& out) {
+    Eigen::VectorXd rows(static_cast<Index>(bilateral.size()));
+    for (Index k = 0; k < rows.size(); ++k) rows[k] = static_cast<double>(bilateral[static_cast<size_t>(k)] + 1);
+    WriteMarketVector(rows, out);
+  });
+  WritePart(PartOf(file, "_x"), false, [](std::ostream&) {});
+}
+
+}  // namespace lcpbench

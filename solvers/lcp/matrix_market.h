@@ -1,0 +1,56 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <istream>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// A real matrix as a Matrix Market file holds it. [Boisvert, Pozo, Remington, The Matrix Market exchange formats, NIST
+/// report 5935, 1996]
+struct MarketMatrix {
+  Index rows = 0;
+  Index columns = 0;
+  bool is_array = false;      ///< every entry is given, else coordinates; zeros that are given stay entries
+  bool is_symmetric = false;  ///< the file has the lower triangle; `entries` has both
+  std::vector<Eigen::Triplet<double, int>> entries;  ///< of an array in the order of the file: by columns
+
+  SparseMatrix ToSparse() const;
+  /// Of one column, or one row. @throws InputError with `where` for another shape
+  Eigen::VectorXd ToVector(const std::string& where) const;
+};
+
+/// Reads `matrix coordinate|array real|integer general|symmetric`. Memory is in proportion to what the file holds,
+/// whatever its header promises.
+/// @param name  of the file, for error texts
+/// @throws InputError naming file, line, what was expected and what was found: another header, a size that is negative
+/// or too large, indices outside, an entry given twice or above the diagonal of a symmetric matrix, what is no finite
+/// number, too few entries or too many
+MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name);
+
+/// Numbers of 17 significant digits, so that reading gives the same bits. Symmetric where the matrix is, bit for bit.
+void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output);
+void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output);
+
+struct MarketProblem {
+  LcpProblem problem;
+  std::optional<Eigen::VectorXd> x;  ///< f as the files know it; judged by nobody
+};
+
+/// A problem in files named as those of the SuiteSparse collection: `name.mtx` holds A, `name_b.mtx` b, and where they
+/// are there `name_x.mtx` a known f, `name_J.mtx` and `name_invM.mtx` the factors, which win over A, and
+/// `name_bilateral.mtx` the numbers of bilateral rows, from 1.
+/// @param path  of name.mtx, which may be absent where the factors are there
+/// @throws InputError as ReadMarketMatrix, and where the files do not fit each other
+MarketProblem ReadMarketProblem(const std::string& path);
+
+/// Writes all files but name_x.mtx; J, invM and bilateral rows where the problem has them, and removes what an earlier
+/// problem of this name left. @throws InputError where one cannot be written
+void WriteMarketProblem(const LcpProblem& problem, const std::string& path);
+
+}  // namespace lcpbench
