@@ -14,6 +14,8 @@ GOAL_RESULTS ?= build/results/goals
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
+FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
+                -artifact_prefix=build/fuzz/ -print_final_stats=1
 
 .PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark large-benchmark check format fuzz install clean
 
@@ -28,7 +30,7 @@ help:
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
-	@echo "make fuzz     feed the scene reader mutated scene files for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
+	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
 	@echo "make clean    remove build/"
 	@echo "PRESET=release|debug|asan|tsan chooses the build (now: $(PRESET))"
@@ -82,10 +84,13 @@ fuzz: deps
 	@command -v clang++ > /dev/null || { echo "make fuzz needs clang and libclang-rt-14-dev (apt-get install)"; exit 2; }
 	@cmake --preset fuzz > build/configure-fuzz.log 2>&1 || { cat build/configure-fuzz.log; exit 1; }
 	@cmake --build --preset fuzz -j $(JOBS)
-	@mkdir -p $(FUZZ_CORPUS)
-	@build/fuzz/tests/fuzz/scene_reader_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 \
-	  -dict=tests/fuzz/scene.dict -artifact_prefix=build/fuzz/ -print_final_stats=1 \
+	@mkdir -p $(FUZZ_CORPUS) $(FUZZ_CORPUS)-json_lines $(FUZZ_CORPUS)-matrix_market
+	@build/fuzz/tests/fuzz/scene_reader_fuzzer $(FUZZ_FLAGS) -dict=tests/fuzz/scene.dict \
 	  $(FUZZ_CORPUS) data/scenes tests/fuzz/corpus
+	@for format in json_lines matrix_market; do \
+	  build/fuzz/tests/fuzz/$${format}_fuzzer $(FUZZ_FLAGS) \
+	    $(FUZZ_CORPUS)-$$format tests/fuzz/$${format}_corpus || exit 1; \
+	done
 
 install: build
 	@cmake --install $(BUILD) $(if $(PREFIX),--prefix $(PREFIX))

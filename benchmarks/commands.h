@@ -14,6 +14,7 @@ void AddGenerateCommand(CLI::App& app, CommandRun& run);
 void AddSceneCommand(CLI::App& app, CommandRun& run);
 void AddSolveCommand(CLI::App& app, CommandRun& run);
 void AddCertifyCommand(CLI::App& app, CommandRun& run);
+void AddConvertCommand(CLI::App& app, CommandRun& run);
 void AddAssembleCommand(CLI::App& app, CommandRun& run);
 void AddReplayCommand(CLI::App& app, CommandRun& run);
 void AddRunCommand(CLI::App& app, CommandRun& run);

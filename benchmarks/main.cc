@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   AddSceneCommand(app, run);
   AddSolveCommand(app, run);
   AddCertifyCommand(app, run);
+  AddConvertCommand(app, run);
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);
   AddRunCommand(app, run);

@@ -45,7 +45,8 @@ class Command : public CommandTest {
 constexpr char kProblem[] = R"({"id":"p","A":[[2,1],[1,2]],"b":[-5,-4]})";
 
 TEST_F(Command, HelpIsEverywhere) {
-  for (const char* sub : {"", "list", "list solvers", "generate", "solve", "certify", "assemble", "run", "report"}) {
+  for (const char* sub :
+       {"", "list", "list solvers", "generate", "solve", "certify", "convert", "assemble", "run", "report"}) {
     const Outcome outcome = Run(std::string(sub) + " --help");
     EXPECT_EQ(outcome.status, 0) << sub;
     EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << sub;
@@ -220,6 +221,27 @@ TEST_F(Command, CertifyNamesWhatItCannotTake) {
                                            "\n");
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(nlohmann::json::parse(outcome.out)["certified"], false);
+}
+
+TEST_F(Command, ConvertGoesToMatrixMarketAndBackBitForBit) {
+  const fs::path folder = fs::path(testing::TempDir()) / "lcpbench-convert";
+  fs::remove_all(folder);
+  fs::create_directories(folder / "many");
+  const std::string problem = Run("generate chain-of-links --size 30 --seed 2").out;
+  const std::string path = (folder / "chain.mtx").string();
+  EXPECT_EQ(Run("convert - -o " + path, problem).status, 0);
+  const nlohmann::json given = nlohmann::json::parse(problem);
+  nlohmann::json back = nlohmann::json::parse(Run("convert " + path).out);
+  EXPECT_EQ(back["id"], "chain");
+  for (const char* field : {"n", "J", "invM", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
+  const std::string other = Run("generate rockers --size 10 --seed 1").out;
+  EXPECT_EQ(Run("convert - -o " + (folder / "many").string(), problem + other).status, 0);
+  const std::string name = nlohmann::json::parse(other)["id"].get<std::string>();
+  EXPECT_TRUE(fs::exists(folder / "many" / (name + "_b.mtx")));
+  ExpectMisuse("convert - -o " + path, "chain.mtx: expected one problem", problem + other);
+  ExpectMisuse("convert " + (folder / "none.mtx").string(), "none_b.mtx: cannot be opened");
+  ExpectMisuse("convert - -o /nowhere/x.jsonl", "/nowhere/x.jsonl", problem);
+  fs::remove_all(folder);
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+
+namespace lcpbench {
+
+// What holds for any bytes that are given to a reader of problems. Empty, or the law that is broken. An exception that
+// is no InputError passes through.
+
+/// Either a problem that is written and read back bit for bit, or an InputError of one line that begins with the place.
+std::string BrokenJsonLineLaw(const std::string& text);
+std::string BrokenMatrixMarketLaw(const std::string& text);
+
+}  // namespace lcpbench
