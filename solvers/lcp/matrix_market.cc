@@ -108,7 +108,7 @@ Header ReadHeader(Lines* lines) {
   if (!lines->Next()) lines->RejectEnd("'%%MatrixMarket matrix ...'");
   const auto require = [lines](std::initializer_list<std::string_view> allowed) {
     const std::string_view word = lines->Word();
-    const std::string lower = Lower(word);
+    std::string lower = Lower(word);
     std::string names;
     for (const std::string_view name : allowed) {
       if (lower == Lower(name)) return lower;
