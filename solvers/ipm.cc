@@ -39,9 +39,8 @@ constexpr double kWarmMu = 0.1;
 constexpr double kSweptMu = 40;
 constexpr double kCloseEnough = 3e-2;
 // A warm start whose first steps are as short as this is too close to the boundary for what has changed: its mu is
-// lifted, and if that does not help either, the start is cold. Where 0.5 % of the contacts went and others came, this
-// takes the worst of 16 scene families from 1.3 to 1.05 of a cold solve at 10^4 rows, and from 7 (and unsolved) at
-// 10^5.
+// lifted, and if that does not help either, the start is cold. (Measured by warm_start_benchmark --with-setup, 0.5 % of
+// the contacts lost and others gained; without this a start can cost several cold solves, and fail.)
 constexpr int kTrialSteps = 6;
 constexpr double kBlockedStep = 0.3;
 constexpr double kLift = 100;

@@ -10,7 +10,7 @@
 namespace lcpbench {
 
 /// The elimination order of a graph, kept for a later graph that differs from it a little: as contacts come and go in
-/// motion, a few nodes and edges change, and to order anew takes several times as long as to factorise.
+/// motion, a few nodes and edges change. (warm_start_benchmark --with-setup --lost measures what that is worth.)
 ///
 /// Nodes go by names, which outlast their numbers: a body is named by its columns of J, a contact by its two bodies.
 /// Whoever uses a kept order asks afterwards, with the work that its analysis predicts, whether it still serves.
@@ -29,15 +29,14 @@ class KeptOrder {
   void Clear() { known_.clear(); }
 
   /// The nodes in the order that is kept. A new one comes right after the last of its neighbours: earlier, it would
-  /// join what is eliminated apart. (Random contacts lost and gained, 0.5 % each: work within 1.13 of a new order's in
-  /// 13 of 16 scene families of 10^5 rows; new ones first, in 8.)
+  /// join what is eliminated apart.
   /// @param starts, indices  the graph by columns, without the entries of one triangle or with all
   /// Empty where there is no kept order, or more than kMostNew of the nodes are new.  O(n log n + edges)
   Eigen::VectorXi Find(const std::vector<Name>& names, const int* starts, const int* indices);
   /// Whether a factorisation in a found order is not so much more work than in the one that was kept that it is worth
   /// ordering anew.
   /// After one that does not, the next kPause problems are not asked for theirs: where the graph changes so that orders
-  /// wear out, to find that out costs a third of an analysis.
+  /// wear out, to find that out costs an analysis.
   bool Serves(double work) {
     if (work <= kMostWork * work_) return true;
     pause_ = kPause;

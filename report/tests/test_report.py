@@ -34,6 +34,13 @@ from synthetic import EXTERNAL, FAMILIES, MISSING, OWN, PEERS, SIZES, SOLVERS, T
 INF, NAN = math.inf, math.nan
 
 
+def _exclude(table, rows, rule):
+    """Makes rows of accuracy.csv excluded by `rule`: all they said of an answer is gone."""
+    kept = ("problem", "family", "n", "seed", "solver", "tier")
+    table.loc[rows, [c for c in table.columns if c not in kept]] = ""
+    table.loc[rows, "excluded"] = rule
+
+
 class PerformanceProfile(unittest.TestCase):
     # a is best on p1 and p3 (there with b), b on p2; c fails on p1, nobody solves p4.
     TIMES = pd.DataFrame({"a": [1.0, 4.0, 3.0, INF], "b": [2.0, 2.0, 3.0, INF], "c": [INF, 8.0, 30.0, NAN]},
@@ -484,9 +491,7 @@ class IncompleteResults(unittest.TestCase):
     def test_a_solver_that_was_excluded_everywhere_keeps_its_row(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         mine = table["solver"] == "ipopt-ncp"
-        kept = ("problem", "family", "n", "seed", "solver", "tier")
-        table.loc[mine, [c for c in table.columns if c not in kept]] = ""
-        table.loc[mine, "excluded"] = "dense"
+        _exclude(table, mine, "dense")
         table.to_csv(self.folder / "accuracy.csv", index=False)
         (self.folder / "timing.json").write_text('{"benchmarks": []}', encoding="utf-8")
         cells = Cells(load_results(self.folder))
@@ -498,9 +503,7 @@ class IncompleteResults(unittest.TestCase):
     def test_nobody_is_the_fastest_where_a_tier_was_not_asked_of_all(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         left = (table["n"] == "100") & (table["solver"] == "pgs") & (table["tier"] == "1e-09")
-        kept = ("problem", "family", "n", "seed", "solver", "tier")
-        table.loc[left, [c for c in table.columns if c not in kept]] = ""
-        table.loc[left, "excluded"] = "tier not run above n = 30"
+        _exclude(table, left, "tier not run above n = 30")
         table.to_csv(self.folder / "accuracy.csv", index=False)
         (self.folder / "timing.json").write_text('{"benchmarks": []}', encoding="utf-8")
         cells = Cells(load_results(self.folder))
@@ -515,9 +518,7 @@ class IncompleteResults(unittest.TestCase):
     def test_who_ran_out_of_time_at_a_looser_tier_is_not_called_excluded(self):
         table = pd.read_csv(self.folder / "accuracy.csv", dtype=str, keep_default_na=False)
         mine = (table["solver"] == "clp") & (table["tier"] == "1e-09")
-        kept = ("problem", "family", "n", "seed", "solver", "tier")
-        table.loc[mine, [c for c in table.columns if c not in kept]] = ""
-        table.loc[mine, "excluded"] = "out of time at the looser tier 1e-06"
+        _exclude(table, mine, "out of time at the looser tier 1e-06")
         table.to_csv(self.folder / "accuracy.csv", index=False)
         cells = Cells(load_results(self.folder))
         self.assertEqual({c.verdict for c in cells.all() if c.solver == "clp" and c.tier == 1e-9}, {"time limit"})

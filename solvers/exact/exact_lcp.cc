@@ -41,12 +41,6 @@ IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const mpz_
   return scaled;
 }
 
-std::vector<Index> AllRows(Index n) {
-  std::vector<Index> rows(At(n));
-  for (Index i = 0; i < n; ++i) rows[At(i)] = i;
-  return rows;
-}
-
 // One SolveExactly. A' = a A and b' = c b are integers; f = (a / c) f', w = w' / c.
 class ExactSolve {
  public:

@@ -3,6 +3,8 @@
 #include <flint/fmpq_mat.h>
 #include <flint/fmpz_mat.h>
 
+#include <cstddef>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -90,6 +92,13 @@ inline Rational ToRational(const fmpz* numerator, const fmpz* denominator) {
   Rational to = ToRational(quotient);
   fmpq_clear(quotient);
   return to;
+}
+
+/// 0 to n - 1.
+inline std::vector<Index> AllRows(Index n) {
+  std::vector<Index> rows(static_cast<std::size_t>(n));
+  std::iota(rows.begin(), rows.end(), Index{0});
+  return rows;
 }
 
 /// The rows and columns of A that are listed.

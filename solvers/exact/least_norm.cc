@@ -53,12 +53,6 @@ Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
   return result;
 }
 
-std::vector<Index> AllRows(Index n) {
-  std::vector<Index> rows(At(n));
-  for (Index i = 0; i < n; ++i) rows[At(i)] = i;
-  return rows;
-}
-
 LcpOptions Unlimited() {
   LcpOptions options;
   options.time_limit_s = std::numeric_limits<double>::infinity();
