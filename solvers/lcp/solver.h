@@ -85,8 +85,8 @@ class Deadline {
 
 /// An LCP solver. One object serves one thread at a time; distinct objects are independent. Nothing carries over from
 /// one Solve to the next but workspace, so repeated solves of one problem with one LcpOptions are bitwise identical; a
-/// warm start is options.initial_f. A Prepare may keep what it knows of the structure of the problem before, which shows
-/// in rounding only.
+/// warm start is options.initial_f. A Prepare may keep what it knows of the structure of the problem before, which
+/// shows in rounding only.
 ///
 /// The life of a solve: Prepare(problem) does what depends on the problem's structure only and is timed as *set-up*
 /// (forms of A that the method reads, allocation, symbolic analysis); Solve is timed as *solve*. Solve prepares by
