@@ -15,6 +15,7 @@ void AddSceneCommand(CLI::App& app, CommandRun& run);
 void AddSolveCommand(CLI::App& app, CommandRun& run);
 void AddCertifyCommand(CLI::App& app, CommandRun& run);
 void AddConvertCommand(CLI::App& app, CommandRun& run);
+void AddCollectionCommand(CLI::App& app, CommandRun& run);
 void AddAssembleCommand(CLI::App& app, CommandRun& run);
 void AddReplayCommand(CLI::App& app, CommandRun& run);
 void AddRunCommand(CLI::App& app, CommandRun& run);

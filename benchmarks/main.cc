@@ -50,6 +50,7 @@ int main(int argc, char** argv) {
   AddSolveCommand(app, run);
   AddCertifyCommand(app, run);
   AddConvertCommand(app, run);
+  AddCollectionCommand(app, run);
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);
   AddRunCommand(app, run);

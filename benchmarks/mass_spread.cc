@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/portable_power.h"
 #include "model/scenes/random.h"
 #include "solvers/lcp/input_error.h"
 
@@ -30,7 +31,7 @@ LcpProblem SpreadMasses(const LcpProblem& given, double ratio, std::uint64_t see
     for (double& value : u) value = (value - from) / range;
   }
   for (std::size_t k = 0; k < movable.size(); ++k) {
-    inverse_mass.segment(kPerBody * movable[k], kPerBody) /= std::pow(ratio, u[k]);
+    inverse_mass.segment(kPerBody * movable[k], kPerBody) /= PortablePower(ratio, u[k]);
   }
   // What was proved of the rank and of unique forces depends on which masses are zero only.
   return LcpProblem::FromFactors(given.id() + "-spread", given.J(), inverse_mass, given.b(),

@@ -5,11 +5,10 @@
 
 #include <cstdint>
 
+#include "solvers/exact/primes.h"
+
 namespace lcpbench {
 namespace {
-
-// The largest primes below 2^62 would do as well; these are two of no relation to any input.
-constexpr mp_limb_t kPrimes[] = {4611686018427387847UL, 4611686018427387817UL};
 
 std::vector<Index> IndependentModulo(const IntegerMatrix& A, const std::vector<Index>& rows, mp_limb_t prime) {
   nmod_t mod;

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "benchmarks/collection/examine.h"
+#include "benchmarks/collection/manifest.h"
+#include "benchmarks/collection/plan.h"
+
+namespace lcpbench {
+
+/// A manifest with its file of references, JSON lines.
+struct BuiltTier {
+  Manifest manifest;
+  std::string references;
+};
+
+/// Makes and examines every problem and sequence of a tier. Where the tier refuses, a candidate that is trivial
+/// (Triviality) or has no solution is noted as refused and tried again with other seeds, some times.
+/// @param progress  called after every candidate with how many are done, of how many, and the last one's id
+BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
+                    const std::function<void(int done, int all, const std::string& id)>& progress);
+
+/// How often a candidate is tried with another seed, and by what its seed is raised.
+inline constexpr int kSeedsTried = 20;
+inline constexpr std::uint64_t kSeedStep = 100;
+
+}  // namespace lcpbench

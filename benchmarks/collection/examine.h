@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "benchmarks/collection/manifest.h"
+
+namespace lcpbench {
+
+struct ExamineOptions {
+  /// Up to this many rows answers are proved in exact arithmetic, above they are refined and bounded.
+  Index exact_up_to = 250;
+  /// Above this many rows there is no reference.
+  Index bounded_up_to = 20'000;
+  double time_limit_s = 300;  ///< for one exact answer; then it is bounded instead
+};
+
+/// What examining a problem brings: the parts of its entry, and the line of the file of references, "" for none.
+struct Examined {
+  ProblemProperties properties;
+  std::optional<AnswerProperties> answer;
+  ReferenceSummary reference;
+  std::string reference_line;
+  std::string sha256;
+};
+
+/// Solves, proves or bounds, and measures one problem. Everything is judged here; solvers only help to find the answer.
+Examined Examine(const LcpProblem& problem, const ExamineOptions& options);
+
+}  // namespace lcpbench

@@ -1,0 +1,274 @@
+#include "benchmarks/collection/manifest.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "model/json_field.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/json_lines.h"
+#include "solvers/lcp/matrix_market.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kFormat = 1;
+
+// Measured numbers differ in their last digits from machine to machine; what is worth telling stands in the first.
+Json Rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return std::strtod(text, nullptr);
+}
+
+Json RoundedOrNull(const std::optional<double>& value) { return value ? Rounded(*value) : Json(nullptr); }
+
+template <typename Value>
+Json OrNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json(nullptr);
+}
+
+Json Describe(const Recipe& recipe) {
+  Json json;
+  json["scene"] = recipe.scene;
+  json["rows"] = recipe.rows;
+  json["seed"] = recipe.seed;
+  if (!recipe.changes.empty()) {
+    Json changes = Json::array();
+    for (const Change& change : recipe.changes) changes.push_back({{"name", change.name}, {"amount", change.amount}});
+    json["changes"] = changes;
+  }
+  return json;
+}
+
+Json Describe(const ReferenceSummary& reference) {
+  Json json;
+  json["kind"] = reference.kind;
+  if (!reference.status.empty()) json["status"] = reference.status;
+  if (reference.kind == "certified" && reference.status == "solved") {
+    json["f_unique"] = OrNull(reference.f_unique);
+    json["nullity_on_active"] = OrNull(reference.nullity_on_active);
+    json["strictly_complementary"] = OrNull(reference.strictly_complementary);
+  }
+  if (reference.energy_bound) json["energy_bound"] = Rounded(*reference.energy_bound);
+  if (reference.energy_shift) json["energy_shift"] = Rounded(*reference.energy_shift);
+  if (reference.w_bound) json["w_bound"] = Rounded(*reference.w_bound);
+  if (!reference.detail.empty()) json["detail"] = reference.detail;
+  return json;
+}
+
+Json Describe(const ManifestEntry& entry) {
+  const ProblemProperties& p = entry.properties;
+  Json json;
+  json["id"] = entry.id;
+  json["family"] = entry.family;
+  if (const auto* recipe = std::get_if<Recipe>(&entry.source)) {
+    json["recipe"] = Describe(*recipe);
+  } else {
+    const auto& file = std::get<FileSource>(entry.source);
+    json["file"] = {{"path", file.path}, {"line", file.line}};
+  }
+  if (!entry.grid.empty()) json["grid"] = entry.grid;
+  if (!entry.purpose.empty()) json["purpose"] = entry.purpose;
+  json["rows"] = p.rows;
+  json["bilateral"] = p.bilateral;
+  json["bodies"] = p.bodies;
+  json["nonzeros_A"] = p.nonzeros_A;
+  json["nonzeros_J"] = OrNull(p.nonzeros_J);
+  json["rank"] = OrNull(p.rank.value);
+  json["rank_method"] = p.rank.method;
+  json["condition"] = RoundedOrNull(p.condition.value);
+  json["condition_method"] = p.condition.method;
+  json["redundancy"] = RoundedOrNull(p.redundancy);
+  json["mass_ratio"] = RoundedOrNull(p.mass_ratio);
+  json["kinds"] = Json::object();
+  for (const auto& [kind, count] : p.kinds) json["kinds"][kind] = count;
+  json["fraction_active"] = entry.answer ? Rounded(entry.answer->fraction_active) : Json(nullptr);
+  json["degenerate"] = entry.answer ? Json(entry.answer->degenerate) : Json(nullptr);
+  json["reference"] = Describe(entry.reference);
+  json["provenance"] = entry.provenance;
+  json["licence"] = entry.licence;
+  json["sha256"] = entry.sha256;
+  return json;
+}
+
+Json Describe(const SequenceEntry& entry) {
+  Json json;
+  json["id"] = entry.id;
+  json["family"] = entry.family;
+  json["start"] = Describe(entry.start);
+  json["steps"] = entry.steps;
+  json["problems"] = entry.problems;
+  json["rows"] = {{"least", entry.least_rows}, {"median", entry.median_rows}, {"most", entry.most_rows}};
+  json["unsolvable"] = entry.unsolvable;
+  json["changes"] = {{"entered", entry.entered},
+                     {"left", entry.left},
+                     {"activated", entry.activated},
+                     {"deactivated", entry.deactivated}};
+  json["churn"] = Rounded(entry.churn);
+  json["still_share"] = Rounded(entry.still_share);
+  json["provenance"] = entry.provenance;
+  json["licence"] = entry.licence;
+  json["sha256"] = entry.sha256;
+  return json;
+}
+
+Json Describe(const Refusal& refusal) { return {{"id", refusal.id}, {"reason", refusal.reason}}; }
+
+// One item a line.
+template <typename Item>
+std::string Lines(const std::vector<Item>& items) {
+  std::string text = "[";
+  for (size_t k = 0; k < items.size(); ++k) text += (k == 0 ? "\n  " : ",\n  ") + Describe(items[k]).dump();
+  return text + (items.empty() ? "]" : "\n ]");
+}
+
+// ----- reading
+
+std::uint64_t Seed(const JsonField& field) {
+  constexpr double kMost = 9007199254740992;  // beyond it a JSON number need not be the integer it shows
+  const double value = field.Number();
+  if (!(value >= 0 && value <= kMost && value == static_cast<double>(static_cast<std::uint64_t>(value)))) {
+    field.Mismatch("a seed, an integer from 0 to 2^53");
+  }
+  return static_cast<std::uint64_t>(value);
+}
+
+int PositiveInteger(const JsonField& field) {
+  const int value = field.Integer();
+  if (value < 1) field.Mismatch("an integer >= 1");
+  return value;
+}
+
+Recipe ReadRecipe(const JsonField& field) {
+  Recipe recipe;
+  recipe.scene = field["scene"].String();
+  recipe.rows = PositiveInteger(field["rows"]);
+  recipe.seed = Seed(field["seed"]);
+  if (field.Has("changes")) {
+    for (const JsonField& change : field["changes"].Items()) {
+      recipe.changes.push_back({change["name"].String(), change["amount"].Number()});
+    }
+  }
+  return recipe;
+}
+
+std::string ReadHash(const JsonField& field) {
+  constexpr size_t kDigits = 64;
+  std::string hash = field.String();
+  if (hash.size() != kDigits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    field.Mismatch("a SHA-256 of 64 hexadecimal digits");
+  }
+  return hash;
+}
+
+ManifestEntry ReadEntry(const JsonField& field) {
+  ManifestEntry entry;
+  entry.id = field["id"].String();
+  entry.family = field["family"].String();
+  if (field.Has("file")) {
+    entry.source = FileSource{field["file"]["path"].String(),
+                              static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
+  } else {
+    entry.source = ReadRecipe(field["recipe"]);
+  }
+  if (field.Has("grid")) entry.grid = field["grid"].String();
+  if (field.Has("purpose")) entry.purpose = field["purpose"].String();
+  entry.properties.rows = field["rows"].Integer();
+  if (field.Has("reference")) entry.reference.kind = field["reference"]["kind"].String();
+  entry.sha256 = ReadHash(field["sha256"]);
+  return entry;
+}
+
+SequenceEntry ReadSequence(const JsonField& field) {
+  SequenceEntry entry;
+  entry.id = field["id"].String();
+  entry.family = field["family"].String();
+  entry.start = ReadRecipe(field["start"]);
+  entry.steps = PositiveInteger(field["steps"]);
+  entry.sha256 = ReadHash(field["sha256"]);
+  return entry;
+}
+
+LcpProblem ReadProblem(const FileSource& source, const std::string& folder) {
+  const std::string path = (std::filesystem::path(folder) / source.path).string();
+  if (std::filesystem::path(path).extension() == ".mtx") return ReadMarketProblem(path).problem;
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
+  std::string line;
+  for (std::size_t number = 0; number < source.line; ++number) {
+    if (!std::getline(file, line)) {
+      throw InputError(path + ": expected " + std::to_string(source.line) + " lines, found " + std::to_string(number));
+    }
+  }
+  return ParseLcpRecord(line, path + ":" + std::to_string(source.line)).problem;
+}
+
+}  // namespace
+
+LcpProblem ProblemOf(const ManifestEntry& entry, const std::string& folder) {
+  if (const auto* recipe = std::get_if<Recipe>(&entry.source)) return MakeInstance(*recipe).problem;
+  return ReadProblem(std::get<FileSource>(entry.source), folder);
+}
+
+std::string FormatManifest(const Manifest& manifest) {
+  Json counts = Json::object();
+  for (const Refusal& refusal : manifest.refused) {
+    counts[refusal.reason] = counts.value(refusal.reason, 0) + 1;
+  }
+  std::string text = "{\n";
+  const auto member = [&text](const char* name, const std::string& value, bool last = false) {
+    text += std::string(" \"") + name + "\": " + value + (last ? "\n" : ",\n");
+  };
+  member("lcpbench_manifest", std::to_string(kFormat));
+  member("name", Json(manifest.name).dump());
+  member("version", Json(manifest.version).dump());
+  member("purpose", Json(manifest.purpose).dump());
+  if (!manifest.references.empty()) member("references", Json(manifest.references).dump());
+  member("refused_by_reason", counts.dump());
+  member("refused", Lines(manifest.refused));
+  member("problems", Lines(manifest.problems));
+  member("sequences", Lines(manifest.sequences), true);
+  return text + "}\n";
+}
+
+Manifest ReadManifest(const std::string& path) {
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
+  std::stringstream text;
+  text << file.rdbuf();
+  const nlohmann::json document = ParseJsonObject(text.str(), path);
+  const JsonField root(document, path);
+  if (root["lcpbench_manifest"].Integer() != kFormat) {
+    root["lcpbench_manifest"].Mismatch("the format's number " + std::to_string(kFormat));
+  }
+  Manifest manifest;
+  manifest.name = root["name"].String();
+  manifest.version = root["version"].String();
+  if (root.Has("purpose")) manifest.purpose = root["purpose"].String();
+  if (root.Has("references")) manifest.references = root["references"].String();
+  std::set<std::string> ids;
+  const auto once = [&ids](const JsonField& item, const std::string& id) {
+    if (!ids.insert(id).second) item["id"].Mismatch("an id of its own");
+  };
+  for (const JsonField& item : root["problems"].Items()) {
+    manifest.problems.push_back(ReadEntry(item));
+    once(item, manifest.problems.back().id);
+  }
+  if (root.Has("sequences")) {
+    for (const JsonField& item : root["sequences"].Items()) {
+      manifest.sequences.push_back(ReadSequence(item));
+      once(item, manifest.sequences.back().id);
+    }
+  }
+  return manifest;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "benchmarks/collection/properties.h"
+#include "benchmarks/collection/recipe.h"
+
+namespace lcpbench {
+
+// The collection's manifests: which problems a set consists of, how each is made, what is known of it, and the hash of
+// its content. JSON, one problem a line; data/manifest.schema.json is the format.
+
+/// A problem in a file beside the manifest.
+struct FileSource {
+  std::string path;     ///< relative to the manifest's folder
+  std::size_t line = 1; ///< of JSON lines, from 1; 1 for other formats
+};
+
+/// What is known of a problem's answer, without the numbers: those stand in the manifest's file of references.
+struct ReferenceSummary {
+  std::string kind = "none";  ///< certified (exact arithmetic), bounded (rigorous bound of the error), none
+  std::string status;         ///< solved, infeasible; "" where there is none
+  std::optional<bool> f_unique;
+  std::optional<Index> nullity_on_active;  ///< of A on the rows with w = 0
+  std::optional<bool> strictly_complementary;
+  std::optional<double> energy_bound;  ///< of a bounded reference, see bounded_reference.h
+  std::optional<double> energy_shift;
+  std::optional<double> w_bound;
+  std::string detail;  ///< why there is none, or what is not known
+};
+
+struct ManifestEntry {
+  std::string id;
+  std::string family;  ///< scene, hard case, or the folder it was imported from
+  std::variant<Recipe, FileSource> source;
+  std::string grid;     ///< the property that the problem's neighbours differ in; "" outside grids
+  std::string purpose;  ///< of pathological ones: what it is meant to break
+  ProblemProperties properties;
+  std::optional<AnswerProperties> answer;
+  ReferenceSummary reference;
+  std::string provenance;
+  std::string licence;
+  std::string sha256;  ///< ContentHash
+};
+
+/// Of a sequence: consecutive problems of one motion, and how much the active set changes.
+struct SequenceEntry {
+  std::string id;
+  std::string family;
+  Recipe start;           ///< the scene that starts moving; no changes
+  int steps = 0;          ///< of the scene's own length
+  std::int64_t problems = 0;
+  Index least_rows = 0;
+  Index median_rows = 0;
+  Index most_rows = 0;
+  std::int64_t unsolvable = 0;  ///< problems without a solution, followed by the relaxed one
+  /// Rows that entered, left, became active and ceased to be, summed over all problems but the first.
+  std::int64_t entered = 0;
+  std::int64_t left = 0;
+  std::int64_t activated = 0;
+  std::int64_t deactivated = 0;
+  double churn = 0;       ///< (activated + deactivated + entered + left) by rows, mean over those problems
+  double still_share = 0; ///< of those problems, the share without any such change
+  std::string provenance;
+  std::string licence;
+  std::string sha256;  ///< SequenceHash
+};
+
+/// Candidates that were not taken, by reason.
+struct Refusal {
+  std::string id;
+  std::string reason;
+};
+
+struct Manifest {
+  std::string name;     ///< of the tier or set
+  std::string version;  ///< of the collection, frozen with its hashes
+  std::string purpose;
+  std::string references;  ///< file of references, relative to the manifest; "" for none
+  std::vector<Refusal> refused;
+  std::vector<ManifestEntry> problems;
+  std::vector<SequenceEntry> sequences;
+};
+
+/// The text of a manifest file.
+std::string FormatManifest(const Manifest& manifest);
+
+/// Reads ids, families, sources and hashes; properties, answers and references are for readers of the file itself.
+/// @throws InputError naming file, place, what was expected and what was found
+Manifest ReadManifest(const std::string& path);
+
+/// The problem of an entry, generated or read.
+/// @param folder  of the manifest
+/// @throws InputError as MakeInstance, or as the file's reader
+LcpProblem ProblemOf(const ManifestEntry& entry, const std::string& folder);
+
+}  // namespace lcpbench

@@ -1,0 +1,192 @@
+#include "benchmarks/collection/plan.h"
+
+#include <initializer_list>
+#include <utility>
+
+#include "benchmarks/collection/hard_cases.h"
+#include "model/scenes/scene.h"
+#include "solvers/lcp/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+Candidate Of(std::string_view scene, int rows, std::uint64_t seed, std::vector<Change> changes = {}) {
+  Candidate candidate;
+  candidate.recipe = {std::string(scene), rows, seed, std::move(changes)};
+  candidate.family = scene;
+  return candidate;
+}
+
+void AddEveryScene(std::initializer_list<int> sizes, std::uint64_t first_seed, std::uint64_t last_seed, Tier* tier) {
+  for (const SceneFamily& scene : AllScenes()) {
+    for (const int rows : sizes) {
+      for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
+        tier->problems.push_back(Of(scene.key, rows, seed));
+      }
+    }
+  }
+}
+
+void AddScenes(std::initializer_list<std::string_view> scenes, std::initializer_list<int> sizes, std::uint64_t seed,
+               Tier* tier) {
+  for (const std::string_view scene : scenes) {
+    for (const int rows : sizes) tier->problems.push_back(Of(scene, rows, seed));
+  }
+}
+
+// Problems that differ in one number only.
+void AddGrid(const char* property, const char* change, std::initializer_list<std::string_view> scenes,
+             std::initializer_list<int> sizes, std::initializer_list<double> amounts, Tier* tier) {
+  constexpr std::uint64_t kSeed = 1;
+  for (const std::string_view scene : scenes) {
+    for (const int rows : sizes) {
+      for (const double amount : amounts) {
+        Candidate candidate = Of(scene, rows, kSeed, {{change, amount}});
+        candidate.grid = property;
+        tier->problems.push_back(std::move(candidate));
+      }
+    }
+  }
+}
+
+void AddHard(Candidate candidate, const char* purpose, Tier* tier) {
+  candidate.purpose = purpose;
+  tier->problems.push_back(std::move(candidate));
+}
+
+Tier Smoke() {
+  Tier tier{"smoke", "Every scene family at two small sizes: all solvers in seconds.", true, true, {}, {}};
+  AddEveryScene({8, 40}, 11, 11, &tier);
+  return tier;
+}
+
+Tier Engine() {
+  Tier tier{"engine", "One to three rows, as a physics engine's islands mostly are: timed, never counted as hard.",
+            true, true, {}, {}};
+  AddEveryScene({1, 2, 3}, 1, 3, &tier);
+  // What few rows have as answer is trivial more often than not, and belongs to an engine's everyday.
+  tier.refuses = false;
+  return tier;
+}
+
+Tier Standard() {
+  Tier tier{"standard", "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.",
+            true, true, {}, {}};
+  AddEveryScene({4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, 1, 2, &tier);
+  AddEveryScene({2000}, 1, 1, &tier);
+  AddScenes({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl",
+             "roller-bearing", "tall-stacks"},
+            {4000, 10'000}, 1, &tier);
+  AddGrid("mass ratio", "mass-ratio", {"disc-pile", "rounded-wall", "chain-of-links"}, {100, 400},
+          {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}, &tier);
+  AddGrid("redundancy", "duplicate-rows", {"ovals-in-bowl", "disc-pile", "disc-track"}, {100, 400},
+          {0.1, 0.25, 0.5, 1}, &tier);
+  AddGrid("condition", "crowd-contacts", {"ovals-in-bowl", "rockers", "spinning-drum"}, {100, 400},
+          {1, 1e-1, 1e-2, 1e-3, 1e-4}, &tier);
+  AddGrid("active fraction", "slack", {"disc-pile", "ovals-in-bowl", "disc-track"}, {100, 400},
+          {-0.5, -0.25, 0.25, 0.5, 1, 1.5}, &tier);
+  AddGrid("curvature contrast", "curvature-contrast", {"disc-track", "rockers", "ovals-in-bowl", "spinning-drum"},
+          {100, 400}, {3, 10, 30, 100, 1000}, &tier);
+  return tier;
+}
+
+Tier Large() {
+  Tier tier{"large", "10^4 to 10^6 rows, generated when they are wanted.", false, false, {}, {}};
+  AddEveryScene({20'000, 100'000}, 1, 1, &tier);
+  AddScenes({"disc-pile", "disc-track", "ovals-in-bowl", "rounded-wall"}, {300'000, 1'000'000}, 1, &tier);
+  return tier;
+}
+
+Tier Pathological() {
+  Tier tier{"pathological", "Problems that are meant to break something, each of which says what.", false, true, {}, {}};
+  for (const HardCase& hard : AllHardCases()) {
+    for (const int rows : {8, 40, 200}) AddHard(Of(hard.key, rows, 1), std::string(hard.purpose).c_str(), &tier);
+  }
+  for (const std::string_view scene : {"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}) {
+    for (const int rows : {60, 240}) {
+      AddHard(Of(scene, rows, 21), "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.", &tier);
+    }
+  }
+  AddHard(Of("roller-bearing", 60, 1),
+          "Infeasible by one rounding of its data: solvers in doubles cannot know, and a proof of either kind is wrong "
+          "for the neighbour.",
+          &tier);
+  for (const std::string_view scene : {"disc-pile", "tall-stacks", "rounded-wall", "chain-of-links"}) {
+    for (const int rows : {40, 200}) {
+      AddHard(Of(scene, rows, 1, {{"mass-ratio", 1e8}}),
+              "Mass ratios to 10^8: sweeps stall, and absolute tolerances lose the light bodies.", &tier);
+    }
+  }
+  for (const std::string_view scene : {"disc-track", "ovals-in-bowl"}) {
+    for (const double clearance : {1e-3, 1e-6, 1e-9}) {
+      if (scene == "ovals-in-bowl") continue;
+      AddHard(Of(scene, 40, 1, {{"conformal", clearance}}),
+              "Nearly conformal arcs: the relative curvature all but vanishes, and gamma is huge on some rows.", &tier);
+    }
+  }
+  for (const double clearance : {1e-3, 1e-6, 1e-9}) {
+    AddHard(Of("roller-bearing", 40, 1, {{"conformal", clearance}}),
+            "Nearly conformal arcs: the relative curvature all but vanishes, and gamma is huge on some rows.", &tier);
+  }
+  for (const std::string_view scene : {"disc-pile", "rockers", "gear-train"}) {
+    for (const double binades : {20.0, 60.0}) {
+      AddHard(Of(scene, 60, 1, {{"scale-rows", binades}}),
+              "Rows in units that differ by up to 2^120: whatever is not relative to the diagonal sees some rows only.",
+              &tier);
+    }
+  }
+  for (const std::string_view scene : {"disc-pile", "ovals-in-bowl", "gear-train"}) {
+    for (const int rows : {30, 150}) {
+      AddHard(Of(scene, rows, 1, {{"duplicate-rows", 1}}),
+              "Every contact twice: A_FF is singular for every active set but some.", &tier);
+    }
+  }
+  for (const std::string_view scene : {"disc-pile", "ovals-in-bowl"}) {
+    for (const int rows : {30, 150}) {
+      AddHard(Of(scene, rows, 1, {{"oppose-rows", 0.2}}),
+              "Contacts with their opposites: bilateral in disguise, forces without bound along a line.", &tier);
+    }
+  }
+  for (const double distance : {1e-5, 1e-7}) {
+    AddHard(Of("ovals-in-bowl", 60, 1, {{"crowd-contacts", distance}}),
+            "Contacts that all but coincide: singular to rounding, and yet unique forces.", &tier);
+  }
+  return tier;
+}
+
+Tier Sequences() {
+  Tier tier{"sequences", "Consecutive problems of scenes in motion: what warm starts are for.", false, false, {}, {}};
+  constexpr int kSteps = 120;
+  for (const SceneFamily& scene : AllScenes()) {
+    for (const int rows : {12, 40}) {
+      tier.sequences.push_back({{std::string(scene.key), rows, 1, {}}, kSteps});
+    }
+  }
+  return tier;
+}
+
+using Plan = std::pair<const char*, Tier (*)()>;
+constexpr Plan kPlans[] = {{"smoke", &Smoke}, {"engine", &Engine},       {"standard", &Standard},
+                           {"large", &Large}, {"sequences", &Sequences}, {"pathological", &Pathological}};
+
+}  // namespace
+
+const std::vector<std::string>& AllTiers() {
+  static const std::vector<std::string> names = [] {
+    std::vector<std::string> all;
+    for (const auto& [name, plan] : kPlans) all.emplace_back(name);
+    return all;
+  }();
+  return names;
+}
+
+Tier PlanTier(std::string_view name) {
+  std::string known;
+  for (const auto& [key, plan] : kPlans) {
+    if (key == name) return plan();
+    known += (known.empty() ? "" : ", ") + std::string(key);
+  }
+  throw InputError("unknown tier '" + std::string(name) + "', expected one of " + known);
+}
+
+}  // namespace lcpbench

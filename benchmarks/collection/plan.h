@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "benchmarks/collection/recipe.h"
+
+namespace lcpbench {
+
+/// A problem that the collection is meant to have.
+struct Candidate {
+  Recipe recipe;
+  std::string family;
+  std::string grid;     ///< the property that its neighbours differ in; "" outside grids
+  std::string purpose;  ///< of pathological ones: what it is meant to break
+};
+
+/// A sequence that the collection is meant to have: a scene that moves `steps` steps of its own length.
+struct SequenceCandidate {
+  Recipe start;
+  int steps = 0;
+};
+
+/// One tier of the collection.
+struct Tier {
+  std::string name;
+  std::string purpose;
+  /// Trivial problems and problems without a solution are refused, and the next seed is tried.
+  bool refuses = true;
+  bool has_references = true;
+  std::vector<Candidate> problems;
+  std::vector<SequenceCandidate> sequences;
+};
+
+/// smoke, engine, standard, large, sequences, pathological.  @throws InputError naming them
+Tier PlanTier(std::string_view name);
+const std::vector<std::string>& AllTiers();
+
+/// Of all that the plan holds. Raised with every change of what a manifest's problems are.
+inline constexpr const char* kCollectionVersion = "1.0.0";
+
+}  // namespace lcpbench

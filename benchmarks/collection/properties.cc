@@ -1,0 +1,173 @@
+#include "benchmarks/collection/properties.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "benchmarks/collection/singular_values.h"
+#include "benchmarks/oracle.h"
+#include "model/scenes/random.h"
+#include "solvers/exact/sparse_rank.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr Index kPerBody = 3;
+
+struct Bodies {
+  Index count = 0;
+  std::optional<double> mass_ratio;
+};
+
+// Of the bodies that can move and that a row touches.
+Bodies MeasureBodies(const LcpProblem& problem) {
+  const Eigen::VectorXd& inverse = problem.inverse_mass();
+  std::vector<char> touched(static_cast<size_t>((inverse.size() + kPerBody - 1) / kPerBody), 0);
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      if (inverse[it.col()] > 0) touched[static_cast<size_t>(it.col() / kPerBody)] = 1;
+    }
+  }
+  Bodies bodies;
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (size_t k = 0; k < touched.size(); ++k) {
+    if (touched[k] == 0) continue;
+    ++bodies.count;
+    const double mobility = inverse[kPerBody * static_cast<Index>(k)];
+    if (mobility <= 0) continue;
+    least = std::min(least, mobility);
+    most = std::max(most, mobility);
+  }
+  if (most > 0) bodies.mass_ratio = most / least;
+  return bodies;
+}
+
+// J M^-1/2 on columns with an entry, the other way round where that is lower than wide.
+Eigen::MatrixXd Root(const LcpProblem& problem) {
+  std::vector<int> place(static_cast<size_t>(problem.J().cols()), -1);
+  int columns = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      int& at = place[static_cast<size_t>(it.col())];
+      if (at < 0 && it.value() != 0 && problem.inverse_mass()[it.col()] > 0) at = columns++;
+    }
+  }
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(problem.size(), columns);
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      const int at = place[static_cast<size_t>(it.col())];
+      if (at >= 0) root(i, at) = it.value() * std::sqrt(problem.inverse_mass()[it.col()]);
+    }
+  }
+  return root;
+}
+
+Measured<double> ExactCondition(const LcpProblem& problem, Index rank) {
+  if (rank == 0) return {std::nullopt, "A is zero"};
+  Eigen::MatrixXd matrix = problem.has_factors() ? Root(problem) : problem.DenseA();
+  const Eigen::VectorXd values = SingularValues(&matrix);
+  const double largest = values[0];
+  const double smallest = values[std::min(rank, values.size()) - 1];
+  // Below this a singular value is nothing but rounding.
+  const double noise = static_cast<double>(problem.size()) * std::numeric_limits<double>::epsilon() * largest;
+  if (!(smallest > noise)) return {std::nullopt, "beyond double precision: singular values below their rounding"};
+  const double ratio = largest / smallest;
+  return {problem.has_factors() ? ratio * ratio : ratio,
+          problem.has_factors() ? "singular values of J M^-1/2" : "singular values of A"};
+}
+
+// Power iteration and inverse iteration: lower bounds that are seldom far off.
+Measured<double> EstimatedCondition(const LcpProblem& problem) {
+  constexpr int kIterations = 60;
+  const SparseMatrix& A = problem.SparseA();
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor;
+  factor.compute(Eigen::SparseMatrix<double>(A));
+  if (factor.info() != Eigen::Success || !(factor.vectorD().minCoeff() > 0)) {
+    return {std::nullopt, "A could not be factorised"};
+  }
+  Random random(1);
+  const auto largest = [&](const auto& apply) {
+    Eigen::VectorXd x(problem.size());
+    for (double& value : x) value = random.Uniform(-1, 1);
+    double length = 0;
+    for (int k = 0; k < kIterations; ++k) {
+      x = apply(Eigen::VectorXd(x / x.norm()));
+      length = x.norm();
+    }
+    return length;
+  };
+  const double top = largest([&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return A * x; });
+  const double bottom = largest([&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return factor.solve(x); });
+  if (!std::isfinite(top * bottom)) return {std::nullopt, "the iteration does not stay finite"};
+  return {top * bottom, "estimate: power iteration and inverse iteration, 60 steps each"};
+}
+
+}  // namespace
+
+ProblemProperties MeasureProperties(const LcpProblem& problem) {
+  ProblemProperties measured;
+  measured.rows = problem.size();
+  measured.bilateral = static_cast<Index>(problem.bilateral_rows().size());
+  measured.nonzeros_A = problem.SparseA().nonZeros();
+  if (problem.has_factors()) {
+    measured.nonzeros_J = problem.J().nonZeros();
+    const Bodies bodies = MeasureBodies(problem);
+    measured.bodies = bodies.count;
+    measured.mass_ratio = bodies.mass_ratio;
+  }
+  if (const std::optional<Index> rank = RankOf(problem, kMostRowsExact)) {
+    measured.rank = {rank, "exact, modulo two primes of 62 bits"};
+    measured.condition = ExactCondition(problem, *rank);
+  } else if (problem.size() > kMostRowsEstimated) {
+    const std::string reason = "not measured above " + std::to_string(kMostRowsEstimated) + " rows";
+    measured.rank = {std::nullopt, reason};
+    measured.condition = {std::nullopt, reason};
+  } else {
+    std::vector<Index> all(static_cast<size_t>(problem.size()));
+    for (size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Index>(k);
+    const auto independent = static_cast<Index>(IndependentRows(problem.SparseA(), all).size());
+    measured.rank = {independent, "estimate: sparse LDL^T, pivots above 1e-10 of the diagonal"};
+    if (independent == problem.size()) {
+      measured.condition = EstimatedCondition(problem);
+    } else {
+      measured.condition = {std::nullopt, "A is singular, and too large for all its singular values"};
+    }
+  }
+  if (problem.size() > 0 && measured.rank.value.has_value()) {
+    measured.redundancy = 1 - static_cast<double>(*measured.rank.value) / static_cast<double>(problem.size());
+  }
+  return measured;
+}
+
+AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
+                               double negligible) {
+  AnswerProperties answer;
+  Index active = 0;
+  Index unilateral = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (problem.is_bilateral(i)) continue;
+    ++unilateral;
+    const double root = problem.DiagonalA()[i] > 0 ? std::sqrt(problem.DiagonalA()[i]) : 1;
+    if (std::abs(w[i]) / root > negligible) continue;
+    ++active;
+    if (std::abs(f[i]) * root <= negligible) ++answer.degenerate;
+  }
+  if (unilateral > 0) answer.fraction_active = static_cast<double>(active) / static_cast<double>(unilateral);
+  return answer;
+}
+
+std::string Triviality(const LcpProblem& problem, const AnswerProperties& answer) {
+  bool no_force = true;
+  for (Index i = 0; i < problem.size() && no_force; ++i) {
+    no_force = problem.is_bilateral(i) ? problem.b()[i] == 0 : problem.b()[i] >= 0;
+  }
+  if (no_force) return "f = 0";
+  return answer.fraction_active >= 1 || static_cast<Index>(problem.bilateral_rows().size()) == problem.size()
+             ? "all rows active"
+             : "";
+}
+
+}  // namespace lcpbench

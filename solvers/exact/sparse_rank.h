@@ -1,0 +1,20 @@
+#pragma once
+
+#include <optional>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// The rank of a matrix of doubles, each taken as the rational that it is. Of A = J M^-1 J^T it is that of J on the
+/// columns with M^-1 > 0, see RankOf.
+///
+/// Elimination by rows modulo two primes of 62 bits, the larger result: at least this for certain, more with a
+/// probability below 2^-50.  O(rows * columns * rank) word operations at most, far less where the matrix is sparse
+Index SparseRank(const SparseMatrix& matrix);
+
+/// The rank of A, from the factors where they are given.
+/// @param most_rows  above this many there is no answer: the work may grow as rows^3
+std::optional<Index> RankOf(const LcpProblem& problem, Index most_rows);
+
+}  // namespace lcpbench
