@@ -62,6 +62,7 @@ int Build(const BuildArguments& arguments) {
 // The number of problems and sequences that are not what the manifest says.
 int Check(const std::string& path) {
   const Manifest manifest = ReadManifest(path);
+  ProblemSource source(FolderOf(path));
   int wrong = 0;
   const auto compare = [&wrong](const std::string& id, const std::string& expected, const std::string& found) {
     if (expected == found) return;
@@ -70,7 +71,7 @@ int Check(const std::string& path) {
   };
   for (const ManifestEntry& entry : manifest.problems) {
     try {
-      compare(entry.id, entry.sha256, ContentHash(ProblemOf(entry, FolderOf(path))));
+      compare(entry.id, entry.sha256, ContentHash(source.Get(entry)));
     } catch (const InputError& error) {
       compare(entry.id, entry.sha256, error.what());
     }
@@ -121,8 +122,9 @@ int WriteProblems(const WriteArguments& arguments) {
     left.erase(found);
     return true;
   };
+  ProblemSource source(FolderOf(arguments.manifest));
   for (const ManifestEntry& entry : manifest.problems) {
-    if (wanted(entry.id)) write(ProblemOf(entry, FolderOf(arguments.manifest)));
+    if (wanted(entry.id)) write(source.Get(entry));
   }
   for (const SequenceEntry& entry : manifest.sequences) {
     if (!wanted(entry.id)) continue;

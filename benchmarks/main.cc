@@ -51,6 +51,7 @@ int main(int argc, char** argv) {
   AddCertifyCommand(app, run);
   AddConvertCommand(app, run);
   AddCollectionCommand(app, run);
+  AddImportCommand(app, run);
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);
   AddRunCommand(app, run);

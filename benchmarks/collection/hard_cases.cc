@@ -1,5 +1,6 @@
 #include "benchmarks/collection/hard_cases.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -23,7 +24,7 @@ class Line {
     wall.x = {end_, 0};
     wall.acceleration = {acceleration, 0};
     // Material on the left of the edge: the left wall's face looks right, the right wall's left.
-    const StraightEdge face = last_ < 0 ? StraightEdge{{0, 1}, {0, -1}} : StraightEdge{{0, -1}, {0, 1}};
+    const StraightEdge face = last_ < 0 ? StraightEdge{{0, -1}, {0, 1}} : StraightEdge{{0, 1}, {0, -1}};
     Append(AddBody(&system_, "wall", std::move(wall)), face, face);
   }
 
@@ -63,7 +64,8 @@ class Line {
 ContactSystem Squeezed(std::string_view key, int rows, std::uint64_t seed, double closing) {
   Line line(key, rows, seed);
   line.AddWall(0);
-  for (int k = 1; k < rows; ++k) line.AddDisc(2);
+  // One disc at least: two walls face to face have no contact point.
+  for (int k = 1; k < std::max(rows, 2); ++k) line.AddDisc(2);
   line.AddWall(-closing);
   return line.system();
 }

@@ -13,7 +13,7 @@ namespace lcpbench {
 struct HardCase {
   std::string_view key;
   std::string_view purpose;  ///< what it is meant to break, one sentence
-  /// Exactly `rows` rows where the case can, else a few less. The same bits for the same seed on every machine.
+  /// Exactly `rows` rows where the case can, else one more or less. The same bits for the same seed on every machine.
   ContactSystem (*generate)(int rows, std::uint64_t seed);
 };
 

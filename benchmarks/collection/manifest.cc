@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "benchmarks/gzip_input.h"
 #include "model/json_field.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
@@ -84,6 +85,7 @@ Json Describe(const ManifestEntry& entry) {
   json["nonzeros_J"] = OrNull(p.nonzeros_J);
   json["rank"] = OrNull(p.rank.value);
   json["rank_method"] = p.rank.method;
+  json["numerical_rank"] = OrNull(p.numerical_rank);
   json["condition"] = RoundedOrNull(p.condition.value);
   json["condition_method"] = p.condition.method;
   json["redundancy"] = RoundedOrNull(p.redundancy);
@@ -197,25 +199,44 @@ SequenceEntry ReadSequence(const JsonField& field) {
   return entry;
 }
 
-LcpProblem ReadProblem(const FileSource& source, const std::string& folder) {
-  const std::string path = (std::filesystem::path(folder) / source.path).string();
-  if (std::filesystem::path(path).extension() == ".mtx") return ReadMarketProblem(path).problem;
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
-  std::string line;
-  for (std::size_t number = 0; number < source.line; ++number) {
-    if (!std::getline(file, line)) {
-      throw InputError(path + ": expected " + std::to_string(source.line) + " lines, found " + std::to_string(number));
-    }
-  }
-  return ParseLcpRecord(line, path + ":" + std::to_string(source.line)).problem;
-}
-
 }  // namespace
 
-LcpProblem ProblemOf(const ManifestEntry& entry, const std::string& folder) {
+struct ProblemSource::OpenFile {
+  explicit OpenFile(std::string name) : path(std::move(name)), file(path), lines(nullptr) {
+    if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
+    if (LooksLikeGzip(file)) gzip.emplace(file);
+    lines.rdbuf(gzip ? static_cast<std::streambuf*>(&*gzip) : file.rdbuf());
+    lines.clear();
+  }
+
+  std::string path;
+  std::ifstream file;
+  std::optional<GzipBuffer> gzip;
+  std::istream lines;
+  std::size_t line = 0;  // the last one read
+};
+
+ProblemSource::ProblemSource(std::string folder) : folder_(std::move(folder)) {}
+ProblemSource::~ProblemSource() = default;
+
+LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
   if (const auto* recipe = std::get_if<Recipe>(&entry.source)) return MakeInstance(*recipe).problem;
-  return ReadProblem(std::get<FileSource>(entry.source), folder);
+  return Read(std::get<FileSource>(entry.source));
+}
+
+LcpProblem ProblemSource::Read(const FileSource& source) {
+  const std::string path = (std::filesystem::path(folder_) / source.path).string();
+  if (std::filesystem::path(path).extension() == ".mtx") return ReadMarketProblem(path).problem;
+  if (!open_ || open_->path != path || open_->line >= source.line) open_ = std::make_unique<OpenFile>(path);
+  std::string line;
+  while (open_->line < source.line) {
+    if (!std::getline(open_->lines, line)) {
+      throw InputError(path + ": expected " + std::to_string(source.line) + " lines, found " +
+                       std::to_string(open_->line));
+    }
+    ++open_->line;
+  }
+  return ParseLcpRecord(line, path + ":" + std::to_string(source.line)).problem;
 }
 
 std::string FormatManifest(const Manifest& manifest) {

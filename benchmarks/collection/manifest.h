@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -92,9 +93,22 @@ std::string FormatManifest(const Manifest& manifest);
 /// @throws InputError naming file, place, what was expected and what was found
 Manifest ReadManifest(const std::string& path);
 
-/// The problem of an entry, generated or read.
-/// @param folder  of the manifest
-/// @throws InputError as MakeInstance, or as the file's reader
-LcpProblem ProblemOf(const ManifestEntry& entry, const std::string& folder);
+/// Makes the problems of a manifest's entries, or reads them. Entries in the order of their file's lines cost one pass.
+class ProblemSource {
+ public:
+  /// @param folder  of the manifest
+  explicit ProblemSource(std::string folder);
+  ~ProblemSource();
+
+  /// @throws InputError as MakeInstance, or as the file's reader
+  LcpProblem Get(const ManifestEntry& entry);
+
+ private:
+  LcpProblem Read(const FileSource& source);
+
+  std::string folder_;
+  struct OpenFile;
+  std::unique_ptr<OpenFile> open_;  // of JSON lines
+};
 
 }  // namespace lcpbench

@@ -65,18 +65,23 @@ Eigen::MatrixXd Root(const LcpProblem& problem) {
   return root;
 }
 
-Measured<double> ExactCondition(const LcpProblem& problem, Index rank) {
-  if (rank == 0) return {std::nullopt, "A is zero"};
+// Rank and condition as double precision sees them.
+void MeasureSingularValues(const LcpProblem& problem, ProblemProperties* measured) {
   Eigen::MatrixXd matrix = problem.has_factors() ? Root(problem) : problem.DenseA();
   const Eigen::VectorXd values = SingularValues(&matrix);
-  const double largest = values[0];
-  const double smallest = values[std::min(rank, values.size()) - 1];
   // Below this a singular value is nothing but rounding.
+  const double largest = values.size() > 0 ? values[0] : 0;
   const double noise = static_cast<double>(problem.size()) * std::numeric_limits<double>::epsilon() * largest;
-  if (!(smallest > noise)) return {std::nullopt, "beyond double precision: singular values below their rounding"};
-  const double ratio = largest / smallest;
-  return {problem.has_factors() ? ratio * ratio : ratio,
-          problem.has_factors() ? "singular values of J M^-1/2" : "singular values of A"};
+  Index count = 0;
+  while (count < values.size() && values[count] > noise) ++count;
+  measured->numerical_rank = count;
+  if (count == 0) {
+    measured->condition = {std::nullopt, "A is zero"};
+    return;
+  }
+  const double ratio = largest / values[count - 1];
+  measured->condition = {problem.has_factors() ? ratio * ratio : ratio,
+                         problem.has_factors() ? "singular values of J M^-1/2" : "singular values of A"};
 }
 
 // Power iteration and inverse iteration: lower bounds that are seldom far off.
@@ -120,7 +125,7 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
   }
   if (const std::optional<Index> rank = RankOf(problem, kMostRowsExact)) {
     measured.rank = {rank, "exact, modulo two primes of 62 bits"};
-    measured.condition = ExactCondition(problem, *rank);
+    MeasureSingularValues(problem, &measured);
   } else if (problem.size() > kMostRowsEstimated) {
     const std::string reason = "not measured above " + std::to_string(kMostRowsEstimated) + " rows";
     measured.rank = {std::nullopt, reason};

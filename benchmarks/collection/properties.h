@@ -24,7 +24,9 @@ struct ProblemProperties {
   Index nonzeros_A = 0;
   std::optional<Index> nonzeros_J;
   Measured<Index> rank;
-  /// Largest eigenvalue of A by its smallest that is not 0.
+  /// Eigenvalues of A that are no mere rounding. Less than the rank where rows depend on each other but for rounding.
+  std::optional<Index> numerical_rank;
+  /// The largest of those eigenvalues by the smallest.
   Measured<double> condition;
   std::optional<double> redundancy;  ///< 1 - rank / rows, where the rank is known
   std::optional<double> mass_ratio;  ///< largest mass of those bodies by the smallest; factors only

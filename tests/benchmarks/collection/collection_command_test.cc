@@ -1,0 +1,103 @@
+// The commands `collection` and `import`, as a user calls them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+class CollectionCommand : public CommandTest {
+ protected:
+  // One line on standard error.
+  static void ExpectMisuse(const CommandOutcome& outcome, const std::string& text) {
+    EXPECT_EQ(outcome.status, 2) << outcome.error;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+};
+
+TEST_F(CollectionCommand, ChecksHashesAndSaysWhichProblemIsAnother) {
+  std::string text = ReadFile(LCPBENCH_SOURCE_DIR "/data/smoke.json");
+  Write("smoke.json", text);
+  const CommandOutcome good = Run("collection check " + Path("smoke.json"));
+  EXPECT_EQ(good.status, 0) << good.out << good.error;
+  EXPECT_NE(good.out.find("32 of 32"), std::string::npos) << good.out;
+  const size_t seed = text.find("\"seed\":");
+  text.replace(seed, 7, "\"seed\":9");
+  Write("other.json", text);
+  const CommandOutcome bad = Run("collection check " + Path("other.json"));
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_NE(bad.out.find("31 of 32"), std::string::npos) << bad.out;
+}
+
+TEST_F(CollectionCommand, BuildsATierAsItIsCommitted) {
+  const CommandOutcome outcome = Run("collection build engine -o " + folder_.string());
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_EQ(ReadFile(folder_ / "engine.json"), ReadFile(LCPBENCH_SOURCE_DIR "/data/engine.json"));
+}
+
+TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
+  const std::string manifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
+  std::filesystem::create_directories(folder_ / "set" / "deeper");
+  ASSERT_EQ(Run("collection write " + manifest + " rockers-n8-s11 rockers-n40-s11 -o " + Path("set/two.jsonl")).status, 0);
+  ASSERT_EQ(Run("collection write " + manifest + " gear-train-n8-s11 -o " + Path("gears.jsonl")).status, 0);
+  ASSERT_EQ(Run("convert " + Path("gears.jsonl") + " -o " + Path("set/deeper/gears.mtx")).status, 0);
+  const CommandOutcome outcome = Run("import " + Path("set") + " --provenance 'a test' --licence CC0-1.0");
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const CommandOutcome check = Run("collection check " + Path("set/manifest.json"));
+  EXPECT_EQ(check.status, 0) << check.out << check.error;
+  EXPECT_NE(check.out.find("3 of 3"), std::string::npos) << check.out;
+
+  const auto committed = nlohmann::json::parse(ReadFile(manifest));
+  const auto imported = nlohmann::json::parse(ReadFile(folder_ / "set" / "manifest.json"));
+  EXPECT_EQ(imported["name"], "set");
+  int compared = 0;
+  for (const auto& theirs : imported["problems"]) {
+    EXPECT_EQ(theirs["provenance"], "a test");
+    EXPECT_EQ(theirs["licence"], "CC0-1.0");
+    for (const auto& ours : committed["problems"]) {
+      // The converted one has the file's name.
+      if (ours["id"] != (theirs["id"] == "gears" ? nlohmann::json("gear-train-n8-s11") : theirs["id"])) continue;
+      ++compared;
+      for (const char* field : {"sha256", "rows", "rank", "condition", "fraction_active", "nonzeros_A", "bodies"}) {
+        EXPECT_EQ(theirs[field], ours[field]) << field;
+      }
+      EXPECT_EQ(theirs["reference"]["kind"], "certified");
+    }
+  }
+  EXPECT_EQ(compared, 3);
+}
+
+TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
+  std::filesystem::create_directories(folder_ / "set");
+  Write("set/a.jsonl", "{\"id\":\"good\",\"A\":[[2,1],[1,2]],\"b\":[-1,1]}\n{\"id\":\"bad\",\"A\":[[1]],\"b\":[1,2]}\n");
+  Write("set/b.mtx", "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 nan\n");
+  const CommandOutcome outcome = Run("import " + Path("set") + " --provenance p --licence CC0-1.0");
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("a.jsonl:2"), std::string::npos) << outcome.error;
+  EXPECT_NE(outcome.error.find("b_b.mtx"), std::string::npos) << outcome.error;
+  const auto imported = nlohmann::json::parse(ReadFile(folder_ / "set" / "manifest.json"));
+  ASSERT_EQ(imported["problems"].size(), 1U);
+  EXPECT_EQ(imported["problems"][0]["id"], "good");
+  EXPECT_EQ(imported["problems"][0]["file"]["line"], 1);
+}
+
+TEST_F(CollectionCommand, MistakesAreToldInOneLine) {
+  ExpectMisuse(Run("collection build middling -o " + folder_.string()), "unknown tier 'middling'");
+  ExpectMisuse(Run("collection build smoke -o " + Path("nowhere")), "expected a folder");
+  ExpectMisuse(Run("collection check " + Path("nowhere.json")), "cannot be opened");
+  ExpectMisuse(Run("collection write " LCPBENCH_SOURCE_DIR "/data/smoke.json no-such-problem"), "no-such-problem");
+  ExpectMisuse(Run("import " + Path("nowhere") + " --provenance p --licence l"), "expected a folder");
+  std::filesystem::create_directories(folder_ / "empty");
+  ExpectMisuse(Run("import " + Path("empty") + " --provenance p --licence l"), "found none");
+  ExpectMisuse(Run("import " + Path("empty") + " --provenance p"), "--licence");
+}
+
+}  // namespace
+}  // namespace lcpbench

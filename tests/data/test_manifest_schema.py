@@ -1,0 +1,134 @@
+"""The published JSON Schema of manifests accepts the collection's and refuses what is malformed."""
+
+import copy
+import json
+import unittest
+from pathlib import Path
+
+import jsonschema
+
+_DATA = Path(__file__).resolve().parents[2] / "data"
+_TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological"]
+_REMOVED = object()
+
+# Changes of the smoke tier's manifest that must not pass.
+_MALFORMED = [
+    (("lcpbench_manifest",), 2),
+    (("name",), _REMOVED),
+    (("version",), 1),
+    (("problems",), {}),
+    (("refused", 0, "reason"), _REMOVED),
+    (("refused_by_reason",), {"f = 0": 0}),
+    (("problems", 0, "id"), ""),
+    (("problems", 0, "recipe"), _REMOVED),
+    (("problems", 0, "file"), {"path": "a.jsonl", "line": 1}),
+    (("problems", 0, "recipe", "rows"), 0),
+    (("problems", 0, "recipe", "seed"), -1),
+    (("problems", 0, "recipe", "changes"), [{"name": "magic", "amount": 1}]),
+    (("problems", 0, "rank"), -1),
+    (("problems", 0, "rank_method"), _REMOVED),
+    (("problems", 0, "condition"), 0.5),
+    (("problems", 0, "fraction_active"), 1.5),
+    (("problems", 0, "reference", "kind"), "believed"),
+    (("problems", 0, "licence"), _REMOVED),
+    (("problems", 0, "sha256"), "0123"),
+    (("problems", 0, "colour"), "red"),
+]
+
+
+def _manifest(tier):
+    return json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8"))
+
+
+def _changed(document, path, value):
+    document = copy.deepcopy(document)
+    parent = document
+    for key in path[:-1]:
+        parent = parent[key]
+    if value is _REMOVED:
+        del parent[path[-1]]
+    else:
+        parent[path[-1]] = value
+    return document
+
+
+class ManifestSchema(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        schema = json.loads((_DATA / "manifest.schema.json").read_text(encoding="utf-8"))
+        jsonschema.Draft7Validator.check_schema(schema)
+        cls.validator = jsonschema.Draft7Validator(schema)
+
+    def test_every_tier_is_valid(self):
+        for tier in _TIERS:
+            with self.subTest(tier):
+                errors = list(self.validator.iter_errors(_manifest(tier)))
+                self.assertEqual([error.message for error in errors], [])
+
+    def test_malformed_manifests_are_refused(self):
+        smoke = _manifest("smoke")
+        self.validator.validate(smoke)
+        for path, value in _MALFORMED:
+            with self.subTest("/".join(map(str, path)), value=value):
+                self.assertFalse(self.validator.is_valid(_changed(smoke, path, value)))
+
+
+class Collection(unittest.TestCase):
+    """What data/README.md promises of the tiers."""
+
+    def test_ids_and_contents_are_unique(self):
+        ids, hashes = [], []
+        for tier in _TIERS:
+            manifest = _manifest(tier)
+            for item in manifest["problems"] + manifest["sequences"]:
+                ids.append(item["id"])
+                hashes.append(item["sha256"])
+        # The engine's and the standard tier's problems differ in size; nothing is counted twice.
+        self.assertEqual(len(set(ids)), len(ids))
+        self.assertEqual(len(set(hashes)), len(hashes))
+
+    def test_sizes_of_the_tiers(self):
+        standard = _manifest("standard")["problems"]
+        self.assertGreaterEqual(len(standard), 600)
+        self.assertEqual(min(p["rows"] for p in standard), 4)
+        self.assertEqual(max(p["rows"] for p in standard), 10_000)
+        self.assertEqual({p["rows"] for p in _manifest("engine")["problems"]}, {1, 2, 3})
+        self.assertEqual(max(p["rows"] for p in _manifest("large")["problems"]), 1_000_000)
+        self.assertGreaterEqual(len(_manifest("sequences")["sequences"]), 30)
+
+    def test_no_trivial_problems(self):
+        for tier in ("smoke", "standard"):
+            for problem in _manifest(tier)["problems"]:
+                self.assertLess(problem["fraction_active"], 1, problem["id"])
+                self.assertEqual(problem["reference"].get("status", "solved"), "solved", problem["id"])
+
+    def test_pathological_problems_say_what_they_break(self):
+        for problem in _manifest("pathological")["problems"]:
+            self.assertTrue(problem.get("purpose", "").endswith("."), problem["id"])
+
+    def test_rank_and_condition_are_there_up_to_2000_rows(self):
+        for tier in ("smoke", "engine", "standard", "pathological"):
+            for problem in _manifest(tier)["problems"]:
+                if problem["rows"] <= 2000:
+                    self.assertIn("exact", problem["rank_method"], problem["id"])
+                    self.assertTrue(problem["condition"] is not None or "zero" in problem["condition_method"])
+
+    def test_grids_vary_one_thing(self):
+        grids = {}
+        for problem in _manifest("standard")["problems"]:
+            if "grid" not in problem:
+                continue
+            (change,) = problem["recipe"]["changes"]
+            rows = problem["recipe"]["rows"]
+            grids.setdefault((problem["grid"], problem["family"], rows), []).append((change["name"], change["amount"]))
+        self.assertEqual(
+            {key[0] for key in grids},
+            {"mass ratio", "redundancy", "condition", "active fraction", "curvature contrast"},
+        )
+        for key, points in grids.items():
+            self.assertGreaterEqual(len(points), 3, key)
+            self.assertEqual(len({name for name, _ in points}), 1, key)
+
+
+if __name__ == "__main__":
+    unittest.main()
