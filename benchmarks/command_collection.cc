@@ -41,11 +41,12 @@ int Build(const BuildArguments& arguments) {
     bar->Advance(1, id);
   });
   bar.reset();
-  if (!built.manifest.references.empty()) {
-    const fs::path references = folder / built.manifest.references;
-    fs::create_directories(references.parent_path());
-    WriteGzipFile(references.string(), built.references);
-  }
+  const auto write = [&folder](const fs::path& name, const std::string& lines) {
+    fs::create_directories((folder / name).parent_path());
+    WriteGzipFile((folder / name).string(), lines);
+  };
+  if (tier.has_references) write(built.manifest.references, built.references);
+  if (tier.has_files) write("problems/" + tier.name + ".jsonl.gz", built.problems);
   const fs::path path = folder / (tier.name + ".json");
   std::ofstream file(path);
   file << FormatManifest(built.manifest);
@@ -128,9 +129,8 @@ int WriteProblems(const WriteArguments& arguments) {
   }
   for (const SequenceEntry& entry : manifest.sequences) {
     if (!wanted(entry.id)) continue;
-    ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem&) {
-      write(problem);
-    });
+    ForEachSequenceProblem(entry.start, entry.steps,
+                           [&](const LcpProblem& problem, const MotionProblem&) { write(problem); });
   }
   if (!left.empty()) throw InputError(arguments.manifest + ": no problem or sequence '" + left.front() + "'");
   out.flush();

@@ -153,9 +153,13 @@ void AddImportCommand(CLI::App& app, CommandRun& run) {
   import->add_option("--licence", arguments->licence, "SPDX name of their licence")->required();
   import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly")
       ->capture_default_str();
-  import->footer("Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
-                 "out; exit status 2 then.");
-  import->callback([arguments, &run] { run = [arguments] { return Import(*arguments); }; });
+  import->footer(
+      "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
+      "out; exit status 2 then.");
+  import->callback([arguments, &run] { run = [arguments] { return Import(*arguments);
+};
+}  // namespace lcpbench
+);
 }
 
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "benchmarks/collection/sequences.h"
+#include "solvers/lcp/json_lines.h"
 
 namespace lcpbench {
 namespace {
@@ -19,7 +20,7 @@ std::string WhyRefused(const LcpProblem& problem, const Examined& examined) {
 
 // An entry, or the reason why there is none.
 std::string Try(const Tier& tier, const Candidate& candidate, const ExamineOptions& options, ManifestEntry* entry,
-                std::string* reference_line) {
+                BuiltTier* built) {
   const Instance instance = MakeInstance(candidate.recipe);
   Examined examined = Examine(instance.problem, options);
   if (tier.refuses) {
@@ -38,7 +39,8 @@ std::string Try(const Tier& tier, const Candidate& candidate, const ExamineOptio
   entry->provenance = kProvenance;
   entry->licence = kLicence;
   entry->sha256 = std::move(examined.sha256);
-  *reference_line = std::move(examined.reference_line);
+  if (tier.has_references && !examined.reference_line.empty()) built->references += examined.reference_line + '\n';
+  if (tier.has_files) built->problems += FormatLcpRecord(instance.problem) + '\n';
   return {};
 }
 
@@ -59,10 +61,8 @@ BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
     for (int k = 0; k < kSeedsTried; ++k, candidate.recipe.seed += kSeedStep) {
       id = RecipeId(candidate.recipe);
       ManifestEntry entry;
-      std::string line;
-      const std::string reason = Try(tier, candidate, options, &entry, &line);
+      const std::string reason = Try(tier, candidate, options, &entry, &built);
       if (reason.empty()) {
-        if (tier.has_references && !line.empty()) built.references += line + '\n';
         manifest.problems.push_back(std::move(entry));
         break;
       }

@@ -9,10 +9,11 @@
 
 namespace lcpbench {
 
-/// A manifest with its file of references, JSON lines.
+/// A manifest with its file of references, and of problems where the tier has one: JSON lines.
 struct BuiltTier {
   Manifest manifest;
   std::string references;
+  std::string problems;
 };
 
 /// Makes and examines every problem and sequence of a tier. Where the tier refuses, a candidate that is trivial

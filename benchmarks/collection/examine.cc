@@ -1,11 +1,14 @@
 #include "benchmarks/collection/examine.h"
 
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/exact_guess.h"
+#include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -23,7 +26,19 @@ Eigen::VectorXd ToDoubles(const std::vector<Rational>& values) {
 
 Json ToJson(const Eigen::VectorXd& values) { return std::vector<double>(values.begin(), values.end()); }
 
-// True where a proved answer is known, and written into `examined`.
+// |D^-1/2 b|_2
+double LoadScale(const LcpProblem& problem) {
+  double squared = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const double d = problem.DiagonalA()[i] > 0 ? problem.DiagonalA()[i] : 1;
+    squared += problem.b()[i] * problem.b()[i] / d;
+  }
+  return std::sqrt(squared);
+}
+
+// ----- proved answers
+
+// True where one is known; then it is written into `examined`.
 bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
   ExactOptions exact_options;
   exact_options.time_limit_s = options.time_limit_s;
@@ -66,24 +81,78 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
   return true;
 }
 
-// An answer by our solvers, judged by the verifier.
-bool Solve(const LcpProblem& problem, Examined* examined) {
-  LcpOptions options;
-  options.tolerance = 1e-10;
-  constexpr double kTimeLimit = 300;
-  options.time_limit_s = kTimeLimit;
-  LcpResult result;
-  MakeSolver("auto")->Solve(problem, options, &result);
-  const Metrics metrics = ComputeMetrics(problem, result.f);
-  if (!PassesTier(metrics, 1e-9)) return false;
-  double scale = 0;
-  for (Index i = 0; i < problem.size(); ++i) {
-    const double d = problem.DiagonalA()[i] > 0 ? problem.DiagonalA()[i] : 1;
-    scale = std::max(scale, std::abs(problem.b()[i]) / std::sqrt(d));
+// ----- solved and bounded answers
+
+// By our solvers, as good as the verifier finds it; none where it does not pass 1e-9.
+std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOptions& options) {
+  std::optional<Eigen::VectorXd> best;
+  double best_rho = std::numeric_limits<double>::infinity();
+  for (const double tolerance : {1e-12, 1e-9}) {
+    LcpOptions lcp;
+    lcp.tolerance = tolerance;
+    lcp.time_limit_s = options.time_limit_s;
+    LcpResult result;
+    MakeSolver("auto")->Solve(problem, lcp, &result);
+    const Metrics metrics = ComputeMetrics(problem, result.f);
+    if (PassesTier(metrics, 1e-9) && metrics.rho < best_rho) {
+      best_rho = metrics.rho;
+      best = result.f;
+    }
+    if (result.status == LcpStatus::kSolved) break;
   }
-  constexpr double kNegligible = 1e-8;
-  examined->answer = MeasureAnswer(problem, result.f, metrics.w, kNegligible * scale);
-  return true;
+  return best;
+}
+
+BoundedReference Bound(const LcpProblem& problem, const Eigen::VectorXd& f, const ExamineOptions& options) {
+  BoundedOptions bounded;
+  bounded.time_limit_s = options.time_limit_s;
+  return RefineReference(problem, f, bounded);
+}
+
+void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined* examined) {
+  const Eigen::VectorXd f = ToDoubles(bounded.f);
+  ReferenceSummary& reference = examined->reference;
+  reference = {};
+  reference.kind = "bounded";
+  reference.status = "solved";
+  reference.proof = ToString(bounded.proof);
+  reference.energy_bound = bounded.energy_bound;
+  reference.energy_shift = bounded.energy_shift;
+  reference.w_bound = bounded.w_bound;
+  reference.f_bound = bounded.f_bound;
+  reference.detail = bounded.detail;
+  if (bounded.proof == BoundedReference::Proof::kActiveRows) {
+    // f > 0 on the rows with w = 0 is part of the proof, and that there is no other f.
+    reference.f_unique = true;
+    reference.nullity_on_active = 0;
+    reference.strictly_complementary = true;
+    examined->answer = MeasureAnswer(problem, f, bounded.w, 0);
+  } else {
+    constexpr double kNegligible = 1e-12;
+    examined->answer = MeasureAnswer(problem, f, bounded.w, kNegligible * LoadScale(problem));
+  }
+  Json line;
+  line["id"] = problem.id();
+  line["kind"] = reference.kind;
+  line["status"] = reference.status;
+  line["proof"] = reference.proof;
+  line["energy_bound"] = bounded.energy_bound;
+  line["energy_shift"] = bounded.energy_shift;
+  line["w_bound"] = bounded.w_bound;
+  line["w"] = ToJson(bounded.w);
+  line["f"] = ToJson(f);
+  examined->reference_line = line.dump();
+}
+
+// A problem that has an exact ray: solvable but for roundings?
+void LookNearby(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  const std::optional<Eigen::VectorXd> f = Solve(problem, options);
+  if (!f.has_value()) return;
+  const BoundedReference bounded = Bound(problem, *f, options);
+  if (bounded.energy_shift > kRounding * LoadScale(problem)) return;
+  Write(problem, bounded, examined);
+  examined->reference.detail =
+      "no solution as its doubles say it, by an exact ray; the bounds are for a problem nearby";
 }
 
 }  // namespace
@@ -92,8 +161,22 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {
   Examined examined;
   examined.sha256 = ContentHash(problem);
   examined.properties = MeasureProperties(problem);
-  if (problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) return examined;
-  if (!Solve(problem, &examined)) examined.reference.detail = "not solved";
+  if (problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
+    if (examined.reference.status == "infeasible") LookNearby(problem, options, &examined);
+    return examined;
+  }
+  const std::optional<Eigen::VectorXd> f = Solve(problem, options);
+  if (!f.has_value()) {
+    examined.reference.detail = "not solved to 1e-9";
+  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite) {
+    Write(problem, Bound(problem, *f, options), &examined);
+  } else {
+    examined.reference.detail = problem.size() > options.bounded_up_to
+                                    ? "none above " + std::to_string(options.bounded_up_to) + " rows"
+                                    : "A is not known to be positive semidefinite";
+    constexpr double kNegligible = 1e-8;
+    examined.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
+  }
   return examined;
 }
 

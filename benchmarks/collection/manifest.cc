@@ -53,14 +53,16 @@ Json Describe(const ReferenceSummary& reference) {
   Json json;
   json["kind"] = reference.kind;
   if (!reference.status.empty()) json["status"] = reference.status;
-  if (reference.kind == "certified" && reference.status == "solved") {
+  if (reference.status == "solved") {
     json["f_unique"] = OrNull(reference.f_unique);
     json["nullity_on_active"] = OrNull(reference.nullity_on_active);
     json["strictly_complementary"] = OrNull(reference.strictly_complementary);
   }
+  if (!reference.proof.empty()) json["proof"] = reference.proof;
   if (reference.energy_bound) json["energy_bound"] = Rounded(*reference.energy_bound);
   if (reference.energy_shift) json["energy_shift"] = Rounded(*reference.energy_shift);
   if (reference.w_bound) json["w_bound"] = Rounded(*reference.w_bound);
+  if (reference.f_bound) json["f_bound"] = Rounded(*reference.f_bound);
   if (!reference.detail.empty()) json["detail"] = reference.detail;
   return json;
 }
@@ -176,8 +178,8 @@ ManifestEntry ReadEntry(const JsonField& field) {
   entry.id = field["id"].String();
   entry.family = field["family"].String();
   if (field.Has("file")) {
-    entry.source = FileSource{field["file"]["path"].String(),
-                              static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
+    entry.source =
+        FileSource{field["file"]["path"].String(), static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
   } else {
     entry.source = ReadRecipe(field["recipe"]);
   }

@@ -16,8 +16,8 @@ namespace lcpbench {
 
 /// A problem in a file beside the manifest.
 struct FileSource {
-  std::string path;     ///< relative to the manifest's folder
-  std::size_t line = 1; ///< of JSON lines, from 1; 1 for other formats
+  std::string path;      ///< relative to the manifest's folder
+  std::size_t line = 1;  ///< of JSON lines, from 1; 1 for other formats
 };
 
 /// What is known of a problem's answer, without the numbers: those stand in the manifest's file of references.
@@ -27,9 +27,12 @@ struct ReferenceSummary {
   std::optional<bool> f_unique;
   std::optional<Index> nullity_on_active;  ///< of A on the rows with w = 0
   std::optional<bool> strictly_complementary;
-  std::optional<double> energy_bound;  ///< of a bounded reference, see bounded_reference.h
+  // Of a bounded reference, see bounded_reference.h.
+  std::string proof;
+  std::optional<double> energy_bound;
   std::optional<double> energy_shift;
   std::optional<double> w_bound;
+  std::optional<double> f_bound;
   std::string detail;  ///< why there is none, or what is not known
 };
 
@@ -51,8 +54,8 @@ struct ManifestEntry {
 struct SequenceEntry {
   std::string id;
   std::string family;
-  Recipe start;           ///< the scene that starts moving; no changes
-  int steps = 0;          ///< of the scene's own length
+  Recipe start;   ///< the scene that starts moving; no changes
+  int steps = 0;  ///< of the scene's own length
   std::int64_t problems = 0;
   Index least_rows = 0;
   Index median_rows = 0;
@@ -63,8 +66,8 @@ struct SequenceEntry {
   std::int64_t left = 0;
   std::int64_t activated = 0;
   std::int64_t deactivated = 0;
-  double churn = 0;       ///< (activated + deactivated + entered + left) by rows, mean over those problems
-  double still_share = 0; ///< of those problems, the share without any such change
+  double churn = 0;        ///< (activated + deactivated + entered + left) by rows, mean over those problems
+  double still_share = 0;  ///< of those problems, the share without any such change
   std::string provenance;
   std::string licence;
   std::string sha256;  ///< SequenceHash

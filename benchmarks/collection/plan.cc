@@ -49,29 +49,42 @@ void AddGrid(const char* property, const char* change, std::initializer_list<std
   }
 }
 
+Tier Named(const char* name, const char* purpose) {
+  Tier tier;
+  tier.name = name;
+  tier.purpose = purpose;
+  return tier;
+}
+
 void AddHard(Candidate candidate, std::string_view purpose, Tier* tier) {
   candidate.purpose = purpose;
   tier->problems.push_back(std::move(candidate));
 }
 
 Tier Smoke() {
-  Tier tier{"smoke", "Every scene family at two small sizes: all solvers in seconds.", true, true, {}, {}};
+  Tier tier = Named("smoke", "Every scene family at two small sizes: all solvers in seconds.");
+  tier.refuses = true;
+  tier.has_references = true;
+  tier.has_files = true;
   AddEveryScene({8, 40}, 11, 11, &tier);
   return tier;
 }
 
 Tier Engine() {
-  Tier tier{"engine", "One to three rows, as a physics engine's islands mostly are: timed, never counted as hard.",
-            true, true, {}, {}};
+  Tier tier =
+      Named("engine", "One to three rows, as a physics engine's islands mostly are: timed, never counted as hard.");
+  tier.has_references = true;
   AddEveryScene({1, 2, 3}, 1, 3, &tier);
-  // What few rows have as answer is trivial more often than not, and belongs to an engine's everyday.
-  tier.refuses = false;
+  // What few rows have as answer is trivial more often than not, and belongs to an engine's everyday: nothing is
+  // refused.
   return tier;
 }
 
 Tier Standard() {
-  Tier tier{"standard", "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.",
-            true, true, {}, {}};
+  Tier tier = Named("standard",
+                    "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.");
+  tier.refuses = true;
+  tier.has_references = true;
   AddEveryScene({4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, 1, 2, &tier);
   AddEveryScene({2000}, 1, 1, &tier);
   AddScenes({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl",
@@ -79,32 +92,35 @@ Tier Standard() {
             {4000, 10'000}, 1, &tier);
   AddGrid("mass ratio", "mass-ratio", {"disc-pile", "rounded-wall", "chain-of-links"}, {100, 400},
           {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}, &tier);
-  AddGrid("redundancy", "duplicate-rows", {"ovals-in-bowl", "disc-pile", "disc-track"}, {100, 400},
-          {0.1, 0.25, 0.5, 1}, &tier);
+  AddGrid("redundancy", "duplicate-rows", {"ovals-in-bowl", "disc-pile", "disc-track"}, {100, 400}, {0.1, 0.25, 0.5, 1},
+          &tier);
   AddGrid("condition", "crowd-contacts", {"ovals-in-bowl", "rockers", "spinning-drum"}, {100, 400},
           {1, 1e-1, 1e-2, 1e-3, 1e-4}, &tier);
   AddGrid("active fraction", "slack", {"disc-pile", "ovals-in-bowl", "disc-track"}, {100, 400},
           {-0.5, -0.25, 0.25, 0.5, 1, 1.5}, &tier);
-  AddGrid("curvature contrast", "curvature-contrast", {"disc-track", "rockers", "ovals-in-bowl", "gear-train", "cam-follower"},
-          {100, 400}, {3, 10, 30, 100, 1000}, &tier);
+  AddGrid("curvature contrast", "curvature-contrast",
+          {"disc-track", "rockers", "ovals-in-bowl", "gear-train", "cam-follower"}, {100, 400}, {3, 10, 30, 100, 1000},
+          &tier);
   return tier;
 }
 
 Tier Large() {
-  Tier tier{"large", "10^4 to 10^6 rows, generated when they are wanted.", false, false, {}, {}};
+  Tier tier = Named("large", "10^4 to 10^6 rows, generated when they are wanted.");
   AddEveryScene({20'000, 100'000}, 1, 1, &tier);
   AddScenes({"disc-pile", "disc-track", "ovals-in-bowl", "rounded-wall"}, {300'000, 1'000'000}, 1, &tier);
   return tier;
 }
 
 Tier Pathological() {
-  Tier tier{"pathological", "Problems that are meant to break something, each of which says what.", false, true, {}, {}};
+  Tier tier = Named("pathological", "Problems that are meant to break something, each of which says what.");
+  tier.has_references = true;
   for (const HardCase& hard : AllHardCases()) {
     for (const int rows : {8, 40, 200}) AddHard(Of(hard.key, rows, 1), hard.purpose, &tier);
   }
   for (const std::string_view scene : {"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}) {
     for (const int rows : {60, 240}) {
-      AddHard(Of(scene, rows, 21), "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.", &tier);
+      AddHard(Of(scene, rows, 21), "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.",
+              &tier);
     }
   }
   AddHard(Of("roller-bearing", 60, 1),
@@ -150,7 +166,7 @@ Tier Pathological() {
 }
 
 Tier Sequences() {
-  Tier tier{"sequences", "Consecutive problems of scenes in motion: what warm starts are for.", false, false, {}, {}};
+  Tier tier = Named("sequences", "Consecutive problems of scenes in motion: what warm starts are for.");
   constexpr int kSteps = 200;
   const auto add = [&tier](std::string_view scene, int rows) {
     tier.sequences.push_back({{std::string(scene), rows, 1, {}}, kSteps});

@@ -27,8 +27,11 @@ struct Tier {
   std::string name;
   std::string purpose;
   /// Trivial problems and problems without a solution are refused, and the next seed is tried.
-  bool refuses = true;
-  bool has_references = true;
+  bool refuses = false;
+  /// Proved answers are written.
+  bool has_references = false;
+  /// The problems themselves are written as well.
+  bool has_files = false;
   std::vector<Candidate> problems;
   std::vector<SequenceCandidate> sequences;
 };

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "benchmarks/collection/singular_values.h"
-#include "benchmarks/oracle.h"
 #include "model/scenes/random.h"
 #include "solvers/exact/sparse_rank.h"
 
@@ -123,23 +122,17 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
     measured.bodies = bodies.count;
     measured.mass_ratio = bodies.mass_ratio;
   }
-  if (const std::optional<Index> rank = RankOf(problem, kMostRowsExact)) {
-    measured.rank = {rank, "exact, modulo two primes of 62 bits"};
+  measured.rank.value = RankOf(problem, kMostRowsDense);
+  measured.rank.method = measured.rank.value ? "exact, modulo two primes of 62 bits"
+                                             : "not measured above " + std::to_string(kMostRowsDense) + " rows of A";
+  if (problem.size() <= kMostRowsDense) {
     MeasureSingularValues(problem, &measured);
   } else if (problem.size() > kMostRowsEstimated) {
-    const std::string reason = "not measured above " + std::to_string(kMostRowsEstimated) + " rows";
-    measured.rank = {std::nullopt, reason};
-    measured.condition = {std::nullopt, reason};
+    measured.condition.method = "not measured above " + std::to_string(kMostRowsEstimated) + " rows";
+  } else if (measured.rank.value.has_value() && *measured.rank.value < problem.size()) {
+    measured.condition.method = "A is singular, and too large for all its singular values";
   } else {
-    std::vector<Index> all(static_cast<size_t>(problem.size()));
-    for (size_t k = 0; k < all.size(); ++k) all[k] = static_cast<Index>(k);
-    const auto independent = static_cast<Index>(IndependentRows(problem.SparseA(), all).size());
-    measured.rank = {independent, "estimate: sparse LDL^T, pivots above 1e-10 of the diagonal"};
-    if (independent == problem.size()) {
-      measured.condition = EstimatedCondition(problem);
-    } else {
-      measured.condition = {std::nullopt, "A is singular, and too large for all its singular values"};
-    }
+    measured.condition = EstimatedCondition(problem);
   }
   if (problem.size() > 0 && measured.rank.value.has_value()) {
     measured.redundancy = 1 - static_cast<double>(*measured.rank.value) / static_cast<double>(problem.size());

@@ -33,12 +33,12 @@ struct ProblemProperties {
   std::map<std::string, int> kinds;  ///< constraints by kind (CountKinds); empty where no scene is known
 };
 
-/// Up to this many rows rank (but for a probability of 2^-50) and condition are exact, above they are estimates.
-inline constexpr Index kMostRowsExact = 2000;
-/// Above this many rows there are none.
+/// Up to this many rows conditions are by all singular values, and ranks without factors are measured.
+inline constexpr Index kMostRowsDense = 2000;
+/// Up to this many rows conditions are estimated where A is nonsingular; above there are none.
 inline constexpr Index kMostRowsEstimated = 20'000;
 
-/// O(rows^2 columns) up to kMostRowsExact, above what a sparse factorisation of A costs, and then O(entries of A).
+/// O(rows^2 columns) up to kMostRowsDense, then what a sparse factorisation of A costs, and then O(entries of A).
 ProblemProperties MeasureProperties(const LcpProblem& problem);
 
 /// How the answer lies: by exact zeros of w and f where these are proved, else by `negligible`.

@@ -71,7 +71,9 @@ LcpProblem WithId(const LcpProblem& given, std::string id) {
 }
 
 std::string KindOf(const Feature& feature) {
-  const auto curved = [](Side side, const char* name) { return (side == Side::kConcave ? "concave " : "") + std::string(name); };
+  const auto curved = [](Side side, const char* name) {
+    return (side == Side::kConcave ? "concave " : "") + std::string(name);
+  };
   return std::visit(Overloaded{[](const Vertex&) { return std::string("vertex"); },
                                [](const StraightEdge&) { return std::string("straight"); },
                                [&](const ArcEdge& edge) { return curved(edge.side, "arc"); },

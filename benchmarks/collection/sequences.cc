@@ -42,7 +42,8 @@ std::string ForEachSequenceProblem(
   for (int k = 0; k < steps; ++k) {
     acceleration_met = false;
     motion->Advance(scene.step);
-    if (motion->status() != MotionStatus::kMoving) return "stopped in step " + std::to_string(k) + ": " + motion->detail();
+    if (motion->status() != MotionStatus::kMoving)
+      return "stopped in step " + std::to_string(k) + ": " + motion->detail();
   }
   return {};
 }
@@ -58,22 +59,23 @@ SequenceEntry MeasureSequence(const Recipe& start, int steps) {
   std::vector<Index> rows;
   std::int64_t still = 0;
   double churn = 0;
-  const std::string end = ForEachSequenceProblem(start, steps, [&](const LcpProblem& problem, const MotionProblem& met) {
-    hash.Add(problem);
-    rows.push_back(problem.size());
-    if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
-    const ActiveSetChange change = history.Follow(met, ComputeMetrics(problem, met.result.f).w);
-    if (rows.size() == 1) return;
-    const auto count = [](const std::vector<int>& list) { return static_cast<std::int64_t>(list.size()); };
-    entry.entered += count(change.entered);
-    entry.left += count(change.left);
-    entry.activated += count(change.activated);
-    entry.deactivated += count(change.deactivated);
-    const std::int64_t changes =
-        count(change.entered) + count(change.left) + count(change.activated) + count(change.deactivated);
-    if (changes == 0) ++still;
-    churn += static_cast<double>(changes) / static_cast<double>(std::max<Index>(problem.size(), 1));
-  });
+  const std::string end =
+      ForEachSequenceProblem(start, steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        hash.Add(problem);
+        rows.push_back(problem.size());
+        if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
+        const ActiveSetChange change = history.Follow(met, ComputeMetrics(problem, met.result.f).w);
+        if (rows.size() == 1) return;
+        const auto count = [](const std::vector<int>& list) { return static_cast<std::int64_t>(list.size()); };
+        entry.entered += count(change.entered);
+        entry.left += count(change.left);
+        entry.activated += count(change.activated);
+        entry.deactivated += count(change.deactivated);
+        const std::int64_t changes =
+            count(change.entered) + count(change.left) + count(change.activated) + count(change.deactivated);
+        if (changes == 0) ++still;
+        churn += static_cast<double>(changes) / static_cast<double>(std::max<Index>(problem.size(), 1));
+      });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
   entry.problems = static_cast<std::int64_t>(rows.size());
   if (rows.size() > 1) {

@@ -91,8 +91,10 @@ Index SparseRank(const SparseMatrix& matrix) {
 }
 
 std::optional<Index> RankOf(const LcpProblem& problem, Index most_rows) {
-  if (problem.size() > most_rows) return std::nullopt;
-  if (!problem.has_factors()) return SparseRank(problem.SparseA());
+  if (!problem.has_factors()) {
+    if (problem.size() > most_rows) return std::nullopt;
+    return SparseRank(problem.SparseA());
+  }
   SparseMatrix movable = problem.J();
   movable.prune([&problem](Index, Index column, double) { return problem.inverse_mass()[column] > 0; });
   return SparseRank(movable);

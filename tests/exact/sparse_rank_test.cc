@@ -13,7 +13,9 @@ namespace {
 // Products of small integers: the rank is that of the narrow middle, but for bad luck that the seeds do not have.
 TEST(SparseRank, IsThatOfTheFactors) {
   std::mt19937 random(1);
-  const auto integer = [&random](int most) { return static_cast<int>(random() % (2 * static_cast<unsigned>(most) + 1)) - most; };
+  const auto integer = [&random](int most) {
+    return static_cast<int>(random() % (2 * static_cast<unsigned>(most) + 1)) - most;
+  };
   for (int trial = 0; trial < 200; ++trial) {
     const Index rows = 1 + static_cast<Index>(random() % 20);
     const Index columns = 1 + static_cast<Index>(random() % 20);
@@ -50,13 +52,14 @@ TEST(SparseRank, OfAProblemCountsColumnsThatCanMove) {
       LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2));
   EXPECT_EQ(RankOf(problem, 10), 2);
   inverse_mass[5] = 0;
-  EXPECT_EQ(RankOf(LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2)),
-                   10),
-            1);
-  EXPECT_EQ(RankOf(problem, 1), std::nullopt);
+  EXPECT_EQ(
+      RankOf(LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2)), 10), 1);
+  EXPECT_EQ(RankOf(problem, 1), 2);
   Eigen::MatrixXd A(2, 2);
   A << 1, 2, 2, 4;
-  EXPECT_EQ(RankOf(LcpProblem::FromDense("", A, Eigen::VectorXd::Zero(2)), 10), 1);
+  const auto dense = LcpProblem::FromDense("", A, Eigen::VectorXd::Zero(2));
+  EXPECT_EQ(RankOf(dense, 2), 1);
+  EXPECT_EQ(RankOf(dense, 1), std::nullopt);
 }
 
 }  // namespace

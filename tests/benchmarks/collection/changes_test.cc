@@ -263,8 +263,8 @@ TEST(Changes, AreTheSameForTheSameSeedOnly) {
   for (const ChangeKind& kind : AllChanges()) {
     if (std::string(kind.name) == "conformal" || std::string(kind.name) == "slack") continue;
     const double amount = std::string(kind.name) == "mass-ratio" || std::string(kind.name) == "curvature-contrast" ? 100
-                          : std::string(kind.name) == "scale-rows"                                               ? 30
-                                                                                                                  : 0.5;
+                          : std::string(kind.name) == "scale-rows"                                                 ? 30
+                                                                   : 0.5;
     const Recipe recipe{"rockers", kRows, 1, {{kind.name, amount}}};
     Recipe other = recipe;
     other.seed = 2;
@@ -280,9 +280,9 @@ TEST(Changes, AreTheSameForTheSameSeedOnly) {
 
 TEST(Changes, RefuseImpossibleNumbers) {
   const std::pair<const char*, double> kImpossible[] = {
-      {"duplicate-rows", 1.5}, {"duplicate-rows", -0.1},    {"oppose-rows", std::nan("")}, {"crowd-contacts", 0},
-      {"scale-rows", 0.5},     {"scale-rows", 1000},        {"mass-ratio", 0.5},           {"curvature-contrast", 0.5},
-      {"conformal", 1},        {"slack", std::nan("")},     {"no-such-change", 1},         {"conformal", 0}};
+      {"duplicate-rows", 1.5}, {"duplicate-rows", -0.1}, {"oppose-rows", std::nan("")}, {"crowd-contacts", 0},
+      {"scale-rows", 0.5},     {"scale-rows", 1000},     {"mass-ratio", 0.5},           {"curvature-contrast", 0.5},
+      {"conformal", 1},        {"slack", std::nan("")},  {"no-such-change", 1},         {"conformal", 0}};
   for (const auto& [name, amount] : kImpossible) {
     try {
       MakeInstance({"disc-track", 20, 1, {{name, amount}}});

@@ -45,7 +45,8 @@ TEST_F(CollectionCommand, BuildsATierAsItIsCommitted) {
 TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
   const std::string manifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
   std::filesystem::create_directories(folder_ / "set" / "deeper");
-  ASSERT_EQ(Run("collection write " + manifest + " rockers-n8-s11 rockers-n40-s11 -o " + Path("set/two.jsonl")).status, 0);
+  ASSERT_EQ(Run("collection write " + manifest + " rockers-n8-s11 rockers-n40-s11 -o " + Path("set/two.jsonl")).status,
+            0);
   ASSERT_EQ(Run("collection write " + manifest + " gear-train-n8-s11 -o " + Path("gears.jsonl")).status, 0);
   ASSERT_EQ(Run("convert " + Path("gears.jsonl") + " -o " + Path("set/deeper/gears.mtx")).status, 0);
   const CommandOutcome outcome = Run("import " + Path("set") + " --provenance 'a test' --licence CC0-1.0");
@@ -76,7 +77,8 @@ TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
 
 TEST_F(CollectionCommand, ImportLeavesOutWhatCannotBeReadAndSaysSo) {
   std::filesystem::create_directories(folder_ / "set");
-  Write("set/a.jsonl", "{\"id\":\"good\",\"A\":[[2,1],[1,2]],\"b\":[-1,1]}\n{\"id\":\"bad\",\"A\":[[1]],\"b\":[1,2]}\n");
+  Write("set/a.jsonl",
+        "{\"id\":\"good\",\"A\":[[2,1],[1,2]],\"b\":[-1,1]}\n{\"id\":\"bad\",\"A\":[[1]],\"b\":[1,2]}\n");
   Write("set/b.mtx", "%%MatrixMarket matrix coordinate real general\n1 1 1\n1 1 nan\n");
   const CommandOutcome outcome = Run("import " + Path("set") + " --provenance p --licence CC0-1.0");
   EXPECT_EQ(outcome.status, 2);

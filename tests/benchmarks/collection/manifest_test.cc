@@ -44,8 +44,10 @@ TEST(ContentHash, IsOfTheDocumentedBytes) {
   EXPECT_EQ(ContentHash(factors), "7be6e26d6389a6421161f2c941be133e54499fd1d792bb44d41a33c597c26436");
   Eigen::MatrixXd A(2, 2);
   A << 2, 1, 1, 3;
-  EXPECT_EQ(ContentHash(LcpProblem::FromDense("any", A, b)), "f1853315b004ece9cfaa026ad5413347c71640d81f92c8d44a8d41ce87730587");
-  EXPECT_EQ(ContentHash(LcpProblem::FromSparse("any", SparseMatrix(A.sparseView()), b)), "cd374aa5c0e7126fff99a322a7890355945b99ab75e3913f776eb91cc31fb61a");
+  EXPECT_EQ(ContentHash(LcpProblem::FromDense("any", A, b)),
+            "f1853315b004ece9cfaa026ad5413347c71640d81f92c8d44a8d41ce87730587");
+  EXPECT_EQ(ContentHash(LcpProblem::FromSparse("any", SparseMatrix(A.sparseView()), b)),
+            "cd374aa5c0e7126fff99a322a7890355945b99ab75e3913f776eb91cc31fb61a");
 }
 
 TEST(ContentHash, IsOfTheContentWhateverItsNameAndFile) {
@@ -100,8 +102,8 @@ TEST(Manifest, IsReadAsItWasWritten) {
 
 TEST(Manifest, OfAnotherFormIsRefusedInOneLine) {
   const std::string hash(64, '0');
-  const std::string problem = R"({"id":"a","family":"f","recipe":{"scene":"rockers","rows":3,"seed":1},"rows":3,"sha256":")" +
-                              hash + "\"}";
+  const std::string problem =
+      R"({"id":"a","family":"f","recipe":{"scene":"rockers","rows":3,"seed":1},"rows":3,"sha256":")" + hash + "\"}";
   const auto with = [](const std::string& problems) {
     return R"({"lcpbench_manifest":1,"name":"n","version":"1","problems":[)" + problems + "]}";
   };
