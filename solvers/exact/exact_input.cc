@@ -93,12 +93,9 @@ void RequireSymmetry(const ExactLcp& lcp) {
   }
 }
 
-// A holds size^2 rationals, and solving takes hours long before it fills the memory.
-constexpr Index kMostRows = 4000;
-
 ExactLcp Frame(const LcpProblem& problem) {
-  if (problem.size() > kMostRows) {
-    throw InputError(problem.id() + ": expected at most " + std::to_string(kMostRows) +
+  if (problem.size() > kMostExactRows) {
+    throw InputError(problem.id() + ": expected at most " + std::to_string(kMostExactRows) +
                      " rows for an exact answer, found " + std::to_string(problem.size()));
   }
   ExactLcp lcp;

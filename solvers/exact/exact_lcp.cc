@@ -16,8 +16,9 @@ using boost::multiprecision::mpz_int;
 
 // Forces of a guess up to this part of the largest, both in D^1/2 f, are zero.
 constexpr double kGuessedZero = 1e-12;
-// Exact solves from the first guess, before a better one is worth its time.
+// Exact solves from the first guess, before a better one is worth its time; without any guess only f = 0 is tried.
 constexpr std::int64_t kSolvesOfFirstGuess = 2;
+constexpr std::int64_t kSolvesOfNoGuess = 1;
 
 size_t At(Index i) { return static_cast<size_t>(i); }
 
@@ -63,7 +64,7 @@ class ExactSolve {
       }
       return answer_;
     }
-    FindRank();
+    if (!options_.answer_only) FindRank();
     std::vector<char> start(At(n), 0);
     std::vector<char> support(At(n), 0);
     Guess(&start, &support);
@@ -73,7 +74,8 @@ class ExactSolve {
     switch (end) {
       case ExactPivoting::End::kSolved:
         answer_.status = ExactAnswer::Status::kSolved;
-        Describe(pivoting);
+        SetForces(pivoting);
+        if (!options_.answer_only) Describe();
         break;
       case ExactPivoting::End::kRay:
         answer_.status = ExactAnswer::Status::kInfeasible;
@@ -94,6 +96,7 @@ class ExactSolve {
   static LcpOptions Limits(const ExactOptions& options) {
     LcpOptions limits;
     limits.time_limit_s = options.time_limit_s;
+    limits.now = options.now;
     return limits;
   }
 
@@ -103,13 +106,15 @@ class ExactSolve {
       return std::find(marks.begin(), marks.end(), 1) != marks.end();
     };
     if (any(support) && pivoting->TryRay(support)) return ExactPivoting::End::kRay;
-    const ExactPivoting::End end = pivoting->Run(start, deadline_, kSolvesOfFirstGuess);
+    const ExactPivoting::End end =
+        pivoting->Run(start, deadline_, options_.guess ? kSolvesOfFirstGuess : kSolvesOfNoGuess);
     if (end != ExactPivoting::End::kSolveLimit) return end;
     std::vector<Index> joints;
     for (const Index i : AllRows(problem_.size)) {
       if (problem_.bilateral[At(i)] != 0) joints.push_back(i);
     }
-    const std::optional<LemkeGuess> guess = GuessByLemke(A_, b_, problem_.bilateral, IndependentRows(A_, joints));
+    const std::optional<LemkeGuess> guess =
+        GuessByLemke(A_, b_, problem_.bilateral, IndependentRows(A_, joints), deadline_);
     if (!guess.has_value()) return pivoting->Run(start, deadline_);
     if (any(guess->support) && pivoting->TryRay(guess->support)) return ExactPivoting::End::kRay;
     return pivoting->Run(guess->active, deadline_);
@@ -162,15 +167,23 @@ class ExactSolve {
     answer_.ray = std::move(y);
   }
 
-  void Describe(const ExactPivoting& pivoting) {
+  void SetForces(const ExactPivoting& pivoting) {
     const Index n = problem_.size;
     const Rational force_unit(a_, c_);
     answer_.f.resize(At(n));
     answer_.w.resize(At(n));
-    std::vector<Index> active;
     for (Index i = 0; i < n; ++i) {
       answer_.f[At(i)] = ToRational(pivoting.f().at(i, 0), pivoting.denominator().get()) * force_unit;
       answer_.w[At(i)] = ToRational(pivoting.w().at(i, 0), pivoting.denominator().get()) / c_;
+    }
+  }
+
+  // All that is known beyond f and w.
+  void Describe() {
+    const Index n = problem_.size;
+    const Rational force_unit(a_, c_);
+    std::vector<Index> active;
+    for (Index i = 0; i < n; ++i) {
       if (answer_.w[At(i)] == 0) active.push_back(i);
     }
     SolutionSet set{Block(A_, active, active), Block(b_, active, {0}), {}, {}, 0};

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -25,8 +26,11 @@ struct ExactLcp {
   bool has_factors = false;  ///< A = J M^-1 J^T with M >= 0, hence positive semidefinite
 };
 
+/// ExactLcp holds size^2 rationals, and solving takes hours long before it fills the memory.
+inline constexpr Index kMostExactRows = 4000;
+
 /// The problem as its doubles say it, the product J M^-1 J^T without rounding.  O(size^2 entries of a row)
-/// @throws InputError where A is not symmetric
+/// @throws InputError where A is not symmetric or has more than kMostExactRows rows
 ExactLcp ExactFrom(const LcpProblem& problem);
 
 /// A record as ParseLcpRecord reads it, where "p/q" stays what it is.
@@ -72,9 +76,13 @@ struct ExactGuess {
 };
 
 struct ExactOptions {
-  double time_limit_s = 3600;
+  double time_limit_s = 3600;    ///< looked at between exact solves
+  double (*now)() = &SteadyNow;  ///< the clock of the time limit
   /// Ranks are proved up to this many rows; uniqueness of f, where it takes a program of its own, likewise.
   Index most_rows_of_proofs = 120;
+  /// Only what a solver is asked for: status, w and f, or the ray. Ranks, the least-norm f, degenerate rows and
+  /// uniqueness are left at their defaults; the answer is as exact as ever.
+  bool answer_only = false;
   /// A solution in doubles of a problem, by any solver: where the exact method starts. What it returns is trusted in
   /// nothing. None: it starts from f = 0.
   std::function<ExactGuess(const LcpProblem& problem)> guess;

@@ -62,7 +62,8 @@ class Dictionary {
 }  // namespace
 
 std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatrix& b,
-                                       const std::vector<char>& bilateral, const std::vector<Index>& bilateral_basis) {
+                                       const std::vector<char>& bilateral, const std::vector<Index>& bilateral_basis,
+                                       const Deadline& deadline) {
   const Index size = A.rows();
   // Without their units: rows and columns by the root of the diagonal, b by its largest entry.
   std::vector<Index> rows;
@@ -94,7 +95,7 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
     }
     done[At(k)] = 1;
     const Index p = n + k;
-    if (!(entry(p, p) > 0)) return std::nullopt;
+    if (!(entry(p, p) > 0) || deadline.Expired()) return std::nullopt;
     for (Index i = 0; i < all; ++i) {
       if (i == p || (i >= n && done[At(i - n)] != 0)) continue;
       const Float factor = entry(i, p) / entry(p, p);
@@ -121,6 +122,7 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
   if (row < 0) return guess;
   Index column = n;
   for (Index pivots = 0; pivots < kMostPivotsPerRow * (n + 1); ++pivots) {
+    if (deadline.Expired()) return std::nullopt;
     const int left = dictionary.basic(row);
     dictionary.Pivot(row, column);
     if (left == 2 * n) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/exact/flint_matrix.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -19,8 +20,10 @@ struct LemkeGuess {
 inline constexpr int kGuessDigits = 60;
 
 /// @param bilateral_basis  independent bilateral rows, which are eliminated first
-/// O(n^2) operations of some 0.1 us a pivot, about n to 2 n pivots. Nothing where it comes to no end.
+/// O(n^2) operations of some 0.1 us a pivot, about n to 2 n pivots. Nothing where it comes to no end, or
+/// not by the deadline, which is looked at before every pivot.
 std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatrix& b,
-                                       const std::vector<char>& bilateral, const std::vector<Index>& bilateral_basis);
+                                       const std::vector<char>& bilateral, const std::vector<Index>& bilateral_basis,
+                                       const Deadline& deadline);
 
 }  // namespace lcpbench
