@@ -8,16 +8,21 @@ namespace {
 constexpr double kTolerance = 1e-12;
 constexpr double kTimeLimit = 30;
 
+LcpResult SolveBy(const char* key, const LcpProblem& problem) {
+  LcpOptions options;
+  options.tolerance = kTolerance;
+  options.time_limit_s = kTimeLimit;
+  LcpResult result;
+  MakeSolver(key)->Solve(problem, options, &result);
+  return result;
+}
+
 }  // namespace
 
 ExactGuess GuessBySolvers(const LcpProblem& problem) {
   ExactGuess guess;
   for (const char* key : {"dantzig", "auto"}) {
-    LcpOptions options;
-    options.tolerance = kTolerance;
-    options.time_limit_s = kTimeLimit;
-    LcpResult result;
-    MakeSolver(key)->Solve(problem, options, &result);
+    const LcpResult result = SolveBy(key, problem);
     if (result.status == LcpStatus::kInfeasible && result.farkas_ray.has_value()) {
       guess.ray = *result.farkas_ray;
       return guess;
@@ -27,5 +32,7 @@ ExactGuess GuessBySolvers(const LcpProblem& problem) {
   }
   return guess;
 }
+
+LcpResult SolveNearly(const LcpProblem& problem) { return SolveBy("auto", problem); }
 
 }  // namespace lcpbench

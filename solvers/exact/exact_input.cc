@@ -139,14 +139,20 @@ ExactLcp ExactFrom(const LcpProblem& problem) {
   return lcp;
 }
 
+bool HasFractions(std::string_view line) {
+  const Json json = Json::parse(line);
+  for (const char* field : {"A", "J", "invM", "b"}) {
+    if (json.contains(field) && HasStrings(json[field])) return true;
+  }
+  return false;
+}
+
 ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
   const LcpRecord record = ParseLcpRecord(line, where);
   const Json json = Json::parse(line);
   const bool factors = record.problem.has_factors();
   const Json& matrix = factors ? json["J"] : json["A"];
-  if (!HasStrings(matrix) && !HasStrings(json["b"]) && !(factors && HasStrings(json["invM"]))) {
-    return ExactFrom(record.problem);
-  }
+  if (!HasFractions(line)) return ExactFrom(record.problem);
   ExactLcp lcp = Frame(record.problem);
   for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = ToRational(json["b"][At(i)]);
   if (factors) {

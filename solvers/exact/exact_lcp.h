@@ -37,6 +37,9 @@ ExactLcp ExactFrom(const LcpProblem& problem);
 /// @throws InputError naming `where`, the field, what was expected and what was found
 ExactLcp ParseExactLcp(std::string_view line, const std::string& where);
 
+/// Whether a record that ParseLcpRecord reads has a "p/q" among its numbers, which LcpProblem rounds.
+bool HasFractions(std::string_view line);
+
 /// An answer, exact in every number.
 struct ExactAnswer {
   enum class Status {

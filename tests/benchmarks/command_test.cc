@@ -211,7 +211,37 @@ TEST_F(Command, CertifyAnswersInFractions) {
   EXPECT_EQ(rounded["w"], nlohmann::json({0.0, 0.0}));
 }
 
+TEST_F(Command, CertifyBoundsWhatIsTooLargeToBeExact) {
+  const std::string problems =
+      Run("generate disc-pile --size 40 --seed 1").out + Run("generate roller-bearing --size 60 --seed 1").out;
+  const std::vector<std::string> exact = Lines(Run("certify --exact-up-to 60 -", problems).out);
+  const std::vector<std::string> bounded = Lines(Run("certify --exact-up-to 39 -", problems).out);
+  ASSERT_EQ(exact.size(), 2u);
+  ASSERT_EQ(bounded.size(), 2u);
+  const nlohmann::json answer = nlohmann::json::parse(exact[0]);
+  const nlohmann::json pile = nlohmann::json::parse(bounded[0]);
+  EXPECT_EQ(answer["status"], "solved");
+  EXPECT_EQ(pile["status"], "bounded");
+  EXPECT_EQ(pile["certified"], true);
+  EXPECT_LT(pile["w_bound"], 1e-40);
+  EXPECT_EQ(pile["energy_shift"], 0);
+  for (const char* field : {"id", "n", "w", "f", "f_unique"}) EXPECT_EQ(pile[field], answer[field]) << field;
+  EXPECT_EQ(pile["f_exact"].size(), 40u);
+  // One rounding away from a solution.
+  EXPECT_EQ(nlohmann::json::parse(exact[1])["status"], "infeasible");
+  const nlohmann::json bearing = nlohmann::json::parse(bounded[1]);
+  EXPECT_EQ(bearing["certified"], false);
+  EXPECT_EQ(bearing["proof"], "nearby problem");
+  EXPECT_GT(bearing["energy_shift"], 0);
+  const std::string rounded = Lines(Run("certify --exact-up-to 0 --rounded -", problems).out).at(0);
+  EXPECT_FALSE(nlohmann::json::parse(rounded).contains("f_exact"));
+}
+
 TEST_F(Command, CertifyNamesWhatItCannotTake) {
+  ExpectMisuse("certify --exact-up-to -1 -", "--exact-up-to", std::string(kProblem) + "\n");
+  ExpectMisuse("certify --exact-up-to 1 -", "fractions",
+               R"({"id":"p","A":[[2,1],[1,"7/3"]],"b":[-5,"-1/3"]})"
+               "\n");
   ExpectMisuse("certify -", "symmetric",
                R"({"id":"p","A":[[1,2],[3,1]],"b":[1,1]})"
                "\n");

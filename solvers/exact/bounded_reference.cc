@@ -1,0 +1,455 @@
+#include "solvers/exact/bounded_reference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "solvers/exact/active_factor.h"
+#include "solvers/exact/dyadic_lcp.h"
+#include "solvers/exact/exact_solver.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+namespace {
+
+// Of forces beyond |D^-1/2 b|_inf / max D^1/2, the size of a force that moves anything.
+constexpr long kForceBits = 200;
+// Gaps that are aimed at where they must not be negative, in units of D^1/2 |D^-1/2 b|_inf: far above the digits of the
+// forces, even with 10^6 rows of mass ratio 10^6, and far below anything that counts.
+constexpr long kTargetBits = 150;
+constexpr int kMostExchanges = 30;
+constexpr int kMostRefinements = 60;
+// A refinement that gains less than a factor of this has come to its end.
+constexpr double kLeastGain = 2;
+constexpr int kPatience = 4;
+// Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
+constexpr double kProximal = 0x1p-30;
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+Index Count(const std::vector<Index>& rows) { return static_cast<Index>(rows.size()); }
+
+void RequireBounded(const LcpProblem& problem) {
+  if (!problem.has_standard_bounds()) throw InputError(problem.id() + ": expected unilateral and bilateral rows only");
+  if (problem.has_factors()) return;
+  if (problem.Asymmetry() != 0) throw InputError(problem.id() + ": expected a symmetric A, found entries that differ");
+  if (!problem.facts().positive_semidefinite) {
+    throw InputError(problem.id() + ": expected J and invM, or an A that is stated to be positive semidefinite");
+  }
+}
+
+long Exponent(double value) {
+  int exponent = 0;
+  std::frexp(value, &exponent);
+  return exponent;
+}
+
+const BigInteger& Diagonal(const DyadicLcp& lcp, Index i, const BigInteger& one) {
+  return lcp.diagonal(i) > 0 ? lcp.diagonal(i) : one;
+}
+
+// |D^-1/2 d|_2 for d in units of 2^-bits.
+double ScaledNorm(const DyadicLcp& lcp, const std::vector<BigInteger>& d, long bits) {
+  const BigInteger one = Scaled(1, lcp.matrix_bits());
+  UpperBound sum(0.0);
+  for (size_t i = 0; i < d.size(); ++i) {
+    if (d[i] == 0) continue;
+    UpperBound square(d[i] * d[i], 2 * bits);
+    square.DivideBy(Diagonal(lcp, static_cast<Index>(i), one), lcp.matrix_bits());
+    sum += square;
+  }
+  sum.TakeRoot();
+  return sum.ToDouble();
+}
+
+double RootUp(double value) {
+  UpperBound root(value);
+  root.TakeRoot();
+  return root.ToDouble();
+}
+
+double ToDouble(const BigInteger& number, long bits) {
+  long exponent = 0;
+  const double mantissa = mpz_get_d_2exp(&exponent, number.backend().data());
+  return std::ldexp(mantissa, static_cast<int>(exponent - bits));
+}
+
+Rational ToRational(const BigInteger& number, long bits) {
+  Rational value(number);
+  if (bits >= 0) {
+    mpq_div_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(bits));
+  } else {
+    mpq_mul_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(-bits));
+  }
+  return value;
+}
+
+// One RefineReference.
+class Refinement {
+ public:
+  Refinement(const LcpProblem& problem, const Eigen::VectorXd& f_start, const BoundedOptions& options)
+      : problem_(problem), lcp_(problem), deadline_(Limits(options)), f_(At(problem.size())) {
+    double largest_load = 0;
+    double largest_root = 0;
+    for (Index i = 0; i < size(); ++i) {
+      const double root = Root(i);
+      largest_load = std::max(largest_load, std::abs(problem.b()[i]) / root);
+      largest_root = std::max(largest_root, root);
+    }
+    load_exponent_ = largest_load > 0 ? Exponent(largest_load) : 0;
+    force_bits_ = std::max(lcp_.least_force_bits(), kForceBits - load_exponent_ + Exponent(largest_root));
+    Eigen::VectorXd w;
+    problem.ComputeW(f_start, &w);
+    active_.assign(At(size()), 0);
+    for (Index i = 0; i < size(); ++i) {
+      const double diagonal = problem.DiagonalA()[i];
+      if (!(diagonal > 0)) continue;  // nothing depends on its force
+      active_[At(i)] = problem.is_bilateral(i) || (f_start[i] > 0 && diagonal * f_start[i] > w[i]) ? 1 : 0;
+      if (active_[At(i)] != 0) f_[At(i)] = Scaled(f_start[i], force_bits_);
+    }
+  }
+
+  BoundedReference Run() {
+    const std::vector<BigInteger> start = f_;
+    const std::vector<char> active_at_start = active_;
+    std::optional<ActiveFactor> factor;
+    bool settled = false;
+    while (!settled && reference_.exchanges < kMostExchanges && !deadline_.Expired()) {
+      ++reference_.exchanges;
+      factor.emplace(problem_, Rows());
+      if (!factor->dependent().empty()) break;
+      Refine(*factor, std::vector<BigInteger>(At(Count(factor->independent()))));
+      settled = !Exchange();
+    }
+    if (!settled) {
+      f_ = start;
+      active_ = active_at_start;
+      Polish();
+    }
+    for (Index i = 0; i < size(); ++i) {
+      if (!problem_.is_bilateral(i) && f_[At(i)] < 0) f_[At(i)] = 0;
+    }
+    Evaluate();
+    if (!settled) factor.emplace(problem_, Rows());
+    reference_.active = Count(Rows());
+    reference_.dependent = Count(factor->dependent());
+    if (!ProveActiveRows(*factor) && !ProveFeasible(*factor)) ProveNearby();
+    reference_.f.resize(At(size()));
+    for (Index i = 0; i < size(); ++i) reference_.f[At(i)] = ToRational(f_[At(i)], force_bits_);
+    return std::move(reference_);
+  }
+
+ private:
+  static LcpOptions Limits(const BoundedOptions& options) {
+    LcpOptions limits;
+    limits.time_limit_s = options.time_limit_s;
+    return limits;
+  }
+
+  Index size() const { return problem_.size(); }
+  long gap_bits() const { return lcp_.matrix_bits() + force_bits_; }
+  double Root(Index i) const {
+    const double diagonal = problem_.DiagonalA()[i];
+    return diagonal > 0 ? std::sqrt(diagonal) : 1;
+  }
+
+  std::vector<Index> Rows() const {
+    std::vector<Index> rows;
+    for (Index i = 0; i < size(); ++i) {
+      if (active_[At(i)] != 0) rows.push_back(i);
+    }
+    return rows;
+  }
+
+  void Evaluate() { lcp_.ComputeGaps(f_, force_bits_, &w_); }
+
+  // Until w is `target` on the independent rows, as far as that goes.
+  void Refine(const ActiveFactor& factor, const std::vector<BigInteger>& target) {
+    const std::vector<Index>& rows = factor.independent();
+    const auto count = static_cast<Index>(rows.size());
+    double before = std::numeric_limits<double>::infinity();
+    long unit = load_exponent_;  // residuals are scaled by 2^-unit, so that doubles hold them
+    for (int step = 0; step < kMostRefinements && !deadline_.Expired(); ++step) {
+      Evaluate();
+      Eigen::VectorXd residual(count);
+      double largest = 0;
+      for (Index k = 0; k < count; ++k) {
+        const Index i = rows[At(k)];
+        residual[k] = ToDouble(w_[At(i)] - target[At(k)], gap_bits() + unit);
+        largest = std::max(largest, std::abs(residual[k]) / Root(i));
+      }
+      if (!(largest > 0)) return;
+      const double size_now = std::ldexp(largest, static_cast<int>(unit - load_exponent_));
+      if (!(size_now * kLeastGain <= before)) return;
+      before = size_now;
+      const Eigen::VectorXd change = factor.factor().Solve(residual);
+      if (!change.allFinite()) return;
+      for (Index k = 0; k < count; ++k) f_[At(rows[At(k)])] -= Scaled(change[k], force_bits_ + unit);
+      ++reference_.refinements;
+      // The next residual is smaller by some digits; ldexp keeps far smaller ones as well.
+      unit += Exponent(largest);
+    }
+    Evaluate();
+  }
+
+  // Rows with wrong signs change sides; false where there are none.
+  bool Exchange() {
+    bool any = false;
+    for (Index i = 0; i < size(); ++i) {
+      if (problem_.is_bilateral(i) || !(problem_.DiagonalA()[i] > 0)) continue;
+      if ((active_[At(i)] != 0 ? f_[At(i)] : w_[At(i)]) >= 0) continue;
+      if (active_[At(i)] != 0) f_[At(i)] = 0;
+      active_[At(i)] = active_[At(i)] != 0 ? 0 : 1;
+      any = true;
+    }
+    return any;
+  }
+
+  // Where rows depend on others, forces do: the proximal point method moves them as little as it takes. A step from c
+  // solves the problem with A + kProximal S^-2 and b - kProximal S^-2 c [Rockafellar 1976]. Keeps the best.
+  void Polish() {
+    std::vector<BigInteger> best = f_;
+    double least = std::numeric_limits<double>::infinity();
+    for (int patience = kPatience; patience > 0 && !deadline_.Expired(); --patience) {
+      Evaluate();
+      const double shift = ScaledNorm(lcp_, Shift(), gap_bits());
+      if (shift * kLeastGain <= least) patience = kPatience;
+      if (shift < least) {
+        least = shift;
+        best = f_;
+      }
+      if (shift == 0 || !ProximalStep(Exponent(shift))) break;
+    }
+    f_ = best;
+  }
+
+  // By exchanges in blocks from the active rows before; residuals are scaled by 2^-unit. False where it breaks down.
+  bool ProximalStep(long unit) {
+    const std::vector<BigInteger> center = f_;
+    for (int exchange = 0; exchange < kMostExchanges && !deadline_.Expired(); ++exchange) {
+      const std::vector<Index> rows = Rows();
+      for (Index i = 0; i < size(); ++i) {
+        f_[At(i)] = active_[At(i)] != 0 ? center[At(i)] : BigInteger(0);
+      }
+      Evaluate();
+      if (!proximal_.has_value() || proximal_->rows() != rows) proximal_.emplace(problem_, rows, kProximal);
+      Eigen::VectorXd residual(Count(rows));
+      for (Index k = 0; k < residual.size(); ++k) residual[k] = ToDouble(w_[At(rows[At(k)])], gap_bits() + unit);
+      const Eigen::VectorXd change = proximal_->Solve(residual);
+      if (!change.allFinite()) return false;
+      for (Index k = 0; k < change.size(); ++k) f_[At(rows[At(k)])] -= Scaled(change[k], force_bits_ + unit);
+      ++reference_.refinements;
+      Evaluate();
+      bool any = false;
+      for (Index i = 0; i < size(); ++i) {
+        if (problem_.is_bilateral(i) || !(problem_.DiagonalA()[i] > 0)) continue;
+        if (active_[At(i)] != 0) {
+          if (f_[At(i)] >= 0) continue;
+          f_[At(i)] = 0;
+          active_[At(i)] = 0;
+        } else {
+          // S^-2 is D but for a factor of 2.
+          const double pull = kProximal * problem_.DiagonalA()[i] * ToDouble(center[At(i)], force_bits_ + unit);
+          if (ToDouble(w_[At(i)], gap_bits() + unit) >= pull) continue;
+          active_[At(i)] = 1;
+        }
+        any = true;
+      }
+      if (!any) return true;
+    }
+    return true;
+  }
+
+  bool ProveActiveRows(const ActiveFactor& factor) {
+    if (!factor.dependent().empty()) {
+      reference_.detail = "some active rows depend on others";
+      return false;
+    }
+    const double eigenvalue = factor.LeastEigenvalueBound();
+    if (eigenvalue == 0) {
+      reference_.detail = "no bound > 0 of the least eigenvalue on the active rows";
+      return false;
+    }
+    // R = |S w_F|; |S^-1 (x - f_F)| <= R / eigenvalue and |x - f_F|_A <= R / eigenvalue^1/2.
+    const std::vector<Index>& rows = factor.independent();
+    UpperBound squares(0.0);
+    for (size_t k = 0; k < rows.size(); ++k) {
+      UpperBound square(w_[At(rows[k])] * w_[At(rows[k])], 2 * gap_bits());
+      const UpperBound scale(factor.factor().scale()[static_cast<Index>(k)]);
+      square *= scale;
+      square *= scale;
+      squares += square;
+    }
+    UpperBound energy = squares;
+    energy.DivideBy(eigenvalue);
+    UpperBound distance = squares;
+    distance.TakeRoot();
+    distance.DivideBy(eigenvalue);
+    UpperBound w_bound = energy;
+    w_bound.TakeRoot();
+    double f_bound = 0;
+    for (size_t k = 0; k < rows.size(); ++k) {
+      UpperBound error = distance;
+      error *= UpperBound(factor.factor().scale()[static_cast<Index>(k)]);
+      if (!problem_.is_bilateral(rows[k]) && !error.IsBelow(f_[At(rows[k])], force_bits_)) {
+        reference_.detail = "a force is too small to be told from 0";
+        return false;
+      }
+      UpperBound root(lcp_.diagonal(rows[k]), lcp_.matrix_bits());
+      root.TakeRoot();
+      error *= root;
+      f_bound = std::max(f_bound, error.ToDouble());
+    }
+    for (Index i = 0; i < size(); ++i) {
+      if (active_[At(i)] != 0) continue;
+      if (problem_.is_bilateral(i)) {
+        if (w_[At(i)] == 0) continue;
+        reference_.detail = "a joint that nothing moves";
+        return false;
+      }
+      UpperBound error(lcp_.diagonal(i), lcp_.matrix_bits());
+      error.TakeRoot();
+      error *= w_bound;
+      if (!error.IsBelow(w_[At(i)], gap_bits())) {
+        reference_.detail = "a gap is too small to be told from 0";
+        return false;
+      }
+    }
+    reference_.proof = BoundedReference::Proof::kActiveRows;
+    reference_.energy_bound = energy.ToDouble();
+    reference_.w_bound = w_bound.ToDouble();
+    reference_.f_bound = f_bound;
+    SetGaps([this](Index i) { return active_[At(i)] == 0; });
+    reference_.detail.clear();
+    return true;
+  }
+
+  // With gaps on the active rows that are too small to count and not negative.
+  bool ProveFeasible(const ActiveFactor& factor) {
+    for (Index i = 0; i < size(); ++i) {
+      if (problem_.is_bilateral(i) && w_[At(i)] != 0) return false;
+    }
+    const std::vector<BigInteger> exact = f_;
+    std::vector<BigInteger> target;
+    for (const Index i : factor.independent()) {
+      target.push_back(problem_.is_bilateral(i) ? BigInteger(0)
+                                                : Scaled(Root(i), gap_bits() + load_exponent_ - kTargetBits));
+    }
+    Refine(factor, target);
+    bool feasible = true;
+    for (Index i = 0; i < size(); ++i) {
+      const bool right = problem_.is_bilateral(i) ? w_[At(i)] == 0 : w_[At(i)] >= 0 && f_[At(i)] >= 0;
+      feasible = feasible && right;
+    }
+    if (!feasible) {
+      f_ = exact;
+      Evaluate();
+      return false;
+    }
+    BigInteger energy = 0;
+    for (Index i = 0; i < size(); ++i) {
+      if (!problem_.is_bilateral(i)) energy += f_[At(i)] * w_[At(i)];
+    }
+    reference_.proof = BoundedReference::Proof::kFeasiblePoint;
+    reference_.energy_bound = UpperBound(energy, force_bits_ + gap_bits()).ToDouble();
+    reference_.w_bound = RootUp(reference_.energy_bound);
+    SetGaps([](Index) { return true; });
+    return true;
+  }
+
+  bool KeepsGap(Index i) const { return !problem_.is_bilateral(i) && f_[At(i)] == 0 && w_[At(i)] > 0; }
+
+  // w - w~ of kNearbyProblem.
+  std::vector<BigInteger> Shift() const {
+    std::vector<BigInteger> shift(At(size()));
+    for (Index i = 0; i < size(); ++i) {
+      if (!KeepsGap(i)) shift[At(i)] = w_[At(i)];
+    }
+    return shift;
+  }
+
+  void ProveNearby() {
+    reference_.proof = BoundedReference::Proof::kNearbyProblem;
+    reference_.energy_shift = ScaledNorm(lcp_, Shift(), gap_bits());
+    SetGaps([this](Index i) { return KeepsGap(i); });
+  }
+
+  template <class Predicate>
+  void SetGaps(Predicate has_gap) {
+    reference_.w.setZero(size());
+    for (Index i = 0; i < size(); ++i) {
+      if (has_gap(i)) reference_.w[i] = RoundToNearest(ToRational(w_[At(i)], gap_bits()));
+    }
+  }
+
+  const LcpProblem& problem_;
+  DyadicLcp lcp_;
+  Deadline deadline_;
+  long load_exponent_ = 0;
+  long force_bits_ = 0;
+  std::optional<ProximalFactor> proximal_;
+  std::vector<char> active_;
+  std::vector<BigInteger> f_;  // in units of 2^-force_bits_
+  std::vector<BigInteger> w_;  // in units of 2^-gap_bits
+  BoundedReference reference_;
+};
+
+}  // namespace
+
+const char* ToString(BoundedReference::Proof proof) {
+  switch (proof) {
+    case BoundedReference::Proof::kActiveRows:
+      return "active rows";
+    case BoundedReference::Proof::kFeasiblePoint:
+      return "feasible point";
+    case BoundedReference::Proof::kNearbyProblem:
+      return "nearby problem";
+  }
+  return "";
+}
+
+EnergyCertificate BoundEnergy(const LcpProblem& problem, const std::vector<Rational>& f) {
+  RequireBounded(problem);
+  const Index n = problem.size();
+  if (f.size() != At(n)) throw InputError(problem.id() + ": expected " + std::to_string(n) + " forces");
+  const DyadicLcp lcp(problem);
+  long bits = lcp.least_force_bits();
+  for (const Rational& value : f) {
+    const BigInteger below = denominator(value);
+    const auto power = static_cast<long>(msb(below));
+    if (below != BigInteger(1) << power) throw InputError(problem.id() + ": expected forces in binary digits");
+    bits = std::max(bits, power);
+  }
+  std::vector<BigInteger> forces(At(n));
+  for (Index i = 0; i < n; ++i) {
+    if (!problem.is_bilateral(i) && f[At(i)] < 0) throw InputError(problem.id() + ": expected forces >= 0");
+    Rational value = f[At(i)];
+    if (bits >= 0) {
+      mpq_mul_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(bits));
+    } else {
+      mpq_div_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(-bits));
+    }
+    forces[At(i)] = numerator(value);
+  }
+  std::vector<BigInteger> w;
+  lcp.ComputeGaps(forces, bits, &w);
+  const long gap_bits = lcp.matrix_bits() + bits;
+  BigInteger energy = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (problem.is_bilateral(i) || w[At(i)] < 0) continue;
+    energy += forces[At(i)] * w[At(i)];
+    w[At(i)] = 0;  // no shift
+  }
+  return {UpperBound(energy, bits + gap_bits).ToDouble(), ScaledNorm(lcp, w, gap_bits)};
+}
+
+BoundedReference RefineReference(const LcpProblem& problem, const Eigen::VectorXd& f_start,
+                                 const BoundedOptions& options) {
+  RequireBounded(problem);
+  if (f_start.size() != problem.size() || !f_start.allFinite()) {
+    throw InputError(problem.id() + ": expected a start of " + std::to_string(problem.size()) + " finite forces");
+  }
+  return Refinement(problem, f_start, options).Run();
+}
+
+}  // namespace lcpbench
