@@ -87,10 +87,12 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
 std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOptions& options) {
   std::optional<Eigen::VectorXd> best;
   double best_rho = std::numeric_limits<double>::infinity();
+  const bool is_start = problem.size() <= options.bounded_up_to;  // of a refinement, the nearer the better
   for (const double tolerance : {1e-12, 1e-9}) {
+    if (tolerance < 1e-9 && !is_start) continue;
     LcpOptions lcp;
     lcp.tolerance = tolerance;
-    lcp.time_limit_s = options.time_limit_s;
+    lcp.time_limit_s = is_start ? options.time_limit_s : options.large_time_limit_s;
     LcpResult result;
     MakeSolver("auto")->Solve(problem, lcp, &result);
     const Metrics metrics = ComputeMetrics(problem, result.f);

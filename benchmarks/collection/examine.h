@@ -15,7 +15,8 @@ struct ExamineOptions {
   Index exact_up_to = 250;
   /// Above this many rows there is no reference, and how the answer lies is known to a solver's tolerance only.
   Index bounded_up_to = 20'000;
-  double time_limit_s = 300;  ///< for one exact answer; then it is bounded instead
+  double time_limit_s = 300;       ///< for one exact answer (it is bounded then) and one bounded one
+  double large_time_limit_s = 60;  ///< for a solver's answer above bounded_up_to
 };
 
 /// What examining a problem brings: the parts of its entry, and the line of the file of references, "" for none.
