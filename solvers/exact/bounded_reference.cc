@@ -6,7 +6,9 @@
 
 #include "solvers/exact/active_factor.h"
 #include "solvers/exact/dyadic_lcp.h"
+#include "solvers/exact/dyadic_refinement.h"
 #include "solvers/exact/exact_solver.h"
+#include "solvers/exact/vertex_search.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
 
@@ -19,8 +21,9 @@ constexpr long kForceBits = 200;
 // forces, even with 10^6 rows of mass ratio 10^6, and far below anything that counts.
 constexpr long kTargetBits = 150;
 constexpr int kMostExchanges = 30;
-constexpr int kMostRefinements = 60;
-// A refinement that gains less than a factor of this has come to its end.
+// More than there are: as far as refinement goes.
+constexpr long kAllBits = 1000;
+// What gains less than a factor of this has come to its end.
 constexpr double kLeastGain = 2;
 constexpr int kPatience = 4;
 // Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
@@ -36,12 +39,6 @@ void RequireBounded(const LcpProblem& problem) {
   if (!problem.facts().positive_semidefinite) {
     throw InputError(problem.id() + ": expected J and invM, or an A that is stated to be positive semidefinite");
   }
-}
-
-long Exponent(double value) {
-  int exponent = 0;
-  std::frexp(value, &exponent);
-  return exponent;
 }
 
 const BigInteger& Diagonal(const DyadicLcp& lcp, Index i, const BigInteger& one) {
@@ -68,12 +65,6 @@ double RootUp(double value) {
   return root.ToDouble();
 }
 
-double ToDouble(const BigInteger& number, long bits) {
-  long exponent = 0;
-  const double mantissa = mpz_get_d_2exp(&exponent, number.backend().data());
-  return std::ldexp(mantissa, static_cast<int>(exponent - bits));
-}
-
 Rational ToRational(const BigInteger& number, long bits) {
   Rational value(number);
   if (bits >= 0) {
@@ -88,16 +79,20 @@ Rational ToRational(const BigInteger& number, long bits) {
 class Refinement {
  public:
   Refinement(const LcpProblem& problem, const Eigen::VectorXd& f_start, const BoundedOptions& options)
-      : problem_(problem), lcp_(problem), deadline_(Limits(options)), f_(At(problem.size())) {
+      : problem_(problem),
+        lcp_(problem),
+        deadline_(Limits(options)),
+        most_dependent_rows_(options.most_dependent_rows),
+        f_(At(problem.size())) {
     double largest_load = 0;
     double largest_root = 0;
     for (Index i = 0; i < size(); ++i) {
-      const double root = Root(i);
+      const double root = RootOfDiagonal(problem_, i);
       largest_load = std::max(largest_load, std::abs(problem.b()[i]) / root);
       largest_root = std::max(largest_root, root);
     }
-    load_exponent_ = largest_load > 0 ? Exponent(largest_load) : 0;
-    force_bits_ = std::max(lcp_.least_force_bits(), kForceBits - load_exponent_ + Exponent(largest_root));
+    scale_.load_exponent = largest_load > 0 ? Exponent(largest_load) : 0;
+    scale_.force_bits = std::max(lcp_.least_force_bits(), kForceBits - scale_.load_exponent + Exponent(largest_root));
     Eigen::VectorXd w;
     problem.ComputeW(f_start, &w);
     active_.assign(At(size()), 0);
@@ -105,7 +100,7 @@ class Refinement {
       const double diagonal = problem.DiagonalA()[i];
       if (!(diagonal > 0)) continue;  // nothing depends on its force
       active_[At(i)] = problem.is_bilateral(i) || (f_start[i] > 0 && diagonal * f_start[i] > w[i]) ? 1 : 0;
-      if (active_[At(i)] != 0) f_[At(i)] = Scaled(f_start[i], force_bits_);
+      if (active_[At(i)] != 0) f_[At(i)] = Scaled(f_start[i], scale_.force_bits);
     }
   }
 
@@ -118,7 +113,7 @@ class Refinement {
       ++reference_.exchanges;
       factor.emplace(problem_, Rows());
       if (!factor->dependent().empty()) break;
-      Refine(*factor, std::vector<BigInteger>(At(Count(factor->independent()))));
+      Refine(*factor, {});
       settled = !Exchange();
     }
     if (!settled) {
@@ -130,12 +125,18 @@ class Refinement {
       if (!problem_.is_bilateral(i) && f_[At(i)] < 0) f_[At(i)] = 0;
     }
     Evaluate();
-    if (!settled) factor.emplace(problem_, Rows());
+    if (!settled) {
+      factor.emplace(problem_, Rows());
+      if (FindVertex(*factor)) {
+        factor.emplace(problem_, Rows());
+        Refine(*factor, {});
+      }
+    }
     reference_.active = Count(Rows());
     reference_.dependent = Count(factor->dependent());
     if (!ProveActiveRows(*factor) && !ProveFeasible(*factor)) ProveNearby();
     reference_.f.resize(At(size()));
-    for (Index i = 0; i < size(); ++i) reference_.f[At(i)] = ToRational(f_[At(i)], force_bits_);
+    for (Index i = 0; i < size(); ++i) reference_.f[At(i)] = ToRational(f_[At(i)], scale_.force_bits);
     return std::move(reference_);
   }
 
@@ -147,12 +148,7 @@ class Refinement {
   }
 
   Index size() const { return problem_.size(); }
-  long gap_bits() const { return lcp_.matrix_bits() + force_bits_; }
-  double Root(Index i) const {
-    const double diagonal = problem_.DiagonalA()[i];
-    return diagonal > 0 ? std::sqrt(diagonal) : 1;
-  }
-
+  long gap_bits() const { return lcp_.matrix_bits() + scale_.force_bits; }
   std::vector<Index> Rows() const {
     std::vector<Index> rows;
     for (Index i = 0; i < size(); ++i) {
@@ -161,35 +157,12 @@ class Refinement {
     return rows;
   }
 
-  void Evaluate() { lcp_.ComputeGaps(f_, force_bits_, &w_); }
+  void Evaluate() { lcp_.ComputeGaps(f_, scale_.force_bits, &w_); }
 
   // Until w is `target` on the independent rows, as far as that goes.
   void Refine(const ActiveFactor& factor, const std::vector<BigInteger>& target) {
-    const std::vector<Index>& rows = factor.independent();
-    const auto count = static_cast<Index>(rows.size());
-    double before = std::numeric_limits<double>::infinity();
-    long unit = load_exponent_;  // residuals are scaled by 2^-unit, so that doubles hold them
-    for (int step = 0; step < kMostRefinements && !deadline_.Expired(); ++step) {
-      Evaluate();
-      Eigen::VectorXd residual(count);
-      double largest = 0;
-      for (Index k = 0; k < count; ++k) {
-        const Index i = rows[At(k)];
-        residual[k] = ToDouble(w_[At(i)] - target[At(k)], gap_bits() + unit);
-        largest = std::max(largest, std::abs(residual[k]) / Root(i));
-      }
-      if (!(largest > 0)) return;
-      const double size_now = std::ldexp(largest, static_cast<int>(unit - load_exponent_));
-      if (!(size_now * kLeastGain <= before)) return;
-      before = size_now;
-      const Eigen::VectorXd change = factor.factor().Solve(residual);
-      if (!change.allFinite()) return;
-      for (Index k = 0; k < count; ++k) f_[At(rows[At(k)])] -= Scaled(change[k], force_bits_ + unit);
-      ++reference_.refinements;
-      // The next residual is smaller by some digits; ldexp keeps far smaller ones as well.
-      unit += Exponent(largest);
-    }
-    Evaluate();
+    reference_.refinements +=
+        RefineForces(problem_, lcp_, scale_, factor.factor(), target, kAllBits, deadline_, &f_, &w_);
   }
 
   // Rows with wrong signs change sides; false where there are none.
@@ -223,6 +196,24 @@ class Refinement {
     f_ = best;
   }
 
+  // Which rows of a set of dependent ones are active as their doubles say it; false where that comes to no end.
+  bool FindVertex(const ActiveFactor& factor) {
+    const Index dependent = Count(factor.dependent());
+    if (dependent == 0 || dependent > most_dependent_rows_) return false;
+    const std::vector<BigInteger> polished = f_;
+    VertexSearch search(problem_, lcp_, scale_, deadline_);
+    const bool found = search.Run(factor.independent(), factor.dependent(), &f_);
+    reference_.pivots = search.pivots();
+    if (!found) {
+      f_ = polished;
+      Evaluate();
+      return false;
+    }
+    active_.assign(At(size()), 0);
+    for (const Index i : search.basis()) active_[At(i)] = 1;
+    return true;
+  }
+
   // By exchanges in blocks from the active rows before; residuals are scaled by 2^-unit. False where it breaks down.
   bool ProximalStep(long unit) {
     const std::vector<BigInteger> center = f_;
@@ -237,7 +228,7 @@ class Refinement {
       for (Index k = 0; k < residual.size(); ++k) residual[k] = ToDouble(w_[At(rows[At(k)])], gap_bits() + unit);
       const Eigen::VectorXd change = proximal_->Solve(residual);
       if (!change.allFinite()) return false;
-      for (Index k = 0; k < change.size(); ++k) f_[At(rows[At(k)])] -= Scaled(change[k], force_bits_ + unit);
+      for (Index k = 0; k < change.size(); ++k) f_[At(rows[At(k)])] -= Scaled(change[k], scale_.force_bits + unit);
       ++reference_.refinements;
       Evaluate();
       bool any = false;
@@ -249,7 +240,7 @@ class Refinement {
           active_[At(i)] = 0;
         } else {
           // S^-2 is D but for a factor of 2.
-          const double pull = kProximal * problem_.DiagonalA()[i] * ToDouble(center[At(i)], force_bits_ + unit);
+          const double pull = kProximal * problem_.DiagonalA()[i] * ToDouble(center[At(i)], scale_.force_bits + unit);
           if (ToDouble(w_[At(i)], gap_bits() + unit) >= pull) continue;
           active_[At(i)] = 1;
         }
@@ -291,7 +282,7 @@ class Refinement {
     for (size_t k = 0; k < rows.size(); ++k) {
       UpperBound error = distance;
       error *= UpperBound(factor.factor().scale()[static_cast<Index>(k)]);
-      if (!problem_.is_bilateral(rows[k]) && !error.IsBelow(f_[At(rows[k])], force_bits_)) {
+      if (!problem_.is_bilateral(rows[k]) && !error.IsBelow(f_[At(rows[k])], scale_.force_bits)) {
         reference_.detail = "a force is too small to be told from 0";
         return false;
       }
@@ -332,8 +323,9 @@ class Refinement {
     const std::vector<BigInteger> exact = f_;
     std::vector<BigInteger> target;
     for (const Index i : factor.independent()) {
-      target.push_back(problem_.is_bilateral(i) ? BigInteger(0)
-                                                : Scaled(Root(i), gap_bits() + load_exponent_ - kTargetBits));
+      target.push_back(problem_.is_bilateral(i)
+                           ? BigInteger(0)
+                           : Scaled(RootOfDiagonal(problem_, i), gap_bits() + scale_.load_exponent - kTargetBits));
     }
     Refine(factor, target);
     bool feasible = true;
@@ -351,7 +343,7 @@ class Refinement {
       if (!problem_.is_bilateral(i)) energy += f_[At(i)] * w_[At(i)];
     }
     reference_.proof = BoundedReference::Proof::kFeasiblePoint;
-    reference_.energy_bound = UpperBound(energy, force_bits_ + gap_bits()).ToDouble();
+    reference_.energy_bound = UpperBound(energy, scale_.force_bits + gap_bits()).ToDouble();
     reference_.w_bound = RootUp(reference_.energy_bound);
     SetGaps([](Index) { return true; });
     return true;
@@ -385,11 +377,11 @@ class Refinement {
   const LcpProblem& problem_;
   DyadicLcp lcp_;
   Deadline deadline_;
-  long load_exponent_ = 0;
-  long force_bits_ = 0;
+  Index most_dependent_rows_;
+  DyadicScale scale_;
   std::optional<ProximalFactor> proximal_;
   std::vector<char> active_;
-  std::vector<BigInteger> f_;  // in units of 2^-force_bits_
+  std::vector<BigInteger> f_;  // in units of 2^-force_bits
   std::vector<BigInteger> w_;  // in units of 2^-gap_bits
   BoundedReference reference_;
 };

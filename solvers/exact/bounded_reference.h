@@ -61,17 +61,22 @@ struct BoundedReference {
   Index dependent = 0;  ///< of these, those that doubles take to depend on the others
   int exchanges = 0;    ///< active sets tried
   int refinements = 0;  ///< solves with the factor
+  int pivots = 0;       ///< of VertexSearch, among dependent rows
   std::string detail;   ///< why the proof is no better
 };
 const char* ToString(BoundedReference::Proof proof);
 
 struct BoundedOptions {
   double time_limit_s = 600;  ///< looked at between refinements; what has been reached by then is what is bounded
+  /// Dependent rows up to which it is tried to tell the active ones among them (vertex_search.h): some seconds for 200
+  /// of them among 1000 rows.
+  Index most_dependent_rows = 300;
 };
 
 /// Refines f_start, the answer of some solver, and proves what has come of it. From the active rows of f_start, A_FF
 /// f_F = -b_F is solved by iterative refinement: a factor in doubles, residuals in integers without any rounding
-/// (dyadic_lcp.h), f in some 200 binary digits. Rows with wrong signs are exchanged. Dependent rows keep their forces.
+/// (dyadic_lcp.h), f in some 200 binary digits. Rows with wrong signs are exchanged. Of
+/// rows that depend on others, pivots tell which are active as the doubles say it; else they share their forces.
 /// A poor f_start makes for poor bounds, and never for wrong ones.
 /// O(fill) of a sparse LDL^T for every active set, O(nnz of the given form) integer operations a refinement
 /// @throws InputError where f_start has another size or is not finite, or A is not symmetric or not known to be
