@@ -33,7 +33,8 @@ struct MixedProblem {
   std::int64_t size = 0;
   NumericsMatrix M;
   std::vector<double> q;
-  std::vector<Index> equations;  // ascending
+  std::vector<Index> equations;   // ascending
+  std::int64_t most_answers = 0;  // numbers that may follow: z of all rows, w of the complementarity rows
 };
 
 // A word that ends a label: "nnz:", ":", "to".
@@ -194,6 +195,7 @@ MixedProblem ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
   problem.q = words->NumbersOfAnyLine(n, "a");
   const std::vector<double> b = words->NumbersOfAnyLine(m, "b");
   problem.q.insert(problem.q.end(), b.begin(), b.end());
+  problem.most_answers = size + m;
   problem.equations = RowsOf({{0, n}});
   problem.M.by_columns.resize(static_cast<size_t>(size * size));
   const auto place = [&](const std::vector<double>& part, std::int64_t row, std::int64_t column, std::int64_t columns) {
@@ -235,12 +237,17 @@ void RequireSame(TextWords* words, const MixedProblem& given, const MixedProblem
   }
 }
 
-// Words may follow, as in files of Siconos' own collection; a number is one too many.
-void RequireNoMoreNumbers(TextWords* words) {
-  const std::string_view word = words->WordOfAnyLine();
+// Words may follow, and behind an MLCP a known answer, as in Siconos' own collection; more numbers are too many.
+void RequireEnd(TextWords* words, std::int64_t most_numbers) {
   constexpr std::string_view kBeginsNumber = "0123456789+-.";
-  if (!word.empty() && kBeginsNumber.find(word.front()) != std::string_view::npos) {
-    words->Reject("the end of the file or a remark in words after the last number", word);
+  const auto begins_number = [&](std::string_view word) {
+    return !word.empty() && kBeginsNumber.find(word.front()) != std::string_view::npos;
+  };
+  for (std::int64_t k = 0; begins_number(words->PeekOfAnyLine()); ++k) {
+    if (k == most_numbers) {
+      words->Reject("the end of the file or a remark in words after the last number", words->PeekOfAnyLine());
+    }
+    words->NumbersOfAnyLine(1, "a known answer");
   }
 }
 
@@ -250,6 +257,7 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   if (!has_M) return ReadParts(words, n, m);
   MixedProblem problem;
   problem.size = n + m;
+  problem.most_answers = problem.size + m;
   const std::vector<Block> equations = ReadBlocks(words, n, problem.size);
   const std::int64_t storage = ReadStorage(words);
   ReadShape(words, problem.size);
@@ -328,7 +336,7 @@ void WriteBlocks(const LcpProblem& problem, std::ostream& output) {
 LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id) {
   TextWords words(input, name);
   const MixedProblem read = Read(&words);
-  RequireNoMoreNumbers(&words);
+  RequireEnd(&words, read.most_answers);
   const auto n = static_cast<Index>(read.size);
   Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), n);
   RowBounds bounds = RowBounds::WithBilateralRows(n, read.equations);

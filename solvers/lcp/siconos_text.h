@@ -26,7 +26,8 @@ namespace lcpbench {
 //           column (col 0 : locations 0 to 1) and its entries (row : value). Entries of one place add up.
 //
 // Which of the two a file is, its first five words tell. Our bilateral rows are the equations; blocks keep the order of
-// rows. Text after the last number is passed over where it begins with a word.
+// rows. Text after the last number is passed over where it begins with a word; so are up to n + 2m numbers after an
+// MLCP, the known answer in Siconos' own test files.
 
 /// Dense storage gives a dense problem, sparse storage a sparse one. Memory is in proportion to what the file holds.
 /// @param name  of the file, for error texts

@@ -89,6 +89,10 @@ TEST(SiconosText, ReadsWhatTheLibraryWrites) {
   // Both storages, the equation in the middle.
   const std::string both = "1 1 1 2\n0 1 2 3\n1 0 1\n0 3 3 3 3\n4 1 0\n1 3 0\n0 0 2\n-1 1 -2\n";
   EXPECT_EQ(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2").bilateral_rows(), std::vector<Index>{1});
+  // A known answer behind.
+  EXPECT_EQ(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5").size(), 3);
+  EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5 6"), InputError);
+  EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3e999"), InputError);
   // One row: an LCP or an MLCP.
   EXPECT_TRUE(Parse("1 0 1 1 1 1 2 -1").bilateral_rows().empty());
   EXPECT_EQ(Parse("1 0 1 1  0 1 2  0 1  0 2 2 2 2  1 0 0 1  -1 -2").bilateral_rows(), std::vector<Index>{0});
