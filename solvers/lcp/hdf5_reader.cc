@@ -107,7 +107,7 @@ bool Exists(hid_t file, const std::string& path) {
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     const std::string part = path.substr(0, end);
     const htri_t exists = H5Lexists(file, part.c_str(), H5P_DEFAULT);
-    if (exists < 0) throw Refusal{part + ": expected a link that libhdf5 can read, found another"};
+    if (exists < 0) throw Refusal{part + ": expected a link that libhdf5 can read, found what it cannot"};
     if (exists == 0) return false;
     H5L_info_t link{};
     if (H5Lget_info(file, part.c_str(), &link, H5P_DEFAULT) < 0 || link.type != H5L_TYPE_HARD) {
@@ -115,10 +115,10 @@ bool Exists(hid_t file, const std::string& path) {
     }
     if (end == std::string::npos) return true;
     H5O_info_t object{};
-    if (H5Oget_info_by_name2(file, part.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0 ||
-        object.type != H5O_TYPE_GROUP) {
-      throw Refusal{part + ": expected a group, found another object"};
+    if (H5Oget_info_by_name2(file, part.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
+      throw Refusal{part + ": expected a group, found what libhdf5 cannot read"};
     }
+    if (object.type != H5O_TYPE_GROUP) throw Refusal{part + ": expected a group, found another object"};
   }
 }
 
@@ -162,10 +162,10 @@ void SendDataset(int pipe, hid_t file, const Hdf5Request& request, std::uint64_t
   }
   const std::string expected = path + ": expected a dataset of " + NameOf(request.kind);
   H5O_info_t object{};
-  if (H5Oget_info_by_name2(file, path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0 ||
-      object.type != H5O_TYPE_DATASET) {
-    throw Refusal{expected + ", found another object"};
+  if (H5Oget_info_by_name2(file, path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
+    throw Refusal{expected + ", found what libhdf5 cannot read"};
   }
+  if (object.type != H5O_TYPE_DATASET) throw Refusal{expected + ", found another object"};
   const Hdf5Handle dataset(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!dataset) throw Refusal{expected + ", found one that libhdf5 cannot open"};
   RequireStoredHere(dataset.id(), path);

@@ -1,10 +1,12 @@
 #include "tests/fuzz/fclib_law.h"
 
-#include <sys/mman.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 #include "solvers/lcp/fclib_file.h"
@@ -15,33 +17,40 @@
 namespace lcpbench {
 namespace {
 
-// A file in memory, also for child processes.
-class MemoryFile {
+// In memory where there is such a folder. Not memfd_create: libhdf5 wants a file with a name.
+class TemporaryFile {
  public:
-  MemoryFile() : descriptor_(memfd_create("fclib", 0)) {
-    if (descriptor_ < 0) throw std::runtime_error(std::string("memfd_create: ") + std::strerror(errno));
+  TemporaryFile() {
+    const std::filesystem::path memory = "/dev/shm";
+    path_ = (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) / "fclib-XXXXXX";
+    descriptor_ = mkstemp(path_.data());
+    if (descriptor_ < 0) throw std::runtime_error(path_ + ": " + std::strerror(errno));
   }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  ~MemoryFile() { close(descriptor_); }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    close(descriptor_);
+    std::remove(path_.c_str());
+  }
 
-  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+  const std::string& path() const { return path_; }
   void Write(const std::string& bytes) const {
     for (std::size_t written = 0; written < bytes.size();) {
       const ssize_t count = write(descriptor_, bytes.data() + written, bytes.size() - written);
-      if (count <= 0) throw std::runtime_error(std::string("write: ") + std::strerror(errno));
+      if (count <= 0) throw std::runtime_error(path_ + ": " + std::strerror(errno));
       written += static_cast<std::size_t>(count);
     }
   }
 
  private:
-  int descriptor_;
+  std::string path_;
+  int descriptor_ = -1;
 };
 
 }  // namespace
 
 std::string BrokenFclibLaw(const std::string& bytes) {
-  const MemoryFile given, written;
+  const TemporaryFile given, written;
   given.Write(bytes);
   bool is_read = false;
   try {
