@@ -16,7 +16,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstdint>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <optional>
 #include <string_view>
@@ -191,6 +191,16 @@ void Limit(decltype(RLIMIT_AS) resource, std::uint64_t value) {
   setrlimit(resource, &limit);
 }
 
+// The child's own: libraries' fork handlers may have changed it.
+std::uint64_t AddressSpaceInUse() {
+  std::array<char, 32> text{};
+  const int file = open("/proc/self/statm", O_RDONLY | O_CLOEXEC);
+  const ssize_t count = read(file, text.data(), text.size() - 1);
+  close(file);
+  if (count <= 0) _exit(1);
+  return std::strtoull(text.data(), nullptr, 10) * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
+}
+
 // A crash is to be the child's alone: no handlers, no core file, nothing on standard error.
 void BecomeHarmless(std::uint64_t memory, std::uint64_t time_s) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -203,7 +213,7 @@ void BecomeHarmless(std::uint64_t memory, std::uint64_t time_s) {
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_FSIZE, 0);
   Limit(RLIMIT_CPU, time_s);
-  if (kLimitsMemory) Limit(RLIMIT_AS, memory);
+  if (kLimitsMemory) Limit(RLIMIT_AS, AddressSpaceInUse() + memory);
 }
 
 [[noreturn]] void RunChild(int pipe, const std::string& path, const std::vector<Hdf5Request>& requests,
@@ -280,16 +290,6 @@ class Pipe {
   bool timed_out_ = false;
 };
 
-std::uint64_t AddressSpaceInUse() {
-  std::uint64_t pages = 0;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "re")) {
-    unsigned long value = 0;
-    if (std::fscanf(file, "%lu", &value) == 1) pages = value;
-    std::fclose(file);
-  }
-  return pages * static_cast<std::uint64_t>(sysconf(_SC_PAGESIZE));
-}
-
 std::uint64_t SizeOf(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0) throw InputError(path + ": cannot be opened");
@@ -320,7 +320,8 @@ bool Receive(Pipe* pipe, const std::string& path, const std::vector<Hdf5Request>
     if (answer != Answer::kPresent) return false;
     total += size;
     if (total > file_size) {
-      throw InputError(path + ": " + requests[k].path + ": expected values of its own, found some that are others' too");
+      throw InputError(path + ": " + requests[k].path +
+                       ": expected values of its own, found some that are others' too");
     }
     Hdf5Dataset dataset;
     bool complete = false;
@@ -379,7 +380,7 @@ class Child {
 
 std::map<std::string, Hdf5Dataset> ReadHdf5(const std::string& path, const std::vector<Hdf5Request>& requests) {
   const std::uint64_t file_size = SizeOf(path);
-  const std::uint64_t memory = AddressSpaceInUse() + kLeastMemory + kMemoryPerByte * file_size;
+  const std::uint64_t memory = kLeastMemory + kMemoryPerByte * file_size;
   const std::uint64_t time_s = kLeastTime + file_size / kBytesPerSecond;
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw InputError(path + ": no pipe for a child: " + std::strerror(errno));

@@ -1,44 +1,22 @@
-#include "solvers/lcp/fclib_file.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <limits>
 #include <map>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/fclib_file.h"
+#include "solvers/lcp/fclib_layout.h"
 #include "solvers/lcp/hdf5_reader.h"
-#include "solvers/lcp/hdf5_writer.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
 namespace {
 
+using namespace fclib_layout;
 using Entry = Eigen::Triplet<double, int>;
-
-constexpr int kMost = std::numeric_limits<int>::max() - 1;
-constexpr int kCompressedColumns = -1;
-constexpr int kCompressedRows = -2;
-constexpr int kLeastDimension = 2;
-constexpr int kMostDimension = 3;
-
-constexpr char kDimension[] = "/fclib_local/spacedim";
-constexpr char kW[] = "/fclib_local/W";
-constexpr char kV[] = "/fclib_local/V";
-constexpr char kR[] = "/fclib_local/R";
-constexpr char kQ[] = "/fclib_local/vectors/q";
-constexpr char kMu[] = "/fclib_local/vectors/mu";
-constexpr char kS[] = "/fclib_local/vectors/s";
-constexpr char kNormalForces[] = "/solution/r";
-constexpr char kBilateralForces[] = "/solution/l";
-constexpr char kOwnGroup[] = "/lcpbench";
-constexpr char kId[] = "/lcpbench/id";
-constexpr char kRowOrder[] = "/lcpbench/row_order";
-constexpr char kJ[] = "/lcpbench/J";
-constexpr char kInverseMass[] = "/lcpbench/inverse_mass";
 
 std::vector<Hdf5Request> AllRequests() {
   std::vector<Hdf5Request> requests;
@@ -175,17 +153,17 @@ SparseMatrix ToSparse(const Matrix& matrix) {
   return sparse;
 }
 
-// What the file holds, in its own order: contacts, then bilateral rows.
+// What the file holds, in its own order.
 struct LocalProblem {
   int dimension = kLeastDimension;
-  int contacts = 0;
-  int bilateral = 0;
   Matrix W, V, R;
   std::vector<double> q, s;
-  std::vector<int> rows;  // of our problem
+  std::vector<int> contact_rows, bilateral_rows;  // of our problem
+
+  Index size() const { return static_cast<Index>(contact_rows.size() + bilateral_rows.size()); }
 };
 
-// For every row of the file that of the problem.
+// For every contact, and then every bilateral row, its row in the problem.
 std::vector<int> ReadRowOrder(const File& file, int n) {
   std::vector<int> rows(static_cast<size_t>(n));
   for (int k = 0; k < n; ++k) rows[static_cast<size_t>(k)] = k;
@@ -207,39 +185,45 @@ LocalProblem ReadLocal(const File& file) {
     file.Reject(kW, "a square matrix of " + std::to_string(local.dimension) + " rows for every contact",
                 std::to_string(local.W.rows) + " x " + std::to_string(local.W.columns) + " entries");
   }
-  local.contacts = local.W.rows / local.dimension;
+  const int contacts = local.W.rows / local.dimension;
   local.q = file.Reals(kQ, local.W.rows);
-  for (const double mu : file.Reals(kMu, local.contacts)) {
+  for (const double mu : file.Reals(kMu, contacts)) {
     if (mu == 0) continue;
     file.Reject(kMu, "friction coefficients 0, others are not supported", std::to_string(mu));
   }
+  int bilateral = 0;
   const std::string m = "/m";
   if (file.Has(kV + m) || file.Has(kR + m)) {
     local.R = ReadMatrix(file, kR);
-    local.bilateral = local.R.rows;
-    RequireShape(file, kR, local.R, local.bilateral, local.bilateral);
-    local.s = file.Reals(kS, local.bilateral);
+    bilateral = local.R.rows;
+    RequireShape(file, kR, local.R, bilateral, bilateral);
+    local.s = file.Reals(kS, bilateral);
     local.V = ReadMatrix(file, kV);
-    RequireShape(file, kV, local.V, local.W.rows, local.bilateral);
+    RequireShape(file, kV, local.V, local.W.rows, bilateral);
   }
-  if (local.bilateral > kMost - local.contacts) {
-    file.Reject(kR, "at most " + std::to_string(kMost) + " rows", std::to_string(local.bilateral) + " more");
+  if (bilateral > kMost - contacts) {
+    file.Reject(kR, "at most " + std::to_string(kMost) + " rows", std::to_string(bilateral) + " more");
   }
-  local.rows = ReadRowOrder(file, local.contacts + local.bilateral);
+  const std::vector<int> rows = ReadRowOrder(file, contacts + bilateral);
+  local.contact_rows.assign(rows.begin(), rows.begin() + contacts);
+  local.bilateral_rows.assign(rows.begin() + contacts, rows.end());
   return local;
 }
 
 SparseMatrix AssembleA(const LocalProblem& local) {
   const int d = local.dimension;
-  const auto contact_row = [&](int row) { return local.rows[static_cast<size_t>(row / d)]; };
-  const auto bilateral_row = [&](int row) { return local.rows[static_cast<size_t>(local.contacts + row)]; };
+  const auto is_normal = [d](int row) { return row % d == 0; };
+  const auto contact_row = [&](int row) {
+    return local.contact_rows[static_cast<size_t>(row) / static_cast<size_t>(d)];
+  };
+  const auto bilateral_row = [&](int row) { return local.bilateral_rows[static_cast<size_t>(row)]; };
   std::vector<Entry> entries;
   for (const Entry& entry : local.W.entries) {
-    if (entry.row() % d != 0 || entry.col() % d != 0) continue;
+    if (!is_normal(entry.row()) || !is_normal(entry.col())) continue;
     entries.emplace_back(contact_row(entry.row()), contact_row(entry.col()), entry.value());
   }
   for (const Entry& entry : local.V.entries) {
-    if (entry.row() % d != 0) continue;
+    if (!is_normal(entry.row())) continue;
     const int row = contact_row(entry.row()), column = bilateral_row(entry.col());
     entries.emplace_back(row, column, entry.value());
     entries.emplace_back(column, row, entry.value());
@@ -247,8 +231,7 @@ SparseMatrix AssembleA(const LocalProblem& local) {
   for (const Entry& entry : local.R.entries) {
     entries.emplace_back(bilateral_row(entry.row()), bilateral_row(entry.col()), entry.value());
   }
-  const auto n = static_cast<Index>(local.rows.size());
-  SparseMatrix A(n, n);
+  SparseMatrix A(local.size(), local.size());
   A.setFromTriplets(entries.begin(), entries.end());
   return A;
 }
@@ -256,20 +239,16 @@ SparseMatrix AssembleA(const LocalProblem& local) {
 // Of normal entries and those of bilateral rows, by the rows of the problem.
 Eigen::VectorXd Merge(const LocalProblem& local, const std::vector<double>& of_contacts,
                       const std::vector<double>& of_bilateral) {
-  Eigen::VectorXd merged(static_cast<Index>(local.rows.size()));
-  for (int k = 0; k < local.contacts; ++k) {
-    merged[local.rows[static_cast<size_t>(k)]] =
-        of_contacts[static_cast<size_t>(k) * static_cast<size_t>(local.dimension)];
-  }
-  for (int k = 0; k < local.bilateral; ++k) {
-    merged[local.rows[static_cast<size_t>(local.contacts + k)]] = of_bilateral[static_cast<size_t>(k)];
-  }
+  Eigen::VectorXd merged(local.size());
+  const auto dimension = static_cast<size_t>(local.dimension);
+  for (size_t k = 0; k < local.contact_rows.size(); ++k) merged[local.contact_rows[k]] = of_contacts[dimension * k];
+  for (size_t k = 0; k < local.bilateral_rows.size(); ++k) merged[local.bilateral_rows[k]] = of_bilateral[k];
   return merged;
 }
 
 LcpProblem ToProblem(const File& file, const LocalProblem& local, const std::string& id) {
-  const auto n = static_cast<Index>(local.rows.size());
-  const std::vector<Index> bilateral(local.rows.begin() + local.contacts, local.rows.end());
+  const Index n = local.size();
+  const std::vector<Index> bilateral(local.bilateral_rows.begin(), local.bilateral_rows.end());
   RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
   Eigen::VectorXd b = Merge(local, local.q, local.s);
   if (!file.Has(kJ + std::string("/m")) && !file.Has(kInverseMass)) {
@@ -282,109 +261,6 @@ LcpProblem ToProblem(const File& file, const LocalProblem& local, const std::str
   return LcpProblem::FromFactors(id, ToSparse(J), std::move(masses), std::move(b), std::move(bounds));
 }
 
-// ---- writing ----
-
-std::string Part(const char* matrix, const char* part) { return std::string(matrix) + part; }
-
-// A matrix in compressed columns or rows.
-struct Compressed {
-  int rows = 0;
-  int columns = 0;
-  int form = kCompressedColumns;
-  std::vector<int> p{0};
-  std::vector<int> i;
-  std::vector<double> x;
-
-  void Add(Index index, double value) {
-    i.push_back(static_cast<int>(index));
-    x.push_back(value);
-  }
-  void EndOuter() { p.push_back(static_cast<int>(i.size())); }
-};
-
-void WriteMatrix(const Compressed& matrix, const char* name, Hdf5Writer* file) {
-  file->AddGroup(name);
-  file->AddIntegers(Part(name, "/nzmax"), {static_cast<int>(matrix.x.size())});
-  file->AddIntegers(Part(name, "/m"), {matrix.rows});
-  file->AddIntegers(Part(name, "/n"), {matrix.columns});
-  file->AddIntegers(Part(name, "/nz"), {matrix.form});
-  file->AddIntegers(Part(name, "/p"), matrix.p);
-  file->AddIntegers(Part(name, "/i"), matrix.i);
-  file->AddReals(Part(name, "/x"), matrix.x.data(), matrix.x.size());
-}
-
-struct Blocks {
-  Compressed W, V, R;
-  Compressed V_transposed;  // A_BC by rows, for comparison
-};
-
-// @param place  of every row among those of its kind
-Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
-  using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  const SparseMatrix& A = problem.SparseA();
-  const ByColumns columns = A;
-  const auto bilateral = static_cast<int>(problem.bilateral_rows().size());
-  const int contact_rows = kLeastDimension * (static_cast<int>(problem.size()) - bilateral);
-  Blocks blocks;
-  blocks.W.rows = blocks.W.columns = blocks.V.rows = contact_rows;
-  blocks.V.columns = blocks.R.rows = blocks.R.columns = bilateral;
-  const auto index_of = [&](Index row) {
-    return (problem.is_bilateral(row) ? 1 : kLeastDimension) * place[static_cast<size_t>(row)];
-  };
-  for (Index j = 0; j < columns.cols(); ++j) {
-    if (!problem.is_bilateral(j)) {
-      for (ByColumns::InnerIterator it(columns, j); it; ++it) {
-        if (!problem.is_bilateral(it.row())) blocks.W.Add(index_of(it.row()), it.value());
-      }
-      for (int row = 0; row < kLeastDimension; ++row) blocks.W.EndOuter();  // tangential columns are empty
-      continue;
-    }
-    for (ByColumns::InnerIterator it(columns, j); it; ++it) {
-      (problem.is_bilateral(it.row()) ? blocks.R : blocks.V).Add(index_of(it.row()), it.value());
-    }
-    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      if (!problem.is_bilateral(it.col())) blocks.V_transposed.Add(index_of(it.col()), it.value());
-    }
-    blocks.R.EndOuter();
-    blocks.V.EndOuter();
-    blocks.V_transposed.EndOuter();
-  }
-  return blocks;
-}
-
-Compressed RowsOf(const SparseMatrix& matrix) {
-  Compressed rows;
-  rows.rows = static_cast<int>(matrix.rows());
-  rows.columns = static_cast<int>(matrix.cols());
-  rows.form = kCompressedRows;
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) rows.Add(it.col(), it.value());
-    rows.EndOuter();
-  }
-  return rows;
-}
-
-void RequireSymmetricCoupling(const Blocks& blocks, const std::string& id) {
-  const Compressed &V = blocks.V, &other = blocks.V_transposed;
-  if (V.p == other.p && V.i == other.i &&
-      (V.x.empty() || std::memcmp(V.x.data(), other.x.data(), sizeof(double) * V.x.size()) == 0)) {
-    return;
-  }
-  throw InputError("problem '" + id +
-                   "': expected the same entries between contacts and bilateral rows in both triangles of A, as FCLib "
-                   "keeps one of them, found others");
-}
-
-void WriteOwnGroup(const LcpProblem& problem, const std::vector<int>& rows, Hdf5Writer* file) {
-  file->AddGroup(kOwnGroup);
-  file->AddText(kId, problem.id());
-  file->AddIntegers(kRowOrder, rows);
-  if (!problem.has_factors()) return;
-  WriteMatrix(RowsOf(problem.J()), kJ, file);
-  const Eigen::VectorXd& masses = problem.inverse_mass();
-  file->AddReals(kInverseMass, masses.data(), static_cast<size_t>(masses.size()));
-}
-
 }  // namespace
 
 FclibProblem ReadFclibProblem(const std::string& path) {
@@ -395,7 +271,7 @@ FclibProblem ReadFclibProblem(const std::string& path) {
   if (file.Has(kNormalForces)) {
     const std::vector<double> none;
     const std::vector<double>& of_bilateral =
-        local.bilateral > 0 ? file.Reals(kBilateralForces, local.bilateral) : none;
+        local.s.empty() ? none : file.Reals(kBilateralForces, static_cast<std::int64_t>(local.s.size()));
     f = Merge(local, file.Reals(kNormalForces, local.W.rows), of_bilateral);
   }
   try {
@@ -404,60 +280,10 @@ FclibProblem ReadFclibProblem(const std::string& path) {
     std::string what = error.what();
     if (!what.starts_with(path)) what = path + ": " + what;
     // An id may be any text, an error is one line.
-    std::replace_if(what.begin(), what.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+    std::replace_if(
+        what.begin(), what.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
     throw InputError(what);
   }
-}
-
-void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
-  if (!problem.has_standard_bounds()) {
-    throw InputError("problem '" + problem.id() + "': expected unilateral and bilateral rows only, found other bounds");
-  }
-  const Index n = problem.size();
-  if (n > kMost / kLeastDimension) {
-    throw InputError("problem '" + problem.id() + "': expected at most " + std::to_string(kMost / kLeastDimension) +
-                     " rows, found " + std::to_string(n));
-  }
-  // Contacts first; and where a row stands among those of its kind.
-  std::vector<int> rows, place(static_cast<size_t>(n));
-  for (const bool bilateral : {false, true}) {
-    const size_t before = rows.size();
-    for (Index row = 0; row < n; ++row) {
-      if (problem.is_bilateral(row) != bilateral) continue;
-      place[static_cast<size_t>(row)] = static_cast<int>(rows.size() - before);
-      rows.push_back(static_cast<int>(row));
-    }
-  }
-  const Blocks blocks = Divide(problem, place);
-  RequireSymmetricCoupling(blocks, problem.id());
-  std::vector<double> q(static_cast<size_t>(blocks.W.rows), 0.0), s;
-  for (size_t k = 0; k < rows.size(); ++k) {
-    const double b = problem.b()[rows[k]];
-    if (kLeastDimension * k < q.size()) {
-      q[kLeastDimension * k] = b;
-    } else {
-      s.push_back(b);
-    }
-  }
-
-  Hdf5Writer file(path);
-  file.AddGroup("/fclib_local");
-  file.AddIntegers(kDimension, {kLeastDimension});
-  WriteMatrix(blocks.W, kW, &file);
-  if (!s.empty()) {
-    WriteMatrix(blocks.V, kV, &file);
-    WriteMatrix(blocks.R, kR, &file);
-  }
-  file.AddGroup("/fclib_local/vectors");
-  const std::vector<double> mu(q.size() / kLeastDimension, 0.0);
-  file.AddReals(kQ, q.data(), q.size());
-  file.AddReals(kMu, mu.data(), mu.size());
-  if (!s.empty()) file.AddReals(kS, s.data(), s.size());
-  file.AddGroup("/fclib_local/info");
-  file.AddText("/fclib_local/info/title", problem.id());
-  file.AddText("/fclib_local/info/description", "frictionless: a linear complementarity problem in the normal rows");
-  WriteOwnGroup(problem, rows, &file);
-  file.Close();
 }
 
 }  // namespace lcpbench
