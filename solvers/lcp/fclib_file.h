@@ -38,8 +38,8 @@ FclibProblem ReadFclibProblem(const std::string& path);
 
 /// spacedim 2, matrices in compressed columns with all stored entries. Read back bit for bit; a dense problem as a
 /// sparse one. Not for several threads at once.
-/// @throws InputError for bounds that are neither unilateral nor bilateral, where A_BC is not A_CB^T bit for bit, for
-/// more rows than the format counts, and where the file cannot be written
+/// @throws InputError for bounds that are neither unilateral nor bilateral, where A_BC is not A_CB^T bit for bit, where
+/// the product of factors overflows, for more rows than the format counts, and where the file cannot be written
 void WriteFclibProblem(const LcpProblem& problem, const std::string& path);
 
 }  // namespace lcpbench

@@ -202,14 +202,16 @@ std::uint64_t AddressSpaceInUse() {
 }
 
 // A crash is to be the child's alone: no handlers, no core file, nothing on standard error.
-void BecomeHarmless(std::uint64_t memory, std::uint64_t time_s) {
+void BecomeHarmless(int pipe, std::uint64_t memory, std::uint64_t time_s) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (int number = 1; number < NSIG; ++number) std::signal(number, SIG_DFL);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
-  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) dup2(nowhere, stream);
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (stream != pipe) dup2(nowhere, stream);
+  }
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_FSIZE, 0);
   Limit(RLIMIT_CPU, time_s);
@@ -393,7 +395,7 @@ std::map<std::string, Hdf5Dataset> ReadHdf5(const std::string& path, const std::
   }
   if (pid == 0) {
     close(ends[0]);
-    BecomeHarmless(memory, time_s);
+    BecomeHarmless(ends[1], memory, time_s);
     RunChild(ends[1], path, requests, file_size);
   }
   close(ends[1]);

@@ -360,6 +360,12 @@ void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {
   if (!problem.has_standard_bounds()) {
     throw InputError("problem '" + problem.id() + "': expected unilateral and bilateral rows only, found other bounds");
   }
+  if (problem.has_factors()) {
+    const SparseMatrix& A = problem.SparseA();
+    if (!Eigen::Map<const Eigen::VectorXd>(A.valuePtr(), A.nonZeros()).allFinite()) {
+      throw InputError("problem '" + problem.id() + "': expected factors whose product is finite, found an overflow");
+    }
+  }
   const Index n = problem.size();
   const auto equations = static_cast<Index>(problem.bilateral_rows().size());
   if (equations == 0) {

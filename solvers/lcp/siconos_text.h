@@ -41,7 +41,7 @@ LcpProblem ReadSiconosProblem(const std::string& path);
 /// An LCP, or where there are bilateral rows an MLCP of M and q alone with its blocks in the order of our rows (some of
 /// Siconos' MLCP solvers want the equations first). Dense problems as dense matrices, sparse ones as triplets with all
 /// stored entries: both are read back bit for bit. Of factors the rounded A is written: the format has no place for J.
-/// @throws InputError for bounds that are neither unilateral nor bilateral
+/// @throws InputError for bounds that are neither unilateral nor bilateral, and where the product of factors overflows
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output);
 /// @throws InputError also where the file cannot be written
 void WriteSiconosProblem(const LcpProblem& problem, const std::string& path);

@@ -47,6 +47,17 @@ class TemporaryFile {
   int descriptor_ = -1;
 };
 
+// Finite factors whose product is not are the one thing that is read and not written.
+std::string BrokenOverflowLaw(const LcpProblem& problem, const std::string& path) {
+  if (!problem.has_factors()) return "A is not finite";
+  try {
+    WriteFclibProblem(problem, path);
+  } catch (const InputError&) {
+    return "";
+  }
+  return "an overflow is written";
+}
+
 }  // namespace
 
 std::string BrokenFclibLaw(const std::string& bytes) {
@@ -57,6 +68,7 @@ std::string BrokenFclibLaw(const std::string& bytes) {
     const LcpProblem problem = ReadFclibProblem(given.path()).problem;
     is_read = true;
     if (!problem.b().allFinite()) return "b is not finite";
+    if (!problem.SparseA().coeffs().allFinite()) return BrokenOverflowLaw(problem, written.path());
     WriteFclibProblem(problem, written.path());
     const LcpProblem back = ReadFclibProblem(written.path()).problem;
     return back.id() == problem.id() ? DifferenceOfProblems(back, problem) : "another id";

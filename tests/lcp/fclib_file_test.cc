@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <hdf5.h>
+#include <sys/resource.h>
 
 #include <cstdint>
 #include <cstring>
@@ -128,6 +129,10 @@ TEST_F(FclibFile, WhatTheFormatCannotHoldIsNotWritten) {
   EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), bounds), Path("p.h5")),
                InputError);
   EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2)), "/nowhere/p.h5"), InputError);
+  SparseMatrix J(1, 3);
+  J.insert(0, 0) = 1e200;
+  const LcpProblem overflow = LcpProblem::FromFactors("p", J, Eigen::Vector3d::Ones(), Eigen::VectorXd::Ones(1));
+  EXPECT_THROW(WriteFclibProblem(overflow, Path("p.h5")), InputError);
 }
 
 TEST_F(FclibFile, SeveralThreadsRead) {
@@ -455,6 +460,12 @@ TEST_F(FclibFile, PromisesAreNotBelieved) {
   ExpectRefused(Path("size.h5"), "");
   WriteBytes(Path("both.h5"), replaced(size_only, 8 * kEntries, 8 * kPromised));
   ExpectRefused(Path("both.h5"), "");
+  constexpr long kMostMemory = 512 * 1024;  // kB, of which a sanitizer takes the most
+  for (const auto& who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    ASSERT_EQ(getrusage(who, &usage), 0);
+    EXPECT_LT(usage.ru_maxrss, kMostMemory);
+  }
 }
 
 TEST_F(FclibFile, TruncatedAndChangedFilesGiveOneLineOrAProblem) {

@@ -160,13 +160,17 @@ TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
   }
 }
 
-TEST(SiconosText, OtherBoundsAreRefused) {
+TEST(SiconosText, WhatTheFormatCannotHoldIsNotWritten) {
   RowBounds bounds;
   bounds.lower = Eigen::VectorXd::Constant(1, -1);
   bounds.upper = Eigen::VectorXd::Constant(1, 1);
   const LcpProblem box =
       LcpProblem::FromDense("box", Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1), bounds);
   EXPECT_THROW(Format(box), InputError);
+  SparseMatrix J(1, 3);
+  J.insert(0, 0) = 1e200;
+  EXPECT_THROW(Format(LcpProblem::FromFactors("overflow", J, Eigen::Vector3d::Ones(), Eigen::VectorXd::Ones(1))),
+               InputError);
 }
 
 TEST(SiconosText, FilesAreReadAndWrittenByTheirNames) {
