@@ -14,6 +14,7 @@ GOAL_RESULTS ?= build/results/goals
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
+FUZZ_FORMATS := json_lines matrix_market siconos_text
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 
@@ -84,13 +85,16 @@ fuzz: deps
 	@command -v clang++ > /dev/null || { echo "make fuzz needs clang and libclang-rt-14-dev (apt-get install)"; exit 2; }
 	@cmake --preset fuzz > build/configure-fuzz.log 2>&1 || { cat build/configure-fuzz.log; exit 1; }
 	@cmake --build --preset fuzz -j $(JOBS)
-	@mkdir -p $(FUZZ_CORPUS) $(FUZZ_CORPUS)-json_lines $(FUZZ_CORPUS)-matrix_market
+	@mkdir -p $(FUZZ_CORPUS) $(foreach format,$(FUZZ_FORMATS) fclib_file,$(FUZZ_CORPUS)-$(format))
 	@build/fuzz/tests/fuzz/scene_reader_fuzzer $(FUZZ_FLAGS) -dict=tests/fuzz/scene.dict \
 	  $(FUZZ_CORPUS) data/scenes tests/fuzz/corpus
-	@for format in json_lines matrix_market; do \
+	@for format in $(FUZZ_FORMATS); do \
 	  build/fuzz/tests/fuzz/$${format}_fuzzer $(FUZZ_FLAGS) \
 	    $(FUZZ_CORPUS)-$$format tests/fuzz/$${format}_corpus || exit 1; \
 	done
+# Every file is read by a child of its own: what little memory the sanitizer holds back is what little a fork copies.
+	@ASAN_OPTIONS=quarantine_size_mb=8 build/fuzz/tests/fuzz/fclib_file_fuzzer $(FUZZ_FLAGS) -max_len=32768 \
+	  $(FUZZ_CORPUS)-fclib_file tests/fuzz/fclib_file_corpus
 
 install: build
 	@cmake --install $(BUILD) $(if $(PREFIX),--prefix $(PREFIX))

@@ -13,9 +13,9 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/input_files.h"
+#include "benchmarks/problem_formats.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
-#include "solvers/lcp/matrix_market.h"
 
 namespace lcpbench {
 namespace {
@@ -39,9 +39,10 @@ bool IsJsonLines(const fs::path& path) {
   return name.ends_with(".jsonl") || (name.ends_with(".jsonl.gz") && name != kReferencesName);
 }
 
-// name.mtx of a problem, and no part of one.
-bool IsMarketProblem(const fs::path& path) {
-  if (path.extension() != ".mtx") return false;
+// A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
+bool IsProblemFile(const fs::path& path) {
+  if (FormatOfFile(path.string()) == ProblemFormat::kJsonLines) return false;
+  if (path.extension() != ".mtx") return true;
   const std::string stem = path.stem().string();
   for (const char* part : {"_b", "_x", "_J", "_invM", "_bilateral"}) {
     if (stem.ends_with(part) && stem.size() > std::string(part).size()) return false;
@@ -52,7 +53,7 @@ bool IsMarketProblem(const fs::path& path) {
 std::vector<fs::path> ProblemFiles(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const auto& item : fs::recursive_directory_iterator(folder)) {
-    if (item.is_regular_file() && (IsJsonLines(item.path()) || IsMarketProblem(item.path()))) {
+    if (item.is_regular_file() && (IsJsonLines(item.path()) || IsProblemFile(item.path()))) {
       files.push_back(item.path());
     }
   }
@@ -75,7 +76,8 @@ class Importer {
   int Run() {
     const std::vector<fs::path> files = ProblemFiles(arguments_.folder);
     if (files.empty()) {
-      throw InputError(arguments_.folder + ": expected files *.jsonl, *.jsonl.gz or *.mtx, found none");
+      throw InputError(arguments_.folder +
+                       ": expected files *.jsonl, *.jsonl.gz, *.mtx, *.hdf5, *.h5 or *.dat, found none");
     }
     for (const fs::path& file : files) ReadFile(file);
     if (manifest_.problems.empty()) throw InputError(arguments_.folder + ": no problem could be read");
@@ -94,7 +96,7 @@ class Importer {
       return;
     }
     try {
-      Take(ReadMarketProblem(file.string()).problem, {relative, 1}, file.string());
+      Take(ReadProblemFile(file.string()), {relative, 1}, file.string());
     } catch (const InputError& error) {
       std::cerr << "lcpbench: " << error.what() << std::endl;
       status_ = kMisuse;
@@ -146,7 +148,8 @@ int Import(const ImportArguments& arguments) {
 void AddImportCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<ImportArguments>();
   CLI::App* import = app.add_subcommand("import", "Makes a folder of problem files a set: manifest and proved answers");
-  import->add_option("FOLDER", arguments->folder, "With files *.jsonl, *.jsonl.gz, name.mtx")->required();
+  import->add_option("FOLDER", arguments->folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")
+      ->required();
   import->add_option("--name", arguments->name, "Of the set [default: the folder's]");
   import->add_option("--set-version", arguments->version, "Of the set")->capture_default_str();
   import->add_option("--provenance", arguments->provenance, "Where the problems come from")->required();

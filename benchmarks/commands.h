@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
+#include "benchmarks/exit_status.h"
+
 namespace lcpbench {
 
 /// A subcommand adds itself to `app` and leaves in `run` what is to be done once the command line is parsed; `run`
@@ -23,8 +25,5 @@ void AddRunCommand(CLI::App& app, CommandRun& run);
 void AddReportCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);
 void AddMotionCommand(CLI::App& app, CommandRun& run);
-
-/// Exit status for a user's mistake.
-inline constexpr int kMisuse = 2;
 
 }  // namespace lcpbench

@@ -5,7 +5,7 @@
 #include <iostream>
 #include <optional>
 
-#include "benchmarks/commands.h"
+#include "benchmarks/exit_status.h"
 #include "benchmarks/gzip_input.h"
 #include "solvers/lcp/input_error.h"
 

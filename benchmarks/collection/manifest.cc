@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "benchmarks/gzip_input.h"
+#include "benchmarks/problem_formats.h"
 #include "model/json_field.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
-#include "solvers/lcp/matrix_market.h"
 
 namespace lcpbench {
 namespace {
@@ -228,7 +228,7 @@ LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
 
 LcpProblem ProblemSource::Read(const FileSource& source) {
   const std::string path = (std::filesystem::path(folder_) / source.path).string();
-  if (std::filesystem::path(path).extension() == ".mtx") return ReadMarketProblem(path).problem;
+  if (FormatOfFile(path) != ProblemFormat::kJsonLines) return ReadProblemFile(path);
   if (!open_ || open_->path != path || open_->line >= source.line) open_ = std::make_unique<OpenFile>(path);
   std::string line;
   while (open_->line < source.line) {

@@ -1,10 +1,8 @@
 #include "solvers/lcp/matrix_market.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -13,85 +11,12 @@
 #include <utility>
 
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/text_words.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::string_view kSpace = " \t\r";
-
-// Lines of a file, with numbers, and their words.
-class Lines {
- public:
-  Lines(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
-
-  bool Next() {
-    if (!std::getline(input_, line_)) return false;
-    ++number_;
-    rest_ = line_;
-    return true;
-  }
-  // The next line that is neither blank nor a comment.
-  bool NextData() {
-    while (Next()) {
-      const auto first = line_.find_first_not_of(kSpace);
-      if (first != std::string::npos && line_[first] != '%') return true;
-    }
-    return false;
-  }
-  std::string_view Word() {
-    const auto begin = std::min(rest_.find_first_not_of(kSpace), rest_.size());
-    const auto end = std::min(rest_.find_first_of(kSpace, begin), rest_.size());
-    const std::string_view word = rest_.substr(begin, end - begin);
-    rest_ = rest_.substr(end);
-    return word;
-  }
-  [[noreturn]] void Reject(const std::string& expected, std::string_view found) const {
-    constexpr size_t kLongest = 40;
-    std::string text(found.substr(0, kLongest));
-    for (char& c : text) {
-      if (c < ' ' || c > '~') c = '?';
-    }
-    if (found.size() > kLongest) text += "...";
-    throw InputError(name_ + ":" + std::to_string(number_) + ": expected " + expected + ", found " +
-                     (found.empty() ? "nothing" : "'" + text + "'"));
-  }
-  [[noreturn]] void RejectEnd(const std::string& expected) const {
-    throw InputError(name_ + ":" + std::to_string(number_) + ": expected " + expected + ", found the end of the file");
-  }
-  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
-    const std::string_view word = Word();
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size() || value < least || value > most) {
-      Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
-    }
-    return value;
-  }
-  double Number() {
-    const std::string_view word = Word();
-    const std::string_view digits = !word.empty() && word.front() == '+' ? word.substr(1) : word;
-    double value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (error != std::errc() || digits.empty() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-      Reject("a finite number", word);
-    }
-    return value;
-  }
-  void EndOfLine() {
-    const std::string_view word = Word();
-    if (!word.empty()) Reject("the end of the line", word);
-  }
-  void EndOfFile(std::int64_t entries) {
-    if (NextData()) Reject("the end of the file after " + std::to_string(entries) + " entries", line_);
-  }
-
- private:
-  std::istream& input_;
-  std::string name_;
-  std::string line_;
-  std::string_view rest_;
-  std::size_t number_ = 0;
-};
+constexpr char kComment = '%';
 
 std::string Lower(std::string_view word) {
   std::string lower(word);
@@ -104,8 +29,8 @@ struct Header {
   bool is_symmetric = false;
 };
 
-Header ReadHeader(Lines* lines) {
-  if (!lines->Next()) lines->RejectEnd("'%%MatrixMarket matrix ...'");
+Header ReadHeader(TextWords* lines) {
+  if (!lines->NextLine()) lines->RejectEnd("'%%MatrixMarket matrix ...'");
   const auto require = [lines](std::initializer_list<std::string_view> allowed) {
     const std::string_view word = lines->Word();
     std::string lower = Lower(word);
@@ -126,9 +51,14 @@ Header ReadHeader(Lines* lines) {
   return header;
 }
 
-void ReadCoordinates(Lines* lines, std::int64_t count, MarketMatrix* matrix) {
+void EndOfFile(TextWords* lines, std::int64_t entries) {
+  if (!lines->NextData(kComment)) return;
+  lines->Reject("the end of the file after " + std::to_string(entries) + " entries", lines->Line());
+}
+
+void ReadCoordinates(TextWords* lines, std::int64_t count, MarketMatrix* matrix) {
   for (std::int64_t k = 0; k < count; ++k) {
-    if (!lines->NextData()) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
+    if (!lines->NextData(kComment)) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
     const auto i = static_cast<int>(lines->Integer(1, matrix->rows, "a row") - 1);
     const auto j = static_cast<int>(lines->Integer(1, matrix->columns, "a column") - 1);
     if (matrix->is_symmetric && i < j) {
@@ -139,23 +69,24 @@ void ReadCoordinates(Lines* lines, std::int64_t count, MarketMatrix* matrix) {
     matrix->entries.emplace_back(i, j, value);
     if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(j, i, value);
   }
-  lines->EndOfFile(count);
+  EndOfFile(lines, count);
 }
 
-void ReadArray(Lines* lines, MarketMatrix* matrix) {
+void ReadArray(TextWords* lines, MarketMatrix* matrix) {
   const std::int64_t count =
       matrix->is_symmetric ? matrix->rows * (matrix->rows + 1) / 2 : matrix->rows * matrix->columns;
   std::int64_t read = 0;
   for (Index j = 0; j < matrix->columns; ++j) {
     for (Index i = matrix->is_symmetric ? j : 0; i < matrix->rows; ++i, ++read) {
-      if (!lines->NextData()) lines->RejectEnd("entry " + std::to_string(read + 1) + " of " + std::to_string(count));
+      if (!lines->NextData(kComment))
+        lines->RejectEnd("entry " + std::to_string(read + 1) + " of " + std::to_string(count));
       const double value = lines->Number();
       lines->EndOfLine();
       matrix->entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
       if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(static_cast<int>(j), static_cast<int>(i), value);
     }
   }
-  lines->EndOfFile(count);
+  EndOfFile(lines, count);
 }
 
 void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
@@ -167,12 +98,6 @@ void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
   if (twice == places.end()) return;
   throw InputError(name + ": expected every entry once, found (" + std::to_string(twice->first + 1) + ", " +
                    std::to_string(twice->second + 1) + ") twice");
-}
-
-std::string Digits(double value) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.17g", value);
-  return text;
 }
 
 bool IsSymmetric(const SparseMatrix& matrix) {
@@ -242,12 +167,12 @@ Eigen::VectorXd MarketMatrix::ToVector(const std::string& where) const {
 }
 
 MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
-  Lines lines(input, name);
+  TextWords lines(input, name);
   const Header header = ReadHeader(&lines);
   MarketMatrix matrix;
   matrix.is_array = header.is_array;
   matrix.is_symmetric = header.is_symmetric;
-  if (!lines.NextData()) lines.RejectEnd("a line with the size");
+  if (!lines.NextData(kComment)) lines.RejectEnd("a line with the size");
   constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
   matrix.rows = lines.Integer(0, kMost, "a number of rows");
   matrix.columns = lines.Integer(0, kMost, "a number of columns");
@@ -277,14 +202,14 @@ void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output) {
          << matrix.rows() << ' ' << matrix.cols() << ' ' << count << '\n';
   for (Index i = 0; i < matrix.rows(); ++i) {
     for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
-      if (wanted(i, it.col())) output << i + 1 << ' ' << it.col() + 1 << ' ' << Digits(it.value()) << '\n';
+      if (wanted(i, it.col())) output << i + 1 << ' ' << it.col() + 1 << ' ' << RoundTripDigits(it.value()) << '\n';
     }
   }
 }
 
 void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output) {
   output << "%%MatrixMarket matrix array real general\n" << vector.size() << " 1\n";
-  for (const double value : vector) output << Digits(value) << '\n';
+  for (const double value : vector) output << RoundTripDigits(value) << '\n';
 }
 
 MarketProblem ReadMarketProblem(const std::string& path) {
@@ -301,7 +226,8 @@ MarketProblem ReadMarketProblem(const std::string& path) {
     const std::string name = PartOf(file, "_bilateral").string();
     for (const double value : rows->ToVector(name)) {
       if (!(value >= 1 && value <= static_cast<double>(n) && value == std::floor(value))) {
-        throw InputError(name + ": expected row numbers from 1 to " + std::to_string(n) + ", found " + Digits(value));
+        throw InputError(name + ": expected row numbers from 1 to " + std::to_string(n) + ", found " +
+                         RoundTripDigits(value));
       }
       bilateral.push_back(static_cast<Index>(value) - 1);
     }

@@ -274,5 +274,61 @@ TEST_F(Command, ConvertGoesToMatrixMarketAndBackBitForBit) {
   fs::remove_all(folder);
 }
 
+TEST_F(Command, ConvertGoesThroughEveryFormatBitForBit) {
+  // Bilateral rows stand between the others; of factors Siconos' text keeps the rounded matrix.
+  const std::string problem = Run("generate gear-train --size 12 --seed 3").out;
+  const nlohmann::json given = nlohmann::json::parse(problem);
+  ASSERT_FALSE(given["bilateral"].empty());
+  ASSERT_EQ(Run("convert - -o " + Path("a.hdf5"), problem).status, 0);
+  ASSERT_EQ(Run("convert " + Path("a.hdf5") + " -o " + Path("b.mtx")).status, 0);
+  ASSERT_EQ(Run("convert " + Path("b.mtx") + " -o " + Path("c.h5")).status, 0);
+  nlohmann::json back = nlohmann::json::parse(Run("convert " + Path("c.h5")).out);
+  for (const char* field : {"n", "J", "invM", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
+  ASSERT_EQ(Run("convert " + Path("c.h5") + " -o " + Path("d.dat")).status, 0);
+  ASSERT_EQ(Run("convert " + Path("d.dat") + " -o " + Path("e.hdf5")).status, 0);
+  ASSERT_EQ(Run("convert " + Path("e.hdf5") + " -o " + Path("f.dat")).status, 0);
+  EXPECT_EQ(ReadFile(Path("f.dat")), ReadFile(Path("d.dat")));
+  back = nlohmann::json::parse(Run("convert " + Path("e.hdf5")).out);
+  EXPECT_FALSE(back.contains("J"));
+  for (const char* field : {"n", "b", "bilateral"}) EXPECT_EQ(back[field], given[field]) << field;
+}
+
+TEST_F(Command, ConvertFillsAFolderWithFilesOfAFormat) {
+  const std::string problems =
+      std::string(kProblem) + "\n" + R"({"id":"q/r","A":[[1]],"b":[-1],"bilateral":[0]})" + "\n";
+  for (const char* format : {"jsonl", "mtx", "hdf5", "dat"}) {
+    SCOPED_TRACE(format);
+    const fs::path folder = folder_ / format;
+    fs::create_directories(folder);
+    ASSERT_EQ(Run("convert - --to " + std::string(format) + " -o " + folder.string(), problems).status, 0);
+    const std::string first = (folder / ("p." + std::string(format))).string();
+    const std::string second = (folder / ("q_r." + std::string(format))).string();
+    const std::vector<std::string> back = Lines(Run("convert " + first + " " + second).out);
+    ASSERT_EQ(back.size(), 2u);
+    EXPECT_EQ(nlohmann::json::parse(back[0])["b"], nlohmann::json::parse("[-5.0,-4.0]"));
+    EXPECT_EQ(nlohmann::json::parse(back[1])["bilateral"], nlohmann::json::parse("[0]"));
+  }
+  ExpectMisuse("convert - --to xml -o " + folder_.string(), "expected a format of jsonl, mtx, hdf5, dat, found 'xml'",
+               problems);
+  ExpectMisuse("convert - --to dat -o " + Path("x.mtx"), "expected a folder or a file of this format", problems);
+}
+
+TEST_F(Command, ConvertTellsWhatIsWrongWithAFileInOneLine) {
+  ExpectMisuse("convert " + Path("absent.hdf5"), "absent.hdf5: cannot be opened");
+  ExpectMisuse("convert " + Path("absent.dat"), "absent.dat: cannot be opened");
+  Write("text.h5", "no HDF5");
+  ExpectMisuse("convert " + Path("text.h5"), "text.h5: expected an HDF5 file");
+  Write("short.dat", "2\n0\n2\n2\n2 2\n1 2\n3");
+  ExpectMisuse("convert " + Path("short.dat"), "short.dat:7: expected number 4 of the 4 of a matrix");
+  Write("empty.mtx", "");
+  Write("empty_b.mtx", "");
+  ExpectMisuse("convert " + Path("empty.mtx"), "empty_b.mtx:1: expected");
+  ExpectMisuse("convert - -o /nowhere/x.hdf5", "/nowhere/x.hdf5: cannot be written", std::string(kProblem) + "\n");
+  ExpectMisuse("convert - -o /nowhere/x.dat", "/nowhere/x.dat: cannot be written", std::string(kProblem) + "\n");
+  const std::string unsymmetric = R"({"id":"u","A":[[1,2],[3,1]],"b":[1,1],"bilateral":[1]})";
+  ExpectMisuse("convert - -o " + Path("u.h5"), "problem 'u': expected the same entries between contacts and bilateral",
+               unsymmetric + "\n");
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -10,5 +10,6 @@ namespace lcpbench {
 /// Either a problem that is written and read back bit for bit, or an InputError of one line that begins with the place.
 std::string BrokenJsonLineLaw(const std::string& text);
 std::string BrokenMatrixMarketLaw(const std::string& text);
+std::string BrokenSiconosLaw(const std::string& text);
 
 }  // namespace lcpbench

@@ -69,7 +69,8 @@ class ProblemLaws : public testing::TestWithParam<Reader> {};
 
 INSTANTIATE_TEST_SUITE_P(Formats, ProblemLaws,
                          testing::Values(Reader{"json_lines_corpus", BrokenJsonLineLaw},
-                                         Reader{"matrix_market_corpus", BrokenMatrixMarketLaw}),
+                                         Reader{"matrix_market_corpus", BrokenMatrixMarketLaw},
+                                         Reader{"siconos_text_corpus", BrokenSiconosLaw}),
                          [](const auto& test) { return std::string(test.param.corpus); });
 
 TEST_P(ProblemLaws, HoldForTheCorpusAndItsChanges) {

@@ -10,6 +10,7 @@
 #include "model/outline_piece.h"
 #include "model/scene_file/scene_file.h"
 #include "solvers/lcp/input_error.h"
+#include "tests/fuzz/error_law.h"
 
 namespace lcpbench {
 
@@ -22,13 +23,6 @@ inline std::size_t CountEdges(const World& world) {
   return edges;
 }
 
-/// What is wrong with the error text of bad input: nothing, "", if it is one line that begins with where.
-inline std::string BrokenErrorLaw(const std::string& error, const std::string& where) {
-  if (error.find('\n') != std::string::npos) return "an error of two lines: " + error;
-  if (!error.starts_with(where + ": ")) return "an error that does not say where: " + error;
-  return "";
-}
-
 /// Which promise of scene_file.h the text breaks; "" if none: it gives a valid world, which survives being written and
 /// read, or an InputError of one line. What is not an InputError is thrown on.
 inline std::string BrokenSceneLaw(std::string_view text) {
@@ -37,7 +31,7 @@ inline std::string BrokenSceneLaw(std::string_view text) {
   try {
     scene = ParseScene(text, where);
   } catch (const InputError& error) {
-    return BrokenErrorLaw(error.what(), where);
+    return BrokenErrorLaw(error.what(), where + ": ");
   }
   try {
     RequireValid(scene.world);

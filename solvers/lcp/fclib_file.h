@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+// HDF5 files of the Friction Contact Library's local problems (group fclib_local, FCLib 3.1, fclib.h there):
+//
+//   u = W r + V l + q,   V^T r + R l + s = 0,   every contact's u and r in the cones of its friction coefficient mu,
+//
+// u, r of spacedim (2 or 3) rows per contact, the first of them normal. With mu = 0 the cones say that r is normal and
+// 0 <= r_N, u_N, r_N u_N = 0: our problem. Contacts are its unilateral rows, l the forces of its bilateral ones:
+// R = A_BB, V = A_CB, s = b_B, W and q hold A_CC and b_C in their normal rows and columns.
+//
+// Tangential columns act on nothing where r_T = 0, and tangential rows give nothing but u_T, which nothing asks for.
+// So tangential entries are written as none, and passed over by the reader, which loses nothing of the forces.
+//
+// The group lcpbench beside it, which fclib passes over, keeps what the format has no place for: the problem's id, for
+// every contact and then every bilateral row its row in the problem (row_order), and where there are factors J and
+// inverse_mass, which then win over W, V and R. Matrices are {nzmax, m, n, nz, p, i, x} as in fclib.h.
+
+struct FclibProblem {
+  LcpProblem problem;
+  /// From the group solution: normal forces and l. Judged by nobody.
+  std::optional<Eigen::VectorXd> f;
+};
+
+/// Matrices as triplets (p rows, i columns, as fclib.h has it), compressed columns or rows; entries of one place add
+/// up. Without the group lcpbench contacts come first, and the id is the file's name without its extension. Read by a
+/// child process, see hdf5_reader.h: memory is in proportion to the file, whatever it promises.
+/// @throws InputError naming file, dataset, what was expected and what was found: no such file, a dataset missing or of
+/// another type, sizes that are negative or do not fit each other, a matrix W or R that is not square, indices outside,
+/// what is not finite, mu != 0 (friction is not supported), a row order that is none
+FclibProblem ReadFclibProblem(const std::string& path);
+
+/// spacedim 2, matrices in compressed columns with all stored entries. Read back bit for bit; a dense problem as a
+/// sparse one. Not for several threads at once.
+/// @throws InputError for bounds that are neither unilateral nor bilateral, where A_BC is not A_CB^T bit for bit, where
+/// the product of factors overflows, for more rows than the format counts, and where the file cannot be written
+void WriteFclibProblem(const LcpProblem& problem, const std::string& path);
+
+}  // namespace lcpbench

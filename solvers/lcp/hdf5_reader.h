@@ -1,0 +1,38 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lcpbench {
+
+enum class Hdf5Kind { kIntegers, kReals, kText };
+
+struct Hdf5Request {
+  std::string path;  ///< of the dataset in the file, "/group/name"
+  Hdf5Kind kind = Hdf5Kind::kReals;
+};
+
+/// A dataset of rank 0 or 1: 32-bit integers, 64-bit IEEE numbers, or one text of fixed length.
+struct Hdf5Dataset {
+  std::vector<int> integers;
+  std::vector<double> reals;
+  std::string text;
+};
+
+/// Those of the requested datasets that the file holds, by their paths.
+///
+/// libhdf5 was not made for files that wish it ill: it crashes on some, and allocates what others promise. So it runs
+/// in a forked child, which may open no other file, write none, and whose memory and processor time are limited in
+/// proportion to the file's size (memory not under sanitizers, which reserve more than any limit); datasets come back
+/// through a pipe. All of them together take no more memory than the file, whatever it promises. The child runs
+/// libhdf5 after fork without exec, so that where other threads use libhdf5 themselves at that moment (its builds
+/// without thread safety do not allow that anyhow) the child may fail or, until its time is up, hang; the caller's
+/// memory is safe.
+/// Refused are datasets of other types or ranks, in chunks, compressed, virtual or stored in other files, links that
+/// are not hard, and datasets whose values the file does not hold.
+/// @throws InputError `path: ...` naming the dataset, what was expected and what was found; also where the file cannot
+/// be opened, is none, or ends the child
+std::map<std::string, Hdf5Dataset> ReadHdf5(const std::string& path, const std::vector<Hdf5Request>& requests);
+
+}  // namespace lcpbench

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <istream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lcpbench {
+
+/// The words of a text file and their lines, for readers of formats that are words with spaces between them. Every
+/// refusal is an InputError `name:line: expected ..., found ...`. Memory: one line.
+class TextWords {
+ public:
+  /// @param input  not owned; must outlive this
+  /// @param name   of the file, for error texts
+  TextWords(std::istream& input, std::string name);
+
+  bool NextLine();
+  /// The next line that is neither blank nor begins with `comment`.
+  bool NextData(char comment);
+  /// The next word of this line, "" at its end.
+  std::string_view Word();
+  /// The next word, of this line or a later one. "" at the end of the file only.
+  std::string_view WordOfAnyLine();
+  /// What WordOfAnyLine() will give.
+  std::string_view PeekOfAnyLine();
+
+  /// Word() as a number. @throws InputError for what is none, or lies outside
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what);
+  double Number();
+  /// The same for WordOfAnyLine().
+  std::int64_t IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what);
+  /// `count` numbers. Memory in proportion to those that are there, whatever was promised.
+  std::vector<double> NumbersOfAnyLine(std::int64_t count, const std::string& what);
+  /// @throws InputError where the line has a word left
+  void EndOfLine();
+
+  const std::string& Line() const { return line_; }
+  [[noreturn]] void Reject(const std::string& expected, std::string_view found) const;
+  [[noreturn]] void RejectEnd(const std::string& expected) const;
+
+ private:
+  std::int64_t AsInteger(std::string_view word, std::int64_t least, std::int64_t most, const std::string& what) const;
+  std::string Place() const;
+
+  std::istream& input_;
+  std::string name_;
+  std::string line_;
+  std::string_view rest_;
+  std::size_t number_ = 0;
+};
+
+/// 17 significant digits: reading gives the same bits.
+std::string RoundTripDigits(double value);
+
+}  // namespace lcpbench

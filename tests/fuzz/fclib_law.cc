@@ -1,0 +1,81 @@
+#include "tests/fuzz/fclib_law.h"
+
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include "solvers/lcp/fclib_file.h"
+#include "solvers/lcp/input_error.h"
+#include "tests/fuzz/error_law.h"
+#include "tests/lcp/same_problem.h"
+
+namespace lcpbench {
+namespace {
+
+// In memory where there is such a folder. Not memfd_create: libhdf5 wants a file with a name.
+class TemporaryFile {
+ public:
+  TemporaryFile() {
+    const std::filesystem::path memory = "/dev/shm";
+    path_ = (std::filesystem::is_directory(memory) ? memory : std::filesystem::temp_directory_path()) / "fclib-XXXXXX";
+    descriptor_ = mkstemp(path_.data());
+    if (descriptor_ < 0) throw std::runtime_error(path_ + ": " + std::strerror(errno));
+  }
+  TemporaryFile(const TemporaryFile&) = delete;
+  TemporaryFile& operator=(const TemporaryFile&) = delete;
+  ~TemporaryFile() {
+    close(descriptor_);
+    std::remove(path_.c_str());
+  }
+
+  const std::string& path() const { return path_; }
+  void Write(const std::string& bytes) const {
+    for (std::size_t written = 0; written < bytes.size();) {
+      const ssize_t count = write(descriptor_, bytes.data() + written, bytes.size() - written);
+      if (count <= 0) throw std::runtime_error(path_ + ": " + std::strerror(errno));
+      written += static_cast<std::size_t>(count);
+    }
+  }
+
+ private:
+  std::string path_;
+  int descriptor_ = -1;
+};
+
+// Finite factors whose product is not are the one thing that is read and not written.
+std::string BrokenOverflowLaw(const LcpProblem& problem, const std::string& path) {
+  if (!problem.has_factors()) return "A is not finite";
+  try {
+    WriteFclibProblem(problem, path);
+  } catch (const InputError&) {
+    return "";
+  }
+  return "an overflow is written";
+}
+
+}  // namespace
+
+std::string BrokenFclibLaw(const std::string& bytes) {
+  const TemporaryFile given, written;
+  given.Write(bytes);
+  bool is_read = false;
+  try {
+    const LcpProblem problem = ReadFclibProblem(given.path()).problem;
+    is_read = true;
+    if (!problem.b().allFinite()) return "b is not finite";
+    if (!problem.SparseA().coeffs().allFinite()) return BrokenOverflowLaw(problem, written.path());
+    WriteFclibProblem(problem, written.path());
+    const LcpProblem back = ReadFclibProblem(written.path()).problem;
+    return back.id() == problem.id() ? DifferenceOfProblems(back, problem) : "another id";
+  } catch (const InputError& error) {
+    if (is_read) return std::string("what was read is not written, or refused: ") + error.what();
+    return BrokenErrorLaw(error.what(), given.path() + ": ");
+  }
+}
+
+}  // namespace lcpbench
