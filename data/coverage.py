@@ -101,14 +101,16 @@ def references(manifests):
             if name == "none":
                 continue
             name += ": " + reference.get("proof", reference["status"])
-            rows.setdefault(name, []).append(reference.get("w_bound"))
+            rows.setdefault(name, []).append(reference)
     table = []
     for name in sorted(rows):
-        bounds = sorted(b for b in rows[name] if b is not None)
-        median = f"{bounds[len(bounds) // 2]:.1e}" if bounds else "exact"
-        largest = f"{bounds[-1]:.1e}" if bounds else "exact"
-        table.append([name, len(rows[name]), median, largest])
-    return _table(["reference", "problems", "median bound of w", "largest"], table)
+        row = [name, len(rows[name])]
+        for field in ("w_bound", "energy_shift"):
+            values = sorted(r[field] for r in rows[name] if field in r)
+            row += [f"{values[len(values) // 2]:.1e}", f"{values[-1]:.1e}"] if values else ["exact", "exact"]
+        table.append([str(cell).replace("0.0e+00", "0") for cell in row])
+    header = ["reference", "problems", "bound of w: median", "largest", "shift of b: median", "largest"]
+    return _table(header, table)
 
 
 def refusals(manifests):
@@ -144,7 +146,8 @@ def text():
             "Problems by size and kinds of constraints (rows), redundancy 1 − rank/n and condition of A (columns, "
             "`redundancy; condition`; `?`: not measured):",
             coverage(everything),
-            "How the answers are known, and how far w / √A_ii may be off:",
+            "How the answers are known, how far w / √A_ii may be off, and by how much D^-½ b of the problem that this is "
+            "proved for differs from the given one:",
             references(manifests),
             "Candidates that were not taken:",
             refusals(manifests),

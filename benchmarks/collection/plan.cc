@@ -133,11 +133,14 @@ Tier Pathological() {
               "Mass ratios to 10^8: sweeps stall, and absolute tolerances lose the light bodies.", &tier);
     }
   }
-  for (const std::string_view scene : {"disc-track", "roller-bearing"}) {
-    for (const double clearance : {1e-3, 1e-6, 1e-9}) {
-      AddHard(Of(scene, 40, 1, {{"conformal", clearance}}),
-              "Nearly conformal arcs: the relative curvature all but vanishes, and gamma is huge on some rows.", &tier);
-    }
+  for (const double clearance : {1e-3, 1e-6, 1e-9}) {
+    AddHard(Of("disc-track", 40, 1, {{"conformal", clearance}}),
+            "Nearly conformal arcs: the relative curvature all but vanishes, and gamma is huge on some rows.", &tier);
+    AddHard(
+        Of("roller-bearing", 40, 1, {{"conformal", clearance}}),
+        "Nearly conformal arcs in redundant rows, which depend on each other but for rounding: the exact forces are "
+        "beyond what doubles can balance.",
+        &tier);
   }
   for (const std::string_view scene : {"disc-pile", "rockers", "gear-train"}) {
     for (const double binades : {20.0, 60.0}) {

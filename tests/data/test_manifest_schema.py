@@ -2,6 +2,8 @@
 
 import copy
 import json
+import subprocess
+import sys
 import unittest
 from pathlib import Path
 
@@ -112,6 +114,10 @@ class Collection(unittest.TestCase):
                 self.assertIn("exact", problem["rank_method"], problem["id"])
                 if problem["rows"] <= 2000:
                     self.assertTrue(problem["condition"] is not None or "zero" in problem["condition_method"])
+
+    def test_the_tables_of_the_readme_are_those_of_the_manifests(self):
+        run = subprocess.run([sys.executable, _DATA / "coverage.py", "--check"], check=False)
+        self.assertEqual(run.returncode, 0, "run data/coverage.py")
 
     def test_grids_vary_one_thing(self):
         grids = {}
