@@ -40,9 +40,12 @@ double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f) {
   if (f.size() == 0) return 0;
   const Eigen::VectorXd root =
       problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1 : std::sqrt(std::abs(d)); });
-  // stableNorm: squares of what units make large or small stay within range.
-  const double change = kUnitRoundoff * Magnitude(problem, f).cwiseQuotient(root).stableNorm();
-  const double b = problem.b().cwiseQuotient(root).stableNorm();
+  const Eigen::VectorXd scaled_change = Magnitude(problem, f).cwiseQuotient(root);
+  const Eigen::VectorXd scaled_b = problem.b().cwiseQuotient(root);
+  // stableNorm: squares of what units make large or small stay within range. Of vectors: copies that Eigen 3.4 makes of
+  // expressions on the way fail its own assertion on alignment.
+  const double change = kUnitRoundoff * scaled_change.stableNorm();
+  const double b = scaled_b.stableNorm();
   return b == 0 ? change : change / b;
 }
 
