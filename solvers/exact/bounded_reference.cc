@@ -121,15 +121,13 @@ class Refinement {
       active_ = active_at_start;
       Polish();
     }
-    for (Index i = 0; i < size(); ++i) {
-      if (!problem_.is_bilateral(i) && f_[At(i)] < 0) f_[At(i)] = 0;
-    }
-    Evaluate();
+    Clip();
     if (!settled) {
       factor.emplace(problem_, Rows());
       if (FindVertex(*factor)) {
         factor.emplace(problem_, Rows());
         Refine(*factor, {});
+        Clip();
       }
     }
     reference_.active = Count(Rows());
@@ -163,6 +161,14 @@ class Refinement {
   void Refine(const ActiveFactor& factor, const std::vector<BigInteger>& target) {
     reference_.refinements +=
         RefineForces(problem_, lcp_, scale_, factor.factor(), target, kAllBits, deadline_, &f_, &w_);
+  }
+
+  // What rounding has left below 0 is 0.
+  void Clip() {
+    for (Index i = 0; i < size(); ++i) {
+      if (!problem_.is_bilateral(i) && f_[At(i)] < 0) f_[At(i)] = 0;
+    }
+    Evaluate();
   }
 
   // Rows with wrong signs change sides; false where there are none.

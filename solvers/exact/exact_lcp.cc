@@ -199,10 +199,11 @@ class ExactSolve {
       answer_.f_least_norm = answer_.f;
       answer_.f_unique = true;
     } else {
-      least = FindLeastNorm(set, GuessPositive(set));
-      if (!least.has_value() && rows <= options_.most_rows_of_proofs) least = ProjectOnSet(set);
+      least = FindLeastNorm(set, GuessPositive(set), deadline_);
+      if (!least.has_value() && rows <= options_.most_rows_of_proofs) least = ProjectOnSet(set, deadline_);
       if (!least.has_value()) {
-        answer_.detail = "the active set of the least-norm f did not settle";
+        answer_.detail = deadline_.Expired() ? "out of time for the f of least norm"
+                                             : "the active set of the least-norm f did not settle";
         return;
       }
       answer_.f_least_norm.assign(At(n), 0);
@@ -215,7 +216,8 @@ class ExactSolve {
       if (answer_.f_least_norm != answer_.f) {
         answer_.f_unique = false;
       } else if (rows <= options_.most_rows_of_proofs) {
-        answer_.f_unique = IsOnlySolution(set, least->f);
+        answer_.f_unique = IsOnlySolution(set, least->f, deadline_);
+        if (!answer_.f_unique.has_value()) answer_.detail = "out of time for the uniqueness of f";
       } else {
         answer_.detail =
             "uniqueness of f is decided up to " + std::to_string(options_.most_rows_of_proofs) + " active rows";

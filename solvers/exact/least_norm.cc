@@ -3,7 +3,6 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "solvers/exact/exact_pivoting.h"
 #include "solvers/exact/independent_rows.h"
@@ -51,12 +50,6 @@ Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
     }
   }
   return result;
-}
-
-LcpOptions Unlimited() {
-  LcpOptions options;
-  options.time_limit_s = std::numeric_limits<double>::infinity();
-  return options;
 }
 
 // A basis of null(A) in the columns of an integer matrix: -A_RR^-1 A_RQ on independent rows R, I on the others, each
@@ -136,10 +129,10 @@ std::vector<char> GuessPositive(const SolutionSet& set) {
   return positive;
 }
 
-std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive) {
+std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive, const Deadline& deadline) {
   const Index n = set.A.rows();
   const std::vector<Index> all = AllRows(n);
-  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
+  for (int exchange = 0; exchange < kMostExchanges && !deadline.Expired(); ++exchange) {
     std::vector<Index> acting;
     for (Index i = 0; i < n; ++i) {
       if (set.bilateral[At(i)] != 0 || positive[At(i)] != 0) acting.push_back(i);
@@ -190,7 +183,7 @@ std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char>
   return std::nullopt;
 }
 
-std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set) {
+std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& deadline) {
   const Index n = set.A.rows();
   const IntegerMatrix N = NullBasis(set.A);
   RationalMatrix P(n, n);
@@ -215,7 +208,7 @@ std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set) {
   const IntegerMatrix right_integer = CommonMultiple(right, &right_unit);
   const std::vector<char> none(At(m), 0);
   ExactPivoting pivoting(block_integer, right_integer, none);
-  if (pivoting.Run(none, Deadline(Unlimited())) != ExactPivoting::End::kSolved) {
+  if (pivoting.Run(none, deadline) != ExactPivoting::End::kSolved) {
     return std::nullopt;
   }
   const Rational unit = ToRational(block_unit.get(), right_unit.get());
@@ -246,7 +239,8 @@ std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set) {
   return found;
 }
 
-bool IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least) {
+std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least,
+                                   const Deadline& deadline) {
   const IntegerMatrix N = NullBasis(set.A);
   const Index k = N.columns();
   if (k == 0) return true;
@@ -267,7 +261,9 @@ bool IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least
   for (Index i = 0; i < m; ++i) fmpz_set_si(minus_one.at(i, 0), -1);
   const std::vector<char> none(At(m), 0);
   ExactPivoting pivoting(Q_integer, minus_one, none);
-  return pivoting.Run(none, Deadline(Unlimited())) == ExactPivoting::End::kSolved;
+  const ExactPivoting::End end = pivoting.Run(none, deadline);
+  if (end == ExactPivoting::End::kTimeLimit) return std::nullopt;
+  return end == ExactPivoting::End::kSolved;
 }
 
 }  // namespace lcpbench

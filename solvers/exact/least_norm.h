@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/exact/flint_matrix.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
@@ -23,19 +24,21 @@ struct LeastNorm {
 };
 
 /// min |f|^2 over the set. Its active set is guessed in doubles, and put right by exact exchanges in blocks; where
-/// those do not settle, nothing. Every answer is proved by its multipliers.
+/// those do not settle, or not by the deadline, nothing. Every answer is proved by its multipliers.
 /// @param positive  a guess at the unilateral rows with f > 0
-std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive);
+std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char> positive, const Deadline& deadline);
 
-/// The same by a method that ends: with N a basis of null(A) and P = N (N^T N)^-1 N^T, the least-norm f is the w of the
-/// LCP  w = P s + (f - P f)  on the unilateral rows, for any solution f. For some tens of rows: the numbers in P are
-/// long.
-std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set);
+/// The same by a method that ends, if the deadline lets it: with N a basis of null(A) and P = N (N^T N)^-1 N^T, the
+/// least-norm f is the w of the LCP  w = P s + (f - P f)  on the unilateral rows, for any solution f. For some tens of
+/// rows: the numbers in P are long.
+std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& deadline);
 
 /// Whether f_least is the only solution. A direction that keeps all rows is d in null(A), d_i >= 0 where f_i = 0; there
 /// is none but 0 if and only if N of full column rank and the LCP (I - N (N^T N)^-1 N^T, -1) is solvable, N being a
-/// basis of null(A) on these rows (Gordan's alternative, as a projection). O(nullity) exact solves, and that LCP.
-bool IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least);
+/// basis of null(A) on these rows (Gordan's alternative, as a projection). O(nullity) exact solves, and that LCP;
+/// nothing where the deadline ends it.
+std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rational>& f_least,
+                                   const Deadline& deadline);
 
 /// A guess for FindLeastNorm, in doubles, by proximal projection on the set.
 std::vector<char> GuessPositive(const SolutionSet& set);

@@ -33,6 +33,14 @@ Eigen::VectorXd Magnitude(const LcpProblem& problem, const Eigen::VectorXd& f) {
   return magnitude;
 }
 
+// |x|_2, of which units may make the squares too large or small for doubles. Eigen's own stableNorm ends on an
+// assertion about the alignment of its copies where that is 64 bytes and vectors are narrower.
+double NormInRange(const Eigen::VectorXd& x) {
+  const double largest = x.cwiseAbs().maxCoeff();
+  if (!(largest > 0) || !std::isfinite(largest)) return largest;
+  return largest * (x / largest).norm();
+}
+
 }  // namespace
 
 double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f) {
@@ -40,9 +48,8 @@ double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f) {
   if (f.size() == 0) return 0;
   const Eigen::VectorXd root =
       problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1 : std::sqrt(std::abs(d)); });
-  // stableNorm: squares of what units make large or small stay within range.
-  const double change = kUnitRoundoff * Magnitude(problem, f).cwiseQuotient(root).stableNorm();
-  const double b = problem.b().cwiseQuotient(root).stableNorm();
+  const double change = kUnitRoundoff * NormInRange(Magnitude(problem, f).cwiseQuotient(root));
+  const double b = NormInRange(problem.b().cwiseQuotient(root));
   return b == 0 ? change : change / b;
 }
 

@@ -150,6 +150,10 @@ TEST(BoundedReference, BoundsOfGeneratedProblemsHold) {
     if (test.problem.size() > 40) continue;
     SCOPED_TRACE(test.problem.id());
     ExpectProved(test.problem, RefineReference(test.problem, SolvedBy("dantzig", test.problem, 1e-9), {}));
+    // Degenerate forces that are 0 to the last digit.
+    LcpResult exact;
+    ExactSolver().Solve(test.problem, {}, &exact);
+    ExpectProved(test.problem, RefineReference(test.problem, exact.f, {}));
   }
 }
 

@@ -171,6 +171,28 @@ TEST(ExactLcp, DoublesAreTheRationalsThatTheyAre) {
   EXPECT_EQ(SolveExactly(exact, {}).f[0], 3);
 }
 
+// Wherever the clock runs out, what is answered is right, and what is not is said to be open.
+TEST(ExactLcp, TheTimeLimitEndsWhatIsKnownBesidesTheAnswerToo) {
+  static int reads_left = 0;
+  const ExactLcp problem = ExactFrom(PlantedProblem(14, 2, 1, 0, 3).problem);
+  int open = 0;
+  for (int reads = 1; reads < 40; ++reads) {
+    reads_left = reads;
+    ExactOptions options;
+    options.time_limit_s = 1;
+    options.now = [] { return --reads_left > 0 ? 0.0 : 2.0; };
+    const ExactAnswer answer = SolveExactly(problem, options);
+    EXPECT_EQ(FindFault(problem, answer), "") << reads;
+    if (answer.status != Status::kSolved) {
+      EXPECT_EQ(answer.status, Status::kTimeLimit) << reads;
+    } else if (!answer.f_unique.has_value()) {
+      ++open;
+      EXPECT_NE(answer.detail.find("out of time"), std::string::npos) << reads;
+    }
+  }
+  EXPECT_GT(open, 0);
+}
+
 // Power-of-two changes of units are exact, and so is the change of the answer.
 TEST(ExactLcp, AnswersScaleWithTheUnits) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
