@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "benchmarks/accuracy_pass.h"
+#include "benchmarks/campaign_command.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
 #include "benchmarks/results.h"
@@ -25,6 +26,7 @@ struct RunArguments {
   double time_limit_s = 0;
   double min_time_s = 0;
   int repetitions = 0;
+  CampaignArguments campaign;
 };
 
 // The named suite with what the command line changes in it: what is asked for by name is run at every size.
@@ -63,7 +65,24 @@ void TellWhatIsMissing(const Suite& suite) {
   if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
 }
 
+CampaignPlan PlanOf(const RunArguments& arguments) {
+  CampaignPlan plan = CampaignOf(arguments.suite);
+  if (!arguments.solvers.empty()) plan.solvers = arguments.solvers;
+  if (!arguments.tiers.empty()) plan.tiers = arguments.tiers;
+  if (arguments.time_limit_s != 0) plan.least_s = plan.most_s = arguments.time_limit_s;
+  if (arguments.min_time_s != 0) plan.min_time_s = arguments.min_time_s;
+  if (arguments.repetitions != 0) plan.repetitions = arguments.repetitions;
+  if (!arguments.families.empty() || !arguments.sizes.empty() || !arguments.seeds.empty()) {
+    throw InputError("run: a campaign's problems are its manifest's; expected --filter to choose among them");
+  }
+  return plan;
+}
+
 int Run(const RunArguments& arguments, const std::vector<std::string>& extra_flags) {
+  if (IsCampaign(arguments.suite)) {
+    if (!extra_flags.empty()) throw InputError("run: unexpected argument '" + extra_flags.front() + "'");
+    return RunCampaignCommand(PlanOf(arguments), arguments.campaign, arguments.output);
+  }
   const Suite suite = ChosenSuite(arguments);
   for (const std::string& flag : extra_flags) {
     if (!flag.starts_with("--benchmark_")) throw InputError("run: unexpected argument '" + flag + "'");
@@ -89,7 +108,10 @@ int Run(const RunArguments& arguments, const std::vector<std::string>& extra_fla
 void AddRunCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<RunArguments>();
   CLI::App* command = app.add_subcommand("run", "Runs a suite: verifies, then times, and writes result files");
-  command->add_option("--suite", arguments->suite, "default or quick")->capture_default_str();
+  command
+      ->add_option("--suite", arguments->suite,
+                   "default or quick; or a campaign: " + CampaignNames() + ", or a manifest's path")
+      ->capture_default_str();
   command->add_option("-o,--output", arguments->output, "Folder of the result files")->capture_default_str();
   command->add_option("--solvers", arguments->solvers, "Only these solvers")->delimiter(',');
   command->add_option("--scenes", arguments->families, "Only these scene families")->delimiter(',');
@@ -99,12 +121,14 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
   command->add_option("--time-limit", arguments->time_limit_s, "Seconds per solve");
   command->add_option("--min-time", arguments->min_time_s, "Seconds per repetition of a timing");
   command->add_option("--repetitions", arguments->repetitions, "Repetitions of a timing");
+  AddCampaignOptions(*command, &arguments->campaign);
   command->allow_extras();
   command->footer("Flags of Google Benchmark (--benchmark_filter=..., ...) are handed on to the timing pass.");
   const auto externals = AddExternalOption(*command);
   command->callback([arguments, externals, command, &run] {
     run = [arguments, externals, extras = command->remaining()] {
       RegisterExternals(*externals);
+      arguments->campaign.externals = *externals;
       return Run(*arguments, extras);
     };
   });

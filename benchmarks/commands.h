@@ -22,6 +22,8 @@ void AddImportCommand(CLI::App& app, CommandRun& run);
 void AddAssembleCommand(CLI::App& app, CommandRun& run);
 void AddReplayCommand(CLI::App& app, CommandRun& run);
 void AddRunCommand(CLI::App& app, CommandRun& run);
+void AddMergeCommand(CLI::App& app, CommandRun& run);
+void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run);
 void AddReportCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);
 void AddMotionCommand(CLI::App& app, CommandRun& run);

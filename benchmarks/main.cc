@@ -55,6 +55,8 @@ int main(int argc, char** argv) {
   AddAssembleCommand(app, run);
   AddReplayCommand(app, run);
   AddRunCommand(app, run);
+  AddMergeCommand(app, run);
+  AddCampaignWorkerCommand(app, run);
   AddReportCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);

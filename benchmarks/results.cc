@@ -27,6 +27,8 @@ void WriteText(const std::string& path, const std::string& text) {
   if (!file) throw InputError(path + ": cannot be written");
 }
 
+}  // namespace
+
 const char* OriginKey(SolverOrigin origin) {
   switch (origin) {
     case SolverOrigin::kOwn:
@@ -38,8 +40,6 @@ const char* OriginKey(SolverOrigin origin) {
   }
   return "unknown";
 }
-
-}  // namespace
 
 void WriteRunFile(const std::string& folder, const Suite& suite, const std::string& started, double wall_s) {
   const Environment environment = DescribeEnvironment();

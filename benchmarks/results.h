@@ -15,6 +15,9 @@ void WriteRunFile(const std::string& folder, const Suite& suite, const std::stri
 /// Solves a small problem of every family and writes <folder>/<family>.svg.
 void WritePictures(const std::string& folder, const Suite& suite);
 
+/// "own", "peer" or "external".
+const char* OriginKey(SolverOrigin origin);
+
 /// Now, as ISO 8601 in UTC.
 std::string UtcNow();
 

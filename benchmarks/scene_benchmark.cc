@@ -13,6 +13,7 @@
 #include <string>
 
 #include "benchmarks/growth_report.h"
+#include "benchmarks/peak_memory.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
 

@@ -93,10 +93,12 @@ std::string ContentHash(const LcpProblem& problem) {
   return hash.Digits();
 }
 
-std::string SequenceHash::Result() const {
+std::string TextHash(const std::string& text) {
   Sha256 hash;
-  hash.Add(std::string_view(text_));
+  hash.Add(std::string_view(text));
   return hash.Digits();
 }
+
+std::string SequenceHash::Result() const { return TextHash(text_); }
 
 }  // namespace lcpbench

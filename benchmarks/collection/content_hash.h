@@ -28,4 +28,7 @@ class SequenceHash {
   std::string text_;
 };
 
+/// SHA-256 of a text, in hexadecimal digits.
+std::string TextHash(const std::string& text);
+
 }  // namespace lcpbench

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <utility>
 
+#include "benchmarks/collection/content_hash.h"
 #include "benchmarks/gzip_input.h"
 #include "benchmarks/problem_formats.h"
 #include "model/json_field.h"
@@ -202,6 +203,13 @@ SequenceEntry ReadSequence(const JsonField& field) {
 }
 
 }  // namespace
+
+std::string ManifestHash(const Manifest& manifest) {
+  std::string text;
+  for (const ManifestEntry& entry : manifest.problems) text += entry.id + ' ' + entry.sha256 + '\n';
+  for (const SequenceEntry& entry : manifest.sequences) text += entry.id + ' ' + entry.sha256 + '\n';
+  return TextHash(text);
+}
 
 struct ProblemSource::OpenFile {
   explicit OpenFile(std::string name) : path(std::move(name)), file(path), lines(nullptr) {

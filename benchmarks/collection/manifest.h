@@ -96,6 +96,9 @@ std::string FormatManifest(const Manifest& manifest);
 /// @throws InputError naming file, place, what was expected and what was found
 Manifest ReadManifest(const std::string& path);
 
+/// SHA-256 of the ids and hashes of all problems and sequences: what a set consists of.
+std::string ManifestHash(const Manifest& manifest);
+
 /// Makes the problems of a manifest's entries, or reads them. Entries in the order of their file's lines cost one pass.
 class ProblemSource {
  public:

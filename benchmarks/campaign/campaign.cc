@@ -1,0 +1,245 @@
+#include "benchmarks/campaign/campaign.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_file.h"
+#include "benchmarks/campaign/journal.h"
+#include "benchmarks/campaign/problem_file.h"
+#include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/interrupt.h"
+#include "benchmarks/progress.h"
+#include "benchmarks/suite.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kCampaignFile = "campaign.json";
+constexpr const char* kCellsFile = "cells.jsonl";
+constexpr const char* kProblemsFile = "problems.jsonl";
+
+std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
+
+class Campaign {
+ public:
+  Campaign(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<Manifest>& manifests,
+           std::string environment_hash)
+      : plan_(plan),
+        manifests_(manifests),
+        environment_hash_(std::move(environment_hash)),
+        journal_(In(options.folder, kCellsFile)),
+        worker_(WorkerFor(plan, options)) {
+    for (PlannedCell& cell : PlanCells(plan, manifests)) {
+      if (IsInShard(Entry(cell).id, cell.solver, options.shard, options.shards)) cells_.push_back(std::move(cell));
+    }
+  }
+
+  const std::vector<PlannedCell>& cells() const { return cells_; }
+
+  // False where it was interrupted. The caller keeps the Interruption.
+  bool Run() {
+    ProgressBar bar("campaign", std::max(1.0, static_cast<double>(cells_.size()) * plan_.rounds));
+    for (int round = 0; round < plan_.rounds; ++round) {
+      for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
+        if (Interruption::Requested()) return false;
+        RunCell(cells_[k], round);
+        bar.Advance(1, Summary());
+      }
+    }
+    return true;
+  }
+
+ private:
+  static WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options) {
+    WorkerOptions worker;
+    worker.memory_bytes = plan.memory_bytes;
+    worker.cpu = options.cpu;
+    worker.externals = options.externals;
+    return worker;
+  }
+
+  const ManifestEntry& Entry(const PlannedCell& cell) const { return manifests_[cell.manifest].problems[cell.entry]; }
+
+  // The tiers that one run of the solver is judged at.
+  std::vector<double> TiersOf(const PlannedCell& cell) const {
+    if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
+    return {std::begin(kTiers), std::end(kTiers)};
+  }
+
+  // Declared beforehand: after a looser tier ran out of time stricter ones are not tried.
+  std::string RuleFromLooserTier(const PlannedCell& cell) const {
+    for (const double tier : plan_.tiers) {
+      if (tier > cell.tier && journal_.RanOutOfTime(Entry(cell).id, cell.solver, tier)) return OutOfTimeRule(tier);
+    }
+    return {};
+  }
+
+  void RunCell(const PlannedCell& planned, int round) {
+    const ManifestEntry& entry = Entry(planned);
+    if (journal_.Has(entry.id, planned.solver, planned.tier, round)) return;
+    PlannedCell cell = planned;
+    if (cell.excluded.empty()) cell.excluded = RuleFromLooserTier(cell);
+    if (!cell.excluded.empty()) {
+      if (round == 0) journal_.WriteExcluded(entry, cell, TiersOf(cell));
+      return;
+    }
+    if (round > 0) {
+      const std::vector<double> tiers = TiersOf(cell);
+      const bool passed = std::any_of(tiers.begin(), tiers.end(),
+                                      [&](double tier) { return journal_.Passed(entry.id, cell.solver, tier); });
+      if (!passed) return;
+    }
+    CellRequest request;
+    request.manifest = plan_.manifests[cell.manifest];
+    request.problem = entry.id;
+    request.solver = cell.solver;
+    request.tier = cell.tier;
+    request.time_limit_s = cell.time_limit_s;
+    request.repetitions = plan_.repetitions;
+    request.min_time_s = plan_.min_time_s;
+    request.budget_s = plan_.budget_s;
+    CellReply reply = worker_.Run(request);
+    if (reply.verdicts.empty()) {
+      for (const double tier : TiersOf(cell)) {
+        CellVerdict failed;
+        failed.tier = tier;
+        failed.reason = reply.detail;
+        reply.verdicts.push_back(failed);
+      }
+    }
+    journal_.Write(entry, cell, round, reply, environment_hash_);
+    Count(reply);
+  }
+
+  void Count(const CellReply& reply) {
+    const auto strictest = std::min_element(reply.verdicts.begin(), reply.verdicts.end(),
+                                            [](const auto& a, const auto& b) { return a.tier < b.tier; });
+    if (!strictest->passes) ++failures_;
+    if (strictest->false_success) ++false_successes_;
+  }
+
+  std::string Summary() const {
+    return std::to_string(failures_) + " failures, " + std::to_string(false_successes_) + " false successes";
+  }
+
+  const CampaignPlan& plan_;
+  const std::vector<Manifest>& manifests_;
+  std::string environment_hash_;
+  Journal journal_;
+  WorkerProcess worker_;
+  std::vector<PlannedCell> cells_;
+  std::int64_t failures_ = 0;
+  std::int64_t false_successes_ = 0;
+};
+
+// The plan's file is there and says the same, or is not there yet.
+std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordered_json& campaign) {
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  if (error) throw InputError(options.folder + ": cannot be created: " + error.message());
+  const std::string path = In(options.folder, kCampaignFile);
+  if (!fs::exists(path)) {
+    WriteCampaignFile(path, campaign);
+  } else if (!options.resume) {
+    throw InputError(options.folder + ": has a campaign already; --resume goes on with it");
+  } else if (!SameCampaign(ReadCampaignFile(path), campaign)) {
+    throw InputError(options.folder + ": expected the campaign that is asked for, found another plan");
+  }
+  return campaign.at("environment_hash").get<std::string>();
+}
+
+std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
+  std::vector<Manifest> manifests;
+  for (const std::string& path : plan.manifests) manifests.push_back(ReadManifest(path));
+  std::set<std::string> ids;
+  for (std::size_t m = 0; m < manifests.size(); ++m) {
+    for (const ManifestEntry& entry : manifests[m].problems) {
+      if (!ids.insert(entry.id).second) {
+        throw InputError(plan.manifests[m] + ": problem '" + entry.id + "' is in another manifest already");
+      }
+    }
+  }
+  return manifests;
+}
+
+}  // namespace
+
+int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
+  RequireValid(plan);
+  if (options.shards < 1 || options.shard < 1 || options.shard > options.shards) {
+    throw InputError("campaign: expected a shard k/N with k from 1 to N");
+  }
+  const std::vector<Manifest> manifests = ReadManifests(plan);
+  const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests));
+  Campaign campaign(plan, options, manifests, environment);
+  std::vector<std::vector<bool>> wanted;
+  for (const Manifest& manifest : manifests) wanted.emplace_back(manifest.problems.size(), false);
+  for (const PlannedCell& cell : campaign.cells()) wanted[cell.manifest][cell.entry] = true;
+  WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, wanted);
+  const Interruption interruption;
+  return campaign.Run() ? 0 : Interruption::ExitStatus();
+}
+
+void MergeCampaigns(const std::vector<std::string>& folders, const std::string& output) {
+  if (folders.empty()) throw InputError("merge: expected folders of campaigns");
+  if (fs::exists(In(output, kCampaignFile))) throw InputError(output + ": has a campaign already");
+  const nlohmann::ordered_json first = ReadCampaignFile(In(folders.front(), kCampaignFile));
+  // By problem; by problem, solver, tier, round: sorted, so that the folders' order does not matter.
+  std::map<std::string, std::string> problems;
+  std::map<std::tuple<std::string, std::string, double, int>, std::string> cells;
+  for (const std::string& folder : folders) {
+    if (!SameCampaign(ReadCampaignFile(In(folder, kCampaignFile)), first)) {
+      throw InputError(folder + ": expected the campaign of " + folders.front() + ", found another plan");
+    }
+    const auto for_each = [&folder](const char* file, const auto& take) {
+      std::ifstream lines(In(folder, file));
+      if (!lines) throw InputError(In(folder, file) + ": cannot be opened for reading");
+      std::string line;
+      while (std::getline(lines, line) && !lines.eof()) {
+        try {
+          take(nlohmann::json::parse(line), line);
+        } catch (const nlohmann::json::exception&) {
+          throw InputError(In(folder, file) + ": expected lines of a campaign, found another");
+        }
+      }
+    };
+    for_each(kProblemsFile, [&](const nlohmann::json& json, const std::string& line) {
+      problems.emplace(json.at("problem").get<std::string>(), line);
+    });
+    for_each(kCellsFile, [&](const nlohmann::json& json, const std::string& line) {
+      const std::tuple key(json.at("problem").get<std::string>(), json.at("solver").get<std::string>(),
+                           json.at("tier").get<double>(), json.at("round").get<int>());
+      if (!cells.emplace(key, line).second) {
+        throw InputError(folder + ": " + CellName(std::get<0>(key), std::get<1>(key), std::get<2>(key)) +
+                         " is in another folder already");
+      }
+    });
+  }
+  std::error_code error;
+  fs::create_directories(output, error);
+  if (error) throw InputError(output + ": cannot be created: " + error.message());
+  const auto write = [&output](const char* file, const auto& lines) {
+    std::ofstream out(In(output, file));
+    for (const auto& [key, line] : lines) out << line << '\n';
+    out.close();
+    if (!out) throw InputError(In(output, file) + ": cannot be written");
+  };
+  WriteCampaignFile(In(output, kCampaignFile), first);
+  write(kProblemsFile, problems);
+  write(kCellsFile, cells);
+}
+
+}  // namespace lcpbench

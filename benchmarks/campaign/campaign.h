@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+
+namespace lcpbench {
+
+struct CampaignOptions {
+  std::string folder;
+  bool resume = false;  ///< go on in a folder that has a campaign of the same plan
+  int shard = 1;        ///< of `shards`, from 1
+  int shards = 1;
+  int cpu = -1;                        ///< the processor that solves are kept on; -1: any
+  std::vector<std::string> externals;  ///< solvers that the user named, KEY=COMMAND
+};
+
+/// Runs a campaign, or its rest, into a folder (files: RESULTS.md). Rounds: in the first one every cell is solved,
+/// judged, and timed where it passed; in the others passed cells are timed again in another order, so that what the
+/// machine does meanwhile is spread over all solvers.
+/// @return exit status: 0, or 128 + signal where it was interrupted
+/// @throws InputError where the plan cannot be run, the folder has another campaign, or has one and `resume` is not set
+int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options);
+
+/// Merges folders of shards of one campaign into a new folder: the same files, whatever the order of the folders.
+/// @throws InputError where they are not of one campaign, or one has a cell of another
+void MergeCampaigns(const std::vector<std::string>& folders, const std::string& output);
+
+}  // namespace lcpbench

@@ -1,0 +1,113 @@
+#include "benchmarks/campaign/campaign_file.h"
+
+#include <fstream>
+
+#include "benchmarks/collection/content_hash.h"
+#include "benchmarks/environment.h"
+#include "benchmarks/results.h"
+#include "benchmarks/suite.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kSchema = "lcpbench-campaign/1";
+
+Json DescribeMachine() {
+  const Environment environment = DescribeEnvironment();
+  Json json;
+  json["version"] = environment.version;
+  json["git_commit"] = environment.git_commit;
+  json["git_dirty"] = environment.git_dirty;
+  json["compiler"] = environment.compiler;
+  json["flags"] = environment.flags;
+  json["solver_flags"] = environment.solver_flags;
+  json["build_type"] = environment.build_type;
+  json["cpu"] = environment.cpu;
+  json["cores"] = environment.cores;
+  json["memory_bytes"] = environment.memory_bytes;
+  json["os"] = environment.os;
+  json["library_threads"] = environment.library_threads;
+  json["libraries"] = Json::object();
+  for (const auto& [name, version] : environment.libraries) json["libraries"][name] = version;
+  return json;
+}
+
+// By what the library's own defaults are run with, see the registry: keys that end in -default.
+const char* SettingOf(const std::string& key) { return key.ends_with("-default") ? "default" : "tuned"; }
+
+}  // namespace
+
+Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
+  Json json;
+  json["schema"] = kSchema;
+  json["name"] = plan.name;
+  json["manifests"] = Json::array();
+  for (const Manifest& manifest : manifests) {
+    json["manifests"].push_back(
+        {{"name", manifest.name}, {"version", manifest.version}, {"sha256", ManifestHash(manifest)}});
+  }
+  json["solvers"] = Json::array();
+  for (const std::string& key : plan.solvers) {
+    const SolverEntry& entry = FindSolver(key);
+    json["solvers"].push_back({{"key", entry.key},
+                               {"method", entry.method},
+                               {"setting", SettingOf(entry.key)},
+                               {"origin", OriginKey(entry.origin)},
+                               {"uses_tolerance", entry.uses_tolerance},
+                               {"available", entry.available},
+                               {"licence", entry.licence},
+                               {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});
+  }
+  json["tiers"] = plan.tiers;
+  json["filter"] = plan.filter;
+  json["seed"] = plan.seed;
+  json["rounds"] = plan.rounds;
+  json["repetitions"] = plan.repetitions;
+  json["min_time_s"] = plan.min_time_s;
+  json["budget_s"] = plan.budget_s;
+  json["limits"] = {{"time_per_row_s", plan.time_per_row_s},
+                    {"least_s", plan.least_s},
+                    {"most_s", plan.most_s},
+                    {"memory_bytes", plan.memory_bytes}};
+  json["size_limits"] = Json::array();
+  for (const SizeLimit& limit : SizeLimits()) {
+    json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
+  }
+  json["environment"] = DescribeMachine();
+  json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
+  return json;
+}
+
+bool SameCampaign(const Json& a, const Json& b) {
+  const auto stripped = [](Json json) {
+    json.erase("environment");
+    json.erase("environment_hash");
+    return json;
+  };
+  return stripped(a) == stripped(b);
+}
+
+Json ReadCampaignFile(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw InputError(path + ": cannot be opened for reading");
+  try {
+    Json json = Json::parse(file);
+    if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + std::string(kSchema));
+    return json;
+  } catch (const Json::exception&) {
+    throw InputError(path + ": expected the JSON object of a campaign");
+  }
+}
+
+void WriteCampaignFile(const std::string& path, const Json& campaign) {
+  std::ofstream file(path);
+  file << campaign.dump(1) << '\n';
+  file.close();
+  if (!file) throw InputError(path + ": cannot be written");
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/collection/manifest.h"
+
+namespace lcpbench {
+
+/// What a campaign consists of, fixed before its first solve.
+struct CampaignPlan {
+  std::string name;
+  std::vector<std::string> manifests;  ///< paths
+  std::vector<std::string> solvers;    ///< registry keys
+  std::vector<double> tiers = {1e-3, 1e-6, 1e-9};
+  std::string filter;      ///< regular expression that a cell's name must contain, CellName; "" for all
+  std::uint64_t seed = 1;  ///< of the order
+  int rounds = 3;          ///< every cell is visited so often, each time in another order
+  int repetitions = 10;    ///< of a round, at most
+  double min_time_s = 0.001;
+  double budget_s = 0.1;  ///< of a cell and round: no further repetition is begun after it
+  // A solve may take time_per_row_s times its rows, within [least_s, most_s].
+  double time_per_row_s = 1e-3;
+  double least_s = 0.2;
+  double most_s = 2;
+  std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
+};
+
+/// One cell. A solver whose settings do not depend on the tolerance has one, at the strictest tier, for all.
+struct PlannedCell {
+  std::size_t manifest = 0;  ///< index into the plan's
+  std::size_t entry = 0;     ///< index into the manifest's problems
+  std::string solver;
+  double tier = 0;
+  double time_limit_s = 0;
+  std::string excluded;  ///< the rule by which it is not run; "" for none
+};
+
+/// "solve/<problem>/<solver>/<tier>"
+std::string CellName(const std::string& problem, const std::string& solver, double tier);
+
+/// All cells of a plan by problem and solver, tiers loosest first. Solvers that are not in the build have none.
+std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
+
+/// The order of a round: all cells of a problem and solver together, these groups shuffled by the plan's seed and the
+/// round. The same on every machine.
+std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round);
+
+/// Whether a cell is in shard k of n (k from 1): by a hash of problem and solver, so that shards do not depend on the
+/// order, and a problem's cells of one solver stay together.
+bool IsInShard(const std::string& problem, const std::string& solver, int k, int n);
+
+/// "" where the plan can be run. @throws InputError naming what cannot
+void RequireValid(const CampaignPlan& plan);
+
+}  // namespace lcpbench

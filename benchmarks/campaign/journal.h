@@ -1,0 +1,50 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/campaign/cell.h"
+
+namespace lcpbench {
+
+/// What has been run of a campaign: cells.jsonl (RESULTS.md), appended to and never changed. Every line is written by
+/// one call and brought to the disk before the next cell begins, so that a killed campaign loses at most the solve in
+/// flight; a last line that was torn is cut off when the campaign goes on.
+class Journal {
+ public:
+  /// Opens or creates the file and reads which cells it has.
+  /// @throws InputError where it cannot be written, or has a line that is no cell
+  explicit Journal(const std::string& path);
+  ~Journal();
+  Journal(const Journal&) = delete;
+  Journal& operator=(const Journal&) = delete;
+
+  bool Has(const std::string& problem, const std::string& solver, double tier, int round) const;
+  /// What the tiers' first round found, for the rules that depend on it.
+  bool RanOutOfTime(const std::string& problem, const std::string& solver, double tier) const;
+  /// Whether round 0 passed: only then do more rounds make sense.
+  bool Passed(const std::string& problem, const std::string& solver, double tier) const;
+
+  /// A line per verdict of the reply, or one for what is excluded by rule.
+  void Write(const ManifestEntry& problem, const PlannedCell& cell, int round, const CellReply& reply,
+             const std::string& environment_hash);
+  void WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers);
+
+ private:
+  using Key = std::tuple<std::string, std::string, std::string>;  // problem, solver, tier
+  static Key KeyOf(const std::string& problem, const std::string& solver, double tier);
+  void Note(const nlohmann::json& line);
+  void Append(const std::vector<nlohmann::ordered_json>& lines);
+
+  std::string path_;
+  int file_ = -1;
+  std::set<std::pair<Key, int>> done_;
+  std::set<Key> out_of_time_;
+  std::set<Key> passed_;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks/campaign/cell.h"
+
+namespace lcpbench {
+
+struct WorkerOptions {
+  std::string program = "/proc/self/exe";  ///< this one: a program whose command campaign-worker is ServeCells
+  std::vector<std::string> externals;      ///< solvers that the user named, KEY=COMMAND
+  std::uint64_t memory_bytes = 0;          ///< address space; 0 for none; not kept under sanitizers
+  int cpu = -1;                            ///< the processor it is kept on; -1: any
+  double make_s = 300;                     ///< for making a problem
+  /// What a solve may take beyond its limit, by the limit and besides [s]. Solvers that keep their limits need less.
+  double grace_share = 0.5;
+  double grace_s = 2;
+};
+
+/// This program run again as a worker that runs one cell after the other, so that a solver that crashes, hangs or takes
+/// all memory is an outcome. It lives on from cell to cell; one that ended is started anew.
+class WorkerProcess {
+ public:
+  explicit WorkerProcess(const WorkerOptions& options);
+  ~WorkerProcess();
+  WorkerProcess(const WorkerProcess&) = delete;
+  WorkerProcess& operator=(const WorkerProcess&) = delete;
+
+  /// Never throws for what the solver does: the reply's claim is then crashed, killed or out_of_memory, with the reason
+  /// in detail.
+  /// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
+  CellReply Run(const CellRequest& request);
+
+ private:
+  void Start();
+  void End();
+  // A line, or none: then `how` says why.
+  bool ReadLine(double limit_s, std::string* line, std::string* how);
+
+  WorkerOptions options_;
+  int pid_ = -1;
+  int to_ = -1;
+  int from_ = -1;
+  std::string buffer_;
+};
+
+/// What the worker does: requests on standard input, one line each; replies on standard output. Lines that begin with
+/// '#' say that a phase begins.
+/// @return exit status
+int ServeCells();
+
+}  // namespace lcpbench

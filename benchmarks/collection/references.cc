@@ -1,0 +1,73 @@
+#include "benchmarks/collection/references.h"
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <vector>
+
+#include "benchmarks/gzip_input.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/rounding_floor.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+Eigen::VectorXd Numbers(const Json& values, Index size) {
+  const auto numbers = values.get<std::vector<double>>();
+  if (static_cast<Index>(numbers.size()) != size) {
+    throw InputError("expected " + std::to_string(size) + " numbers, found " + std::to_string(numbers.size()));
+  }
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
+}
+
+}  // namespace
+
+References::References(const Manifest& manifest, const std::string& folder) {
+  if (manifest.references.empty()) return;
+  name_ = (std::filesystem::path(folder) / manifest.references).string();
+  std::ifstream file(name_, std::ios::binary);
+  if (!file) throw InputError(name_ + ": cannot be opened for reading");
+  GzipBuffer gzip(file);
+  std::istream lines(&gzip);
+  std::string line;
+  while (std::getline(lines, line)) {
+    // As it is written: the id is the first member, and no id has quotes.
+    constexpr std::string_view kBeginning = "{\"id\":\"";
+    const size_t end = line.find('"', kBeginning.size());
+    if (!line.starts_with(kBeginning) || end == std::string::npos) {
+      throw InputError(name_ + ": expected lines that begin with an id, found '" + line.substr(0, 40) + "'");
+    }
+    std::string id = line.substr(kBeginning.size(), end - kBeginning.size());
+    lines_[std::move(id)] = std::move(line);
+  }
+  if (!gzip.error().empty()) throw InputError(name_ + ": " + gzip.error());
+}
+
+std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
+  const auto line = lines_.find(problem.id());
+  if (line == lines_.end()) return std::nullopt;
+  try {
+    const Json record = Json::parse(line->second);
+    KnownAnswer answer;
+    if (record.at("status") == "infeasible") {
+      answer.reference.status = LcpReference::Status::kInfeasible;
+      return answer;
+    }
+    answer.reference.status = LcpReference::Status::kSolved;
+    answer.reference.w = Numbers(record.at("w"), problem.size());
+    answer.f = Numbers(record.contains("f_minnorm") ? record["f_minnorm"] : record.at("f"), problem.size());
+    answer.reference.floor = RoundingFloor(problem, answer.f);
+    const Json unique = record.value("f_unique", Json(nullptr));
+    if (unique.is_boolean() && unique.get<bool>()) answer.reference.f = answer.f;
+    return answer;
+  } catch (const Json::exception&) {
+    throw InputError(name_ + ": '" + problem.id() + "': expected an answer with status, w and f");
+  } catch (const InputError& error) {
+    throw InputError(name_ + ": '" + problem.id() + "': " + error.what());
+  }
+}
+
+}  // namespace lcpbench

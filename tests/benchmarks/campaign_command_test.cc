@@ -1,0 +1,249 @@
+// `lcpbench run` on manifests: whatever interrupts or divides a campaign, its results are the same but for times.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "benchmarks/campaign/worker_process.h"
+#include "solvers/lcp/input_error.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
+
+std::vector<nlohmann::json> Lines(const std::string& text) {
+  std::vector<nlohmann::json> lines;
+  std::istringstream input(text);
+  std::string line;
+  while (std::getline(input, line)) lines.push_back(nlohmann::json::parse(line));
+  return lines;
+}
+
+// What must not depend on when and where a cell was run, sorted.
+std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& cells) {
+  std::vector<std::string> kept;
+  for (nlohmann::json cell : cells) {
+    for (const char* field : {"setup_s", "solve_s", "convert_s", "peak_bytes", "environment"}) cell.erase(field);
+    kept.push_back(cell.dump());
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+class CampaignCommand : public CommandTest {
+ protected:
+  // Own solvers: one by tolerance, one direct, one that fails at times.
+  std::string Campaign(const std::string& folder, const std::string& more = "") const {
+    return std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall' " +
+           "--rounds 2 --repetitions 3 --min-time 1e-4 -o " + Path(folder) + " " + more;
+  }
+  std::vector<nlohmann::json> Cells(const std::string& folder) const {
+    return Lines(ReadFile(folder_ / folder / "cells.jsonl"));
+  }
+};
+
+TEST_F(CampaignCommand, EveryCellHasItsLineAndVerdict) {
+  const CommandOutcome outcome = Run(Campaign("c"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto cells = Cells("c");
+  const auto problems = Lines(ReadFile(folder_ / "c" / "problems.jsonl"));
+  ASSERT_EQ(problems.size(), 18U);  // 16 families with 8 rows, two of them with 40 as well
+  // Every tier of every solver, though direct methods run once.
+  size_t first_rounds = 0;
+  for (const auto& cell : cells) {
+    if (cell["round"] == 0) ++first_rounds;
+    EXPECT_EQ(cell["false_success"], false) << cell.dump();
+    EXPECT_GE(cell["solve_s"].size(), 1U);
+    for (const double time : cell["solve_s"]) EXPECT_GT(time, 0);
+    if (cell["passes"] == true) {
+      EXPECT_LE(cell["metrics"]["rho"].get<double>(), cell["tier"].get<double>());
+    }
+  }
+  EXPECT_EQ(first_rounds, problems.size() * 3 * 3);
+  for (const auto& problem : problems) {
+    EXPECT_GT(problem["oracle_s"].get<double>(), 0) << problem.dump();
+    EXPECT_GE(problem["floor"].get<double>(), 0);
+  }
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  EXPECT_EQ(campaign["schema"], "lcpbench-campaign/1");
+  EXPECT_EQ(campaign["manifests"][0]["name"], "smoke");
+}
+
+TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const CommandOutcome outcome = Run(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
+    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_LT(Cells(std::string("s") + shard[0]).size(), Cells("whole").size());
+  }
+  ASSERT_EQ(Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m")).status, 0);
+  ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
+  EXPECT_EQ(ReadFile(folder_ / "m" / "cells.jsonl"), ReadFile(folder_ / "n" / "cells.jsonl"));
+  EXPECT_EQ(WithoutTimes(Cells("m")), WithoutTimes(Cells("whole")));
+  // The same shard twice, and a shard of another campaign.
+  const CommandOutcome twice = Run("merge " + Path("s1") + " " + Path("s1") + " -o " + Path("t"));
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.error.find("already"), std::string::npos) << twice.error;
+  ASSERT_EQ(Run(Campaign("other", "--tiers 1e-6")).status, 0);
+  EXPECT_EQ(Run("merge " + Path("s1") + " " + Path("other") + " -o " + Path("u")).status, 2);
+}
+
+TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  std::mt19937 random(3);
+  int kills = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const std::string arguments = Campaign("killed", trial == 0 ? "" : "--resume");
+    const pid_t child = fork();
+    if (child == 0) {
+      // A group of its own, so that nothing of it is left.
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 80));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status)) {
+      EXPECT_EQ(WEXITSTATUS(status), 0);
+      break;
+    }
+    ++kills;
+    // What a crash of the machine could leave.
+    if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "cells.jsonl", std::ios::app) << "{\"problem\":\"torn";
+  }
+  EXPECT_GE(kills, 3);
+  const CommandOutcome rest = Run(Campaign("killed", "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Cells("killed")), WithoutTimes(Cells("whole")));
+}
+
+TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
+  ASSERT_EQ(Run(Campaign("c", "--tiers 1e-3")).status, 0);
+  const std::pair<std::string, std::string> kMistakes[] = {
+      {Campaign("c", "--tiers 1e-3"), "--resume"},
+      {Campaign("c", "--tiers 1e-6 --resume"), "another plan"},
+      {Campaign("d", "--shard 4/3"), "--shard"},
+      {Campaign("d", "--shard x"), "--shard"},
+      {Campaign("d", "--sizes 10"), "--filter"},
+      {std::string("run --suite ") + kManifest + " --filter '(' -o " + Path("e"), "regular expression"},
+      {"run --suite nowhere.json -o " + Path("f"), "nowhere.json"},
+      {"merge " + Path("nowhere") + " -o " + Path("g"), "cannot be opened"},
+  };
+  for (const auto& [arguments, text] : kMistakes) {
+    const CommandOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+  std::ofstream(folder_ / "c" / "cells.jsonl", std::ios::app) << "no cell\n";
+  const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_NE(broken.error.find("cells.jsonl:"), std::string::npos) << broken.error;
+}
+
+// ----- one worker
+
+CellRequest Request(const std::string& problem, const std::string& solver) {
+  CellRequest request;
+  request.manifest = LCPBENCH_SOURCE_DIR "/data/standard.json";
+  request.problem = problem;
+  request.solver = solver;
+  request.tier = 1e-6;
+  request.time_limit_s = 30;
+  request.repetitions = 3;
+  request.min_time_s = 1e-4;
+  request.budget_s = 0.1;
+  return request;
+}
+
+WorkerOptions Options() {
+  WorkerOptions options;
+  options.program = LCPBENCH_COMMAND;
+  return options;
+}
+
+TEST(WorkerProcess, SolvesJudgesAndTimes) {
+  WorkerProcess worker(Options());
+  for (const char* solver : {"auto", "dantzig", "ipm"}) {
+    const CellReply reply = worker.Run(Request("rockers-n100-s1", solver));
+    EXPECT_EQ(reply.claim, "solved") << reply.detail;
+    EXPECT_EQ(reply.solve_s.size(), 3U);
+    ASSERT_FALSE(reply.verdicts.empty());
+    for (const CellVerdict& verdict : reply.verdicts) EXPECT_TRUE(verdict.passes) << verdict.reason;
+    EXPECT_LE(reply.metrics.at("w_error").get<double>(), 1e-4);
+    EXPECT_GT(*reply.peak_bytes, 1e6);
+  }
+}
+
+TEST(WorkerProcess, KillsWhatTakesTooLongAndGoesOn) {
+  WorkerOptions options = Options();
+  options.make_s = 1e-4;
+  WorkerProcess worker(options);
+  const CellReply killed = worker.Run(Request("rockers-n100-s1", "auto"));
+  EXPECT_EQ(killed.claim, "killed");
+  EXPECT_TRUE(killed.verdicts.empty());
+  // A solver that does not see its limit: pivots of 1000 rows are seconds of work, the limit is not looked at within
+  // the factorisation of the first block.
+  WorkerOptions strict = Options();
+  strict.grace_s = 0;
+  strict.grace_share = 0;
+  WorkerProcess impatient(strict);
+  CellRequest request = Request("chain-of-links-n10000-s1", "ipm");
+  request.time_limit_s = 1e-3;
+  const CellReply late = impatient.Run(request);
+  EXPECT_TRUE(late.claim == "killed" || late.claim == "time_limit") << late.claim;
+  const CellReply next = impatient.Run([] {
+    CellRequest small = Request("rockers-n10-s1", "dantzig");
+    small.time_limit_s = 10;
+    return small;
+  }());
+  EXPECT_EQ(next.claim, "solved");
+}
+
+TEST(WorkerProcess, MemoryBeyondTheLimitIsAnOutcome) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more than any limit";
+#endif
+  WorkerOptions options = Options();
+  options.memory_bytes = std::uint64_t{600} << 20U;
+  WorkerProcess worker(options);
+  const CellReply reply = worker.Run(Request("tall-stacks-n10000-s1", "dantzig"));
+  EXPECT_TRUE(reply.claim == "out_of_memory" || reply.claim == "numerical_failure" || reply.claim == "unsupported")
+      << reply.claim << ": " << reply.detail;
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "dantzig")).claim, "solved");
+}
+
+TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
+  WorkerProcess worker(Options());
+  EXPECT_THROW(worker.Run(Request("no-such-problem", "auto")), InputError);
+  EXPECT_THROW(worker.Run(Request("rockers-n10-s1", "no-such-solver")), InputError);
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+}
+
+TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
+  WorkerOptions options = Options();
+  options.externals = {"dying=/bin/false"};
+  WorkerProcess worker(options);
+  const CellReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
+  EXPECT_NE(reply.claim, "solved");
+  for (const CellVerdict& verdict : reply.verdicts) EXPECT_FALSE(verdict.passes);
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+}
+
+}  // namespace
+}  // namespace lcpbench
