@@ -1,6 +1,7 @@
 #include "solvers/lcp/matrix_market.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -105,9 +106,12 @@ bool IsSymmetric(const SparseMatrix& matrix) {
   const SparseMatrix transposed = matrix.transpose();
   if (transposed.nonZeros() != matrix.nonZeros()) return false;
   const auto equal = [](const auto* a, const auto* b, Index n) { return std::equal(a, a + n, b); };
-  return equal(matrix.outerIndexPtr(), transposed.outerIndexPtr(), matrix.rows() + 1) &&
-         equal(matrix.innerIndexPtr(), transposed.innerIndexPtr(), matrix.nonZeros()) &&
-         equal(matrix.valuePtr(), transposed.valuePtr(), matrix.nonZeros());
+  if (!equal(matrix.outerIndexPtr(), transposed.outerIndexPtr(), matrix.rows() + 1)) return false;
+  if (!equal(matrix.innerIndexPtr(), transposed.innerIndexPtr(), matrix.nonZeros())) return false;
+  // By bits: 0 and -0 are two numbers to whom reads the file.
+  return std::equal(
+      matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros(), transposed.valuePtr(),
+      [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); });
 }
 
 // dir/name.mtx -> dir/name_part.mtx
