@@ -11,6 +11,7 @@
 #include <fstream>
 
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 namespace {
@@ -18,6 +19,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kMode = "cold";
+// Some disks take longer for one than most solves do.
+constexpr double kSecondsBetweenSynchronisations = 2;
 
 Json CellMembers(const std::string& problem, const std::string& solver, double tier, int round) {
   Json line;
@@ -133,7 +136,11 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
     lines.push_back(std::move(line));
   }
   Append(lines);
-  fdatasync(file_);
+  const double now = SteadyNow();
+  if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
+    fdatasync(file_);
+    synchronised_ = now;
+  }
 }
 
 void Journal::WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers) {

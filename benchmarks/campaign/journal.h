@@ -12,8 +12,8 @@
 namespace lcpbench {
 
 /// What has been run of a campaign: cells.jsonl (RESULTS.md), appended to and never changed. Every line is written by
-/// one call and brought to the disk before the next cell begins, so that a killed campaign loses at most the solve in
-/// flight; a last line that was torn is cut off when the campaign goes on.
+/// one call before the next cell begins, so that a killed campaign loses at most the solve in flight, and a machine
+/// that goes down the last two seconds; a last line that was torn is cut off when the campaign goes on.
 class Journal {
  public:
   /// Opens or creates the file and reads which cells it has.
@@ -42,6 +42,7 @@ class Journal {
 
   std::string path_;
   int file_ = -1;
+  double synchronised_ = 0;  // with the disk, when
   std::set<std::pair<Key, int>> done_;
   std::set<Key> out_of_time_;
   std::set<Key> passed_;
