@@ -74,6 +74,7 @@ Tier Engine() {
   Tier tier =
       Named("engine", "One to three rows, as a physics engine's islands mostly are: timed, never counted as hard.");
   tier.has_references = true;
+  tier.has_files = true;
   AddEveryScene({1, 2, 3}, 1, 3, &tier);
   // What few rows have as answer is trivial more often than not, and belongs to an engine's everyday: nothing is
   // refused.
@@ -85,6 +86,7 @@ Tier Standard() {
                     "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.");
   tier.refuses = true;
   tier.has_references = true;
+  tier.has_files = true;
   AddEveryScene({4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, 1, 2, &tier);
   AddEveryScene({2000}, 1, 1, &tier);
   AddScenes({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl",
@@ -114,6 +116,7 @@ Tier Large() {
 Tier Pathological() {
   Tier tier = Named("pathological", "Problems that are meant to break something, each of which says what.");
   tier.has_references = true;
+  tier.has_files = true;
   for (const HardCase& hard : AllHardCases()) {
     for (const int rows : {8, 40, 200}) AddHard(Of(hard.key, rows, 1), hard.purpose, &tier);
   }

@@ -12,6 +12,7 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/sequences.h"
+#include "benchmarks/gzip_input.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
@@ -162,6 +163,27 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
     --left;
     EXPECT_EQ(MeasureSequence(entry.start, entry.steps).sha256, entry.sha256) << entry.id;
   }
+}
+
+// The files are for those who do not generate: the same problems, in the same order.
+TEST_P(CollectionTier, HasFilesOfTheSameProblems) {
+  const std::string path = LCPBENCH_SOURCE_DIR "/data/problems/" + GetParam() + ".jsonl.gz";
+  ASSERT_EQ(std::filesystem::exists(path), PlanTier(GetParam()).has_files);
+  if (!PlanTier(GetParam()).has_files) return;
+  const Manifest manifest = ReadManifest(TierPath(GetParam()));
+  std::ifstream file(path, std::ios::binary);
+  GzipBuffer gzip(file);
+  std::istream lines(&gzip);
+  std::string line;
+  size_t k = 0;
+  while (std::getline(lines, line)) {
+    ASSERT_LT(k, manifest.problems.size());
+    const ManifestEntry& entry = manifest.problems[k++];
+    const LcpProblem problem = ParseLcpRecord(line, entry.id).problem;
+    EXPECT_EQ(problem.id(), entry.id);
+    EXPECT_EQ(ContentHash(problem), entry.sha256);
+  }
+  EXPECT_EQ(k, manifest.problems.size());
 }
 
 TEST_P(CollectionTier, IsWhatIsPlanned) {
