@@ -56,6 +56,7 @@ int main(int argc, char** argv) {
   AddReplayCommand(app, run);
   AddRunCommand(app, run);
   AddReportCommand(app, run);
+  AddAnalyseCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
 
