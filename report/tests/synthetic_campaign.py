@@ -10,6 +10,7 @@ import pandas as pd
 TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)
 FAMILIES = ("piles", "chains")
+COPIES = 4  # problems of one family and size
 ORACLE_PER_ROW = 1e-7  # [s]
 EXPONENT = 1.5  # of the time over the rows
 TIME_LIMIT = 10.0
@@ -60,7 +61,7 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
 
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
-                   copies: int = 4, change=lambda record: record) -> Path:
+                   copies: int = COPIES, change=lambda record: record) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
