@@ -113,6 +113,7 @@ class Coverage(unittest.TestCase):
     def test_every_cell_is_counted_once(self):
         cells = cells_of(random_times(6))
         failed = cells.index[~cells["passes"]]
+        cells.loc[cells.index[cells["passes"]][:5], "at_floor"] = True
         cells.loc[failed[:3], ["verdict", "claim"]] = ["false success", "solved"]
         cells.loc[failed[3:7], ["verdict", "claim"]] = ["excluded", ""]
         table = coverage_table(cells)
@@ -120,6 +121,7 @@ class Coverage(unittest.TestCase):
         self.assertEqual(list(total), list(table["problems"]))
         self.assertEqual(table["false_successes"].sum(), 3)
         self.assertEqual(table["excluded"].sum(), 4)
+        self.assertEqual(table["at_floor"].sum(), 5)
         self.assertEqual(table["verified"].sum(), cells["passes"].sum())
 
     def test_shares_lie_in_their_intervals(self):

@@ -3,7 +3,8 @@
 The ratio of medians with a percentile bootstrap interval. What is drawn again are whole rounds where both cells have
 LEAST_ROUNDS or more, for repetitions of one round share clock rate, memory layout and neighbours, and are not
 independent (Kalibera & Jones 2013); with fewer rounds single repetitions, and then the interval says nothing about
-what changes between rounds.
+what changes between rounds. What is common to all rounds of a run it cannot say in either case: that is what MARGIN is
+for.
 """
 
 import math
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import stats
 
-from .intervals import CONFIDENCE, RESAMPLES, SEED
+from .intervals import CONFIDENCE, MARGIN, RESAMPLES, SEED
 
 LEAST_ROUNDS = 5
 
@@ -28,8 +29,8 @@ class CellComparison:
 
     @property
     def differs(self) -> bool:
-        """Whether the interval excludes 1; not where it is unknown."""
-        return self.low > 1 or self.high < 1
+        """Whether the whole interval lies beyond MARGIN; not where it is unknown."""
+        return self.low > MARGIN or self.high < 1 / MARGIN
 
 
 def compare_cells(a: list[list[float]], b: list[list[float]]) -> CellComparison:

@@ -5,8 +5,8 @@ where both are verified, by d_p = log(t_Ap / t_Bp): the median ratio exp(median 
 sign test (Arbuthnott; exact binomial, ties left out) and the signed-rank test (Wilcoxon 1945; zeros left out), both
 two-sided and adjusted by Holm within a set, mode and tier.
 
-"Faster" is claimed only if the adjusted signed-rank p is below LEVEL, the interval of the ratio excludes 1, and both
-point the same way. Anything else is "no difference": none was shown.
+"Faster" is claimed only if the adjusted signed-rank p is below LEVEL, the whole interval of the ratio lies beyond
+MARGIN, and both point the same way. Anything else is "no difference": none that matters was shown.
 """
 
 import itertools
@@ -18,7 +18,7 @@ from scipy import stats
 
 from .groups import GROUP, Group, groups
 from .holm import holm
-from .intervals import bootstrap_interval
+from .intervals import MARGIN, bootstrap_interval
 
 LEVEL = 0.05
 A_FASTER, B_FASTER, NO_DIFFERENCE = "A faster", "B faster", "no difference"
@@ -29,11 +29,11 @@ COLUMNS = [*GROUP, "a", "b", "problems", "both", "a_only", "b_only", "neither", 
 
 
 def pair_shares(a, b, taus=SHARE_TAUS) -> list[float]:
-    """Profile of A in the pair (A, B) at every tau: the share of all problems with t_A <= tau min(t_A, t_B), inf being
-    a failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
+    """Profile of A in the pair (A, B) at every tau >= 1: the share of all problems with t_A <= tau t_B, inf being a
+    failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     solved = np.isfinite(a)
-    return [float(np.mean(solved & (a <= tau * np.minimum(a, b)))) if len(a) else math.nan for tau in taus]
+    return [float(np.mean(solved & (a <= tau * b))) if len(a) else math.nan for tau in taus]
 
 
 def log_ratios(a, b) -> np.ndarray:
@@ -64,9 +64,9 @@ def verdict(adjusted_p: float, direction: int, low: float, high: float) -> str:
     """
     if not adjusted_p < LEVEL:  # NaN is no evidence
         return NO_DIFFERENCE
-    if direction < 0 and high < 1:
+    if direction < 0 and high < 1 / MARGIN:
         return A_FASTER
-    return B_FASTER if direction > 0 and low > 1 else NO_DIFFERENCE
+    return B_FASTER if direction > 0 and low > MARGIN else NO_DIFFERENCE
 
 
 def compare_pairs(times: pd.DataFrame, excluded: pd.DataFrame | None = None) -> pd.DataFrame:
