@@ -25,6 +25,7 @@ void AddRunCommand(CLI::App& app, CommandRun& run);
 void AddMergeCommand(CLI::App& app, CommandRun& run);
 void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run);
 void AddReportCommand(CLI::App& app, CommandRun& run);
+void AddAnalyseCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);
 void AddMotionCommand(CLI::App& app, CommandRun& run);
 

@@ -18,7 +18,8 @@ void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
     const CLI::App* found = nullptr;
     for (const CLI::App* command : commands) {
       if (command->check_name(argv[i])) found = command;
-      names += (names.empty() ? "" : ", ") + command->get_name();
+      // Without a group: of no use to people.
+      if (!command->get_group().empty()) names += (names.empty() ? "" : ", ") + command->get_name();
     }
     if (found == nullptr) {
       throw lcpbench::InputError(std::string("unknown command '") + argv[i] + "', expected one of " + names);
@@ -58,6 +59,7 @@ int main(int argc, char** argv) {
   AddMergeCommand(app, run);
   AddCampaignWorkerCommand(app, run);
   AddReportCommand(app, run);
+  AddAnalyseCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
 

@@ -1,4 +1,4 @@
-"""What the scripts of report/ have in common: a results folder in, text out, one line for what does not fit."""
+"""What the scripts of report/ have in common: a folder in, text out, one line for what does not fit."""
 
 import argparse
 import sys
@@ -18,8 +18,13 @@ def parser(description: str) -> argparse.ArgumentParser:
 
 def run(name: str, options: argparse.Namespace, act: Callable[[Cells], None]) -> int:
     """@returns the exit status: 0, or 2 with one line on standard error"""
+    return guarded(name, lambda: act(Cells(load_results(options.results))))
+
+
+def guarded(name: str, act: Callable[[], None]) -> int:
+    """@returns the exit status: 0, or 2 with one line on standard error"""
     try:
-        act(Cells(load_results(options.results)))
+        act()
     except ReportError as error:
         print(f"{name}: error: {error}", file=sys.stderr)
         return 2

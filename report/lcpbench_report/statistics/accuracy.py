@@ -1,0 +1,30 @@
+"""How exact the answers are, where there is an exact one: distributions of the residuals and errors."""
+
+import pandas as pd
+
+from .cells import VERIFIED, quantiles
+from .groups import GROUP, groups
+
+METRICS = ("rho", "backward_error", "w_error", "f_error")
+REFERENCES = ("certified", "bounded")
+# Value of the column `answers` -> which cells.
+_ANSWERS = {"verified": lambda cells: cells["verdict"] == VERIFIED,
+            "claimed": lambda cells: cells["claim"] == "solved"}
+COLUMNS = [*GROUP, "solver", "reference", "answers", "metric", "problems", *quantiles([])]
+
+
+def accuracy_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, solver, kind of reference, kind of answer and metric. "claimed" are the answers that the solver
+    called solved, false successes among them. A metric that is known nowhere has no row."""
+    rows = []
+    for group in groups(cells):
+        for (solver, reference), own in group.cells.groupby(["solver", "reference"], sort=False):
+            if reference not in REFERENCES:
+                continue
+            for answers, chosen in _ANSWERS.items():
+                for metric in METRICS:
+                    values = own.loc[chosen(own), metric].dropna()
+                    if len(values):
+                        rows.append({**group.label, "solver": solver, "reference": reference, "answers": answers,
+                                     "metric": metric, "problems": len(values), **quantiles(values)})
+    return pd.DataFrame(rows, columns=COLUMNS)

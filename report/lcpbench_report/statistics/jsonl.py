@@ -1,0 +1,31 @@
+"""Reads a file of JSON lines that a process may have been appending to when it was stopped."""
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from ..errors import ReportError
+
+
+def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:
+    """Line numbers and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
+
+    A torn last line, that is one without a line break that is not JSON, is passed over with a note.
+    @throws ReportError for a missing file, and for any other line that is not JSON
+    """
+    if not path.is_file():
+        raise ReportError(path.name, f"missing in {path.parent}", "the files of a campaign, benchmarks/RESULTS.md")
+    with path.open("rb") as file:
+        for number, line in enumerate(file, start=1):
+            try:
+                value = json.loads(line.decode("utf-8"), parse_constant=_refuse)
+            except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
+                if not line.endswith(b"\n"):
+                    note(f"{path.name}:{number}: the last line is torn, and was ignored")
+                    return
+                raise ReportError(f"{path.name}:{number}", str(error), "a line of JSON") from error
+            yield number, value
+
+
+def _refuse(word: str) -> float:
+    raise ValueError(f"{word} is not JSON")

@@ -1,0 +1,133 @@
+"""Two solvers without the others, for the joint ranking depends on who takes part (Gould & Scott 2016).
+
+Shares are over all problems on which both have a cell; a failure loses against a verified answer. Times are compared
+where both are verified, by d_p = log(t_Ap / t_Bp): the median ratio exp(median d) with its bootstrap interval, the
+sign test (Arbuthnott; exact binomial, ties left out) and the signed-rank test (Wilcoxon 1945; zeros left out), both
+two-sided and adjusted by Holm within a set, mode and tier.
+
+"Faster" is claimed only if the adjusted signed-rank p is below LEVEL, the whole interval of the ratio lies beyond
+MARGIN, and both point the same way. Anything else is "no difference": none that matters was shown.
+"""
+
+import itertools
+import math
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from .groups import GROUP, Group, groups
+from .holm import holm
+from .intervals import MARGIN, bootstrap_interval
+
+LEVEL = 0.05
+A_FASTER, B_FASTER, NO_DIFFERENCE = "A faster", "B faster", "no difference"
+SHARE_TAUS = (1, 2, 10)
+COLUMNS = [*GROUP, "a", "b", "problems", "both", "a_only", "b_only", "neither", "a_excluded", "b_excluded", "a_faster",
+           "b_faster", *(f"share_{tau}" for tau in SHARE_TAUS), "ratio", "ratio_low", "ratio_high", "sign_p",
+           "sign_p_holm", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
+
+
+def pair_shares(a, b, taus=SHARE_TAUS) -> list[float]:
+    """Profile of A in the pair (A, B) at every tau >= 1: the share of all problems with t_A <= tau t_B, inf being a
+    failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    solved = np.isfinite(a)
+    return [float(np.mean(solved & (a <= tau * b))) if len(a) else math.nan for tau in taus]
+
+
+def log_ratios(a, b) -> np.ndarray:
+    """log(t_A / t_B) where both are verified."""
+    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    both = np.isfinite(a) & np.isfinite(b)
+    return np.log(a[both] / b[both])
+
+
+def sign_test(differences: np.ndarray) -> float:
+    """Two-sided p-value; NaN without a difference that is not 0."""
+    above, below = int(np.sum(differences > 0)), int(np.sum(differences < 0))
+    return stats.binomtest(above, above + below).pvalue if above + below else math.nan
+
+
+def signed_rank_test(differences: np.ndarray) -> tuple[float, int]:
+    """Two-sided p-value, and the sign of the rank sum: -1 where A is faster. NaN and 0 without a difference."""
+    moved = differences[differences != 0]
+    if not len(moved):
+        return math.nan, 0
+    above = stats.wilcoxon(moved, alternative="greater").statistic  # the sum of the ranks of positive differences
+    return float(stats.wilcoxon(moved).pvalue), int(np.sign(above - len(moved) * (len(moved) + 1) / 4))
+
+
+def verdict(adjusted_p: float, direction: int, low: float, high: float) -> str:
+    """@param low, high  interval of the time ratio A / B
+    @param direction  of the signed ranks
+    """
+    if not adjusted_p < LEVEL:  # NaN is no evidence
+        return NO_DIFFERENCE
+    if direction < 0 and high < 1 / MARGIN:
+        return A_FASTER
+    return B_FASTER if direction > 0 and low > MARGIN else NO_DIFFERENCE
+
+
+def compare_pairs(times: pd.DataFrame, excluded: pd.DataFrame | None = None) -> pd.DataFrame:
+    """@param times  problems x solvers: inf where the solver failed, NaN where there is no cell
+    @param excluded  likewise: whether the cell was excluded by rule
+    @returns a row per ordered pair; columns of COLUMNS without those of the group
+    """
+    pairs = [_compare(times, excluded, a, b) for a, b in itertools.combinations(times.columns, 2)]
+    for test in ("sign_p", "wilcoxon_p"):
+        for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
+            pair[f"{test}_holm"] = adjusted
+    for pair in pairs:
+        pair["verdict"] = verdict(pair["wilcoxon_p_holm"], pair["direction"], pair["ratio_low"], pair["ratio_high"])
+    rows = [row for pair in pairs for row in (pair, _mirrored(pair))]
+    return pd.DataFrame(rows, columns=COLUMNS[len(GROUP):])
+
+
+def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group and ordered pair of solvers. Problems that do not count enter where both are verified."""
+    tables = []
+    for group in groups(cells):
+        table = compare_pairs(*_times(group))
+        table = table.assign(**group.label)[COLUMNS]
+        if not table.empty:
+            tables.append(table)
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
+
+
+def _times(group: Group) -> tuple[pd.DataFrame, pd.DataFrame]:
+    times = group.wide("time_s")
+    if not group.counts:
+        times = times.where(np.isfinite(times))
+    return times, group.wide("verdict") == "excluded"
+
+
+def _compare(times: pd.DataFrame, excluded: pd.DataFrame | None, a: str, b: str) -> dict:
+    present = (times[a].notna() & times[b].notna()).to_numpy()
+    t_a, t_b = times[a].to_numpy(dtype=float)[present], times[b].to_numpy(dtype=float)[present]
+    left_out = {name: int(excluded[name].to_numpy()[present].sum()) if excluded is not None else 0 for name in (a, b)}
+    solved_a, solved_b = np.isfinite(t_a), np.isfinite(t_b)
+    differences = log_ratios(t_a, t_b)
+    low, high = bootstrap_interval(differences, np.median)
+    p, direction = signed_rank_test(differences)
+    shares_a, shares_b = pair_shares(t_a, t_b), pair_shares(t_b, t_a)
+    return {"a": a, "b": b, "problems": int(present.sum()), "both": len(differences),
+            "a_only": int(np.sum(solved_a & ~solved_b)), "b_only": int(np.sum(solved_b & ~solved_a)),
+            "neither": int(np.sum(~solved_a & ~solved_b)), "a_excluded": left_out[a], "b_excluded": left_out[b],
+            "a_faster": int(np.sum(differences < 0)), "b_faster": int(np.sum(differences > 0)),
+            "shares": shares_a, "other_shares": shares_b,
+            **{f"share_{tau}": share for tau, share in zip(SHARE_TAUS, shares_a)},
+            "ratio": math.exp(np.median(differences)) if len(differences) else math.nan,
+            "ratio_low": math.exp(low), "ratio_high": math.exp(high), "sign_p": sign_test(differences),
+            "wilcoxon_p": p, "direction": direction}
+
+
+def _mirrored(pair: dict) -> dict:
+    """The same comparison with A and B exchanged."""
+    swapped = {"a": "b", "b": "a", "a_only": "b_only", "b_only": "a_only", "a_excluded": "b_excluded",
+               "b_excluded": "a_excluded", "a_faster": "b_faster", "b_faster": "a_faster"}
+    row = pair | {new: pair[old] for new, old in swapped.items()}
+    row |= {f"share_{tau}": share for tau, share in zip(SHARE_TAUS, pair["other_shares"])}
+    row |= {"ratio": 1 / pair["ratio"], "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"]}
+    row["verdict"] = {A_FASTER: B_FASTER, B_FASTER: A_FASTER}.get(pair["verdict"], NO_DIFFERENCE)
+    return row

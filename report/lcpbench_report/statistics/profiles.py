@@ -1,0 +1,42 @@
+"""Performance profiles (Dolan & Moré 2002).
+
+    r_ps = t_ps / min over s' of t_ps'        P_s(tau) = |{p : r_ps <= tau}| / number of problems
+
+t is the time that counts: failures and excluded cells lie at infinity. The ranking of all but the best depends on who
+takes part (Gould & Scott 2016): pairwise.py compares two without the others.
+"""
+
+import numpy as np
+import pandas as pd
+
+from ..stats import time_ratios
+from .groups import GROUP, groups
+
+COLUMNS = [*GROUP, "solver", "problems", "tau", "share", "excluded_share"]
+_DECADES = 4
+_PER_DECADE = 20
+TAUS = np.logspace(0, _DECADES, _DECADES * _PER_DECADE + 1)
+
+
+def profile(times: pd.DataFrame, taus=TAUS) -> pd.DataFrame:
+    """@param times  problems x solvers, inf where the solver failed
+    @returns tau x solvers: shares of all problems, those that nobody solved among them
+    """
+    ratios = time_ratios(times).to_numpy()
+    shares = [(ratios <= tau).mean(axis=0) for tau in taus]
+    return pd.DataFrame(shares, index=taus, columns=times.columns)
+
+
+def profile_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, solver and tau; problems that count only."""
+    rows = []
+    for group in groups(cells, counted_only=True):
+        common = group.common()
+        if common.cells.empty:
+            continue
+        times = common.wide("time_s")
+        excluded = (common.wide("verdict") == "excluded").mean()
+        for solver, shares in profile(times).items():
+            rows += [{**group.label, "solver": solver, "problems": len(times), "tau": tau, "share": share,
+                      "excluded_share": excluded[solver]} for tau, share in shares.items()]
+    return pd.DataFrame(rows, columns=COLUMNS)

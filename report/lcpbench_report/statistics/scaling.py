@@ -1,0 +1,45 @@
+"""How time grows with the number of rows: t ~ c rows^exponent.
+
+By least squares in log-log coordinates, with Student's interval of the slope, and by the median of pairwise slopes
+(Theil 1950, Sen 1968), which a few odd problems do not move. Only verified answers have a time: where a solver begins
+to fail with size, the exponent is that of what it still solves.
+"""
+
+import math
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from .groups import GROUP, groups
+from .intervals import CONFIDENCE
+
+LEAST_SIZES = 4
+_FIT = ["exponent", "exponent_low", "exponent_high", "seconds_at_1", "r_squared", "theil_sen", "theil_sen_low",
+        "theil_sen_high"]
+COLUMNS = [*GROUP, "solver", "family", "problems", "sizes", "rows_min", "rows_max", *_FIT]
+
+
+def fit_exponent(rows, times) -> dict[str, float]:
+    """@param rows, times  > 0, at least three, and not all rows equal"""
+    x, y = np.log(np.asarray(rows, dtype=float)), np.log(np.asarray(times, dtype=float))
+    line = stats.linregress(x, y)
+    reach = stats.t.ppf((1 + CONFIDENCE) / 2, len(x) - 2) * line.stderr
+    robust = stats.theilslopes(y, x, CONFIDENCE)
+    return dict(zip(_FIT, map(float, (line.slope, line.slope - reach, line.slope + reach, math.exp(line.intercept),
+                                      line.rvalue**2, robust.slope, robust.low_slope, robust.high_slope))))
+
+
+def scaling_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, solver and family with verified answers at LEAST_SIZES numbers of rows or more."""
+    found = []
+    for group in groups(cells):
+        solved = group.cells[np.isfinite(group.cells["time_s"]) & (group.cells["rows"] > 0)]
+        for (solver, family), own in solved.groupby(["solver", "family"], sort=False):
+            sizes = own["rows"].nunique()
+            if sizes < LEAST_SIZES:
+                continue
+            found.append({**group.label, "solver": solver, "family": family, "problems": len(own), "sizes": sizes,
+                          "rows_min": own["rows"].min(), "rows_max": own["rows"].max(),
+                          **fit_exponent(own["rows"], own["time_s"])})
+    return pd.DataFrame(found, columns=COLUMNS)

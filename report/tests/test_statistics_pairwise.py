@@ -1,0 +1,167 @@
+"""Is "faster" said when it should be, and only then: seeded campaigns in which the truth is known."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+from unittest import mock
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+
+from lcpbench_report.statistics import pairwise  # noqa: E402
+from lcpbench_report.statistics.holm import holm  # noqa: E402
+from synthetic_campaign import Noise, cells_of, median_times  # noqa: E402
+
+INF = math.inf
+SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 100, 300
+
+
+def pair(table: pd.DataFrame, a: str, b: str) -> pd.Series:
+    return table[(table["a"] == a) & (table["b"] == b)].iloc[0]
+
+
+class Example(unittest.TestCase):
+    """p: a twice as fast; q: a four times as slow; r: only a; s: only b; t: neither; u: a eight times as fast."""
+
+    TIMES = pd.DataFrame({"a": [1.0, 8.0, 1.0, INF, INF, 1.0], "b": [2.0, 2.0, INF, 1.0, INF, 8.0]}, list("pqrstu"))
+
+    def test_counts_and_shares(self):
+        row = pair(pairwise.compare_pairs(self.TIMES), "a", "b")
+        counts = ["problems", "both", "a_only", "b_only", "neither", "a_faster", "b_faster"]
+        self.assertEqual(list(row[counts]), [6, 3, 1, 1, 1, 2, 1])
+        np.testing.assert_allclose(row[["share_1", "share_2", "share_10"]].astype(float), [3 / 6, 3 / 6, 4 / 6])
+        self.assertAlmostEqual(row["ratio"], 1 / 2)  # of 1/8, 1/2, 4
+        self.assertAlmostEqual(row["sign_p"], 1.0)  # two against one
+        self.assertEqual(row["verdict"], pairwise.NO_DIFFERENCE)
+
+    def test_tests_by_hand(self):
+        # All six of one sign: both tests reach their smallest two-sided p-value, 2 / 2^6.
+        self.assertAlmostEqual(pairwise.sign_test(np.arange(1, 7.0)), 2 / 64)
+        p, direction = pairwise.signed_rank_test(-np.arange(1, 7.0))
+        self.assertAlmostEqual(p, 2 / 64)
+        self.assertEqual(direction, -1)
+
+    def test_a_claim_needs_the_test_and_the_interval_on_the_same_side(self):
+        for p, direction, low, high, expected in (
+                (0.01, -1, 0.8, 0.9, pairwise.A_FASTER), (0.01, 1, 1.1, 1.2, pairwise.B_FASTER),
+                (0.01, -1, 0.8, 1.1, pairwise.NO_DIFFERENCE), (0.01, 1, 0.9, 1.2, pairwise.NO_DIFFERENCE),
+                (0.01, 1, 0.8, 0.9, pairwise.NO_DIFFERENCE), (0.01, -1, 1.1, 1.2, pairwise.NO_DIFFERENCE),
+                (0.01, -1, 0.98, 0.99, pairwise.NO_DIFFERENCE), (0.01, 1, 1.01, 1.02, pairwise.NO_DIFFERENCE),
+                (0.06, -1, 0.8, 0.9, pairwise.NO_DIFFERENCE), (math.nan, -1, 0.8, 0.9, pairwise.NO_DIFFERENCE)):
+            self.assertEqual(pairwise.verdict(p, direction, low, high), expected, (p, direction, low, high))
+
+    def test_exchanging_a_and_b_changes_nothing_else(self):
+        times = median_times(np.random.default_rng(1), {"a": 1.0, "b": 1.02, "c": 3.0}, 40)
+        times.iloc[:5, 0] = INF
+        given = pairwise.compare_pairs(times)
+        exchanged = pairwise.compare_pairs(times[["c", "b", "a"]])
+        for row in given.itertuples():
+            other = pair(exchanged, row.a, row.b)
+            for column in pairwise.COLUMNS[3:]:
+                value, expected = getattr(row, column), other[column]
+                if column in ("ratio_low", "ratio_high"):  # percentiles of a resample that is mirrored
+                    self.assertAlmostEqual(value, expected, delta=0.01 * expected)
+                elif isinstance(value, str):
+                    self.assertEqual(value, expected, column)
+                else:
+                    self.assertAlmostEqual(value, expected, msg=column)
+
+    def test_equal_times_and_nothing_in_common_are_no_difference(self):
+        times = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [INF, INF]})
+        table = pairwise.compare_pairs(times)
+        self.assertEqual(set(table["verdict"]), {pairwise.NO_DIFFERENCE})
+        self.assertTrue(table.loc[table["b"] == "c", "wilcoxon_p"].isna().all())
+        self.assertEqual(pair(table, "a", "c")["share_1"], 1.0)
+
+    def test_where_problems_do_not_count_failures_do_not_either(self):
+        table = pairwise.pairwise_table(cells_of(self.TIMES, counts=False, set="engine"))
+        row = pair(table, "a", "b")
+        self.assertEqual((row["set"], row["problems"], row["a_only"], row["neither"]), ("engine", 3, 0, 0))
+
+    def test_a_failure_is_no_time(self):
+        """Who fails on all that is hard is not the faster one."""
+        times = median_times(np.random.default_rng(2), {"a": 1.0, "b": 0.8}, 60)
+        times.iloc[30:, 1] = INF
+        row = pair(pairwise.compare_pairs(times), "a", "b")
+        self.assertEqual(row["verdict"], pairwise.B_FASTER)  # where both answer
+        self.assertGreater(row["share_1"], 0.45)  # and yet a wins half of all problems
+        self.assertEqual(row["a_only"], 30)
+
+
+class Holm(unittest.TestCase):
+    def test_by_hand(self):
+        np.testing.assert_allclose(holm([0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02])
+        np.testing.assert_allclose(holm([0.6, 0.5]), [1.0, 1.0])
+
+    def test_what_was_not_tested_does_not_count(self):
+        np.testing.assert_allclose(holm([math.nan, 0.02, math.nan, 0.03]), [math.nan, 0.04, math.nan, 0.04])
+        self.assertEqual(len(holm([])), 0)
+
+    def test_it_lies_between_the_raw_value_and_bonferronis(self):
+        p = np.random.default_rng(3).random(50) ** 3
+        adjusted = holm(p)
+        self.assertTrue((adjusted >= p).all() and (adjusted <= np.minimum(50 * p, 1)).all())
+        self.assertTrue((np.diff(adjusted[np.argsort(p)]) >= 0).all())
+
+
+class Truth(unittest.TestCase):
+    def test_the_same_solver_under_two_names_is_no_difference(self):
+        alarms = self._claims({"first": 1.0, "second": 1.0}, SAME_SEEDS)
+        self.assertLessEqual(sum(alarms) / SAME_SEEDS, 0.05)
+        # The margin hides no fault of the test or of the interval.
+        with mock.patch.object(pairwise, "MARGIN", 1.0):
+            bare = self._claims({"first": 1.0, "second": 1.0}, SAME_SEEDS)
+        self.assertTrue(0 < sum(bare) / SAME_SEEDS <= 0.05, bare)
+
+    def test_nor_is_it_under_six_names(self):
+        """15 pairs each: without Holm's correction far more of these campaigns would raise an alarm."""
+        with mock.patch.object(pairwise, "MARGIN", 1.0):
+            alarms = self._claims(dict.fromkeys("abcdef", 1.0), SAME_SEEDS // 4, problems=40)
+        self.assertLessEqual(sum(alarm > 0 for alarm in alarms) / len(alarms), 0.08)
+
+    def test_nor_where_the_noise_comes_in_rounds(self):
+        noise = Noise(repetition=0.02, round=0.05, rounds=3, repetitions=5)
+        with mock.patch.object(pairwise, "MARGIN", 1.0):
+            alarms = self._claims({"first": 1.0, "second": 1.0}, SAME_SEEDS // 2, noise=noise)
+        self.assertLessEqual(sum(alarms) / len(alarms), 0.06)
+
+    def test_nor_is_a_per_cent_that_all_problems_share(self):
+        """Seen on real machines with one binary run twice: sure, small and without a meaning."""
+        for factor in (0.99, 1.01):
+            claims = self._claims({"first": 1.0, "second": factor}, SAME_SEEDS // 4)
+            self.assertEqual(sum(claims), 0)
+
+    def test_ten_per_cent_more_time_are_found(self):
+        found = 0
+        for seed in range(SLOWER_SEEDS):
+            times = median_times(np.random.default_rng([11, seed]), {"quick": 1.0, "slow": 1.1})
+            found += pair(pairwise.compare_pairs(times), "quick", "slow")["verdict"] == pairwise.A_FASTER
+        self.assertGreaterEqual(found / SLOWER_SEEDS, 0.95)
+
+    def test_the_interval_holds_the_true_ratio(self):
+        """One that depends on the problem, with a median of 1.25: so that there is something to be unsure of."""
+        held = 0
+        for seed in range(INTERVAL_SEEDS):
+            rng = np.random.default_rng([12, seed])
+            times = median_times(rng, {"quick": 1.0, "slow": 1.25}, 60)
+            times["slow"] *= np.exp(rng.normal(0, 0.3, len(times)))
+            row = pair(pairwise.compare_pairs(times), "slow", "quick")
+            held += row["ratio_low"] <= 1.25 <= row["ratio_high"]
+        self.assertTrue(0.88 <= held / INTERVAL_SEEDS <= 0.99, held / INTERVAL_SEEDS)
+
+    def _claims(self, factors: dict, seeds: int, problems: int = 100, noise: Noise | None = None) -> list[int]:
+        """Claims of a difference, for every seed."""
+        found = []
+        for seed in range(seeds):
+            times = median_times(np.random.default_rng([10, seed]), factors, problems, noise)
+            table = pairwise.compare_pairs(times)
+            found.append(int((table["verdict"] != pairwise.NO_DIFFERENCE).sum()) // 2)
+        return found
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,136 @@
+"""Performance profiles, shifted means and coverage: against values worked out by hand, and their laws."""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+
+from lcpbench_report.statistics import means  # noqa: E402
+from lcpbench_report.statistics.coverage import coverage_table  # noqa: E402
+from lcpbench_report.statistics.pairwise import pair_shares  # noqa: E402
+from lcpbench_report.statistics.profiles import TAUS, profile, profile_table  # noqa: E402
+from synthetic_campaign import TIME_LIMIT, cells_of  # noqa: E402
+
+INF = math.inf
+# Best: a on p (1), b on q (2), nobody on r.
+EXAMPLE = pd.DataFrame({"a": [1.0, 6.0, INF], "b": [4.0, 2.0, INF]}, index=["p", "q", "r"])
+
+
+def random_times(seed: int) -> pd.DataFrame:
+    rng = np.random.default_rng(seed)
+    times = pd.DataFrame(np.exp(rng.normal(0, 2, (30, 4))), columns=list("abcd"))
+    return times.mask(rng.random(times.shape) < 0.2, INF)
+
+
+class Profiles(unittest.TestCase):
+    def test_the_example_by_hand(self):
+        shares = profile(EXAMPLE, taus=[1, 2.9, 3, 3.9, 4, 1e4])
+        np.testing.assert_allclose(shares["a"], np.array([1, 1, 2, 2, 2, 2]) / 3)
+        np.testing.assert_allclose(shares["b"], np.array([1, 1, 1, 1, 2, 2]) / 3)
+
+    def test_a_profile_rises_from_the_share_of_wins_to_the_verified_share(self):
+        for seed in range(20):
+            times = random_times(seed)
+            shares = profile(times, [*TAUS, 1e300])
+            solved = np.isfinite(times)
+            self.assertTrue((shares.diff().dropna() >= 0).all().all())
+            np.testing.assert_allclose(shares.iloc[-1], solved.mean())
+            self.assertAlmostEqual(shares.iloc[0].sum(), solved.any(axis=1).mean())  # no ties: one winner each
+
+    def test_it_does_not_depend_on_the_unit(self):
+        times = random_times(3)
+        unit = pd.Series(np.exp(np.random.default_rng(4).normal(0, 5, len(times))))
+        pd.testing.assert_frame_equal(profile(times), profile(times.mul(unit, axis=0)))
+
+    def test_a_pair_is_the_profile_without_the_others(self):
+        times = random_times(5)
+        joint = profile(times[["a", "b"]], taus=[1, 2, 10])
+        np.testing.assert_allclose(pair_shares(times["a"], times["b"]), joint["a"])
+        np.testing.assert_allclose(pair_shares(times["b"], times["a"]), joint["b"])
+
+    def test_excluded_cells_are_failures_that_are_told_apart(self):
+        cells = cells_of(EXAMPLE)
+        cells.loc[(cells["problem"] == "r") & (cells["solver"] == "a"), "verdict"] = "excluded"
+        table = profile_table(cells)
+        self.assertEqual(set(table.loc[table["solver"] == "a", "excluded_share"]), {1 / 3})
+        self.assertEqual(set(table.loc[table["solver"] == "b", "excluded_share"]), {0})
+        self.assertEqual(set(table["problems"]), {3})
+        self.assertEqual(len(table), 2 * len(TAUS))
+
+    def test_problems_on_which_some_had_no_turn_are_left_out(self):
+        times = EXAMPLE.copy()
+        times.loc["p", "b"] = math.nan
+        table = profile_table(cells_of(times))
+        self.assertEqual(set(table["problems"]), {2})
+        last = table[table["tau"] == TAUS[-1]].set_index("solver")["share"]
+        self.assertEqual(last.to_dict(), {"a": 0.5, "b": 0.5})
+
+    def test_problems_that_do_not_count_do_not(self):
+        self.assertTrue(profile_table(cells_of(EXAMPLE, counts=False)).empty)
+
+
+class Means(unittest.TestCase):
+    def test_the_formula_by_hand(self):
+        self.assertAlmostEqual(means.shifted_geometric_mean([1.0, 7.0], 1.0), 3.0)  # sqrt(2 * 8) - 1
+        self.assertAlmostEqual(means.shifted_geometric_mean([2.0, 8.0], 0.0), 4.0)
+        self.assertTrue(math.isnan(means.shifted_geometric_mean([], 1.0)))
+
+    def test_failures_enter_with_the_limit(self):
+        table = means.mean_table(cells_of(EXAMPLE))
+        rows = table[table["unit"] == "s"].set_index("solver")
+        shift = means.SHIFTS["s"]
+        for solver, times in {"a": (1.0, 6.0, TIME_LIMIT), "b": (4.0, 2.0, TIME_LIMIT)}.items():
+            expected = math.prod(t + shift for t in times) ** (1 / 3) - shift
+            self.assertAlmostEqual(rows.loc[solver, "mean"], expected)
+            self.assertEqual(rows.loc[solver, "penalised"], 1)
+        self.assertEqual(rows.loc["a", "over_best"], 1)
+        self.assertGreater(rows.loc["b", "over_best"], 1)
+
+    def test_the_mean_lies_in_its_interval_between_smallest_and_largest(self):
+        for seed in range(20):
+            times = np.exp(np.random.default_rng(seed).normal(-5, 2, 40))
+            low, high = means.shifted_mean_interval(times, 1e-3)
+            self.assertTrue(times.min() < low < means.shifted_geometric_mean(times, 1e-3) < high < times.max())
+
+    def test_oracle_units_leave_out_problems_without_an_oracle(self):
+        cells = cells_of(EXAMPLE)
+        cells.loc[cells["problem"] == "q", "oracle_s"] = math.nan
+        rows = means.mean_table(cells)
+        rows = rows[rows["unit"] == "oracle"].set_index("solver")
+        self.assertEqual(set(rows["problems"]), {2})
+        shift = means.SHIFTS["oracle"]
+        expected = math.sqrt((1.0 / 1e-3 + shift) * (TIME_LIMIT / 1e-3 + shift)) - shift
+        self.assertAlmostEqual(rows.loc["a", "mean"], expected)
+
+
+class Coverage(unittest.TestCase):
+    def test_every_cell_is_counted_once(self):
+        cells = cells_of(random_times(6))
+        failed = cells.index[~cells["passes"]]
+        cells.loc[cells.index[cells["passes"]][:5], "at_floor"] = True
+        cells.loc[failed[:3], ["verdict", "claim"]] = ["false success", "solved"]
+        cells.loc[failed[3:7], ["verdict", "claim"]] = ["excluded", ""]
+        table = coverage_table(cells)
+        total = table[["verified", "false_successes", "failed", "excluded"]].sum(axis=1)
+        self.assertEqual(list(total), list(table["problems"]))
+        self.assertEqual(table["false_successes"].sum(), 3)
+        self.assertEqual(table["excluded"].sum(), 4)
+        self.assertEqual(table["at_floor"].sum(), 5)
+        self.assertEqual(table["verified"].sum(), cells["passes"].sum())
+
+    def test_shares_lie_in_their_intervals(self):
+        table = coverage_table(cells_of(random_times(7)))
+        for share in ("verified_share", "verified_of_attempted", "false_share", "false_of_claims"):
+            self.assertTrue((table[f"{share}_low"] <= table[share]).all())
+            self.assertTrue((table[share] <= table[f"{share}_high"]).all())
+        self.assertTrue((table["false_share_high"] > 0).all())  # none seen is not none
+
+
+if __name__ == "__main__":
+    unittest.main()
