@@ -19,7 +19,6 @@
 #include "benchmarks/progress.h"
 #include "benchmarks/suite.h"
 #include "solvers/lcp/input_error.h"
-#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -76,7 +75,7 @@ class Campaign {
   // The tiers that one run of the solver is judged at.
   std::vector<double> TiersOf(const PlannedCell& cell) const {
     if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
-    return {std::begin(kTiers), std::end(kTiers)};
+    return plan_.tiers;
   }
 
   // Declared beforehand: after a looser tier ran out of time stricter ones are not tried.
@@ -107,6 +106,7 @@ class Campaign {
     request.problem = entry.id;
     request.solver = cell.solver;
     request.tier = cell.tier;
+    request.judged = TiersOf(cell);
     request.time_limit_s = cell.time_limit_s;
     request.repetitions = plan_.repetitions;
     request.min_time_s = plan_.min_time_s;
@@ -186,6 +186,7 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests));
   Campaign campaign(plan, options, manifests, environment);
   std::vector<std::vector<bool>> wanted;
+  wanted.reserve(manifests.size());
   for (const Manifest& manifest : manifests) wanted.emplace_back(manifest.problems.size(), false);
   for (const PlannedCell& cell : campaign.cells()) wanted[cell.manifest][cell.entry] = true;
   WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, wanted);

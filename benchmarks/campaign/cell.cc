@@ -6,8 +6,8 @@ namespace lcpbench {
 
 using Json = nlohmann::json;
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CellRequest, manifest, problem, solver, tier, time_limit_s, repetitions, min_time_s,
-                                   budget_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CellRequest, manifest, problem, solver, tier, judged, time_limit_s, repetitions,
+                                   min_time_s, budget_s)
 
 namespace {
 

@@ -12,10 +12,11 @@ namespace lcpbench {
 /// One cell of a campaign: a solver on a problem at a tier. What the runner asks a worker for, and what comes back,
 /// travels as one JSON line each.
 struct CellRequest {
-  std::string manifest;  ///< path; the worker reads it, and its references, once
-  std::string problem;   ///< id
-  std::string solver;    ///< registry key
-  double tier = 0;       ///< the tolerance asked for
+  std::string manifest;        ///< path; the worker reads it, and its references, once
+  std::string problem;         ///< id
+  std::string solver;          ///< registry key
+  double tier = 0;             ///< the tolerance asked for
+  std::vector<double> judged;  ///< tiers that the answer is judged at
   double time_limit_s = 0;
   int repetitions = 0;    ///< of this round, at most; one where the solve fails or takes long
   double min_time_s = 0;  ///< of a repetition: solves that take less are repeated within it

@@ -159,10 +159,8 @@ CellReply CellRunner::Run(const CellRequest& request, const std::function<void(P
   reply.claim = ToString(result.status);
   reply.iterations = result.iterations;
   reply.detail = result.detail;
-  const auto tiers = entry.uses_tolerance ? std::vector<double>{request.tier}
-                                          : std::vector<double>(std::begin(kTiers), std::end(kTiers));
   bool passes = false;
-  for (const double tier : tiers) {
+  for (const double tier : request.judged) {
     const Verdict verdict = Verify(given, result, tier, &reference_);
     passes = passes || verdict.passes;
     reply.verdicts.push_back(Describe(verdict, tier));

@@ -80,6 +80,7 @@ void WorkerProcess::Start() {
   std::vector<std::string> words = {options_.program, kWorkerCommand};
   for (const std::string& external : options_.externals) words.insert(words.end(), {"--external", external});
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   pid_ = fork();

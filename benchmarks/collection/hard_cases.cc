@@ -139,7 +139,8 @@ ContactSystem OverpinnedBeam(int rows, std::uint64_t seed) {
   }
   const int pins = (rows - static_cast<int>(system.constraints.size())) / 2;
   for (int k = 0; k < pins; ++k) {
-    const Vec2 point{kGrain * (k - pins / 2), 0};
+    const int from_middle = k - pins / 2;
+    const Vec2 point{kGrain * from_middle, 0};
     Constraint pin;
     pin.type = ConstraintType::kPin;
     pin.body1 = beam;

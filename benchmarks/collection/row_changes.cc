@@ -36,7 +36,7 @@ LcpProblem WithRows(const LcpProblem& given, const std::vector<Entry>& entries, 
   J.setFromTriplets(entries.begin(), entries.end());
   // What was proved of the given rows need not hold of these.
   RowBounds bounds = RowBounds::WithBilateralRows(b.size(), given.bilateral_rows());
-  return LcpProblem::FromFactors(given.id(), std::move(J), given.inverse_mass(), std::move(b), std::move(bounds));
+  return LcpProblem::FromFactors(given.id(), J, given.inverse_mass(), std::move(b), std::move(bounds));
 }
 
 void RequireShare(double share) {

@@ -81,6 +81,18 @@ TEST_F(CampaignCommand, EveryCellHasItsLineAndVerdict) {
   EXPECT_EQ(campaign["manifests"][0]["name"], "smoke");
 }
 
+TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
+  for (const char* tiers : {"1e-6", "1e-3,1e-6,1e-9"}) {
+    std::filesystem::remove_all(folder_ / "c");
+    ASSERT_EQ(Run(Campaign("c", std::string("--tiers ") + tiers)).status, 0);
+    const CommandOutcome outcome = Run("analyse " + Path("c"));
+    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    // Every cell that counts is verified, but for what sweeps and pivots of one solver leave.
+    const std::string coverage = ReadFile(folder_ / "c" / "analysis" / "coverage.csv");
+    EXPECT_NE(coverage.find("dantzig"), std::string::npos) << coverage;
+  }
+}
+
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
@@ -164,6 +176,7 @@ CellRequest Request(const std::string& problem, const std::string& solver) {
   request.problem = problem;
   request.solver = solver;
   request.tier = 1e-6;
+  request.judged = {1e-6};
   request.time_limit_s = 30;
   request.repetitions = 3;
   request.min_time_s = 1e-4;
