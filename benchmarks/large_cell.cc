@@ -11,8 +11,8 @@
 
 #include "benchmarks/body_system.h"
 #include "benchmarks/growth_report.h"
-#include "benchmarks/peak_memory.h"
 #include "benchmarks/mass_spread.h"
+#include "benchmarks/peak_memory.h"
 #include "benchmarks/solver_pool.h"
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
