@@ -17,7 +17,7 @@ namespace {
 
 struct RunArguments {
   std::string suite = "default";
-  std::string output = "build/results/default";
+  std::string output;  // "" stands for OutputOf
   std::vector<std::string> solvers;
   std::vector<std::string> families;
   std::vector<int> sizes;
@@ -65,6 +65,11 @@ void TellWhatIsMissing(const Suite& suite) {
   if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
 }
 
+// Campaigns have folders of their own, so that they can be resumed.
+std::string OutputOf(const RunArguments& arguments, const std::string& name) {
+  return arguments.output.empty() ? "build/results/" + name : arguments.output;
+}
+
 CampaignPlan PlanOf(const RunArguments& arguments) {
   CampaignPlan plan = CampaignOf(arguments.suite);
   if (!arguments.solvers.empty()) plan.solvers = arguments.solvers;
@@ -81,25 +86,27 @@ CampaignPlan PlanOf(const RunArguments& arguments) {
 int Run(const RunArguments& arguments, const std::vector<std::string>& extra_flags) {
   if (IsCampaign(arguments.suite)) {
     if (!extra_flags.empty()) throw InputError("run: unexpected argument '" + extra_flags.front() + "'");
-    return RunCampaignCommand(PlanOf(arguments), arguments.campaign, arguments.output);
+    const CampaignPlan plan = PlanOf(arguments);
+    return RunCampaignCommand(plan, arguments.campaign, OutputOf(arguments, plan.name));
   }
   const Suite suite = ChosenSuite(arguments);
   for (const std::string& flag : extra_flags) {
     if (!flag.starts_with("--benchmark_")) throw InputError("run: unexpected argument '" + flag + "'");
   }
+  const std::string output = OutputOf(arguments, "default");
   std::error_code error;
-  std::filesystem::create_directories(arguments.output, error);
-  if (error) throw InputError(arguments.output + ": cannot be created: " + error.message());
+  std::filesystem::create_directories(output, error);
+  if (error) throw InputError(output + ": cannot be created: " + error.message());
 
   TellWhatIsMissing(suite);
   const std::string started = UtcNow();
   const double start = SteadyNow();
-  WriteRunFile(arguments.output, suite, started, -1);
-  WritePictures(arguments.output, suite);
-  const CellOutcomes outcomes = RunAccuracyPass(suite, arguments.output);
-  RunTimingPass(suite, outcomes, arguments.output, extra_flags);
-  WriteRunFile(arguments.output, suite, started, SteadyNow() - start);
-  std::cout << "results: " << arguments.output << std::endl;
+  WriteRunFile(output, suite, started, -1);
+  WritePictures(output, suite);
+  const CellOutcomes outcomes = RunAccuracyPass(suite, output);
+  RunTimingPass(suite, outcomes, output, extra_flags);
+  WriteRunFile(output, suite, started, SteadyNow() - start);
+  std::cout << "results: " << output << std::endl;
   return 0;
 }
 
@@ -112,7 +119,8 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
       ->add_option("--suite", arguments->suite,
                    "default or quick; or a campaign: " + CampaignNames() + ", or a manifest's path")
       ->capture_default_str();
-  command->add_option("-o,--output", arguments->output, "Folder of the result files")->capture_default_str();
+  command->add_option("-o,--output", arguments->output,
+                      "Folder of the result files [default: build/results/default, of campaigns build/results/NAME]");
   command->add_option("--solvers", arguments->solvers, "Only these solvers")->delimiter(',');
   command->add_option("--scenes", arguments->families, "Only these scene families")->delimiter(',');
   command->add_option("--sizes", arguments->sizes, "Rows per problem")->delimiter(',');
