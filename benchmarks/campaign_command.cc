@@ -70,6 +70,9 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
   command.add_option("--filter", arguments->filter,
                      "Campaigns: only cells solve/PROBLEM/SOLVER/TIER that match this regular expression");
   command.add_option("--rounds", arguments->rounds, "Campaigns: how often every cell is visited");
+  command.add_option(
+      "--most-rounds", arguments->most_rounds,
+      "Campaigns: how often at most, while its median time is uncertain by more than 5 % [default: twice]");
   command.add_option("--cpu", arguments->cpu, "Campaigns: the processor that solves are kept on");
 }
 
@@ -104,6 +107,7 @@ CampaignPlan CampaignOf(const std::string& suite) {
 int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const std::string& folder) {
   plan.filter = arguments.filter;
   if (arguments.rounds != 0) plan.rounds = arguments.rounds;
+  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : 2 * plan.rounds;
   CampaignOptions options;
   options.folder = folder;
   options.resume = arguments.resume;

@@ -14,12 +14,13 @@ struct CampaignArguments {
   bool resume = false;
   std::string shard = "1/1";
   std::string filter;
-  int rounds = 0;  ///< 0: the plan's
+  int rounds = 0;       ///< 0: the plan's
+  int most_rounds = 0;  ///< 0: twice the rounds
   int cpu = -1;
   std::vector<std::string> externals;  ///< KEY=COMMAND
 };
 
-/// --resume, --shard, --filter, --rounds, --cpu
+/// --resume, --shard, --filter, --rounds, --most-rounds, --cpu
 void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments);
 
 /// Whether a suite is one of CampaignNames, or a path of a manifest (with a '/' or ending in .json).

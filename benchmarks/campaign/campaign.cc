@@ -58,7 +58,7 @@ class Campaign {
         bar.Advance(1, Summary());
       }
     }
-    return true;
+    return RunExtraRounds();
   }
 
  private:
@@ -68,6 +68,30 @@ class Campaign {
     worker.cpu = options.cpu;
     worker.externals = options.externals;
     return worker;
+  }
+
+  // Of cells whose median time is not known well enough yet.
+  bool RunExtraRounds() {
+    for (int round = plan_.rounds; round < plan_.most_rounds; ++round) {
+      std::vector<std::size_t> wide;
+      for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
+        const std::string& id = Entry(cells_[k]).id;
+        const std::vector<double> tiers = TiersOf(cells_[k]);
+        const bool is_wide = std::any_of(tiers.begin(), tiers.end(), [&](double tier) {
+          return journal_.Passed(id, cells_[k].solver, tier) &&
+                 !journal_.IsTight(id, cells_[k].solver, tier, plan_.tight);
+        });
+        if (is_wide) wide.push_back(k);
+      }
+      if (wide.empty()) return true;
+      ProgressBar bar("round " + std::to_string(round + 1), static_cast<double>(wide.size()));
+      for (const std::size_t k : wide) {
+        if (Interruption::Requested()) return false;
+        RunCell(cells_[k], round);
+        bar.Advance(1, Summary());
+      }
+    }
+    return true;
   }
 
   const ManifestEntry& Entry(const PlannedCell& cell) const { return manifests_[cell.manifest].problems[cell.entry]; }

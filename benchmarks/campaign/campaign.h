@@ -18,7 +18,7 @@ struct CampaignOptions {
 
 /// Runs a campaign, or its rest, into a folder (files: RESULTS.md). Rounds: in the first one every cell is solved,
 /// judged, and timed where it passed; in the others passed cells are timed again in another order, so that what the
-/// machine does meanwhile is spread over all solvers.
+/// machine does meanwhile is spread over all solvers; cells whose median time is still uncertain get more rounds.
 /// @return exit status: 0, or 128 + signal where it was interrupted
 /// @throws InputError where the plan cannot be run, the folder has another campaign, or has one and `resume` is not set
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options);

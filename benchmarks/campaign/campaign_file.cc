@@ -66,6 +66,8 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   json["filter"] = plan.filter;
   json["seed"] = plan.seed;
   json["rounds"] = plan.rounds;
+  json["most_rounds"] = plan.most_rounds;
+  json["tight"] = plan.tight;
   json["repetitions"] = plan.repetitions;
   json["min_time_s"] = plan.min_time_s;
   json["budget_s"] = plan.budget_s;

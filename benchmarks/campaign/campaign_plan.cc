@@ -47,7 +47,8 @@ void RequireValid(const CampaignPlan& plan) {
   require(!plan.solvers.empty(), "at least one solver");
   require(!plan.tiers.empty(), "at least one tier");
   for (const double tier : plan.tiers) require(tier > 0 && tier < 1, "tiers in (0, 1)");
-  require(plan.rounds >= 1, "rounds >= 1");
+  require(plan.rounds >= 1 && plan.most_rounds >= plan.rounds, "rounds >= 1, and no fewer at most");
+  require(plan.tight > 0, "a relative width > 0");
   require(plan.repetitions >= 1, "repetitions >= 1");
   require(plan.min_time_s > 0 && plan.budget_s > 0, "times > 0 s");
   require(plan.time_per_row_s >= 0 && plan.least_s > 0 && plan.most_s >= plan.least_s, "time limits > 0 s, in order");

@@ -17,6 +17,8 @@ struct CampaignPlan {
   std::string filter;      ///< regular expression that a cell's name must contain, CellName; "" for all
   std::uint64_t seed = 1;  ///< of the order
   int rounds = 3;          ///< every cell is visited so often, each time in another order
+  int most_rounds = 6;     ///< and so often at most, while its median time is not known to `tight`
+  double tight = 0.05;     ///< relative half width of the median's 95 % interval (median_interval.h)
   int repetitions = 10;    ///< of a round, at most
   double min_time_s = 0.001;
   double budget_s = 0.1;  ///< of a cell and round: no further repetition is begun after it

@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "benchmarks/campaign/median_interval.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
 
@@ -81,12 +82,22 @@ bool Journal::Passed(const std::string& problem, const std::string& solver, doub
   return passed_.count(KeyOf(problem, solver, tier)) > 0;
 }
 
+bool Journal::IsTight(const std::string& problem, const std::string& solver, double tier, double width) const {
+  const auto times = times_.find(KeyOf(problem, solver, tier));
+  return times != times_.end() && IntervalOfMedian(times->second).relative_width() <= width;
+}
+
 void Journal::Note(const nlohmann::json& line) {
   const Key key =
       KeyOf(line.at("problem").get<std::string>(), line.at("solver").get<std::string>(), line.at("tier").get<double>());
   const int round = line.at("round").get<int>();
   done_.insert({key, round});
-  if (!line.at("excluded").get<std::string>().empty() || round > 0) return;
+  if (!line.at("excluded").get<std::string>().empty()) return;
+  if (line.at("passes").get<bool>()) {
+    std::vector<double>& times = times_[key];
+    for (const double time : line.at("solve_s")) times.push_back(time);
+  }
+  if (round > 0) return;
   const auto claim = line.at("claim").get<std::string>();
   if (claim == "time_limit" || claim == "killed") out_of_time_.insert(key);
   if (line.at("passes").get<bool>()) passed_.insert(key);

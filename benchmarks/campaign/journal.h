@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <tuple>
@@ -29,6 +30,9 @@ class Journal {
   /// Whether round 0 passed: only then do more rounds make sense.
   bool Passed(const std::string& problem, const std::string& solver, double tier) const;
 
+  /// Whether the median of all times so far is known to `width`, MedianInterval::relative_width.
+  bool IsTight(const std::string& problem, const std::string& solver, double tier, double width) const;
+
   /// A line per verdict of the reply, or one for what is excluded by rule.
   void Write(const ManifestEntry& problem, const PlannedCell& cell, int round, const CellReply& reply,
              const std::string& environment_hash);
@@ -46,6 +50,7 @@ class Journal {
   std::set<std::pair<Key, int>> done_;
   std::set<Key> out_of_time_;
   std::set<Key> passed_;
+  std::map<Key, std::vector<double>> times_;
 };
 
 }  // namespace lcpbench

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <sstream>
@@ -14,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "solvers/lcp/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
@@ -47,7 +49,7 @@ class CampaignCommand : public CommandTest {
   // Own solvers: one by tolerance, one direct, one that fails at times.
   std::string Campaign(const std::string& folder, const std::string& more = "") const {
     return std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall' " +
-           "--rounds 2 --repetitions 3 --min-time 1e-4 -o " + Path(folder) + " " + more;
+           "--rounds 2 --most-rounds 2 --repetitions 3 --min-time 1e-4 -o " + Path(folder) + " " + more;
   }
   std::vector<nlohmann::json> Cells(const std::string& folder) const {
     return Lines(ReadFile(folder_ / folder / "cells.jsonl"));
@@ -166,6 +168,50 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
   const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
   EXPECT_EQ(broken.status, 2);
   EXPECT_NE(broken.error.find("cells.jsonl:"), std::string::npos) << broken.error;
+}
+
+// How often a cell is visited depends on its times: only bounds can be told.
+TEST_F(CampaignCommand, UncertainTimesGetMoreRounds) {
+  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig --filter n8 --rounds 1 --most-rounds 4 " +
+                "--repetitions 2 --min-time 1e-5 --tiers 1e-6 -o " + Path("c"))
+                .status,
+            0);
+  std::map<std::string, std::vector<double>> times;
+  std::map<std::string, int> rounds;
+  for (const auto& cell : Cells("c")) {
+    const std::string id = cell["problem"];
+    rounds[id] = std::max(rounds[id], cell["round"].get<int>() + 1);
+    for (const double time : cell["solve_s"]) times[id].push_back(time);
+  }
+  EXPECT_EQ(rounds.size(), 16U);
+  for (const auto& [id, count] : rounds) {
+    EXPECT_LE(count, 4);
+    // Fewer than all only where the median is known.
+    if (count < 4) {
+      EXPECT_LE(IntervalOfMedian(times[id]).relative_width(), 0.05) << id;
+    }
+  }
+}
+
+TEST(MedianInterval, HoldsTheMedianAsOftenAsItSays) {
+  std::mt19937 random(5);
+  // Skewed, as times are: the median is 1.
+  std::lognormal_distribution<double> distribution(0, 0.5);
+  for (const int n : {6, 10, 30, 31, 60}) {
+    constexpr int kTrials = 4000;
+    int held = 0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      std::vector<double> samples(static_cast<size_t>(n));
+      for (double& sample : samples) sample = distribution(random);
+      const MedianInterval interval = IntervalOfMedian(samples);
+      EXPECT_LE(interval.low, interval.median);
+      EXPECT_LE(interval.median, interval.high);
+      if (interval.low <= 1 && 1 <= interval.high) ++held;
+    }
+    EXPECT_GE(held, 0.945 * kTrials) << n;
+    EXPECT_LE(held, 0.995 * kTrials) << n;
+  }
+  EXPECT_EQ(IntervalOfMedian({3}).relative_width(), 0);
 }
 
 // ----- one worker
