@@ -31,7 +31,12 @@ struct RunArguments {
 
 // The named suite with what the command line changes in it: what is asked for by name is run at every size.
 Suite ChosenSuite(const RunArguments& arguments) {
-  Suite suite = FindSuite(arguments.suite);
+  Suite suite;
+  try {
+    suite = FindSuite(arguments.suite);
+  } catch (const InputError& error) {
+    throw InputError(std::string(error.what()) + ", " + CampaignNames() + ", or a manifest's path");
+  }
   if (!arguments.solvers.empty()) suite.solvers = arguments.solvers;
   if (!arguments.sizes.empty()) suite.sizes = arguments.sizes;
   if (!arguments.families.empty()) {

@@ -56,4 +56,23 @@ Environment DescribeEnvironment() {
   return environment;
 }
 
+nlohmann::ordered_json ToJson(const Environment& environment) {
+  nlohmann::ordered_json json;
+  json["version"] = environment.version;
+  json["git_commit"] = environment.git_commit;
+  json["git_dirty"] = environment.git_dirty;
+  json["compiler"] = environment.compiler;
+  json["flags"] = environment.flags;
+  json["solver_flags"] = environment.solver_flags;
+  json["build_type"] = environment.build_type;
+  json["cpu"] = environment.cpu;
+  json["cores"] = environment.cores;
+  json["memory_bytes"] = environment.memory_bytes;
+  json["os"] = environment.os;
+  json["library_threads"] = environment.library_threads;
+  json["libraries"] = nlohmann::ordered_json::object();
+  for (const auto& [name, version] : environment.libraries) json["libraries"][name] = version;
+  return json;
+}
+
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,5 +25,8 @@ struct Environment {
 };
 
 Environment DescribeEnvironment();
+
+/// The members of result files (RESULTS.md), in the order above.
+nlohmann::ordered_json ToJson(const Environment& environment);
 
 }  // namespace lcpbench

@@ -42,26 +42,12 @@ const char* OriginKey(SolverOrigin origin) {
 }
 
 void WriteRunFile(const std::string& folder, const Suite& suite, const std::string& started, double wall_s) {
-  const Environment environment = DescribeEnvironment();
   Json run;
   run["schema"] = "lcpbench-run/" + std::to_string(kSchemaVersion);
   run["suite"] = suite.name;
   run["started"] = started;
   run["wall_s"] = wall_s < 0 ? Json(nullptr) : Json(wall_s);
-  run["version"] = environment.version;
-  run["git_commit"] = environment.git_commit;
-  run["git_dirty"] = environment.git_dirty;
-  run["compiler"] = environment.compiler;
-  run["flags"] = environment.flags;
-  run["solver_flags"] = environment.solver_flags;
-  run["build_type"] = environment.build_type;
-  run["cpu"] = environment.cpu;
-  run["cores"] = environment.cores;
-  run["memory_bytes"] = environment.memory_bytes;
-  run["os"] = environment.os;
-  run["library_threads"] = environment.library_threads;
-  run["libraries"] = Json::object();
-  for (const auto& [name, version] : environment.libraries) run["libraries"][name] = version;
+  run.update(ToJson(DescribeEnvironment()));
   run["tiers"] = suite.tiers;
   run["sizes"] = suite.sizes;
   run["seeds"] = suite.seeds;

@@ -16,26 +16,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "lcpbench-campaign/1";
 
-Json DescribeMachine() {
-  const Environment environment = DescribeEnvironment();
-  Json json;
-  json["version"] = environment.version;
-  json["git_commit"] = environment.git_commit;
-  json["git_dirty"] = environment.git_dirty;
-  json["compiler"] = environment.compiler;
-  json["flags"] = environment.flags;
-  json["solver_flags"] = environment.solver_flags;
-  json["build_type"] = environment.build_type;
-  json["cpu"] = environment.cpu;
-  json["cores"] = environment.cores;
-  json["memory_bytes"] = environment.memory_bytes;
-  json["os"] = environment.os;
-  json["library_threads"] = environment.library_threads;
-  json["libraries"] = Json::object();
-  for (const auto& [name, version] : environment.libraries) json["libraries"][name] = version;
-  return json;
-}
-
 // By what the library's own defaults are run with, see the registry: keys that end in -default.
 const char* SettingOf(const std::string& key) { return key.ends_with("-default") ? "default" : "tuned"; }
 
@@ -79,7 +59,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   for (const SizeLimit& limit : SizeLimits()) {
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
   }
-  json["environment"] = DescribeMachine();
+  json["environment"] = ToJson(DescribeEnvironment());
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "model/assembly.h"
@@ -18,5 +19,8 @@ struct Instance {
 
 /// @throws InputError as AssembleContactLcp
 Instance InstanceOf(ContactSystem system);
+
+/// The same problem, given by factors, under another name.
+LcpProblem WithId(const LcpProblem& given, std::string id);
 
 }  // namespace lcpbench

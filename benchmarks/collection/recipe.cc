@@ -65,11 +65,6 @@ std::string ShortNumber(double value) {
   return std::string(text, end);
 }
 
-LcpProblem WithId(const LcpProblem& given, std::string id) {
-  return LcpProblem::FromFactors(std::move(id), given.J(), given.inverse_mass(), given.b(),
-                                 RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
-}
-
 std::string KindOf(const Feature& feature) {
   const auto curved = [](Side side, const char* name) {
     return (side == Side::kConcave ? "concave " : "") + std::string(name);

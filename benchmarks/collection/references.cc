@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/gzip_input.h"
@@ -14,6 +14,8 @@ namespace lcpbench {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr size_t kExcerpt = 40;
 
 Eigen::VectorXd Numbers(const Json& values, Index size) {
   const auto numbers = values.get<std::vector<double>>();
@@ -34,14 +36,12 @@ References::References(const Manifest& manifest, const std::string& folder) {
   std::istream lines(&gzip);
   std::string line;
   while (std::getline(lines, line)) {
-    // As it is written: the id is the first member, and no id has quotes.
-    constexpr std::string_view kBeginning = "{\"id\":\"";
-    const size_t end = line.find('"', kBeginning.size());
-    if (!line.starts_with(kBeginning) || end == std::string::npos) {
-      throw InputError(name_ + ": expected lines that begin with an id, found '" + line.substr(0, 40) + "'");
+    try {
+      std::string id = Json::parse(line).at("id").get<std::string>();
+      lines_[std::move(id)] = std::move(line);
+    } catch (const Json::exception&) {
+      throw InputError(name_ + ": expected lines with an id, found '" + line.substr(0, kExcerpt) + "'");
     }
-    std::string id = line.substr(kBeginning.size(), end - kBeginning.size());
-    lines_[std::move(id)] = std::move(line);
   }
   if (!gzip.error().empty()) throw InputError(name_ + ": " + gzip.error());
 }

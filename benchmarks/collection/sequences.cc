@@ -6,21 +6,13 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
+#include "benchmarks/collection/instance.h"
 #include "benchmarks/scene_source.h"
 #include "benchmarks/sequence.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/lcp/input_error.h"
 
 namespace lcpbench {
-namespace {
-
-LcpProblem WithId(const LcpProblem& given, const std::string& id) {
-  return LcpProblem::FromFactors(id, given.J(), given.inverse_mass(), given.b(),
-                                 RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
-}
-
-}  // namespace
-
 std::string SequenceId(const Recipe& start) { return RecipeId(start) + "-motion"; }
 
 std::string ForEachSequenceProblem(

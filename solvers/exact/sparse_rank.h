@@ -13,8 +13,7 @@ namespace lcpbench {
 /// probability below 2^-50.  O(rows * columns * rank) word operations at most, far less where the matrix is sparse
 Index SparseRank(const SparseMatrix& matrix);
 
-/// The rank of A. From factors it costs little at any size: half a second for 3 10^5 rows of most scenes, 4 s where all
-/// bodies touch each other (billiards-break).
+/// The rank of A. From factors it costs little at any size, as J has at most six entries a row and fills in slowly.
 /// @param most_rows  without factors there is no answer above this many rows: A itself fills up
 std::optional<Index> RankOf(const LcpProblem& problem, Index most_rows);
 

@@ -1,6 +1,5 @@
 """The published JSON Schema of manifests accepts the collection's and refuses what is malformed."""
 
-import copy
 import json
 import subprocess
 import sys
@@ -9,30 +8,31 @@ from pathlib import Path
 
 import jsonschema
 
+from changed import REMOVED, changed
+
 _DATA = Path(__file__).resolve().parents[2] / "data"
 _TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological"]
-_REMOVED = object()
 
 # Changes of the smoke tier's manifest that must not pass.
 _MALFORMED = [
     (("lcpbench_manifest",), 2),
-    (("name",), _REMOVED),
+    (("name",), REMOVED),
     (("version",), 1),
     (("problems",), {}),
-    (("refused", 0, "reason"), _REMOVED),
+    (("refused", 0, "reason"), REMOVED),
     (("refused_by_reason",), {"f = 0": 0}),
     (("problems", 0, "id"), ""),
-    (("problems", 0, "recipe"), _REMOVED),
+    (("problems", 0, "recipe"), REMOVED),
     (("problems", 0, "file"), {"path": "a.jsonl", "line": 1}),
     (("problems", 0, "recipe", "rows"), 0),
     (("problems", 0, "recipe", "seed"), -1),
     (("problems", 0, "recipe", "changes"), [{"name": "magic", "amount": 1}]),
     (("problems", 0, "rank"), -1),
-    (("problems", 0, "rank_method"), _REMOVED),
+    (("problems", 0, "rank_method"), REMOVED),
     (("problems", 0, "condition"), 0.5),
     (("problems", 0, "fraction_active"), 1.5),
     (("problems", 0, "reference", "kind"), "believed"),
-    (("problems", 0, "licence"), _REMOVED),
+    (("problems", 0, "licence"), REMOVED),
     (("problems", 0, "sha256"), "0123"),
     (("problems", 0, "colour"), "red"),
 ]
@@ -40,18 +40,6 @@ _MALFORMED = [
 
 def _manifest(tier):
     return json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8"))
-
-
-def _changed(document, path, value):
-    document = copy.deepcopy(document)
-    parent = document
-    for key in path[:-1]:
-        parent = parent[key]
-    if value is _REMOVED:
-        del parent[path[-1]]
-    else:
-        parent[path[-1]] = value
-    return document
 
 
 class ManifestSchema(unittest.TestCase):
@@ -72,7 +60,7 @@ class ManifestSchema(unittest.TestCase):
         self.validator.validate(smoke)
         for path, value in _MALFORMED:
             with self.subTest("/".join(map(str, path)), value=value):
-                self.assertFalse(self.validator.is_valid(_changed(smoke, path, value)))
+                self.assertFalse(self.validator.is_valid(changed(smoke, path, value)))
 
 
 class Collection(unittest.TestCase):

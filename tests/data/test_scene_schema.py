@@ -1,11 +1,12 @@
 """The published JSON Schema of scene files accepts the examples and refuses what is malformed."""
 
-import copy
 import json
 import unittest
 from pathlib import Path
 
 import jsonschema
+
+from changed import REMOVED, changed
 
 _SCENES = Path(__file__).resolve().parents[2] / "data" / "scenes"
 _SCHEMA = _SCENES / "scene.schema.json"
@@ -27,13 +28,12 @@ _SCENE = {
         "attraction": {"strength": 1},
     },
 }
-_REMOVED = object()
 
 # What is changed, and into what.
 _MALFORMED = [
     (("lcpbench_scene",), 2),
-    (("lcpbench_scene",), _REMOVED),
-    (("bodies",), _REMOVED),
+    (("lcpbench_scene",), REMOVED),
+    (("bodies",), REMOVED),
     (("bodies",), {}),
     (("colour",), "red"),
     (("gravity",), -9.81),
@@ -50,37 +50,25 @@ _MALFORMED = [
     (("bodies", 0, "center_of_mass"), [0, 0]),
     (("bodies", 0, "shape", "chains"), [[0, 0], [1, 0]]),
     (("bodies", 1, "name"), ""),
-    (("bodies", 1, "name"), _REMOVED),
+    (("bodies", 1, "name"), REMOVED),
     (("bodies", 1, "name"), "two\nlines"),
-    (("bodies", 1, "density"), _REMOVED),
+    (("bodies", 1, "density"), REMOVED),
     (("bodies", 1, "mass"), 1),
     (("bodies", 1, "fixed"), "no"),
     (("bodies", 1, "acceleration"), [0, 0]),
     (("bodies", 2, "center_of_mass"), [0, 0]),
     (("bodies", 2, "shape", "path", 1, "arc", "bulge"), 0),
     (("bodies", 2, "shape", "path", 1, "arc", "radius"), 1),
-    (("bodies", 2, "shape", "path", 1, "arc", "to"), _REMOVED),
+    (("bodies", 2, "shape", "path", 1, "arc", "to"), REMOVED),
     (("bodies", 2, "shape", "path", 1), {"spline": {"to": [1, 0]}}),
     (("joints", 0, "type"), "weld"),
     (("joints", 0, "length"), 0),
-    (("joints", 0, "point1"), _REMOVED),
+    (("joints", 0, "point1"), REMOVED),
     (("loads", "springs", 0, "stiffness"), -1),
     (("loads", "springs", 0, "body1"), 0),
     (("loads", "attraction", "strength"), None),
     (("loads", "magnet"), {}),
 ]
-
-
-def _changed(path, value):
-    scene = copy.deepcopy(_SCENE)
-    parent = scene
-    for key in path[:-1]:
-        parent = parent[key]
-    if value is _REMOVED:
-        del parent[path[-1]]
-    else:
-        parent[path[-1]] = value
-    return scene
 
 
 class SceneSchema(unittest.TestCase):
@@ -104,7 +92,7 @@ class SceneSchema(unittest.TestCase):
     def test_malformed_scenes_are_refused(self):
         for path, value in _MALFORMED:
             with self.subTest("/".join(map(str, path)), value=value):
-                self.assertFalse(self.validator.is_valid(_changed(path, value)))
+                self.assertFalse(self.validator.is_valid(changed(_SCENE, path, value)))
 
 
 if __name__ == "__main__":
