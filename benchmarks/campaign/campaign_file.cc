@@ -17,7 +17,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "lcpbench-campaign/1";
 
 // By what the library's own defaults are run with, see the registry: keys that end in -default.
-const char* SettingOf(const std::string& key) { return key.ends_with("-default") ? "default" : "tuned"; }
+const char* SettingOf(const SolverEntry& solver) {
+  if (!solver.base.empty()) return "variant";
+  return solver.key.ends_with("-default") ? "default" : "tuned";
+}
 
 }  // namespace
 
@@ -35,7 +38,9 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     const SolverEntry& entry = FindSolver(key);
     json["solvers"].push_back({{"key", entry.key},
                                {"method", entry.method},
-                               {"setting", SettingOf(entry.key)},
+                               {"setting", SettingOf(entry)},
+                               {"base", entry.base},
+                               {"settings", entry.settings},
                                {"origin", OriginKey(entry.origin)},
                                {"uses_tolerance", entry.uses_tolerance},
                                {"available", entry.available},
@@ -43,6 +48,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                                {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});
   }
   json["tiers"] = plan.tiers;
+  json["modes"] = plan.modes;
   json["filter"] = plan.filter;
   json["seed"] = plan.seed;
   json["rounds"] = plan.rounds;
@@ -51,10 +57,14 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   json["repetitions"] = plan.repetitions;
   json["min_time_s"] = plan.min_time_s;
   json["budget_s"] = plan.budget_s;
+  json["cell_budget_s"] = plan.cell_budget_s;
   json["limits"] = {{"time_per_row_s", plan.time_per_row_s},
                     {"least_s", plan.least_s},
                     {"most_s", plan.most_s},
                     {"memory_bytes", plan.memory_bytes}};
+  json["noise"] = {{"slower_clock", plan.noise.slower_clock},
+                   {"least_cpu_share", plan.noise.least_cpu_share},
+                   {"most_reruns", plan.noise.most_reruns}};
   json["size_limits"] = Json::array();
   for (const SizeLimit& limit : SizeLimits()) {
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});

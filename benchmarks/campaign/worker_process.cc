@@ -78,7 +78,7 @@ void WorkerProcess::Start() {
     throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
   }
   std::vector<std::string> words = {options_.program, kWorkerCommand};
-  for (const std::string& external : options_.externals) words.insert(words.end(), {"--external", external});
+  words.insert(words.end(), options_.solver_arguments.begin(), options_.solver_arguments.end());
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());

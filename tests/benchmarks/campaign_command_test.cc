@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "solvers/lcp/input_error.h"
@@ -37,7 +38,10 @@ std::vector<nlohmann::json> Lines(const std::string& text) {
 std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& cells) {
   std::vector<std::string> kept;
   for (nlohmann::json cell : cells) {
-    for (const char* field : {"setup_s", "solve_s", "convert_s", "peak_bytes", "environment"}) cell.erase(field);
+    for (const char* field : {"setup_s", "first_s", "solve_s", "convert_s", "factor_s", "factor_of_s", "peak_bytes",
+                              "allocations", "counters", "disturbance", "environment"}) {
+      cell.erase(field);
+    }
     kept.push_back(cell.dump());
   }
   std::sort(kept.begin(), kept.end());
@@ -173,6 +177,116 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
   EXPECT_NE(broken.error.find("cells.jsonl:"), std::string::npos) << broken.error;
 }
 
+TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
+  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --rounds 1 " +
+                                "--most-rounds 1 --repetitions 3 --solvers pgs,over,again,slow -o " + Path("c") +
+                                " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
+  const CommandOutcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  std::map<std::string, std::map<std::string, nlohmann::json>> cells;
+  for (const auto& cell : Cells("c")) cells[cell["problem"]][cell["solver"]] = cell;
+  ASSERT_EQ(cells.size(), 16U);
+  bool differs = false;
+  for (const auto& [problem, by_solver] : cells) {
+    ASSERT_EQ(by_solver.size(), 4U) << problem;
+    // One solver under two names, or slowed: the same answer to the last bit.
+    for (const char* same : {"again", "slow"}) {
+      EXPECT_EQ(by_solver.at(same)["metrics"], by_solver.at("pgs")["metrics"]) << problem;
+      EXPECT_EQ(by_solver.at(same)["iterations"], by_solver.at("pgs")["iterations"]) << problem;
+    }
+    differs = differs || by_solver.at("over")["iterations"] != by_solver.at("pgs")["iterations"];
+  }
+  EXPECT_TRUE(differs);
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  for (const auto& solver : campaign["solvers"]) {
+    EXPECT_EQ(solver["base"], solver["key"] == "pgs" ? "" : "pgs");
+    if (solver["key"] == "over") {
+      EXPECT_EQ(solver["settings"]["relaxation"], "1.3");
+    }
+    if (solver["key"] == "slow") {
+      EXPECT_EQ(solver["settings"]["slowdown"], "3");
+    }
+  }
+  for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
+                                      std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER"),
+                                      std::pair("x=pgs,slowdown=0.5", "slowdown")}) {
+    const CommandOutcome mistake = Run(arguments + "2 --variant " + variant);
+    EXPECT_EQ(mistake.status, 2) << variant;
+    EXPECT_NE(mistake.error.find(text), std::string::npos) << mistake.error;
+  }
+}
+
+TEST_F(CampaignCommand, ModesAreCellsOfTheirOwn) {
+  const CommandOutcome outcome = Run(Campaign("c", "--modes cold,cold-cache --tiers 1e-6"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  std::map<std::string, int> count;
+  for (const auto& cell : Cells("c")) {
+    ++count[cell["mode"]];
+    // With cold caches every repetition is one solve, and of no solver the memory that was walked through counts.
+    EXPECT_LE(cell["solve_s"].size(), 3U);
+    EXPECT_LT(cell["peak_bytes"].get<double>(), 200e6);
+  }
+  EXPECT_EQ(count.size(), 2U);
+  EXPECT_EQ(count["cold"], count["cold-cache"]);
+  EXPECT_EQ(Run("analyse " + Path("c")).status, 0);
+  const CommandOutcome unknown = Run(Campaign("d", "--modes lukewarm"));
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.error.find("cold-cache"), std::string::npos) << unknown.error;
+}
+
+TEST_F(CampaignCommand, EveryCellSaysWhatItsSolveTook) {
+  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
+                "--rounds 1 --most-rounds 1 --repetitions 3 -o " + Path("c"))
+                .status,
+            0);
+  for (const auto& cell : Cells("c")) {
+    if (cell["passes"] != true) continue;
+    const std::string solver = cell["solver"];
+    EXPECT_GT(cell["first_s"].get<double>(), 0);
+    EXPECT_LE(cell["factor_s"].get<double>(), cell["factor_of_s"].get<double>());
+    // Sweeps factorise nothing, interior points every step.
+    if (solver == "pgs") {
+      EXPECT_EQ(cell["factor_s"].get<double>(), 0);
+    }
+    if (solver == "ipm") {
+      EXPECT_GT(cell["factor_s"].get<double>(), 0);
+    }
+    const auto& disturbance = cell["disturbance"];
+    EXPECT_GT(disturbance["probe_s"].get<double>(), 0);
+    EXPECT_GT(disturbance["cpu_share"].get<double>(), 0);
+    EXPECT_LE(disturbance["reruns"].get<int>(), 2);
+    // What is undisturbed was not run again for nothing, and what is disturbed was run as often as allowed.
+    if (disturbance["disturbed"] == true) {
+      EXPECT_EQ(disturbance["reruns"], 2);
+    }
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_GE(cell["allocations"]["first_bytes"].get<int>(), 0);
+    if (solver == "dantzig" || solver == "pgs") {
+      EXPECT_EQ(cell["allocations"]["later"], 0) << cell["problem"];
+    }
+#endif
+  }
+}
+
+TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
+  const std::string filter = "--benchmark_filter='rockers-n8.*dantzig'";
+  const CommandOutcome list = Run(Campaign("c", filter + " --benchmark_list_tests"));
+  ASSERT_EQ(list.status, 0) << list.error;
+  EXPECT_EQ(list.out, "solve/rockers-n8-s11/dantzig/1e-09\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+  const CommandOutcome run =
+      Run(Campaign("c", filter + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json")));
+  ASSERT_EQ(run.status, 0) << run.error;
+  const auto json = nlohmann::json::parse(ReadFile(folder_ / "times.json"));
+  // Two rounds, judged at three tiers by one run.
+  size_t repetitions = 0;
+  for (const auto& cell : Cells("c")) repetitions += cell["solve_s"].size();
+  EXPECT_EQ(json["benchmarks"].size(), repetitions);
+  EXPECT_EQ(repetitions, 2U * 4 * 3);
+  for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
+  EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
+}
+
 // How often a cell is visited depends on its times: only bounds can be told.
 TEST_F(CampaignCommand, UncertainTimesGetMoreRounds) {
   ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig --filter n8 --rounds 1 --most-rounds 4 " +
@@ -215,6 +329,34 @@ TEST(MedianInterval, HoldsTheMedianAsOftenAsItSays) {
     EXPECT_LE(held, 0.995 * kTrials) << n;
   }
   EXPECT_EQ(IntervalOfMedian({3}).relative_width(), 0);
+}
+
+TEST(NoiseRule, CountsWhatTheMachineDid) {
+  const NoiseRule rule;
+  const double fastest = 1e-5;
+  const auto found = [](double probe_s, double cpu_share) {
+    Disturbance disturbance;
+    disturbance.probe_s = probe_s;
+    disturbance.cpu_share = cpu_share;
+    return disturbance;
+  };
+  EXPECT_EQ(DisturbanceOf(rule, found(fastest, 1), fastest), 0);
+  EXPECT_EQ(DisturbanceOf(rule, found(1.04e-5, 0.96), fastest), 0);
+  // A clock that is 10 % slower; a thread that waited for 10 %; both are worse than one.
+  const double throttled = DisturbanceOf(rule, found(1.1e-5, 1), fastest);
+  const double waiting = DisturbanceOf(rule, found(fastest, 0.9), fastest);
+  EXPECT_GT(throttled, 0);
+  EXPECT_GT(waiting, 0);
+  EXPECT_GT(DisturbanceOf(rule, found(1.1e-5, 0.9), fastest), std::max(throttled, waiting));
+}
+
+TEST(DisturbanceWatch, SeesAThreadThatWaits) {
+  // Asleep for most of the time, as if another program had the processor.
+  const DisturbanceWatch watch;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const Disturbance found = watch.Finish();
+  EXPECT_LT(found.cpu_share, 0.5);
+  EXPECT_GT(found.probe_s, 0);
 }
 
 // ----- one worker
@@ -298,7 +440,7 @@ TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
 
 TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
   WorkerOptions options = Options();
-  options.externals = {"dying=/bin/false"};
+  options.solver_arguments = {"--external", "dying=/bin/false"};
   WorkerProcess worker(options);
   const CellReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
   EXPECT_NE(reply.claim, "solved");
