@@ -149,6 +149,34 @@ TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
   EXPECT_EQ(WithoutTimes(Cells("killed")), WithoutTimes(Cells("whole")));
 }
 
+// As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
+TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  std::mt19937 random(4);
+  int interrupted = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const std::string arguments = Campaign("ended", trial == 0 ? "" : "--resume");
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    setpgid(child, child);  // whoever is first
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 80));
+    kill(-child, trial % 2 == 0 ? SIGTERM : SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++interrupted;
+  }
+  EXPECT_GE(interrupted, 3);
+  const CommandOutcome rest = Run(Campaign("ended", "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Cells("ended")), WithoutTimes(Cells("whole")));
+}
+
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
   ASSERT_EQ(Run(Campaign("c", "--tiers 1e-3")).status, 0);
   const std::pair<std::string, std::string> kMistakes[] = {
