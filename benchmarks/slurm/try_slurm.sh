@@ -14,8 +14,10 @@ cd "$(dirname "$0")/../.."
 source_folder=$PWD
 most_seconds=100  # half of them are needed
 
+failure=
 fail() {
-  echo "try_slurm.sh: $1" >&2
+  failure="try_slurm.sh: $1"
+  echo "$failure" >&2
   exit "${2:-1}"
 }
 say() { echo "== $*"; }
@@ -65,6 +67,7 @@ clean_up() {
     for log in "$work"/*.log "$work"/*/*.log; do
       [ ! -s "$log" ] || { echo "---- the end of $log"; tail -n 25 "$log"; } >&2
     done
+    echo "$failure" >&2  # again: it is what the logs are to explain
   fi
   if timeout 3 scontrol ping 2> /dev/null | grep -q "is UP"; then  # Ctrl-C ends the controller too
     timeout 10 scancel --quiet --user="$(id -un)" 2> /dev/null

@@ -98,6 +98,30 @@ TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
   }
 }
 
+TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
+  ASSERT_EQ(Run(Campaign("c")).status, 0);
+  // A campaign and itself: whatever the machine does meanwhile.
+  const CommandOutcome same = Run("compare " + Path("c") + " " + Path("c"));
+  EXPECT_EQ(same.status, 0) << same.error;
+  EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
+  std::filesystem::copy(folder_ / "c", folder_ / "wrong");
+  std::ofstream cells(folder_ / "wrong" / "cells.jsonl");
+  bool changed = false;
+  for (nlohmann::json cell : Cells("c")) {
+    if (!changed && cell["round"] == 0 && cell["passes"] == true) {
+      changed = true;
+      cell["passes"] = false;
+      cell["false_success"] = true;
+    }
+    cells << cell.dump() << "\n";
+  }
+  cells.close();
+  const CommandOutcome wrong = Run("compare " + Path("c") + " " + Path("wrong") + " -o " + Path("summary.md"));
+  EXPECT_EQ(wrong.status, 1) << wrong.error;
+  EXPECT_NE(ReadFile(folder_ / "summary.md").find("1 new false success"), std::string::npos);
+  EXPECT_EQ(Run("compare " + Path("c") + " " + Path("nowhere")).status, 2);
+}
+
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
