@@ -146,6 +146,8 @@ class Campaign {
     request.min_time_s = plan_.min_time_s;
     request.budget_s = plan_.budget_s;
     CellReply reply = RunUndisturbed(request);
+    // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the solver's.
+    if (Interruption::Requested() && reply.claim == "crashed") return;
     if (reply.verdicts.empty()) {
       for (const double tier : TiersOf(cell)) {
         CellVerdict failed;

@@ -1,6 +1,8 @@
 #include "benchmarks/campaign/campaign_file.h"
 
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/environment.h"
@@ -96,10 +98,14 @@ Json ReadCampaignFile(const std::string& path) {
 }
 
 void WriteCampaignFile(const std::string& path, const Json& campaign) {
-  std::ofstream file(path);
+  // Renamed when it is whole: what is killed here must not leave a file that --resume cannot read.
+  const std::string part = path + ".part";
+  std::ofstream file(part);
   file << campaign.dump(1) << '\n';
   file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  std::error_code error;
+  if (file) std::filesystem::rename(part, path, error);
+  if (!file || error) throw InputError(path + ": cannot be written");
 }
 
 }  // namespace lcpbench

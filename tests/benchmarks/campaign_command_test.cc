@@ -102,6 +102,30 @@ TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
   }
 }
 
+TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
+  ASSERT_EQ(Run(Campaign("c")).status, 0);
+  // A campaign and itself: whatever the machine does meanwhile.
+  const CommandOutcome same = Run("compare " + Path("c") + " " + Path("c"));
+  EXPECT_EQ(same.status, 0) << same.error;
+  EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
+  std::filesystem::copy(folder_ / "c", folder_ / "wrong");
+  std::ofstream cells(folder_ / "wrong" / "cells.jsonl");
+  bool changed = false;
+  for (nlohmann::json cell : Cells("c")) {
+    if (!changed && cell["round"] == 0 && cell["passes"] == true) {
+      changed = true;
+      cell["passes"] = false;
+      cell["false_success"] = true;
+    }
+    cells << cell.dump() << "\n";
+  }
+  cells.close();
+  const CommandOutcome wrong = Run("compare " + Path("c") + " " + Path("wrong") + " -o " + Path("summary.md"));
+  EXPECT_EQ(wrong.status, 1) << wrong.error;
+  EXPECT_NE(ReadFile(folder_ / "summary.md").find("1 new false success"), std::string::npos);
+  EXPECT_EQ(Run("compare " + Path("c") + " " + Path("nowhere")).status, 2);
+}
+
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
@@ -151,6 +175,34 @@ TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
   const CommandOutcome rest = Run(Campaign("killed", "--resume"));
   ASSERT_EQ(rest.status, 0) << rest.error;
   EXPECT_EQ(WithoutTimes(Cells("killed")), WithoutTimes(Cells("whole")));
+}
+
+// As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
+TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  std::mt19937 random(4);
+  int interrupted = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const std::string arguments = Campaign("ended", trial == 0 ? "" : "--resume");
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    setpgid(child, child);  // whoever is first
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 80));
+    kill(-child, trial % 2 == 0 ? SIGTERM : SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++interrupted;
+  }
+  EXPECT_GE(interrupted, 3);
+  const CommandOutcome rest = Run(Campaign("ended", "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Cells("ended")), WithoutTimes(Cells("whole")));
 }
 
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
