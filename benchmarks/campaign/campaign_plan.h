@@ -32,9 +32,9 @@ struct CampaignPlan {
   int most_rounds = 6;     ///< and so often at most, while its median time is not known to `tight`
   double tight = 0.05;     ///< relative half width of the median's 95 % interval (median_interval.h)
   int repetitions = 10;    ///< of a round, at most
-  double min_time_s = 0.001;
-  double budget_s = 0.1;     ///< of a cell and round: no further repetition is begun after it
-  double cell_budget_s = 1;  ///< of a cell: it gets no further round once its repetitions took so long in all
+  double min_time_s = 0.0005;
+  double budget_s = 0.05;      ///< of a cell and round: no further repetition is begun after it
+  double cell_budget_s = 0.5;  ///< of a cell: it gets no further round once its repetitions took so long in all
   // A solve may take time_per_row_s times its rows, within [least_s, most_s].
   double time_per_row_s = 1e-3;
   double least_s = 0.2;
