@@ -167,8 +167,8 @@ class Campaign {
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
       CellReply reply = worker_.Run(request);
       if (!reply.disturbance) return reply;
-      const double fastest = std::min(journal_.fastest_probe_s(), reply.disturbance->probe_s);
-      const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fastest);
+      const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
+      const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
       if (found < least) {
         least = found;
         best = std::move(reply);

@@ -32,8 +32,8 @@ std::uint64_t Hash(const std::string& text) {
 
 }  // namespace
 
-double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fastest_probe_s) {
-  const double slower = found.probe_s / fastest_probe_s - 1;
+double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s) {
+  const double slower = found.probe_s / fast_probe_s - 1;
   const double waiting = 1 - found.cpu_share;
   if (slower <= rule.slower_clock && found.cpu_share >= rule.least_cpu_share) return 0;
   return std::max(slower, 0.0) + waiting;

@@ -11,13 +11,13 @@ namespace lcpbench {
 
 /// When a cell counts as disturbed by the machine. It is run again then, and keeps the run that was disturbed least.
 struct NoiseRule {
-  double slower_clock = 0.05;     ///< the probe of the clock rate took this much longer than the campaign's fastest
+  double slower_clock = 0.1;      ///< the probe of the clock rate took this much longer than Journal::FastProbe
   double least_cpu_share = 0.95;  ///< less processor time than this share of the wall-clock time
   int most_reruns = 2;
 };
 
 /// Whether it is, and by how much: 0 undisturbed, more is worse.
-double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fastest_probe_s);
+double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s);
 
 /// What a campaign consists of, fixed before its first solve.
 struct CampaignPlan {

@@ -85,6 +85,11 @@ bool Journal::IsTight(const CellKey& key, double width) const {
   return times != times_.end() && IntervalOfMedian(times->second).relative_width() <= width;
 }
 
+double Journal::FastProbe() const {
+  constexpr std::size_t kOneIn = 10;
+  return probes_.empty() ? std::numeric_limits<double>::infinity() : probes_[probes_.size() / kOneIn];
+}
+
 double Journal::TimeSpent(const CellKey& key) const {
   const auto times = times_.find(key);
   return times == times_.end() ? 0 : std::accumulate(times->second.begin(), times->second.end(), 0.0);
@@ -102,7 +107,8 @@ void Journal::Note(const nlohmann::json& line) {
   }
   const nlohmann::json& disturbance = line.at("disturbance");
   if (!disturbance.is_null()) {
-    fastest_probe_s_ = std::min(fastest_probe_s_, disturbance.at("probe_s").get<double>());
+    const auto probe_s = disturbance.at("probe_s").get<double>();
+    probes_.insert(std::upper_bound(probes_.begin(), probes_.end(), probe_s), probe_s);
   }
   if (round > 0) return;
   const auto claim = line.at("claim").get<std::string>();

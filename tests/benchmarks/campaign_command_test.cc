@@ -393,13 +393,13 @@ TEST(NoiseRule, CountsWhatTheMachineDid) {
     return disturbance;
   };
   EXPECT_EQ(DisturbanceOf(rule, found(fastest, 1), fastest), 0);
-  EXPECT_EQ(DisturbanceOf(rule, found(1.04e-5, 0.96), fastest), 0);
-  // A clock that is 10 % slower; a thread that waited for 10 %; both are worse than one.
-  const double throttled = DisturbanceOf(rule, found(1.1e-5, 1), fastest);
+  EXPECT_EQ(DisturbanceOf(rule, found(1.09e-5, 0.96), fastest), 0);
+  // A clock that is 20 % slower; a thread that waited for 10 %; both are worse than one.
+  const double throttled = DisturbanceOf(rule, found(1.2e-5, 1), fastest);
   const double waiting = DisturbanceOf(rule, found(fastest, 0.9), fastest);
   EXPECT_GT(throttled, 0);
   EXPECT_GT(waiting, 0);
-  EXPECT_GT(DisturbanceOf(rule, found(1.1e-5, 0.9), fastest), std::max(throttled, waiting));
+  EXPECT_GT(DisturbanceOf(rule, found(1.2e-5, 0.9), fastest), std::max(throttled, waiting));
 }
 
 TEST(DisturbanceWatch, SeesAThreadThatWaits) {

@@ -1,0 +1,47 @@
+"""What a campaign finds where the truth is known: a solver against itself under another name, and against itself slowed
+by a known factor (`lcpbench run --variant`).
+"""
+
+import pandas as pd
+
+from .cells import cell_table
+from .load import Campaign
+from .pairwise import A_FASTER, NO_DIFFERENCE, pairwise_table
+from ..errors import ReportError
+
+SLOWDOWN = "slowdown"
+COLUMNS = ["mode", "tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
+           "wilcoxon_p_holm", "expected", "found", "right"]
+
+
+def calibration_table(campaign: Campaign) -> pd.DataFrame:
+    """Over problems that count, a row per tier and variant that is its base or its base slowed: time of the variant over that of the base.
+    @throws ReportError where the campaign has no such variant
+    """
+    known = _known_factors(campaign)
+    if not known:
+        raise ReportError("campaign.json", "no solver is a variant without settings or with a slow-down",
+                          "a campaign run with --variant KEY=SOLVER and --variant KEY=SOLVER,slowdown=1.1")
+    cells = cell_table(campaign)
+    pairs = pairwise_table(cells[cells["counts"]]).set_index(["a", "b"]).sort_index()
+    rows = []
+    for (base, variant), factor in known.items():
+        for _, pair in pairs.loc[[(base, variant)]].iterrows():
+            expected = A_FASTER if factor > 1 else NO_DIFFERENCE
+            rows.append({"mode": pair["mode"], "tier": pair["tier"], "solver": base,
+                         "variant": variant, "slowdown": factor, "problems": pair["both"], "ratio": 1 / pair["ratio"],
+                         "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"],
+                         "wilcoxon_p_holm": pair["wilcoxon_p_holm"], "expected": expected, "found": pair["verdict"],
+                         "right": bool(pair["verdict"] == expected)})
+    return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _known_factors(campaign: Campaign) -> dict[tuple[str, str], float]:
+    """(base, variant) -> how many times as long the variant takes; of bases that are in the campaign."""
+    solvers = {solver["key"]: solver for solver in campaign.info["solvers"]}
+    factors = {}
+    for key, solver in solvers.items():
+        base, settings = solver.get("base", ""), solver.get("settings") or {}
+        if base in solvers and set(settings) <= {SLOWDOWN}:
+            factors[base, key] = float(settings.get(SLOWDOWN, 1))
+    return factors

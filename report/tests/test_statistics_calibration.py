@@ -1,0 +1,82 @@
+"""A campaign with variants whose truth is known: what the calibration says of it."""
+
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.statistics.calibration import calibration_table  # noqa: E402
+from lcpbench_report.statistics.cells import cell_table  # noqa: E402
+from lcpbench_report.statistics.load import load_campaign  # noqa: E402
+from lcpbench_report.statistics.precision import delivered_table  # noqa: E402
+from synthetic_campaign import Noise, write_campaign  # noqa: E402
+
+VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
+
+
+class Calibration(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+
+    def campaign(self, factors: dict[str, float]):
+        folder = write_campaign(Path(self._folder.name) / "c", factors, tiers=(1e-6,),
+                                noise=Noise(repetition=0.03, repetitions=10, rounds=3))
+        path = folder / "campaign.json"
+        info = json.loads(path.read_text(encoding="utf-8"))
+        for solver in info["solvers"]:
+            if solver["key"] in VARIANTS:
+                solver |= {"base": "plain", "settings": VARIANTS[solver["key"]]}
+        path.write_text(json.dumps(info), encoding="utf-8")
+        return load_campaign(folder)
+
+    def test_truth_is_found(self):
+        table = calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
+        rows = table.set_index("variant")
+        self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
+        self.assertTrue(rows["right"].all())
+        self.assertAlmostEqual(rows.loc["slow", "ratio"], 1.1, delta=0.02)
+        self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
+
+    def test_a_false_alarm_and_a_miss_are_wrong(self):
+        rows = calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
+        self.assertFalse(rows.loc["again", "right"].any())
+        self.assertFalse(rows.loc["slow", "right"].any())
+
+    def test_campaigns_without_variants_are_refused(self):
+        with self.assertRaisesRegex(ReportError, "variant"):
+            calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))
+
+
+class Delivered(unittest.TestCase):
+    def test_failures_count_with_their_time(self):
+        """Of every third cell the answer is wrong: it is paid for, and its residual is among the quantiles."""
+        wrong = iter(range(10**9))
+
+        def spoil(record):
+            if next(wrong) % 3 == 0:
+                record |= {"passes": False, "claim": "iteration_limit"}
+                record["metrics"] = record["metrics"] | {"rho": 0.5}
+            return record
+
+        with tempfile.TemporaryDirectory() as folder:
+            cells = cell_table(load_campaign(write_campaign(Path(folder) / "c", {"a": 1.0}, tiers=(1e-3, 1e-6),
+                                                            noise=Noise(repetitions=3, rounds=1), change=spoil)))
+        table = delivered_table(cells[cells["counts"]])
+        self.assertEqual(len(table), 2)
+        for row in table.itertuples():
+            of_tier = cells[cells["counts"] & (cells["tier"] == row.tier)]
+            self.assertEqual(row.problems, len(of_tier))
+            self.assertAlmostEqual(row.verified_share, (of_tier["verdict"] == "verified").mean())
+            self.assertLess(row.verified_share, 1)
+            self.assertEqual(row.rho_max, 0.5)
+            self.assertGreater(row.mean_s, 0)
+
+
+if __name__ == "__main__":
+    unittest.main()
