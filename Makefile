@@ -18,13 +18,20 @@ FUZZ_FORMATS := json_lines matrix_market siconos_text
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 
-.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
+# One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
+CALIBRATION_RESULTS ?= build/results/calibration
+CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
+              --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
+              --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
+
+.PHONY: help deps peers configure build test report run goals calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
+	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
 	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
@@ -71,6 +78,11 @@ goals: configure
 	  --solvers "$$($(BUILD)/lcpbench list solvers | awk '/, LCPBench / { printf "%s,", $$1 }')$(GOAL_PEERS)" \
 	  --output $(GOAL_RESULTS)
 	@$(PYTHON) report/goals.py $(GOAL_RESULTS)
+
+calibrate: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
+	@$(PYTHON) report/calibrate.py $(CALIBRATION_RESULTS)
 
 geometry-benchmark scene-benchmark large-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)

@@ -56,6 +56,13 @@ HardwareCounters::~HardwareCounters() {
   for (const Counter& counter : counters_) close(counter.file);
 }
 
+std::vector<std::string> HardwareCounters::names() const {
+  std::vector<std::string> names;
+  names.reserve(counters_.size());
+  for (const Counter& counter : counters_) names.push_back(counter.name);
+  return names;
+}
+
 void HardwareCounters::Start() {
   for (const Counter& counter : counters_) {
     ioctl(counter.file, PERF_EVENT_IOC_RESET, 0);

@@ -20,6 +20,7 @@ class HardwareCounters {
   /// not give are not there.
   std::vector<std::pair<std::string, double>> Stop();
 
+  std::vector<std::string> names() const;
   /// Of the first counter that was refused: the kernel's word, else "".
   const std::string& refusal() const { return refusal_; }
 

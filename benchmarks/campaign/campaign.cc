@@ -99,11 +99,7 @@ class Campaign {
 
   CellKey KeyOf(const PlannedCell& cell, double tier) const { return {Entry(cell).id, cell.solver, tier, cell.mode}; }
 
-  // The tiers that one run of the solver is judged at.
-  std::vector<double> TiersOf(const PlannedCell& cell) const {
-    if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
-    return plan_.tiers;
-  }
+  std::vector<double> TiersOf(const PlannedCell& cell) const { return TiersOfRun(plan_, cell); }
 
   // Declared beforehand: after a looser tier ran out of time stricter ones are not tried.
   std::string RuleFromLooserTier(const PlannedCell& cell) const {
@@ -298,6 +294,12 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
                          " is in another folder already");
       }
     });
+  }
+  const auto is_first = [](const auto& cell) { return cell.first.second == 0; };
+  const auto found = static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_first));
+  if (const auto planned = first.at("lines").get<std::size_t>(); found < planned) {
+    std::cerr << "merge: note: " << found << " of " << planned << " cells: a shard is missing, or not at its end"
+              << std::endl;
   }
   std::error_code error;
   fs::create_directories(output, error);

@@ -6,6 +6,7 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/environment.h"
+#include "benchmarks/hardware_counters.h"
 #include "benchmarks/results.h"
 #include "benchmarks/suite.h"
 #include "solvers/lcp/input_error.h"
@@ -71,7 +72,14 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   for (const SizeLimit& limit : SizeLimits()) {
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
   }
+  json["lines"] = 0;
+  for (const PlannedCell& cell : PlanCells(plan, manifests)) {
+    json["lines"] = json["lines"].get<std::size_t>() + TiersOfRun(plan, cell).size();
+  }
   json["environment"] = ToJson(DescribeEnvironment());
+  const HardwareCounters counters;
+  json["environment"]["counters"] = counters.names();
+  json["environment"]["counters_refused"] = counters.refusal();
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;
 }

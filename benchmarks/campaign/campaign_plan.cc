@@ -100,6 +100,11 @@ std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<M
   return cells;
 }
 
+std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell) {
+  if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
+  return plan.tiers;
+}
+
 std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round) {
   std::vector<std::pair<std::size_t, std::size_t>> groups;  // first cell, count
   for (std::size_t k = 0; k < cells.size(); ++k) {

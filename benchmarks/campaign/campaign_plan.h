@@ -60,6 +60,10 @@ std::string CellName(const std::string& problem, const std::string& solver, doub
 /// All cells of a plan by problem and solver, tiers loosest first. Solvers that are not in the build have none.
 std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 
+/// The tiers that one run of a cell's solver is judged at, a line of results each: the cell's, or all where the
+/// solver's settings do not depend on the tolerance.
+std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell);
+
 /// The order of a round: all cells of a problem and solver together, these groups shuffled by the plan's seed and the
 /// round. The same on every machine.
 std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round);

@@ -133,10 +133,16 @@ TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
     ASSERT_EQ(outcome.status, 0) << outcome.error;
     EXPECT_LT(Cells(std::string("s") + shard[0]).size(), Cells("whole").size());
   }
-  ASSERT_EQ(Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m")).status, 0);
+  const CommandOutcome all = Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
+  ASSERT_EQ(all.status, 0);
+  EXPECT_EQ(all.error, "");
   ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
   EXPECT_EQ(ReadFile(folder_ / "m" / "cells.jsonl"), ReadFile(folder_ / "n" / "cells.jsonl"));
   EXPECT_EQ(WithoutTimes(Cells("m")), WithoutTimes(Cells("whole")));
+  // A shard that is missing is told.
+  const CommandOutcome two = Run("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
+  EXPECT_EQ(two.status, 0);
+  EXPECT_NE(two.error.find("a shard is missing"), std::string::npos) << two.error;
   // The same shard twice, and a shard of another campaign.
   const CommandOutcome twice = Run("merge " + Path("s1") + " " + Path("s1") + " -o " + Path("t"));
   EXPECT_EQ(twice.status, 2);
