@@ -1,18 +1,8 @@
 #include "benchmarks/campaign/journal.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
-#include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 
 #include "benchmarks/campaign/median_interval.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 namespace {
@@ -20,8 +10,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kMode = "cold";
-// Some disks take longer for one than most solves do.
-constexpr double kSecondsBetweenSynchronisations = 2;
 
 Json CellMembers(const std::string& problem, const std::string& solver, double tier, int round) {
   Json line;
@@ -41,34 +29,8 @@ Journal::Key Journal::KeyOf(const std::string& problem, const std::string& solve
   return {problem, solver, text};
 }
 
-Journal::Journal(const std::string& path) : path_(path) {
-  std::uintmax_t whole = 0;
-  {
-    std::ifstream lines(path);
-    std::string line;
-    std::size_t number = 0;
-    while (std::getline(lines, line)) {
-      if (lines.eof()) break;  // without its line feed: torn
-      ++number;
-      try {
-        Note(nlohmann::json::parse(line));
-      } catch (const nlohmann::json::exception&) {
-        throw InputError(path + ":" + std::to_string(number) + ": expected a cell of a campaign, found another line");
-      }
-      whole += line.size() + 1;
-    }
-  }
-  std::error_code error;
-  if (std::filesystem::exists(path) && std::filesystem::file_size(path) > whole) {
-    std::filesystem::resize_file(path, whole, error);
-  }
-  file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0 || error) throw InputError(path + ": cannot be written: " + std::strerror(errno));
-}
-
-Journal::~Journal() {
-  if (file_ >= 0) close(file_);
-}
+Journal::Journal(const std::string& path)
+    : file_(path, "a cell of a campaign", [this](const nlohmann::json& line) { Note(line); }) {}
 
 bool Journal::Has(const std::string& problem, const std::string& solver, double tier, int round) const {
   return done_.count({KeyOf(problem, solver, tier), round}) > 0;
@@ -104,12 +66,7 @@ void Journal::Note(const nlohmann::json& line) {
 }
 
 void Journal::Append(const std::vector<Json>& lines) {
-  std::string text;
-  for (const Json& line : lines) text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  // One call: what a killed campaign leaves is whole lines, and at most a torn one at the end.
-  const ssize_t written = write(file_, text.data(), text.size());
-  if (written != static_cast<ssize_t>(text.size()))
-    throw InputError(path_ + ": writing failed: " + std::strerror(errno));
+  file_.Append(lines);
   for (const Json& line : lines) Note(nlohmann::json(line));
 }
 
@@ -147,11 +104,6 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
     lines.push_back(std::move(line));
   }
   Append(lines);
-  const double now = SteadyNow();
-  if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
-    fdatasync(file_);
-    synchronised_ = now;
-  }
 }
 
 void Journal::WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers) {
