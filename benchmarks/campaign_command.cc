@@ -32,6 +32,7 @@ const std::vector<NamedCampaign>& Campaigns() {
       {"standard", {"engine", "standard"}, 2},
       {"pathological", {"pathological"}, 2},
       {"large", {"large"}, 60},
+      {"sequences", {"sequences"}, 0.5},
   };
   return campaigns;
 }
@@ -67,8 +68,10 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
   command.add_flag("--resume", arguments->resume, "Campaigns: go on with the one that the folder has");
   command.add_option("--shard", arguments->shard, "Campaigns: k/N, the k-th of N parts; see lcpbench merge")
       ->capture_default_str();
-  command.add_option("--filter", arguments->filter,
-                     "Campaigns: only cells solve/PROBLEM/SOLVER/TIER that match this regular expression");
+  command.add_option(
+      "--filter", arguments->filter,
+      "Campaigns: only cells solve/PROBLEM/SOLVER/TIER, or steps/SEQUENCE/SOLVER/TIER/MODE, that match this "
+      "regular expression");
   command.add_option("--rounds", arguments->rounds, "Campaigns: how often every cell is visited");
   command.add_option(
       "--most-rounds", arguments->most_rounds,

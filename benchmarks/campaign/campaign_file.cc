@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "benchmarks/campaign/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/environment.h"
 #include "benchmarks/results.h"
@@ -59,6 +60,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   for (const SizeLimit& limit : SizeLimits()) {
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
   }
+  DescribeSequences(plan, manifests, &json);
   json["environment"] = ToJson(DescribeEnvironment());
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;
