@@ -13,12 +13,13 @@ namespace lcpbench {
 // compressed by gzip, one per problem. A line is FormatLcpRecord, with `status` and `w` where the exact answer is
 // known, and besides
 //   previous  for each row the index of the same row in the line before (RowMatching), or -1: it was not there
-//   floor     the rounding floor of the exact answer (rounding_floor.h); null where there is none
+//   floor     the problem's rounding floor (rounding_floor.h): of the exact answer, or the least of FindReferenceFloor;
+//             null where there is none
 
 struct SequenceStep {
   LcpProblem problem;
   std::vector<int> previous;  ///< by row, as above; all -1 in the first step
-  LcpReference reference;     ///< w and floor of the exact answer, where it is known
+  LcpReference reference;     ///< w and floor, as far as they are known
 };
 
 /// FOLDER/sequences/ID.jsonl.gz

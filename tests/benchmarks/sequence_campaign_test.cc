@@ -28,6 +28,7 @@
 #include "benchmarks/collection/sequences.h"
 #include "model/motion/row_matching.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
@@ -108,7 +109,7 @@ TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
           left += static_cast<int>(static_cast<std::ptrdiff_t>(before.size()) - stay);
         }
         before = step.previous;
-        // The exact answer, rounded, passes its own floor.
+        ASSERT_TRUE(step.reference.w.has_value());
         EXPECT_LE(ComputeMetrics(step.problem, met.result.f, &step.reference).w_error, 1e-12);
         EXPECT_LE(*step.reference.floor, 1e-9);
         ++k;
@@ -129,6 +130,24 @@ TEST_F(SequenceFile, AnotherHashOrDamageIsRefused) {
   EXPECT_THROW(ReadSequenceFile(path, other.sha256), InputError);
   std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
   EXPECT_THROW(ReadSequenceFile(path, DiscsInV().sha256), InputError);
+}
+
+// The exact answer to redundant rows may be a self-stress of 10^16: its floor must excuse nobody.
+TEST_F(SequenceFile, AHugeExactAnswerLendsNeitherItsFloorNorItsW) {
+  const SequenceEntry entry = MeasureSequence(Recipe{"roller-bearing", 40, 1, {}}, 2);
+  const std::string path = SequencePath(folder_.string(), entry.id);
+  WriteSequenceFile(entry, path);
+  const std::vector<SequenceStep> steps = ReadSequenceFile(path, entry.sha256);
+  std::size_t k = 0;
+  double largest = 0;
+  ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+    const double exact = RoundingFloor(problem, met.result.f);
+    largest = std::max(largest, exact);
+    EXPECT_LE(*steps[k].reference.floor, 1e-9) << k;
+    EXPECT_EQ(steps[k].reference.w.has_value(), exact <= 1e-12 && met.result.detail.empty()) << k;
+    ++k;
+  });
+  EXPECT_GT(largest, 1);
 }
 
 TEST(CarryOver, FollowsRowsAndStartsNewOnesAtZero) {
@@ -309,6 +328,14 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
   EXPECT_EQ(campaign["deadlines_s"].size(), 3U);
   EXPECT_EQ(campaign["sequences"][0]["steps"], GearTrain().problems);
   EXPECT_EQ(campaign["sequences"][1]["rows"], 12);
+
+  const CommandOutcome analysis = Run("analyse " + Path("c"));
+  ASSERT_EQ(analysis.status, 0) << analysis.error;
+  const std::string latency = ReadFile(folder_ / "c" / "analysis" / "latency.csv");
+  // Tiers: two cold, two warm, and of three deadlines the strictest alone; and the header.
+  EXPECT_EQ(std::count(latency.begin(), latency.end(), '\n'), 2 * 2 * (2 + 2 + 3) + 1) << latency;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "c" / "analysis" / "deadline.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
 }
 
 TEST_F(SequenceCampaign, ShardsMergeToTheWholeInAnyOrder) {
