@@ -33,6 +33,7 @@ constexpr char kMark = '#';
 constexpr const char* kSolveMark = "# solve";
 constexpr const char* kRepeatMark = "# repeat";
 constexpr const char* kStepMark = "# step ";
+constexpr double kSecondsBetweenSteps = 0.2;  // of a sequence that the worker tells of
 constexpr const char* kRefusedMark = "# refused ";
 // An allocation that the limit refused ends the worker with this status.
 constexpr int kOutOfMemory = 86;
@@ -201,7 +202,8 @@ SequenceReply WorkerProcess::Run(const SequenceRequest& request) {
         std::string step;
         double limit = 0;
         words >> step >> limit;
-        return Phase{limit * (1 + options_.grace_share) + options_.grace_s, "in step " + step};
+        return Phase{kSecondsBetweenSteps + limit * (1 + options_.grace_share) + options_.grace_s,
+                     "in step " + step + " or soon after"};
       },
       &outcome.outcome, &outcome.detail);
   return reply ? ParseSequenceReply(*reply) : outcome;
@@ -230,7 +232,12 @@ int ServeCells() {
   while (std::getline(std::cin, line)) {
     try {
       if (IsSequenceRequest(line)) {
-        tell(FormatSequenceReply(sequences.Run(ParseSequenceRequest(line), [&tell](int step, double limit_s) {
+        // Not every step: who is told wakes up, on the same processor perhaps, and would be timed.
+        double told = -kSecondsBetweenSteps;
+        tell(FormatSequenceReply(sequences.Run(ParseSequenceRequest(line), [&](int step, double limit_s) {
+          const double now = SteadyNow();
+          if (now - told < kSecondsBetweenSteps) return;
+          told = now;
           tell(kStepMark + std::to_string(step) + " " + std::to_string(limit_s));
         })));
         continue;
