@@ -1,5 +1,7 @@
 #include "benchmarks/campaign/sequence_runner.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -29,6 +31,13 @@ Json Rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
+// How often this thread lost the processor against its will.
+long Preemptions() {
+  rusage usage{};
+  getrusage(RUSAGE_THREAD, &usage);
+  return usage.ru_nivcsw;
+}
+
 Json KnownOrNull(double value) { return value == -1 ? Json(nullptr) : Rounded(value); }
 
 // What a pass found, step by step.
@@ -38,7 +47,8 @@ class Record {
     for (const double tier : request.judged) verdicts_.push_back({tier, {}, 0});
   }
 
-  void AddTimes(double setup_s, double solve_s, double convert_s) {
+  void AddTimes(double setup_s, double solve_s, double convert_s, bool preempted) {
+    if (preempted) preempted_.push_back(steps_);
     setup_.push_back(Rounded(setup_s));
     solve_.push_back(Rounded(solve_s));
     convert_.push_back(Rounded(convert_s));
@@ -80,6 +90,7 @@ class Record {
                                      {"failed_steps", counts.failed}});
     }
     results["late"] = late_;
+    results["preempted"] = preempted_;
     results["setup_s"] = setup_;
     results["solve_s"] = solve_;
     results["convert_s"] = times_itself_ ? convert_ : Json(nullptr);
@@ -109,6 +120,7 @@ class Record {
   std::map<std::string, int> claims_;
   std::vector<TierCounts> verdicts_;
   std::vector<int> late_;
+  std::vector<int> preempted_;
   Json setup_ = Json::array();
   Json solve_ = Json::array();
   Json convert_ = Json::array();
@@ -161,6 +173,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       options.initial_f = &start;
     }
 
+    const long preemptions = Preemptions();
     const double begun = SteadyNow();
     solver.Prepare(problem);
     const double prepared = SteadyNow();
@@ -169,12 +182,13 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
     }
     solver.Solve(problem, options, &result);
     const double solved = SteadyNow();
+    const bool preempted = !times_itself && Preemptions() != preemptions;
 
     const bool has_own = times_itself && result.own_solve_s >= 0;
     const double solve_s = has_own ? result.own_solve_s : solved - prepared;
     const double convert_s = has_own ? std::max(0.0, result.own_convert_s) : 0;
     const double latency = solve_s + convert_s + (times_itself ? 0 : prepared - begun);
-    record.AddTimes(prepared - begun, solve_s, convert_s);
+    record.AddTimes(prepared - begun, solve_s, convert_s, preempted);
     spent += latency;
     const double allowed = request.deadline_s + std::max(kAllowedPart * request.deadline_s, kAllowedLeast);
     if (request.deadline_s > 0 && latency > allowed) {

@@ -28,7 +28,8 @@ def write_sequences(folder: Path, passes: list[dict], solvers=(("quick", "own"),
 
 
 def one_pass(sequence: str, solver: str, mode: str, solve_s: list[float], setup_s: float = 0.0, tier: float = 1e-6,
-             index: int = 0, failed=(), late=(), convert_s=None, rho=None, judged=None) -> dict:
+             index: int = 0, failed=(), late=(), convert_s=None, rho=None, judged=None,
+             preempted=()) -> dict:
     """A line of steps.jsonl. Steps beyond those that have a time were not reached."""
     reached = len(solve_s)
     rho = [tier / 2] * reached if rho is None else rho
@@ -39,7 +40,7 @@ def one_pass(sequence: str, solver: str, mode: str, solve_s: list[float], setup_
             "claims": {"solved": reached} if reached else {},
             "verdicts": [{"tier": judge, "passed": STEPS - len(missed), "failed": len(missed), "false_successes": 0,
                           "failed_steps": missed} for judge in judged or [tier]],
-            "late": list(late), "setup_s": [setup_s] * reached, "solve_s": solve_s,
+            "late": list(late), "preempted": list(preempted), "setup_s": [setup_s] * reached, "solve_s": solve_s,
             "convert_s": None if convert_s is None else [convert_s] * reached, "iterations": [3] * reached,
             "rho": [None if k in late else value for k, value in enumerate(rho)],
             "backward_error": [None] * reached, "w_error": [None if k in late else 2e-9 for k in range(reached)],

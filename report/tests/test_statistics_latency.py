@@ -49,6 +49,16 @@ class StepTables(unittest.TestCase):
         np.testing.assert_allclose(row[["p50", "max", "raw_max"]].tolist(), [51e-6, 101e-6, 1e-3])
         self.assertEqual(row["rounds"], 3)
 
+    def test_where_the_machine_did_something_else_another_round_counts(self):
+        disturbed = [*RISING[:-1], 4e-3]
+        for undisturbed, worst in ((1, 101e-6), (0, 4e-3)):
+            passes = [one_pass("pile-12", "quick", "cold", disturbed, index=0, preempted=[STEPS - 1])]
+            passes += [one_pass("pile-12", "quick", "cold", RISING, index=1)] * undisturbed
+            campaign = self.load(passes)
+            for row in (latency_table(campaign).iloc[0], latency_by_solver_table(campaign).iloc[0]):
+                np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
+                self.assertEqual(row["preempted"], 1 - undisturbed)
+
     def test_the_boundary_between_processes_is_no_latency(self):
         line = one_pass("pile-12", "peer", "cold", RISING, setup_s=1.0, convert_s=5e-6)
         row = latency_table(self.load([line])).iloc[0]

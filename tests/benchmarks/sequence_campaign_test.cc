@@ -71,7 +71,7 @@ std::vector<std::string> WithoutTimes(const std::vector<Json>& passes) {
   std::vector<std::string> kept;
   for (const Json& pass : passes) {
     Json line = pass;
-    for (const char* field : {"setup_s", "solve_s", "convert_s", "environment"}) line.erase(field);
+    for (const char* field : {"setup_s", "solve_s", "convert_s", "preempted", "environment"}) line.erase(field);
     if (!line["deadline_s"].is_null()) {
       for (const char* field : {"claims", "verdicts", "late", "iterations", "rho", "backward_error", "w_error"}) {
         line.erase(field);

@@ -1,9 +1,10 @@
 """How long the steps of a motion take, how much a warm start gains, and what a deadline leaves of the answers.
 
 What an engine waits for is a step's latency (Round.latency): the median says what a frame costs, the 99th percentile
-and the maximum which frames are dropped. Of every step the median over the rounds counts, so that what the machine did
-once in a while does not; columns `raw_max` have the largest of all rounds. A step that was not reached, for the pass
-ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
+and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
+processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
+`preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
+pass ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
 definition 7).
 """
 
@@ -23,10 +24,10 @@ ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
 _VERIFIED = ["verified", "verified_share"]
 LATENCY_COLUMNS = ["set", "sequence", "family", "rows", "solver", "tier", "mode", "excluded", "outcome", "rounds",
-                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "setup_p50", "solve_p50",
+                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "setup_p50", "solve_p50",
                    "convert_p50", "iterations_p50"]
 SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
-                  *_LEVELS, "raw_max", "warm_gain", "warm_gain_low", "warm_gain_high"]
+                  *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
 DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
                     *_VERIFIED, "verified_low", "verified_high", "rho_p50", "rho_p99", "rho_max",
                     "w_error_p99", "w_error_max"]
@@ -46,9 +47,15 @@ class JudgedPass:
     def rounds(self):
         return self.runs.in_order()
 
+    def preempted(self) -> np.ndarray:
+        """Steps that were disturbed in every round."""
+        return np.all([r.preempted for r in self.rounds], axis=0)
+
     def latency(self) -> np.ndarray:
-        """Of every step the median over the rounds [s]."""
-        return np.median([_or_infinite(r.latency()) for r in self.rounds], axis=0)
+        """Of every step the median over the rounds that were not disturbed [s]."""
+        times = np.array([_or_infinite(r.latency()) for r in self.rounds])
+        counts = ~np.array([r.preempted for r in self.rounds]) | self.preempted()
+        return np.nanmedian(np.where(counts, times, np.nan), axis=0)
 
     def verified(self) -> np.ndarray:
         """By step. With a deadline the answer depends on the time that it had: all rounds, one behind the other."""
@@ -77,6 +84,7 @@ def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
             if run:
                 row |= _verdicts(run) | _quantiles(np.concatenate([one.latency() for one in run]), _LEVELS)
                 row["raw_max"] = max(_raw_max(one) for one in run)
+                row["preempted"] = sum(int(one.preempted().sum()) for one in run)
             if mode == "warm":
                 row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
             rows.append(row)
@@ -125,7 +133,7 @@ def _latency_row(one: JudgedPass) -> dict:
     if one.runs.excluded:
         return row
     row |= {"outcome": one.rounds[0].outcome} | _verdicts([one]) | _quantiles(one.latency(), _LEVELS)
-    row["raw_max"] = _raw_max(one)
+    row |= {"raw_max": _raw_max(one), "preempted": int(one.preempted().sum())}
     for name in ("setup_s", "solve_s", "convert_s", "iterations"):
         found = [getattr(r, name) for r in one.rounds if getattr(r, name) is not None]
         known = np.concatenate(found) if found else np.empty(0)

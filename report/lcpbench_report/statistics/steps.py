@@ -20,8 +20,8 @@ _PASS = {"sequence": "name", "solver": "name", "tier": "positive", "mode": "name
          "round": "count", "excluded": "text"}
 # What a pass that was run has besides.
 _RUN = {"outcome": "name", "detail": "text", "steps": "count", "reached": "count", "claims": "object",
-        "verdicts": "list", "late": "list", "setup_s": "times", "solve_s": "times", "convert_s": "times?",
-        "iterations": "list", "rho": "list", "backward_error": "list", "w_error": "list"}
+        "verdicts": "list", "late": "list", "preempted": "list", "setup_s": "times", "solve_s": "times",
+        "convert_s": "times?", "iterations": "list", "rho": "list", "backward_error": "list", "w_error": "list"}
 _VERDICT = {"tier": "positive", "passed": "count", "failed": "count", "false_successes": "count",
             "failed_steps": "list"}
 # Of every step that was reached.
@@ -41,6 +41,7 @@ class Round:
     verified: dict[float, np.ndarray]  # by judged tier
     false_successes: dict[float, int]
     late: np.ndarray
+    preempted: np.ndarray  # the solver lost the processor to something else
     setup_s: np.ndarray
     solve_s: np.ndarray
     convert_s: np.ndarray | None  # of solvers that time themselves in processes of their own
@@ -138,7 +139,8 @@ def _round(place: str, record: dict, steps: int, info: dict) -> Round:
     if _tier(place, record["tier"], info) not in verified:
         raise ReportError(place, "no verdict at the tier asked for", "one among 'verdicts'")
     return Round(record["outcome"], reached, record["claims"], verified, false_successes,
-                 _marked(f"{place}: late", record["late"], steps), arrays["setup_s"], arrays["solve_s"],
+                 _marked(f"{place}: late", record["late"], steps),
+                 _marked(f"{place}: preempted", record["preempted"], steps), arrays["setup_s"], arrays["solve_s"],
                  arrays.get("convert_s"), arrays["iterations"], arrays["rho"], arrays["w_error"])
 
 
