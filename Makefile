@@ -18,7 +18,7 @@ FUZZ_FORMATS := json_lines matrix_market siconos_text
 FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_limit_mb=1024 -malloc_limit_mb=512 \
                 -artifact_prefix=build/fuzz/ -print_final_stats=1
 
-.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark large-benchmark check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
@@ -29,6 +29,7 @@ help:
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
 	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
+	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
 	@echo "make check    formatting and lint"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
@@ -74,6 +75,10 @@ goals: configure
 geometry-benchmark scene-benchmark large-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
+
+slurm-try: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+	@benchmarks/slurm/try_slurm.sh $(BUILD)/lcpbench
 
 check: configure
 	@sh cmake/check_style.sh $(BUILD)

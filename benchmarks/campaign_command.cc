@@ -8,10 +8,12 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/campaign/benchmark_json.h"
 #include "benchmarks/campaign/campaign.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
+#include "benchmarks/variant_option.h"
 #include "build_info.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
@@ -23,16 +25,24 @@ struct NamedCampaign {
   const char* name;
   std::vector<const char*> tiers;  // of the collection
   double most_s;                   // the longest time limit of a solve
+  std::vector<double> tolerances;  // empty: the plan's tiers
+  const char* filter = "";
 };
 
 const std::vector<NamedCampaign>& Campaigns() {
   static const std::vector<NamedCampaign> campaigns{
-      {"smoke", {"smoke"}, 0.5},
-      {"engine", {"engine"}, 0.5},
-      {"standard", {"engine", "standard"}, 2},
-      {"pathological", {"pathological"}, 2},
-      {"large", {"large"}, 60},
-      {"sequences", {"sequences"}, 0.5},
+      {"smoke", {"smoke"}, 0.5, {}},
+      {"engine", {"engine"}, 0.5, {}},
+      {"standard", {"engine", "standard"}, 2, {}},
+      {"pathological", {"pathological"}, 2, {}},
+      {"large", {"large"}, 60, {}},
+      // What every decade of precision costs.
+      {"precision",
+       {"standard"},
+       2,
+       {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12},
+       "-n(40|250|1000)-s1/"},
+      {"sequences", {"sequences"}, 0.5, {}},
   };
   return campaigns;
 }
@@ -77,6 +87,40 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
       "--most-rounds", arguments->most_rounds,
       "Campaigns: how often at most, while its median time is uncertain by more than 5 % [default: twice]");
   command.add_option("--cpu", arguments->cpu, "Campaigns: the processor that solves are kept on");
+  command
+      .add_option("--modes", arguments->modes,
+                  "Campaigns: cold (with warm caches), cold-cache (caches emptied before every solve) [default: cold]")
+      ->delimiter(',');
+}
+
+BenchmarkFlags TakeBenchmarkFlags(const std::vector<std::string>& flags, CampaignPlan* plan,
+                                  CampaignArguments* arguments) {
+  BenchmarkFlags taken;
+  for (const std::string& flag : flags) {
+    const size_t equals = flag.find('=');
+    const std::string name = flag.substr(0, equals);
+    const std::string value = equals == std::string::npos ? "" : flag.substr(equals + 1);
+    const auto number = [&](auto* into) {
+      const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), *into);
+      if (error != std::errc() || stop != value.data() + value.size()) {
+        throw InputError(name + ": expected a number, found '" + value + "'");
+      }
+    };
+    if (name == "--benchmark_filter") {
+      arguments->filter = value;
+    } else if (name == "--benchmark_repetitions") {
+      number(&plan->repetitions);
+    } else if (name == "--benchmark_min_time") {
+      number(&plan->min_time_s);
+    } else if (name == "--benchmark_out") {
+      taken.out = value;
+    } else if (name == "--benchmark_list_tests") {
+      taken.list = value != "false";
+    } else if (flag != "--benchmark_out_format=json") {
+      throw InputError("run: unexpected argument '" + flag + "'");
+    }
+  }
+  return taken;
 }
 
 bool IsCampaign(const std::string& suite) {
@@ -100,6 +144,8 @@ CampaignPlan CampaignOf(const std::string& suite) {
     if (suite != campaign.name) continue;
     for (const char* tier : campaign.tiers) plan.manifests.push_back(ManifestOf(tier));
     plan.most_s = campaign.most_s;
+    if (!campaign.tolerances.empty()) plan.tiers = campaign.tolerances;
+    plan.filter = campaign.filter;
     return plan;
   }
   plan.name = std::filesystem::path(suite).stem().string();
@@ -107,17 +153,29 @@ CampaignPlan CampaignOf(const std::string& suite) {
   return plan;
 }
 
-int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const std::string& folder) {
-  plan.filter = arguments.filter;
+int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const BenchmarkFlags& flags,
+                       const std::string& folder) {
+  if (!arguments.filter.empty()) plan.filter = arguments.filter;
   if (arguments.rounds != 0) plan.rounds = arguments.rounds;
   plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : 2 * plan.rounds;
   CampaignOptions options;
   options.folder = folder;
   options.resume = arguments.resume;
   options.cpu = arguments.cpu;
-  options.externals = arguments.externals;
+  if (!arguments.modes.empty()) plan.modes = arguments.modes;
+  for (const std::string& external : arguments.externals) {
+    options.solver_arguments.insert(options.solver_arguments.end(), {"--external", external});
+  }
+  for (const std::string& variant : arguments.variants) {
+    options.solver_arguments.insert(options.solver_arguments.end(), {"--variant", variant});
+  }
   std::tie(options.shard, options.shards) = ParseShard(arguments.shard);
+  if (flags.list) {
+    for (const std::string& name : CampaignCells(plan, options)) std::cout << name << '\n';
+    return 0;
+  }
   const int status = RunCampaign(plan, options);
+  if (!flags.out.empty()) WriteBenchmarkJson(folder, flags.out);
   std::cout << "results: " << folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
   return status;
 }
@@ -126,9 +184,11 @@ void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run) {
   CLI::App* worker = app.add_subcommand("campaign-worker", "Runs cells for `lcpbench run`");
   worker->group("");  // of no use to people
   const auto externals = AddExternalOption(*worker);
-  worker->callback([externals, &run] {
-    run = [externals] {
+  const auto variants = AddVariantOption(*worker);
+  worker->callback([externals, variants, &run] {
+    run = [externals, variants] {
       RegisterExternals(*externals);
+      RegisterVariants(*variants);
       return ServeCells();
     };
   });

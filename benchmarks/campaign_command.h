@@ -17,11 +17,23 @@ struct CampaignArguments {
   int rounds = 0;       ///< 0: the plan's
   int most_rounds = 0;  ///< 0: twice the rounds
   int cpu = -1;
+  std::vector<std::string> modes;      ///< empty: the plan's
   std::vector<std::string> externals;  ///< KEY=COMMAND
+  std::vector<std::string> variants;   ///< KEY=SOLVER[,NAME=VALUE]...
 };
 
-/// --resume, --shard, --filter, --rounds, --most-rounds, --cpu
+/// --resume, --shard, --filter, --rounds, --most-rounds, --cpu, --modes
 void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments);
+
+/// Flags of Google Benchmark that have a meaning for campaigns: --benchmark_filter, --benchmark_repetitions,
+/// --benchmark_min_time, --benchmark_out and --benchmark_list_tests.
+struct BenchmarkFlags {
+  std::string out;
+  bool list = false;
+};
+/// Takes them over into the plan and the arguments. @throws InputError for any other flag
+BenchmarkFlags TakeBenchmarkFlags(const std::vector<std::string>& flags, CampaignPlan* plan,
+                                  CampaignArguments* arguments);
 
 /// Whether a suite is one of CampaignNames, or a path of a manifest (with a '/' or ending in .json).
 bool IsCampaign(const std::string& suite);
@@ -31,6 +43,7 @@ std::string CampaignNames();
 CampaignPlan CampaignOf(const std::string& suite);
 
 /// @return exit status
-int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const std::string& folder);
+int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const BenchmarkFlags& flags,
+                       const std::string& folder);
 
 }  // namespace lcpbench

@@ -9,6 +9,7 @@
 #include "benchmarks/results.h"
 #include "benchmarks/suite.h"
 #include "benchmarks/timing_pass.h"
+#include "benchmarks/variant_option.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
 
@@ -88,11 +89,11 @@ CampaignPlan PlanOf(const RunArguments& arguments) {
   return plan;
 }
 
-int Run(const RunArguments& arguments, const std::vector<std::string>& extra_flags) {
+int Run(RunArguments arguments, const std::vector<std::string>& extra_flags) {
   if (IsCampaign(arguments.suite)) {
-    if (!extra_flags.empty()) throw InputError("run: unexpected argument '" + extra_flags.front() + "'");
-    const CampaignPlan plan = PlanOf(arguments);
-    return RunCampaignCommand(plan, arguments.campaign, OutputOf(arguments, plan.name));
+    CampaignPlan plan = PlanOf(arguments);
+    const BenchmarkFlags flags = TakeBenchmarkFlags(extra_flags, &plan, &arguments.campaign);
+    return RunCampaignCommand(plan, arguments.campaign, flags, OutputOf(arguments, plan.name));
   }
   const Suite suite = ChosenSuite(arguments);
   for (const std::string& flag : extra_flags) {
@@ -136,12 +137,17 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
   command->add_option("--repetitions", arguments->repetitions, "Repetitions of a timing");
   AddCampaignOptions(*command, &arguments->campaign);
   command->allow_extras();
-  command->footer("Flags of Google Benchmark (--benchmark_filter=..., ...) are handed on to the timing pass.");
+  command->footer(
+      "Flags of Google Benchmark (--benchmark_filter=..., ...) are handed on to the timing pass; campaigns know "
+      "--benchmark_filter, _repetitions, _min_time, _out (JSON) and _list_tests.");
   const auto externals = AddExternalOption(*command);
-  command->callback([arguments, externals, command, &run] {
-    run = [arguments, externals, extras = command->remaining()] {
+  const auto variants = AddVariantOption(*command);
+  command->callback([arguments, externals, variants, command, &run] {
+    run = [arguments, externals, variants, extras = command->remaining()] {
       RegisterExternals(*externals);
+      RegisterVariants(*variants);
       arguments->campaign.externals = *externals;
+      arguments->campaign.variants = *variants;
       return Run(*arguments, extras);
     };
   });

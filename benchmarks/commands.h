@@ -26,6 +26,7 @@ void AddMergeCommand(CLI::App& app, CommandRun& run);
 void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run);
 void AddReportCommand(CLI::App& app, CommandRun& run);
 void AddAnalyseCommand(CLI::App& app, CommandRun& run);
+void AddCompareCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);
 void AddMotionCommand(CLI::App& app, CommandRun& run);
 

@@ -60,6 +60,7 @@ int main(int argc, char** argv) {
   AddCampaignWorkerCommand(app, run);
   AddReportCommand(app, run);
   AddAnalyseCommand(app, run);
+  AddCompareCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
 

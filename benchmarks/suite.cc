@@ -144,7 +144,7 @@ std::span<const SizeLimit> SizeLimits() { return kSizeLimits; }
 
 std::string SizeRefusal(const SolverEntry& solver, Index size) {
   for (const SizeLimit& limit : kSizeLimits) {
-    if (size > limit.largest && Names(limit.solver, solver.key)) {
+    if (size > limit.largest && Names(limit.solver, solver.base.empty() ? solver.key : solver.base)) {
       return "not above n = " + std::to_string(limit.largest) + ": " + std::string(limit.reason);
     }
   }

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <stdexcept>
 
+#include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/supernodal_factor.h"
 
@@ -280,6 +281,7 @@ const int* CholmodFactor::row_indices() const { return state_->lower.innerIndexP
 double* CholmodFactor::values() { return state_->lower.valuePtr(); }
 
 bool CholmodFactor::Factorize() {
+  const FactorClock::Scope clock;
   State& s = *state_;
   if (s.factor->is_super != 0 && s.analysis == nullptr) {
     const SingleThread one(true);
@@ -303,6 +305,7 @@ bool CholmodFactor::Factorize() {
 }
 
 bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
+  const FactorClock::Scope clock;
   State& s = *state_;
   s.common.status = CHOLMOD_OK;
   if (!s.updated) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/lcp/factor_clock.h"
+
 namespace lcpbench {
 namespace {
 
@@ -100,6 +102,7 @@ void DenseActiveBlock::FactorPanel(Index begin) {
 }
 
 bool DenseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
+  const FactorClock::Scope clock;
   rows_.clear();
   for (Index i = 0; i < n_; ++i) {
     if (active[static_cast<size_t>(i)] != 0) rows_.push_back(i);

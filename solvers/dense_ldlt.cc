@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "solvers/lcp/factor_clock.h"
+
 namespace lcpbench {
 namespace {
 
@@ -113,6 +115,7 @@ void DenseLdlt::CloseGaps(Index rows, const std::vector<Index>& dropped) {
 }
 
 bool DenseLdlt::Factor(Index rows, double threshold, std::vector<Index>* dropped, const Deadline* deadline) {
+  const FactorClock::Scope clock;
   size_ = 0;
   dropped->clear();
   for (Index k = 0; k < rows; ++k) update_[k] = column(k)[k];

@@ -14,6 +14,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "solvers/lcp/factor_clock.h"
+
 namespace lcpbench::ipopt {
 namespace {
 
@@ -290,6 +292,8 @@ Engine::Ending Engine::Optimize(const Start& start, bool warm, std::int64_t max_
   Ipopt::TNLP* const program = Ipopt::GetRawPtr(s.nlp);
   const Ipopt::ApplicationReturnStatus code =
       s.built ? s.application->ReOptimizeTNLP(program) : s.application->OptimizeTNLP(program);
+  // Of MUMPS, Ipopt 3.11.9 times the symbolic analysis and the solves only.
+  FactorClock::CannotTell();
   Ending ending;
   ending.status = Name(code);
   ending.iteration_limit = code == Ipopt::Maximum_Iterations_Exceeded;

@@ -196,18 +196,37 @@ std::string WorkerVersion(std::string_view key) {
   return known.emplace(key, version).first->second;
 }
 
-void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {
+void RegisterSolver(SolverEntry entry) {
   const auto is_allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
   };
-  if (key.empty() || !std::all_of(key.begin(), key.end(), is_allowed)) {
-    throw InputError("external solver '" + key + "': expected a key of a-z, 0-9, '-', '_'");
+  if (entry.key.empty() || !std::all_of(entry.key.begin(), entry.key.end(), is_allowed)) {
+    throw InputError("solver '" + entry.key + "': expected a key of a-z, 0-9, '-', '_'");
   }
-  if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
   std::vector<SolverEntry>& solvers = Solvers();
-  const bool taken =
-      std::any_of(solvers.begin(), solvers.end(), [&](const SolverEntry& e) { return e.key == PresentKey(key); });
-  if (taken) throw InputError("external solver '" + key + "': the key is taken");
+  const bool taken = std::any_of(solvers.begin(), solvers.end(),
+                                 [&](const SolverEntry& other) { return other.key == PresentKey(entry.key); });
+  if (taken) throw InputError("solver '" + entry.key + "': the key is taken");
+  solvers.push_back(std::move(entry));
+}
+
+void RegisterSolverVariant(const std::string& key, const std::string& base, const Settings& settings) {
+  SolverEntry entry = FindSolver(base);
+  // What is wrong with the settings is said now.
+  MakeSolver(base, settings);
+  entry.base = entry.base.empty() ? entry.key : entry.base;
+  entry.key = key;
+  for (const auto& [name, value] : settings) entry.settings[name] = value;
+  entry.make = [make = entry.make, settings](const Settings& more) {
+    Settings all = more;
+    all.insert(settings.begin(), settings.end());
+    return make(all);
+  };
+  RegisterSolver(std::move(entry));
+}
+
+void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {
+  if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
   SolverEntry entry;
   entry.key = key;
   entry.method = "external command";
@@ -223,7 +242,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
     for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
     return std::make_unique<ExternalSolver>(std::move(options));
   };
-  solvers.push_back(std::move(entry));
+  RegisterSolver(std::move(entry));
 }
 
 }  // namespace lcpbench

@@ -18,7 +18,7 @@ namespace lcpbench {
 enum class SolverOrigin {
   kOwn,       ///< written here, on the libraries of this build
   kPeer,      ///< another project's, behind a worker process (solvers/peers/)
-  kExternal,  ///< a command that the user named (RegisterExternalSolver)
+  kExternal,  ///< a command that the user named (RegisterExternalSolver); a variant has the origin of its base
 };
 
 /// One backend. The key is the same in files, tests, benchmarks and the report.
@@ -34,11 +34,13 @@ struct SolverEntry {
   std::function<std::unique_ptr<LcpSolver>(const Settings& settings)> make;
   SolverOrigin origin = SolverOrigin::kOwn;
   std::string licence = "Apache-2.0";  ///< SPDX expression: of our code, or of the peer's library
+  std::string base = {};               ///< of a variant (RegisterSolverVariant): the key it is another setting of
+  Settings settings = {};              ///< of a variant: what it adds to what `make` is given
 };
 
 inline std::ostream& operator<<(std::ostream& out, const SolverEntry& entry) { return out << entry.key; }
 
-/// Every backend, in the report's order: own, peers, external. Valid until the next RegisterExternalSolver.
+/// Every backend, in the report's order: own, peers, then what was registered. Valid until the next registration.
 std::span<const SolverEntry> AllSolvers();
 
 /// An older key of a solver, `suitesparse` for `ipm`, finds it too.
@@ -52,9 +54,17 @@ std::unique_ptr<LcpSolver> MakeSolver(std::string_view key, const Settings& sett
 /// that do not start. Starts the worker on the first call.
 std::string WorkerVersion(std::string_view key);
 
-/// Adds a solver that runs as a command of the user's (solvers/external/protocol.h). Not thread-safe.
+/// Adds a solver. Not thread-safe, and so are those below.
+/// @throws InputError unless the key is new and made of a-z, 0-9, '-', '_'
+void RegisterSolver(SolverEntry entry);
+
+/// Adds a solver that is another one with settings of its own, or with none: one solver under two names.
+/// @throws InputError as RegisterSolver, and for an unknown base, one that is not in this build, or wrong settings
+void RegisterSolverVariant(const std::string& key, const std::string& base, const Settings& settings);
+
+/// Adds a solver that runs as a command of the user's (solvers/external/protocol.h).
 /// @param command  program and arguments
-/// @throws InputError unless the key is new and made of a-z, 0-9, '-', '_', and the command is not empty
+/// @throws InputError as RegisterSolver, and for an empty command
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command);
 
 }  // namespace lcpbench

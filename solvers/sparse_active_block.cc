@@ -3,6 +3,7 @@
 #include <Eigen/OrderingMethods>
 #include <algorithm>
 
+#include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
@@ -227,6 +228,7 @@ void SparseActiveBlock::ComputeRow(int r) {
 }
 
 bool SparseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
+  const FactorClock::Scope clock;
   const bool all = shift != shift_;
   shift_ = shift;
   std::fill(dirty_.begin(), dirty_.end(), 0);

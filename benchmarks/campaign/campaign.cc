@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -39,8 +39,18 @@ WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options
   WorkerOptions worker;
   worker.memory_bytes = plan.memory_bytes;
   worker.cpu = options.cpu;
-  worker.externals = options.externals;
+  worker.solver_arguments = options.solver_arguments;
   return worker;
+}
+
+std::vector<PlannedCell> CellsOfShard(const CampaignPlan& plan, const CampaignOptions& options,
+                                      const std::vector<Manifest>& manifests) {
+  std::vector<PlannedCell> cells;
+  for (PlannedCell& cell : PlanCells(plan, manifests)) {
+    const std::string& id = manifests[cell.manifest].problems[cell.entry].id;
+    if (IsInShard(id, cell.solver, options.shard, options.shards)) cells.push_back(std::move(cell));
+  }
+  return cells;
 }
 
 class Campaign {
@@ -51,11 +61,8 @@ class Campaign {
         manifests_(manifests),
         environment_hash_(std::move(environment_hash)),
         journal_(In(options.folder, kCellsFile)),
-        worker_(WorkerFor(plan, options)) {
-    for (PlannedCell& cell : PlanCells(plan, manifests)) {
-      if (IsInShard(Entry(cell).id, cell.solver, options.shard, options.shards)) cells_.push_back(std::move(cell));
-    }
-  }
+        worker_(WorkerFor(plan, options)),
+        cells_(CellsOfShard(plan, options, manifests)) {}
 
   const std::vector<PlannedCell>& cells() const { return cells_; }
 
@@ -79,13 +86,7 @@ class Campaign {
     for (int round = plan_.rounds; round < plan_.most_rounds; ++round) {
       std::vector<std::size_t> wide;
       for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
-        const std::string& id = Entry(cells_[k]).id;
-        const std::vector<double> tiers = TiersOf(cells_[k]);
-        const bool is_wide = std::any_of(tiers.begin(), tiers.end(), [&](double tier) {
-          return journal_.Passed(id, cells_[k].solver, tier) &&
-                 !journal_.IsTight(id, cells_[k].solver, tier, plan_.tight);
-        });
-        if (is_wide) wide.push_back(k);
+        if (DeservesRound(cells_[k], plan_.tight)) wide.push_back(k);
       }
       if (wide.empty()) return true;
       ProgressBar bar("round " + std::to_string(round + 1), static_cast<double>(wide.size()));
@@ -100,6 +101,8 @@ class Campaign {
 
   const ManifestEntry& Entry(const PlannedCell& cell) const { return manifests_[cell.manifest].problems[cell.entry]; }
 
+  CellKey KeyOf(const PlannedCell& cell, double tier) const { return {Entry(cell).id, cell.solver, tier, cell.mode}; }
+
   // The tiers that one run of the solver is judged at.
   std::vector<double> TiersOf(const PlannedCell& cell) const {
     if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
@@ -109,37 +112,46 @@ class Campaign {
   // Declared beforehand: after a looser tier ran out of time stricter ones are not tried.
   std::string RuleFromLooserTier(const PlannedCell& cell) const {
     for (const double tier : plan_.tiers) {
-      if (tier > cell.tier && journal_.RanOutOfTime(Entry(cell).id, cell.solver, tier)) return OutOfTimeRule(tier);
+      if (tier > cell.tier && journal_.RanOutOfTime(KeyOf(cell, tier))) return OutOfTimeRule(tier);
     }
     return {};
   }
 
+  // Whether a cell is timed again: one that passed and has not had its time; with `width` > 0 one whose median is not
+  // known so well.
+  bool DeservesRound(const PlannedCell& cell, double width) const {
+    const std::vector<double> tiers = TiersOf(cell);
+    return std::any_of(tiers.begin(), tiers.end(), [&](double tier) {
+      const CellKey key = KeyOf(cell, tier);
+      if (!journal_.Passed(key) || journal_.TimeSpent(key) > plan_.cell_budget_s) return false;
+      return width <= 0 || !journal_.IsTight(key, width);
+    });
+  }
+
   void RunCell(const PlannedCell& planned, int round) {
     const ManifestEntry& entry = Entry(planned);
-    if (journal_.Has(entry.id, planned.solver, planned.tier, round)) return;
+    if (journal_.Has(KeyOf(planned, planned.tier), round)) return;
     PlannedCell cell = planned;
     if (cell.excluded.empty()) cell.excluded = RuleFromLooserTier(cell);
     if (!cell.excluded.empty()) {
       if (round == 0) journal_.WriteExcluded(entry, cell, TiersOf(cell));
       return;
     }
-    if (round > 0) {
-      const std::vector<double> tiers = TiersOf(cell);
-      const bool passed = std::any_of(tiers.begin(), tiers.end(),
-                                      [&](double tier) { return journal_.Passed(entry.id, cell.solver, tier); });
-      if (!passed) return;
-    }
+    if (round > 0 && !DeservesRound(cell, 0)) return;
     CellRequest request;
     request.manifest = plan_.manifests[cell.manifest];
     request.problem = entry.id;
     request.solver = cell.solver;
+    request.mode = cell.mode;
     request.tier = cell.tier;
     request.judged = TiersOf(cell);
     request.time_limit_s = cell.time_limit_s;
     request.repetitions = plan_.repetitions;
     request.min_time_s = plan_.min_time_s;
     request.budget_s = plan_.budget_s;
-    CellReply reply = worker_.Run(request);
+    CellReply reply = RunUndisturbed(request);
+    // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the solver's.
+    if (Interruption::Requested() && reply.claim == "crashed") return;
     if (reply.verdicts.empty()) {
       for (const double tier : TiersOf(cell)) {
         CellVerdict failed;
@@ -152,6 +164,27 @@ class Campaign {
     Count(reply);
   }
 
+  // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
+  CellReply RunUndisturbed(const CellRequest& request) {
+    CellReply best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
+      CellReply reply = worker_.Run(request);
+      if (!reply.disturbance) return reply;
+      const double fastest = std::min(journal_.fastest_probe_s(), reply.disturbance->probe_s);
+      const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fastest);
+      if (found < least) {
+        least = found;
+        best = std::move(reply);
+      }
+      best.reruns = run;
+      best.disturbed = least > 0;
+      if (!best.disturbed) break;
+    }
+    if (best.disturbed) ++disturbed_;
+    return best;
+  }
+
   void Count(const CellReply& reply) {
     const auto strictest = std::min_element(reply.verdicts.begin(), reply.verdicts.end(),
                                             [](const auto& a, const auto& b) { return a.tier < b.tier; });
@@ -160,7 +193,8 @@ class Campaign {
   }
 
   std::string Summary() const {
-    return std::to_string(failures_) + " failures, " + std::to_string(false_successes_) + " false successes";
+    return std::to_string(failures_) + " failures, " + std::to_string(false_successes_) + " false successes, " +
+           std::to_string(disturbed_) + " disturbed";
   }
 
   const CampaignPlan& plan_;
@@ -171,6 +205,7 @@ class Campaign {
   std::vector<PlannedCell> cells_;
   std::int64_t failures_ = 0;
   std::int64_t false_successes_ = 0;
+  std::int64_t disturbed_ = 0;
 };
 
 // The plan's file is there and says the same, or is not there yet.
@@ -206,6 +241,17 @@ std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
 
 }  // namespace
 
+std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options) {
+  RequireValid(plan);
+  const std::vector<Manifest> manifests = ReadManifests(plan);
+  std::vector<std::string> names;
+  for (const PlannedCell& cell : CellsOfShard(plan, options, manifests)) {
+    names.push_back(CellName(manifests[cell.manifest].problems[cell.entry].id, cell.solver, cell.tier, cell.mode));
+  }
+  for (std::string& name : PassNames(plan, options, manifests)) names.push_back(std::move(name));
+  return names;
+}
+
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
   if (options.shards < 1 || options.shard < 1 || options.shard > options.shards) {
@@ -230,10 +276,10 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   const nlohmann::ordered_json first = ReadCampaignFile(In(folders.front(), kCampaignFile));
   // By problem; by problem, solver, tier, round: sorted, so that the folders' order does not matter.
   std::map<std::string, std::string> problems;
-  std::map<std::tuple<std::string, std::string, double, int>, std::string> cells;
   // By sequence, solver, tier, mode, round.
   std::map<std::tuple<std::string, std::string, double, std::string, int>, std::string> passes;
   bool has_passes = false;
+  std::map<std::pair<CellKey, int>, std::string> cells;
   for (const std::string& folder : folders) {
     if (!SameCampaign(ReadCampaignFile(In(folder, kCampaignFile)), first)) {
       throw InputError(folder + ": expected the campaign of " + folders.front() + ", found another plan");
@@ -254,10 +300,11 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
       problems.emplace(json.at("problem").get<std::string>(), line);
     });
     for_each(kCellsFile, [&](const nlohmann::json& json, const std::string& line) {
-      const std::tuple key(json.at("problem").get<std::string>(), json.at("solver").get<std::string>(),
-                           json.at("tier").get<double>(), json.at("round").get<int>());
-      if (!cells.emplace(key, line).second) {
-        throw InputError(folder + ": " + CellName(std::get<0>(key), std::get<1>(key), std::get<2>(key)) +
+      const auto tier = json.at("tier").get<double>();
+      const CellKey key(json.at("problem").get<std::string>(), json.at("solver").get<std::string>(), tier,
+                        json.at("mode").get<std::string>());
+      if (!cells.emplace(std::pair(key, json.at("round").get<int>()), line).second) {
+        throw InputError(folder + ": " + CellName(key.problem, key.solver, tier, key.mode) +
                          " is in another folder already");
       }
     });

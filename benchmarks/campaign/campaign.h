@@ -12,8 +12,8 @@ struct CampaignOptions {
   bool resume = false;  ///< go on in a folder that has a campaign of the same plan
   int shard = 1;        ///< of `shards`, from 1
   int shards = 1;
-  int cpu = -1;                        ///< the processor that solves are kept on; -1: any
-  std::vector<std::string> externals;  ///< solvers that the user named, KEY=COMMAND
+  int cpu = -1;                               ///< the processor that solves are kept on; -1: any
+  std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
 };
 
 /// Runs a campaign, or its rest, into a folder (files: RESULTS.md). Rounds: in the first one every cell is solved,
@@ -22,6 +22,10 @@ struct CampaignOptions {
 /// @return exit status: 0, or 128 + signal where it was interrupted
 /// @throws InputError where the plan cannot be run, the folder has another campaign, or has one and `resume` is not set
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options);
+
+/// The names of all its cells, CellName, by problem, solver, tier and mode; of the shard. Nothing is run.
+/// @throws InputError as RunCampaign
+std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options);
 
 /// Merges folders of shards of one campaign into a new folder: the same files, whatever the order of the folders.
 /// @throws InputError where they are not of one campaign, or one has a cell of another

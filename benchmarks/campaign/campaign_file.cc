@@ -1,6 +1,8 @@
 #include "benchmarks/campaign/campaign_file.h"
 
+#include <filesystem>
 #include <fstream>
+#include <system_error>
 
 #include "benchmarks/campaign/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
@@ -18,7 +20,10 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "lcpbench-campaign/1";
 
 // By what the library's own defaults are run with, see the registry: keys that end in -default.
-const char* SettingOf(const std::string& key) { return key.ends_with("-default") ? "default" : "tuned"; }
+const char* SettingOf(const SolverEntry& solver) {
+  if (!solver.base.empty()) return "variant";
+  return solver.key.ends_with("-default") ? "default" : "tuned";
+}
 
 }  // namespace
 
@@ -36,7 +41,9 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     const SolverEntry& entry = FindSolver(key);
     json["solvers"].push_back({{"key", entry.key},
                                {"method", entry.method},
-                               {"setting", SettingOf(entry.key)},
+                               {"setting", SettingOf(entry)},
+                               {"base", entry.base},
+                               {"settings", entry.settings},
                                {"origin", OriginKey(entry.origin)},
                                {"uses_tolerance", entry.uses_tolerance},
                                {"available", entry.available},
@@ -44,6 +51,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                                {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});
   }
   json["tiers"] = plan.tiers;
+  json["modes"] = plan.modes;
   json["filter"] = plan.filter;
   json["seed"] = plan.seed;
   json["rounds"] = plan.rounds;
@@ -52,10 +60,14 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   json["repetitions"] = plan.repetitions;
   json["min_time_s"] = plan.min_time_s;
   json["budget_s"] = plan.budget_s;
+  json["cell_budget_s"] = plan.cell_budget_s;
   json["limits"] = {{"time_per_row_s", plan.time_per_row_s},
                     {"least_s", plan.least_s},
                     {"most_s", plan.most_s},
                     {"memory_bytes", plan.memory_bytes}};
+  json["noise"] = {{"slower_clock", plan.noise.slower_clock},
+                   {"least_cpu_share", plan.noise.least_cpu_share},
+                   {"most_reruns", plan.noise.most_reruns}};
   json["size_limits"] = Json::array();
   for (const SizeLimit& limit : SizeLimits()) {
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
@@ -88,10 +100,14 @@ Json ReadCampaignFile(const std::string& path) {
 }
 
 void WriteCampaignFile(const std::string& path, const Json& campaign) {
-  std::ofstream file(path);
+  // Renamed when it is whole: what is killed here must not leave a file that --resume cannot read.
+  const std::string part = path + ".part";
+  std::ofstream file(part);
   file << campaign.dump(1) << '\n';
   file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  std::error_code error;
+  if (file) std::filesystem::rename(part, path, error);
+  if (!file || error) throw InputError(path + ": cannot be written");
 }
 
 }  // namespace lcpbench

@@ -32,10 +32,17 @@ std::uint64_t Hash(const std::string& text) {
 
 }  // namespace
 
-std::string CellName(const std::string& problem, const std::string& solver, double tier) {
+double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fastest_probe_s) {
+  const double slower = found.probe_s / fastest_probe_s - 1;
+  const double waiting = 1 - found.cpu_share;
+  if (slower <= rule.slower_clock && found.cpu_share >= rule.least_cpu_share) return 0;
+  return std::max(slower, 0.0) + waiting;
+}
+
+std::string CellName(const std::string& problem, const std::string& solver, double tier, const std::string& mode) {
   char text[16];
   std::snprintf(text, sizeof text, "%.0e", tier);
-  return "solve/" + problem + "/" + solver + "/" + text;
+  return "solve/" + problem + "/" + solver + "/" + text + (mode == kColdStart ? "" : "/" + mode);
 }
 
 void RequireValid(const CampaignPlan& plan) {
@@ -47,10 +54,18 @@ void RequireValid(const CampaignPlan& plan) {
   require(!plan.solvers.empty(), "at least one solver");
   require(!plan.tiers.empty(), "at least one tier");
   for (const double tier : plan.tiers) require(tier > 0 && tier < 1, "tiers in (0, 1)");
+  require(!plan.modes.empty(), "at least one mode");
+  for (const std::string& mode : plan.modes) {
+    require(mode == kColdStart || mode == kColdCache,
+            std::string("modes ") + kColdStart + " or " + kColdCache + ", found '" + mode + "'");
+    require(std::count(plan.modes.begin(), plan.modes.end(), mode) == 1, "every mode once");
+  }
+  require(plan.noise.slower_clock > 0 && plan.noise.least_cpu_share < 1 && plan.noise.most_reruns >= 0,
+          "a rule for noise that some cells pass");
   require(plan.rounds >= 1 && plan.most_rounds >= plan.rounds, "rounds >= 1, and no fewer at most");
   require(plan.tight > 0, "a relative width > 0");
   require(plan.repetitions >= 1, "repetitions >= 1");
-  require(plan.min_time_s > 0 && plan.budget_s > 0, "times > 0 s");
+  require(plan.min_time_s > 0 && plan.budget_s > 0 && plan.cell_budget_s > 0, "times > 0 s");
   require(plan.time_per_row_s >= 0 && plan.least_s > 0 && plan.most_s >= plan.least_s, "time limits > 0 s, in order");
   for (const double deadline : plan.deadlines_s) require(deadline > 0, "deadlines > 0 s");
   require(plan.pass_budget_s > 0, "a pass's budget > 0 s");
@@ -74,9 +89,12 @@ std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<M
         if (!solver.available) continue;
         const auto tiers = solver.uses_tolerance ? loosest_first : std::vector<double>{loosest_first.back()};
         for (const double tier : tiers) {
-          if (!plan.filter.empty() && !std::regex_search(CellName(problems[k].id, solver.key, tier), filter)) continue;
-          const Index rows = problems[k].properties.rows;
-          cells.push_back({m, k, solver.key, tier, TimeLimitOf(plan, rows), SizeRefusal(solver, rows)});
+          for (const std::string& mode : plan.modes) {
+            const std::string name = CellName(problems[k].id, solver.key, tier, mode);
+            if (!plan.filter.empty() && !std::regex_search(name, filter)) continue;
+            const Index rows = problems[k].properties.rows;
+            cells.push_back({m, k, solver.key, mode, tier, TimeLimitOf(plan, rows), SizeRefusal(solver, rows)});
+          }
         }
       }
     }

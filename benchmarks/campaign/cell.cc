@@ -6,8 +6,9 @@ namespace lcpbench {
 
 using Json = nlohmann::json;
 
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CellRequest, manifest, problem, solver, tier, judged, time_limit_s, repetitions,
-                                   min_time_s, budget_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Disturbance, probe_s, cpu_share, switches)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(CellRequest, manifest, problem, solver, mode, tier, judged, time_limit_s,
+                                   repetitions, min_time_s, budget_s)
 
 namespace {
 
@@ -20,6 +21,21 @@ template <typename Value>
 std::optional<Value> FromNull(const Json& json) {
   if (json.is_null()) return std::nullopt;
   return json.get<Value>();
+}
+
+Json ToJson(const std::optional<CellAllocations>& allocations) {
+  if (!allocations) return nullptr;
+  return {
+      {"first", allocations->first}, {"first_bytes", allocations->first_bytes}, {"later", OrNull(allocations->later)}};
+}
+
+std::optional<CellAllocations> AllocationsFrom(const Json& json) {
+  if (json.is_null()) return std::nullopt;
+  CellAllocations allocations;
+  json.at("first").get_to(allocations.first);
+  json.at("first_bytes").get_to(allocations.first_bytes);
+  allocations.later = FromNull<std::int64_t>(json.at("later"));
+  return allocations;
 }
 
 Json ToJson(const CellVerdict& verdict) {
@@ -65,9 +81,15 @@ std::string FormatReply(const CellReply& reply) {
   for (const CellVerdict& verdict : reply.verdicts) json["verdicts"].push_back(ToJson(verdict));
   json["metrics"] = reply.metrics;
   json["setup_s"] = reply.setup_s;
+  json["first_s"] = OrNull(reply.first_s);
   json["solve_s"] = reply.solve_s;
   json["convert_s"] = reply.convert_s;
+  json["factor_s"] = OrNull(reply.factor_s);
+  json["factor_of_s"] = OrNull(reply.factor_of_s);
   json["peak_bytes"] = OrNull(reply.peak_bytes);
+  json["allocations"] = ToJson(reply.allocations);
+  json["counters"] = reply.counters;
+  json["disturbance"] = OrNull(reply.disturbance);
   // A library's message may hold any bytes.
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -82,9 +104,15 @@ CellReply ParseReply(const std::string& line) {
     for (const Json& verdict : json.at("verdicts")) reply.verdicts.push_back(VerdictFrom(verdict));
     reply.metrics = json.at("metrics");
     json.at("setup_s").get_to(reply.setup_s);
+    reply.first_s = FromNull<double>(json.at("first_s"));
     json.at("solve_s").get_to(reply.solve_s);
     json.at("convert_s").get_to(reply.convert_s);
+    reply.factor_s = FromNull<double>(json.at("factor_s"));
+    reply.factor_of_s = FromNull<double>(json.at("factor_of_s"));
     reply.peak_bytes = FromNull<double>(json.at("peak_bytes"));
+    reply.allocations = AllocationsFrom(json.at("allocations"));
+    reply.counters = json.at("counters");
+    reply.disturbance = FromNull<Disturbance>(json.at("disturbance"));
     return reply;
   } catch (const Json::exception& error) {
     throw InputError(std::string("expected a cell's reply: ") + error.what());

@@ -5,16 +5,21 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/manifest.h"
+#include "benchmarks/speed_probe.h"
 
 namespace lcpbench {
+
+// How a cell is solved: every time from a cold start, with what it works on in the caches or not.
+inline constexpr const char* kColdStart = "cold";
+inline constexpr const char* kColdCache = "cold-cache";
 
 /// One cell of a campaign: a solver on a problem at a tier. What the runner asks a worker for, and what comes back,
 /// travels as one JSON line each.
 struct CellRequest {
-  std::string manifest;        ///< path; the worker reads it, and its references, once
-  std::string problem;         ///< id
-  std::string solver;          ///< registry key
+  std::string manifest;  ///< path; the worker reads it, and its references, once
+  std::string problem;   ///< id
+  std::string solver;    ///< registry key
+  std::string mode = kColdStart;
   double tier = 0;             ///< the tolerance asked for
   std::vector<double> judged;  ///< tiers that the answer is judged at
   double time_limit_s = 0;
@@ -34,6 +39,13 @@ struct CellVerdict {
   std::string reason;
 };
 
+/// Allocations of a solve, without those of its set-up.
+struct CellAllocations {
+  std::int64_t first = 0;  ///< of the first solve of a new solver
+  std::int64_t first_bytes = 0;
+  std::optional<std::int64_t> later;  ///< of one that follows others, where there was one
+};
+
 /// What a worker found.
 struct CellReply {
   std::string claim;  ///< the solver's status; or how its process ended: crashed, killed, out_of_memory
@@ -42,9 +54,18 @@ struct CellReply {
   std::vector<CellVerdict> verdicts;
   nlohmann::json metrics = nlohmann::json::object();  ///< by key; null where not known or not finite
   std::vector<double> setup_s;
-  std::vector<double> solve_s;    ///< of every repetition
-  std::vector<double> convert_s;  ///< of solvers in worker processes of their own
+  std::optional<double> first_s;   ///< the first solve after set-up
+  std::vector<double> solve_s;     ///< of every repetition
+  std::vector<double> convert_s;   ///< of solvers in worker processes of their own
+  std::optional<double> factor_s;  ///< in numeric factorisations, of a solve that took factor_of_s
+  std::optional<double> factor_of_s;
   std::optional<double> peak_bytes;
+  std::optional<CellAllocations> allocations;
+  nlohmann::json counters;                 ///< of the first solve, by name (hardware_counters.h); null: none
+  std::optional<Disturbance> disturbance;  ///< of the solves; where they are another process's, cpu_share is 1
+  // The runner's part: how often the cell was run again because the machine disturbed it, and whether it still did.
+  int reruns = 0;
+  bool disturbed = false;
 };
 
 std::string FormatRequest(const CellRequest& request);

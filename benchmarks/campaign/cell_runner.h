@@ -6,7 +6,9 @@
 #include <optional>
 #include <string>
 
+#include "benchmarks/cache_flush.h"
 #include "benchmarks/campaign/cell.h"
+#include "benchmarks/hardware_counters.h"
 #include "benchmarks/solver_pool.h"
 #include "solvers/lcp/verify.h"
 
@@ -30,12 +32,17 @@ class CellRunner {
   struct Set;
   Set& Load(const std::string& manifest);
   const LcpProblem& Make(const CellRequest& request);
+  // Observed: allocations, counters, factorisations. Returns its time.
+  double SolveFirst(LcpSolver& solver, const LcpProblem& problem, const LcpOptions& options, bool times_itself,
+                    CacheFlush* flush, LcpResult* result, CellReply* reply);
 
   std::map<std::string, std::unique_ptr<Set>> sets_;
   std::string problem_id_;
   std::optional<LcpProblem> problem_;
   LcpReference reference_;  // of the problem
   SolverPool pool_;
+  HardwareCounters counters_;
+  std::optional<CacheFlush> flush_;
 };
 
 }  // namespace lcpbench

@@ -1,6 +1,9 @@
 #include "benchmarks/campaign/journal.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <numeric>
+#include <utility>
 
 #include "benchmarks/campaign/median_interval.h"
 
@@ -9,55 +12,60 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kMode = "cold";
-
-Json CellMembers(const std::string& problem, const std::string& solver, double tier, int round) {
+Json CellMembers(const std::string& problem, const PlannedCell& cell, double tier, int round) {
   Json line;
   line["problem"] = problem;
-  line["solver"] = solver;
+  line["solver"] = cell.solver;
   line["tier"] = tier;
   line["round"] = round;
-  line["mode"] = kMode;
+  line["mode"] = cell.mode;
   return line;
+}
+
+Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+// The rounded tier, so that a number read back is the same key.
+std::string TierText(double tier) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.3e", tier);
+  return text;
 }
 
 }  // namespace
 
-Journal::Key Journal::KeyOf(const std::string& problem, const std::string& solver, double tier) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.3e", tier);
-  return {problem, solver, text};
-}
+CellKey::CellKey(std::string of_problem, std::string of_solver, double of_tier, std::string of_mode)
+    : problem(std::move(of_problem)), solver(std::move(of_solver)), tier(TierText(of_tier)), mode(std::move(of_mode)) {}
 
 Journal::Journal(const std::string& path)
     : file_(path, "a cell of a campaign", [this](const nlohmann::json& line) { Note(line); }) {}
 
-bool Journal::Has(const std::string& problem, const std::string& solver, double tier, int round) const {
-  return done_.count({KeyOf(problem, solver, tier), round}) > 0;
-}
+bool Journal::Has(const CellKey& key, int round) const { return done_.count({key, round}) > 0; }
+bool Journal::RanOutOfTime(const CellKey& key) const { return out_of_time_.count(key) > 0; }
+bool Journal::Passed(const CellKey& key) const { return passed_.count(key) > 0; }
 
-bool Journal::RanOutOfTime(const std::string& problem, const std::string& solver, double tier) const {
-  return out_of_time_.count(KeyOf(problem, solver, tier)) > 0;
-}
-
-bool Journal::Passed(const std::string& problem, const std::string& solver, double tier) const {
-  return passed_.count(KeyOf(problem, solver, tier)) > 0;
-}
-
-bool Journal::IsTight(const std::string& problem, const std::string& solver, double tier, double width) const {
-  const auto times = times_.find(KeyOf(problem, solver, tier));
+bool Journal::IsTight(const CellKey& key, double width) const {
+  const auto times = times_.find(key);
   return times != times_.end() && IntervalOfMedian(times->second).relative_width() <= width;
 }
 
+double Journal::TimeSpent(const CellKey& key) const {
+  const auto times = times_.find(key);
+  return times == times_.end() ? 0 : std::accumulate(times->second.begin(), times->second.end(), 0.0);
+}
+
 void Journal::Note(const nlohmann::json& line) {
-  const Key key =
-      KeyOf(line.at("problem").get<std::string>(), line.at("solver").get<std::string>(), line.at("tier").get<double>());
+  const CellKey key(line.at("problem").get<std::string>(), line.at("solver").get<std::string>(),
+                    line.at("tier").get<double>(), line.at("mode").get<std::string>());
   const int round = line.at("round").get<int>();
   done_.insert({key, round});
   if (!line.at("excluded").get<std::string>().empty()) return;
   if (line.at("passes").get<bool>()) {
     std::vector<double>& times = times_[key];
     for (const double time : line.at("solve_s")) times.push_back(time);
+  }
+  const nlohmann::json& disturbance = line.at("disturbance");
+  if (!disturbance.is_null()) {
+    fastest_probe_s_ = std::min(fastest_probe_s_, disturbance.at("probe_s").get<double>());
   }
   if (round > 0) return;
   const auto claim = line.at("claim").get<std::string>();
@@ -82,8 +90,8 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
   std::vector<Json> lines;
   for (const CellVerdict& verdict : verdicts) {
     // Of a direct method's lines some may have been written before the campaign was killed.
-    if (Has(problem.id, cell.solver, verdict.tier, round)) continue;
-    Json line = CellMembers(problem.id, cell.solver, verdict.tier, round);
+    if (Has({problem.id, cell.solver, verdict.tier, cell.mode}, round)) continue;
+    Json line = CellMembers(problem.id, cell, verdict.tier, round);
     line["excluded"] = "";
     line["claim"] = reply.claim;
     line["passes"] = verdict.passes;
@@ -97,9 +105,27 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
     line["metrics"] = reply.metrics;
     line["time_limit_s"] = cell.time_limit_s;
     line["setup_s"] = reply.setup_s;
+    line["first_s"] = OrNull(reply.first_s);
     line["solve_s"] = reply.solve_s;
     line["convert_s"] = reply.convert_s.empty() ? Json(nullptr) : Json(reply.convert_s);
-    line["peak_bytes"] = reply.peak_bytes ? Json(*reply.peak_bytes) : Json(nullptr);
+    line["factor_s"] = OrNull(reply.factor_s);
+    line["factor_of_s"] = OrNull(reply.factor_of_s);
+    line["peak_bytes"] = OrNull(reply.peak_bytes);
+    line["allocations"] = nullptr;
+    if (reply.allocations) {
+      line["allocations"] = {{"first", reply.allocations->first},
+                             {"first_bytes", reply.allocations->first_bytes},
+                             {"later", reply.allocations->later ? Json(*reply.allocations->later) : Json(nullptr)}};
+    }
+    line["counters"] = reply.counters;
+    line["disturbance"] = nullptr;
+    if (reply.disturbance) {
+      line["disturbance"] = {{"probe_s", reply.disturbance->probe_s},
+                             {"cpu_share", reply.disturbance->cpu_share},
+                             {"switches", reply.disturbance->switches},
+                             {"reruns", reply.reruns},
+                             {"disturbed", reply.disturbed}};
+    }
     line["environment"] = environment_hash;
     lines.push_back(std::move(line));
   }
@@ -109,8 +135,8 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
 void Journal::WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers) {
   std::vector<Json> lines;
   for (const double tier : tiers) {
-    if (Has(problem.id, cell.solver, tier, 0)) continue;
-    lines.push_back(CellMembers(problem.id, cell.solver, tier, 0));
+    if (Has({problem.id, cell.solver, tier, cell.mode}, 0)) continue;
+    lines.push_back(CellMembers(problem.id, cell, tier, 0));
     lines.back()["excluded"] = cell.excluded;
   }
   Append(lines);

@@ -1,9 +1,9 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -13,6 +13,18 @@
 
 namespace lcpbench {
 
+/// Problem, solver, tier and mode.
+struct CellKey {
+  CellKey(std::string of_problem, std::string of_solver, double of_tier, std::string of_mode);
+
+  std::string problem;
+  std::string solver;
+  std::string tier;  ///< as text: equal numbers are equal whatever they were read from
+  std::string mode;
+
+  auto operator<=>(const CellKey&) const = default;
+};
+
 /// What has been run of a campaign: cells.jsonl (RESULTS.md). Every line is written before the next cell begins
 /// (append_only_file.h).
 class Journal {
@@ -21,14 +33,20 @@ class Journal {
   /// @throws InputError where it cannot be written, or has a line that is no cell
   explicit Journal(const std::string& path);
 
-  bool Has(const std::string& problem, const std::string& solver, double tier, int round) const;
+  bool Has(const CellKey& key, int round) const;
   /// What the tiers' first round found, for the rules that depend on it.
-  bool RanOutOfTime(const std::string& problem, const std::string& solver, double tier) const;
+  bool RanOutOfTime(const CellKey& key) const;
   /// Whether round 0 passed: only then do more rounds make sense.
-  bool Passed(const std::string& problem, const std::string& solver, double tier) const;
+  bool Passed(const CellKey& key) const;
 
   /// Whether the median of all times so far is known to `width`, MedianInterval::relative_width.
-  bool IsTight(const std::string& problem, const std::string& solver, double tier, double width) const;
+  bool IsTight(const CellKey& key, double width) const;
+
+  /// Of all its repetitions so far [s].
+  double TimeSpent(const CellKey& key) const;
+
+  /// The shortest probe of the clock rate so far; infinite before the first.
+  double fastest_probe_s() const { return fastest_probe_s_; }
 
   /// A line per verdict of the reply, or one for what is excluded by rule.
   void Write(const ManifestEntry& problem, const PlannedCell& cell, int round, const CellReply& reply,
@@ -36,15 +54,14 @@ class Journal {
   void WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers);
 
  private:
-  using Key = std::tuple<std::string, std::string, std::string>;  // problem, solver, tier
-  static Key KeyOf(const std::string& problem, const std::string& solver, double tier);
   void Note(const nlohmann::json& line);
   void Append(const std::vector<nlohmann::ordered_json>& lines);
 
-  std::set<std::pair<Key, int>> done_;
-  std::set<Key> out_of_time_;
-  std::set<Key> passed_;
-  std::map<Key, std::vector<double>> times_;
+  double fastest_probe_s_ = std::numeric_limits<double>::infinity();
+  std::set<std::pair<CellKey, int>> done_;
+  std::set<CellKey> out_of_time_;
+  std::set<CellKey> passed_;
+  std::map<CellKey, std::vector<double>> times_;
   AppendOnlyFile file_;  // last: it tells the others what it has
 };
 

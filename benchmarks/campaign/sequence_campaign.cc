@@ -19,6 +19,16 @@ namespace fs = std::filesystem;
 
 constexpr const char* kStepsFile = "steps.jsonl";
 
+std::vector<PlannedPass> PassesOfShard(const CampaignPlan& plan, const CampaignOptions& options,
+                                       const std::vector<Manifest>& manifests) {
+  std::vector<PlannedPass> passes;
+  for (PlannedPass& pass : PlanPasses(plan, manifests)) {
+    const std::string& id = manifests[pass.manifest].sequences[pass.entry].id;
+    if (IsInShard(id, pass.solver, options.shard, options.shards)) passes.push_back(std::move(pass));
+  }
+  return passes;
+}
+
 class SequenceCampaign {
  public:
   SequenceCampaign(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<Manifest>& manifests,
@@ -28,11 +38,8 @@ class SequenceCampaign {
         manifests_(manifests),
         environment_hash_(std::move(environment_hash)),
         journal_((fs::path(options.folder) / kStepsFile).string()),
-        worker_(worker) {
-    for (PlannedPass& pass : PlanPasses(plan, manifests)) {
-      if (IsInShard(Entry(pass).id, pass.solver, options.shard, options.shards)) passes_.push_back(std::move(pass));
-    }
-  }
+        worker_(worker),
+        passes_(PassesOfShard(plan, options, manifests)) {}
 
   bool Run() {
     if (passes_.empty()) return true;
@@ -158,6 +165,15 @@ void DescribeSequences(const CampaignPlan& plan, const std::vector<Manifest>& ma
   }
   (*campaign)["deadlines_s"] = plan.deadlines_s;
   (*campaign)["pass_budget_s"] = plan.pass_budget_s;
+}
+
+std::vector<std::string> PassNames(const CampaignPlan& plan, const CampaignOptions& options,
+                                   const std::vector<Manifest>& manifests) {
+  std::vector<std::string> names;
+  for (const PlannedPass& pass : PassesOfShard(plan, options, manifests)) {
+    names.push_back(PassName(manifests[pass.manifest].sequences[pass.entry].id, pass.solver, pass.tier, pass.mode));
+  }
+  return names;
 }
 
 bool RunSequences(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<Manifest>& manifests,

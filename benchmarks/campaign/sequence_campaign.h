@@ -18,6 +18,10 @@ bool HasSequences(const std::vector<Manifest>& manifests);
 void DescribeSequences(const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                        nlohmann::ordered_json* campaign);
 
+/// PassName of every pass of the shard.
+std::vector<std::string> PassNames(const CampaignPlan& plan, const CampaignOptions& options,
+                                   const std::vector<Manifest>& manifests);
+
 /// Makes the sequences that the folder does not have yet, then visits every pass in every round; passes that did not
 /// complete in round 0 are not visited again, and after one that ran out of time stricter tiers of the same mode are
 /// not tried. The caller keeps the Interruption.

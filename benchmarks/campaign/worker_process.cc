@@ -47,6 +47,10 @@ constexpr bool kLimitsMemory = true;
 // After fork: only what is safe there.
 [[noreturn]] void Become(const WorkerOptions& options, char* const* arguments, int input, int output) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  // Ctrl-C and job schedulers signal the whole group. That is for the runner to answer, which lets the cell in flight
+  // end; a worker that ended at once would look like a solver that crashes.
+  std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGTERM, SIG_IGN);
   if (options.memory_bytes > 0 && kLimitsMemory) {
     const rlimit limit{options.memory_bytes, options.memory_bytes};
     setrlimit(RLIMIT_AS, &limit);
@@ -82,7 +86,7 @@ void WorkerProcess::Start() {
     throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
   }
   std::vector<std::string> words = {options_.program, kWorkerCommand};
-  for (const std::string& external : options_.externals) words.insert(words.end(), {"--external", external});
+  words.insert(words.end(), options_.solver_arguments.begin(), options_.solver_arguments.end());
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());

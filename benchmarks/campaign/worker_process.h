@@ -12,11 +12,11 @@
 namespace lcpbench {
 
 struct WorkerOptions {
-  std::string program = "/proc/self/exe";  ///< this one: a program whose command campaign-worker is ServeCells
-  std::vector<std::string> externals;      ///< solvers that the user named, KEY=COMMAND
-  std::uint64_t memory_bytes = 0;          ///< address space; 0 for none; not kept under sanitizers
-  int cpu = -1;                            ///< the processor it is kept on; -1: any
-  double make_s = 300;                     ///< for making a problem
+  std::string program = "/proc/self/exe";     ///< this one: a program whose command campaign-worker is ServeCells
+  std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
+  std::uint64_t memory_bytes = 0;             ///< address space; 0 for none; not kept under sanitizers
+  int cpu = -1;                               ///< the processor it is kept on; -1: any
+  double make_s = 300;                        ///< for making a problem
   /// What a solve may take beyond its limit, by the limit and besides [s]. Solvers that keep their limits need less.
   double grace_share = 0.5;
   double grace_s = 2;

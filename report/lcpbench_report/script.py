@@ -21,17 +21,16 @@ def run(name: str, options: argparse.Namespace, act: Callable[[Cells], None]) ->
     return guarded(name, lambda: act(Cells(load_results(options.results))))
 
 
-def guarded(name: str, act: Callable[[], None]) -> int:
-    """@returns the exit status: 0, or 2 with one line on standard error"""
+def guarded(name: str, act: Callable[[], int | None]) -> int:
+    """@returns the exit status: that of `act`, 0 where it returns none; or 2 with one line on standard error"""
     try:
-        act()
+        return act() or 0
     except ReportError as error:
         print(f"{name}: error: {error}", file=sys.stderr)
         return 2
     except OSError as error:
         print(f"{name}: error: {error.filename}: {error.strerror}", file=sys.stderr)
         return 2
-    return 0
 
 
 def tier_of(cells: Cells, asked: float) -> float:

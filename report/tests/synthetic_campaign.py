@@ -61,14 +61,15 @@ def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame
 
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
-                   copies: int = COPIES, change=lambda record: record) -> Path:
+                   copies: int = COPIES, change=lambda record: record, run: int = 0) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
     @param factors  time of every solver over that of the first
     @param change   what becomes of a cell's record before it is written
+    @param run      of the same campaign: the problems are as difficult, the noise is another
     """
-    rng, noise = np.random.default_rng(seed), noise or Noise(repetitions=5, rounds=2)
+    rng, noise = np.random.default_rng([seed, run]), noise or Noise(repetitions=5, rounds=2)
     folder.mkdir(parents=True, exist_ok=True)
     info = {"schema": "lcpbench-campaign/1", "name": "synthetic", "manifests": [], "tiers": list(tiers), "seed": seed,
             "rounds": noise.rounds, "size_limits": [], "environment": {}, "environment_hash": "0",
@@ -78,8 +79,8 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
                 for family in FAMILIES for rows in SIZES for copy in range(copies)]
     problems.append(_problem("ragdoll", "engine", "ragdolls", 40) | {"counts": False, "reference": "none"})
     cells = []
-    for problem in problems:
-        difficulty = np.exp(rng.normal(0, 0.1))
+    difficulties = np.exp(np.random.default_rng(seed).normal(0, 0.1, len(problems)))
+    for problem, difficulty in zip(problems, difficulties):
         for solver, factor in factors.items():
             for tier in tiers:
                 median = factor * difficulty * 1e-7 * problem["rows"] ** EXPONENT * (1 - np.log10(tier))

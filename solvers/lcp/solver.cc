@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
 
@@ -88,6 +89,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   result->detail.clear();
   result->own_solve_s = -1;
   result->own_convert_s = -1;
+  result->factor_s = -1;
   result->farkas_ray.reset();
   if (!problem.has_standard_bounds()) {
     result->status = LcpStatus::kUnsupported;
@@ -106,7 +108,11 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   result->status = LcpStatus::kNumericalFailure;
   try {
     Prepare(problem);
+    const FactorClock::Session clock(options.time_factorisations);
     DoSolve(problem, options, result);
+    // What another process solves it factorises there.
+    const bool is_known = result->own_solve_s < 0 && !std::isnan(clock.seconds());
+    if (options.time_factorisations && is_known) result->factor_s = clock.seconds();
   } catch (const MemoryRefusal& refusal) {
     result->status = LcpStatus::kUnsupported;
     result->detail = refusal.what();

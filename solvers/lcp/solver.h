@@ -46,6 +46,8 @@ struct LcpOptions {
   /// How often a solver that times itself in another process (LcpResult::own_solve_s) repeats the solve, >= 1; all
   /// others solve once.
   std::int64_t repetitions = 1;
+  /// Whether LcpResult::factor_s is wanted: two clock reads a factorisation, so not where the solve itself is timed.
+  bool time_factorisations = false;
   /// The clock that the time limit is read from; tests inject their own.
   double (*now)() = &SteadyNow;
 };
@@ -63,6 +65,8 @@ struct LcpResult {
   /// boundary besides, and own_convert_s says how long conversions took. Negative: the call's time is the solve's.
   double own_solve_s = -1;
   double own_convert_s = -1;
+  /// Of the solve, in numeric factorisations [s] (factor_clock.h); negative: not asked for, or not known.
+  double factor_s = -1;
   /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
   std::optional<Eigen::VectorXd> farkas_ray;
 };

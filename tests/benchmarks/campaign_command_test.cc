@@ -15,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "solvers/lcp/input_error.h"
@@ -37,7 +38,10 @@ std::vector<nlohmann::json> Lines(const std::string& text) {
 std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& cells) {
   std::vector<std::string> kept;
   for (nlohmann::json cell : cells) {
-    for (const char* field : {"setup_s", "solve_s", "convert_s", "peak_bytes", "environment"}) cell.erase(field);
+    for (const char* field : {"setup_s", "first_s", "solve_s", "convert_s", "factor_s", "factor_of_s", "peak_bytes",
+                              "allocations", "counters", "disturbance", "environment"}) {
+      cell.erase(field);
+    }
     kept.push_back(cell.dump());
   }
   std::sort(kept.begin(), kept.end());
@@ -98,6 +102,30 @@ TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
   }
 }
 
+TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
+  ASSERT_EQ(Run(Campaign("c")).status, 0);
+  // A campaign and itself: whatever the machine does meanwhile.
+  const CommandOutcome same = Run("compare " + Path("c") + " " + Path("c"));
+  EXPECT_EQ(same.status, 0) << same.error;
+  EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
+  std::filesystem::copy(folder_ / "c", folder_ / "wrong");
+  std::ofstream cells(folder_ / "wrong" / "cells.jsonl");
+  bool changed = false;
+  for (nlohmann::json cell : Cells("c")) {
+    if (!changed && cell["round"] == 0 && cell["passes"] == true) {
+      changed = true;
+      cell["passes"] = false;
+      cell["false_success"] = true;
+    }
+    cells << cell.dump() << "\n";
+  }
+  cells.close();
+  const CommandOutcome wrong = Run("compare " + Path("c") + " " + Path("wrong") + " -o " + Path("summary.md"));
+  EXPECT_EQ(wrong.status, 1) << wrong.error;
+  EXPECT_NE(ReadFile(folder_ / "summary.md").find("1 new false success"), std::string::npos);
+  EXPECT_EQ(Run("compare " + Path("c") + " " + Path("nowhere")).status, 2);
+}
+
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
@@ -149,6 +177,34 @@ TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
   EXPECT_EQ(WithoutTimes(Cells("killed")), WithoutTimes(Cells("whole")));
 }
 
+// As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
+TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  std::mt19937 random(4);
+  int interrupted = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const std::string arguments = Campaign("ended", trial == 0 ? "" : "--resume");
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    setpgid(child, child);  // whoever is first
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 80));
+    kill(-child, trial % 2 == 0 ? SIGTERM : SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++interrupted;
+  }
+  EXPECT_GE(interrupted, 3);
+  const CommandOutcome rest = Run(Campaign("ended", "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Cells("ended")), WithoutTimes(Cells("whole")));
+}
+
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
   ASSERT_EQ(Run(Campaign("c", "--tiers 1e-3")).status, 0);
   const std::pair<std::string, std::string> kMistakes[] = {
@@ -171,6 +227,116 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
   const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
   EXPECT_EQ(broken.status, 2);
   EXPECT_NE(broken.error.find("cells.jsonl:"), std::string::npos) << broken.error;
+}
+
+TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
+  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --rounds 1 " +
+                                "--most-rounds 1 --repetitions 3 --solvers pgs,over,again,slow -o " + Path("c") +
+                                " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
+  const CommandOutcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  std::map<std::string, std::map<std::string, nlohmann::json>> cells;
+  for (const auto& cell : Cells("c")) cells[cell["problem"]][cell["solver"]] = cell;
+  ASSERT_EQ(cells.size(), 16U);
+  bool differs = false;
+  for (const auto& [problem, by_solver] : cells) {
+    ASSERT_EQ(by_solver.size(), 4U) << problem;
+    // One solver under two names, or slowed: the same answer to the last bit.
+    for (const char* same : {"again", "slow"}) {
+      EXPECT_EQ(by_solver.at(same)["metrics"], by_solver.at("pgs")["metrics"]) << problem;
+      EXPECT_EQ(by_solver.at(same)["iterations"], by_solver.at("pgs")["iterations"]) << problem;
+    }
+    differs = differs || by_solver.at("over")["iterations"] != by_solver.at("pgs")["iterations"];
+  }
+  EXPECT_TRUE(differs);
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  for (const auto& solver : campaign["solvers"]) {
+    EXPECT_EQ(solver["base"], solver["key"] == "pgs" ? "" : "pgs");
+    if (solver["key"] == "over") {
+      EXPECT_EQ(solver["settings"]["relaxation"], "1.3");
+    }
+    if (solver["key"] == "slow") {
+      EXPECT_EQ(solver["settings"]["slowdown"], "3");
+    }
+  }
+  for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
+                                      std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER"),
+                                      std::pair("x=pgs,slowdown=0.5", "slowdown")}) {
+    const CommandOutcome mistake = Run(arguments + "2 --variant " + variant);
+    EXPECT_EQ(mistake.status, 2) << variant;
+    EXPECT_NE(mistake.error.find(text), std::string::npos) << mistake.error;
+  }
+}
+
+TEST_F(CampaignCommand, ModesAreCellsOfTheirOwn) {
+  const CommandOutcome outcome = Run(Campaign("c", "--modes cold,cold-cache --tiers 1e-6"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  std::map<std::string, int> count;
+  for (const auto& cell : Cells("c")) {
+    ++count[cell["mode"]];
+    // With cold caches every repetition is one solve, and of no solver the memory that was walked through counts.
+    EXPECT_LE(cell["solve_s"].size(), 3U);
+    EXPECT_LT(cell["peak_bytes"].get<double>(), 200e6);
+  }
+  EXPECT_EQ(count.size(), 2U);
+  EXPECT_EQ(count["cold"], count["cold-cache"]);
+  EXPECT_EQ(Run("analyse " + Path("c")).status, 0);
+  const CommandOutcome unknown = Run(Campaign("d", "--modes lukewarm"));
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_NE(unknown.error.find("cold-cache"), std::string::npos) << unknown.error;
+}
+
+TEST_F(CampaignCommand, EveryCellSaysWhatItsSolveTook) {
+  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
+                "--rounds 1 --most-rounds 1 --repetitions 3 -o " + Path("c"))
+                .status,
+            0);
+  for (const auto& cell : Cells("c")) {
+    if (cell["passes"] != true) continue;
+    const std::string solver = cell["solver"];
+    EXPECT_GT(cell["first_s"].get<double>(), 0);
+    EXPECT_LE(cell["factor_s"].get<double>(), cell["factor_of_s"].get<double>());
+    // Sweeps factorise nothing, interior points every step.
+    if (solver == "pgs") {
+      EXPECT_EQ(cell["factor_s"].get<double>(), 0);
+    }
+    if (solver == "ipm") {
+      EXPECT_GT(cell["factor_s"].get<double>(), 0);
+    }
+    const auto& disturbance = cell["disturbance"];
+    EXPECT_GT(disturbance["probe_s"].get<double>(), 0);
+    EXPECT_GT(disturbance["cpu_share"].get<double>(), 0);
+    EXPECT_LE(disturbance["reruns"].get<int>(), 2);
+    // What is undisturbed was not run again for nothing, and what is disturbed was run as often as allowed.
+    if (disturbance["disturbed"] == true) {
+      EXPECT_EQ(disturbance["reruns"], 2);
+    }
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_GE(cell["allocations"]["first_bytes"].get<int>(), 0);
+    if (solver == "dantzig" || solver == "pgs") {
+      EXPECT_EQ(cell["allocations"]["later"], 0) << cell["problem"];
+    }
+#endif
+  }
+}
+
+TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
+  const std::string filter = "--benchmark_filter='rockers-n8.*dantzig'";
+  const CommandOutcome list = Run(Campaign("c", filter + " --benchmark_list_tests"));
+  ASSERT_EQ(list.status, 0) << list.error;
+  EXPECT_EQ(list.out, "solve/rockers-n8-s11/dantzig/1e-09\n");
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+  const CommandOutcome run =
+      Run(Campaign("c", filter + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json")));
+  ASSERT_EQ(run.status, 0) << run.error;
+  const auto json = nlohmann::json::parse(ReadFile(folder_ / "times.json"));
+  // Two rounds, judged at three tiers by one run.
+  size_t repetitions = 0;
+  for (const auto& cell : Cells("c")) repetitions += cell["solve_s"].size();
+  EXPECT_EQ(json["benchmarks"].size(), repetitions);
+  EXPECT_EQ(repetitions, 2U * 4 * 3);
+  for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
+  EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
 }
 
 // How often a cell is visited depends on its times: only bounds can be told.
@@ -215,6 +381,34 @@ TEST(MedianInterval, HoldsTheMedianAsOftenAsItSays) {
     EXPECT_LE(held, 0.995 * kTrials) << n;
   }
   EXPECT_EQ(IntervalOfMedian({3}).relative_width(), 0);
+}
+
+TEST(NoiseRule, CountsWhatTheMachineDid) {
+  const NoiseRule rule;
+  const double fastest = 1e-5;
+  const auto found = [](double probe_s, double cpu_share) {
+    Disturbance disturbance;
+    disturbance.probe_s = probe_s;
+    disturbance.cpu_share = cpu_share;
+    return disturbance;
+  };
+  EXPECT_EQ(DisturbanceOf(rule, found(fastest, 1), fastest), 0);
+  EXPECT_EQ(DisturbanceOf(rule, found(1.04e-5, 0.96), fastest), 0);
+  // A clock that is 10 % slower; a thread that waited for 10 %; both are worse than one.
+  const double throttled = DisturbanceOf(rule, found(1.1e-5, 1), fastest);
+  const double waiting = DisturbanceOf(rule, found(fastest, 0.9), fastest);
+  EXPECT_GT(throttled, 0);
+  EXPECT_GT(waiting, 0);
+  EXPECT_GT(DisturbanceOf(rule, found(1.1e-5, 0.9), fastest), std::max(throttled, waiting));
+}
+
+TEST(DisturbanceWatch, SeesAThreadThatWaits) {
+  // Asleep for most of the time, as if another program had the processor.
+  const DisturbanceWatch watch;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const Disturbance found = watch.Finish();
+  EXPECT_LT(found.cpu_share, 0.5);
+  EXPECT_GT(found.probe_s, 0);
 }
 
 // ----- one worker
@@ -298,7 +492,7 @@ TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
 
 TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
   WorkerOptions options = Options();
-  options.externals = {"dying=/bin/false"};
+  options.solver_arguments = {"--external", "dying=/bin/false"};
   WorkerProcess worker(options);
   const CellReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
   EXPECT_NE(reply.claim, "solved");

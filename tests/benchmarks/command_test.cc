@@ -46,7 +46,7 @@ constexpr char kProblem[] = R"({"id":"p","A":[[2,1],[1,2]],"b":[-5,-4]})";
 
 TEST_F(Command, HelpIsEverywhere) {
   for (const char* sub : {"", "list", "list solvers", "generate", "solve", "certify", "convert", "assemble", "run",
-                          "report", "analyse"}) {
+                          "report", "analyse", "compare"}) {
     const Outcome outcome = Run(std::string(sub) + " --help");
     EXPECT_EQ(outcome.status, 0) << sub;
     EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << sub;

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/allocation_count.h"
 #include "solvers/dense_active_block.h"
 #include "solvers/sparse_active_block.h"
-#include "tests/solvers/allocation_count.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"
 
@@ -138,6 +138,7 @@ TEST(DenseActiveBlock, HoldsPivotsOfSingularBlocksToTheShift) {
 
 TEST(ActiveBlock, OnlyAnalyzeAllocates) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  CountAllocations(true);
   const Index n = 300;  // above what a library would keep on the stack
   const LcpProblem problem = RandomProblem(n, 600, 3);
   const VectorXd scale = VectorXd::Ones(n);

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/solvers/allocation_count.h"
+#include "benchmarks/allocation_count.h"
 #include "tests/solvers/direct_solvers.h"
 
 namespace lcpbench {
@@ -157,6 +157,7 @@ TEST_P(DirectSolversLimits, NothingWrongIsClaimedForAMatrixThatIsNotPsd) {
 
 TEST_P(DirectSolversAllocations, SolvingAgainDoesNotAllocate) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  CountAllocations(true);
   for (unsigned seed = 0; seed < 50; ++seed) {
     const TestProblem dense = PlantedExactly(seed, 60, false);
     const Index n = dense.problem.size();

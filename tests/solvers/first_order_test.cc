@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/allocation_count.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "solvers/sweeps/paced_passes.h"
-#include "tests/solvers/allocation_count.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -86,6 +86,7 @@ TEST_P(FirstOrder, UnitsChangeNothingButTheUnits) {
 
 TEST_P(FirstOrder, AllocatesNothingOncePrepared) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted here";
+  CountAllocations(true);
   std::vector<LcpProblem> problems;
   for (const TestProblem& test : EasyProblems()) {
     problems.push_back(test.problem);

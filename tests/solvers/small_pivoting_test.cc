@@ -8,9 +8,9 @@
 #include <cmath>
 #include <vector>
 
+#include "benchmarks/allocation_count.h"
 #include "solvers/islands.h"
 #include "solvers/lcp/verify.h"
-#include "tests/solvers/allocation_count.h"
 #include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
 
@@ -182,6 +182,7 @@ TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
 
 TEST(SmallPivoting, AllocatesInReserveOnly) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  CountAllocations(true);
   SmallPivoting tableau;
   tableau.Reserve(64);
   for (Index n = 1; n <= 64; n += 9) {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/allocation_count.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
-#include "tests/solvers/allocation_count.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"
 
@@ -278,6 +278,7 @@ TEST_P(SolveBatchTest, DenseFormGivesTheSameBits) {
 
 TEST_P(SolveBatchTest, DoesNotAllocateAfterReserve) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted here";
+  CountAllocations(true);
   std::vector<LcpProblem> problems;
   for (unsigned seed = 0; seed < 100; ++seed) {
     // Well conditioned, so that nothing goes to the fallback's later backends.

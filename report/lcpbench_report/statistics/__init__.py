@@ -9,6 +9,9 @@
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     compare               two cells of the same problem, by their repetitions
     tables                all tables, by name
+    same                  two campaigns that must not differ but for times
+    plans, changes        two campaigns of one plan: what became slower, faster or wrong
+    changes_markdown      that as text
 
 Every table is a pure function of the table of cells, or of the passes over sequences; random numbers come from a
 fixed seed.

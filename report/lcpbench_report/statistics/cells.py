@@ -23,7 +23,8 @@ _CONFIDENCE = 0.95
 
 COLUMNS = ["set", "counts", "family", "problem", "rows", "reference", "solver", "tier", "mode", "verdict", "excluded",
            "claim", "passes", "at_floor", "false_success", "false_infeasible", "best_tier", "iterations", *METRICS,
-           "rounds", "rounds_changed", "repetitions", "setup_s", "convert_s", *(f"solve_{level}" for level in _LEVELS),
+           "rounds", "rounds_changed", "rounds_disturbed", "repetitions", "setup_s", "convert_s", "first_s",
+           "factor_share", "allocations_first", "allocations_later", *(f"solve_{level}" for level in _LEVELS),
            "solve_low", "solve_high", "time_s", "time_limit_s", "oracle_s", "oracle_ratio", "peak_bytes"]
 
 
@@ -71,16 +72,20 @@ def _row(campaign: Campaign, problem: str, solver: str, tier: float, mode: str, 
     if record["excluded"]:
         limit = campaign.time_limit(about["rows"])
         return row | {"claim": "", "passes": False, "at_floor": False, "false_success": False,
-                      "false_infeasible": False, "rounds_changed": 0, "repetitions": 0, "time_s": math.inf,
-                      "time_limit_s": limit, "oracle_ratio": math.inf if about["oracle_s"] else math.nan}
+                      "false_infeasible": False, "rounds_changed": 0, "rounds_disturbed": 0, "repetitions": 0,
+                      "time_s": math.inf, "time_limit_s": limit, "oracle_ratio": math.inf if about["oracle_s"] else math.nan}
     times = [time for round_times in runs.times() for time in round_times]
     low, high = median_interval(times)
     row |= {key: record[key] for key in ("claim", "passes", "at_floor", "false_success", "false_infeasible")}
     row |= {key: _number(record[key]) for key in ("best_tier", "iterations", "peak_bytes")}
     row |= {metric: _number(record["metrics"].get(metric)) for metric in METRICS}
-    row |= {"rounds_changed": runs.changed, "repetitions": len(times), "setup_s": _median(runs.setup_s),
+    row |= {"rounds_changed": runs.changed, "rounds_disturbed": len(runs.disturbed), "repetitions": len(times), "setup_s": _median(runs.setup_s),
             "convert_s": _median(runs.convert_s), "solve_low": low, "solve_high": high,
             "time_limit_s": record["time_limit_s"]} | quantiles(times, "solve_")
+    allocations = record.get("allocations") or {}
+    row |= {f"allocations_{which}": _number(allocations.get(which)) for which in ("first", "later")}
+    row["first_s"] = _number(record.get("first_s"))
+    row["factor_share"] = _number(record.get("factor_s")) / (record.get("factor_of_s") or math.nan)
     row["time_s"] = row["solve_median"] if record["passes"] else math.inf
     row["oracle_ratio"] = row["time_s"] / row["oracle_s"]
     return row

@@ -16,7 +16,7 @@ from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
 
 SCHEMA = "lcpbench-campaign/1"
-MODES = ("cold", "warm")
+MODES = ("cold", "cold-cache", "warm")
 _CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list", "limits": "object"}
 _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
@@ -29,6 +29,9 @@ _RUN = {"claim": "name", "passes": "boolean", "best_tier": "number?", "at_floor"
         "false_infeasible": "boolean", "iterations": "number?", "reason": "text", "metrics": "object",
         "time_limit_s": "positive", "setup_s": "times", "solve_s": "times", "convert_s": "times?",
         "peak_bytes": "time?"}
+# What runners write since they observe the machine and the first solve; absent in older folders.
+_OBSERVED = {"first_s": "time?", "factor_s": "time?", "factor_of_s": "time?", "allocations": "object?",
+             "disturbance": "object?"}
 
 # (problem, solver, tier, mode)
 CellKey = tuple[str, str, float, str]
@@ -41,6 +44,7 @@ class CellRuns:
     record: dict = field(default_factory=dict)  # the line of round 0
     rounds: dict[int, list[float]] = field(default_factory=dict)  # round -> solve times [s]
     passed: dict[int, bool] = field(default_factory=dict)  # round -> whether it passed
+    disturbed: set[int] = field(default_factory=set)  # rounds that the machine disturbed, also when run again
     setup_s: list[float] = field(default_factory=list)
     convert_s: list[float] = field(default_factory=list)
 
@@ -50,9 +54,12 @@ class CellRuns:
         return sum(passed != self.passed[0] for passed in self.passed.values())
 
     def times(self) -> list[list[float]]:
-        """Solve times [s], a list for every round with the verdict of round 0: the others did something else."""
-        return [self.rounds[index] for index in sorted(self.rounds)
+        """Solve times [s], a list for every round with the verdict of round 0: the others did something else. Rounds
+        that the machine disturbed are left out where there are others."""
+        same = [index for index in sorted(self.rounds)
                 if self.rounds[index] and self.passed[index] == self.passed[0]]
+        calm = [index for index in same if index not in self.disturbed]
+        return [self.rounds[index] for index in calm or same]
 
 
 @dataclass
@@ -157,6 +164,7 @@ def _read_cells(path: Path, info: dict, problems: dict[str, dict], note: Callabl
 
 def _check_run(place: str, record: dict) -> None:
     check_fields(place, record, _RUN)
+    check_fields(place, record, {key: kind for key, kind in _OBSERVED.items() if key in record})
     check_fields(f"{place}: metrics", record["metrics"], dict.fromkeys(record["metrics"], "number?"))
     # Ratios and logarithms of what counts; what failed at once may well have taken no time.
     if record["passes"] and not (record["solve_s"] and min(record["solve_s"]) > 0):
@@ -174,5 +182,7 @@ def _add(place: str, runs: CellRuns, record: dict) -> None:
         runs.record = record
     if record["excluded"]:
         return
+    if (record.get("disturbance") or {}).get("disturbed"):
+        runs.disturbed.add(index)
     runs.setup_s += record["setup_s"]
     runs.convert_s += record["convert_s"] or []

@@ -74,7 +74,7 @@ def compare_pairs(times: pd.DataFrame, excluded: pd.DataFrame | None = None) -> 
     @param excluded  likewise: whether the cell was excluded by rule
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
-    pairs = [_compare(times, excluded, a, b) for a, b in itertools.combinations(times.columns, 2)]
+    pairs = [compare_two(times, excluded, a, b) for a, b in itertools.combinations(times.columns, 2)]
     for test in ("sign_p", "wilcoxon_p"):
         for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
             pair[f"{test}_holm"] = adjusted
@@ -102,7 +102,8 @@ def _times(group: Group) -> tuple[pd.DataFrame, pd.DataFrame]:
     return times, group.wide("verdict") == "excluded"
 
 
-def _compare(times: pd.DataFrame, excluded: pd.DataFrame | None, a: str, b: str) -> dict:
+def compare_two(times: pd.DataFrame, excluded: pd.DataFrame | None, a: str, b: str) -> dict:
+    """The columns `a` and `b` of `times`, not yet adjusted for other comparisons; see compare_pairs."""
     present = (times[a].notna() & times[b].notna()).to_numpy()
     t_a, t_b = times[a].to_numpy(dtype=float)[present], times[b].to_numpy(dtype=float)[present]
     left_out = {name: int(excluded[name].to_numpy()[present].sum()) if excluded is not None else 0 for name in (a, b)}

@@ -6,7 +6,7 @@ problems that the solver solves at that tier and at all looser ones, the shifted
 
 import pandas as pd
 
-from .cells import VERIFIED
+from .cells import EXCLUDED, VERIFIED, quantiles
 from .groups import with_label
 from .means import SHIFTS, shifted_geometric_mean
 
@@ -33,3 +33,24 @@ def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
                              "mean_s": shifted_geometric_mean(point["time_s"], SHIFTS["s"]),
                              "rho_median": point["rho"].median(), "rho_max": point["rho"].max()})
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+DELIVERED = ("rho", "w_error")
+
+
+def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per set, mode, solver and tier: what the solver takes for the tolerance it is asked for, and how exact its
+    answers are by the common metrics, whether they pass or not."""
+    rows = []
+    run = with_label(cells[cells["verdict"] != EXCLUDED])
+    for (label, mode, solver, tier), own in run.groupby(["set", "mode", "solver", "tier"], sort=False):
+        row = {"set": label, "mode": mode, "solver": solver, "tier": tier, "problems": len(own),
+               "verified_share": float((own["verdict"] == VERIFIED).mean()), "shift": SHIFTS["s"],
+               "mean_s": shifted_geometric_mean(own["solve_median"].fillna(own["time_limit_s"]), SHIFTS["s"]),
+               "answers": int(own["rho"].notna().sum())}
+        for metric in DELIVERED:
+            row |= quantiles(own[metric], f"{metric}_")
+        rows.append(row)
+    columns = ["set", "mode", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
+               *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
+    return pd.DataFrame(rows, columns=columns)

@@ -13,7 +13,7 @@ from .load import Campaign
 from .means import mean_table
 from .oracle import oracle_table
 from .pairwise import pairwise_table
-from .precision import precision_table
+from .precision import delivered_table, precision_table
 from .profiles import profile_table
 from .scaling import scaling_table
 
@@ -21,7 +21,7 @@ FOLDER = "analysis"
 # Name -> function of the table of cells.
 TABLES: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "profiles": profile_table, "pairwise": pairwise_table, "means": mean_table,
-    "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table, "accuracy": accuracy_table,
+    "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table, "delivered": delivered_table, "accuracy": accuracy_table,
     "oracle": oracle_table,
 }
 # Name -> function of a campaign that has passes over sequences.

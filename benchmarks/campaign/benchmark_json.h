@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace lcpbench {
+
+/// Writes the times of a campaign's folder in Google Benchmark's JSON, for the tools that read it: a benchmark per
+/// cell, named by CellName, with a run per repetition of all rounds; cells that failed are errors with their reason.
+/// @throws InputError where a file cannot be read or written
+void WriteBenchmarkJson(const std::string& folder, const std::string& path);
+
+}  // namespace lcpbench

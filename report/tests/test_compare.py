@@ -1,0 +1,275 @@
+"""Two campaigns of one plan: is a regression told when there is one, and only then?"""
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+
+import compare  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.statistics import changes, pairwise  # noqa: E402
+from lcpbench_report.statistics import compare as single_cells  # noqa: E402
+from lcpbench_report.statistics.holm import holm  # noqa: E402
+from lcpbench_report.statistics.load import load_campaign  # noqa: E402
+from synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, write_campaign  # noqa: E402
+
+FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
+# Rounds have levels of their own, as on real machines.
+NOISE = Noise(repetition=0.02, round=0.02, rounds=3, repetitions=5)
+SAME_SEEDS, SLOWER_SEEDS = 40, 16
+TIER = TIERS[1]
+VICTIM = "piles-50-0"  # a problem
+
+
+def _slower(factor: float, chosen=lambda record: True):
+    """What makes the chosen cells take `factor` times as long."""
+    return lambda record: record | {"solve_s": [factor * time for time in record["solve_s"]]} \
+        if chosen(record) else record
+
+
+def _only(solver: str, problem: str, change):
+    """`change` for one cell, the others as they are."""
+    return lambda record: change(record) if (record["solver"], record["problem"]) == (solver, problem) else record
+
+
+class Truth(unittest.TestCase):
+    """Seeded campaigns in which it is known what changed."""
+
+    def test_two_runs_of_one_binary_are_silent(self):
+        found = self._many(SAME_SEEDS, copies=2)
+        self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 1)
+        self.assertLessEqual(sum(len(c.single) > 0 for c in found), 3)
+
+    def test_so_they_are_without_the_margin(self):
+        """The margin hides no fault of the tests or of Holm's correction."""
+        with mock.patch.object(pairwise, "MARGIN", 1.0), mock.patch.object(single_cells, "MARGIN", 1.0):
+            found = self._many(SAME_SEEDS, copies=2)
+        self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 0.1 * SAME_SEEDS)
+        self.assertLessEqual(sum(len(c.single) > 0 for c in found), 0.12 * SAME_SEEDS)
+
+    def test_what_the_machine_does_meanwhile_is_no_regression(self):
+        """A neighbour during two of three rounds, seen on a real machine: the medians of all problems move alike."""
+        found = self._many(SLOWER_SEEDS // 2, _slower(1.35, lambda record: record["solver"] == "b"
+                                                      and record["round"] > 0))
+        for c in found:
+            row = c.speeds[(c.speeds["solver"] == "b") & (c.speeds["family"] == changes.ALL_FAMILIES)].iloc[0]
+            self.assertGreater(row["ratio_low"], 1.1)  # the medians alone would tell of a regression
+            self.assertFalse(c.regressed)
+
+    def test_all_comparisons_and_all_cells_are_adjusted_together(self):
+        families = []
+        with mock.patch.object(changes, "holm", side_effect=lambda p: families.append(p) or holm(p)):
+            found = self._many(1)[0]
+        cells = 49 * len(FACTORS)
+        comparisons = len(FACTORS) * (1 + len(FAMILIES) + 1)  # all, by family, and the engine's problem, which is one
+        self.assertEqual([len(p) for p in families], [cells, comparisons, comparisons])
+        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families],
+                         [cells, comparisons - len(FACTORS), comparisons - len(FACTORS)])
+        self.assertEqual((found.tested, len(found.speeds)), (cells, comparisons))
+
+    def test_ten_per_cent_more_time_of_one_solver_are_found(self):
+        found = self._many(SLOWER_SEEDS, _slower(1.1, lambda record: record["solver"] == "b"))
+        hits = [c for c in found if ("b", changes.ALL_FAMILIES) in zip(c.slower["solver"], c.slower["family"])]
+        self.assertGreaterEqual(len(hits), 0.95 * SLOWER_SEEDS)
+        self.assertTrue(all(c.regressed for c in hits))
+        self.assertLessEqual(sum(set(c.slower["solver"]) > {"b"} for c in found), 1)
+        for c in hits:
+            row = c.slower.iloc[0]
+            self.assertAlmostEqual(row["ratio"], 1.1, delta=0.04)
+            self.assertTrue(row["ratio_low"] < row["ratio"] < row["ratio_high"])
+        self.assertEqual(sum(len(c.faster) for c in found), 0)
+
+    def test_ten_per_cent_less_are_no_regression(self):
+        found = self._many(SLOWER_SEEDS // 2, _slower(0.9, lambda record: record["solver"] == "b"))
+        self.assertTrue(all("b" in set(c.faster["solver"]) and not c.regressed for c in found))
+
+    def test_what_is_slow_on_one_family_is_found_there(self):
+        found = self._many(SLOWER_SEEDS // 2, _slower(1.3, lambda record: record["solver"] == "c"
+                                                      and record["problem"].startswith("chains")))
+        for c in found:
+            self.assertIn(("c", "chains"), set(zip(c.slower["solver"], c.slower["family"])))
+            self.assertNotIn("piles", set(c.slower["family"]))
+
+    def test_a_single_slow_cell_is_told_and_is_no_regression(self):
+        told = 0
+        for c in self._many(SLOWER_SEEDS // 2, _only("a", VICTIM, _slower(4.0)), Noise(0.005, 0.002, 6, 5)):
+            told += list(c.single["problem"]) == [VICTIM] and list(c.single["verdict"]) == [changes.SLOWER]
+            self.assertFalse(c.regressed)
+        self.assertGreaterEqual(told, 0.9 * (SLOWER_SEEDS // 2))
+
+    def _many(self, seeds: int, change=lambda record: record, noise: Noise = NOISE,
+              copies: int = COPIES) -> list[changes.Changes]:
+        found = []
+        with tempfile.TemporaryDirectory() as folder:
+            for seed in range(seeds):
+                old, new = (load_campaign(write_campaign(Path(folder), FACTORS, seed, (TIER,), noise, copies, run=run,
+                                                         change=change if run else lambda record: record))
+                            for run in range(2))
+                found.append(changes.compare_campaigns(old, new))
+        return found
+
+
+class Summary(unittest.TestCase):
+    """Two small campaigns, and one thing that changed."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+        self.old = self._write("old")
+        self.new = self._write("new", run=1)
+
+    def test_nothing_new(self):
+        status, text, error = self._run()
+        self.assertEqual((status, error), (0, ""))
+        self.assertIn("**No regression** in 147 cells.", text)
+        self.assertIn("No cell lost its verified answer", text)
+        self.assertIn("same environment", text)
+        self.assertNotIn("Only in one", text)
+
+    def test_a_new_false_success_is_a_regression_however_it_was_before(self):
+        for before in (lambda record: record, fail):
+            with self.subTest(before=before):
+                self.old = self._write("old", change=_only("b", VICTIM, before))
+                self.new = self._write("new", change=_only("b", VICTIM, lambda record: fail(record, "solved")))
+                status, text, _ = self._run()
+                self.assertEqual(status, 1)
+                self.assertIn("1 new false success", text)
+                self.assertIn(f"`solve/{VICTIM}/b/1e-06 (cold)`", text)
+        self.old = self._write("old", change=_only("b", VICTIM, lambda record: fail(record, "solved")))
+        self.assertEqual(self._run()[0], 0)  # it lied before
+
+    def test_a_lost_answer_is_a_regression_and_a_found_one_is_none(self):
+        self.new = self._write("new", change=_only("b", VICTIM, fail))
+        status, text, _ = self._run()
+        self.assertEqual(status, 1)
+        self.assertIn("1 cell verified before and not now", text)
+        self.assertIn("| verified | failed: iteration limit |", text)
+        self.old, self.new = self.new, self.old
+        status, text, _ = self._run()
+        self.assertEqual(status, 0)
+        self.assertIn("Verified now, and not before", text)
+
+    def test_an_answer_that_a_rule_excludes_now_is_lost(self):
+        self.new = self._write("new", change=_only("b", VICTIM, lambda record: exclude(record, "out of time at 1e-3")))
+        status, text, _ = self._run()
+        self.assertEqual(status, 1)
+        self.assertIn("| excluded: out of time at 1e-3 |", text)
+
+    def test_a_slower_solver_is_a_row(self):
+        self.new = self._write("new", change=_slower(1.5, lambda record: record["solver"] == "c"))
+        status, text, _ = self._run()
+        self.assertEqual(status, 1)
+        self.assertRegex(text, r"\| `c` \| all \|  \| cold \| 1e-6 \| 48 \| 1\.[45]\d\d \[1\.[^|]*\| 1\.[45]\d\d \|")
+
+    def test_agreement_is_the_share_of_overlapping_intervals(self):
+        def agreement(change):
+            new = load_campaign(self._write("new", change=change))
+            return changes.compare_campaigns(load_campaign(self.old), new).agreement()
+
+        self.assertEqual(agreement(lambda record: record)[:2], (147, 147))
+        self.assertEqual(agreement(_slower(2.0))[:2], (0, 147))
+        part, total, low, high = agreement(_slower(2.0, lambda record: record["solver"] == "a"))
+        self.assertEqual((part, total), (98, 147))
+        self.assertTrue(low < 98 / 147 < high)
+
+    def test_what_only_one_has_is_told_and_judged_by_nothing(self):
+        self._drop(self.new, lambda record: record["solver"] == "c")
+        self._drop(self.old, lambda record: record["problem"] == VICTIM and record["solver"] == "a")
+        status, text, _ = self._run()
+        self.assertEqual(status, 0)
+        self.assertIn("| `c` | OLD | 49 |", text)
+        self.assertIn("| `a` | NEW | 1 |", text)
+        self.assertIn("in 97 cells", text)
+
+    def test_other_builds_of_one_plan_are_compared_and_named(self):
+        info = self._info(self.new)
+        info["environment"] = {"git_commit": "abc", "libraries": {"Eigen": "3.4.1"}}
+        info["environment_hash"] = "1"
+        info["solvers"][0]["library_version"] = "2.0"
+        info["solvers"].append(info["solvers"][0] | {"key": "newcomer"})
+        self._set_info(self.new, info)
+        status, text, _ = self._run()
+        self.assertEqual(status, 0)
+        self.assertIn("| git_commit |  | abc |", text)
+
+    def test_mixed_plans_are_refused_in_one_line(self):
+        info = self._info(self.new)
+        solvers = [info["solvers"][0] | {"setting": "default"}, *info["solvers"][1:]]
+        for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"repetitions": 3},
+                       {"limits": info["limits"] | {"most_s": 1.0}}, {"seed": 9}, {"solvers": solvers}):
+            with self.subTest(values=values):
+                self._set_info(self.new, info | values)
+                self._expect_refused("campaign.json", "'a'" if "solvers" in values else f"'{next(iter(values))}'")
+        self._set_info(self.new, info)
+        lines = (self.new / "problems.jsonl").read_text(encoding="utf-8").replace('"rows": 50', '"rows": 51')
+        (self.new / "problems.jsonl").write_text(lines, encoding="utf-8")
+        self._expect_refused("problems.jsonl", "rows 50")
+
+    def test_nothing_in_common_is_refused(self):
+        self._drop(self.new, lambda record: record["solver"] != "c")
+        self._drop(self.old, lambda record: record["solver"] == "c")
+        self._expect_refused("no cell in common")
+
+    def test_a_missing_folder_is_refused(self):
+        self.new = self.folder / "nowhere"
+        self._expect_refused("nowhere")
+
+    def test_one_round_has_no_test_of_single_cells(self):
+        self.old, self.new = (self._write(name, noise=Noise(repetitions=30), run=run)
+                              for run, name in enumerate(("old", "new")))
+        found = changes.compare_campaigns(load_campaign(self.old), load_campaign(self.new))
+        self.assertEqual((found.tested, len(found.single)), (0, 0))
+
+    def test_long_tables_are_cut_and_counted(self):
+        self.new = self._write("new", change=lambda record: fail(record) if record["solver"] == "a" else record)
+        _, text, _ = self._run()
+        self.assertIn("49 cells verified before and not now", text)
+        self.assertIn("... and 29 more.", text)
+
+    def test_the_summary_goes_into_a_file(self):
+        out = self._run()[1]
+        status, text, _ = self._run("-o", str(self.folder / "summary.md"))
+        self.assertEqual((status, text), (0, ""))
+        self.assertEqual((self.folder / "summary.md").read_text(encoding="utf-8"), out)
+
+    def _write(self, name: str, noise: Noise = NOISE, **arguments) -> Path:
+        return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=noise, **arguments)
+
+    def _run(self, *more: str) -> tuple[int, str, str]:
+        out, error = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
+            status = compare.main([str(self.old), str(self.new), *more])
+        return status, out.getvalue(), error.getvalue()
+
+    def _expect_refused(self, *words: str) -> None:
+        status, out, error = self._run()
+        self.assertEqual((status, out, error.count("\n")), (2, "", 1), error)
+        for word in words:
+            self.assertIn(word, error)
+        with self.assertRaises(ReportError):
+            changes.compare_campaigns(load_campaign(self.old), load_campaign(self.new))
+
+    def _info(self, folder: Path) -> dict:
+        return json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
+
+    def _set_info(self, folder: Path, info: dict) -> None:
+        (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
+
+    def _drop(self, folder: Path, gone) -> None:
+        lines = (folder / "cells.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+        (folder / "cells.jsonl").write_text("".join(line for line in lines if not gone(json.loads(line))),
+                                            encoding="utf-8")
+
+
+if __name__ == "__main__":
+    unittest.main()

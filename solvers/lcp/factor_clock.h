@@ -1,0 +1,61 @@
+#pragma once
+
+#include <limits>
+
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// How long a solve spends in numeric factorisations (LcpOptions::time_factorisations), by thread. Off otherwise, so
+/// that small solves do not pay for clock reads. Whole factors count, and CHOLMOD's updates of them; symbolic analysis,
+/// solves with a factor, and what pivoting methods do row by row do not.
+class FactorClock {
+ public:
+  /// For the length of a solve. Within another session, that of a solver which asks this one, it does nothing.
+  class Session {
+   public:
+    explicit Session(bool wanted) : is_outermost_(wanted && !on_) {
+      if (!is_outermost_) return;
+      on_ = true;
+      seconds_ = 0;
+    }
+    ~Session() {
+      if (is_outermost_) on_ = false;
+    }
+    Session(const Session&) = delete;
+    Session& operator=(const Session&) = delete;
+
+    /// So far; NaN where a library could not tell.
+    static double seconds() { return seconds_; }
+
+   private:
+    bool is_outermost_;
+  };
+
+  /// Around a factorisation. Of nested ones the outermost counts.
+  class Scope {
+   public:
+    Scope() : counts_(on_ && !within_), start_(counts_ ? SteadyNow() : 0) { within_ = within_ || counts_; }
+    ~Scope() {
+      if (!counts_) return;
+      within_ = false;
+      seconds_ += SteadyNow() - start_;
+    }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+
+   private:
+    bool counts_;
+    double start_;
+  };
+
+  /// Of a library that factorises inside and does not say how long.
+  static void CannotTell() { seconds_ = std::numeric_limits<double>::quiet_NaN(); }
+
+ private:
+  static inline thread_local bool on_ = false;
+  static inline thread_local bool within_ = false;
+  static inline thread_local double seconds_ = 0;
+};
+
+}  // namespace lcpbench
