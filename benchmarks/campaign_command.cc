@@ -42,6 +42,7 @@ const std::vector<NamedCampaign>& Campaigns() {
        2,
        {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12},
        "-n(40|250|1000)-s1/"},
+      {"sequences", {"sequences"}, 0.5, {}},
   };
   return campaigns;
 }
@@ -77,8 +78,10 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
   command.add_flag("--resume", arguments->resume, "Campaigns: go on with the one that the folder has");
   command.add_option("--shard", arguments->shard, "Campaigns: k/N, the k-th of N parts; see lcpbench merge")
       ->capture_default_str();
-  command.add_option("--filter", arguments->filter,
-                     "Campaigns: only cells solve/PROBLEM/SOLVER/TIER that match this regular expression");
+  command.add_option(
+      "--filter", arguments->filter,
+      "Campaigns: only cells solve/PROBLEM/SOLVER/TIER, or steps/SEQUENCE/SOLVER/TIER/MODE, that match this "
+      "regular expression");
   command.add_option("--rounds", arguments->rounds, "Campaigns: how often every cell is visited");
   command.add_option(
       "--most-rounds", arguments->most_rounds,

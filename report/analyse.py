@@ -22,13 +22,12 @@ def main(arguments: list[str] | None = None) -> int:
 
     def act() -> None:
         from lcpbench_report.statistics import tables
-        from lcpbench_report.statistics.cells import cell_table
         from lcpbench_report.statistics.load import load_campaign
 
         campaign = load_campaign(options.campaign)
         for note in campaign.notes:
             print(f"analyse.py: note: {note}", file=sys.stderr)
-        tables.write_tables(cell_table(campaign), options.campaign / tables.FOLDER)
+        tables.write_tables(campaign, options.campaign / tables.FOLDER)
 
     return script.guarded("analyse.py", act)
 

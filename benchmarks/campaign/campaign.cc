@@ -14,6 +14,8 @@
 #include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/journal.h"
 #include "benchmarks/campaign/problem_file.h"
+#include "benchmarks/campaign/sequence_campaign.h"
+#include "benchmarks/campaign/sequence_plan.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/interrupt.h"
 #include "benchmarks/progress.h"
@@ -29,8 +31,17 @@ namespace fs = std::filesystem;
 constexpr const char* kCampaignFile = "campaign.json";
 constexpr const char* kCellsFile = "cells.jsonl";
 constexpr const char* kProblemsFile = "problems.jsonl";
+constexpr const char* kStepsFile = "steps.jsonl";
 
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
+
+WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options) {
+  WorkerOptions worker;
+  worker.memory_bytes = plan.memory_bytes;
+  worker.cpu = options.cpu;
+  worker.solver_arguments = options.solver_arguments;
+  return worker;
+}
 
 std::vector<PlannedCell> CellsOfShard(const CampaignPlan& plan, const CampaignOptions& options,
                                       const std::vector<Manifest>& manifests) {
@@ -57,7 +68,8 @@ class Campaign {
 
   // False where it was interrupted. The caller keeps the Interruption.
   bool Run() {
-    ProgressBar bar("campaign", std::max(1.0, static_cast<double>(cells_.size()) * plan_.rounds));
+    if (cells_.empty()) return true;
+    ProgressBar bar("campaign", static_cast<double>(cells_.size()) * plan_.rounds);
     for (int round = 0; round < plan_.rounds; ++round) {
       for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
         if (Interruption::Requested()) return false;
@@ -69,14 +81,6 @@ class Campaign {
   }
 
  private:
-  static WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options) {
-    WorkerOptions worker;
-    worker.memory_bytes = plan.memory_bytes;
-    worker.cpu = options.cpu;
-    worker.solver_arguments = options.solver_arguments;
-    return worker;
-  }
-
   // Of cells whose median time is not known well enough yet.
   bool RunExtraRounds() {
     for (int round = plan_.rounds; round < plan_.most_rounds; ++round) {
@@ -221,11 +225,12 @@ std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
   for (const std::string& path : plan.manifests) manifests.push_back(ReadManifest(path));
   std::set<std::string> ids;
   for (std::size_t m = 0; m < manifests.size(); ++m) {
-    for (const ManifestEntry& entry : manifests[m].problems) {
-      if (!ids.insert(entry.id).second) {
-        throw InputError(plan.manifests[m] + ": problem '" + entry.id + "' is in another manifest already");
-      }
-    }
+    const auto once = [&](const char* what, const std::string& id) {
+      if (ids.insert(id).second) return;
+      throw InputError(plan.manifests[m] + ": " + what + " '" + id + "' is in another manifest already");
+    };
+    for (const ManifestEntry& entry : manifests[m].problems) once("problem", entry.id);
+    for (const SequenceEntry& entry : manifests[m].sequences) once("sequence", entry.id);
   }
   return manifests;
 }
@@ -239,6 +244,7 @@ std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignO
   for (const PlannedCell& cell : CellsOfShard(plan, options, manifests)) {
     names.push_back(CellName(manifests[cell.manifest].problems[cell.entry].id, cell.solver, cell.tier, cell.mode));
   }
+  for (std::string& name : PassNames(plan, options, manifests)) names.push_back(std::move(name));
   return names;
 }
 
@@ -256,7 +262,8 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   for (const PlannedCell& cell : campaign.cells()) wanted[cell.manifest][cell.entry] = true;
   WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, wanted);
   const Interruption interruption;
-  return campaign.Run() ? 0 : Interruption::ExitStatus();
+  const bool done = campaign.Run() && RunSequences(plan, options, manifests, WorkerFor(plan, options), environment);
+  return done ? 0 : Interruption::ExitStatus();
 }
 
 void MergeCampaigns(const std::vector<std::string>& folders, const std::string& output) {
@@ -265,6 +272,9 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   const nlohmann::ordered_json first = ReadCampaignFile(In(folders.front(), kCampaignFile));
   // By problem; by problem, solver, tier, round: sorted, so that the folders' order does not matter.
   std::map<std::string, std::string> problems;
+  // By sequence, solver, tier, mode, round.
+  std::map<std::tuple<std::string, std::string, double, std::string, int>, std::string> passes;
+  bool has_passes = false;
   std::map<std::pair<CellKey, int>, std::string> cells;
   for (const std::string& folder : folders) {
     if (!SameCampaign(ReadCampaignFile(In(folder, kCampaignFile)), first)) {
@@ -294,6 +304,18 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
                          " is in another folder already");
       }
     });
+    if (!fs::exists(In(folder, kStepsFile))) continue;  // of a campaign without sequences
+    has_passes = true;
+    for_each(kStepsFile, [&](const nlohmann::json& json, const std::string& line) {
+      const std::tuple key(json.at("sequence").get<std::string>(), json.at("solver").get<std::string>(),
+                           json.at("tier").get<double>(), json.at("mode").get<std::string>(),
+                           json.at("round").get<int>());
+      if (!passes.emplace(key, line).second) {
+        throw InputError(folder + ": " +
+                         PassName(std::get<0>(key), std::get<1>(key), std::get<2>(key), std::get<3>(key)) +
+                         " is in another folder already");
+      }
+    });
   }
   const auto is_first = [](const auto& cell) { return cell.first.second == 0; };
   const auto found = static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_first));
@@ -313,6 +335,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   WriteCampaignFile(In(output, kCampaignFile), first);
   write(kProblemsFile, problems);
   write(kCellsFile, cells);
+  if (has_passes) write(kStepsFile, passes);
 }
 
 }  // namespace lcpbench

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <system_error>
 
+#include "benchmarks/campaign/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/environment.h"
 #include "benchmarks/hardware_counters.h"
@@ -76,6 +77,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   for (const PlannedCell& cell : PlanCells(plan, manifests)) {
     json["lines"] = json["lines"].get<std::size_t>() + TiersOfRun(plan, cell).size();
   }
+  DescribeSequences(plan, manifests, &json);
   json["environment"] = ToJson(DescribeEnvironment());
   const HardwareCounters counters;
   json["environment"]["counters"] = counters.names();

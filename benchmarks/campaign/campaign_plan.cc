@@ -67,6 +67,8 @@ void RequireValid(const CampaignPlan& plan) {
   require(plan.repetitions >= 1, "repetitions >= 1");
   require(plan.min_time_s > 0 && plan.budget_s > 0 && plan.cell_budget_s > 0, "times > 0 s");
   require(plan.time_per_row_s >= 0 && plan.least_s > 0 && plan.most_s >= plan.least_s, "time limits > 0 s, in order");
+  for (const double deadline : plan.deadlines_s) require(deadline > 0, "deadlines > 0 s");
+  require(plan.pass_budget_s > 0, "a pass's budget > 0 s");
   try {
     const std::regex filter(plan.filter);
   } catch (const std::regex_error&) {
@@ -105,10 +107,10 @@ std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell
   return plan.tiers;
 }
 
-std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round) {
+std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round) {
   std::vector<std::pair<std::size_t, std::size_t>> groups;  // first cell, count
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    if (k > 0 && SameGroup(cells[k], cells[k - 1])) {
+  for (std::size_t k = 0; k < group_of_cell.size(); ++k) {
+    if (k > 0 && group_of_cell[k] == group_of_cell[k - 1]) {
       ++groups.back().second;
     } else {
       groups.emplace_back(k, 1);
@@ -120,11 +122,19 @@ std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std
     std::swap(groups[k - 1], groups[static_cast<std::size_t>(random.Integer(static_cast<int>(k)))]);
   }
   std::vector<std::size_t> order;
-  order.reserve(cells.size());
+  order.reserve(group_of_cell.size());
   for (const auto& [first, count] : groups) {
     for (std::size_t k = first; k < first + count; ++k) order.push_back(k);
   }
   return order;
+}
+
+std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round) {
+  std::vector<std::size_t> groups(cells.size(), 0);
+  for (std::size_t k = 1; k < cells.size(); ++k) {
+    groups[k] = groups[k - 1] + (SameGroup(cells[k], cells[k - 1]) ? 0 : 1);
+  }
+  return ShuffleGroups(groups, seed, round);
 }
 
 bool IsInShard(const std::string& problem, const std::string& solver, int k, int n) {

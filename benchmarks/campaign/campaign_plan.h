@@ -41,6 +41,9 @@ struct CampaignPlan {
   double most_s = 2;
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
   NoiseRule noise;
+  // Of the manifests' sequences (sequence_plan.h).
+  std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
+  double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
 };
 
 /// One cell. A solver whose settings do not depend on the tolerance has one, at the strictest tier, for all.
@@ -64,8 +67,12 @@ std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<M
 /// solver's settings do not depend on the tolerance.
 std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell);
 
+/// Indices of cells, those of one group (equal numbers, side by side) together and in order, the groups shuffled by the
+/// seed and the round. The same on every machine.
+std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
+
 /// The order of a round: all cells of a problem and solver together, these groups shuffled by the plan's seed and the
-/// round. The same on every machine.
+/// round.
 std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round);
 
 /// Whether a cell is in shard k of n (k from 1): by a hash of problem and solver, so that shards do not depend on the

@@ -1,27 +1,16 @@
 #include "benchmarks/campaign/journal.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <numeric>
+#include <utility>
 
 #include "benchmarks/campaign/median_interval.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-// Some disks take longer for one than most solves do.
-constexpr double kSecondsBetweenSynchronisations = 2;
 
 Json CellMembers(const std::string& problem, const PlannedCell& cell, double tier, int round) {
   Json line;
@@ -47,34 +36,8 @@ std::string TierText(double tier) {
 CellKey::CellKey(std::string of_problem, std::string of_solver, double of_tier, std::string of_mode)
     : problem(std::move(of_problem)), solver(std::move(of_solver)), tier(TierText(of_tier)), mode(std::move(of_mode)) {}
 
-Journal::Journal(const std::string& path) : path_(path) {
-  std::uintmax_t whole = 0;
-  {
-    std::ifstream lines(path);
-    std::string line;
-    std::size_t number = 0;
-    while (std::getline(lines, line)) {
-      if (lines.eof()) break;  // without its line feed: torn
-      ++number;
-      try {
-        Note(nlohmann::json::parse(line));
-      } catch (const nlohmann::json::exception&) {
-        throw InputError(path + ":" + std::to_string(number) + ": expected a cell of a campaign, found another line");
-      }
-      whole += line.size() + 1;
-    }
-  }
-  std::error_code error;
-  if (std::filesystem::exists(path) && std::filesystem::file_size(path) > whole) {
-    std::filesystem::resize_file(path, whole, error);
-  }
-  file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0 || error) throw InputError(path + ": cannot be written: " + std::strerror(errno));
-}
-
-Journal::~Journal() {
-  if (file_ >= 0) close(file_);
-}
+Journal::Journal(const std::string& path)
+    : file_(path, "a cell of a campaign", [this](const nlohmann::json& line) { Note(line); }) {}
 
 bool Journal::Has(const CellKey& key, int round) const { return done_.count({key, round}) > 0; }
 bool Journal::RanOutOfTime(const CellKey& key) const { return out_of_time_.count(key) > 0; }
@@ -117,12 +80,7 @@ void Journal::Note(const nlohmann::json& line) {
 }
 
 void Journal::Append(const std::vector<Json>& lines) {
-  std::string text;
-  for (const Json& line : lines) text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
-  // One call: what a killed campaign leaves is whole lines, and at most a torn one at the end.
-  const ssize_t written = write(file_, text.data(), text.size());
-  if (written != static_cast<ssize_t>(text.size()))
-    throw InputError(path_ + ": writing failed: " + std::strerror(errno));
+  file_.Append(lines);
   for (const Json& line : lines) Note(nlohmann::json(line));
 }
 
@@ -178,11 +136,6 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
     lines.push_back(std::move(line));
   }
   Append(lines);
-  const double now = SteadyNow();
-  if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
-    fdatasync(file_);
-    synchronised_ = now;
-  }
 }
 
 void Journal::WriteExcluded(const ManifestEntry& problem, const PlannedCell& cell, const std::vector<double>& tiers) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/campaign/append_only_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/cell.h"
 
@@ -24,17 +25,13 @@ struct CellKey {
   auto operator<=>(const CellKey&) const = default;
 };
 
-/// What has been run of a campaign: cells.jsonl (RESULTS.md), appended to and never changed. Every line is written by
-/// one call before the next cell begins, so that a killed campaign loses at most the solve in flight, and a machine
-/// that goes down the last two seconds; a last line that was torn is cut off when the campaign goes on.
+/// What has been run of a campaign: cells.jsonl (RESULTS.md). Every line is written before the next cell begins
+/// (append_only_file.h).
 class Journal {
  public:
   /// Opens or creates the file and reads which cells it has.
   /// @throws InputError where it cannot be written, or has a line that is no cell
   explicit Journal(const std::string& path);
-  ~Journal();
-  Journal(const Journal&) = delete;
-  Journal& operator=(const Journal&) = delete;
 
   bool Has(const CellKey& key, int round) const;
   /// What the tiers' first round found, for the rules that depend on it.
@@ -61,14 +58,12 @@ class Journal {
   void Note(const nlohmann::json& line);
   void Append(const std::vector<nlohmann::ordered_json>& lines);
 
-  std::string path_;
-  int file_ = -1;
-  double synchronised_ = 0;     // with the disk, when
   std::vector<double> probes_;  // ascending
   std::set<std::pair<CellKey, int>> done_;
   std::set<CellKey> out_of_time_;
   std::set<CellKey> passed_;
   std::map<CellKey, std::vector<double>> times_;
+  AppendOnlyFile file_;  // last: it tells the others what it has
 };
 
 }  // namespace lcpbench

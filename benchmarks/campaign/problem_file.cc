@@ -71,8 +71,8 @@ void WriteProblems(const std::string& path, const std::vector<Manifest>& manifes
   const std::set<std::string> done = IdsOf(path);
   std::size_t all = 0;
   for (const auto& flags : wanted) all += static_cast<std::size_t>(std::count(flags.begin(), flags.end(), true));
-  if (all <= done.size()) return;
   std::ofstream file(path, std::ios::app);
+  if (all <= done.size()) return;
   ProgressBar bar("problems", static_cast<double>(all - done.size()));
   for (std::size_t m = 0; m < manifests.size(); ++m) {
     const std::string folder = std::filesystem::path(paths[m]).parent_path().string();

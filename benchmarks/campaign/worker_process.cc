@@ -16,9 +16,11 @@
 #include <cstring>
 #include <iostream>
 #include <new>
+#include <sstream>
 #include <stdexcept>
 
 #include "benchmarks/campaign/cell_runner.h"
+#include "benchmarks/campaign/sequence_runner.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
 
@@ -30,6 +32,8 @@ constexpr int kNotStarted = 127;
 constexpr char kMark = '#';
 constexpr const char* kSolveMark = "# solve";
 constexpr const char* kRepeatMark = "# repeat";
+constexpr const char* kStepMark = "# step ";
+constexpr double kSecondsBetweenSteps = 0.2;  // of a sequence that the worker tells of
 constexpr const char* kRefusedMark = "# refused ";
 // An allocation that the limit refused ends the worker with this status.
 constexpr int kOutOfMemory = 86;
@@ -137,9 +141,11 @@ bool WorkerProcess::ReadLine(double limit_s, std::string* line, std::string* how
   }
 }
 
-CellReply WorkerProcess::Run(const CellRequest& request) {
+std::optional<std::string> WorkerProcess::Ask(const std::string& request,
+                                              const std::function<Phase(const std::string& mark)>& phase_of,
+                                              std::string* how, std::string* detail) {
   if (pid_ <= 0) Start();
-  const std::string line = FormatRequest(request) + "\n";
+  const std::string line = request + "\n";
   size_t written = 0;
   while (written < line.size()) {
     const ssize_t count = write(to_, line.data() + written, line.size() - written);
@@ -147,25 +153,18 @@ CellReply WorkerProcess::Run(const CellRequest& request) {
     if (count <= 0) break;  // it ended: reading says how
     written += static_cast<size_t>(count);
   }
-  const double solve_limit = request.time_limit_s * (1 + options_.grace_share) + options_.grace_s;
-  double limit = options_.make_s;
-  std::string phase = "while the problem was made";
+  Phase phase{options_.make_s, "while the problem was made"};
   std::string reply;
-  std::string how;
-  while (ReadLine(limit, &reply, &how)) {
-    if (reply.empty() || reply.front() != kMark) return ParseReply(reply);
+  while (ReadLine(phase.limit_s, &reply, how)) {
+    if (reply.empty() || reply.front() != kMark) return reply;
     if (reply.starts_with(kRefusedMark)) throw InputError(reply.substr(std::strlen(kRefusedMark)));
-    const bool repeats = reply == kRepeatMark;
-    phase = repeats ? "while it was timed" : "while it was set up or solved";
-    limit = repeats ? 2 * request.budget_s + solve_limit : solve_limit;
+    phase = phase_of(reply);
   }
 
-  CellReply outcome;
-  outcome.claim = how;
-  if (how == "killed") {
-    outcome.detail = "killed after " + std::to_string(static_cast<int>(limit)) + " s " + phase;
+  if (*how == "killed") {
+    *detail = "killed after " + std::to_string(static_cast<int>(phase.limit_s)) + " s " + phase.name;
     End();
-    return outcome;
+    return std::nullopt;
   }
   close(to_);
   close(from_);
@@ -174,14 +173,44 @@ CellReply WorkerProcess::Run(const CellRequest& request) {
   }
   pid_ = -1;
   if (WIFSIGNALED(status)) {
-    outcome.detail = std::string("ended by ") + strsignal(WTERMSIG(status)) + " " + phase;
+    *detail = std::string("ended by ") + strsignal(WTERMSIG(status)) + " " + phase.name;
   } else if (WEXITSTATUS(status) == kOutOfMemory) {
-    outcome.claim = "out_of_memory";
-    outcome.detail = "memory beyond the limit " + phase;
+    *how = "out_of_memory";
+    *detail = "memory beyond the limit " + phase.name;
   } else {
-    outcome.detail = "ended with status " + std::to_string(WEXITSTATUS(status)) + " " + phase;
+    *detail = "ended with status " + std::to_string(WEXITSTATUS(status)) + " " + phase.name;
   }
-  return outcome;
+  return std::nullopt;
+}
+
+CellReply WorkerProcess::Run(const CellRequest& request) {
+  const double solve_limit = request.time_limit_s * (1 + options_.grace_share) + options_.grace_s;
+  CellReply outcome;
+  const std::optional<std::string> reply = Ask(
+      FormatRequest(request),
+      [&](const std::string& mark) {
+        return mark == kRepeatMark ? Phase{2 * request.budget_s + solve_limit, "while it was timed"}
+                                   : Phase{solve_limit, "while it was set up or solved"};
+      },
+      &outcome.claim, &outcome.detail);
+  return reply ? ParseReply(*reply) : outcome;
+}
+
+SequenceReply WorkerProcess::Run(const SequenceRequest& request) {
+  SequenceReply outcome;
+  const std::optional<std::string> reply = Ask(
+      FormatSequenceRequest(request),
+      [&](const std::string& mark) {
+        // "# step NUMBER LIMIT"
+        std::istringstream words(mark.substr(std::strlen(kStepMark)));
+        std::string step;
+        double limit = 0;
+        words >> step >> limit;
+        return Phase{kSecondsBetweenSteps + limit * (1 + options_.grace_share) + options_.grace_s,
+                     "in step " + step + " or soon after"};
+      },
+      &outcome.outcome, &outcome.detail);
+  return reply ? ParseSequenceReply(*reply) : outcome;
 }
 
 int ServeCells() {
@@ -202,9 +231,21 @@ int ServeCells() {
   // What does not fit ends the worker: the next one starts with all its memory.
   std::set_new_handler([] { _exit(kOutOfMemory); });
   CellRunner runner;
+  SequenceRunner sequences;
   std::string line;
   while (std::getline(std::cin, line)) {
     try {
+      if (IsSequenceRequest(line)) {
+        // Not every step: who is told wakes up, on the same processor perhaps, and would be timed.
+        double told = -kSecondsBetweenSteps;
+        tell(FormatSequenceReply(sequences.Run(ParseSequenceRequest(line), [&](int step, double limit_s) {
+          const double now = SteadyNow();
+          if (now - told < kSecondsBetweenSteps) return;
+          told = now;
+          tell(kStepMark + std::to_string(step) + " " + std::to_string(limit_s));
+        })));
+        continue;
+      }
       const CellReply reply = runner.Run(ParseRequest(line), [&tell](CellRunner::Phase phase) {
         tell(phase == CellRunner::Phase::kSolve ? kSolveMark : kRepeatMark);
       });

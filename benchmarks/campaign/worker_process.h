@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "benchmarks/campaign/cell.h"
+#include "benchmarks/campaign/sequence_cell.h"
 
 namespace lcpbench {
 
@@ -32,8 +35,19 @@ class WorkerProcess {
   /// in detail.
   /// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
   CellReply Run(const CellRequest& request);
+  /// A pass over a sequence; every step has its own limit, and the reply's outcome says how the worker ended.
+  SequenceReply Run(const SequenceRequest& request);
 
  private:
+  // What may follow a mark: how long it may take [s], and its name in texts.
+  struct Phase {
+    double limit_s;
+    std::string name;
+  };
+  // The reply to a request; none where the worker ended: then `how` is crashed, killed or out_of_memory.
+  std::optional<std::string> Ask(const std::string& request,
+                                 const std::function<Phase(const std::string& mark)>& phase_of, std::string* how,
+                                 std::string* detail);
   void Start();
   void End();
   // A line, or none: then `how` says why.

@@ -198,6 +198,8 @@ SequenceEntry ReadSequence(const JsonField& field) {
   entry.family = field["family"].String();
   entry.start = ReadRecipe(field["start"]);
   entry.steps = PositiveInteger(field["steps"]);
+  entry.problems = PositiveInteger(field["problems"]);
+  entry.most_rows = PositiveInteger(field["rows"]["most"]);
   entry.sha256 = ReadHash(field["sha256"]);
   return entry;
 }

@@ -23,7 +23,7 @@ class BadSolver : public LcpSolver {
   void DoPrepare(const LcpProblem& /*problem*/) override {
     if (manner_ == "crash-in-prepare") std::abort();
   }
-  void DoSolve(const LcpProblem& problem, const LcpOptions& /*options*/, LcpResult* result) override {
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     if (manner_ == "crash") std::raise(SIGSEGV);
     if (manner_ == "exit") std::_Exit(3);
     if (manner_ == "throw") throw std::runtime_error("the library gave up");
@@ -37,6 +37,10 @@ class BadSolver : public LcpSolver {
     if (manner_ == "print") {
       std::printf("printing to standard output\n");
       std::fflush(stdout);
+    }
+    if (manner_ == "add-one") {
+      if (options.initial_f != nullptr) result->f = *options.initial_f;
+      result->f.array() += 1;
     }
     // Claims success, whatever f is.
     result->status = LcpStatus::kSolved;

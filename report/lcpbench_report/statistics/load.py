@@ -12,6 +12,8 @@ from pathlib import Path
 from ..errors import ReportError
 from .fields import check_fields, check_word
 from .jsonl import read_lines
+from .steps import FILE as STEPS_FILE
+from .steps import PassKey, PassRuns, read_passes, read_sequences
 
 SCHEMA = "lcpbench-campaign/1"
 MODES = ("cold", "cold-cache", "warm")
@@ -68,6 +70,8 @@ class Campaign:
     problems: dict[str, dict]
     cells: dict[CellKey, CellRuns]
     notes: list[str]  # what was passed over
+    sequences: dict[str, dict] = field(default_factory=dict)  # of campaign.json, by name
+    passes: dict[PassKey, PassRuns] = field(default_factory=dict)  # over the sequences
 
     def time_limit(self, rows: int) -> float:
         """Of one solve of a problem with so many rows [s]."""
@@ -81,13 +85,23 @@ class Campaign:
 
 
 def load_campaign(folder: Path) -> Campaign:
-    """@throws ReportError for the first thing that does not fit"""
+    """A campaign of sequences alone need not have the files of problems and cells.
+
+    @throws ReportError for the first thing that does not fit
+    """
     if not folder.is_dir():
         raise ReportError(str(folder), "no such folder", "a campaign's folder")
     notes: list[str] = []
     info = _read_info(folder / "campaign.json")
-    problems = _read_problems(folder / "problems.jsonl", notes.append)
-    return Campaign(info, problems, _read_cells(folder / "cells.jsonl", info, problems, notes.append), notes)
+    problems: dict[str, dict] = {}
+    cells: dict[CellKey, CellRuns] = {}
+    has_cells = any((folder / name).is_file() for name in ("problems.jsonl", "cells.jsonl"))
+    if has_cells or not (folder / STEPS_FILE).is_file():
+        problems = _read_problems(folder / "problems.jsonl", notes.append)
+        cells = _read_cells(folder / "cells.jsonl", info, problems, notes.append)
+    sequences = read_sequences(info, "campaign.json")
+    passes = read_passes(folder / STEPS_FILE, info, sequences, notes.append)
+    return Campaign(info, problems, cells, notes, sequences, passes)
 
 
 def _read_info(path: Path) -> dict:

@@ -1,0 +1,141 @@
+#include "benchmarks/campaign/sequence_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "benchmarks/collection/content_hash.h"
+#include "benchmarks/collection/gzip_output.h"
+#include "benchmarks/collection/sequences.h"
+#include "benchmarks/gzip_input.h"
+#include "benchmarks/interrupt.h"
+#include "benchmarks/reference_floor.h"
+#include "model/motion/row_matching.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/json_lines.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+void RequireHash(const std::string& name, const std::string& expected, const std::string& found) {
+  if (expected == found) return;
+  throw InputError(name + ": expected the sequence with SHA-256 " + expected + ", found " + found);
+}
+
+// Redundant rows whose doubles nearly contradict themselves have exact answers of huge forces: the w of these, rounded,
+// is not w any more, and their floor would excuse everything.
+constexpr double kLargestFloorOfW = 1e-12;
+constexpr double kStrictestTier = 1e-9;
+constexpr double kFloorTimeLimit = 10;  // [s]
+
+// The least that is known: a smaller one than the strictest tier changes no verdict.
+double FloorOf(const LcpProblem& problem, double exact_floor) {
+  if (exact_floor <= kStrictestTier) return exact_floor;
+  const ReferenceFloor found = FindReferenceFloor(problem, kStrictestTier, kFloorTimeLimit);
+  return std::min(exact_floor, found.reference.floor.value_or(exact_floor));
+}
+
+// The line without its closing brace goes on with more members.
+std::string Line(const LcpProblem& problem, const MotionProblem& met, const std::vector<int>& previous) {
+  Json more;
+  const bool solved = met.result.status == LcpStatus::kSolved;
+  const double exact_floor = solved ? RoundingFloor(problem, met.result.f) : std::numeric_limits<double>::infinity();
+  // With a detail it is the answer to a problem that differs a little (exact_solver.h): its w is not this one's.
+  if (solved && met.result.detail.empty() && exact_floor <= kLargestFloorOfW) {
+    const Eigen::VectorXd w = ComputeMetrics(problem, met.result.f).w;
+    more["status"] = ToString(met.result.status);
+    more["w"] = std::vector<double>(w.begin(), w.end());
+  }
+  const double floor = FloorOf(problem, exact_floor);
+  more["floor"] = std::isfinite(floor) ? Json(floor) : Json(nullptr);
+  more["previous"] = previous;
+  std::string line = FormatLcpRecord(problem);
+  line.pop_back();
+  return line + "," + more.dump().substr(1) + "\n";
+}
+
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
+  std::vector<int> previous;
+  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
+  return previous;
+}
+
+SequenceStep ParseStep(const std::string& line, const std::string& where, std::size_t rows_before) {
+  LcpRecord record = ParseLcpRecord(line, where);
+  SequenceStep step{std::move(record.problem), {}, std::move(record.reference)};
+  try {
+    const auto json = nlohmann::json::parse(line);
+    json.at("previous").get_to(step.previous);
+    if (!json.at("floor").is_null()) step.reference.floor = json.at("floor").get<double>();
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(where + ": expected members 'previous' and 'floor' of a sequence's line");
+  }
+  bool fits = step.previous.size() == static_cast<std::size_t>(step.problem.size());
+  for (const int row : step.previous) fits = fits && row >= -1 && row < static_cast<int>(rows_before);
+  if (!fits) throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+  return step;
+}
+
+}  // namespace
+
+std::string SequencePath(const std::string& folder, const std::string& id) {
+  return (fs::path(folder) / "sequences" / (id + ".jsonl.gz")).string();
+}
+
+void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
+  std::string text;
+  SequenceHash hash;
+  RowMatching matching;
+  const std::string end =
+      ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        Interruption::Check();
+        hash.Add(problem);
+        text += Line(problem, met, PreviousRows(&matching, met));
+      });
+  if (!end.empty()) throw InputError(entry.id + ": " + end);
+  RequireHash(entry.id, entry.sha256, hash.Result());
+  std::error_code error;
+  fs::create_directories(fs::path(path).parent_path(), error);
+  const std::string part = path + ".part";
+  WriteGzipFile(part, text);
+  fs::rename(part, path, error);
+  if (error) throw InputError(path + ": cannot be written: " + error.message());
+}
+
+std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file || fs::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
+  GzipBuffer gzip(file);
+  std::istream lines(&gzip);
+  std::vector<SequenceStep> steps;
+  SequenceHash hash;
+  std::string line;
+  std::size_t rows_before = 0;
+  while (std::getline(lines, line)) {
+    steps.push_back(ParseStep(line, path + ":" + std::to_string(steps.size() + 1), rows_before));
+    hash.Add(steps.back().problem);
+    rows_before = steps.back().previous.size();
+  }
+  if (!gzip.error().empty()) throw InputError(path + ": " + gzip.error());
+  RequireHash(path, sha256, hash.Result());
+  return steps;
+}
+
+Eigen::VectorXd CarryOver(const Eigen::VectorXd& f, const std::vector<int>& previous) {
+  Eigen::VectorXd carried = Eigen::VectorXd::Zero(static_cast<Index>(previous.size()));
+  for (std::size_t k = 0; k < previous.size(); ++k) {
+    if (previous[k] >= 0) carried[static_cast<Index>(k)] = f[previous[k]];
+  }
+  return carried;
+}
+
+}  // namespace lcpbench

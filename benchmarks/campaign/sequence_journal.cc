@@ -1,0 +1,74 @@
+#include "benchmarks/campaign/sequence_journal.h"
+
+#include <cstdio>
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json MembersOf(const SequenceEntry& sequence, const PlannedPass& pass, int round) {
+  Json line;
+  line["sequence"] = sequence.id;
+  line["solver"] = pass.solver;
+  line["tier"] = pass.tier;
+  line["mode"] = pass.mode;
+  line["deadline_s"] = pass.deadline_s > 0 ? Json(pass.deadline_s) : Json(nullptr);
+  line["round"] = round;
+  line["excluded"] = pass.excluded;
+  return line;
+}
+
+}  // namespace
+
+SequenceJournal::Key SequenceJournal::KeyOf(const std::string& sequence, const std::string& solver, double tier,
+                                            const std::string& mode) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.3e", tier);
+  return {sequence, solver, text, mode};
+}
+
+SequenceJournal::SequenceJournal(const std::string& path)
+    : file_(path, "a pass over a sequence", [this](const nlohmann::json& line) { Note(line); }) {}
+
+bool SequenceJournal::Has(const std::string& sequence, const PlannedPass& pass, int round) const {
+  return done_.count({KeyOf(sequence, pass.solver, pass.tier, pass.mode), round}) > 0;
+}
+
+std::string SequenceJournal::FirstOutcome(const std::string& sequence, const PlannedPass& pass) const {
+  const auto found = first_outcomes_.find(KeyOf(sequence, pass.solver, pass.tier, pass.mode));
+  return found == first_outcomes_.end() ? "" : found->second;
+}
+
+void SequenceJournal::Note(const nlohmann::json& line) {
+  const Key key = KeyOf(line.at("sequence").get<std::string>(), line.at("solver").get<std::string>(),
+                        line.at("tier").get<double>(), line.at("mode").get<std::string>());
+  const int round = line.at("round").get<int>();
+  done_.insert({key, round});
+  if (round > 0 || !line.at("excluded").get<std::string>().empty()) return;
+  first_outcomes_[key] = line.at("outcome").get<std::string>();
+}
+
+void SequenceJournal::Append(const Json& line) {
+  file_.Append({line});
+  Note(nlohmann::json(line));
+}
+
+void SequenceJournal::Write(const SequenceEntry& sequence, const PlannedPass& pass, int round,
+                            const SequenceReply& reply, const std::string& environment_hash) {
+  Json line = MembersOf(sequence, pass, round);
+  line["outcome"] = reply.outcome;
+  line["detail"] = reply.detail;
+  line["steps"] = sequence.problems;
+  const Json results =
+      reply.results.empty() ? NothingReached(pass.judged, static_cast<int>(sequence.problems)) : reply.results;
+  line.update(results);
+  line["environment"] = environment_hash;
+  Append(line);
+}
+
+void SequenceJournal::WriteExcluded(const SequenceEntry& sequence, const PlannedPass& pass) {
+  Append(MembersOf(sequence, pass, 0));
+}
+
+}  // namespace lcpbench

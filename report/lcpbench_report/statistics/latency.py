@@ -1,0 +1,213 @@
+"""How long the steps of a motion take, how much a warm start gains, and what a deadline leaves of the answers.
+
+What an engine waits for is a step's latency (Round.latency): the median says what a frame costs, the 99th percentile
+and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
+processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
+`preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
+pass ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
+definition 7).
+"""
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy import stats
+
+from .intervals import CONFIDENCE, RESAMPLES, SEED, share_interval
+from .load import Campaign
+from .steps import PassRuns
+
+ALL = "all"  # the value of the column `size` for sequences of all sizes
+_LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
+_VERIFIED = ["verified", "verified_share"]
+LATENCY_COLUMNS = ["set", "sequence", "family", "rows", "solver", "tier", "mode", "excluded", "outcome", "rounds",
+                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "setup_p50", "solve_p50",
+                   "convert_p50", "iterations_p50"]
+SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
+                  *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
+DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
+                    *_VERIFIED, "verified_low", "verified_high", "rho_p50", "rho_p99", "rho_max",
+                    "w_error_p99", "w_error_max"]
+
+
+@dataclass
+class JudgedPass:
+    """A pass at one of the tiers that it was judged at."""
+
+    sequence: dict  # as in campaign.json
+    solver: str
+    tier: float
+    mode: str
+    runs: PassRuns
+
+    @property
+    def rounds(self):
+        return self.runs.in_order()
+
+    def preempted(self) -> np.ndarray:
+        """Steps that were disturbed in every round."""
+        return np.all([r.preempted for r in self.rounds], axis=0)
+
+    def latency(self) -> np.ndarray:
+        """Of every step the median over the rounds that were not disturbed [s]."""
+        times = np.array([_or_infinite(r.latency()) for r in self.rounds])
+        counts = ~np.array([r.preempted for r in self.rounds]) | self.preempted()
+        return np.nanmedian(np.where(counts, times, np.nan), axis=0)
+
+    def verified(self) -> np.ndarray:
+        """By step. With a deadline the answer depends on the time that it had: all rounds, one behind the other."""
+        if self.runs.deadline_s is None:
+            return self.rounds[0].verified[self.tier]
+        return np.concatenate([r.verified[self.tier] for r in self.rounds])
+
+
+def latency_table(campaign: Campaign) -> pd.DataFrame:
+    """A row per sequence, solver, mode and tier; with a deadline the tier asked for alone."""
+    return pd.DataFrame([_latency_row(one) for one in _judged(campaign)], columns=LATENCY_COLUMNS)
+
+
+def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
+    """A row per solver, mode, tier and size: the steps of all sequences of that size together. `warm_gain` (mode warm):
+    the median over steps of the cold latency by the warm one, both verified, and its bootstrap interval over
+    sequences."""
+    rows = []
+    passes = list(_judged(campaign))
+    cold = {(one.sequence["sequence"], one.solver, one.tier): one for one in passes if one.mode == "cold"}
+    for (solver, mode, tier), own in _grouped(passes, lambda one: (one.solver, one.mode, one.tier)):
+        for size, chosen in _by_size(own):
+            run = [one for one in chosen if not one.runs.excluded]
+            row = {"solver": solver, "tier": tier, "mode": mode, "size": size, "sequences": len(run),
+                   "excluded": len(chosen) - len(run)}
+            if run:
+                row |= _verdicts(run) | _quantiles(np.concatenate([one.latency() for one in run]), _LEVELS)
+                row["raw_max"] = max(_raw_max(one) for one in run)
+                row["preempted"] = sum(int(one.preempted().sum()) for one in run)
+            if mode == "warm":
+                row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
+            rows.append(row)
+    return pd.DataFrame(rows, columns=SOLVER_COLUMNS)
+
+
+def deadline_table(campaign: Campaign) -> pd.DataFrame:
+    """A row per solver, deadline, size and tier that answers are judged at; all rounds. `in_time`: steps whose answer
+    came by the deadline; errors are of these answers, infinite where an answer is not finite."""
+    passes = [JudgedPass(campaign.sequences[sequence], solver, tier, mode, runs)
+              for (sequence, solver, tier, mode), runs in campaign.passes.items()
+              if runs.deadline_s is not None and not runs.excluded]
+    rows = []
+    for (solver, deadline), own in _grouped(passes, lambda one: (one.solver, one.runs.deadline_s)):
+        for size, chosen in _by_size(own):
+            rounds = [r for one in chosen for r in one.rounds]
+            in_time = [~r.late & ~np.isnan(r.solve_s) for r in rounds]
+            answered, steps = int(sum(map(np.sum, in_time))), sum(map(len, in_time))
+            shared = {"solver": solver, "deadline_s": deadline, "size": size, "sequences": len(chosen), "steps": steps,
+                      "in_time": answered, "in_time_share": answered / steps}
+            rho = np.concatenate([_or_infinite(r.rho)[there] for r, there in zip(rounds, in_time)])
+            w_error = np.concatenate([r.w_error[there] for r, there in zip(rounds, in_time)])
+            shared |= _quantiles(rho, _LEVELS, "rho_")
+            shared |= _quantiles(w_error[~np.isnan(w_error)], {"p99": 0.99, "max": 1.0}, "w_error_")
+            for tier in sorted(rounds[0].verified, reverse=True):
+                verified = int(sum(r.verified[tier].sum() for r in rounds))
+                low, high = share_interval(verified, steps)
+                rows.append(shared | {"tier": tier, "verified": verified, "verified_share": verified / steps,
+                                      "verified_low": low, "verified_high": high})
+    return pd.DataFrame(rows, columns=DEADLINE_COLUMNS)
+
+
+def _judged(campaign: Campaign) -> Iterator[JudgedPass]:
+    for (sequence, solver, tier, mode), runs in campaign.passes.items():
+        tiers = [tier]
+        if runs.deadline_s is None and not runs.excluded:
+            tiers = sorted(runs.rounds[0].verified, reverse=True)
+        for judged in tiers:
+            yield JudgedPass(campaign.sequences[sequence], solver, judged, mode, runs)
+
+
+def _latency_row(one: JudgedPass) -> dict:
+    row = {key: one.sequence[key] for key in ("set", "sequence", "family", "rows")}
+    row |= {"solver": one.solver, "tier": one.tier, "mode": one.mode, "excluded": one.runs.excluded,
+            "rounds": len(one.rounds)}
+    if one.runs.excluded:
+        return row
+    row |= {"outcome": one.rounds[0].outcome} | _verdicts([one]) | _quantiles(one.latency(), _LEVELS)
+    row |= {"raw_max": _raw_max(one), "preempted": int(one.preempted().sum())}
+    for name in ("setup_s", "solve_s", "convert_s", "iterations"):
+        found = [getattr(r, name) for r in one.rounds if getattr(r, name) is not None]
+        known = np.concatenate(found) if found else np.empty(0)
+        known = known[~np.isnan(known)]
+        row[name.removesuffix("_s") + "_p50"] = float(np.median(known)) if len(known) else math.nan
+    return row
+
+
+def _verdicts(passes: list[JudgedPass]) -> dict:
+    verified = np.concatenate([one.verified() for one in passes])
+    wrong = sum(r.false_successes[one.tier] for one in passes
+                for r in (one.rounds[:1] if one.runs.deadline_s is None else one.rounds))
+    return {"steps": len(verified), "verified": int(verified.sum()), "verified_share": float(verified.mean()),
+            "false_successes": wrong}
+
+
+def _raw_max(one: JudgedPass) -> float:
+    return float(max(_or_infinite(r.latency()).max() for r in one.rounds))
+
+
+def _or_infinite(values: np.ndarray) -> np.ndarray:
+    return np.where(np.isnan(values), np.inf, values)
+
+
+def _quantiles(values: np.ndarray, levels: dict[str, float], prefix: str = "") -> dict[str, float]:
+    """Infinite where the upper of the two order statistics is; NaN without any value."""
+    if not len(values):
+        return {prefix + name: math.nan for name in levels}
+    ordered = np.sort(values)
+    found = {}
+    for name, level in levels.items():
+        place = level * (len(ordered) - 1)
+        low, high = ordered[math.floor(place)], ordered[math.ceil(place)]
+        part = place - math.floor(place)
+        found[prefix + name] = float(low if part == 0 or low == high else low + part * (high - low))
+    return found
+
+
+def _cold_over_warm(warm: JudgedPass, cold: dict) -> Iterator[np.ndarray]:
+    other = cold.get((warm.sequence["sequence"], warm.solver, warm.tier))
+    if other is None or other.runs.excluded:
+        return
+    both = warm.verified() & other.verified()
+    if both.any():
+        yield other.latency()[both] / warm.latency()[both]
+
+
+def _warm_gain(ratios: list[np.ndarray]) -> dict[str, float]:
+    """Of the steps of all sequences; drawn again are sequences, for the steps of one are alike."""
+    if not ratios:
+        return {}
+    gain = {"warm_gain": float(np.median(np.concatenate(ratios)))}
+    if len(ratios) < 2:
+        return gain
+
+    def median_of(drawn: np.ndarray) -> float:
+        return np.median(np.concatenate([ratios[k] for k in drawn]))
+
+    interval = stats.bootstrap((np.arange(len(ratios)),), median_of, n_resamples=RESAMPLES,
+                               confidence_level=CONFIDENCE, method="percentile", vectorized=False,
+                               random_state=np.random.default_rng(SEED)).confidence_interval
+    return gain | {"warm_gain_low": float(interval.low), "warm_gain_high": float(interval.high)}
+
+
+def _grouped(passes: Iterable[JudgedPass], key) -> list[tuple]:
+    """By key, in order; keys that are numbers come largest first (tiers) where they are last."""
+    found: dict[tuple, list[JudgedPass]] = {}
+    for one in passes:
+        found.setdefault(key(one), []).append(one)
+    return sorted(found.items(), key=lambda item: (*item[0][:-1], -item[0][-1]))
+
+
+def _by_size(passes: list[JudgedPass]) -> Iterator[tuple[str, list[JudgedPass]]]:
+    sizes = sorted({one.sequence["rows"] for one in passes})
+    for size in sizes:
+        yield str(size), [one for one in passes if one.sequence["rows"] == size]
+    yield ALL, passes

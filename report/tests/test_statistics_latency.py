@@ -1,0 +1,190 @@
+"""Tables of steps: quantiles that are known, and what is refused."""
+
+import contextlib
+import io
+import json
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+
+import analyse  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.statistics.latency import (deadline_table, latency_by_solver_table,  # noqa: E402
+                                                latency_table)
+from lcpbench_report.statistics.load import load_campaign  # noqa: E402
+from lcpbench_report.statistics.tables import FOLDER, STEP_TABLES  # noqa: E402
+from synthetic_campaign import write_campaign  # noqa: E402
+from synthetic_steps import STEPS, TIERS, exclude, one_pass, write_sequences  # noqa: E402
+
+RISING = [1e-6 * (k + 1) for k in range(STEPS)]  # 1 us to 101 us: median 51, 99 % 100
+
+
+class StepTables(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+
+    def load(self, passes: list[dict]):
+        return load_campaign(write_sequences(self.folder, passes))
+
+    def test_quantiles_of_a_pass_are_those_of_set_up_and_solve(self):
+        row = latency_table(self.load([one_pass("pile-12", "quick", "cold", RISING, setup_s=1e-6, failed=[7])])).iloc[0]
+        self.assertEqual((row["rows"], row["family"], row["steps"], row["verified"]), (12, "pile", STEPS, STEPS - 1))
+        np.testing.assert_allclose(row[["p50", "p99", "max", "raw_max"]].tolist(), [52e-6, 101e-6, 102e-6, 102e-6])
+        np.testing.assert_allclose(row[["setup_p50", "solve_p50"]].tolist(), [1e-6, 51e-6])
+
+    def test_of_every_step_the_median_over_rounds_counts_and_the_worst_is_told(self):
+        disturbed = [1e-3, *RISING[1:]]
+        passes = [one_pass("pile-12", "quick", "cold", times, index=index)
+                  for index, times in enumerate([RISING, disturbed, RISING])]
+        row = latency_table(self.load(passes)).iloc[0]
+        np.testing.assert_allclose(row[["p50", "max", "raw_max"]].tolist(), [51e-6, 101e-6, 1e-3])
+        self.assertEqual(row["rounds"], 3)
+
+    def test_where_the_machine_did_something_else_another_round_counts(self):
+        disturbed = [*RISING[:-1], 4e-3]
+        for undisturbed, worst in ((1, 101e-6), (0, 4e-3)):
+            passes = [one_pass("pile-12", "quick", "cold", disturbed, index=0, preempted=[STEPS - 1])]
+            passes += [one_pass("pile-12", "quick", "cold", RISING, index=1)] * undisturbed
+            campaign = self.load(passes)
+            for row in (latency_table(campaign).iloc[0], latency_by_solver_table(campaign).iloc[0]):
+                np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
+                self.assertEqual(row["preempted"], 1 - undisturbed)
+
+    def test_the_boundary_between_processes_is_no_latency(self):
+        line = one_pass("pile-12", "peer", "cold", RISING, setup_s=1.0, convert_s=5e-6)
+        row = latency_table(self.load([line])).iloc[0]
+        np.testing.assert_allclose(row[["p50", "max", "convert_p50"]].tolist(), [56e-6, 106e-6, 5e-6])
+
+    def test_steps_that_were_not_reached_take_for_ever(self):
+        row = latency_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
+        self.assertEqual((row["outcome"], row["verified"]), ("budget", 60))
+        self.assertTrue(np.isclose(row["p50"], 51e-6) and np.isinf(row["p99"]) and np.isinf(row["max"]))
+
+    def test_a_direct_solver_has_a_row_at_every_tier_that_it_is_judged_at(self):
+        campaign = self.load([one_pass("pile-12", "quick", mode, RISING, judged=TIERS) for mode in ("cold", "warm")])
+        table = latency_table(campaign)
+        self.assertEqual(table["tier"].tolist(), [1e-3, 1e-6] * 2)
+        self.assertEqual(set(latency_by_solver_table(campaign)["tier"]), set(TIERS))
+
+    def test_sizes_are_pooled(self):
+        slow = [10 * time for time in RISING]
+        campaign = self.load([one_pass("pile-12", "quick", "cold", RISING), one_pass("chain-12", "quick", "cold", slow),
+                              exclude(one_pass("pile-40", "quick", "cold", []))])
+        table = latency_by_solver_table(campaign).set_index("size")
+        self.assertEqual(table.index.tolist(), ["12", "40", "all"])
+        self.assertAlmostEqual(table.loc["12", "p50"], np.median(RISING + slow))
+        self.assertEqual(table.loc["12", "steps"], 2 * STEPS)
+        self.assertEqual(table["excluded"].tolist(), [0, 1, 1])
+        self.assertTrue(np.isnan(table.loc["40", "p50"]))
+
+    def test_the_gain_is_the_median_of_cold_by_warm_where_both_are_verified(self):
+        passes = []
+        for sequence, factor in (("pile-12", 2.0), ("chain-12", 3.0), ("pile-40", 3.0)):
+            passes.append(one_pass(sequence, "quick", "cold", [factor * time for time in RISING], failed=range(50)))
+            # Where the cold answer is wrong the warm one is a hundred times faster: that must not count.
+            warm = [time / 100 if k < 50 else time for k, time in enumerate(RISING)]
+            passes.append(one_pass(sequence, "quick", "warm", warm))
+        table = latency_by_solver_table(self.load(passes))
+        row = table[(table["mode"] == "warm") & (table["size"] == "all")].iloc[0]
+        np.testing.assert_allclose(row[["warm_gain", "warm_gain_low", "warm_gain_high"]].tolist(), [3, 2, 3])
+        self.assertTrue(table.loc[table["mode"] == "cold", "warm_gain"].isna().all())
+
+    def test_deadlines_tell_who_was_late_and_how_wrong_the_others_are(self):
+        rho = [1e-9 * (k + 1) for k in range(STEPS)]  # 1e-9 to 1.01e-7
+        rounds = [one_pass("pile-12", "quick", "deadline-1ms", RISING, index=index, late=late, failed=[3], rho=rho,
+                           judged=TIERS)
+                  for index, late in enumerate([[], [100]])]
+        table = deadline_table(self.load(rounds))
+        self.assertEqual(table["size"].tolist(), ["12", "12", "all", "all"])
+        self.assertEqual(table["tier"].tolist(), [1e-3, 1e-6] * 2)
+        row = table.iloc[1]
+        self.assertEqual((row["steps"], row["in_time"], row["verified"]), (2 * STEPS, 2 * STEPS - 1, 2 * STEPS - 3))
+        answered = rho + rho[:-1]
+        np.testing.assert_allclose(row[["rho_p50", "rho_p99", "rho_max", "w_error_max"]].tolist(),
+                                   [np.median(answered), np.quantile(answered, 0.99), 1.01e-7, 2e-9])
+        self.assertLess(row["verified_low"], row["verified_share"])
+
+    def test_an_answer_in_time_that_is_not_finite_has_an_infinite_error(self):
+        rho = [None, *[1e-9] * (STEPS - 1)]
+        table = deadline_table(self.load([one_pass("pile-12", "quick", "deadline-1ms", RISING, rho=rho, failed=[0])]))
+        self.assertTrue(np.isinf(table["rho_max"]).all())
+        self.assertEqual(table["in_time"].iloc[0], STEPS)
+
+    def test_a_campaign_of_sequences_alone_has_their_tables_alone(self):
+        write_sequences(self.folder, [one_pass("pile-12", "quick", "warm", RISING)])
+        for empty in (False, True):
+            if empty:
+                for name in ("problems.jsonl", "cells.jsonl"):
+                    (self.folder / name).touch()
+            self.assertEqual(analyse.main([str(self.folder)]), 0)
+            written = {path.stem for path in (self.folder / FOLDER).iterdir()}
+            self.assertEqual(written, set(STEP_TABLES))
+        self.assertEqual(len(pd.read_csv(self.folder / FOLDER / "latency.csv")), 1)
+
+    def test_a_campaign_of_cells_alone_has_no_tables_of_steps(self):
+        write_campaign(self.folder, {"a": 1.0, "b": 2.0}, copies=1)
+        self.assertEqual(analyse.main([str(self.folder)]), 0)
+        self.assertFalse((self.folder / FOLDER / "latency.csv").exists())
+        self.assertTrue((self.folder / FOLDER / "cells.csv").exists())
+
+    def test_without_passes_there_are_headers(self):
+        campaign = self.load([])
+        for table in STEP_TABLES.values():
+            self.assertTrue(table(campaign).empty)
+
+
+class Refusals(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+        self.line = one_pass("pile-12", "quick", "cold", RISING)
+
+    def assert_refused(self, lines: list[dict], text: str):
+        write_sequences(self.folder, lines)
+        with self.assertRaises(ReportError) as caught:
+            load_campaign(self.folder)
+        self.assertIn(text, str(caught.exception))
+        with contextlib.redirect_stderr(io.StringIO()) as error:
+            self.assertEqual(analyse.main([str(self.folder)]), 2)
+        self.assertEqual(error.getvalue().count("\n"), 1)
+
+    def test_every_key_is_missed(self):
+        for key in self.line:
+            if key != "environment":
+                self.assert_refused([{k: v for k, v in self.line.items() if k != key}], key)
+
+    def test_values_that_do_not_fit_are_refused(self):
+        for change, text in (({"sequence": "other"}, "sequence"), ({"solver": "absent"}, "solver"),
+                             ({"tier": 1e-4}, "tier"), ({"solve_s": RISING[1:]}, "solve_s"),
+                             ({"setup_s": [-1.0] * STEPS}, "setup_s"), ({"late": [STEPS]}, "late"),
+                             ({"rho": ["x"] * STEPS}, "rho"), ({"outcome": "fine"}, "outcome"),
+                             ({"steps": 7}, "steps"), ({"verdicts": []}, "verdict")):
+            self.assert_refused([self.line | change], text)
+        verdict = self.line["verdicts"][0]
+        self.assert_refused([self.line | {"verdicts": [verdict | {"failed_steps": [1]}]}], "passed")
+
+    def test_a_pass_that_is_there_twice_or_lacks_its_first_round_is_refused(self):
+        self.assert_refused([self.line, self.line], "twice")
+        self.assert_refused([self.line | {"round": 1}], "round 0")
+
+    def test_a_torn_last_line_is_passed_over_with_a_note(self):
+        write_sequences(self.folder, [self.line])
+        with (self.folder / "steps.jsonl").open("a") as file:
+            file.write(json.dumps(self.line | {"round": 1})[:100])
+        campaign = load_campaign(self.folder)
+        self.assertEqual(len(campaign.notes), 1)
+        self.assertEqual(len(next(iter(campaign.passes.values())).rounds), 1)
+
+
+if __name__ == "__main__":
+    unittest.main()
