@@ -102,12 +102,17 @@ double SmallPivoting::TryGuess() {
     SolveGuess();
     const double rho = Rho();
     if (rho <= kRightRho || round == kMaxGuesses) {
+      IntegerRegister is_negative = {};
       for (Index v = 0; v < stride_ / kRegister; ++v) {
         const Register f = AsRegisters(force_.data())[v];
         const Register least = AsRegisters(least_force_.data())[v];
+        is_negative |= f < least;
         AsRegisters(force_.data())[v] = f > least ? f : least;
       }
-      return rho;
+      // Forces that are rounding only may be all that a row has: its gap is then another without them.
+      bool any_is_negative = false;
+      for (Index k = 0; k < kRegister; ++k) any_is_negative = any_is_negative || is_negative[k] != 0;
+      return any_is_negative ? Rho() : rho;
     }
     guess_.clear();
     for (Index i = 0; i < n_; ++i) {

@@ -102,6 +102,33 @@ TEST(AutoSolver, AWarmStartChangesTheWayAndNotTheAnswer) {
 }
 
 // One unsolvable island among many solvable ones: the ray is of the whole problem.
+// An impact on one body of many that rest: b is rounding in all rows but one, and the rows that pushed before do not any
+// more. Their forces are rounding, too, but signs still count.
+TEST(AutoSolver, AWarmStartIntoAnImpactIsJudgedByWhatItReturns) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    TestRandom random(seed);
+    const int rest = random.Integer(2, 12);
+    const int n = rest + random.Integer(1, 3);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    VectorXd b(n);
+    const auto couple = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) {
+        A(i, i) = 2;
+        b[i] = 1e-16 * random.Integer(-1000, 1000) / 1000.0;
+        if (i + 1 < end) A(i, i + 1) = A(i + 1, i) = random.Integer(-9, 9) / 10.0;
+      }
+    };
+    couple(0, rest);
+    couple(rest, n);
+    b[n - 1] = -random.Integer(1, 10) / 10.0;
+    const VectorXd start = VectorXd::Ones(n);
+    const LcpProblem problem = LcpProblem::FromDense("impact-" + std::to_string(seed), A, b);
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      ExpectRight(problem, Solve(problem, tolerance, &start), tolerance);
+    }
+  }
+}
+
 TEST(AutoSolver, ProvesThatOneIslandHasNoSolution) {
   int proved = 0;
   for (unsigned seed = 0; seed < 40; ++seed) {
