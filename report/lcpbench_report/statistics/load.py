@@ -45,6 +45,7 @@ class CellRuns:
     rounds: dict[int, list[float]] = field(default_factory=dict)  # round -> solve times [s]
     passed: dict[int, bool] = field(default_factory=dict)  # round -> whether it passed
     disturbed: set[int] = field(default_factory=set)  # rounds that the machine disturbed, also when run again
+    environments: dict[int, str] = field(default_factory=dict)  # round -> hash of campaign.json's environment
     setup_s: list[float] = field(default_factory=list)
     convert_s: list[float] = field(default_factory=list)
 
@@ -184,5 +185,6 @@ def _add(place: str, runs: CellRuns, record: dict) -> None:
         return
     if (record.get("disturbance") or {}).get("disturbed"):
         runs.disturbed.add(index)
+    runs.environments[index] = str(record.get("environment", ""))
     runs.setup_s += record["setup_s"]
     runs.convert_s += record["convert_s"] or []

@@ -21,8 +21,8 @@ FOLDER = "analysis"
 # Name -> function of the table of cells.
 TABLES: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "profiles": profile_table, "pairwise": pairwise_table, "means": mean_table,
-    "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table, "delivered": delivered_table, "accuracy": accuracy_table,
-    "oracle": oracle_table,
+    "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table, "delivered": delivered_table,
+    "accuracy": accuracy_table, "oracle": oracle_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {

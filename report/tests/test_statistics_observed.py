@@ -1,4 +1,4 @@
-"""A campaign with variants whose truth is known: what the calibration says of it."""
+"""Tables of what a campaign observes besides: calibration by variants, delivered precision, single repetitions."""
 
 import json
 import sys
@@ -9,11 +9,14 @@ from pathlib import Path
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
+import pandas as pd  # noqa: E402
+
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics.calibration import calibration_table  # noqa: E402
 from lcpbench_report.statistics.cells import cell_table  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
 from lcpbench_report.statistics.precision import delivered_table  # noqa: E402
+from lcpbench_report.statistics.repetitions import COLUMNS, write_repetitions  # noqa: E402
 from synthetic_campaign import Noise, write_campaign  # noqa: E402
 
 VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
@@ -76,6 +79,25 @@ class Delivered(unittest.TestCase):
             self.assertLess(row.verified_share, 1)
             self.assertEqual(row.rho_max, 0.5)
             self.assertGreater(row.mean_s, 0)
+
+
+class Repetitions(unittest.TestCase):
+    def test_every_repetition_is_a_row_and_the_bytes_are_the_same(self):
+        with tempfile.TemporaryDirectory() as name:
+            campaign = load_campaign(write_campaign(Path(name) / "c", {"a": 1.0, "b": 2.0},
+                                                    noise=Noise(repetitions=4, rounds=2)))
+            first, second = Path(name) / "first.csv.gz", Path(name) / "second.csv.gz"
+            rows = write_repetitions(campaign, first)
+            write_repetitions(campaign, second)
+            self.assertEqual(first.read_bytes(), second.read_bytes())
+            table = pd.read_csv(first)
+            self.assertEqual(list(table.columns), COLUMNS)
+            self.assertEqual(len(table), rows)
+            self.assertEqual(rows, len(campaign.cells) * 4 * 2)
+            self.assertFalse(table.duplicated(["problem", "solver", "tier", "mode", "round", "repetition"]).any())
+            medians = table.groupby(["problem", "solver", "tier"])["solve_s"].median()
+            cells = cell_table(campaign).set_index(["problem", "solver", "tier"])["solve_median"]
+            self.assertLess((medians / cells - 1).abs().max(), 1e-8)
 
 
 if __name__ == "__main__":
