@@ -19,6 +19,13 @@ struct NoiseRule {
 /// Whether it is, and by how much: 0 undisturbed, more is worse.
 double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fastest_probe_s);
 
+/// Where settings that a campaign runs besides the defaults were found (tuned_file.h).
+struct TuningSource {
+  std::string file;  ///< name, without its folder; "" where there is none
+  std::string sha256;
+  int budget = 0;  ///< configurations that were tried of a solver, at most
+};
+
 /// What a campaign consists of, fixed before its first solve.
 struct CampaignPlan {
   std::string name;
@@ -41,6 +48,7 @@ struct CampaignPlan {
   double most_s = 2;
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
   NoiseRule noise;
+  TuningSource tuning;
 };
 
 /// One cell. A solver whose settings do not depend on the tolerance has one, at the strictest tier, for all.
