@@ -13,6 +13,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
+#include "benchmarks/tuned_file.h"
 #include "benchmarks/variant_option.h"
 #include "build_info.h"
 #include "solvers/lcp/input_error.h"
@@ -91,6 +92,9 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
       .add_option("--modes", arguments->modes,
                   "Campaigns: cold (with warm caches), cold-cache (caches emptied before every solve) [default: cold]")
       ->delimiter(',');
+  command.add_option(
+      "--tuned", arguments->tuned,
+      "Campaigns: adds KEY-tuned for every solver that `lcpbench tune` chose settings for, data/tuned.json");
 }
 
 BenchmarkFlags TakeBenchmarkFlags(const std::vector<std::string>& flags, CampaignPlan* plan,
@@ -153,7 +157,7 @@ CampaignPlan CampaignOf(const std::string& suite) {
   return plan;
 }
 
-int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const BenchmarkFlags& flags,
+int RunCampaignCommand(CampaignPlan plan, CampaignArguments arguments, const BenchmarkFlags& flags,
                        const std::string& folder) {
   if (!arguments.filter.empty()) plan.filter = arguments.filter;
   if (arguments.rounds != 0) plan.rounds = arguments.rounds;
@@ -163,6 +167,7 @@ int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, co
   options.resume = arguments.resume;
   options.cpu = arguments.cpu;
   if (!arguments.modes.empty()) plan.modes = arguments.modes;
+  if (!arguments.tuned.empty()) AddTunedVariants(arguments.tuned, &plan, &arguments.variants);
   for (const std::string& external : arguments.externals) {
     options.solver_arguments.insert(options.solver_arguments.end(), {"--external", external});
   }

@@ -20,9 +20,10 @@ struct CampaignArguments {
   std::vector<std::string> modes;      ///< empty: the plan's
   std::vector<std::string> externals;  ///< KEY=COMMAND
   std::vector<std::string> variants;   ///< KEY=SOLVER[,NAME=VALUE]...
+  std::string tuned;                   ///< path of a tuned_file.h; "": no tuned variants
 };
 
-/// --resume, --shard, --filter, --rounds, --most-rounds, --cpu, --modes
+/// --resume, --shard, --filter, --rounds, --most-rounds, --cpu, --modes, --tuned
 void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments);
 
 /// Flags of Google Benchmark that have a meaning for campaigns: --benchmark_filter, --benchmark_repetitions,
@@ -43,7 +44,7 @@ std::string CampaignNames();
 CampaignPlan CampaignOf(const std::string& suite);
 
 /// @return exit status
-int RunCampaignCommand(CampaignPlan plan, const CampaignArguments& arguments, const BenchmarkFlags& flags,
+int RunCampaignCommand(CampaignPlan plan, CampaignArguments arguments, const BenchmarkFlags& flags,
                        const std::string& folder);
 
 }  // namespace lcpbench

@@ -95,6 +95,8 @@ int Run(RunArguments arguments, const std::vector<std::string>& extra_flags) {
     const BenchmarkFlags flags = TakeBenchmarkFlags(extra_flags, &plan, &arguments.campaign);
     return RunCampaignCommand(plan, arguments.campaign, flags, OutputOf(arguments, plan.name));
   }
+  if (!arguments.campaign.tuned.empty())
+    throw InputError("--tuned: expected a campaign, found suite " + arguments.suite);
   const Suite suite = ChosenSuite(arguments);
   for (const std::string& flag : extra_flags) {
     if (!flag.starts_with("--benchmark_")) throw InputError("run: unexpected argument '" + flag + "'");

@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
   AddReportCommand(app, run);
   AddAnalyseCommand(app, run);
   AddCompareCommand(app, run);
+  AddTuneCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
 

@@ -1,5 +1,6 @@
 #include "benchmarks/campaign/campaign_file.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -11,6 +12,7 @@
 #include "benchmarks/results.h"
 #include "benchmarks/suite.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/peers/tier_settings.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -20,10 +22,14 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "lcpbench-campaign/1";
 
-// By what the library's own defaults are run with, see the registry: keys that end in -default.
+// What a key stands for. Only peers whose stopping options were chosen by the rule of tier_settings.h run tuned under
+// their own key; our solvers, and peers without such options, run as they are.
 const char* SettingOf(const SolverEntry& solver) {
   if (!solver.base.empty()) return "variant";
-  return solver.key.ends_with("-default") ? "default" : "tuned";
+  const auto table = TierTable();
+  const bool tuned =
+      std::any_of(table.begin(), table.end(), [&solver](const TierOption& row) { return row.key == solver.key; });
+  return tuned ? "tuned" : "default";
 }
 
 }  // namespace
@@ -50,6 +56,9 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                                {"available", entry.available},
                                {"licence", entry.licence},
                                {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});
+  }
+  if (!plan.tuning.file.empty()) {
+    json["tuning"] = {{"file", plan.tuning.file}, {"sha256", plan.tuning.sha256}, {"budget", plan.tuning.budget}};
   }
   json["tiers"] = plan.tiers;
   json["modes"] = plan.modes;

@@ -19,6 +19,13 @@ struct NoiseRule {
 /// Whether it is, and by how much: 0 undisturbed, more is worse.
 double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s);
 
+/// Where settings that a campaign runs besides the defaults were found (tuned_file.h).
+struct TuningSource {
+  std::string file;  ///< name, without its folder; "" where there is none
+  std::string sha256;
+  int budget = 0;  ///< configurations that were tried of a solver, at most
+};
+
 /// What a campaign consists of, fixed before its first solve.
 struct CampaignPlan {
   std::string name;
@@ -44,6 +51,7 @@ struct CampaignPlan {
   // Of the manifests' sequences (sequence_plan.h).
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
+  TuningSource tuning;
 };
 
 /// One cell. A solver whose settings do not depend on the tolerance has one, at the strictest tier, for all.

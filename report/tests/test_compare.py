@@ -202,9 +202,15 @@ class Summary(unittest.TestCase):
         self.assertEqual(status, 0)
         self.assertIn("| git_commit |  | abc |", text)
 
+    def test_how_a_setting_is_called_may_differ(self):
+        info = self._info(self.new)
+        info["solvers"][0] |= {"setting": "default", "base": "", "settings": {}}  # older folders lack the last two
+        self._set_info(self.new, info)
+        self.assertEqual(self._run()[0], 0)
+
     def test_mixed_plans_are_refused_in_one_line(self):
         info = self._info(self.new)
-        solvers = [info["solvers"][0] | {"setting": "default"}, *info["solvers"][1:]]
+        solvers = [info["solvers"][0] | {"base": "b", "settings": {"sweep": "forward"}}, *info["solvers"][1:]]
         for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"repetitions": 3},
                        {"limits": info["limits"] | {"most_s": 1.0}}, {"seed": 9}, {"solvers": solvers}):
             with self.subTest(values=values):

@@ -9,8 +9,9 @@ from ..errors import ReportError
 from .load import Campaign
 from .same import ENVIRONMENT
 
-# Of a solver: what it was asked. The rest describes its build.
-_ASKED = ("setting", "uses_tolerance")
+# Of a solver: what it was asked; `base` and `settings` are of variants, and absent in older folders. The rest describes
+# its build, or is a label (`setting`).
+_ASKED = {"uses_tolerance": None, "base": "", "settings": {}}
 
 
 def require_same_plan(old: Campaign, new: Campaign) -> None:
@@ -20,7 +21,7 @@ def require_same_plan(old: Campaign, new: Campaign) -> None:
         if key not in ignored and old.info.get(key) != new.info.get(key):
             raise ReportError("campaign.json", f"key '{key}' is {_word(old.info.get(key))} in OLD and "
                               f"{_word(new.info.get(key))} in NEW", "two campaigns of one plan")
-    asked = [{solver["key"]: {k: solver[k] for k in _ASKED} for solver in c.info["solvers"]} for c in (old, new)]
+    asked = [{solver["key"]: {k: solver.get(k, absent) for k, absent in _ASKED.items()} for solver in c.info["solvers"]} for c in (old, new)]
     for key in asked[0]:
         if key in asked[1] and asked[0][key] != asked[1][key]:
             raise ReportError("campaign.json", f"solver {key!r} is {_word(asked[0][key])} in OLD and "

@@ -1,0 +1,110 @@
+"""The campaign that tuning judges by: its problems, and all configurations of all solvers in one process."""
+
+import json
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import ReportError
+from .space import Configuration
+
+TIER = 1e-6
+SMOKE = "smoke.json"
+PROBLEMS, CAMPAIGN = "problems", "campaign"  # subfolders
+_MARK = "lcpbench_manifest"
+
+
+class CommandError(Exception):
+    """`lcpbench` did not end with 0, and has told the user why."""
+
+    def __init__(self, status: int):
+        super().__init__(f"exit status {status}")
+        self.status = status
+
+
+@dataclass
+class Command:
+    """The lcpbench command."""
+
+    program: Path
+
+    def run(self, *arguments: str, output=None) -> None:
+        """@throws CommandError where it does not end with 0"""
+        status = subprocess.run([self.program, *arguments], stdout=output, check=False).returncode
+        if status:
+            raise CommandError(status)
+
+    def listed(self, what: str) -> dict[str, str]:
+        """Key -> the line of `lcpbench list`."""
+        found = subprocess.run([self.program, "list", what], stdout=subprocess.PIPE, text=True, check=True)
+        return {line.split()[0]: line for line in found.stdout.splitlines()}
+
+    def available(self) -> list[str]:
+        return [key for key, line in self.listed("solvers").items() if not line.endswith("(not in this build)")]
+
+
+def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> Path:
+    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set.
+
+    @returns its manifest
+    @throws ReportError where one of them is a problem of another set, on which solvers are compared
+    """
+    problems = folder / PROBLEMS
+    problems.mkdir(parents=True, exist_ok=True)
+    command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
+    with open(problems / "scenes.jsonl", "wb") as scenes:
+        for family in command.listed("scenes"):
+            for size in sizes:
+                command.run("generate", family, "--size", str(size), "--seed", str(seed), output=scenes)
+                scenes.flush()
+    command.run("import", str(problems), "--name", "tuning", "--licence", "Apache-2.0", "--provenance",
+                f"{SMOKE} and lcpbench generate, seed {seed}")
+    return problems / "manifest.json"
+
+
+def require_disjoint(manifest: Path, data: Path) -> list[str]:
+    """By id and by hash of the content.
+
+    @returns the names of the other sets
+    @throws ReportError naming the problem that is in another set
+    """
+    own = _problems(manifest)
+    others = []
+    for path in sorted(data.glob("*.json")):
+        if path.name == SMOKE or _MARK not in json.loads(path.read_text(encoding="utf-8")):
+            continue
+        found = _problems(path)
+        hashes = {problem["sha256"] for problem in found.values()}
+        for name, problem in own.items():
+            if name in found or problem["sha256"] in hashes:
+                raise ReportError(manifest.name, f"problem {name!r} is in {path.name} too",
+                                  "tuning problems that nothing is compared on; another seed")
+        others.append(path.stem)
+    return others
+
+
+def run_campaign(command: Command, manifest: Path, folder: Path, tried: dict[str, list[Configuration]], rounds: int,
+                 repetitions: int, cpu: int | None, resume: bool) -> Path:
+    """@param tried  solver -> its configurations, the default first
+    @returns the campaign's folder
+    """
+    campaign = folder / CAMPAIGN
+    arguments = ["run", "--suite", str(manifest), "--tiers", f"{TIER:g}", "--rounds", str(rounds), "--most-rounds",
+                 str(rounds), "--repetitions", str(repetitions), "-o", str(campaign)]
+    arguments += ["--solvers", ",".join(key for solver, all_ in tried.items() for key in keys_of(solver, len(all_)))]
+    for solver, configurations in tried.items():
+        for key, configuration in list(zip(keys_of(solver, len(configurations)), configurations))[1:]:
+            arguments += ["--variant", f"{key}={solver}," + ",".join(f"{k}={v}" for k, v in configuration.items())]
+    if cpu is not None:
+        arguments += ["--cpu", str(cpu)]
+    command.run(*arguments, *(["--resume"] if resume else []))
+    return campaign
+
+
+def keys_of(solver: str, count: int) -> list[str]:
+    """The default runs under the solver's own key."""
+    return [solver, *(f"{solver}-try{index}" for index in range(1, count))]
+
+
+def _problems(manifest: Path) -> dict[str, dict]:
+    return {problem["id"]: problem for problem in json.loads(manifest.read_text(encoding="utf-8"))["problems"]}

@@ -1,0 +1,239 @@
+"""Tuning: what is drawn, what is chosen, and what is told of a space that does not fit."""
+
+import contextlib
+import io
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+
+import tune  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.statistics.load import load_campaign  # noqa: E402
+from lcpbench_report.tuning import campaign, choice, record  # noqa: E402
+from lcpbench_report.tuning.space import Space, draw, load_spaces  # noqa: E402
+from synthetic_campaign import Noise, cells_of, median_times, write_campaign  # noqa: E402
+
+SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
+SMALL = Space("lemke", {"block_start": ["no", "yes"]})
+NOISE_SEEDS = 100
+DATA = _REPORT.parent / "data"
+
+
+def chosen(times, false_successes=()) -> str:
+    """@param times  problems x configurations, the default first
+    @param false_successes  (configuration, problem): failures that are false successes
+    """
+    cells = cells_of(times)
+    for solver, problem in false_successes:
+        cells.loc[(cells["solver"] == solver) & (cells["problem"] == problem), "verdict"] = "false success"
+    keys = list(times.columns)
+    return keys[choice.choose(choice.judge(cells, keys))]
+
+
+class Choice(unittest.TestCase):
+    def setUp(self):
+        self.times = median_times(np.random.default_rng(3), {"default": 1.0, "fast": 0.8, "same": 1.0}, 64)
+
+    def test_a_clearly_better_one_is_chosen(self):
+        self.assertEqual(chosen(self.times), "fast")
+
+    def test_of_several_better_ones_the_best(self):
+        self.times["faster"] = 0.5 * self.times["default"]
+        self.assertEqual(chosen(self.times), "faster")
+
+    def test_one_per_cent_is_not_enough_however_sure(self):
+        self.times["fast"] = 0.99 * self.times["default"]
+        outcome = choice.judge(cells_of(self.times), list(self.times.columns))[1]
+        self.assertLess(outcome.wilcoxon_p_holm, 1e-6)
+        self.assertEqual(chosen(self.times), "default")
+
+    def test_noise_is_not_chosen(self):
+        wrong = 0
+        for seed in range(NOISE_SEEDS):
+            rng = np.random.default_rng(seed)
+            base = np.exp(rng.normal(0, 1, (40, 1)))
+            times = base * np.exp(rng.normal(0, 0.3, (40, 8)))  # eight times the same, 30 % of noise
+            table = median_times(rng, {f"c{k}": 1.0 for k in range(8)}, 40)
+            table.iloc[:, :] = times
+            wrong += chosen(table) != "c0"
+        self.assertLessEqual(wrong, 0.1 * NOISE_SEEDS)  # expected: 5 % at most of false alarms
+
+    def test_one_that_fails_more_is_not_chosen_however_fast(self):
+        self.times["fast"] *= 0.01
+        self.assertEqual(chosen(self.times), "fast")
+        self.times.loc[self.times.index[5], "fast"] = math.inf
+        self.assertEqual(chosen(self.times), "default")
+
+    def test_nor_one_with_more_false_successes(self):
+        first, second = self.times.index[:2]
+        self.times.loc[first, "default"] = math.inf
+        self.times.loc[first, "fast"] = math.inf
+        self.assertEqual(chosen(self.times), "fast")
+        self.assertEqual(chosen(self.times, [("default", first), ("fast", first)]), "fast")
+        self.assertEqual(chosen(self.times, [("fast", first)]), "default")
+        self.times.loc[second, "default"] = math.inf
+        self.assertEqual(chosen(self.times, [("fast", first)]), "default")
+
+    def test_one_that_solves_more_is_better_though_no_faster(self):
+        self.times["fast"] = self.times["same"]
+        self.times.iloc[:20, self.times.columns.get_loc("default")] = math.inf
+        self.times.iloc[:20, self.times.columns.get_loc("same")] = math.inf
+        self.assertEqual(chosen(self.times), "fast")
+
+    def test_excluded_problems_do_not_count(self):
+        cells = cells_of(self.times.rename(index=str))
+        expected = choice.judge(cells, list(self.times.columns))
+        excluded = cells_of(median_times(np.random.default_rng(4), {key: 1.0 for key in self.times}, 9).rename(
+            index=lambda k: f"large-{k}")).assign(verdict="excluded", time_s=math.inf)
+        found = choice.judge(pd.concat([cells, excluded]), list(self.times.columns))
+        self.assertEqual([o.mean_s for o in found], [o.mean_s for o in expected])
+        self.assertEqual(found[0].problems, 64)
+
+    def test_the_interval_of_the_gain_holds_the_gain(self):
+        # The shift makes less of a gain on short times: here it is far below all of them.
+        outcome = choice.judge(cells_of(1e4 * self.times).assign(time_limit_s=math.inf), list(self.times.columns))[1]
+        self.assertLess(outcome.ratio_low, outcome.ratio)
+        self.assertLess(outcome.ratio, outcome.ratio_high)
+        self.assertAlmostEqual(outcome.ratio, 0.8, delta=0.03)
+
+
+class Drawing(unittest.TestCase):
+    def test_the_default_comes_first_and_none_twice(self):
+        for seed in range(20):
+            for budget in (1, 2, 5, 11, 12):
+                drawn = draw(SPACE, budget, seed)
+                self.assertEqual(len(drawn), budget)
+                self.assertEqual(drawn[0], {})
+                self.assertEqual(len({tuple(sorted(c.items())) for c in drawn}), budget)
+                for configuration in drawn:
+                    for name, value in configuration.items():
+                        self.assertIn(value, SPACE.settings[name][1:])
+
+    def test_the_same_seed_draws_the_same_and_another_one_others(self):
+        self.assertEqual(draw(SPACE, 5, 1), draw(SPACE, 5, 1))
+        self.assertGreater(len({json.dumps(draw(SPACE, 5, seed)) for seed in range(10)}), 5)
+
+    def test_a_smaller_space_is_tried_as_a_whole(self):
+        self.assertEqual(draw(SMALL, 8, 1), [{}, {"block_start": "yes"}])
+        self.assertEqual(draw(Space("cgal-qp", {}), 8, 1), [{}])
+        self.assertEqual(len(draw(SPACE, 100, 1)), 12)
+
+    def test_every_configuration_is_as_likely(self):
+        counts: dict[str, int] = {}
+        for seed in range(2200):
+            for configuration in draw(SPACE, 2, seed)[1:]:
+                counts[json.dumps(configuration)] = counts.get(json.dumps(configuration), 0) + 1
+        self.assertEqual(len(counts), 11)
+        self.assertLess(sum((n - 200) ** 2 / 200 for n in counts.values()), 29.6)  # chi-squared of 10, 0.1 %
+
+
+class Mistakes(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def spaces(self, text: str):
+        path = self.folder / "tuning.json"
+        path.write_text(text, encoding="utf-8")
+        return load_spaces(path)
+
+    def test_are_told_with_their_place(self):
+        def of(solvers: str) -> str:
+            return f'{{"schema": "lcpbench-tuning/1", "solvers": [{solvers}]}}'
+        good = '{"solver": "pgs", "settings": {"sweep": ["a", "b"]}}'
+        self.assertEqual(self.spaces(of(good))["pgs"].size, 2)
+        for text, *words in (
+                ("{", "JSON"), ("[]", "lcpbench-tuning/1"), ('{"schema": "x"}', "lcpbench-tuning/1"),
+                ('{"schema": "lcpbench-tuning/1"}', "solvers"), (of("3"), "solvers[0]", "object"),
+                (of(good + "," + good), "solvers[1]", "'pgs'", "twice"),
+                (of('{"settings": {}}'), "'solver'"), (of('{"solver": "pgs", "settings": []}'), "'settings'"),
+                (of('{"solver": "pgs", "settings": {}}'), "'note'"),
+                (of('{"solver": "pgs", "settings": {}, "notes": ""}'), "'notes'"),
+                (of('{"solver": "pgs", "settings": {"sweep": "a"}}'), "sweep", "list"),
+                (of('{"solver": "pgs", "settings": {"sweep": ["a"]}}'), "sweep", "two values"),
+                (of('{"solver": "pgs", "settings": {"sweep": ["a", 3]}}'), "sweep", "'3'"),
+                (of('{"solver": "pgs", "settings": {"sweep": ["a", "b,c=d"]}}'), "sweep", "commas"),
+                (of('{"solver": "pgs", "settings": {"sweep": ["a", "a"]}}'), "sweep", "twice")):
+            with self.subTest(text), self.assertRaises(ReportError) as caught:
+                self.spaces(text)
+            for word in words:
+                self.assertIn(word, str(caught.exception))
+            self.assertNotIn("\n", str(caught.exception))
+
+    def test_of_the_command_line_are_one_line(self):
+        for words in (["--budget", "0"], ["--sizes", "10,x"], ["--space", str(self.folder / "none.json")]):
+            told = io.StringIO()
+            with contextlib.redirect_stderr(told):
+                status = tune.main(["--lcpbench", "/bin/true", "--folder", str(self.folder), *words])
+            self.assertEqual(status, 2)
+            self.assertEqual(told.getvalue().count("\n"), 1, told.getvalue())
+
+    def test_a_tuning_problem_of_another_set_is_refused(self):
+        for name, problem in (("smoke", {"id": "a", "sha256": "1"}), ("standard", {"id": "b", "sha256": "2"})):
+            (self.folder / f"{name}.json").write_text(json.dumps({"lcpbench_manifest": 1, "problems": [problem]}))
+        (self.folder / "other.json").write_text("{}")
+        own = self.folder / "own"
+        own.mkdir()
+        for problems, refused in (([{"id": "a", "sha256": "1"}], False), ([{"id": "b", "sha256": "3"}], True),
+                                  ([{"id": "c", "sha256": "2"}], True)):
+            (own / "manifest.json").write_text(json.dumps({"problems": problems}))
+            if refused:
+                with self.assertRaisesRegex(ReportError, "standard.json"):
+                    campaign.require_disjoint(own / "manifest.json", self.folder)
+            else:
+                self.assertEqual(campaign.require_disjoint(own / "manifest.json", self.folder), ["standard"])
+
+
+class Record(unittest.TestCase):
+    """What is written of a campaign, from its files to the file."""
+
+    def test_says_what_was_tried_and_what_is_chosen(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            noise = Noise(repetition=0.02, repetitions=5, rounds=2)
+            write_campaign(folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=noise)
+            asked = record.Asked(8, 1, DATA / "tuning.json", [10], 21)
+            said: list[str] = []
+            made = record.describe(load_campaign(folder / "c"), {"lemke": SMALL},
+                                   {"lemke": draw(SMALL, asked.budget, asked.seed)}, asked, ["standard"], "2026-01-01",
+                                   said.append)
+            record.write(folder / "tuned.json", made)
+            read = json.loads((folder / "tuned.json").read_text(encoding="utf-8"))
+        self.assertEqual(read, json.loads(json.dumps(made)))
+        self.assertEqual(read["schema"], "lcpbench-tuned/1")
+        self.assertEqual(read["budget"], 8)
+        solver = read["solvers"][0]
+        self.assertEqual(solver["chosen"], {"block_start": "yes"})
+        self.assertEqual((solver["space"], solver["configurations"], len(solver["tried"])), (2, 2, 2))
+        gain = solver["gain"]
+        self.assertEqual(gain["ratio"], solver["tried"][1]["ratio"])
+        self.assertTrue(0.48 < gain["low"] <= gain["ratio"] <= gain["high"] < 0.7, gain)
+        self.assertGreater(solver["measured_s"], 0)
+        self.assertIn("block_start=yes", said[0])
+
+    def test_the_committed_file_is_of_the_committed_space(self):
+        if not (DATA / "tuned.json").is_file():
+            self.skipTest("not tuned yet")
+        tuned = json.loads((DATA / "tuned.json").read_text(encoding="utf-8"))
+        spaces = load_spaces(DATA / "tuning.json")
+        self.assertEqual(tuned["space"]["sha256"], record.file_hash(DATA / "tuning.json"))
+        for solver in tuned["solvers"]:
+            space = spaces[solver["solver"]]
+            drawn = draw(space, tuned["budget"], tuned["seed"])
+            self.assertEqual([outcome["settings"] for outcome in solver["tried"]], drawn, solver["solver"])
+            self.assertIn(solver["chosen"], drawn)
+            self.assertEqual(solver["configurations"], min(tuned["budget"], space.size))
+
+
+if __name__ == "__main__":
+    unittest.main()
