@@ -45,7 +45,7 @@ bool Journal::Passed(const CellKey& key) const { return passed_.count(key) > 0; 
 
 bool Journal::IsTight(const CellKey& key, double width) const {
   const auto times = times_.find(key);
-  return times != times_.end() && IntervalOfMedian(times->second).relative_width() <= width;
+  return times != times_.end() && IntervalOfRounds(times->second.round_medians).relative_width() <= width;
 }
 
 double Journal::FastProbe() const {
@@ -55,7 +55,7 @@ double Journal::FastProbe() const {
 
 double Journal::TimeSpent(const CellKey& key) const {
   const auto times = times_.find(key);
-  return times == times_.end() ? 0 : std::accumulate(times->second.begin(), times->second.end(), 0.0);
+  return times == times_.end() ? 0 : times->second.spent_s;
 }
 
 void Journal::Note(const nlohmann::json& line) {
@@ -65,8 +65,10 @@ void Journal::Note(const nlohmann::json& line) {
   done_.insert({key, round});
   if (!line.at("excluded").get<std::string>().empty()) return;
   if (line.at("passes").get<bool>()) {
-    std::vector<double>& times = times_[key];
-    for (const double time : line.at("solve_s")) times.push_back(time);
+    const auto solve_s = line.at("solve_s").get<std::vector<double>>();
+    Times& times = times_[key];
+    times.round_medians.push_back(MedianOf(solve_s));
+    times.spent_s += std::accumulate(solve_s.begin(), solve_s.end(), 0.0);
   }
   const nlohmann::json& disturbance = line.at("disturbance");
   if (!disturbance.is_null()) {

@@ -40,7 +40,7 @@ class Journal {
   /// Whether round 0 passed: only then do more rounds make sense.
   bool Passed(const CellKey& key) const;
 
-  /// Whether the median of all times so far is known to `width`, MedianInterval::relative_width.
+  /// Whether its time is known to `width`, RoundInterval::relative_width.
   bool IsTight(const CellKey& key, double width) const;
 
   /// Of all its repetitions so far [s].
@@ -63,7 +63,11 @@ class Journal {
   std::set<std::pair<CellKey, int>> done_;
   std::set<CellKey> out_of_time_;
   std::set<CellKey> passed_;
-  std::map<CellKey, std::vector<double>> times_;
+  struct Times {
+    std::vector<double> round_medians;
+    double spent_s = 0;
+  };
+  std::map<CellKey, Times> times_;
   AppendOnlyFile file_;  // last: it tells the others what it has
 };
 

@@ -1,26 +1,33 @@
 #include "benchmarks/campaign/median_interval.h"
 
 #include <algorithm>
-#include <boost/math/distributions/binomial.hpp>
-#include <cstddef>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
 
 namespace lcpbench {
 
-MedianInterval IntervalOfMedian(std::vector<double> samples) {
-  std::sort(samples.begin(), samples.end());
-  const std::size_t n = samples.size();
-  // As many samples are left out at each end as lie beyond the median with a probability of 2.5 % at most.
-  constexpr double kTail = 0.025;
-  const boost::math::binomial_distribution<double> below(static_cast<double>(n), 0.5);
-  std::size_t left_out = 0;
-  while (2 * left_out + 1 < n && boost::math::cdf(below, static_cast<double>(left_out)) <= kTail) ++left_out;
-  if (left_out > 0) --left_out;
-  MedianInterval interval;
-  const std::size_t middle = n / 2;
-  interval.median = n % 2 == 1 ? samples[middle] : 0.5 * (samples[middle - 1] + samples[middle]);
-  interval.low = samples[left_out];
-  interval.high = samples[n - 1 - left_out];
+RoundInterval IntervalOfRounds(const std::vector<double>& medians) {
+  const auto count = static_cast<double>(medians.size());
+  double mean = 0;
+  for (const double median : medians) mean += std::log(median) / count;
+  RoundInterval interval;
+  interval.center = std::exp(mean);
+  if (medians.size() < 2) return interval;
+  double squares = 0;
+  for (const double median : medians) squares += (std::log(median) - mean) * (std::log(median) - mean);
+  constexpr double kUpper = 0.975;
+  const double student = boost::math::quantile(boost::math::students_t(count - 1), kUpper);
+  const double half = student * std::sqrt(squares / (count - 1) / count);
+  interval.low = std::exp(mean - half);
+  interval.high = std::exp(mean + half);
   return interval;
+}
+
+double MedianOf(std::vector<double> samples) {
+  const auto middle = samples.begin() + static_cast<std::ptrdiff_t>(samples.size() / 2);
+  std::nth_element(samples.begin(), middle, samples.end());
+  if (samples.size() % 2 == 1) return *middle;
+  return 0.5 * (*middle + *std::max_element(samples.begin(), middle));
 }
 
 }  // namespace lcpbench

@@ -1,22 +1,26 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 namespace lcpbench {
 
-/// A confidence interval of at least 95 % of the median of what the samples come from, whatever their distribution: two
-/// order statistics, by the binomial distribution of how many samples lie below the median. [Conover, Practical
-/// Nonparametric Statistics, 1999, sec. 3.2]
-struct MedianInterval {
-  double median = 0;
+/// A 95 % confidence interval of a cell's time from the medians of its rounds: what differs between rounds (clock rate,
+/// memory layout, neighbours) is common to all repetitions of one, so that rounds are the samples, however many
+/// repetitions they have. Student's interval of the logarithms. [Kalibera, Jones, Rigorous benchmarking in reasonable
+/// time, ISMM 2013]
+struct RoundInterval {
+  double center = 0;  ///< the geometric mean of the rounds
   double low = 0;
-  double high = 0;
-  /// Half its width by the median.
-  double relative_width() const { return (high - low) / (2 * median); }
+  double high = std::numeric_limits<double>::infinity();
+  /// Half its width by its centre; infinite for one round.
+  double relative_width() const { return (high - low) / (2 * center); }
 };
 
-/// Of at least one sample; of fewer than six the interval reaches from the least to the largest and says less than 95
-/// %. O(n log n)
-MedianInterval IntervalOfMedian(std::vector<double> samples);
+/// @param medians  of every round, > 0, at least one
+RoundInterval IntervalOfRounds(const std::vector<double>& medians);
+
+/// Of at least one sample.  O(n)
+double MedianOf(std::vector<double> samples);
 
 }  // namespace lcpbench

@@ -10,7 +10,7 @@ sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import numpy as np  # noqa: E402
 
-from lcpbench_report.statistics.cells import median_interval, quantiles  # noqa: E402
+from lcpbench_report.statistics.cells import median_interval, quantiles, time_interval  # noqa: E402
 from lcpbench_report.statistics.compare import compare_cells  # noqa: E402
 from lcpbench_report.statistics.intervals import bootstrap_interval, share_interval  # noqa: E402
 from synthetic_campaign import Noise, repetitions  # noqa: E402
@@ -81,6 +81,20 @@ class Single(unittest.TestCase):
             self.assertGreaterEqual(np.mean(held), least - 0.015, size)
             self.assertLess(np.mean(held), 0.99, size)
         self.assertEqual(median_interval([3.0]), (3.0, 3.0))
+
+    def test_intervals_of_cells_know_what_differs_between_rounds(self):
+        rng = np.random.default_rng(11)
+        for rounds in (3, 6, 9):
+            held = pooled = 0
+            for _ in range(1500):
+                times = np.exp(rng.normal(0, 0.05, (rounds, 1)) + rng.normal(0, 0.01, (rounds, 5)))
+                low, high = time_interval(times.tolist())
+                held += low <= 1 <= high
+                low, high = median_interval(times.ravel())
+                pooled += low <= 1 <= high
+            self.assertTrue(0.93 <= held / 1500 <= 0.975, held)
+            self.assertLess(pooled, held)  # repetitions taken for independent ones
+        self.assertEqual(time_interval([[1.0, 2.0, 3.0]]), median_interval([1.0, 2.0, 3.0]))
         self.assertTrue(all(map(math.isnan, median_interval([]))))
 
     def test_quantiles(self):

@@ -351,42 +351,48 @@ TEST_F(CampaignCommand, UncertainTimesGetMoreRounds) {
                 "--repetitions 2 --min-time 1e-5 --tiers 1e-6 -o " + Path("c"))
                 .status,
             0);
-  std::map<std::string, std::vector<double>> times;
-  std::map<std::string, int> rounds;
+  std::map<std::string, std::vector<double>> medians;
   for (const auto& cell : Cells("c")) {
-    const std::string id = cell["problem"];
-    rounds[id] = std::max(rounds[id], cell["round"].get<int>() + 1);
-    for (const double time : cell["solve_s"]) times[id].push_back(time);
+    medians[cell["problem"]].push_back(MedianOf(cell["solve_s"].get<std::vector<double>>()));
   }
-  EXPECT_EQ(rounds.size(), 16U);
-  for (const auto& [id, count] : rounds) {
-    EXPECT_LE(count, 4);
-    // Fewer than all only where the median is known.
-    if (count < 4) {
-      EXPECT_LE(IntervalOfMedian(times[id]).relative_width(), 0.05) << id;
+  EXPECT_EQ(medians.size(), 16U);
+  for (const auto& [id, of_rounds] : medians) {
+    EXPECT_LE(of_rounds.size(), 4U);
+    // Fewer than all only where the time is known.
+    if (of_rounds.size() < 4) {
+      EXPECT_LE(IntervalOfRounds(of_rounds).relative_width(), 0.05) << id;
     }
   }
 }
 
-TEST(MedianInterval, HoldsTheMedianAsOftenAsItSays) {
+TEST(RoundInterval, HoldsTheTimeAsOftenAsItSays) {
   std::mt19937 random(5);
-  // Skewed, as times are: the median is 1.
-  std::lognormal_distribution<double> distribution(0, 0.5);
-  for (const int n : {6, 10, 30, 31, 60}) {
+  // Rounds differ by more than their repetitions do.
+  std::lognormal_distribution<double> round(0, 0.1);
+  std::lognormal_distribution<double> repetition(0, 0.02);
+  for (const int rounds : {2, 3, 6, 9}) {
     constexpr int kTrials = 4000;
     int held = 0;
     for (int trial = 0; trial < kTrials; ++trial) {
-      std::vector<double> samples(static_cast<size_t>(n));
-      for (double& sample : samples) sample = distribution(random);
-      const MedianInterval interval = IntervalOfMedian(samples);
-      EXPECT_LE(interval.low, interval.median);
-      EXPECT_LE(interval.median, interval.high);
+      std::vector<double> medians;
+      for (int r = 0; r < rounds; ++r) {
+        const double level = round(random);
+        std::vector<double> samples(5);
+        for (double& sample : samples) sample = level * repetition(random);
+        medians.push_back(MedianOf(samples));
+      }
+      const RoundInterval interval = IntervalOfRounds(medians);
+      EXPECT_LE(interval.low, interval.center);
+      EXPECT_LE(interval.center, interval.high);
       if (interval.low <= 1 && 1 <= interval.high) ++held;
     }
-    EXPECT_GE(held, 0.945 * kTrials) << n;
-    EXPECT_LE(held, 0.995 * kTrials) << n;
+    EXPECT_GE(held, 0.938 * kTrials) << rounds;
+    EXPECT_LE(held, 0.962 * kTrials) << rounds;
   }
-  EXPECT_EQ(IntervalOfMedian({3}).relative_width(), 0);
+  // One round says nothing of what differs between rounds.
+  EXPECT_FALSE(IntervalOfRounds({3}).relative_width() < 1e9);
+  EXPECT_EQ(MedianOf({4, 1, 3}), 3);
+  EXPECT_EQ(MedianOf({4, 1, 3, 2}), 2.5);
 }
 
 TEST(NoiseRule, CountsWhatTheMachineDid) {

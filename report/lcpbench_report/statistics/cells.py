@@ -20,6 +20,7 @@ METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 KEY = ["problem", "solver", "tier", "mode"]
 _LEVELS = {"min": 0, "p25": 0.25, "median": 0.5, "p75": 0.75, "p90": 0.9, "p99": 0.99, "max": 1}
 _CONFIDENCE = 0.95
+LEAST_ROUNDS = 3  # for an interval of what differs between rounds
 
 COLUMNS = ["set", "counts", "family", "problem", "rows", "reference", "solver", "tier", "mode", "verdict", "excluded",
            "claim", "passes", "at_floor", "false_success", "false_infeasible", "best_tier", "iterations", *METRICS,
@@ -56,6 +57,23 @@ def median_interval(values) -> tuple[float, float]:
     return float(known[k - 1]), float(known[len(known) - k])
 
 
+def time_interval(rounds: list[list[float]]) -> tuple[float, float]:
+    """Confidence interval (95 %) of a cell's time. With LEAST_ROUNDS rounds or more Student's interval of the logarithms
+    of their medians: what differs between rounds (clock rate, memory layout, neighbours) is common to all repetitions
+    of one (Kalibera & Jones 2013). It is widened to the median of all repetitions where that lies outside. With fewer
+    rounds the interval of the median of the repetitions, which says nothing about other rounds.
+
+    @param rounds  times, a list for every round
+    """
+    times = [time for of_round in rounds for time in of_round]
+    if len(rounds) < LEAST_ROUNDS:
+        return median_interval(times)
+    logs = np.log([np.median(of_round) for of_round in rounds])
+    half = stats.t.ppf((1 + _CONFIDENCE) / 2, len(logs) - 1) * logs.std(ddof=1) / math.sqrt(len(logs))
+    median = float(np.median(times))
+    return min(math.exp(logs.mean() - half), median), max(math.exp(logs.mean() + half), median)
+
+
 def verdict_of(record: dict) -> str:
     if record["excluded"]:
         return EXCLUDED
@@ -75,7 +93,7 @@ def _row(campaign: Campaign, problem: str, solver: str, tier: float, mode: str, 
                       "false_infeasible": False, "rounds_changed": 0, "rounds_disturbed": 0, "repetitions": 0,
                       "time_s": math.inf, "time_limit_s": limit, "oracle_ratio": math.inf if about["oracle_s"] else math.nan}
     times = [time for round_times in runs.times() for time in round_times]
-    low, high = median_interval(times)
+    low, high = time_interval(runs.times())
     row |= {key: record[key] for key in ("claim", "passes", "at_floor", "false_success", "false_infeasible")}
     row |= {key: _number(record[key]) for key in ("best_tier", "iterations", "peak_bytes")}
     row |= {metric: _number(record["metrics"].get(metric)) for metric in METRICS}
