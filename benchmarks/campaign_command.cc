@@ -86,7 +86,7 @@ void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
   command.add_option("--rounds", arguments->rounds, "Campaigns: how often every cell is visited");
   command.add_option(
       "--most-rounds", arguments->most_rounds,
-      "Campaigns: how often at most, while its time is uncertain by more than 5 % [default: half as often again]");
+      "Campaigns: how often at most, while its time is uncertain by more than 5 % [default: a third more]");
   command.add_option("--cpu", arguments->cpu, "Campaigns: the processor that solves are kept on");
   command
       .add_option("--modes", arguments->modes,
@@ -161,7 +161,7 @@ int RunCampaignCommand(CampaignPlan plan, CampaignArguments arguments, const Ben
                        const std::string& folder) {
   if (!arguments.filter.empty()) plan.filter = arguments.filter;
   if (arguments.rounds != 0) plan.rounds = arguments.rounds;
-  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : plan.rounds + plan.rounds / 2;
+  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : plan.rounds + plan.rounds / 3;
   CampaignOptions options;
   options.folder = folder;
   options.resume = arguments.resume;

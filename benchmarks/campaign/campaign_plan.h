@@ -36,12 +36,12 @@ struct CampaignPlan {
   std::string filter;      ///< regular expression that a cell's name must contain, CellName; "" for all
   std::uint64_t seed = 1;  ///< of the order
   int rounds = 6;          ///< every cell is visited so often, each time in another order
-  int most_rounds = 9;     ///< and so often at most, while its time is not known to `tight`
+  int most_rounds = 8;     ///< and so often at most, while its time is not known to `tight`
   double tight = 0.05;     ///< relative half width of the time's 95 % interval (median_interval.h)
   int repetitions = 5;     ///< of a round, at most
   double min_time_s = 0.0005;
-  double budget_s = 0.05;      ///< of a cell and round: no further repetition is begun after it
-  double cell_budget_s = 0.5;  ///< of a cell: it gets no further round once its repetitions took so long in all
+  double budget_s = 0.03;      ///< of a cell and round: no further repetition is begun after it
+  double cell_budget_s = 0.2;  ///< of a cell: it gets no further round once its repetitions took so long in all
   // A solve may take time_per_row_s times its rows, within [least_s, most_s].
   double time_per_row_s = 1e-3;
   double least_s = 0.2;
