@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -42,6 +43,19 @@ class CommandTest : public testing::Test {
         program_ + " " + arguments + " < " + Path("stdin") + " > " + Path("stdout") + " 2> " + Path("stderr");
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
+  }
+
+  /// Begins to run the command, silent, in a process group of its own, so that nothing of it need be left.
+  pid_t Start(const std::string& arguments) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      setpgid(0, 0);
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    setpgid(child, child);  // whoever is first
+    return child;
   }
 
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }

@@ -358,15 +358,7 @@ TEST_F(SequenceCampaign, KilledAnywhereItGoesOnToTheSameResults) {
   std::mt19937 random(4);
   int kills = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const std::string arguments = Campaign("killed", trial == 0 ? "" : "--resume");
-    const pid_t child = fork();
-    if (child == 0) {
-      // A group of its own, so that nothing of it is left.
-      setpgid(0, 0);
-      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
-      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-      _exit(127);
-    }
+    const pid_t child = Start(Campaign("killed", trial == 0 ? "" : "--resume"));
     std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 80));
     kill(child, SIGKILL);
     int status = 0;
