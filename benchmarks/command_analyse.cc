@@ -28,9 +28,8 @@ void AddAnalyseCommand(CLI::App& app, CommandRun& run) {
   analyse->add_option("DIR", *campaign, "The campaign's folder; the tables go into DIR/analysis")->required();
   auto repetitions = std::make_shared<bool>(false);
   analyse->add_flag("--repetitions", *repetitions, "Also write every repetition as a row, repetitions.csv.gz");
-  analyse->callback([campaign, repetitions, &run] {
-    run = [campaign, repetitions] { return Analyse(*campaign, *repetitions); };
-  });
+  analyse->callback(
+      [campaign, repetitions, &run] { run = [campaign, repetitions] { return Analyse(*campaign, *repetitions); }; });
 }
 
 }  // namespace lcpbench
