@@ -102,8 +102,8 @@ TEST(AutoSolver, AWarmStartChangesTheWayAndNotTheAnswer) {
 }
 
 // One unsolvable island among many solvable ones: the ray is of the whole problem.
-// An impact on one body of many that rest: b is rounding in all rows but one, and the rows that pushed before do not any
-// more. Their forces are rounding, too, but signs still count.
+// An impact on one body of many that rest: b is rounding in all rows but one, and the rows that pushed before do not
+// any more. Their forces are rounding, too, but signs still count.
 TEST(AutoSolver, AWarmStartIntoAnImpactIsJudgedByWhatItReturns) {
   for (unsigned seed = 0; seed < 400; ++seed) {
     TestRandom random(seed);
