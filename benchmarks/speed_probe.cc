@@ -21,13 +21,13 @@ double ThreadTime() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
+}  // namespace
+
 long long InvoluntarySwitches() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
   return usage.ru_nivcsw;
 }
-
-}  // namespace
 
 double ProbeSpeed() {
   double shortest = std::numeric_limits<double>::infinity();

@@ -6,6 +6,9 @@ namespace lcpbench {
 /// of the clock rate, whatever lies in caches. A processor that throttles shows here.
 double ProbeSpeed();
 
+/// How often the calling thread was taken off the processor though it wanted to go on.
+long long InvoluntarySwitches();
+
 /// What the machine did to one thread while it ran.
 struct Disturbance {
   double probe_s = 0;      ///< ProbeSpeed before or after, the slower one

@@ -1,7 +1,5 @@
 #include "benchmarks/campaign/sequence_journal.h"
 
-#include <cstdio>
-
 namespace lcpbench {
 namespace {
 
@@ -21,28 +19,21 @@ Json MembersOf(const SequenceEntry& sequence, const PlannedPass& pass, int round
 
 }  // namespace
 
-SequenceJournal::Key SequenceJournal::KeyOf(const std::string& sequence, const std::string& solver, double tier,
-                                            const std::string& mode) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.3e", tier);
-  return {sequence, solver, text, mode};
-}
-
 SequenceJournal::SequenceJournal(const std::string& path)
     : file_(path, "a pass over a sequence", [this](const nlohmann::json& line) { Note(line); }) {}
 
 bool SequenceJournal::Has(const std::string& sequence, const PlannedPass& pass, int round) const {
-  return done_.count({KeyOf(sequence, pass.solver, pass.tier, pass.mode), round}) > 0;
+  return done_.count({CellKey(sequence, pass.solver, pass.tier, pass.mode), round}) > 0;
 }
 
 std::string SequenceJournal::FirstOutcome(const std::string& sequence, const PlannedPass& pass) const {
-  const auto found = first_outcomes_.find(KeyOf(sequence, pass.solver, pass.tier, pass.mode));
+  const auto found = first_outcomes_.find(CellKey(sequence, pass.solver, pass.tier, pass.mode));
   return found == first_outcomes_.end() ? "" : found->second;
 }
 
 void SequenceJournal::Note(const nlohmann::json& line) {
-  const Key key = KeyOf(line.at("sequence").get<std::string>(), line.at("solver").get<std::string>(),
-                        line.at("tier").get<double>(), line.at("mode").get<std::string>());
+  const CellKey key(line.at("sequence").get<std::string>(), line.at("solver").get<std::string>(),
+                    line.at("tier").get<double>(), line.at("mode").get<std::string>());
   const int round = line.at("round").get<int>();
   done_.insert({key, round});
   if (round > 0 || !line.at("excluded").get<std::string>().empty()) return;

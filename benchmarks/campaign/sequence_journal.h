@@ -3,11 +3,11 @@
 #include <map>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/campaign/append_only_file.h"
+#include "benchmarks/campaign/journal.h"
 #include "benchmarks/campaign/sequence_cell.h"
 #include "benchmarks/campaign/sequence_plan.h"
 
@@ -30,13 +30,12 @@ class SequenceJournal {
   void WriteExcluded(const SequenceEntry& sequence, const PlannedPass& pass);
 
  private:
-  using Key = std::tuple<std::string, std::string, std::string, std::string>;  // sequence, solver, tier, mode
-  static Key KeyOf(const std::string& sequence, const std::string& solver, double tier, const std::string& mode);
   void Note(const nlohmann::json& line);
   void Append(const nlohmann::ordered_json& line);
 
-  std::set<std::pair<Key, int>> done_;
-  std::map<Key, std::string> first_outcomes_;
+  // By sequence, solver, tier and mode.
+  std::set<std::pair<CellKey, int>> done_;
+  std::map<CellKey, std::string> first_outcomes_;
   AppendOnlyFile file_;  // last: it tells the others what it has
 };
 

@@ -1,7 +1,5 @@
 #include "benchmarks/campaign/sequence_runner.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -9,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "benchmarks/speed_probe.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -29,13 +28,6 @@ Json Rounded(double value) {
   char text[24];
   std::snprintf(text, sizeof text, "%.4g", value);
   return std::strtod(text, nullptr);
-}
-
-// How often this thread lost the processor against its will.
-long Preemptions() {
-  rusage usage{};
-  getrusage(RUSAGE_THREAD, &usage);
-  return usage.ru_nivcsw;
 }
 
 Json KnownOrNull(double value) { return value == -1 ? Json(nullptr) : Rounded(value); }
@@ -173,7 +165,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       options.initial_f = &start;
     }
 
-    const long preemptions = Preemptions();
+    const long long switches = InvoluntarySwitches();
     const double begun = SteadyNow();
     solver.Prepare(problem);
     const double prepared = SteadyNow();
@@ -182,7 +174,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
     }
     solver.Solve(problem, options, &result);
     const double solved = SteadyNow();
-    const bool preempted = !times_itself && Preemptions() != preemptions;
+    const bool preempted = !times_itself && InvoluntarySwitches() != switches;
 
     const bool has_own = times_itself && result.own_solve_s >= 0;
     const double solve_s = has_own ? result.own_solve_s : solved - prepared;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -18,6 +19,7 @@
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/hardware_counters.h"
 #include "solvers/lcp/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
 
@@ -156,15 +158,8 @@ TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
   std::mt19937 random(3);
   int kills = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    const pid_t child = Start(Campaign("killed", trial == 0 ? "" : "--resume"));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 80));
-    kill(child, SIGKILL);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (WIFEXITED(status)) {
-      EXPECT_EQ(WEXITSTATUS(status), 0);
-      break;
-    }
+    const int milliseconds = 20 + static_cast<int>(random() % 80);
+    if (!RunAndKill(Campaign("killed", trial == 0 ? "" : "--resume"), milliseconds)) break;
     ++kills;
     // What a crash of the machine could leave.
     if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "cells.jsonl", std::ios::app) << "{\"problem\":\"torn";
@@ -396,6 +391,27 @@ TEST(NoiseRule, CountsWhatTheMachineDid) {
   EXPECT_GT(throttled, 0);
   EXPECT_GT(waiting, 0);
   EXPECT_GT(DisturbanceOf(rule, found(1.2e-5, 0.9), fastest), std::max(throttled, waiting));
+}
+
+TEST(HardwareCounters, CountPageFaultsWhereTheKernelLetsThem) {
+  HardwareCounters counters;
+  const auto names = counters.names();
+  if (std::find(names.begin(), names.end(), "page-faults") == names.end()) GTEST_SKIP() << counters.refusal();
+  // Memory that is touched for the first time: a fault a page, unless pages are huge.
+  constexpr std::size_t kPages = 512;
+  counters.Start();
+  void* memory = mmap(nullptr, kPages * 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  madvise(memory, kPages * 4096, MADV_NOHUGEPAGE);
+  for (std::size_t page = 0; page < kPages; ++page) static_cast<volatile char*>(memory)[4096 * page] = 1;
+  std::map<std::string, double> counts;
+  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
+  munmap(memory, kPages * 4096);
+  EXPECT_GE(counts["page-faults"], kPages);
+  counters.Start();
+  counts.clear();
+  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
+  EXPECT_LT(counts["page-faults"], kPages / 10);
 }
 
 TEST(DisturbanceWatch, SeesAThreadThatWaits) {

@@ -4,11 +4,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <thread>
 
 namespace lcpbench {
 
@@ -56,6 +59,18 @@ class CommandTest : public testing::Test {
     }
     setpgid(child, child);  // whoever is first
     return child;
+  }
+
+  /// Runs the command and kills it after so many milliseconds. False where it had ended before, with status 0.
+  bool RunAndKill(const std::string& arguments, int milliseconds) const {
+    const pid_t child = Start(arguments);
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    kill(child, SIGKILL);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (!WIFEXITED(status)) return true;
+    EXPECT_EQ(WEXITSTATUS(status), 0);
+    return false;
   }
 
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }

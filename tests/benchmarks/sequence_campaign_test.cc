@@ -358,15 +358,8 @@ TEST_F(SequenceCampaign, KilledAnywhereItGoesOnToTheSameResults) {
   std::mt19937 random(4);
   int kills = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const pid_t child = Start(Campaign("killed", trial == 0 ? "" : "--resume"));
-    std::this_thread::sleep_for(std::chrono::milliseconds(20 + random() % 80));
-    kill(child, SIGKILL);
-    int status = 0;
-    waitpid(child, &status, 0);
-    if (WIFEXITED(status)) {
-      EXPECT_EQ(WEXITSTATUS(status), 0);
-      break;
-    }
+    const int milliseconds = 20 + static_cast<int>(random() % 80);
+    if (!RunAndKill(Campaign("killed", trial == 0 ? "" : "--resume"), milliseconds)) break;
     ++kills;
     const auto steps = folder_ / "killed" / "steps.jsonl";
     if (trial % 3 == 1 && std::filesystem::exists(steps)) std::ofstream(steps, std::ios::app) << "{\"sequence\":\"t";
