@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/variant_option.h"
@@ -20,10 +20,8 @@ constexpr const char* kSchema = "lcpbench-tuned/1";
 
 std::string ReadText(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (file) text << file.rdbuf();
-  if (!file || !text) throw InputError(path + ": cannot be opened for reading");
-  return text.str();
+  if (!file) throw InputError(path + ": cannot be opened for reading");
+  return std::string(std::istreambuf_iterator<char>(file), {});
 }
 
 struct Chosen {

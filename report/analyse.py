@@ -6,7 +6,6 @@
 Exit status: 0, or 2 with one line on standard error when the arguments or the files do not fit.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from lcpbench_report import script  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="Write the statistics of a campaign's folder as CSV tables.")
+    parser = script.Parser(description="Write the statistics of a campaign's folder as CSV tables.")
     parser.add_argument("campaign", type=Path, metavar="DIR", help="folder of a campaign; tables go to DIR/analysis")
     parser.add_argument("--repetitions", action="store_true",
                         help="also write every repetition as a row, analysis/repetitions.csv.gz")

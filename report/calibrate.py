@@ -7,7 +7,6 @@ Exit status: 0 where every comparison came out right, 1 where one did not, or 2 
 arguments or the files do not fit.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -31,7 +30,7 @@ def calibrate(folder: Path) -> int:
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="What a campaign finds where the truth is known.")
+    parser = script.Parser(description="What a campaign finds where the truth is known.")
     parser.add_argument("results", type=Path, metavar="DIR", help="a campaign with variants, see `make calibrate`")
     options = parser.parse_args(arguments)
     return script.guarded("calibrate.py", lambda: calibrate(options.results))

@@ -6,7 +6,6 @@
 Exit status: 0; 1 for a regression; 2 with one line on standard error when the arguments or the files do not fit.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from lcpbench_report import script  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="What changed between two campaigns of one plan, as Markdown.")
+    parser = script.Parser(description="What changed between two campaigns of one plan, as Markdown.")
     parser.add_argument("old", type=Path, metavar="OLD", help="folder of a campaign")
     parser.add_argument("new", type=Path, metavar="NEW", help="folder of a later one")
     parser.add_argument("-o", "--output", type=Path, metavar="FILE", help="instead of standard output")

@@ -7,7 +7,6 @@ and the whole, say.
 Exit status: 0 where they have, 1 where not, 2 with one line on standard error when the arguments or files do not fit.
 """
 
-import argparse
 import sys
 from pathlib import Path
 
@@ -19,7 +18,7 @@ _SHOWN = 10  # differences of a kind
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = argparse.ArgumentParser(description="Tell whether two campaigns have the same results apart from times.")
+    parser = script.Parser(description="Tell whether two campaigns have the same results apart from times.")
     parser.add_argument("a", type=Path, metavar="A", help="folder of a campaign")
     parser.add_argument("b", type=Path, metavar="B", help="folder of another one")
     parser.add_argument("--show", type=int, default=_SHOWN, help="differences of a kind that are listed [%(default)s]")

@@ -6,7 +6,6 @@
 Exit status: 0, or 2 with one line on standard error when the arguments or the files do not fit.
 """
 
-import argparse
 import datetime
 import sys
 from pathlib import Path
@@ -19,8 +18,8 @@ from lcpbench_report.errors import ReportError  # noqa: E402
 _DATA = Path(__file__).resolve().parents[1] / "data"
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(description="Tune all solvers with one budget, and write what was chosen.")
+def _parser() -> script.Parser:
+    parser = script.Parser(description="Tune all solvers with one budget, and write what was chosen.")
     parser.add_argument("--lcpbench", type=Path, required=True, metavar="FILE", help="the command")
     parser.add_argument("--data", type=Path, default=_DATA, metavar="FOLDER", help="of the problem collection")
     parser.add_argument("--space", type=Path, metavar="FILE", help="what may be set [default: tuning.json in --data]")

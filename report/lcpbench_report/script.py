@@ -10,8 +10,15 @@ from .errors import ReportError
 from .load import load_results, match_tier
 
 
+class Parser(argparse.ArgumentParser):
+    """Tells a mistake in one line, without the usage."""
+
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: error: {message}\n")
+
+
 def parser(description: str) -> argparse.ArgumentParser:
-    made = argparse.ArgumentParser(description=description)
+    made = Parser(description=description)
     made.add_argument("results", type=Path, metavar="RESULTS_DIR", help="folder written by `lcpbench run`")
     return made
 
