@@ -1,6 +1,8 @@
 #include "benchmarks/campaign/campaign_file.h"
 
 #include <algorithm>
+#include <array>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <system_error>
@@ -30,6 +32,16 @@ const char* SettingOf(const SolverEntry& solver) {
   const bool tuned =
       std::any_of(table.begin(), table.end(), [&solver](const TierOption& row) { return row.key == solver.key; });
   return tuned ? "tuned" : "default";
+}
+
+// UTC, ISO 8601.
+std::string Now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  std::array<char, sizeof "2026-01-01T00:00:00Z"> text{};
+  std::strftime(text.data(), text.size(), "%FT%TZ", &utc);
+  return text.data();
 }
 
 }  // namespace
@@ -87,6 +99,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     json["lines"] = json["lines"].get<std::size_t>() + TiersOfRun(plan, cell).size();
   }
   DescribeSequences(plan, manifests, &json);
+  json["started"] = Now();
   json["environment"] = ToJson(DescribeEnvironment());
   const HardwareCounters counters;
   json["environment"]["counters"] = counters.names();
@@ -97,6 +110,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
 
 bool SameCampaign(const Json& a, const Json& b) {
   const auto stripped = [](Json json) {
+    json.erase("started");
     json.erase("environment");
     json.erase("environment_hash");
     return json;

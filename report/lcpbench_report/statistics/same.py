@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 
 from .load import Campaign, CellKey
 
-ENVIRONMENT = ("environment", "environment_hash")
+ENVIRONMENT = ("started", "environment", "environment_hash")
 _TIME_OF_PROBLEM = "oracle_s"
 CELL_FIELDS = ("excluded", "claim", "passes", "best_tier", "at_floor", "false_success", "false_infeasible",
                "iterations", "metrics")
