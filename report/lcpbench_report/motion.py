@@ -6,10 +6,10 @@ from pathlib import Path
 import pandas as pd
 
 from . import formats
-from .errors import ReportError
+from .csv_table import read_table
 
 FILE = "motion.csv"
-# Kinds as in load.py.
+# Kinds as in csv_table.py.
 COLUMNS = {
     "scene": "text", "level": "text", "size": "integer", "seed": "integer", "solver": "text", "tolerance": "number",
     "step": "integer", "time": "number", "energy": "number?", "energy_error": "number?", "penetration": "number?",
@@ -18,11 +18,9 @@ COLUMNS = {
 }
 
 
-def check(table: pd.DataFrame, solvers: list[str]) -> None:
-    """@throws ReportError for a solver that run.json does not know"""
-    for index, solver in enumerate(table["solver"]):
-        if solver not in solvers:
-            raise ReportError(FILE, f"line {index + 2}, column 'solver' is {solver!r}", "a solver of run.json")
+def read(folder: Path) -> pd.DataFrame:
+    """@throws ReportError for the first thing that does not fit"""
+    return read_table(folder / FILE, COLUMNS)
 
 
 def is_present(folder: Path) -> bool:

@@ -1,8 +1,10 @@
 """Reads a file of JSON lines that a process may have been appending to when it was stopped."""
 
 import json
+import lzma
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import BinaryIO
 
 from ..errors import ReportError
 
@@ -10,13 +12,14 @@ from ..errors import ReportError
 def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:
     """Line numbers and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
 
+    Where the file is not there, but one with the ending .xz is, that is read: results that are kept (archive.py).
     A torn last line, that is one without a line break that is not JSON, is passed over with a note.
     @throws ReportError for a missing file, and for any other line that is not JSON
     """
-    if not path.is_file():
+    if not is_there(path):
         raise ReportError(path.name, f"missing in {path.parent}", "the files of a campaign, benchmarks/RESULTS.md")
-    with path.open("rb") as file:
-        for number, line in enumerate(file, start=1):
+    with path.open("rb") if path.is_file() else lzma.open(packed(path), "rb") as file:
+        for number, line in enumerate(_whole(file, path), start=1):
             try:
                 value = json.loads(line.decode("utf-8"), parse_constant=_refuse)
             except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
@@ -25,6 +28,21 @@ def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, o
                     return
                 raise ReportError(f"{path.name}:{number}", str(error), "a line of JSON") from error
             yield number, value
+
+
+def _whole(file: BinaryIO, path: Path) -> Iterator[bytes]:
+    try:
+        yield from file
+    except (lzma.LZMAError, EOFError) as error:
+        raise ReportError(packed(path).name, str(error), "a file compressed by xz") from error
+
+
+def packed(path: Path) -> Path:
+    return path.with_name(path.name + ".xz")
+
+
+def is_there(path: Path) -> bool:
+    return path.is_file() or packed(path).is_file()
 
 
 def _refuse(word: str) -> float:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..errors import ReportError
 from .fields import check_fields, check_word
-from .jsonl import read_lines
+from .jsonl import is_there, read_lines
 from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
 
@@ -96,8 +96,8 @@ def load_campaign(folder: Path) -> Campaign:
     info = _read_info(folder / "campaign.json")
     problems: dict[str, dict] = {}
     cells: dict[CellKey, CellRuns] = {}
-    has_cells = any((folder / name).is_file() for name in ("problems.jsonl", "cells.jsonl"))
-    if has_cells or not (folder / STEPS_FILE).is_file():
+    has_cells = any(is_there(folder / name) for name in ("problems.jsonl", "cells.jsonl"))
+    if has_cells or not is_there(folder / STEPS_FILE):
         problems = _read_problems(folder / "problems.jsonl", notes.append)
         cells = _read_cells(folder / "cells.jsonl", info, problems, notes.append)
     sequences = read_sequences(info, "campaign.json")

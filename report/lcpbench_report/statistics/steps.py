@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import ReportError
 from .fields import check_fields, check_word
-from .jsonl import read_lines
+from .jsonl import is_there, read_lines
 
 FILE = "steps.jsonl"
 COMPLETED = "completed"
@@ -82,7 +82,7 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
                 note: Callable[[str], None]) -> dict[PassKey, PassRuns]:
     """@returns nothing where there is no such file: a campaign without sequences"""
     passes: dict[PassKey, PassRuns] = {}
-    if not path.is_file():
+    if not is_there(path):
         return passes
     solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
     for number, line in read_lines(path, note):

@@ -1,0 +1,65 @@
+"""Makes of a campaign's folder one that is small enough to be kept with the source.
+
+The same files, which every script reads: campaign.json as it is; the lines of the others with numbers of few digits,
+sorted by problem, solver and tier so that like stands beside like, and compressed by xz.
+"""
+
+import json
+import lzma
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+from .errors import ReportError
+from .statistics.jsonl import packed, read_lines
+
+CAMPAIGN = "campaign.json"
+# File -> what its lines are sorted by. Problems keep their order, which is that of tables and figures.
+_FILES: dict[str, Callable[[dict], tuple] | None] = {
+    "problems.jsonl": None,
+    "cells.jsonl": lambda cell: (cell["problem"], cell["solver"], -cell["tier"], cell["mode"], cell["round"]),
+    "steps.jsonl": lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]),
+}
+# Significant digits: 0.05 % of a time is far below what rounds differ by, and a residual's magnitude is what counts.
+_TIME_DIGITS = 4
+_DIGITS = 3
+_AS_IT_IS = ("tier", "deadline_s", "time_limit_s")
+
+
+def archive(folder: Path, output: Path) -> dict[str, int]:
+    """@returns bytes of every file written
+    @throws ReportError where `folder` is no campaign's, or `output` holds one already
+    """
+    if not (folder / CAMPAIGN).is_file():
+        raise ReportError(str(folder), f"has no {CAMPAIGN}", "a campaign's folder")
+    if (output / CAMPAIGN).exists():
+        raise ReportError(str(output), f"has a {CAMPAIGN} already", "a new folder")
+    output.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(folder / CAMPAIGN, output / CAMPAIGN)
+    written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}
+    for name, order in _FILES.items():
+        if not (folder / name).is_file():
+            continue
+        lines = []
+        for _, line in read_lines(folder / name, lambda note: None):
+            text = json.dumps(_rounded(line), separators=(",", ":"))
+            lines.append((order(line) if order else (), text))
+        if order:
+            lines.sort()
+        path = packed(output / name)
+        with lzma.open(path, "wt", encoding="utf-8", preset=9) as file:
+            file.writelines(text + "\n" for _, text in lines)
+        written[path.name] = path.stat().st_size
+    return written
+
+
+def _rounded(value: object, key: str = "") -> object:
+    """The same with short numbers; a number > 0 stays one."""
+    if isinstance(value, float) and key not in _AS_IT_IS:
+        digits = _TIME_DIGITS if key.endswith("_s") else _DIGITS
+        return float(f"{value:.{digits - 1}e}")
+    if isinstance(value, list):
+        return [_rounded(entry, key) for entry in value]
+    if isinstance(value, dict):
+        return {name: _rounded(entry, name) for name, entry in value.items()}
+    return value

@@ -1,0 +1,56 @@
+"""Reads a CSV file against a table of column -> kind. Nothing is repaired in silence."""
+
+import math
+from pathlib import Path
+
+import pandas as pd
+
+from .errors import ReportError
+
+# Kind -> what a cell of it is, in words. A "?" marks kinds that may be empty: "" or NaN after reading.
+_WORDS = {"text": "a word", "text?": "anything", "integer": "a whole number", "number": "a number",
+          "number?": "a number, inf, nan or nothing"}
+
+
+def read_table(path: Path, columns: dict[str, str]) -> pd.DataFrame:
+    """Columns that are not asked for are dropped.
+
+    @throws ReportError naming line and column of the first cell that does not fit
+    """
+    if not path.is_file():
+        raise ReportError(path.name, f"missing in {path.parent}", "the files listed in benchmarks/RESULTS.md")
+    try:
+        raw = pd.read_csv(path, dtype=str, keep_default_na=False)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
+    for column in columns:
+        if column not in raw.columns:
+            raise ReportError(path.name, f"column '{column}' is missing", "columns " + ", ".join(columns))
+    if raw.empty:
+        raise ReportError(path.name, "no rows", "at least one row under the header")
+    return pd.DataFrame({column: _column(path.name, column, kind, raw[column]) for column, kind in columns.items()})
+
+
+def _column(file: str, column: str, kind: str, cells: pd.Series) -> list:
+    values = []
+    for index, cell in enumerate(cells):
+        value = _parse(cell.strip() if isinstance(cell, str) else "", kind)
+        if value is None:
+            raise ReportError(file, f"line {index + 2}, column '{column}' is {cell!r}", _WORDS[kind])
+        values.append(value)
+    return values
+
+
+def _parse(cell: str, kind: str) -> object:
+    """None when the cell does not fit."""
+    if kind == "text?":
+        return cell
+    if kind == "text":
+        return cell or None
+    if kind == "number?" and not cell:
+        return math.nan
+    try:
+        value = int(cell) if kind == "integer" else float(cell)
+    except ValueError:
+        return None
+    return None if kind == "number" and not math.isfinite(value) else value

@@ -1,0 +1,93 @@
+"""What a report is made of: one campaign's folder or several, whose problems do not overlap, and a study of motion."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import pandas as pd
+
+from . import motion as motion_file
+from .errors import ReportError
+from .statistics import tables
+from .statistics.cells import cell_table
+from .statistics.load import Campaign, load_campaign
+
+
+@dataclass
+class Inputs:
+    """All tables in memory. Rows of every table keep the order of the folders."""
+
+    names: list[str]  # of the folders
+    campaigns: list[Campaign]
+    cells: pd.DataFrame  # statistics.cells.COLUMNS
+    motion: pd.DataFrame | None = None  # motion_file.COLUMNS
+    notes: list[str] = field(default_factory=list)
+
+    @cached_property
+    def solvers(self) -> list[dict]:
+        """The entries of campaign.json, each key once, in the order of the registry; also those that are not in the
+        build: colours must not depend on what was built."""
+        entries: dict[str, dict] = {}
+        for campaign in self.campaigns:
+            for entry in campaign.info["solvers"]:
+                if entry["key"] not in entries or entry["available"]:
+                    entries[entry["key"]] = entry
+        return list(entries.values())
+
+    @cached_property
+    def keys(self) -> list[str]:
+        """Solvers that ran on anything."""
+        ran = set(self.cells["solver"])
+        for campaign in self.campaigns:
+            ran |= {solver for _, solver, *_ in campaign.passes}
+        return [entry["key"] for entry in self.solvers if entry["key"] in ran]
+
+    @cached_property
+    def own(self) -> list[str]:
+        origins = {entry["key"]: entry["origin"] for entry in self.solvers}
+        return [key for key in self.keys if origins[key] == "own"]
+
+    @cached_property
+    def problems(self) -> dict[str, dict]:
+        """problems.jsonl of all folders, by name."""
+        return {name: about for campaign in self.campaigns for name, about in campaign.problems.items()}
+
+    @cached_property
+    def tiers(self) -> list[float]:
+        """Of the cells that were run, the loosest first."""
+        return sorted(set(self.cells["tier"]), reverse=True)
+
+    @cached_property
+    def analysis(self) -> dict[str, pd.DataFrame]:
+        """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
+        found = {}
+        if len(self.cells):
+            found = {name: table(self.cells) for name, table in tables.TABLES.items()}
+        stepped = [campaign for campaign in self.campaigns if campaign.passes]
+        for name, table in tables.STEP_TABLES.items() if stepped else ():
+            found[name] = pd.concat([table(campaign) for campaign in stepped], ignore_index=True)
+        return found
+
+
+def load_inputs(folders: list[Path], motion: Path | None = None) -> Inputs:
+    """@param motion  a folder of `lcpbench motion`
+    @throws ReportError for the first thing that does not fit
+    """
+    campaigns = [load_campaign(folder) for folder in folders]
+    seen: dict[str, str] = {}
+    for folder, campaign in zip(folders, campaigns):
+        for name in [*campaign.problems, *campaign.sequences]:
+            if name in seen:
+                raise ReportError(str(folder), f"problem {name!r} is in {seen[name]} too",
+                                  "campaigns of different problems; `lcpbench merge` joins parts of one")
+            seen[name] = str(folder)
+    if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
+        raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
+    cells = pd.concat([cell_table(campaign) for campaign in campaigns], ignore_index=True)
+    table = None
+    if motion is not None:
+        if not motion_file.is_present(motion):
+            raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
+        table = motion_file.read(motion)
+    notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
+    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, table, notes)
