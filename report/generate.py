@@ -1,9 +1,11 @@
 #!/usr/bin/python3
-"""Makes one self-contained HTML page from a results folder, and beside it the times of all cells as CSV.
+"""Makes a report of campaigns: one self-contained interactive HTML page, and beside it a summary in Markdown, figures
+(SVG, PDF) and tables (CSV, LaTeX).
 
-    report/generate.py build/results/default -o report.html      # and report.csv
+    report/generate.py build/results/quick -o build/report/index.html
+    report/generate.py standard pathological sequences --motion motion -o report/index.html
 
-Exit status: 0 when the page was written, 2 with one line on standard error when the arguments or the files do not fit.
+Exit status: 0 when all was written, 2 with one line on standard error when the arguments or the files do not fit.
 """
 
 import sys
@@ -15,20 +17,32 @@ from lcpbench_report import script  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = script.parser("Make one self-contained HTML page from a results folder.")
+    parser = script.Parser(description="Make a report of campaigns: an interactive page, figures and tables.")
+    parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folders of campaigns")
+    parser.add_argument("--motion", type=Path, metavar="DIR", help="a folder written by `lcpbench motion`")
+    parser.add_argument("--precision", type=Path, metavar="DIR", help="a campaign of `--suite precision`")
+    parser.add_argument("--page-only", action="store_true", help="the page and the summary, without figures and tables")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.html", help="the page to write")
     options = parser.parse_args(arguments)
 
-    def act(cells) -> None:
-        from lcpbench_report import times
-        from lcpbench_report.page import render
+    def act() -> None:
+        from lcpbench_report.inputs import load_inputs
+        from lcpbench_report import markdown_summary, summary
+        from lcpbench_report.static import write_static
+        from lcpbench_report.web.page import render
 
-        page = render(cells)
-        options.output.parent.mkdir(parents=True, exist_ok=True)
-        options.output.write_text(page, encoding="utf-8")
-        options.output.with_suffix(".csv").write_text(times.as_csv(cells), encoding="utf-8")
+        inputs = load_inputs(options.campaigns, options.motion, options.precision)
+        for note in inputs.notes:
+            print(f"generate.py: note: {note}", file=sys.stderr)
+        folder = options.output.parent
+        folder.mkdir(parents=True, exist_ok=True)
+        options.output.write_text(render(inputs, beside=not options.page_only), encoding="utf-8")
+        words = markdown_summary.render(inputs, summary.summary_lines(inputs))
+        (folder / "summary.md").write_text(words, encoding="utf-8")
+        if not options.page_only:
+            write_static(inputs, folder)
 
-    return script.run("generate.py", options, act)
+    return script.guarded("generate.py", act)
 
 
 if __name__ == "__main__":

@@ -11,6 +11,7 @@ from .errors import ReportError
 from .statistics import tables
 from .statistics.cells import cell_table
 from .statistics.load import Campaign, load_campaign
+from .statistics.precision import delivered_table
 
 
 @dataclass
@@ -22,15 +23,16 @@ class Inputs:
     cells: pd.DataFrame  # statistics.cells.COLUMNS
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
+    precision: pd.DataFrame | None = None  # statistics.precision's table `delivered` of a campaign over every decade
 
     @cached_property
     def solvers(self) -> list[dict]:
-        """The entries of campaign.json, each key once, in the order of the registry; also those that are not in the
-        build: colours must not depend on what was built."""
+        """The entries of campaign.json, each key once, in the order of the campaign with the most; also those that are
+        not in the build: colours must not depend on what was built."""
         entries: dict[str, dict] = {}
-        for campaign in self.campaigns:
+        for campaign in sorted(self.campaigns, key=lambda campaign: -len(campaign.info["solvers"])):
             for entry in campaign.info["solvers"]:
-                if entry["key"] not in entries or entry["available"]:
+                if not entries.get(entry["key"], {}).get("available"):
                     entries[entry["key"]] = entry
         return list(entries.values())
 
@@ -69,8 +71,9 @@ class Inputs:
         return found
 
 
-def load_inputs(folders: list[Path], motion: Path | None = None) -> Inputs:
-    """@param motion  a folder of `lcpbench motion`
+def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None) -> Inputs:
+    """@param motion     a folder of `lcpbench motion`
+    @param precision  a campaign that asks for every decade, `--suite precision`; its problems may be those of others
     @throws ReportError for the first thing that does not fit
     """
     campaigns = [load_campaign(folder) for folder in folders]
@@ -90,4 +93,5 @@ def load_inputs(folders: list[Path], motion: Path | None = None) -> Inputs:
             raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
         table = motion_file.read(motion)
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
-    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, table, notes)
+    delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
+    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, table, notes, delivered)

@@ -1,159 +1,237 @@
-"""The answer in about ten lines, and the ranking behind it. Every word that names a solver comes from the data."""
+"""What the data say, in ten lines at most. Every figure is computed; a line whose data are absent is left out."""
 
 import math
-from dataclasses import dataclass
 
-import numpy as np
+import pandas as pd
 
-from . import floors, formats
-from .cells import Cells
-from .stats import geometric_mean, time_ratios
+from . import decision, formats
+from .inputs import Inputs
+from .statistics.cells import FALSE_SUCCESS, VERIFIED
+from .statistics.groups import COUNTED
 
-# Sizes fall into classes around 10, 100, 1000 and 10000; the bounds are the half decades between them.
-_CLASS_BOUNDS = (10**1.5, 10**2.5, 10**3.5)
-_TIER_NOT_RUN = "tier not run"  # how that rule of benchmarks/suite.cc begins
-
-
-@dataclass
-class Rank:
-    """One solver in one size class at one tier."""
-
-    solver: str
-    problems: int
-    verified: int
-    fastest: int  # number of problems on which it has the smallest time
-    mean_ratio: float  # geometric mean over its verified problems of time / best time
+MOST_LINES = 10
+_TIER = 1e-6  # that every solver here is meant for
+_MODE = "cold"
 
 
-@dataclass
-class SizeClass:
-    label: str  # "n = 10–30"
-    sizes: list[int]
+def main_tier(inputs: Inputs) -> float:
+    """The tier nearest to 1e-6."""
+    return min(inputs.tiers, key=lambda tier: abs(math.log(tier / _TIER)), default=_TIER)
 
 
-def size_classes(sizes: list[int]) -> list[SizeClass]:
-    """Small, medium, large and larger ones, labelled by the sizes that are present; empty classes are left out."""
-    bounds = (0.0, *_CLASS_BOUNDS, math.inf)
-    groups = [sorted({n for n in sizes if low < n <= high}) for low, high in zip(bounds, bounds[1:])]
-    return [SizeClass(f"n = {formats.span(group)}", group) for group in groups if group]
+def summary_lines(inputs: Inputs) -> list[str]:
+    """Plain text; solver keys in backticks."""
+    rules = (_what, _coverage, _false_successes, _fastest, _by_size, _peers, _accuracy, _robustness, _sequences,
+             _motion, _scaling)
+    lines = [line for rule in rules if (line := rule(inputs))]
+    return lines[:MOST_LINES]
 
 
-def tier_was_left_out(cells: Cells, tier: float, size_class: SizeClass) -> bool:
-    """Whether a rule spared some solvers this tier at these sizes: direct methods, whose one run is judged at every
-    tier, would be compared among themselves."""
-    runs = cells.runs
-    problems = cells.results.problems
-    names = problems.loc[problems["n"].isin(size_class.sizes), "problem"]
-    spared = runs["excluded"].str.startswith(_TIER_NOT_RUN) & (runs["tier"] == tier) & runs["problem"].isin(names)
-    return bool(spared.any())
+def _counted(inputs: Inputs) -> pd.DataFrame:
+    if inputs.cells.empty:
+        return inputs.cells
+    cells = inputs.cells
+    return cells[cells["counts"].astype(bool) & (cells["mode"] == _MODE)]
 
 
-def ranking(cells: Cells, tier: float, size_class: SizeClass) -> list[Rank]:
-    """Best first: by problems won, then by problems verified, then by mean ratio. Empty where the tier was not asked of
-    every solver."""
-    if tier_was_left_out(cells, tier, size_class):
-        return []
-    times, _ = cells.problem_times(tier)
-    problems = cells.results.problems
-    names = set(problems.loc[problems["n"].isin(size_class.sizes), "problem"])
-    times = times.loc[[name for name in times.index if name in names]]
-    ratios = time_ratios(times)
-    ranks = []
-    for solver in times.columns:
-        ratio = ratios[solver].to_numpy()
-        finite = ratio[np.isfinite(ratio)]
-        ranks.append(Rank(solver, len(ratio), len(finite), int((finite == 1.0).sum()), geometric_mean(list(finite))))
-    return sorted(ranks, key=lambda r: (-r.fastest, -r.verified, r.mean_ratio if r.verified else math.inf))
+def _keys(solvers: list[str], most: int = 6) -> str:
+    shown = [f"`{solver}`" for solver in solvers[:most]]
+    if len(solvers) > most:
+        shown.append(f"{len(solvers) - most} more")
+    return formats.words(shown)
 
 
-def summary_lines(cells: Cells) -> list[dict]:
-    """[{'label', 'text', 'alert'}]: scope, the fastest per tier, false successes, a line per solver."""
-    lines = [{"label": "Scope", "text": _scope(cells), "alert": False}]
-    for tier in reversed(cells.results.tiers):
-        lines.append({"label": f"Fastest at {formats.tier(tier)}", "text": _fastest(cells, tier), "alert": False})
-    wrong = cells.runs[cells.runs["false_success"]]
-    lines.append({"label": "False successes", "text": _false_successes(cells, wrong), "alert": len(wrong) > 0})
-    if any(floors.above(cells, floor) for floor in cells.results.problems["floor"]):
-        lines.append({"label": "Rounding floor", "text": floors.sentence(cells), "alert": False})
-    for solver in cells.results.solvers:
-        lines.append({"label": solver, "text": _solver_line(cells, solver), "alert": False, "solver": solver,
-                      "origin": cells.results.origin(solver)})
-    if cells.results.missing:
-        lines.append({"label": "Not in this build", "text": f"{formats.words(cells.results.missing)}.", "alert": False})
-    return lines
+def _what(inputs: Inputs) -> str:
+    cells = inputs.cells
+    if cells.empty:
+        return ""
+    peers = len(inputs.keys) - len(inputs.own)
+    rows = [about["rows"] for about in inputs.problems.values()]
+    others = f" and {formats.plural(peers, 'setting')} of other projects' solvers" if peers else ""
+    return (f"{formats.plural(len(inputs.own), 'solver')} of ours{others} on {len(inputs.problems)} problems of "
+            f"{cells['family'].nunique()} families, {min(rows)} to {max(rows)} rows, at "
+            f"{formats.words([formats.tier(t) for t in inputs.tiers])}: {len(cells)} cells, each answer judged by one "
+            "verifier, each time a median of repetitions in several rounds.")
 
 
-def _scope(cells: Cells) -> str:
-    results = cells.results
-    problems = results.problems
-    solvers = [s for s in results.solvers if cells.was_run(s)]
-    tiers = formats.words([formats.tier(t) for t in results.tiers])
-    excluded = int((cells.runs["excluded"] != "").sum())
-    families = formats.plural(len(results.families), "family", "families")
-    return (f"{formats.plural(len(problems), 'problem')} from {families}, n = {formats.span(list(problems['n']))}; "
-            f"{formats.plural(len(solvers), 'solver')}{_origins(cells, solvers)} at tiers {tiers}: "
-            f"{len(cells.runs) - excluded} answers judged, {excluded} excluded by rule.")
+def _coverage(inputs: Inputs) -> str:
+    table = inputs.analysis.get("coverage")
+    if table is None or table.empty:
+        return ""
+    counted = table[(table["set"] == COUNTED) & (table["mode"] == _MODE)]
+    if counted.empty:
+        return ""
+    problems = int(counted["problems"].max())
+    always = counted.groupby("solver")["verified"].min()
+    whole = [solver for solver in inputs.keys if always.get(solver, 0) == problems]
+    if whole:
+        return f"All {problems} problems that count are verified at every tier by {_keys(whole)}."
+    best = max(inputs.keys, key=lambda solver: always.get(solver, 0))
+    return (f"No solver verifies all {problems} problems that count at every tier; `{best}` comes closest with "
+            f"{int(always[best])}.")
 
 
-def _origins(cells: Cells, solvers: list[str]) -> str:
-    words = {"own": "of our own", "peer": "of others", "external": "external"}
-    counts = {word: sum(cells.results.origin(s) == key for s in solvers) for key, word in words.items()}
-    present = [f"{count} {word}" for word, count in counts.items() if count]
-    return f" ({', '.join(present)})" if len(present) > 1 else ""
+def _false_successes(inputs: Inputs) -> str:
+    cells = inputs.cells
+    if cells.empty:
+        return ""
+    false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
+    ours = sum(int(false.get(solver, 0)) for solver in inputs.own)
+    theirs = int(false.sum()) - ours
+    ran = cells[cells["verdict"] != "excluded"]
+    text = (f"False successes (claimed solved, refuted by the verifier): {ours} in "
+            f"{int(ran['solver'].isin(inputs.own).sum())} solves of ours")
+    if len(inputs.keys) == len(inputs.own):
+        return text + "."
+    worst = [f"`{solver}` {count}" for solver, count in false.items() if solver not in inputs.own][:3]
+    return (text + f", {theirs} in {int((~ran['solver'].isin(inputs.own)).sum())} of other projects' solvers"
+            + (f" (most: {', '.join(worst)})." if worst else "."))
 
 
-def _fastest(cells: Cells, tier: float) -> str:
+def _means(inputs: Inputs) -> pd.DataFrame | None:
+    table = inputs.analysis.get("means")
+    if table is None or table.empty:
+        return None
+    tier = main_tier(inputs)
+    chosen = table[(table["unit"] == "s") & (table["tier"] == tier) & (table["mode"] == _MODE)]
+    return None if chosen.empty else chosen.sort_values("mean").reset_index(drop=True)
+
+
+def _fastest(inputs: Inputs) -> str:
+    means = _means(inputs)
+    if means is None or len(means) < 2:
+        return ""
+    first, second = means.iloc[0], means.iloc[1]
+    tier = main_tier(inputs)
+    pairs = inputs.analysis["pairwise"]
+    pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["mode"] == _MODE)
+                  & (pairs["a"] == first["solver"])]
+    won = int((pairs["verdict"] == "A faster").sum())
+    return (f"Fastest over all sizes at {formats.tier(tier)}: `{first['solver']}`, shifted geometric mean "
+            f"{formats.seconds(first['mean'])} with failures at the time limit; next is `{second['solver']}` with "
+            f"{formats.ratio(second['mean'] / first['mean'])} times as much. In pairwise tests, corrected for their "
+            f"number, `{first['solver']}` is faster than {won} of {len(pairs)} others.")
+
+
+def _by_size(inputs: Inputs) -> str:
+    tier = main_tier(inputs)
+    counted = _counted(inputs)
+    if counted.empty:
+        return ""
     parts = []
-    for size_class in size_classes(list(cells.results.problems["n"])):
-        best = next(iter(ranking(cells, tier, size_class)), None)
-        if tier_was_left_out(cells, tier, size_class):
-            parts.append(f"{size_class.label}: not run")
-        elif best is None or best.verified == 0:
-            parts.append(f"{size_class.label}: no solver verified")
-        else:
-            parts.append(f"{size_class.label}: {best.solver} (first on {best.fastest} of {best.problems}, "
-                         f"verified on {best.verified})")
-    return "; ".join(parts) + "."
+    for low, high in decision.SIZES:
+        cells = counted[(counted["rows"] >= low) & (counted["rows"] <= high) & (counted["tier"] == tier)]
+        ranked = decision.contenders(cells, inputs.own)
+        if ranked:
+            parts.append(f"{size_words(low, high)} `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
+    return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
 
 
-def _false_successes(cells: Cells, wrong) -> str:
-    claims = int(((cells.runs["claim"] == "solved") & (cells.runs["excluded"] == "")).sum())
-    if wrong.empty:
-        return f"none: all {claims} claims of success hold at the tier that was asked for."
-    counts = wrong["solver"].value_counts()
-    by_solver = ", ".join(f"{solver} {counts[solver]}" for solver in cells.results.solvers if solver in counts)
-    return f"{len(wrong)} of {claims} claims of success do not hold ({by_solver})."
+def size_words(low: float, high: float) -> str:
+    return f"above {low - 1:g} rows" if math.isinf(high) else f"up to {high:g} rows" if low <= 1 else f"{low:g}–{high:g}"
 
 
-def _solver_line(cells: Cells, solver: str) -> str:
-    runs = cells.runs[cells.runs["solver"] == solver]
-    if not cells.was_run(solver):
-        rules = [rule for rule in dict.fromkeys(runs["excluded"]) if rule]
-        return "not run" + (f": {formats.words(rules)}." if rules else ".")
-    counts = []
-    for tier in reversed(cells.results.tiers):
-        at_tier = runs[runs["tier"] == tier]
-        if len(at_tier):
-            counts.append(f"{int(at_tier['verified'].sum())}/{len(at_tier)} at {formats.tier(tier)}")
-    return f"verified {', '.join(counts)}; {_first_failure(cells, solver)}."
+def _peers(inputs: Inputs) -> str:
+    peers = [solver for solver in inputs.keys if solver not in inputs.own]
+    means = _means(inputs)
+    if not peers or means is None:
+        return ""
+    tier = main_tier(inputs)
+    cells = _counted(inputs)
+    cells = cells[(cells["tier"] == tier) & (cells["verdict"] == VERIFIED)]
+    best = cells.assign(own=cells["solver"].isin(inputs.own)).groupby(["problem", "own"])["time_s"].min().unstack()
+    if True not in best or False not in best:
+        return ""
+    ratios = (best[False] / best[True]).dropna()
+    faster = int((ratios < 1).sum())
+    return (f"Against the fastest peer of every single problem, our fastest takes 1/{formats.ratio(ratios.median())} of "
+            f"the time in the median; on {faster} of {len(ratios)} problems a peer is faster.")
 
 
-def _first_failure(cells: Cells, solver: str) -> str:
-    """Smallest n at which a cell fails at the strictest tier; and from where on cells are excluded."""
-    strictest = min(cells.results.tiers)
-    order = {family: i for i, family in enumerate(cells.results.families)}
-    mine = sorted((c for c in cells.all() if c.solver == solver and c.tier == strictest),
-                  key=lambda c: (c.n, order[c.family]))
-    failed = [c for c in mine if not c.passes and not c.excluded]
-    excluded = [c for c in mine if c.excluded]
-    text = f"no failure at {formats.tier(strictest)}"
-    if failed:
-        first = failed[0]
-        others = len({c.family for c in failed if c.n == first.n}) - 1
-        more = f" and {formats.plural(others, 'other family', 'other families')}" if others else ""
-        rho = f", rho {formats.residual(first.rho)}" if math.isfinite(first.rho) else ""
-        text = f"first fails {formats.tier(strictest)} at n = {first.n} in {first.family}{more} ({first.failure}{rho})"
-    if excluded:
-        text += f"; {formats.plural(len(excluded), 'cell')} excluded from n = {excluded[0].n} on"
-    return text
+def _accuracy(inputs: Inputs) -> str:
+    counted = _counted(inputs)
+    if counted.empty:
+        return ""
+    tier = min(inputs.tiers)
+    proved = counted[(counted["tier"] == tier) & (counted["verdict"] == VERIFIED)
+                     & counted["reference"].isin(("certified", "bounded")) & counted["w_error"].notna()]
+    if proved.empty:
+        return ""
+    errors = proved.groupby("solver")["w_error"].quantile(0.99)
+    most = proved["solver"].value_counts()
+    enough = [solver for solver in inputs.keys if most.get(solver, 0) >= 0.95 * most.max()]
+    best = min(enough, key=lambda solver: errors[solver])
+    worst = max(enough, key=lambda solver: errors[solver])
+    return (f"Against proved answers ({proved['problem'].nunique()} problems, {formats.tier(tier)}) w of `{best}` is off "
+            f"by at most {formats.residual(errors[best])} in 99 of 100 verified answers, of `{worst}` by "
+            f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
 
+
+def pathological(inputs: Inputs) -> pd.DataFrame:
+    """Cells of problems that do not count because they are meant to break something."""
+    cells = inputs.cells
+    return cells[(cells["set"] == "pathological") & (cells["mode"] == _MODE)] if len(cells) else cells
+
+
+def _robustness(inputs: Inputs) -> str:
+    cells = pathological(inputs)
+    if cells.empty:
+        return ""
+    cells = cells[cells["tier"] == main_tier(inputs)]
+    verified = cells[cells["verdict"] == VERIFIED]["solver"].value_counts()
+    false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
+    ranked = sorted(inputs.keys, key=lambda solver: (-verified.get(solver, 0), false.get(solver, 0)))[:3]
+    parts = [f"`{solver}` {int(verified.get(solver, 0))}" for solver in ranked]
+    liars = sum(solver in false.index for solver in inputs.keys)
+    return (f"Of {cells['problem'].nunique()} problems meant to break something, at {formats.tier(main_tier(inputs))} "
+            f"most are answered rightly (solved, or infeasible with a proof) by {', '.join(parts)}; {liars} of "
+            f"{cells['solver'].nunique()} solvers claim a wrong answer at least once.")
+
+
+def _sequences(inputs: Inputs) -> str:
+    latency = inputs.analysis.get("latency_by_solver")
+    if latency is None or latency.empty:
+        return ""
+    rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")
+                   & (latency["verified_share"] >= 0.999)]
+    if rows.empty:
+        rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")]
+        rows = rows[rows["verified_share"] == rows["verified_share"].max()]
+    if rows.empty:
+        return ""
+    best = rows.sort_values("p99").iloc[0]
+    gains = rows[rows["warm_gain"].notna()].sort_values("warm_gain", ascending=False)
+    gain = "" if gains.empty else (f"; a warm start gains most for `{gains.iloc[0]['solver']}` "
+                                   f"({formats.ratio(gains.iloc[0]['warm_gain'])} times)")
+    return (f"Steps of motions, warm: `{best['solver']}` verifies {formats.percent(best['verified_share'])} of "
+            f"{int(best['steps'])} with p50 {formats.seconds(best['p50'])}, p99 {formats.seconds(best['p99'])} and at "
+            f"most {formats.seconds(best['max'])}{gain}.")
+
+
+def _motion(inputs: Inputs) -> str:
+    table = inputs.motion
+    if table is None:
+        return ""
+    last = table.sort_values("step").groupby(["scene", "level", "solver", "tolerance"]).last().reset_index()
+    whole = last[last["stopped"] == ""]
+    loose, strict = max(table["tolerance"]), min(table["tolerance"])
+    worst = table.groupby("tolerance")["energy_error"].max()
+    text = (f"Driven by a solver, {len(whole)} of {len(last)} motions run to their end; the largest energy error is "
+            f"{formats.residual(worst[strict])} at {formats.tier(strict)}")
+    return text + (f" and {formats.residual(worst[loose])} at {formats.tier(loose)}." if loose > strict else ".")
+
+
+def _scaling(inputs: Inputs) -> str:
+    table = inputs.analysis.get("scaling")
+    if table is None or table.empty:
+        return ""
+    rows = table[(table["set"] == COUNTED) & (table["tier"] == main_tier(inputs)) & (table["mode"] == _MODE)]
+    medians = rows.groupby("solver")["exponent"].median()
+    largest = rows.groupby("solver")["rows_max"].max()
+    if medians.empty:
+        return ""
+    top = largest.max()
+    reaching = [solver for solver in inputs.keys if largest.get(solver, 0) == top]
+    best = min(reaching, key=lambda solver: medians[solver])
+    return (f"Up to {int(top)} rows, time grows least with `{best}` (median over families: n^{medians[best]:.2f}); "
+            f"{_keys(reaching)} get there.")

@@ -1,7 +1,4 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-The section on motion, from a synthetic motion.csv.
-"""
+"""What motion.csv says, in words."""
 
 import sys
 import tempfile
@@ -11,67 +8,40 @@ from pathlib import Path
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import motion, motion_figure  # noqa: E402
-from lcpbench_report.cells import Cells  # noqa: E402
+from lcpbench_report import motion  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.load import load_results  # noqa: E402
-from lcpbench_report.page import render  # noqa: E402
-from lcpbench_report.style import solver_styles  # noqa: E402
-from synthetic import OWN, TIERS, write_motion, write_results  # noqa: E402
+from synthetic_report import LEVEL, SCENE, write_motion  # noqa: E402
 
 
 class Motion(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.folder = write_results(Path(cls.temporary.name), families=("disc-pile",), sizes=(10, 30), seeds=(1,))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
-
     def setUp(self):
-        write_motion(self.folder)
-
-    def test_without_the_file_the_page_has_no_such_section(self):
-        (self.folder / motion.FILE).unlink()
-        self.assertNotIn('id="motion"', render(Cells(load_results(self.folder))))
-
-    def test_the_page_holds_a_figure_and_a_table_per_scene(self):
-        page = render(Cells(load_results(self.folder)))
-        self.assertEqual(page.count('id="motion"'), 1)
-        self.assertEqual(page.count('<a href="#motion">'), 1)
-        for label in ("disc-pile at the velocity level", "disc-track at the acceleration level"):
-            self.assertIn(f'aria-label="Energy error and penetration over time for {label}"', page)
-        self.assertIn("pgs at 1e-3 (not finite)", page)
-        self.assertNotIn("joint error<br>", page)  # no joints in these scenes
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = write_motion(Path(temporary.name))
 
     def test_the_summary_takes_the_worst_values_and_the_last_counts(self):
-        results = load_results(self.folder)
-        table = motion.of_scene(results.motion, "disc-pile", "velocity")
-        rows = {(row["solver"], row["tolerance"]): row for row in motion.summary(table, results.solvers)}
-        self.assertEqual(len(rows), 1 + len(TIERS) * (len(OWN) - 1))
-        full, stopped = rows["ipm", "1e-6"], rows["pgs", "1e-3"]
-        self.assertEqual((full["energy"], full["penetration"], full["distance"]), ("1.0e-04", "1.0e-05", "2.0e-04"))
-        self.assertEqual((full["solves"], full["false"], full["stopped"]), (100, 0, ""))
-        self.assertEqual((stopped["solves"], stopped["false"], stopped["stopped"]), (50, 1, "not finite"))
-        self.assertEqual(stopped["time"], "0.05")
+        table = motion.of_scene(motion.read(self.folder), SCENE, LEVEL)
+        rows = {(row["solver"], row["tolerance"]): row for row in motion.summary(table, ["auto", "pgs"])}
+        self.assertEqual(len(rows), 3)
+        full, stopped = rows["auto", "1e-6"], rows["pgs", "1e-3"]
+        self.assertEqual((full["energy"], full["penetration"], full["solves"]), ("9.9e-08", "6.0e-09", 99))
+        self.assertEqual((stopped["energy"], stopped["time"], stopped["stopped"]), ("4.9e-03", "0.49", "not finite"))
 
-    def test_figures_are_the_same_for_the_same_file(self):
-        table = motion.of_scene(load_results(self.folder).motion, "disc-track", "acceleration")
-        styles = solver_styles(load_results(self.folder).run["solvers"])
-        self.assertEqual(motion_figure.figure(table, styles), motion_figure.figure(table, styles))
+    def test_scenes_keep_their_order(self):
+        self.assertEqual(motion.scenes(motion.read(self.folder)), [(SCENE, LEVEL)])
 
-    def test_damage_is_named_by_line_and_column(self):
+    def test_what_does_not_fit_is_told_by_line_and_column(self):
         path = self.folder / motion.FILE
-        good = path.read_text(encoding="utf-8")
-        for old, new, words in ((",dantzig,", ",nobody,", "line 2, column 'solver' is 'nobody'"),
-                                (",dantzig,1e-09,0,0.0,", ",dantzig,1e-09,0,soon,", "line 2, column 'time' is 'soon'"),
-                                ("energy_error", "energy_wrong", "column 'energy_error' is missing")):
-            path.write_text(good.replace(old, new, 1), encoding="utf-8")
-            with self.assertRaises(ReportError) as caught:
-                load_results(self.folder)
-            self.assertIn(words, str(caught.exception))
+        text = path.read_text()
+        path.write_text(text.replace("pgs,0.001,7,", "pgs,0.001,seven,"))
+        with self.assertRaisesRegex(ReportError, "motion.csv: line 109, column 'step' is 'seven'; expected a whole"):
+            motion.read(self.folder)
+        path.write_text(text.replace("penetration", "depth", 1))
+        with self.assertRaisesRegex(ReportError, "column 'penetration' is missing"):
+            motion.read(self.folder)
+        path.write_text(text.splitlines()[0] + "\n")
+        with self.assertRaisesRegex(ReportError, "no rows"):
+            motion.read(self.folder)
 
 
 if __name__ == "__main__":

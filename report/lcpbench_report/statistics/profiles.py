@@ -9,7 +9,6 @@ takes part (Gould & Scott 2016): pairwise.py compares two without the others.
 import numpy as np
 import pandas as pd
 
-from ..stats import time_ratios
 from .groups import GROUP, groups
 
 COLUMNS = [*GROUP, "solver", "problems", "tau", "share", "excluded_share"]
@@ -40,3 +39,14 @@ def profile_table(cells: pd.DataFrame) -> pd.DataFrame:
             rows += [{**group.label, "solver": solver, "problems": len(times), "tau": tau, "share": share,
                       "excluded_share": excluded[solver]} for tau, share in shares.items()]
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def time_ratios(times: pd.DataFrame) -> pd.DataFrame:
+    """Each row divided by its smallest entry. Rows are problems, columns solvers, +inf or NaN a failure.
+
+    A failure stays +inf; a row in which all fail is +inf throughout.
+    """
+    clean = times.astype(float).where(np.isfinite(times.astype(float)), np.inf)
+    best = clean.min(axis=1)
+    ratios = clean.div(best.where(np.isfinite(best), 1.0), axis=0)
+    return ratios.where(np.isfinite(clean), np.inf)

@@ -1,0 +1,105 @@
+"use strict";
+// What payload.py wrote, unpacked when it is first asked for.
+
+const DATA = JSON.parse(document.getElementById("data").textContent);
+const SOLVERS = DATA.solvers;
+const BY_KEY = new Map(SOLVERS.map((solver) => [solver.key, solver]));
+const PROBLEMS = DATA.problems;
+const COUNT = PROBLEMS.name.length;
+const STEPS_PER_DECADE = 1600;
+const ZERO = -32767, INFINITE = 32767, UNKNOWN = -32768, NO_SPREAD = 255;
+const EXPLORED_SETS = PROBLEMS.sets.map((name) => name !== "pathological");
+
+const VERDICTS = {
+  v: "verified", f: "false success", q: "false claim of infeasibility", i: "iteration limit", t: "time limit",
+  n: "numerical failure", u: "unsupported", c: "crashed", k: "killed at the limit", m: "out of memory",
+  p: "claims infeasible, no proof", w: "solved, but not accepted", e: "other failure", x: "excluded by rule",
+  ".": "not run",
+};
+
+function bytesOf(text) {
+  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+}
+
+/** Values by problem; NaN where nothing is known. */
+function unpack(text) {
+  const view = new DataView(bytesOf(text).buffer);
+  return Float64Array.from({length: view.byteLength / 2}, (_, i) => {
+    const code = view.getInt16(2 * i, true);
+    if (code === UNKNOWN) return NaN;
+    if (code === ZERO) return 0;
+    return code === INFINITE ? Infinity : 10 ** (code / STEPS_PER_DECADE);
+  });
+}
+
+const ORACLE = unpack(PROBLEMS.oracle);
+const unpacked = new Map();
+
+function numbersOf(packed, field) {
+  let fields = unpacked.get(packed);
+  if (!fields) unpacked.set(packed, (fields = {}));
+  if (!(field in fields)) {
+    fields[field] = field === "spread"
+      ? Float64Array.from(bytesOf(packed.spread), (share) => share === NO_SPREAD ? NaN : share / 100)
+      : unpack(packed[field]);
+  }
+  return fields[field];
+}
+
+const tierKey = (tier) => {
+  const [mantissa, exponent] = tier.toExponential(0).split("e");
+  return `${mantissa}e${exponent[0]}${exponent.slice(1).padStart(2, "0")}`;
+};
+
+/** One solver's cells at a tier; null where it has none. */
+function cellsOf(solver, tier) {
+  const mine = DATA.cells[solver];
+  const key = tierKey(tier);
+  if (!mine || !(key in mine.verdicts)) return null;
+  const packed = mine.numbers[mine.places[key]];
+  return {verdicts: mine.verdicts[key], get: (field) => numbersOf(packed, field)};
+}
+
+/** Smallest time of a verified answer by problem, over `solvers`; NaN where there is none. */
+function bestTimes(solvers, tier) {
+  const best = new Float64Array(COUNT).fill(NaN);
+  for (const solver of solvers) {
+    const cells = cellsOf(solver, tier);
+    if (!cells) continue;
+    const times = cells.get("time");
+    for (let i = 0; i < COUNT; ++i) {
+      if (cells.verdicts[i] === "v" && !(best[i] <= times[i])) best[i] = times[i];
+    }
+  }
+  return best;
+}
+
+/** Sizes are grouped by half decades. */
+const CLASSES = [[1, 3], [4, 10], [11, 30], [31, 100], [101, 300], [301, 1000], [1001, 3000], [3001, 10000],
+                 [10001, 100000], [100001, Infinity]]
+  .map(([low, high]) => ({low, high, count: PROBLEMS.rows.filter((n) => n >= low && n <= high).length,
+                          label: high === Infinity ? `> ${low - 1}` : `${low}–${high}`}))
+  .filter((found) => found.count > 0);
+
+/** Those of `picked` that every solver shown was run on, or is excluded from by rule: of a campaign that is not at its
+ *  end the others would count as failures. Solvers without any cell at the tier do not matter. */
+function complete(picked, view) {
+  const cells = view.shown.map((solver) => cellsOf(solver, view.tier)).filter((found) => found && picked.some((i) => found.verdicts[i] !== "."));
+  return picked.filter((i) => cells.every((found) => found.verdicts[i] !== "."));
+}
+
+const leftOut = (picked, kept) => kept.length < picked.length
+  ? ` ${picked.length - kept.length} more problems were not run with all solvers shown, and are left out.` : "";
+
+/** Indices of problems. A family that was asked for is shown whole; else only problems that count. */
+function selected(view) {
+  const found = [];
+  for (let i = 0; i < COUNT; ++i) {
+    if (PROBLEMS.rows[i] < view.low || PROBLEMS.rows[i] > view.high) continue;
+    if (view.family === "*" ? !PROBLEMS.counts[i] && !view.all : PROBLEMS.families[PROBLEMS.family[i]] !== view.family) {
+      continue;
+    }
+    if (EXPLORED_SETS[PROBLEMS.set[i]]) found.push(i);
+  }
+  return found;
+}

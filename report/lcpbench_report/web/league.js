@@ -1,0 +1,68 @@
+"use strict";
+// The table of the selection: who verifies what, how fast and how exactly.
+
+const SHIFT = 1e-3;  // [s], of the shifted geometric mean
+
+function leagueRows(view) {
+  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier), rows = [];
+  for (const solver of SOLVERS.filter(({key}) => view.shown.includes(key))) {
+    const cells = cellsOf(solver.key, view.tier);
+    if (!cells || !picked.length) continue;
+    const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
+    const good = picked.filter((i) => cells.verdicts[i] === "v");
+    const errors = sorted(good.map((i) => error[i]));
+    rows.push({solver: solver.key, verified: good.length / picked.length,
+               lies: picked.filter((i) => "fq".includes(cells.verdicts[i])).length,
+               mean: good.length ? Math.exp(good.reduce((sum, i) => sum + Math.log(time[i] + SHIFT), 0) / good.length) - SHIFT : NaN,
+               ratio: median(good.map((i) => time[i] / best[i])), rho: median(good.map((i) => rho[i])), error: quantile(errors, 0.99)});
+  }
+  return {rows, count: picked.length, missing: leftOut(all, picked)};
+}
+
+const LEAGUE = [
+  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["lies", "false claims", String],
+  ["mean", "mean time of the verified", seconds], ["ratio", "median time / best shown", times], ["rho", "median ρ", residual],
+  ["error", "99 % of w errors", residual],
+];
+const leagueOrder = {by: "verified", down: true};
+
+function leagueTable(view) {
+  const {rows, count, missing} = leagueRows(view), table = document.getElementById("league");
+  const {by, down} = leagueOrder;
+  const key = (row) => typeof row[by] === "number" ? (Number.isNaN(row[by]) ? Infinity : row[by]) : row[by];
+  rows.sort((a, b) => {
+    const order = key(a) < key(b) ? -1 : key(a) > key(b) ? 1 : 0;
+    return (down ? -order : order) || a.ratio - b.ratio;
+  });
+  table.replaceChildren();
+  const head = table.createTHead().insertRow();
+  for (const [field, title] of LEAGUE) {
+    const cell = document.createElement("th");
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = title + (field === by ? (down ? " ↓" : " ↑") : "");
+    button.addEventListener("click", () => {
+      leagueOrder.down = field === by ? !down : field === "verified" || field === "lies";
+      leagueOrder.by = field;
+      leagueTable(view);
+    });
+    cell.append(button);
+    head.append(cell);
+  }
+  const body = table.createTBody();
+  for (const row of rows) {
+    const line = body.insertRow();
+    for (const [field, , words] of LEAGUE) {
+      const cell = field === "solver" ? document.createElement("th") : document.createElement("td");
+      if (field === "solver") {
+        cell.append(symbolOf(BY_KEY.get(row.solver)), " ", row.solver);
+      } else {
+        cell.textContent = words(row[field]);
+      }
+      if (field === "lies" && row.lies) cell.className = "bad";
+      line.append(cell);
+    }
+  }
+  note("league", `${count} problems at ${tierName(view.tier)}. The mean is geometric, shifted by 1 ms, over each solver's own verified ` +
+    "answers: compare it only between solvers that verify alike; the ratio compares problem by problem." + missing);
+}

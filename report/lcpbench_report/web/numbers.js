@@ -1,0 +1,107 @@
+"use strict";
+// Numbers as words, axes, and the few statistics that the page computes itself.
+
+const INK = "#1c2430", SOFT = "#5a6573", LINE = "#dfe4ea";
+
+function threeDigits(value) {
+  if (value >= 99.95) return value.toFixed(0);
+  return value >= 9.995 ? value.toFixed(1) : value.toFixed(2);
+}
+
+function seconds(value) {
+  if (!Number.isFinite(value)) return "–";
+  const [unit, scale] = value >= 0.9995 ? ["s", 1] : value >= 0.9995e-3 ? ["ms", 1e-3]
+    : value >= 0.9995e-6 ? ["µs", 1e-6] : ["ns", 1e-9];
+  return `${threeDigits(value / scale)} ${unit}`;
+}
+
+function residual(value) {
+  if (!Number.isFinite(value)) return "–";
+  return value === 0 ? "0" : value.toExponential(1);
+}
+
+function plain(value) {
+  if (!Number.isFinite(value)) return "–";
+  return value >= 1000 ? value.toFixed(0) : String(Number(value.toPrecision(3)));
+}
+
+const times = (value) => `${plain(value)}×`;
+const percent = (value) => Number.isFinite(value) ? `${(100 * value).toFixed(value > 0 && value < 0.0995 ? 1 : 0)} %` : "–";
+
+/** Kind of a value -> its words in hovers, and on axes those of a power of ten. */
+const KINDS = {
+  seconds: {words: seconds, tick: (e) => {
+    const [unit, scale] = e >= 0 ? ["s", 0] : e >= -3 ? ["ms", -3] : e >= -6 ? ["µs", -6] : ["ns", -9];
+    return `${10 ** (e - scale)} ${unit}`;
+  }},
+  residual: {words: residual, tick: (e) => `1e${e}`},
+  ratio: {words: times, tick: (e) => e < -3 || e > 4 ? `1e${e}×` : `${Number((10 ** e).toPrecision(1))}×`},
+  share: {words: percent, tick: (e) => `${Number((10 ** (e + 2)).toPrecision(1))} %`},
+  plain: {words: plain, tick: (e) => e < -3 || e > 5 ? `1e${e}` : `${Number((10 ** e).toPrecision(1))}`},
+};
+
+const narrow = () => window.innerWidth < 700;
+
+/** A logarithmic axis with a tick for every power of ten, or for every other one where there are many. */
+function logAxis(title, kind, values, most = 8) {
+  let low = Infinity, high = -Infinity;
+  for (const value of values) {
+    if (!(value > 0) || value === Infinity) continue;
+    low = Math.min(low, value);
+    high = Math.max(high, value);
+  }
+  if (low > high) [low, high] = [1, 10];
+  const from = Math.log10(low), to = Math.log10(high), room = Math.max(0.04 * (to - from), 0.05);
+  const first = Math.ceil(from - room), last = Math.floor(to + room);
+  const step = Math.max(1, Math.ceil((last - first + 1) / most));
+  const ticks = [];
+  for (let e = first; e <= last; e += step) ticks.push(e);
+  if (ticks.length < 2) {  // within a decade
+    ticks.length = 0;
+    for (let e = Math.floor(from - room); e <= to + room; ++e) {
+      for (const m of [1, 2, 5]) if (Math.log10(m) + e >= from - room && Math.log10(m) + e <= to + room) ticks.push(e + Math.log10(m));
+    }
+  }
+  const word = (e) => Number.isInteger(e) ? KINDS[kind].tick(e) : KINDS[kind].words(10 ** e);
+  return {type: "log", title: {text: title, standoff: 8}, range: [from - room, to + room], tickvals: ticks.map((e) => 10 ** e),
+          ticktext: ticks.map(word), gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true};
+}
+
+function linearAxis(title, more = {}) {
+  return {title: {text: title, standoff: 8}, gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true, ...more};
+}
+
+function layoutOf(xaxis, yaxis, more = {}) {
+  return {font: {family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', Arial, sans-serif",
+                 size: narrow() ? 11 : 13, color: INK},
+          paper_bgcolor: "#fff", plot_bgcolor: "#fff", showlegend: false, hovermode: "closest", xaxis, yaxis,
+          hoverlabel: {align: "left", bgcolor: "#fff", bordercolor: SOFT, font: {color: INK}},
+          margin: narrow() ? {l: 8, r: 8, t: 12, b: 8} : {l: 16, r: 16, t: 34, b: 16}, ...more};
+}
+
+function sorted(values) {
+  return values.filter((value) => !Number.isNaN(value)).sort((a, b) => a - b);
+}
+
+/** Linear interpolation between order statistics; `values` ascending. */
+function quantile(values, share) {
+  if (!values.length) return NaN;
+  const at = share * (values.length - 1), below = Math.floor(at);
+  if (below + 1 >= values.length || values[below] === values[below + 1]) return values[below];
+  return values[below] + (at - below) * (values[below + 1] - values[below]);
+}
+
+const median = (values) => quantile(sorted([...values]), 0.5);
+
+function geometricMean(values) {
+  return values.length ? Math.exp(values.reduce((sum, value) => sum + Math.log(value), 0) / values.length) : NaN;
+}
+
+/** How marks and lines of a solver look, everywhere. */
+function lineOf(solver, width = 2) {
+  return {color: solver.colour, dash: solver.dash, width: solver.origin === "own" ? width : 0.75 * width};
+}
+
+function markerOf(solver, size = 7, more = {}) {
+  return {symbol: solver.symbol, color: solver.colour, size, line: {color: solver.colour, width: 1.2}, ...more};
+}

@@ -1,0 +1,140 @@
+"""The data of the page as one JSON object, columns aligned to the list of problems."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from .. import motion
+from ..inputs import Inputs
+from ..statistics.cells import EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..style import SolverStyle
+from .encoding import pack, pack_shares
+
+MODE = "cold"
+# Verdict -> letter in the strings of verdicts; other failures are "e". app.js has the words.
+LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", EXCLUDED: "x", FAILED + "iteration_limit": "i",
+           FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
+           FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
+           FAILED + "infeasible": "p", FAILED + "solved": "w"}
+FALSE_INFEASIBLE, OTHER, ABSENT = "q", "e", "."
+# Key in the page -> column of statistics.cells; all packed as logarithms.
+NUMBERS = {"time": "solve_median", "setup": "setup_s", "first": "first_s", "iterations": "iterations", "rho": "rho",
+           "backward": "backward_error", "werror": "w_error"}
+_MOTION_POINTS = 120  # of a curve: more are not seen
+
+
+def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> dict:
+    """@param shown  solvers that are visible when the page opens"""
+    names = list(inputs.problems)
+    index = {name: i for i, name in enumerate(names)}
+    cells = inputs.cells[inputs.cells["mode"] == MODE] if len(inputs.cells) else inputs.cells
+    return {
+        "solvers": [_solver(entry, styles[entry["key"]], entry["key"] in shown)
+                    for entry in inputs.solvers if entry["key"] in inputs.keys],
+        "tiers": inputs.tiers,
+        "problems": _problems(inputs, names),
+        "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
+        "latency": _records(inputs.analysis.get("latency_by_solver")),
+        "sequences": _records(inputs.analysis.get("latency"), drop=("set", "setup_p50", "solve_p50", "convert_p50")),
+        "deadlines": _records(inputs.analysis.get("deadline")),
+        "scaling": _records(inputs.analysis.get("scaling"), drop=("set", "theil_sen", "theil_sen_low",
+                                                                  "theil_sen_high")),
+        "precision": _records(inputs.analysis.get("delivered") if inputs.precision is None else inputs.precision),
+        "motion": _motion(inputs.motion),
+    }
+
+
+def _solver(entry: dict, style: SolverStyle, shown: bool) -> dict:
+    return {"key": entry["key"], "method": entry.get("method", ""), "origin": entry["origin"],
+            "direct": not entry["uses_tolerance"], "colour": style.colour, "symbol": style.plotly_symbol,
+            "dash": style.plotly_dash, "path": style.marker_path, "shown": shown}
+
+
+def _problems(inputs: Inputs, names: list[str]) -> dict:
+    about = [inputs.problems[name] for name in names]
+    families = list(dict.fromkeys(record["family"] for record in about))
+    sets = list(dict.fromkeys(record["set"] for record in about))
+    found = {"name": names, "families": families, "family": [families.index(record["family"]) for record in about],
+             "sets": sets, "set": [sets.index(record["set"]) for record in about],
+             "counts": [int(record["counts"]) for record in about], "rows": [record["rows"] for record in about],
+             "reference": [record["reference"] for record in about], "oracle": pack(_column(about, "oracle_s"))}
+    for key in ("redundancy", "mass_ratio", "condition", "fraction_active"):
+        found[key] = pack(_column(about, key))
+    return found
+
+
+def _column(records: list[dict], key: str) -> list[float]:
+    return [math.nan if record.get(key) is None else float(record[key]) for record in records]
+
+
+def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
+    """Verdicts by tier; numbers, which a direct method has but once, by tier as places in a list."""
+    verdicts, numbers, places = {}, [], {}
+    for tier, of_tier in table.groupby("tier", sort=False):
+        at = [index[name] for name in of_tier["problem"]]
+        letters = np.full(len(index), ABSENT)
+        letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"])]
+        verdicts[tier] = "".join(letters)
+        packed = {key: pack(_spread_out(of_tier[column], at, len(index))) for key, column in NUMBERS.items()}
+        half = (of_tier["solve_high"] - of_tier["solve_low"]) / 2 / of_tier["solve_median"]
+        packed["spread"] = pack_shares(_spread_out(half, at, len(index)))
+        if packed not in numbers:
+            numbers.append(packed)
+        places[tier] = numbers.index(packed)
+    # Keys as JavaScript prints numbers: the page looks tiers up by them.
+    return {"verdicts": {_key(tier): text for tier, text in verdicts.items()}, "numbers": numbers,
+            "places": {_key(tier): place for tier, place in places.items()}}
+
+
+def _key(tier: float) -> str:
+    return f"{tier:.0e}"
+
+
+def _letter(verdict: str, false_infeasible: bool) -> str:
+    return FALSE_INFEASIBLE if false_infeasible else LETTERS.get(verdict, OTHER)
+
+
+def _spread_out(values: pd.Series, at: list[int], count: int) -> np.ndarray:
+    column = np.full(count, np.nan)
+    column[at] = values.to_numpy(dtype=float)
+    return column
+
+
+def _records(table: pd.DataFrame | None, drop: tuple[str, ...] = ()) -> list[dict]:
+    """Rows as objects, with four digits; what is not known is left out."""
+    if table is None:
+        return []
+    kept = table.drop(columns=list(drop), errors="ignore")
+    return [{key: _short(value) for key, value in row.items() if _is_known(value)}
+            for row in kept.to_dict("records")]
+
+
+def _is_known(value: object) -> bool:
+    return not (isinstance(value, float) and not math.isfinite(value))
+
+
+def _short(value: object) -> object:
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    return float(f"{value:.4g}") if isinstance(value, float) else value
+
+
+def _motion(table: pd.DataFrame | None) -> list[dict]:
+    """A curve per scene, level, solver and tolerance, thinned; the deepest penetration so far."""
+    if table is None:
+        return []
+    found = []
+    for scene, level in motion.scenes(table):
+        of_scene = motion.of_scene(table, scene, level)
+        for (solver, tolerance), run in of_scene.groupby(["solver", "tolerance"], sort=False):
+            deepest = run["penetration"].cummax()
+            picked = np.unique(np.linspace(0, len(run) - 1, min(len(run), _MOTION_POINTS)).astype(int))
+            found.append({"scene": scene, "level": level, "solver": solver, "tolerance": tolerance,
+                          "stopped": run["stopped"].iloc[-1],
+                          **{key: [_short(float(v)) if math.isfinite(v) else None for v in column.iloc[picked]]
+                             for key, column in (("time", run["time"]), ("energy", run["energy_error"]),
+                                                 ("penetration", deepest))}})
+    return found

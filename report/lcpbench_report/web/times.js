@@ -1,0 +1,148 @@
+"use strict";
+// The explorer: any metric against any property of the problems; and who is the fastest where.
+
+const METRICS = {
+  time: {title: "solve time", kind: "seconds", time: true},
+  setup: {title: "set-up time", kind: "seconds", time: true},
+  total: {title: "set-up and solve time", kind: "seconds", time: true},
+  first: {title: "first solve after set-up", kind: "seconds", time: true},
+  iterations: {title: "iterations (each solver's own)", kind: "plain"},
+  rho: {title: "scaled natural residual ρ", kind: "residual"},
+  backward: {title: "largest backward error", kind: "residual"},
+  werror: {title: "error of w against the proved answer", kind: "residual"},
+};
+const AXES = {
+  rows: {title: "rows n", kind: "plain", values: () => Float64Array.from(PROBLEMS.rows)},
+  redundancy: {title: "share of dependent rows", kind: "plain", values: () => unpack(PROBLEMS.redundancy)},
+  mass_ratio: {title: "largest mass ratio", kind: "plain", values: () => unpack(PROBLEMS.mass_ratio)},
+  condition: {title: "condition of A on its range", kind: "residual", values: () => unpack(PROBLEMS.condition)},
+  fraction_active: {title: "share of active rows", kind: "plain", values: () => unpack(PROBLEMS.fraction_active)},
+};
+const MOST_POINTS = 4000;  // more single problems are not drawn: the browser would stall, and nothing be seen
+const LEAST_RESIDUAL = 1e-18;
+
+function metricValues(cells, metric) {
+  if (metric !== "total") return cells.get(metric);
+  const setup = cells.get("setup"), solve = cells.get("time");
+  return solve.map((value, i) => value + (Number.isNaN(setup[i]) ? 0 : setup[i]));
+}
+
+/** What a time is divided by, by problem, or null; and the words for it. */
+function normaliser(view) {
+  if (!METRICS[view.metric].time || view.norm === "none") return null;
+  if (view.norm === "oracle") return {by: ORACLE, title: " / one factorisation that knows the active set", kind: "ratio"};
+  if (view.norm === "rows") return {by: Float64Array.from(PROBLEMS.rows), title: " per row", kind: "seconds"};
+  if (view.norm === "best") {
+    return {by: bestTimes(view.shown, view.tier), title: " / fastest verified of those shown", kind: "ratio"};
+  }
+  const base = cellsOf(view.norm.slice("solver:".length), view.tier);
+  const values = new Float64Array(COUNT).fill(NaN);
+  if (base) base.get("time").forEach((value, i) => { if (base.verdicts[i] === "v") values[i] = value; });
+  return {by: values, title: ` / solve time of ${view.norm.slice("solver:".length)}`, kind: "ratio"};
+}
+
+function timesFigure(view) {
+  const picked = selected(view), metric = METRICS[view.metric], axis = AXES[view.axis];
+  const across = axis.values(), norm = normaliser(view), kind = norm ? norm.kind : metric.kind;
+  const solvers = SOLVERS.filter((solver) => view.shown.includes(solver.key));
+  const withPoints = picked.length * solvers.length <= MOST_POINTS;
+  const traces = [], allX = [], allY = [];
+  for (const solver of solvers) {
+    const cells = cellsOf(solver.key, view.tier);
+    if (!cells) continue;
+    const raw = metricValues(cells, view.metric), spread = cells.get("spread");
+    const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
+    for (const i of picked) {
+      let y = norm ? raw[i] / norm.by[i] : raw[i];
+      if (metric.kind === "residual") y = Math.max(y, LEAST_RESIDUAL);
+      if (!(y > 0) || !Number.isFinite(y) || !(across[i] > 0)) continue;
+      const verified = cells.verdicts[i] === "v", into = verified ? good : bad;
+      into.x.push(across[i]);
+      into.y.push(y);
+      const sure = metric.time && verified && !Number.isNaN(spread[i]) ? ` ± ${percent(spread[i])}` : "";
+      into.text.push(`<b>${solver.key}</b> on ${PROBLEMS.name[i]}<br>${VERDICTS[cells.verdicts[i]]} at ` +
+        `${tierName(view.tier)}<br>${metric.title}: ${KINDS[metric.kind].words(raw[i])}${sure}` +
+        (norm ? `<br>shown: ${KINDS[kind].words(y)}` : "") + `<br>n = ${PROBLEMS.rows[i]}`);
+      if (!verified) continue;
+      // Lines go through means of like problems: of one size, or of a third of a decade.
+      const key = view.axis === "rows" && view.family !== "*" ? across[i] : Math.round(3 * Math.log10(across[i]));
+      if (!groups.has(key)) groups.set(key, {x: [], y: []});
+      groups.get(key).x.push(across[i]);
+      groups.get(key).y.push(y);
+    }
+    const line = {x: [], y: [], text: []};
+    for (const [, group] of [...groups].sort((a, b) => a[0] - b[0])) {
+      line.x.push(geometricMean(group.x));
+      line.y.push(geometricMean(group.y));
+      line.text.push(`<b>${solver.key}</b><br>mean of ${group.y.length} verified: ` +
+        `${KINDS[kind].words(line.y[line.y.length - 1])}<br>${axis.title}: ${plain(line.x[line.x.length - 1])}`);
+    }
+    traces.push({type: "scatter", mode: "lines+markers", name: solver.key, ...line, hoverinfo: "text",
+                 line: lineOf(solver), marker: markerOf(solver, withPoints ? 5 : 7)});
+    if (withPoints) {
+      traces.push({type: "scatter", mode: "markers", name: solver.key, ...good, hoverinfo: "text",
+                   marker: markerOf(solver, 5, {opacity: 0.45})});
+      traces.push({type: "scatter", mode: "markers", name: `${solver.key}, not verified`, ...bad, hoverinfo: "text",
+                   marker: {symbol: "x-thin", size: 6, opacity: 0.6, line: {color: solver.colour, width: 1.4}}});
+      allX.push(...bad.x);
+      allY.push(...bad.y);
+    }
+    allX.push(...good.x);
+    allY.push(...good.y);
+  }
+  note("times", traces.length === 0 ? "Nothing that fits is in these results."
+    : withPoints ? "Small marks: single problems (hover for their names); thin crosses: answers that were not verified. " +
+      "Lines: geometric means of verified answers of like size."
+      : "Lines: geometric means of verified answers of like size. Choose a family, or fewer solvers, to see single problems.");
+  return {traces, layout: layoutOf(logAxis(axis.title, axis.kind, allX), logAxis(metric.title + (norm ? norm.title : ""), kind, allY))};
+}
+
+/** Families x sizes: the solver with the least geometric mean among those shown that verify all problems that any does. */
+function winnersFigure(view) {
+  const families = PROBLEMS.families, solvers = SOLVERS.filter((solver) => view.shown.includes(solver.key));
+  const places = new Map(), picked = selected({...view, family: "*"});
+  for (const i of picked) {
+    const size = CLASSES.findIndex(({low, high}) => PROBLEMS.rows[i] >= low && PROBLEMS.rows[i] <= high);
+    const key = `${PROBLEMS.family[i]}/${size}`;
+    if (!places.has(key)) places.set(key, []);
+    places.get(key).push(i);
+  }
+  const used = families.map((family, f) => f).filter((f) => CLASSES.some((_, c) => places.has(`${f}/${c}`)));
+  const sizes = CLASSES.map((_, c) => c).filter((c) => used.some((f) => places.has(`${f}/${c}`)));
+  const z = [], text = [], labels = [];
+  const cells = solvers.map((solver) => cellsOf(solver.key, view.tier));
+  for (const f of used) {
+    const row = [], hover = [], names = [];
+    for (const c of sizes) {
+      const problems = places.get(`${f}/${c}`) ?? [];
+      const found = solvers.map((solver, s) => {
+        const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
+        const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
+        return {s, verified: good.length, mean: good.length ? geometricMean(good.map((i) => cells[s].get("time")[i])) : NaN};
+      });
+      const most = Math.max(0, ...found.map((one) => one.verified));
+      const ranked = found.filter((one) => most && one.verified === most).sort((a, b) => a.mean - b.mean);
+      row.push(ranked.length ? ranked[0].s : null);
+      names.push(ranked.length ? solvers[ranked[0].s].key : "");
+      hover.push(!problems.length ? "no problems" : !ranked.length ? "verified by none" :
+        `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
+        ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>"));
+    }
+    z.push(row);
+    text.push(hover);
+    labels.push(names);
+  }
+  const scale = [], count = Math.max(solvers.length, 1);
+  solvers.forEach((solver, s) => scale.push([s / count, solver.colour], [(s + 1) / count, solver.colour]));
+  const annotations = [];
+  if (!narrow()) {
+    labels.forEach((names, y) => names.forEach((name, x) => name && annotations.push(
+      {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}})));
+  }
+  return {traces: [{type: "heatmap", z, text, hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
+                    zmax: count - 0.5, showscale: false, xgap: 2, ygap: 2, x: sizes.map((_, x) => x), y: used.map((_, y) => y)}],
+          layout: layoutOf(linearAxis("rows n", {tickvals: sizes.map((_, x) => x), ticktext: sizes.map((c) => CLASSES[c].label), showgrid: false}),
+                           linearAxis("", {tickvals: used.map((_, y) => y), ticktext: used.map((f) => families[f]), autorange: "reversed", showgrid: false}),
+                           {annotations}),
+          height: 90 + 24 * used.length};
+}

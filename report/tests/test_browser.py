@@ -1,0 +1,184 @@
+"""The page in headless Chromium: every figure drawn, every control at work, no errors on the console."""
+
+import shutil
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+from lcpbench_report import plotly_bundle  # noqa: E402
+from lcpbench_report.web.page import render  # noqa: E402
+from synthetic_report import whole_inputs  # noqa: E402
+
+FIGURES = {"times", "winners", "profile", "rho", "werror", "precision", "coverage", "pathological", "latency", "deadline",
+           "energy", "penetration", "scaling"}
+_CHROMIUM, _DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+_PATIENCE_S = 300  # of a busy machine
+
+try:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import Select
+except ImportError:
+    webdriver = None
+
+
+@unittest.skipUnless(webdriver and _CHROMIUM and _DRIVER and plotly_bundle.BUNDLE.is_file(),
+                     "needs chromium, chromium-driver, python3-selenium and python3-plotly (packages.txt)")
+class Browser(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        path = Path(cls.temporary.name) / "index.html"
+        path.write_text(render(whole_inputs(Path(cls.temporary.name) / "results")), encoding="utf-8")
+        options = webdriver.ChromeOptions()
+        options.binary_location = _CHROMIUM
+        for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
+                         "--window-size=1280,1000", f"--user-data-dir={cls.temporary.name}/profile"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        cls.driver = webdriver.Chrome(service=Service(_DRIVER), options=options)
+        cls.driver.set_script_timeout(_PATIENCE_S)
+        cls.driver.set_page_load_timeout(_PATIENCE_S)
+        cls.address = path.as_uri()
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.driver.quit()
+        cls.temporary.cleanup()
+
+    def setUp(self):
+        self.driver.get(self.address)
+
+    def tearDown(self):
+        errors = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+        self.assertEqual(errors, [])
+
+    def run_script(self, script: str, *arguments):
+        return self.driver.execute_script(script, *arguments)
+
+    def names(self, figure: str) -> set[str]:
+        """Of the traces that a figure has now."""
+        self.run_script("return draw(arguments[0]).then(() => 0)", figure)
+        return set(self.run_script("return document.getElementById('figure-' + arguments[0]).data.map((t) => t.name)",
+                                   figure))
+
+    def choose(self, name: str, value: str) -> None:
+        Select(self.driver.find_element(By.CSS_SELECTOR, f"select[data-choice={name}]")).select_by_value(value)
+
+    def test_every_figure_is_drawn_with_marks(self):
+        self.assertEqual(set(self.run_script("return window.lcpbench.drawAll()")), FIGURES)
+        for figure in FIGURES:
+            drawn = self.run_script("""
+              const place = document.getElementById('figure-' + arguments[0]);
+              const marks = place.querySelectorAll('.scatterlayer path, .barlayer path, .boxlayer path, .heatmaplayer image');
+              return [place.data.length, marks.length, place.getBoundingClientRect().width]""", figure)
+            self.assertGreater(drawn[0], 0, figure)
+            self.assertGreater(drawn[1], 0, figure)
+            self.assertGreater(drawn[2], 300, figure)
+
+    def test_what_comes_into_sight_is_drawn_without_being_asked(self):
+        place = self.driver.find_element(By.ID, "figure-profile")
+        self.run_script("arguments[0].scrollIntoView()", place)
+        self.run_script("return new Promise((done) => setTimeout(done, 100))")
+        for _ in range(100):
+            if self.run_script("return Boolean(arguments[0].data)", place):
+                return
+            self.run_script("return new Promise((done) => setTimeout(done, 100))")
+        self.fail("the profile was not drawn")
+
+    def test_a_chip_takes_a_solver_out_and_puts_it_back(self):
+        self.assertIn("pgs", self.names("profile"))
+        self.driver.find_element(By.CSS_SELECTOR, "#more summary").click()
+        chip = self.driver.find_element(By.CSS_SELECTOR, "#chips .chip[data-solver=pgs]")
+        chip.click()
+        self.assertEqual(self.names("profile"), {"auto", "ode-dantzig"})
+        self.assertEqual(chip.get_attribute("aria-pressed"), "false")
+        self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#legend .chip")), 2)
+        chip.click()
+        self.assertIn("pgs", self.names("profile"))
+
+    def test_presets(self):
+        self.driver.find_element(By.CSS_SELECTOR, "#more summary").click()
+        for preset, expected in (("own", {"auto", "pgs"}), ("peer", {"ode-dantzig"}), ("none", set()),
+                                 ("all", {"auto", "pgs", "ode-dantzig"})):
+            self.driver.find_element(By.CSS_SELECTOR, f"[data-preset={preset}]").click()
+            self.assertEqual(self.names("profile"), expected, preset)
+
+    def test_family_size_and_tier_choose_the_problems(self):
+        count = "return selected(window.lcpbench.view).map((i) => PROBLEMS.name[i])"
+        everything = self.run_script(count)
+        self.assertNotIn("ragdoll", everything)
+        self.choose("family", "piles")
+        piles = self.run_script(count)
+        self.assertTrue(piles and all(name.startswith("piles-") for name in piles))
+        self.choose("low", self.driver.find_elements(By.CSS_SELECTOR, "select[data-choice=low] option")[-1]
+                    .get_attribute("value"))
+        self.assertEqual(sorted(self.run_script(count)), ["piles-500-0", "piles-500-1"])
+        good = "return cellsOf('pgs', window.lcpbench.view.tier).verdicts[PROBLEMS.name.indexOf('piles-500-0')]"
+        self.assertEqual(self.run_script(good), "v")
+        self.choose("tier", "1e-9")
+        self.assertEqual(self.run_script(good), "i")
+
+    def test_times_are_divided_by_what_was_chosen(self):
+        self.choose("family", "piles")
+        self.choose("norm", "solver:auto")
+        self.names("times")
+        line = self.run_script("""return document.getElementById('figure-times').data
+          .find((t) => t.name === 'pgs' && t.mode === 'lines+markers').y""")
+        for value in line:
+            self.assertAlmostEqual(value, 3.0, delta=0.5)
+        auto = self.run_script("""return document.getElementById('figure-times').data
+          .find((t) => t.name === 'auto' && t.mode === 'lines+markers').y""")
+        for value in auto:
+            self.assertAlmostEqual(value, 1.0, places=6)
+
+    def test_metric_changes_the_axis(self):
+        title = "return draw('times').then(() => document.getElementById('figure-times').layout.yaxis.title.text)"
+        self.assertIn("solve time", self.run_script(title))
+        self.choose("metric", "rho")
+        self.assertIn("residual", self.run_script(title))
+
+    def test_marks_say_which_problem_they_are(self):
+        self.choose("family", "piles")
+        self.names("times")
+        words = self.run_script("""return document.getElementById('figure-times').data
+          .filter((t) => t.mode === 'markers').flatMap((t) => t.text)""")
+        self.assertTrue(any("pgs</b> on piles-20-1<br>verified at 1e-6" in text for text in words))
+
+    def test_the_profile_is_that_of_the_statistics(self):
+        self.names("profile")
+        curve = self.run_script("""const t = document.getElementById('figure-profile').data
+          .find((t) => t.name === 'auto'); return [t.x, t.y]""")
+        # auto is the fastest but where noise says otherwise, and solves all.
+        self.assertAlmostEqual(curve[1][-1], 1.0)
+        self.assertLess(curve[0][len(curve[0]) - 2], 1.5)
+
+    def test_the_table_sorts_by_what_is_clicked(self):
+        order = "return [...document.querySelectorAll('#league tbody th')].map((th) => th.textContent.trim())"
+        self.assertEqual(self.run_script(order)[0], "auto")
+        self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[3].click()  # the mean time
+        self.assertEqual(self.run_script(order)[0], "auto")
+        self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[3].click()
+        self.assertEqual(self.run_script(order)[-1], "auto")
+
+    def test_nothing_is_wider_than_a_phone(self):
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": 400, "height": 800, "deviceScaleFactor": 1, "mobile": True})
+        try:
+            self.driver.get(self.address)
+            self.run_script("return window.lcpbench.drawAll()")
+            self.assertEqual(self.run_script("return document.documentElement.scrollWidth"), 400)
+            widths = self.run_script("""return [...document.querySelectorAll('.chart')]
+              .map((place) => place.querySelector('.main-svg').getBoundingClientRect().width)""")
+            self.assertTrue(all(200 < width <= 400 for width in widths), widths)
+        finally:
+            self.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+if __name__ == "__main__":
+    unittest.main()

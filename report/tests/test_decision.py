@@ -1,0 +1,115 @@
+"""Which backend the report names, and what its summary says."""
+
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import pandas as pd
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+from lcpbench_report import decision, fairness, summary  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.inputs import load_inputs  # noqa: E402
+from synthetic_campaign import cells_of  # noqa: E402
+from synthetic_report import whole_inputs, write_all  # noqa: E402
+
+INF = float("inf")
+
+
+class Contenders(unittest.TestCase):
+    def ranked(self, times: dict[str, list[float]]) -> list[str]:
+        table = pd.DataFrame(times, index=[f"p{i}" for i in range(len(next(iter(times.values()))))])
+        return [found.solver for found in decision.contenders(cells_of(table), list(times))]
+
+    def test_the_fastest_of_those_that_verify_all(self):
+        self.assertEqual(self.ranked({"slow": [2e-3] * 10, "fast": [1e-3] * 10}), ["fast", "slow"])
+
+    def test_nobody_wins_by_failing(self):
+        self.assertEqual(self.ranked({"sound": [2e-3] * 10, "hasty": [1e-6] * 9 + [INF]}), ["sound"])
+
+    def test_one_failure_in_a_hundred_is_entered_with_its_limit(self):
+        times = {"sound": [2e-3] * 100, "hasty": [1e-3] * 99 + [INF]}
+        self.assertEqual(self.ranked(times), ["hasty", "sound"])
+        self.assertEqual(self.ranked({"sound": [1.05e-3] * 100, "hasty": [1e-3] * 99 + [INF]}), ["sound", "hasty"])
+
+    def test_problems_that_some_have_not_reached_do_not_count(self):
+        # The campaign was stopped: `late` had its turn on the first problem only.
+        times = {"early": [1e-3, 5.0, 5.0], "late": [2e-3, float("nan"), float("nan")]}
+        ranked = decision.contenders(cells_of(pd.DataFrame(times, index=["a", "b", "c"])), list(times))
+        self.assertEqual([(found.solver, found.problems) for found in ranked], [("early", 1), ("late", 1)])
+
+    def test_who_verifies_nothing_is_no_contender(self):
+        self.assertEqual(self.ranked({"only": [INF, INF]}), [])
+
+
+class WholeReport(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.inputs = whole_inputs(Path(cls.temporary.name))
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def test_every_class_names_the_fastest_of_ours(self):
+        choices = decision.by_class(self.inputs)
+        self.assertEqual({choice.tier for choice in choices}, set(self.inputs.tiers))
+        self.assertEqual({choice.own[0].solver for choice in choices}, {"auto"})
+        for choice in choices:
+            self.assertNotIn("ode-dantzig", [found.solver for found in choice.own])
+
+    def test_the_peer_is_no_contender_where_it_was_refuted(self):
+        strictest = [c for c in decision.by_class(self.inputs) if c.tier < 1e-8 and c.rows[1] == 1000]
+        self.assertEqual([found.solver for found in strictest[0].everyone], ["auto"])
+
+    def test_of_equals_within_the_deadline_the_one_with_the_least_percentile(self):
+        found = decision.by_deadline(self.inputs)
+        self.assertTrue(found)
+        self.assertEqual({row["solver"] for row in found}, {"auto"})
+        self.assertEqual({name for row in found for name, _ in row["others"]}, {"pgs"})
+
+    def test_gains_of_warm_starts(self):
+        gains = {row["solver"]: row["warm_gain"] for row in decision.by_warm_start(self.inputs)}
+        self.assertAlmostEqual(gains["auto"], 2.0, places=6)
+        self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
+
+    def test_ten_lines_at_most_with_the_figures_of_the_data(self):
+        lines = summary.summary_lines(self.inputs)
+        self.assertLessEqual(len(lines), summary.MOST_LINES)
+        text = "\n".join(lines)
+        cells = self.inputs.cells
+        false = int((cells["verdict"] == "false success").sum())
+        self.assertGreater(false, 0)
+        self.assertIn(f"0 in {int(cells[cells['solver'].isin(self.inputs.own)].shape[0])} solves of ours, {false} in", text)
+        self.assertIn("verified at every tier by `auto`.", text)
+        self.assertIn("Fastest over all sizes at 1e-6: `auto`", text)
+        self.assertNotIn("nan", text)
+
+    def test_limitations_say_what_holds_here(self):
+        found = dict(fairness.limitations(self.inputs))
+        self.assertIn("absent", found["Not in this build"])
+        self.assertIn("rows > 100", found["Excluded by rule"])
+        self.assertIn("-march=native", found["Compiler flags"])
+        self.assertNotIn("Uncommitted changes", found)
+        self.assertNotIn("Direct methods", found)
+
+
+class Folders(unittest.TestCase):
+    def test_a_problem_in_two_folders_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (standard, sequences), motion = write_all(Path(folder))
+            with self.assertRaisesRegex(ReportError, "is in .* too"):
+                load_inputs([standard, standard])
+            with self.assertRaisesRegex(ReportError, "motion.csv"):
+                load_inputs([standard], sequences)
+            (motion / "motion.csv").write_text((motion / "motion.csv").read_text().replace("0.01,", "soon,", 1))
+            with self.assertRaisesRegex(ReportError, "line 3, column 'time' is 'soon'"):
+                load_inputs([standard], motion)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,141 @@
+"""The page's data and text; what the browser makes of them is in test_browser.py."""
+
+import base64
+import json
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import generate  # noqa: E402
+from lcpbench_report import plotly_bundle  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.inputs import load_inputs  # noqa: E402
+from lcpbench_report.web import encoding, page  # noqa: E402
+from synthetic_report import whole_inputs, write_all, write_steps  # noqa: E402
+
+# Plotly's script takes a second and says nothing here.
+NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
+
+
+def decoded(text: str) -> np.ndarray:
+    codes = np.frombuffer(base64.b64decode(text), dtype="<i2").astype(float)
+    values = 10 ** (codes / encoding.STEPS_PER_DECADE)
+    values[codes == encoding.ZERO] = 0
+    values[codes == encoding.INFINITE] = np.inf
+    values[codes == encoding.UNKNOWN] = np.nan
+    return values
+
+
+def data_of(text: str) -> dict:
+    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.DOTALL).group(1))
+
+
+class Encoding(unittest.TestCase):
+    def test_numbers_keep_their_digits_over_forty_decades(self):
+        given = 10.0 ** np.random.default_rng(1).uniform(-20, 20, 10000)
+        self.assertLess(np.abs(decoded(encoding.pack(given)) / given - 1).max(), 7.3e-4)
+
+    def test_what_is_no_positive_number_stays_what_it_is(self):
+        found = decoded(encoding.pack([0, np.inf, np.nan, 1.0]))
+        self.assertEqual(list(found[[0, 1, 3]]), [0, np.inf, 1])
+        self.assertTrue(np.isnan(found[2]))
+
+    def test_what_is_too_small_or_large_is_moved_to_the_nearest(self):
+        np.testing.assert_allclose(decoded(encoding.pack([1e-300, 1e300])), [1e-20, 1e20], rtol=1e-9)
+
+    def test_shares(self):
+        found = base64.b64decode(encoding.pack_shares([0, 0.034, 9.0, np.nan]))
+        self.assertEqual(list(found), [0, 3, 254, encoding.NO_SPREAD])
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.inputs = whole_inputs(Path(cls.temporary.name))
+        with NO_BUNDLE:
+            cls.text = page.render(cls.inputs)
+        cls.data = data_of(cls.text)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.temporary.cleanup()
+
+    def test_the_same_results_give_the_same_page(self):
+        with NO_BUNDLE:
+            self.assertEqual(page.render(self.inputs), self.text)
+
+    def test_verdicts_and_times_are_those_of_the_cells(self):
+        names = self.data["problems"]["name"]
+        letters = {"verified": "v", "false success": "f", "excluded": "x", "failed:iteration_limit": "i"}
+        for row in self.inputs.cells.itertuples():
+            of_solver = self.data["cells"][row.solver]
+            tier = f"{row.tier:.0e}"
+            at = names.index(row.problem)
+            self.assertEqual(of_solver["verdicts"][tier][at], letters[row.verdict])
+        of_solver = self.data["cells"]["pgs"]
+        times = decoded(of_solver["numbers"][of_solver["places"]["1e-06"]]["time"])
+        mine = self.inputs.cells[(self.inputs.cells["solver"] == "pgs") & (self.inputs.cells["tier"] == 1e-6)]
+        expected = mine.set_index("problem")["solve_median"].reindex(names)
+        np.testing.assert_allclose(times, expected, rtol=1e-3)
+
+    def test_text_of_the_data_is_escaped(self):
+        self.assertIn("the method of pgs &lt;&amp;&gt;", self.text)
+        self.assertNotIn("the method of pgs <&>", self.text)
+        self.assertNotIn("</script", json.dumps(self.data))
+
+    def test_every_section_is_there(self):
+        for section in ("summary", "choose", "performance", "accuracy", "robustness", "sequences", "scaling", "settings",
+                        "environment", "limitations"):
+            self.assertEqual(self.text.count(f'<section id="{section}">'), 1, section)
+            self.assertIn(f'href="#{section}"', self.text)
+        for word in ("a made-up CPU", "2026-01-02T03:04:05Z", "0123456789ab"):
+            self.assertIn(word, self.text)
+
+    def test_own_and_the_best_of_a_library_are_shown_first(self):
+        self.assertEqual([s["key"] for s in self.data["solvers"] if s["shown"]], ["auto", "pgs", "ode-dantzig"])
+
+    def test_parts_that_are_absent_have_no_section(self):
+        with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
+            text = page.render(load_inputs([write_steps(Path(folder))]))
+        self.assertNotIn('id="performance"', text)
+        self.assertIn('id="sequences"', text)
+        self.assertNotIn("figure-energy", text)
+
+    def test_nothing_is_fetched(self):
+        self.assertEqual(re.findall(r'(?:src|href)="(?!#|data:|summary\.md|tables/|figures/)[^"]*"', self.text), [])
+
+
+class Script(unittest.TestCase):
+    def test_one_page_below_ten_megabytes_with_the_licence_of_what_it_embeds(self):
+        if not plotly_bundle.BUNDLE.is_file():
+            self.skipTest("python3-plotly is not installed")
+        with tempfile.TemporaryDirectory() as folder:
+            campaigns, motion = write_all(Path(folder))
+            out = Path(folder) / "out" / "index.html"
+            status = generate.main([*map(str, campaigns), "--motion", str(motion), "-o", str(out)])
+            self.assertEqual(status, 0)
+            text = out.read_text(encoding="utf-8")
+        self.assertLess(len(text.encode()), 10e6)
+        self.assertIn("Licensed under the MIT license", text)
+        self.assertEqual(text.count("</script>"), 3)
+
+    def test_a_missing_bundle_is_told_with_its_package(self):
+        with self.assertRaisesRegex(ReportError, "python3-plotly"):
+            plotly_bundle.minified(Path("/nowhere/plotly.js"))
+
+    def test_a_folder_that_is_no_campaign_ends_with_status_2(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.assertEqual(generate.main([folder, "-o", str(Path(folder) / "x.html")]), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
