@@ -41,7 +41,7 @@
 /// lcpbench_limit_library_threads.
 ///
 /// Growth. Structs may get more members at their ends, and carry or are passed with their size, so that programs and
-/// libraries of different minor versions understand each other. Enumerators and functions may be added.
+/// libraries of different versions understand each other. Values of enumerations and functions may be added.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -117,9 +117,6 @@ LCPBENCH_API const char* lcpbench_version(void);
 /// where none has. Valid until the next call that fails in this thread.
 LCPBENCH_API const char* lcpbench_last_error(void);
 
-/// @name Problems
-/// @{
-
 /// A problem from a dense A.  O(n^2).
 /// @param n        rows, >= 0; n = 0 is a valid problem, whose arrays may be NULL
 /// @param A        n x n numbers, finite, without gaps; symmetry is not assumed
@@ -180,10 +177,6 @@ LCPBENCH_API lcpbench_error lcpbench_problem_size(const lcpbench_problem* proble
 /// Frees a problem. Solvers and results that have met it stay valid.
 /// @param problem  may be NULL
 LCPBENCH_API void lcpbench_problem_free(lcpbench_problem* problem);
-
-/// @}
-/// @name Solvers
-/// @{
 
 /// One row of the table of solvers. Strings live as long as the library.
 typedef struct lcpbench_solver_info {
@@ -265,10 +258,6 @@ LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpben
 /// @param reported  what BLAS says afterwards, 0 where it cannot tell; may be NULL
 LCPBENCH_API lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported);
 
-/// @}
-/// @name Results
-/// @{
-
 /// An empty result, with the status LCPBENCH_NOT_RUN.
 /// @param result  the new result, to be freed by lcpbench_result_free
 LCPBENCH_API lcpbench_error lcpbench_result_create(lcpbench_result** result);
@@ -307,10 +296,6 @@ LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
 /// Frees a result.
 /// @param result  may be NULL
 LCPBENCH_API void lcpbench_result_free(lcpbench_result* result);
-
-/// @}
-/// @name Verdicts
-/// @{
 
 /// An independent judgement of an answer, the same for every solver. D = diag A, 1 where A_ii = 0; C are the unilateral
 /// rows, B the bilateral ones. w is computed anew from the problem as given, in extended precision. An answer passes
@@ -367,8 +352,6 @@ LCPBENCH_API lcpbench_error lcpbench_verify_result(const lcpbench_problem* probl
 LCPBENCH_API lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const double* f, int64_t f_size,
                                             lcpbench_status claim, const double* ray, double tolerance,
                                             lcpbench_verdict* verdict, size_t size, double* w);
-
-/// @}
 
 #ifdef __cplusplus
 }
