@@ -1,6 +1,7 @@
 /* The C interface from C99. Every check prints what failed; the exit status is the number of failures, at most 100. */
 #include <lcpbench.h>
 #include <math.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -496,6 +497,49 @@ static void LaterStructsAreUnderstood(void) {
   lcpbench_problem_free(problem);
 }
 
+typedef struct Share {
+  const char* key;
+  const lcpbench_problem* problem;
+  int wrong;
+} Share;
+
+static void* SolveAndFail(void* argument) {
+  Share* share = argument;
+  lcpbench_solver* solver = NULL;
+  lcpbench_result* result = NULL;
+  lcpbench_verdict verdict;
+  char words[64];
+  snprintf(words, sizeof words, "unknown option 'no-%s'", share->key);
+  if (lcpbench_solver_create(share->key, NULL, 0, &solver) || lcpbench_result_create(&result)) ++share->wrong;
+  for (int i = 0; i < 50; ++i) {
+    char name[32];
+    snprintf(name, sizeof name, "no-%s", share->key);
+    const lcpbench_setting setting[1] = {{name, "1"}};
+    lcpbench_solver* none = NULL;
+    if (lcpbench_solver_create(share->key, setting, 1, &none) == LCPBENCH_OK) ++share->wrong;
+    if (lcpbench_solve(solver, share->problem, NULL, result) ||
+        lcpbench_verify_result(share->problem, result, 1e-9, &verdict, sizeof verdict, NULL) || !verdict.passes) {
+      ++share->wrong;
+    }
+    if (strstr(lcpbench_last_error(), words) == NULL) ++share->wrong; /* this thread's mistake, not another's */
+  }
+  lcpbench_result_free(result);
+  lcpbench_solver_free(solver);
+  return NULL;
+}
+
+static void ThreadsShareAProblemAndKeepTheirErrors(void) {
+  lcpbench_problem* problem = KnownProblem();
+  Share shares[4] = {{"auto", problem, 0}, {"dantzig", problem, 0}, {"lemke", problem, 0}, {"bpp", problem, 0}};
+  pthread_t threads[4];
+  for (int i = 0; i < 4; ++i) CHECK(pthread_create(&threads[i], NULL, SolveAndFail, &shares[i]) == 0);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(pthread_join(threads[i], NULL) == 0);
+    CHECK(shares[i].wrong == 0);
+  }
+  lcpbench_problem_free(problem);
+}
+
 int main(void) {
   CHECK(lcpbench_last_error()[0] == '\0');
   CHECK(strcmp(lcpbench_version(), LCPBENCH_EXPECTED_VERSION) == 0);
@@ -510,6 +554,7 @@ int main(void) {
   WrongProblemsAreRefused();
   WrongCallsAreRefused();
   LaterStructsAreUnderstood();
+  ThreadsShareAProblemAndKeepTheirErrors();
   if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
   return failures > 100 ? 100 : failures;
 }
