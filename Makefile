@@ -24,7 +24,7 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6
               --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
-.PHONY: help deps peers configure build test report run goals calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
@@ -37,7 +37,8 @@ help:
 	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
-	@echo "make check    formatting and lint"
+	@echo "make doc      reference of the public headers, build/doc/html/index.html"
+	@echo "make check    formatting, lint, and whether the public headers are documented"
 	@echo "make format   reformat our own code"
 	@echo "make fuzz     feed every reader of files mutated ones, each for FUZZ_SECONDS (now: $(FUZZ_SECONDS))"
 	@echo "make install  install library, headers and command (PREFIX=/usr/local)"
@@ -92,11 +93,15 @@ slurm-try: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
 	@benchmarks/slurm/try_slurm.sh $(BUILD)/lcpbench
 
+doc: configure
+	@cmake --build --preset $(PRESET) --target doc > build/doc.log || { cat build/doc.log; exit 1; }
+	@echo "documentation: $(CURDIR)/build/doc/html/index.html"
+
 check: configure
 	@sh cmake/check_style.sh $(BUILD)
 
 format:
-	@git ls-files '*.h' '*.cc' | xargs clang-format -i
+	@git ls-files '*.h' '*.cc' '*.c' | xargs clang-format -i
 
 fuzz: deps
 	@command -v clang++ > /dev/null || { echo "make fuzz needs clang and libclang-rt-14-dev (apt-get install)"; exit 2; }

@@ -9,6 +9,14 @@ install(TARGETS lcpbench_lcp lcpbench_external lcpbench_model lcpbench_solvers
   EXPORT lcpbench_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
   FILE_SET HEADERS DESTINATION "${LCPBENCH_INSTALL_INCLUDEDIR}")
+# The C interface is <lcpbench.h>, without a folder: it is the one header that its users need.
+install(TARGETS lcpbench_c
+  EXPORT lcpbench_targets
+  LIBRARY DESTINATION "${CMAKE_INSTALL_LIBDIR}"
+  FILE_SET HEADERS DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}")
+file(RELATIVE_PATH LCPBENCH_PREFIX_FROM_PC "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
+configure_file("${PROJECT_SOURCE_DIR}/cmake/lcpbench.pc.in" "${PROJECT_BINARY_DIR}/lcpbench.pc" @ONLY)
+install(FILES "${PROJECT_BINARY_DIR}/lcpbench.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
 install(EXPORT lcpbench_targets NAMESPACE lcpbench:: DESTINATION "${LCPBENCH_INSTALL_CMAKEDIR}")
 
 configure_package_config_file("${PROJECT_SOURCE_DIR}/cmake/lcpbenchConfig.cmake.in"

@@ -1,8 +1,8 @@
 #!/bin/sh
-# Formatting of every C++ file and lint of every compiled one. Needs a configured and built tree (its generated headers).
+# Formatting of every C and C++ file, lint of every compiled one, and the documentation of public headers. Needs a configured and built tree (its generated headers).
 set -eu
 build=$1
-git ls-files '*.h' '*.cc' | xargs clang-format --dry-run -Werror
+git ls-files '*.h' '*.cc' '*.c' | xargs clang-format --dry-run -Werror
 # clang does not know every option of GCC.
 mkdir -p build/lint
 sed 's/ -fno-tree-loop-distribute-patterns//' "$build/compile_commands.json" > build/lint/compile_commands.json
@@ -19,4 +19,8 @@ if git grep -nE '#include "solvers/' -- model | grep -v '"solvers/lcp/'; then
   echo "model/ may include solvers/lcp/ only" >&2
   exit 1
 fi
-echo "formatting, lint and include directions are clean"
+if ! cmake --build "$build" --target doc > build/doc.log 2>&1; then
+  cat build/doc.log >&2
+  exit 1
+fi
+echo "formatting, lint, documentation and include directions are clean"

@@ -9,6 +9,7 @@
 
 namespace lcpbench {
 
+/// What counts as a contact.
 struct DetectionOptions {
   /// Largest gap that is a contact [m], > 0; what bodies' positions are known to, small against their size. In units of
   /// the system's lengths: there is no default that fits all.

@@ -39,6 +39,7 @@ AreaMoments LoopMoments(const OutlineLoop& loop, Vec2 base);
 /// The moments about `base` of the material of a whole outline: all loops added.
 AreaMoments OutlineMoments(const Outline& outline, Vec2 base);
 
+/// Of a plate of uniform density.
 struct MassProperties {
   double area = 0;     ///< [m^2]
   double mass = 0;     ///< [kg]

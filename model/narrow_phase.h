@@ -71,7 +71,6 @@ void FindGapMinima(const PlacedOutline& body1, int span1, const PlacedOutline& b
 /// All local minima between two bodies' spans, each once: of minima at a join of two edges, found from both within
 /// their slack, the first (of a minimum and an end of flush edges the minimum). Pairs of spans are told apart by their
 /// boxes, many of them by the sorted sweep.
-/// @param spans1, spans2  the spans to look at
 /// @return in lexicographic order of (span1, span2)
 std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOutline& body2, const GapRange& range);
 

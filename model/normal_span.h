@@ -47,6 +47,7 @@ struct SpanPoint {
 /// convex curve without a corner: a point with one normal, for straight edges that lie flush (narrow_phase.h).
 class NormalSpan {
  public:
+  /// What the span is a part of.
   enum class Kind { kVertex, kJoin, kStraight, kArc, kOval, kBezier };
 
   /// Feet may lie this far beyond a span's ends, relative to its chord, and normals beyond its cone [rad]: what joins

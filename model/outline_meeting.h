@@ -48,6 +48,7 @@ class EnclosedPiece {
 /// @return false if a Bezier edge's derivative vanishes on the way: no piece around that point is turned by so little
 bool AppendEnclosed(const OutlinePiece& piece, std::vector<EnclosedPiece>* pieces);
 
+/// What is known of two pieces.
 enum class Meeting {
   kApart,      ///< proved
   kMeet,       ///< they come as near as the tolerance

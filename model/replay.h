@@ -45,6 +45,7 @@ enum class Correction {
 
 inline constexpr size_t kCorrectionCount = 6;
 
+/// A correction for readers.
 struct CorrectionText {
   const char* key;
   const char* formula;
@@ -67,6 +68,7 @@ struct ReplayRow {
   }
 };
 
+/// A record rebuilt by this model.
 struct ReplayResult {
   std::vector<ReplayRow> rows;
   Eigen::MatrixXd A;  ///< this model's, rows as recorded

@@ -46,6 +46,7 @@ struct RecordedContact {
   Vec2 normal_dt;       ///< n' of a path joint
 };
 
+/// A contact problem as the paper's software recorded it.
 struct ReplayRecord {
   std::string id;
   std::vector<Body> bodies;  ///< forces and torques are mass times the recorded accelerations

@@ -17,6 +17,7 @@ struct CurveEquations {
   double residual = 0;                   ///< how far from solved: in radians, or parts of the curves' size
 };
 
+/// A place on each of one or two curves.
 template <std::size_t count>
 using CurvePlaces = std::array<CurvePlace<DoubleDouble>, count>;
 

@@ -9,6 +9,7 @@
 
 namespace lcpbench {
 
+/// What a constraint demands, and how many rows it has.
 enum class ConstraintType {
   kContact,    ///< unilateral: gap >= 0, f >= 0; one row
   kPathJoint,  ///< bilateral: a vertex kept on an edge; one row

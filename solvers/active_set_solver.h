@@ -5,6 +5,7 @@
 
 namespace lcpbench {
 
+/// Options of ActiveSetSolver: those of the two methods it is made of.
 struct ActiveSetOptions {
   /// Block pivoting; its `form` here: kAny for the cheapest one.
   BppOptions blocks;
@@ -37,6 +38,7 @@ struct ActiveSetOptions {
 /// Cost: set-up of the second method where the first one ends, besides those of the methods.
 class ActiveSetSolver final : public LcpSolver {
  public:
+  /// @throws InputError for weights of the Newton method out of their range
   explicit ActiveSetSolver(const ActiveSetOptions& options = {});
 
   std::string WhyUnsupported(const LcpProblem& problem) const override { return patient_.WhyUnsupported(problem); }

@@ -8,8 +8,9 @@
 
 namespace lcpbench {
 
+/// Options of ApgdSolver.
 struct ApgdOptions {
-  RowForm form = RowForm::kAuto;
+  RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Give up the momentum where it points uphill. Without it the bound below holds for the iterates of one run, with it
   /// the iterates stop circling the solution: on the scenes a quarter to a tenth of the iterations.
   bool restart = true;
@@ -46,7 +47,7 @@ struct ApgdOptions {
 /// formed for the restart.
 class ApgdSolver final : public LcpSolver {
  public:
-  static constexpr std::int64_t kDefaultIterations = 20000;
+  static constexpr std::int64_t kDefaultIterations = 20000;  ///< limit where max_iterations is 0
   /// Of the estimated Lipschitz constant: per iteration, so that steps grow again where the curvature met is small ...
   static constexpr double kDecay = 0.98;
   /// ... and at least, after a step that was too long for its own curvature.
@@ -56,6 +57,7 @@ class ApgdSolver final : public LcpSolver {
   /// It stays at or above this (and at or below n): along directions without curvature steps need not grow for ever.
   static constexpr double kLeast = 0.1;
 
+  /// @param options  within their ranges, as FromSettings makes them
   explicit ApgdSolver(ApgdOptions options = {});
   ~ApgdSolver() override;
 

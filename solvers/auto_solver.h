@@ -8,6 +8,7 @@
 
 namespace lcpbench {
 
+/// Options of AutoSolver.
 struct AutoOptions {
   /// Up to this many rows a dense tableau is tried first; in [0, SmallPivoting::kMaxRows].
   Index tableau_rows = 64;
@@ -48,6 +49,7 @@ struct AutoOptions {
 /// backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a tableau fails.
 class AutoSolver final : public LcpSolver {
  public:
+  /// @throws InputError for options out of their ranges
   explicit AutoSolver(AutoOptions options = {});
   ~AutoSolver() override;
 

@@ -8,6 +8,7 @@
 
 namespace lcpbench {
 
+/// Options of BppSolver.
 struct BppOptions {
   /// Which form of A is factored.
   enum class Form {
@@ -17,7 +18,7 @@ struct BppOptions {
     kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build has not what it takes
     kAny,     ///< any of these three, by predicted time: the way of ActiveSetSolver
   };
-  Form form = Form::kAuto;
+  Form form = Form::kAuto;  ///< see Form
 
   /// Weight e of the proximal term against diag A at the start, dimensionless. Larger values keep blocks from cycling
   /// on singular A, smaller ones leave less for the outer loop to do; over the redundant families 1e-9 to 1e-6 took the
@@ -37,7 +38,7 @@ struct BppOptions {
   /// Ends with kNumericalFailure after the first factorisation if more than one row in kDependentShare of its F depends
   /// on others: blocks are likely to cycle then, and a caller may have a better method.
   bool end_when_singular = false;
-  static constexpr Index kDependentShare = 50;
+  static constexpr Index kDependentShare = 50;  ///< of end_when_singular
 
   /// Ends with kNumericalFailure where blocks cycle, instead of raising the weight.
   bool end_when_cycling = false;
@@ -99,6 +100,7 @@ struct BppOptions {
 /// exchanges; bilateral rows; tolerances of sign that follow from the rounding of A + e D.
 class BppSolver final : public LcpSolver {
  public:
+  /// @param options  within their ranges, as FromSettings makes them
   explicit BppSolver(BppOptions options = {});
   ~BppSolver() override;
 

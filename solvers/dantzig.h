@@ -14,13 +14,14 @@ enum class DantzigOrder {
   kMostNegative,  ///< the most negative w_i / sqrt(A_ii): about a quarter fewer pivots, each with all of w
 };
 
+/// Options of DantzigSolver.
 struct DantzigOptions {
   /// Row d depends on the active rows F if y.A y <= rank_tolerance (y.D y) for y = (-A_FF^-1 A_Fd, 1), D = diag A: if y
   /// shows that D^-1/2 A D^-1/2 on F + d has an eigenvalue <= rank_tolerance. Independent of units and row scaling. The
   /// default lies between the rounding of A (n epsilon) and the eigenvalues of contacts with mass ratios up to 1e8
   /// (about 1e-9). In (0, 1).
   double rank_tolerance = 1e-12;
-  DantzigOrder order = DantzigOrder::kIndex;
+  DantzigOrder order = DantzigOrder::kIndex;  ///< which row is driven next
 
   /// Before rows are driven one by one, blocks of rows enter and leave F at once: see below. Without them the method is
   /// the paper's.
@@ -84,6 +85,7 @@ struct DantzigOptions {
 /// A_FF; the rule for ties; blocks; warm start; rounds of repair after the last row.
 class DantzigSolver final : public LcpSolver {
  public:
+  /// @param options  within their ranges, as FromSettings makes them
   explicit DantzigSolver(DantzigOptions options = {});
   ~DantzigSolver() override;
 

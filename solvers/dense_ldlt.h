@@ -23,17 +23,20 @@ namespace lcpbench {
 /// groups of rows cheap. Only Reserve allocates.
 class DenseLdlt {
  public:
-  using Index = Eigen::Index;
+  using Index = Eigen::Index;  ///< signed, as Eigen's
 
   /// Allocates for up to `max_rows` rows; forgets all rows.
   void Reserve(Index max_rows);
   /// Forgets all rows and lays out storage for up to `rows` rows, at most as many as reserved.
   void Reset(Index rows);
 
+  /// Rows that are in the factor.
   Index size() const { return size_; }
   /// D_kk.
   double pivot(Index k) const { return pivots_[k]; }
+  /// 1 / D_kk.
   double inverse_pivot(Index k) const { return inverse_[k]; }
+  /// D_00, D_11, ...: size() numbers, valid until a row enters or leaves.
   const double* pivots() const { return pivots_.data(); }
   /// L_ik, i > k.
   double lower(Index i, Index k) const { return columns_[k * stride_ + i]; }

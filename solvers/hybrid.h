@@ -11,6 +11,7 @@
 
 namespace lcpbench {
 
+/// Options of HybridSolver.
 struct HybridOptions {
   /// Iterations that the sweeps take in any case, as the interior point starts better from them, in [0, 100000].
   int least_iterations = 100;
@@ -43,9 +44,11 @@ struct HybridOptions {
 /// half that of f = 0 is passed over. Departures: none; the two methods are used as they are.
 class HybridSolver final : public LcpSolver {
  public:
+  /// @param options  within their ranges, as FromSettings makes them
   explicit HybridSolver(HybridOptions options = {});
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
+  /// Of the interior point, in the latest Prepare and Solve.
   const IpmStatistics& statistics() const { return interior_.statistics(); }
 
  protected:

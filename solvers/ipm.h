@@ -9,6 +9,7 @@
 
 namespace lcpbench {
 
+/// Options of IpmSolver.
 struct IpmOptions {
   /// Where the linear systems live.
   enum class Space {
@@ -16,7 +17,7 @@ struct IpmOptions {
     kContact,    ///< A + diagonal, n x n
     kBody,       ///< movable bodies and contacts together; contact space where no factors are given
   };
-  Space space = Space::kAutomatic;
+  Space space = Space::kAutomatic;  ///< see Space
   /// Proximal weight relative to the scaled unit diagonal. Smaller than 1e-13 meets rounding of singular A; 1e-7
   /// already slows the interior point on rank-deficient A, as directions in the null space are damped.
   double proximal = 1e-12;
@@ -34,9 +35,9 @@ struct IpmStatistics {
   std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
   std::int64_t interior_steps = 0;  ///< of these, interior-point steps
   std::int64_t pivots = 0;          ///< of these, active sets tried
-  bool body_space = false;
-  double fill = 0;          ///< entries of L
-  double factor_flops = 0;  ///< of one factorisation
+  bool body_space = false;          ///< the systems live on the bodies
+  double fill = 0;                  ///< entries of L
+  double factor_flops = 0;          ///< of one factorisation
 };
 
 /// Sparse second-order LCP solver on CHOLMOD: an interior point that finds the active set, and an active-set method
@@ -81,10 +82,12 @@ struct IpmStatistics {
 /// has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are always new.
 class IpmSolver final : public LcpSolver {
  public:
+  /// @param options  within their ranges, as FromSettings makes them
   explicit IpmSolver(IpmOptions options = {});
   ~IpmSolver() override;
 
   std::string WhyUnsupported(const LcpProblem& problem) const override;
+  /// Of the latest Prepare and Solve.
   const IpmStatistics& statistics() const;
 
   /// What later solves do with initial_f, for callers that sweep themselves.
@@ -93,6 +96,7 @@ class IpmSolver final : public LcpSolver {
     kGuessOnly,    ///< the active set alone: ends with kIterationLimit and the best iterate where it is not the answer
     kAfterSweeps,  ///< active set, interior point
   };
+  /// Holds until it is called again; kFull at first.
   void UseWarmStart(WarmStart use);
 
  protected:

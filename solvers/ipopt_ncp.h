@@ -7,13 +7,15 @@
 
 namespace lcpbench {
 
+/// Options of IpoptNcpSolver.
 struct IpoptNcpOptions {
+  /// The variables of the nonlinear programme.
   enum class Form {
     kAuto,     ///< see IpoptNcpSolver
     kContact,  ///< variables f and w, constraints with A
     kLifted,   ///< variables f, w and body velocities, constraints with J; needs factors
   };
-  Form form = Form::kAuto;
+  Form form = Form::kAuto;  ///< see Form
 
   /// Option `form` = auto | contact | lifted.
   static IpoptNcpOptions FromSettings(const Settings& settings);
@@ -54,6 +56,7 @@ struct IpoptNcpOptions {
 /// [Waechter, Biegler 2006; Mehrotra 1992]
 class IpoptNcpSolver final : public LcpSolver {
  public:
+  /// @param options  copied
   explicit IpoptNcpSolver(IpoptNcpOptions options = {});
   ~IpoptNcpSolver() override;
 

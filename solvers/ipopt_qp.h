@@ -7,13 +7,15 @@
 
 namespace lcpbench {
 
+/// Options of IpoptQpSolver.
 struct IpoptQpOptions {
+  /// The variables of the quadratic programme.
   enum class Form {
     kAuto,     ///< see IpoptQpSolver
     kContact,  ///< n variables, Hessian A
     kLifted,   ///< n + 3N variables, Hessian diag(0, I); needs factors
   };
-  Form form = Form::kAuto;
+  Form form = Form::kAuto;  ///< see Form
 
   /// Option `form` = auto | contact | lifted.
   static IpoptQpOptions FromSettings(const Settings& settings);
@@ -60,6 +62,7 @@ struct IpoptQpOptions {
 /// [Waechter, Biegler 2006; Mehrotra 1992]
 class IpoptQpSolver final : public LcpSolver {
  public:
+  /// @param options  copied
   explicit IpoptQpSolver(IpoptQpOptions options = {});
   ~IpoptQpSolver() override;
 

@@ -8,6 +8,7 @@
 
 namespace lcpbench {
 
+/// Options of LemkeSolver.
 struct LemkeOptions {
   /// Row p depends on the active rows F if y.A y <= rank_tolerance (y.D y) for y = (-A_FF^-1 A_Fp, 1), D = diag A: as
   /// DantzigOptions::rank_tolerance, for the same reason. In (0, 1).
@@ -71,6 +72,7 @@ struct LemkeOptions {
 /// of A_FF in the place of a tableau or basis inverse; repairs.
 class LemkeSolver final : public LcpSolver {
  public:
+  /// @param options  within their ranges, as FromSettings makes them
   explicit LemkeSolver(LemkeOptions options = {});
   ~LemkeSolver() override;
 

@@ -9,14 +9,16 @@
 
 namespace lcpbench {
 
+/// Options of NncgSolver.
 struct NncgOptions {
+  /// How the sweep's step and the previous step are combined.
   enum class Direction {
     kOptimal,         ///< least energy over the plane of the sweep's step and the previous step
     kFletcherReeves,  ///< the published rule, without a line search
   };
   /// Measured: the optimal one needs about 60 % of the iterations of the published one, and its energy never rises.
   Direction direction = Direction::kOptimal;
-  RowForm form = RowForm::kAuto;
+  RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Forward and backward over the rows as given, or over the coloured order (SweepOrder::kColoured). Measured:
   /// coloured takes 5 to 40 % more iterations, each in half the time.
   bool coloured = true;
@@ -61,8 +63,9 @@ struct NncgOptions {
 /// symmetric instead of forward sweeps, without which z is no gradient in any metric.
 class NncgSolver final : public LcpSolver {
  public:
-  static constexpr std::int64_t kDefaultIterations = 10000;
+  static constexpr std::int64_t kDefaultIterations = 10000;  ///< limit where max_iterations is 0
 
+  /// @param options  within their ranges, as FromSettings makes them
   explicit NncgSolver(NncgOptions options = {});
   ~NncgSolver() override;
 

@@ -8,9 +8,10 @@
 
 namespace lcpbench {
 
+/// Options of PgsSolver.
 struct PgsOptions {
-  using Form = RowForm;
-  Form form = Form::kAuto;
+  using Form = RowForm;     ///< assembled rows, or matrix-free
+  Form form = Form::kAuto;  ///< by predicted time
 
   /// Measured on the scenes, coloured sweeps converge like forward ones (within 5 %) and take less than half the time.
   SweepOrder sweep = SweepOrder::kColoured;
@@ -56,7 +57,7 @@ struct PgsOptions {
 /// bilateral rows in place among the unilateral ones; colours per block of rows instead of over all; the stopping test.
 class PgsSolver final : public LcpSolver {
  public:
-  static constexpr std::int64_t kDefaultSweeps = 20000;
+  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
 
   /// @throws InputError for a relaxation outside (0, 2)
   explicit PgsSolver(PgsOptions options = {});

@@ -8,8 +8,9 @@
 
 namespace lcpbench {
 
+/// Options of PsorSolver.
 struct PsorOptions {
-  RowForm form = RowForm::kAuto;
+  RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// As in PgsOptions.
   SweepOrder sweep = SweepOrder::kColoured;
 
@@ -45,7 +46,7 @@ struct PsorOptions {
 /// active set moves.
 class PsorSolver final : public LcpSolver {
  public:
-  static constexpr std::int64_t kDefaultSweeps = 20000;
+  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
 
   /// @throws InputError for a relaxation outside (0, 2)
   explicit PsorSolver(PsorOptions options = {});

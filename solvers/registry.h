@@ -23,7 +23,7 @@ enum class SolverOrigin {
 
 /// One backend. The key is the same in files, tests, benchmarks and the report.
 struct SolverEntry {
-  std::string key;
+  std::string key;              ///< "auto", "pgs", ...
   std::string method;           ///< one line
   std::string source;           ///< paper or library
   bool available = false;       ///< false: not in this build (the row stays)
@@ -32,12 +32,13 @@ struct SolverEntry {
   std::string (*why_not_guaranteed)(const LcpProblem& problem, double tolerance) = nullptr;
   /// Empty where not available. @throws InputError for unknown or impossible settings
   std::function<std::unique_ptr<LcpSolver>(const Settings& settings)> make;
-  SolverOrigin origin = SolverOrigin::kOwn;
-  std::string licence = "Apache-2.0";  ///< SPDX expression: of our code, or of the peer's library
-  std::string base = {};               ///< of a variant (RegisterSolverVariant): the key it is another setting of
-  Settings settings = {};              ///< of a variant: what it adds to what `make` is given
+  SolverOrigin origin = SolverOrigin::kOwn;  ///< of a variant: its base's
+  std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
+  std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
+  Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
 };
 
+/// Writes the key, for listings of tests.
 inline std::ostream& operator<<(std::ostream& out, const SolverEntry& entry) { return out << entry.key; }
 
 /// Every backend, in the report's order: own, peers, then what was registered. Valid until the next registration.

@@ -7,6 +7,7 @@
 
 namespace lcpbench {
 
+/// Options of SemismoothNewtonSolver.
 struct SemismoothNewtonOptions {
   /// Weight eps of the proximal term (eps/2) |D^1/2 (f - c)|^2 in the first subproblem, D = diag A; in [1e-10, 1].
   /// Heavier ones need fewer Newton steps and more proximal ones. With the default most problems up to 10^3 rows are
@@ -14,7 +15,7 @@ struct SemismoothNewtonOptions {
   double first_weight = 1e-3;
   /// eps falls by weight_factor, in (0, 1], with every proximal step, down to least_weight, in [1e-10, first_weight].
   double weight_factor = 1e-2;
-  double least_weight = 1e-8;
+  double least_weight = 1e-8;  ///< see weight_factor
   /// Problems of at least so many rows are solved by continuation instead (below), whatever the three weights.
   Index continuation_rows = 2'000;
 
@@ -74,7 +75,7 @@ struct SemismoothNewtonOptions {
 /// to the end (their last steps cost nothing that an inexact rule would save); the finish.
 class SemismoothNewtonSolver final : public LcpSolver {
  public:
-  static constexpr std::int64_t kDefaultFactors = 500;
+  static constexpr std::int64_t kDefaultFactors = 500;         ///< limit where max_iterations is 0
   static constexpr std::int64_t kContinuationFactors = 5'000;  ///< most of which are updates
 
   /// @throws InputError for weights out of their range

@@ -22,6 +22,7 @@ struct StepBegin {
   std::vector<double> accelerations;
 };
 
+/// Tolerances of StepEvents; AccelerationMotion sets them.
 struct EventOptions {
   double contact_tolerance = 0;  ///< [m]
   double velocity_tolerance = 0;

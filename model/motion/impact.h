@@ -20,6 +20,7 @@ enum class ImpactLaw {
   kPoisson,
 };
 
+/// The law of restitution and its thresholds.
 struct ImpactOptions {
   ImpactLaw law = ImpactLaw::kNewton;
   /// e in [0, 1], of all contacts; bilateral rows have e = 0 always.

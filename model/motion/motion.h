@@ -47,6 +47,7 @@ enum class MotionStatus {
   kStalled,       ///< more events than MotionOptions allow within one step's time
 };
 
+/// Counts and extremes since the motion began.
 struct MotionStatistics {
   std::int64_t steps = 0;
   std::int64_t solves = 0;         ///< LCPs given to the solver

@@ -11,6 +11,7 @@
 
 namespace lcpbench {
 
+/// The shapes of a scene file by their names.
 using NamedShapes = std::map<std::string, SceneShape>;
 
 /// The bodies of a scene file, and what joints and loads need to speak of them by their names and drawings.

@@ -41,6 +41,7 @@ OvalGap GapInside(const PlacedOval& oval, double bowl_radius);
 /// What an oval rests on.
 inline constexpr int kLeftBowl = -1;
 inline constexpr int kRightBowl = -2;
+/// The two things that an oval rests on.
 struct OvalSupports {
   int left = kLeftBowl;  ///< index of an oval, or the bowl
   int right = kRightBowl;

@@ -10,8 +10,10 @@ namespace lcpbench {
 // How pictures and animations tell things apart: the colours of Okabe and Ito (2008), told apart by the colour-blind.
 // Edges, forces and joints share none; what matters most, contact forces, has the strongest.
 
+/// Kinds of edges that look different.
 enum class EdgeKind { kStraight, kConvexArc, kConcaveArc, kEllipse, kSuperellipse, kBezier };
 
+/// How a kind of edge is named in the legend, and drawn.
 struct EdgeStyle {
   std::string_view name;
   std::string_view color;

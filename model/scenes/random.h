@@ -6,8 +6,8 @@
 
 namespace lcpbench {
 
-/// Seeded random numbers with the same bits on every machine and with every standard library, which the distributions
-/// of <random> do not promise: SplitMix64 [Steele, Lea, Flood 2014], turned into doubles with + - * / sqrt only.
+/// Seeded random numbers with the same bits on every machine and with every standard library, whose own distributions
+/// do not promise that: SplitMix64 [Steele, Lea, Flood 2014], turned into doubles with + - * / sqrt only.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

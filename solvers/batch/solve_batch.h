@@ -21,11 +21,12 @@ std::string_view ToString(BatchInstructions instructions);
 /// What this machine has, narrowest first; never empty.
 std::vector<BatchInstructions> AvailableBatchInstructions();
 
+/// Options of BatchSolver.
 struct BatchOptions {
   /// Threads that share a batch, the calling one among them, >= 1. One by default: engines have threads of their own,
   /// and a batch of some hundred problems takes less time than waking others.
   int threads = 1;
-  BatchInstructions instructions = BatchInstructions::kBest;
+  BatchInstructions instructions = BatchInstructions::kBest;  ///< refused where this machine lacks them
   /// Of the solver that gets what the lanes do not solve.
   AutoOptions fallback;
 };
@@ -69,7 +70,7 @@ struct DenseBatch {
 /// One object serves one thread at a time.
 class BatchSolver {
  public:
-  static constexpr Index kMaxRows = 32;
+  static constexpr Index kMaxRows = 32;  ///< larger problems go to AutoSolver
 
   /// @throws InputError if this machine lacks the instructions, for threads < 1, or for options that AutoSolver refuses
   explicit BatchSolver(BatchOptions options = {});

@@ -9,8 +9,10 @@ namespace lcpbench {
 /// Frames over a pair of file descriptors (equal for a socket). Owns neither.
 class Channel {
  public:
+  /// @param read_fd, write_fd  open as long as this object is used
   Channel(int read_fd, int write_fd) : read_fd_(read_fd), write_fd_(write_fd) {}
 
+  /// How a transfer ended: done, the other end is closed, time is up, or no frame of the protocol.
   enum class Outcome { kDone, kClosed, kTimeout, kBroken };
 
   /// Writes one frame; gives up when `until` (SteadyNow() seconds, may be infinite) has passed. A reader that has gone

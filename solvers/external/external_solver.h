@@ -10,6 +10,7 @@
 
 namespace lcpbench {
 
+/// The worker and its limits.
 struct ExternalSolverOptions {
   /// Program (looked up in PATH unless it holds a slash) and its arguments.
   std::vector<std::string> command;
@@ -17,10 +18,10 @@ struct ExternalSolverOptions {
   std::uint64_t memory_limit = std::uint64_t{8} << 30U;
   /// For the worker to say hello, and to take over a problem [s]. Interpreters start slowly.
   double start_limit_s = 60;
-  double prepare_limit_s = 120;
+  double prepare_limit_s = 120;  ///< to take over a problem [s]
   /// What a solve may take beyond its own time limit before the worker is killed: grace_factor times it + grace_s.
   double grace_factor = 0.5;
-  double grace_s = 1;
+  double grace_s = 1;  ///< [s], see grace_factor
 };
 
 /// A solver in a process of its own, behind the protocol of protocol.h: code that crashes, hangs, exhausts memory,

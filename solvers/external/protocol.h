@@ -38,50 +38,67 @@ namespace lcpbench {
 // The host repeats kProblem and kSolve as it likes. A worker that breaks the protocol, ends, or does not answer in time
 // is killed, the solve counts as failed, and a new worker is started for the next one.
 
+/// Workers of another version are refused.
 inline constexpr std::uint32_t kProtocolVersion = 1;
 /// A frame that claims more is refused before anything is allocated.
 inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
+/// What a frame holds.
 enum class MessageType : std::uint32_t { kHello = 1, kProblem = 2, kPrepared = 3, kSolve = 4, kResult = 5, kQuit = 6 };
 
 /// In which form a worker wants its problems. kAsGiven takes every form as it comes.
 enum class WantedForm : std::uint8_t { kDense = 0, kSparse = 1, kAsGiven = 2 };
 
+/// What a worker says of itself.
 struct Hello {
-  std::uint32_t version = kProtocolVersion;
-  WantedForm form = WantedForm::kDense;
-  std::string name;
-  std::string library_version;
-  std::string licence;
+  std::uint32_t version = kProtocolVersion;  ///< of the protocol
+  WantedForm form = WantedForm::kDense;      ///< of the problems it gets
+  std::string name;                          ///< of the method
+  std::string library_version;               ///< of the library behind it
+  std::string licence;                       ///< SPDX expression of the library
 };
 
+/// The worker's answer to a problem.
 struct Prepared {
-  double convert_s = 0;
-  std::string why_unsupported;
+  double convert_s = 0;         ///< conversion into the library's form [s]
+  std::string why_unsupported;  ///< "" where the worker takes the problem
 };
 
+/// LcpOptions as the protocol carries them.
 struct SolveRequest {
-  double tolerance = 1e-9;
-  double time_limit_s = 0;
-  std::int64_t max_iterations = 0;
-  std::uint64_t repetitions = 1;
-  std::optional<Eigen::VectorXd> start;
+  double tolerance = 1e-9;               ///< on rho
+  double time_limit_s = 0;               ///< [s], may be infinite
+  std::int64_t max_iterations = 0;       ///< 0: the worker's default
+  std::uint64_t repetitions = 1;         ///< how often to solve, >= 1
+  std::optional<Eigen::VectorXd> start;  ///< n values of a warm start
 };
 
+/// The payload of a frame.
 using Bytes = std::vector<char>;
 
+/// kHello.
 Bytes Encode(const Hello& hello);
+/// kProblem, in the form that the worker wants.
 Bytes Encode(const LcpProblem& problem, WantedForm form);
+/// kPrepared.
 Bytes Encode(const Prepared& prepared);
+/// kSolve.
 Bytes Encode(const SolveRequest& request);
+/// kResult.
 Bytes Encode(const LcpResult& result);
 
 /// Each throws std::runtime_error, saying which field, where the payload does not hold what the protocol prescribes.
 /// Nothing is allocated beyond what the payload really holds.
 Hello DecodeHello(const Bytes& payload);
+/// As DecodeHello, for kProblem.
 LcpProblem DecodeProblem(const Bytes& payload);
+/// As DecodeHello, for kPrepared.
 Prepared DecodePrepared(const Bytes& payload);
+/// As DecodeHello, for kSolve.
+/// @param rows  of the problem that was sent before
 SolveRequest DecodeSolve(const Bytes& payload, Index rows);
+/// As DecodeHello, for kResult.
+/// @param rows  of the problem that was solved
 LcpResult DecodeResult(const Bytes& payload, Index rows);
 
 }  // namespace lcpbench

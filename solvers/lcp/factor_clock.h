@@ -14,6 +14,7 @@ class FactorClock {
   /// For the length of a solve. Within another session, that of a solver which asks this one, it does nothing.
   class Session {
    public:
+    /// @param wanted  false: nothing is counted
     explicit Session(bool wanted) : is_outermost_(wanted && !on_) {
       if (!is_outermost_) return;
       on_ = true;

@@ -22,8 +22,9 @@ namespace lcpbench {
 // every contact and then every bilateral row its row in the problem (row_order), and where there are factors J and
 // inverse_mass, which then win over W, V and R. Matrices are {nzmax, m, n, nz, p, i, x} as in fclib.h.
 
+/// What such a file holds.
 struct FclibProblem {
-  LcpProblem problem;
+  LcpProblem problem;  ///< without friction
   /// From the group solution: normal forces and l. Judged by nobody.
   std::optional<Eigen::VectorXd> f;
 };

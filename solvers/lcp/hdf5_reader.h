@@ -6,18 +6,20 @@
 
 namespace lcpbench {
 
+/// The types of datasets that are read.
 enum class Hdf5Kind { kIntegers, kReals, kText };
 
+/// A dataset that the caller wants.
 struct Hdf5Request {
-  std::string path;  ///< of the dataset in the file, "/group/name"
-  Hdf5Kind kind = Hdf5Kind::kReals;
+  std::string path;                  ///< of the dataset in the file, "/group/name"
+  Hdf5Kind kind = Hdf5Kind::kReals;  ///< a dataset of another type is refused
 };
 
 /// A dataset of rank 0 or 1: 32-bit integers, 64-bit IEEE numbers, or one text of fixed length.
 struct Hdf5Dataset {
-  std::vector<int> integers;
-  std::vector<double> reals;
-  std::string text;
+  std::vector<int> integers;  ///< of kIntegers, else empty
+  std::vector<double> reals;  ///< of kReals, else empty
+  std::string text;           ///< of kText, else ""
 };
 
 /// Those of the requested datasets that the file holds, by their paths.

@@ -19,8 +19,11 @@ class Hdf5Writer {
 
   /// Of a path "/a/b" where "/a" is there.
   void AddGroup(const std::string& group);
+  /// A list of 32-bit integers, of a path whose group is there.
   void AddIntegers(const std::string& dataset, const std::vector<int>& values);
+  /// A list of `count` 64-bit numbers.
   void AddReals(const std::string& dataset, const double* values, std::size_t count);
+  /// One text of fixed length.
   void AddText(const std::string& dataset, const std::string& text);
   /// Only then is everything written.
   void Close();

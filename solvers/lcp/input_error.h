@@ -9,6 +9,7 @@ namespace lcpbench {
 /// field and what was expected. The command prints it on standard error and exits with status 2.
 class InputError : public std::runtime_error {
  public:
+  /// @param message  one line, without its end
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
 };
 

@@ -14,9 +14,9 @@ namespace lcpbench {
 
 /// One line of a problem file: the problem, and what the record says of its answer.
 struct LcpRecord {
-  LcpProblem problem;
-  LcpReference reference;
-  std::string category;  ///< "" where the record names none
+  LcpProblem problem;      ///< in the form of the record
+  LcpReference reference;  ///< kUnknown where the record says nothing
+  std::string category;    ///< "" where the record names none
 };
 
 /// Parses one JSON line:

@@ -14,12 +14,13 @@ namespace lcpbench {
 /// A real matrix as a Matrix Market file holds it. [Boisvert, Pozo, Remington, The Matrix Market exchange formats, NIST
 /// report 5935, 1996]
 struct MarketMatrix {
-  Index rows = 0;
-  Index columns = 0;
+  Index rows = 0;             ///< as the header says
+  Index columns = 0;          ///< as the header says
   bool is_array = false;      ///< every entry is given, else coordinates; zeros that are given stay entries
   bool is_symmetric = false;  ///< the file has the lower triangle; `entries` has both
   std::vector<Eigen::Triplet<double, int>> entries;  ///< of an array in the order of the file: by columns
 
+  /// With the entries that are stored, also those that are 0.
   SparseMatrix ToSparse() const;
   /// Of one column, or one row. @throws InputError with `where` for another shape
   Eigen::VectorXd ToVector(const std::string& where) const;
@@ -35,10 +36,12 @@ MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name);
 
 /// Numbers of 17 significant digits, so that reading gives the same bits. Symmetric where the matrix is, bit for bit.
 void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output);
+/// As an array of one column, of 17 significant digits.
 void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output);
 
+/// What the files of one problem hold.
 struct MarketProblem {
-  LcpProblem problem;
+  LcpProblem problem;                ///< by factors where they are there
   std::optional<Eigen::VectorXd> x;  ///< f as the files know it; judged by nobody
 };
 

@@ -20,6 +20,6 @@ class MemoryRefusal : public std::runtime_error {
 /// @param what  "the factor of A", say: "the factor of A needs 12.3 GB, 8.1 GB are available"
 /// @throws MemoryRefusal
 void RequireMemory(double bytes, const std::string& what);
-inline constexpr double kAlwaysAllowed = 64e6;
+inline constexpr double kAlwaysAllowed = 64e6;  ///< bytes
 
 }  // namespace lcpbench

@@ -11,6 +11,7 @@ namespace lcpbench {
 
 /// Row-major, so that row i of A or J is contiguous: Gauss-Seidel and verification walk rows.
 using SparseMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor, int>;
+/// Rows, columns and sizes: signed, as Eigen's.
 using Index = Eigen::Index;
 
 /// The form in which a problem was given; the other forms are derived from it, with rounding.
@@ -20,8 +21,8 @@ enum class MatrixForm { kDense, kSparse, kFactors };
 /// (0, inf) is a unilateral row (contact), (-inf, inf) a bilateral one (joint). Other bounds are stored so that box
 /// constraints (friction) need no new type later, but today every solver answers `unsupported` to them.
 struct RowBounds {
-  Eigen::VectorXd lower;
-  Eigen::VectorXd upper;
+  Eigen::VectorXd lower;  ///< n values, -inf or finite
+  Eigen::VectorXd upper;  ///< n values, finite or inf, >= lower
 
   /// n rows, bilateral where listed and unilateral elsewhere.
   /// @throws InputError if an index is outside [0, n) or listed twice
@@ -30,10 +31,10 @@ struct RowBounds {
 
 /// What is *proved* about A. False or empty means "not known", never "known to be false".
 struct MatrixFacts {
-  bool symmetric = false;
-  bool positive_semidefinite = false;
-  std::optional<Index> rank;
-  std::optional<bool> f_unique;
+  bool symmetric = false;              ///< A = A^T
+  bool positive_semidefinite = false;  ///< f.A f >= 0 for every f
+  std::optional<Index> rank;           ///< of A
+  std::optional<bool> f_unique;        ///< whether at most one f solves the problem
 };
 
 /// Find f and w with
@@ -53,20 +54,29 @@ struct MatrixFacts {
 /// inverse mass, or lower > upper.
 class LcpProblem {
  public:
+  /// @param id  a name for files and error texts
+  /// @param A   n x n; symmetry is not assumed
   static LcpProblem FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds = {},
                               MatrixFacts facts = {});
+  /// @param A  n x n, both triangles stored
   static LcpProblem FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds = {},
                                MatrixFacts facts = {});
   /// Symmetry and positive semidefiniteness follow from the form and are set in facts().
   static LcpProblem FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                 RowBounds bounds = {}, MatrixFacts facts = {});
 
+  /// The name it was given.
   const std::string& id() const;
+  /// The number of rows n.
   Index size() const;
+  /// The form that verification uses.
   MatrixForm given_form() const;
+  /// Given as J and inverse masses.
   bool has_factors() const { return given_form() == MatrixForm::kFactors; }
+  /// What is proved about A.
   const MatrixFacts& facts() const;
 
+  /// n numbers.
   const Eigen::VectorXd& b() const;
   /// n x 3N; std::logic_error unless has_factors().
   const SparseMatrix& J() const;
@@ -88,13 +98,16 @@ class LcpProblem {
   double Asymmetry() const;
   /// Asymmetry() <= 1e-10: symmetric but for rounding. Solvers for symmetric A then read either triangle.
   bool IsNumericallySymmetric() const { return Asymmetry() <= kSymmetryTolerance; }
-  static constexpr double kSymmetryTolerance = 1e-10;
+  static constexpr double kSymmetryTolerance = 1e-10;  ///< of Asymmetry()
 
   /// w = A f + b by the given form, in double.  O(nnz of the form).
   void ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
 
+  /// The least f that the row allows; 0 or -inf where bounds are standard.
   double lower(Index row) const;
+  /// The largest f that the row allows; inf where bounds are standard.
   double upper(Index row) const;
+  /// f free, w = 0: a joint.
   bool is_bilateral(Index row) const;
   /// Ascending.
   const std::vector<Index>& bilateral_rows() const;
@@ -117,9 +130,10 @@ class LcpProblem {
 /// What is known of the answer from outside (exact arithmetic, say). Kept apart from the problem, so that no solver can
 /// read it. w is unique for PSD A even when f is not.
 struct LcpReference {
+  /// Whether there is a solution.
   enum class Status { kUnknown, kSolved, kInfeasible };
-  Status status = Status::kUnknown;
-  std::optional<Eigen::VectorXd> w;
+  Status status = Status::kUnknown;  ///< of the problem, not of a solve
+  std::optional<Eigen::VectorXd> w;  ///< n, of every solution
   /// Only where f is unique.
   std::optional<Eigen::VectorXd> f;
   /// The problem's rounding floor (rounding_floor.h): that of an answer known from elsewhere than the judged solver.

@@ -26,6 +26,7 @@ enum class LcpStatus {
 
 /// The key used in files and tables: "solved", "iteration_limit", ...
 std::string_view ToString(LcpStatus status);
+/// Writes the key.
 inline std::ostream& operator<<(std::ostream& out, LcpStatus status) { return out << ToString(status); }
 /// @throws InputError for an unknown key
 LcpStatus LcpStatusFromString(std::string_view key);
@@ -55,8 +56,8 @@ struct LcpOptions {
 /// A solver's answer. `f` always has n finite-or-not entries: the best iterate, also when not solved; zeros when the
 /// solver had none.
 struct LcpResult {
-  LcpStatus status = LcpStatus::kNotRun;
-  Eigen::VectorXd f;
+  LcpStatus status = LcpStatus::kNotRun;  ///< the solver's claim
+  Eigen::VectorXd f;                      ///< n
   /// Pivots, sweeps or Newton steps, as the solver's header defines them; -1 before a solve.
   std::int64_t iterations = -1;
   /// The reason in words, with an external library's own code where there is one. Empty when there is nothing to say.
@@ -64,7 +65,7 @@ struct LcpResult {
   /// Adapters of foreign code time the solve themselves [s]: the call of Solve contains conversions or a process
   /// boundary besides, and own_convert_s says how long conversions took. Negative: the call's time is the solve's.
   double own_solve_s = -1;
-  double own_convert_s = -1;
+  double own_convert_s = -1;  ///< [s], see own_solve_s
   /// Of the solve, in numeric factorisations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
   /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
@@ -74,9 +75,11 @@ struct LcpResult {
 /// Reads the clock of `options` from its construction on.
 class Deadline {
  public:
+  /// Starts now.
   explicit Deadline(const LcpOptions& options);
   /// One clock read; call it often enough for the accuracy that the limit shall have.
   bool Expired() const;
+  /// Seconds since the construction.
   double Elapsed() const;
   /// Seconds left (may be infinite), never negative.
   double Remaining() const;

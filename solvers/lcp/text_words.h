@@ -17,6 +17,7 @@ class TextWords {
   /// @param name   of the file, for error texts
   TextWords(std::istream& input, std::string name);
 
+  /// Goes to the next line. @returns false at the end of the file
   bool NextLine();
   /// The next line that is neither blank nor begins with `comment`.
   bool NextData(char comment);
@@ -29,6 +30,7 @@ class TextWords {
 
   /// Word() as a number. @throws InputError for what is none, or lies outside
   std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what);
+  /// Word() as a finite number. @throws InputError for what is none
   double Number();
   /// The same for WordOfAnyLine().
   std::int64_t IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what);
@@ -37,8 +39,11 @@ class TextWords {
   /// @throws InputError where the line has a word left
   void EndOfLine();
 
+  /// This line as a whole.
   const std::string& Line() const { return line_; }
+  /// @throws InputError on this line
   [[noreturn]] void Reject(const std::string& expected, std::string_view found) const;
+  /// @throws InputError: the file ends where `expected` should be
   [[noreturn]] void RejectEnd(const std::string& expected) const;
 
  private:

@@ -40,11 +40,11 @@ struct Metrics {
   /// It bounds the error for b itself only where b~ = b exactly; energy_shift = |D^-1/2 (b~ - b)|_2 says how far off
   /// that is. (The short form |f - f*|_A^2 <= f.w holds at exactly feasible points only.)
   double energy_bound = -1;
-  double energy_shift = -1;
+  double energy_shift = -1;  ///< how far the problem of energy_bound is from the given one
   /// Against a known answer, -1 without one: max |w_i - w*_i| / (1 + |b|_inf), and for unique f
   /// max |f_i - f*_i| / (1 + |f*|_inf).
   double w_error = -1;
-  double f_error = -1;
+  double f_error = -1;  ///< -1 also where f is not unique
   /// The problem's rounding floor, from the reference; -1 unknown. What verdicts are relative to.
   double floor = -1;
   /// The rounding floor of f itself (rounding_floor.h): a self-stress shows as answer_floor far above floor. No verdict
@@ -63,17 +63,19 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
 ///     data differ from the given ones in their last digits is infeasible. Without it a column of 8000 bodies with
 ///     masses 1 and 10^6 in turns, which is solvable with a sum of forces of 10^13 |b|, would have a ray.
 struct FarkasVerdict {
-  static constexpr double kRayThreshold = 1e12;
+  static constexpr double kRayThreshold = 1e12;  ///< of force_min over |D^-1/2 b|_1
   /// 32 u: the entries rounded (2 u), y rounded (u), and a factor of 10 for rays that make A y = 0 exactly on some
   /// rows and leave the rounding to the others. Problems of a condition near 1/u cannot be told from infeasible ones.
   static constexpr double kNullTolerance = 0x1p-48;
-  bool accepted = false;
-  double b_dot_y = 0;
-  double force_min = 0;  ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite when A y = 0 exactly
+  bool accepted = false;  ///< there is no solution
+  double b_dot_y = 0;     ///< negative for a proof
+  double force_min = 0;   ///< F_min = -b.y / |D^-1/2 A y|_inf; infinite when A y = 0 exactly
   /// |D^-1/2 A y|_inf / |D^-1/2 |A||y||_inf; from factors with |J| M^-1 |J^T| for |A|
   double null_residual = 0;
   std::string reason;  ///< why it was not accepted; empty otherwise
 };
+/// O(nnz of the given form), in extended precision.
+/// @param y  n values
 FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& y);
 
 /// Tiers that results are sorted into.
@@ -95,7 +97,7 @@ struct Verdict {
   bool false_infeasible = false;  ///< claimed kInfeasible, but a solution is known, or f passes and no ray is accepted
   std::optional<FarkasVerdict> farkas;  ///< when the result carries a ray
   std::string reason;                   ///< one line: why it does not pass; empty when it does
-  Metrics metrics;
+  Metrics metrics;                      ///< what the judgement rests on
 };
 
 /// @param tolerance  the requested tier, in (0, 1)

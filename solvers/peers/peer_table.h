@@ -13,7 +13,7 @@ namespace lcpbench {
 /// A solver of another project, run in a worker process of its own (solvers/external/): these libraries clash in one
 /// process, keep global state, or crash.
 struct PeerEntry {
-  std::string_view key;
+  std::string_view key;      ///< as in the registry
   std::string_view method;   ///< one line
   std::string_view library;  ///< "Bullet", as people know it
   std::string_view licence;  ///< SPDX expression of the library as Debian ships it

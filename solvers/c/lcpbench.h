@@ -1,0 +1,360 @@
+#ifndef LCPBENCH_H_
+#define LCPBENCH_H_
+
+/// @file
+/// LCPBench's solvers and its verifier for C and for every language that calls C (Python's ctypes, Julia's ccall).
+/// Find f and w with
+///     w = A f + b,   unilateral rows: f >= 0, w >= 0, f w = 0;   bilateral rows: w = 0, f free.
+/// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], positive where bodies separate,
+/// A = J M^-1 J^T [1/kg] and b the gap accelerations at zero force [m/s^2]: the sign of b is that of w.
+///
+///     double A[] = {2, 1, 1, 2}, b[] = {-5, -6};
+///     lcpbench_problem* problem = NULL;
+///     lcpbench_solver* solver = NULL;
+///     lcpbench_result* result = NULL;
+///     lcpbench_verdict verdict;
+///     if (lcpbench_problem_from_dense(2, A, LCPBENCH_COLUMN_MAJOR, b, NULL, 0, &problem) != LCPBENCH_OK ||
+///         lcpbench_solver_create("auto", NULL, 0, &solver) != LCPBENCH_OK ||
+///         lcpbench_result_create(&result) != LCPBENCH_OK ||
+///         lcpbench_solve(solver, problem, NULL, result) != LCPBENCH_OK ||
+///         lcpbench_verify_result(problem, result, 1e-9, &verdict, sizeof verdict, NULL) != LCPBENCH_OK) {
+///       fprintf(stderr, "%s\n", lcpbench_last_error());
+///     }
+///     lcpbench_result_free(result);
+///     lcpbench_solver_free(solver);
+///     lcpbench_problem_free(problem);
+///
+/// Use: `#include <lcpbench.h>`, link with `-llcpbench` (`pkg-config lcpbench`), or in CMake with lcpbench::c. The
+/// header is C99. Rows, columns and indices count from 0.
+///
+/// Errors. A call that can fail returns lcpbench_error. LCPBENCH_OK is 0; anything else is a mistake of the caller or a
+/// lack of memory, lcpbench_last_error() says in one line what is wrong and names the argument, and nothing was
+/// written to outputs. A problem that is hard or has no solution is no error: that is a lcpbench_status. No C++
+/// exception leaves the library.
+///
+/// Ownership. What a `create` or `from` function hands out belongs to the caller, who gives it to the `free` function
+/// of its type; NULL may be freed. Arrays and strings that are passed in are copied before the call returns. Pointers
+/// that are handed out say how long they live.
+///
+/// Threads. Problems are immutable and may be used by several threads at once. A solver or a result serves one thread
+/// at a time; distinct ones are independent. All other functions may be called from any thread at any time, but for
+/// lcpbench_limit_library_threads.
+///
+/// Growth. Structs may get more members at their ends, and carry or are passed with their size, so that programs and
+/// libraries of different versions understand each other. Values of enumerations and functions may be added.
+
+#include <stddef.h>
+#include <stdint.h>
+
+#if defined(__GNUC__)
+#define LCPBENCH_API __attribute__((visibility("default")))
+#else
+#define LCPBENCH_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/// How a call went. Enumerations are int32_t, so that they have one size in every language.
+typedef int32_t lcpbench_error;
+/// Values of lcpbench_error.
+enum {
+  LCPBENCH_OK = 0,
+  LCPBENCH_INVALID_ARGUMENT = 1,  ///< an argument is NULL, NaN, out of range, unknown, or does not fit the others
+  LCPBENCH_OUT_OF_MEMORY = 2,     ///< what was asked for needs more memory than there is
+  LCPBENCH_INTERNAL_ERROR = 3     ///< a fault of this library; please report the message
+};
+
+/// How a solve ended, in the solver's own words: a claim that lcpbench_verify judges.
+typedef int32_t lcpbench_status;
+/// Values of lcpbench_status.
+enum {
+  LCPBENCH_NOT_RUN = 0,            ///< the result has not been through a solve
+  LCPBENCH_SOLVED = 1,             ///< the solver believes that f meets the requested tolerance
+  LCPBENCH_INFEASIBLE = 2,         ///< no f exists; the Farkas ray is the proof, where the solver has one
+  LCPBENCH_ITERATION_LIMIT = 3,    ///< stopped by max_iterations or the solver's own default limit
+  LCPBENCH_TIME_LIMIT = 4,         ///< stopped by time_limit_s
+  LCPBENCH_NUMERICAL_FAILURE = 5,  ///< breakdown, stagnation above the tolerance, or cycling; detail says which
+  LCPBENCH_UNSUPPORTED = 6         ///< the problem is outside what the solver takes; detail says why
+};
+
+/// How a matrix lies in memory. Compressed means: starts[k] .. starts[k + 1] - 1 are the places of column (or row) k
+/// in `indices` (the row, or column, of each entry) and `values`; the order within a column (or row) is free.
+typedef int32_t lcpbench_layout;
+/// Values of lcpbench_layout.
+enum {
+  LCPBENCH_COLUMN_MAJOR = 0,  ///< dense: A_ij at A[i + j n]; sparse: compressed columns (CSC)
+  LCPBENCH_ROW_MAJOR = 1      ///< dense: A_ij at A[i n + j]; sparse: compressed rows (CSR)
+};
+
+/// Values of the array `kinds`, one byte a row.
+enum {
+  LCPBENCH_UNILATERAL = 0,  ///< f >= 0, w >= 0, f w = 0: a contact
+  LCPBENCH_BILATERAL = 1    ///< w = 0, f free: a joint
+};
+
+/// Bits of `facts`: what the caller *knows* of A; a bit that is not set means "not known".
+enum {
+  LCPBENCH_SYMMETRIC = 1,             ///< A = A^T
+  LCPBENCH_POSITIVE_SEMIDEFINITE = 2  ///< f.A f >= 0 for every f
+};
+
+/// An LCP. Immutable, so that all solvers may share it. It is what was given, bit for bit: the verifier judges by the
+/// numbers passed in, not by a form that was derived from them.
+typedef struct lcpbench_problem lcpbench_problem;
+
+/// A solver with its settings and its workspace, which is kept from solve to solve.
+typedef struct lcpbench_solver lcpbench_solver;
+
+/// An answer. One result may serve any number of solves, one after the other.
+typedef struct lcpbench_result lcpbench_result;
+
+/// The version of the library, "0.1.0". Lives as long as the library.
+LCPBENCH_API const char* lcpbench_version(void);
+
+/// One line on the last call that failed in this thread: function, argument, what was found and what was expected; ""
+/// where none has. Valid until the next call that fails in this thread.
+LCPBENCH_API const char* lcpbench_last_error(void);
+
+/// A problem from a dense A.  O(n^2).
+/// @param n        rows, >= 0; n = 0 is a valid problem, whose arrays may be NULL
+/// @param A        n x n numbers, finite, without gaps; symmetry is not assumed
+/// @param layout   of A
+/// @param b        n numbers, finite
+/// @param kinds    n bytes, LCPBENCH_UNILATERAL or LCPBENCH_BILATERAL; NULL: every row is unilateral
+/// @param facts    0, or LCPBENCH_SYMMETRIC, LCPBENCH_POSITIVE_SEMIDEFINITE or both (joined by |), where they are
+/// known;
+///                 an A that is said to be symmetric and is not is refused
+/// @param problem  the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_from_dense(int64_t n, const double* A, lcpbench_layout layout,
+                                                        const double* b, const uint8_t* kinds, uint32_t facts,
+                                                        lcpbench_problem** problem);
+
+/// A problem from a sparse A, both triangles stored.  O(n + entries).
+/// @param n        rows, 0 <= n < 2^31
+/// @param layout   of A: compressed columns or compressed rows
+/// @param starts   n + 1 numbers that do not fall, the first 0 and the last `entries`
+/// @param indices  `entries` numbers in [0, n), none twice in one column (or row)
+/// @param values   `entries` numbers, finite
+/// @param entries  stored entries, 0 <= entries < 2^31
+/// @param b        n numbers, finite
+/// @param kinds    as in lcpbench_problem_from_dense
+/// @param facts    as in lcpbench_problem_from_dense
+/// @param problem  the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_layout layout, const int32_t* starts,
+                                                         const int32_t* indices, const double* values, int64_t entries,
+                                                         const double* b, const uint8_t* kinds, uint32_t facts,
+                                                         lcpbench_problem** problem);
+
+/// A problem from the factors of A = J M^-1 J^T, which is symmetric positive semidefinite by its form. The better form
+/// for rigid bodies: many solvers never form A. In the plane body k has the columns 3k, 3k + 1 (its translation) and
+/// 3k + 2 (its rotation); rows whose entries lie in at most two such blocks are the fastest, other J are welcome.
+/// O(n + columns + entries).
+/// @param n             rows of J, 0 <= n < 2^31
+/// @param columns       columns of J (degrees of freedom), 0 <= columns < 2^31
+/// @param layout        of J: compressed columns or compressed rows
+/// @param starts        columns + 1 numbers (or n + 1, for compressed rows), as in lcpbench_problem_from_sparse
+/// @param indices       `entries` numbers in [0, n) (or [0, columns)), none twice in one column (or row)
+/// @param values        `entries` numbers, finite
+/// @param entries       stored entries of J, 0 <= entries < 2^31
+/// @param inverse_mass  `columns` numbers, finite, >= 0: the diagonal of M^-1, 1/kg for translations, 1/(kg m^2) for
+///                      rotations; 0 for what cannot move
+/// @param b             n numbers, finite: J M^-1 (external forces) plus the velocity-product terms
+/// @param kinds         as in lcpbench_problem_from_dense
+/// @param problem       the new problem, to be freed by lcpbench_problem_free
+LCPBENCH_API lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t columns, lcpbench_layout layout,
+                                                          const int32_t* starts, const int32_t* indices,
+                                                          const double* values, int64_t entries,
+                                                          const double* inverse_mass, const double* b,
+                                                          const uint8_t* kinds, lcpbench_problem** problem);
+
+/// How many rows a problem has.
+/// @param problem  not NULL
+/// @param n        the number of rows
+LCPBENCH_API lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n);
+
+/// Frees a problem. Solvers and results that have met it stay valid.
+/// @param problem  may be NULL
+LCPBENCH_API void lcpbench_problem_free(lcpbench_problem* problem);
+
+/// One row of the table of solvers. Strings live as long as the library.
+typedef struct lcpbench_solver_info {
+  const char* key;         ///< what lcpbench_solver_create takes: "auto", "dantzig", "pgs", ...
+  const char* method;      ///< one line
+  const char* source;      ///< paper or library
+  const char* licence;     ///< SPDX expression: of our code, or of the peer's library
+  int32_t available;       ///< 0: not in this build, lcpbench_solver_create refuses it
+  int32_t uses_tolerance;  ///< 0: a direct method, which ends at the same answer whatever the tolerance
+  int32_t is_peer;         ///< 1: another project's solver, which runs in a worker process of its own
+} lcpbench_solver_info;
+
+/// How many solvers there are, those that are not in this build included.
+/// @param count  the number of solvers
+LCPBENCH_API lcpbench_error lcpbench_solver_count(size_t* count);
+
+/// A row of the table of solvers, own ones first.
+/// @param index  in [0, count)
+/// @param info   the row
+/// @param size   sizeof *info, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info, size_t size);
+
+/// An option of one method by name: {"relaxation", "1.3"}. Names and values are those of `lcpbench solve --set`, and
+/// are documented in the solver's C++ header (solvers/pgs.h, say). Numbers are in C notation, whatever the locale.
+typedef struct lcpbench_setting {
+  const char* name;   ///< not NULL
+  const char* value;  ///< not NULL
+} lcpbench_setting;
+
+/// A solver by its key, with the default settings but for those given.
+/// @param key       not NULL; "auto" chooses a method by the problem
+/// @param settings  `count` settings, none twice; NULL where count is 0
+/// @param count     how many
+/// @param solver    the new solver, to be freed by lcpbench_solver_free
+/// LCPBENCH_INVALID_ARGUMENT for a key that is unknown or not in this build, and for settings that the method does not
+/// have or allow.
+LCPBENCH_API lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
+                                                   lcpbench_solver** solver);
+
+/// What depends on the structure of the problem only (forms of A that the method reads, workspace, symbolic analysis),
+/// so that it is no part of the solve. lcpbench_solve does it where the caller did not. A second call with the same
+/// problem costs nothing. LCPBENCH_OUT_OF_MEMORY where a method would need more memory than there is; a problem that
+/// the solver does not take is left to lcpbench_solve, whose status says so.
+/// @param solver   not NULL
+/// @param problem  not NULL
+LCPBENCH_API lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_problem* problem);
+
+/// Frees a solver, and ends its worker process where it has one.
+/// @param solver  may be NULL
+LCPBENCH_API void lcpbench_solver_free(lcpbench_solver* solver);
+
+/// What every solver understands. To be initialised by lcpbench_solve_options_init, then changed.
+typedef struct lcpbench_solve_options {
+  size_t size;              ///< sizeof(lcpbench_solve_options), set by lcpbench_solve_options_init
+  double tolerance;         ///< requested bound on rho (see lcpbench_verdict), in (0, 1); default 1e-9
+  double time_limit_s;      ///< wall-clock limit [s], > 0; default: infinity
+  int64_t max_iterations;   ///< in the solver's unit (pivots, sweeps, Newton steps); default 0: the solver's own limit
+  const double* initial_f;  ///< warm start, finite; default NULL: a cold start. Copied by the call
+  int64_t initial_f_size;   ///< entries of initial_f: the problem's n; default 0
+} lcpbench_solve_options;
+
+/// Writes the defaults.
+/// @param options  not NULL
+/// @param size     sizeof *options, as the caller's header declares it
+LCPBENCH_API lcpbench_error lcpbench_solve_options_init(lcpbench_solve_options* options, size_t size);
+
+/// Solves. A solve that fails is LCPBENCH_OK with a status that says so. Nothing carries over from one solve to the
+/// next but workspace: repeated solves of one problem with the same options give the same bits.
+/// @param solver   not NULL
+/// @param problem  not NULL
+/// @param options  NULL: the defaults
+/// @param result   not NULL; replaced as a whole, or left as it was where an argument is refused
+LCPBENCH_API lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
+                                           const lcpbench_solve_options* options, lcpbench_result* result);
+
+/// Limits the threads of the BLAS and OpenMP libraries below the solvers, for the whole process. Call it before other
+/// threads solve.
+/// @param threads   >= 1
+/// @param reported  what BLAS says afterwards, 0 where it cannot tell; may be NULL
+LCPBENCH_API lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported);
+
+/// An empty result, with the status LCPBENCH_NOT_RUN.
+/// @param result  the new result, to be freed by lcpbench_result_free
+LCPBENCH_API lcpbench_error lcpbench_result_create(lcpbench_result** result);
+
+/// How the solve ended, as the solver claims.
+/// @param result  not NULL
+/// @param status  the claim
+LCPBENCH_API lcpbench_error lcpbench_result_status(const lcpbench_result* result, lcpbench_status* status);
+
+/// Pivots, sweeps or Newton steps, as the solver's header defines them.
+/// @param result      not NULL
+/// @param iterations  -1 before a solve
+LCPBENCH_API lcpbench_error lcpbench_result_iterations(const lcpbench_result* result, int64_t* iterations);
+
+/// The forces: the best iterate, also where the solver failed; zeros where it had none.
+/// @param result  not NULL
+/// @param f       n numbers, valid until the next solve into this result or until it is freed; NULL where n is 0
+/// @param n       rows of the problem that was solved, 0 before a solve
+LCPBENCH_API lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n);
+
+/// The reason in words, with an external library's own code where there is one.
+/// @param result  not NULL
+/// @param detail  "" where there is nothing to say; valid until the next solve into this result or until it is freed
+LCPBENCH_API lcpbench_error lcpbench_result_detail(const lcpbench_result* result, const char** detail);
+
+/// The proof that there is no solution: y >= 0 on unilateral rows, A y = 0, b.y < 0.
+/// @param result  not NULL
+/// @param ray     n numbers, valid as those of f; NULL where the result has no ray
+/// @param n       entries of the ray, 0 where there is none
+LCPBENCH_API lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n);
+
+/// The key of a status as files have it: "solved", "iteration_limit", ... Lives as long as the library.
+/// @param status  any value; "unknown" for one that is none of the enumerators
+LCPBENCH_API const char* lcpbench_status_key(lcpbench_status status);
+
+/// Frees a result.
+/// @param result  may be NULL
+LCPBENCH_API void lcpbench_result_free(lcpbench_result* result);
+
+/// An independent judgement of an answer, the same for every solver. D = diag A, 1 where A_ii = 0; C are the unilateral
+/// rows, B the bilateral ones. w is computed anew from the problem as given, in extended precision. An answer passes
+/// tier T if and only if f is finite, rho <= T and backward_error <= sqrt(T). All measures are infinite where f is not
+/// finite.
+typedef struct lcpbench_verdict {
+  double requested;          ///< the tier asked for
+  int32_t passes;            ///< 1: the answer passes that tier
+  int32_t false_success;     ///< 1: LCPBENCH_SOLVED was claimed and the answer does not pass
+  int32_t false_infeasible;  ///< 1: LCPBENCH_INFEASIBLE was claimed, but f passes and no ray is accepted
+  int32_t has_ray;           ///< 1: a Farkas ray was judged
+  int32_t ray_accepted;      ///< 1: the ray proves that there is no solution (symmetric A only)
+  int32_t reserved;          ///< 0
+  double best_tier;          ///< the smallest of 1e-9, 1e-6, 1e-3 that passes; 0 where none does
+  /// |r|_2 / |D^-1/2 b|_2 with r_i = min(D_ii^1/2 f_i, D_ii^-1/2 w_i) on C, D_ii^-1/2 w_i on B; |r|_2 itself where
+  /// b = 0. Independent of units.
+  double rho;
+  double backward_error;        ///< max |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i on C, |w_i| / (...) on B
+  double natural_residual;      ///< max |min(f_i, w_i)| on C, |w_i| on B: mixes units
+  double primal_infeasibility;  ///< max over C of max(0, -f_i) [N]
+  double dual_infeasibility;    ///< max over C of max(0, -w_i), over B of |w_i| [m/s^2]
+  double complementarity;       ///< max over C of |f_i w_i|
+  double gap;                   ///< |f.w| over all rows
+  double energy_bound;          ///< bound on (f - f*).A (f - f*), f* the answer for a b moved by energy_shift;
+                                ///< -1 where A is not known to be symmetric positive semidefinite
+  double energy_shift;          ///< |D^-1/2 (moved b - b)|_2; -1 as energy_bound
+  double answer_floor;          ///< by how much rounding f to double alone can change rho
+  double ray_b_dot_y;           ///< b.y of the ray, 0 without one
+  double ray_null_residual;     ///< |D^-1/2 A y|_inf / |D^-1/2 |A||y||_inf of the ray, 0 without one
+  char reason[256];             ///< one line: why the answer does not pass; "" where it does
+  char ray_reason[256];         ///< one line: why the ray is not accepted; "" where it is, and without one
+} lcpbench_verdict;
+
+/// Judges the result of a solve.  O(entries of A), from factors one pass over the entries of J M^-1 J^T.
+/// @param problem    the one that was solved
+/// @param result     not NULL, with n entries in f
+/// @param tolerance  the tier T, in (0, 1)
+/// @param verdict    the judgement
+/// @param size       sizeof *verdict, as the caller's header declares it
+/// @param w          n numbers, written: A f + b; may be NULL
+LCPBENCH_API lcpbench_error lcpbench_verify_result(const lcpbench_problem* problem, const lcpbench_result* result,
+                                                   double tolerance, lcpbench_verdict* verdict, size_t size, double* w);
+
+/// Judges an answer from anywhere.
+/// @param problem    not NULL
+/// @param f          `f_size` numbers; those that are not finite are judged, not refused
+/// @param f_size     the problem's n
+/// @param claim      what the answer's author says of it; it decides over false_success and false_infeasible only
+/// @param ray        a Farkas ray of n numbers, to be judged as well; NULL without one
+/// @param tolerance  the tier T, in (0, 1)
+/// @param verdict    the judgement
+/// @param size       sizeof *verdict, as the caller's header declares it
+/// @param w          n numbers, written: A f + b, NaN where f is not finite; may be NULL
+LCPBENCH_API lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const double* f, int64_t f_size,
+                                            lcpbench_status claim, const double* ray, double tolerance,
+                                            lcpbench_verdict* verdict, size_t size, double* w);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif /* LCPBENCH_H_ */

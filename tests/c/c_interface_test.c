@@ -1,0 +1,560 @@
+/* The C interface from C99. Every check prints what failed; the exit status is the number of failures, at most 100. */
+#include <lcpbench.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+
+static void Check(int holds, const char* condition, int line) {
+  if (holds) return;
+  ++failures;
+  fprintf(stderr, "line %d: %s does not hold (last error: %s)\n", line, condition, lcpbench_last_error());
+}
+
+#define CHECK(condition) Check((condition) != 0, #condition, __LINE__)
+#define CHECK_OK(call) CHECK((call) == LCPBENCH_OK)
+
+/* The call must be refused, with a message that holds `words`. */
+static void CheckRefused(lcpbench_error error, const char* words, const char* call, int line) {
+  if (error == LCPBENCH_INVALID_ARGUMENT && strstr(lcpbench_last_error(), words) != NULL) return;
+  ++failures;
+  fprintf(stderr, "line %d: %s: expected a refusal with '%s', found %d: %s\n", line, call, words, (int)error,
+          lcpbench_last_error());
+}
+
+#define CHECK_REFUSED(call, words) CheckRefused(call, words, #call, __LINE__)
+
+/* A solver, a result and a verdict: what a caller has of each. */
+typedef struct Answer {
+  lcpbench_solver* solver;
+  lcpbench_result* result;
+  lcpbench_status status;
+  lcpbench_verdict verdict;
+  const double* f;
+  int64_t n;
+} Answer;
+
+static Answer Solve(const char* key, const lcpbench_problem* problem, const lcpbench_solve_options* options,
+                    double* w) {
+  Answer answer;
+  memset(&answer, 0, sizeof answer);
+  CHECK_OK(lcpbench_solver_create(key, NULL, 0, &answer.solver));
+  CHECK_OK(lcpbench_result_create(&answer.result));
+  CHECK_OK(lcpbench_solve(answer.solver, problem, options, answer.result));
+  CHECK_OK(lcpbench_result_status(answer.result, &answer.status));
+  CHECK_OK(lcpbench_result_f(answer.result, &answer.f, &answer.n));
+  CHECK_OK(lcpbench_verify_result(problem, answer.result, 1e-6, &answer.verdict, sizeof answer.verdict, w));
+  return answer;
+}
+
+static void Free(Answer* answer) {
+  lcpbench_result_free(answer->result);
+  lcpbench_solver_free(answer->solver);
+}
+
+/* A ball between two walls, and one that lifts off: f = (4/3, 7/3, 0), w = (0, 0, 3), by hand. */
+static const double kA[9] = {2, 1, 0, 1, 2, 0, 0, 0, 1};
+static const double kB[3] = {-5, -6, 3};
+static const double kF[3] = {4.0 / 3, 7.0 / 3, 0};
+static const double kW[3] = {0, 0, 3};
+
+static lcpbench_problem* KnownProblem(void) {
+  lcpbench_problem* problem = NULL;
+  CHECK_OK(lcpbench_problem_from_dense(3, kA, LCPBENCH_COLUMN_MAJOR, kB, NULL,
+                                       LCPBENCH_SYMMETRIC | LCPBENCH_POSITIVE_SEMIDEFINITE, &problem));
+  return problem;
+}
+
+static void SolvesAKnownProblem(void) {
+  lcpbench_problem* problem = KnownProblem();
+  double w[3];
+  Answer answer = Solve("dantzig", problem, NULL, w);
+  CHECK(answer.status == LCPBENCH_SOLVED);
+  CHECK(answer.n == 3);
+  for (int i = 0; i < 3; ++i) {
+    CHECK(fabs(answer.f[i] - kF[i]) < 1e-14);
+    CHECK(fabs(w[i] - kW[i]) < 1e-14);
+    /* The identity, from numbers that the library did not compute. */
+    double sum = kB[i];
+    for (int j = 0; j < 3; ++j) sum += kA[3 * i + j] * answer.f[j];
+    CHECK(fabs(w[i] - sum) < 1e-14);
+  }
+  CHECK(answer.verdict.passes == 1 && answer.verdict.best_tier == 1e-9 && answer.verdict.false_success == 0);
+  CHECK(answer.verdict.requested == 1e-6 && answer.verdict.has_ray == 0 && answer.verdict.reason[0] == '\0');
+  CHECK(answer.verdict.energy_bound >= 0 && answer.verdict.energy_bound < 1e-14);
+  int64_t iterations = -1;
+  CHECK_OK(lcpbench_result_iterations(answer.result, &iterations));
+  CHECK(iterations >= 0);
+  CHECK(strcmp(lcpbench_status_key(answer.status), "solved") == 0);
+  Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
+/* A nonsymmetric A tells rows from columns: w = A f + b at f = (1, 2). */
+static void LayoutsAndFormsAgree(void) {
+  const double by_columns[4] = {4, 3, -1, 5}, by_rows[4] = {4, -1, 3, 5};
+  const double b[2] = {7, 11}, f[2] = {1, 2}, expected[2] = {4 - 2 + 7, 3 + 10 + 11};
+  const int32_t starts[3] = {0, 2, 4};
+  const int32_t indices[4] = {0, 1, 1, 0}; /* the second column (or row) is not sorted */
+  const double columns[4] = {4, 3, 5, -1}, rows[4] = {4, -1, 5, 3};
+  lcpbench_problem* problems[4] = {NULL, NULL, NULL, NULL};
+  CHECK_OK(lcpbench_problem_from_dense(2, by_columns, LCPBENCH_COLUMN_MAJOR, b, NULL, 0, &problems[0]));
+  CHECK_OK(lcpbench_problem_from_dense(2, by_rows, LCPBENCH_ROW_MAJOR, b, NULL, 0, &problems[1]));
+  CHECK_OK(
+      lcpbench_problem_from_sparse(2, LCPBENCH_COLUMN_MAJOR, starts, indices, columns, 4, b, NULL, 0, &problems[2]));
+  CHECK_OK(lcpbench_problem_from_sparse(2, LCPBENCH_ROW_MAJOR, starts, indices, rows, 4, b, NULL, 0, &problems[3]));
+  for (int k = 0; k < 4; ++k) {
+    double w[2] = {0, 0};
+    lcpbench_verdict verdict;
+    CHECK_OK(lcpbench_verify(problems[k], f, 2, LCPBENCH_NOT_RUN, NULL, 1e-9, &verdict, sizeof verdict, w));
+    CHECK(w[0] == expected[0] && w[1] == expected[1]);
+    CHECK(verdict.energy_bound == -1);
+    lcpbench_problem_free(problems[k]);
+  }
+}
+
+/* A chain of bodies on a line, each pushing the next: J has -1 and 1, A = J M^-1 J^T is known entry by entry. */
+static void FactorsAreTheirProduct(void) {
+  enum { kRows = 20 };
+  int32_t row_starts[kRows + 1], row_indices[2 * kRows];
+  double row_values[2 * kRows], inverse_mass[3 * (kRows + 1)], b[kRows], A[kRows * kRows];
+  uint8_t kinds[kRows];
+  memset(inverse_mass, 0, sizeof inverse_mass);
+  memset(A, 0, sizeof A);
+  for (int k = 0; k <= kRows; ++k) inverse_mass[3 * k] = 1.0 / (1 + k % 3);
+  for (int i = 0; i < kRows; ++i) {
+    row_starts[i] = 2 * i;
+    row_indices[2 * i] = 3 * i;
+    row_values[2 * i] = -1;
+    row_indices[2 * i + 1] = 3 * (i + 1);
+    row_values[2 * i + 1] = 1;
+    kinds[i] = i % 6 == 1 ? LCPBENCH_BILATERAL : LCPBENCH_UNILATERAL;
+    b[i] = kinds[i] == LCPBENCH_BILATERAL ? 3 : (i * 7) % 5 - 2.5;
+    A[i * kRows + i] = inverse_mass[3 * i] + inverse_mass[3 * (i + 1)];
+    if (i + 1 < kRows) A[i * kRows + i + 1] = A[(i + 1) * kRows + i] = -inverse_mass[3 * (i + 1)];
+  }
+  row_starts[kRows] = 2 * kRows;
+  lcpbench_problem *factors = NULL, *dense = NULL;
+  CHECK_OK(lcpbench_problem_from_factors(kRows, 3 * (kRows + 1), LCPBENCH_ROW_MAJOR, row_starts, row_indices,
+                                         row_values, 2 * kRows, inverse_mass, b, kinds, &factors));
+  CHECK_OK(lcpbench_problem_from_dense(kRows, A, LCPBENCH_ROW_MAJOR, b, kinds, LCPBENCH_SYMMETRIC, &dense));
+  double w_factors[kRows], w_dense[kRows];
+  Answer first = Solve("auto", factors, NULL, w_factors);
+  Answer second = Solve("lemke", dense, NULL, w_dense);
+  CHECK(first.status == LCPBENCH_SOLVED && second.status == LCPBENCH_SOLVED);
+  int negative = 0;
+  for (int i = 0; i < kRows; ++i) {
+    CHECK(fabs(first.f[i] - second.f[i]) < 1e-11); /* A is positive definite: one solution */
+    CHECK(fabs(w_factors[i] - w_dense[i]) < 1e-11);
+    if (kinds[i] == LCPBENCH_BILATERAL) {
+      CHECK(fabs(w_factors[i]) < 1e-11);
+      negative += first.f[i] < -1e-3;
+    } else {
+      CHECK(first.f[i] > -1e-12 && w_factors[i] > -1e-12 && fabs(first.f[i] * w_factors[i]) < 1e-11);
+    }
+  }
+  CHECK(negative > 0); /* some joint pulls, which no contact could */
+  Free(&first);
+  Free(&second);
+  lcpbench_problem_free(factors);
+  lcpbench_problem_free(dense);
+}
+
+/* w_1 + w_2 = b_1 + b_2 = -2 whatever f is: A y = 0 and b.y < 0 for y = (1, 1). */
+static void AnInfeasibleProblemHasARay(void) {
+  const double A[4] = {1, -1, -1, 1}, b[2] = {-1, -1};
+  lcpbench_problem* problem = NULL;
+  CHECK_OK(lcpbench_problem_from_dense(2, A, LCPBENCH_COLUMN_MAJOR, b, NULL, LCPBENCH_SYMMETRIC, &problem));
+  Answer answer = Solve("lemke", problem, NULL, NULL);
+  CHECK(answer.status == LCPBENCH_INFEASIBLE);
+  CHECK(answer.verdict.passes == 0 && answer.verdict.false_infeasible == 0);
+  CHECK(answer.verdict.has_ray == 1 && answer.verdict.ray_accepted == 1 && answer.verdict.ray_b_dot_y < 0);
+  const double* ray = NULL;
+  int64_t n = 0;
+  CHECK_OK(lcpbench_result_farkas_ray(answer.result, &ray, &n));
+  CHECK(n == 2);
+  if (n == 2) {
+    CHECK(ray[0] > 0 && fabs(ray[0] - ray[1]) <= 1e-15 * ray[0]);
+    CHECK(-ray[0] - ray[1] < 0);
+  }
+  /* A ray that proves nothing is refused with its reason. */
+  const double f[2] = {0, 0}, wrong[2] = {1, 2};
+  lcpbench_verdict verdict;
+  CHECK_OK(lcpbench_verify(problem, f, 2, LCPBENCH_INFEASIBLE, wrong, 1e-6, &verdict, sizeof verdict, NULL));
+  CHECK(verdict.has_ray == 1 && verdict.ray_accepted == 0 && strlen(verdict.ray_reason) > 0);
+  Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
+static void AWrongAnswerIsFound(void) {
+  lcpbench_problem* problem = KnownProblem();
+  lcpbench_verdict verdict;
+  double f[3] = {4.0 / 3, 7.0 / 3, 1e-3}, w[3];
+  CHECK_OK(lcpbench_verify(problem, f, 3, LCPBENCH_SOLVED, NULL, 1e-9, &verdict, sizeof verdict, w));
+  CHECK(verdict.passes == 0 && verdict.false_success == 1 && verdict.best_tier == 1e-3);
+  CHECK(strstr(verdict.reason, "rho") != NULL);
+  /* By hand: D = (2, 2, 1), r = (0, 0, 1e-3), D^-1/2 b = (-5, -6, 0) / sqrt 2 and 3. */
+  CHECK(fabs(verdict.rho - 1e-3 / sqrt(12.5 + 18 + 9)) < 1e-15);
+  CHECK(fabs(verdict.complementarity - 1e-3 * 3.001) < 1e-15);
+  CHECK(fabs(w[2] - 3.001) < 1e-15);
+  f[0] = -1;
+  CHECK_OK(lcpbench_verify(problem, f, 3, LCPBENCH_ITERATION_LIMIT, NULL, 1e-9, &verdict, sizeof verdict, NULL));
+  CHECK(verdict.passes == 0 && verdict.false_success == 0 && verdict.best_tier == 0 &&
+        verdict.primal_infeasibility == 1);
+  f[0] = NAN;
+  CHECK_OK(lcpbench_verify(problem, f, 3, LCPBENCH_SOLVED, NULL, 1e-3, &verdict, sizeof verdict, w));
+  CHECK(verdict.passes == 0 && verdict.false_success == 1 && isinf(verdict.rho) && isnan(w[0]));
+  lcpbench_problem_free(problem);
+}
+
+/* Own solvers must solve the known problem. Other projects' may fail, and some claim what they do not reach; who passes
+   is right. */
+static void EverySolverSolvesTheKnownProblem(void) {
+  lcpbench_problem* problem = KnownProblem();
+  lcpbench_solve_options options;
+  CHECK_OK(lcpbench_solve_options_init(&options, sizeof options));
+  options.tolerance = 1e-6;
+  size_t count = 0;
+  int solved = 0, has_auto = 0;
+  CHECK_OK(lcpbench_solver_count(&count));
+  CHECK(count >= 14);
+  for (size_t i = 0; i < count; ++i) {
+    lcpbench_solver_info info;
+    CHECK_OK(lcpbench_solver_describe(i, &info, sizeof info));
+    CHECK(strlen(info.method) > 0 && strlen(info.licence) > 0);
+    has_auto |= strcmp(info.key, "auto") == 0;
+    if (!info.available) {
+      lcpbench_solver* none = NULL;
+      CHECK_REFUSED(lcpbench_solver_create(info.key, NULL, 0, &none), "not in this build");
+      CHECK(none == NULL);
+      continue;
+    }
+    double w[3];
+    Answer answer = Solve(info.key, problem, &options, w);
+    if (!info.is_peer) CHECK(answer.status == LCPBENCH_SOLVED && answer.verdict.passes == 1);
+    if (answer.verdict.passes) {
+      ++solved;
+      for (int k = 0; k < 3; ++k) CHECK(fabs(answer.f[k] - kF[k]) < 1e-4 && fabs(w[k] - kW[k]) < 1e-4);
+    } else {
+      printf("%s does not pass, and says %s\n", info.key, lcpbench_status_key(answer.status));
+    }
+    Free(&answer);
+  }
+  CHECK(has_auto && solved >= 10);
+  lcpbench_problem_free(problem);
+}
+
+static void OptionsReachTheSolver(void) {
+  enum { kRows = 40 };
+  double A[kRows * kRows], b[kRows];
+  memset(A, 0, sizeof A);
+  for (int i = 0; i < kRows; ++i) {
+    A[i * kRows + i] = 2;
+    if (i + 1 < kRows) A[i * kRows + i + 1] = A[(i + 1) * kRows + i] = -1;
+    b[i] = -1; /* all rows are active: a long chain, which Gauss-Seidel creeps along */
+  }
+  lcpbench_problem* problem = NULL;
+  CHECK_OK(lcpbench_problem_from_dense(kRows, A, LCPBENCH_ROW_MAJOR, b, NULL, LCPBENCH_SYMMETRIC, &problem));
+  lcpbench_solve_options options;
+  CHECK_OK(lcpbench_solve_options_init(&options, sizeof options));
+  CHECK(options.size == sizeof options && options.tolerance == 1e-9 && isinf(options.time_limit_s));
+  CHECK(options.max_iterations == 0 && options.initial_f == NULL && options.initial_f_size == 0);
+
+  options.max_iterations = 3;
+  Answer few = Solve("pgs", problem, &options, NULL);
+  int64_t sweeps = 0;
+  CHECK(few.status == LCPBENCH_ITERATION_LIMIT);
+  CHECK_OK(lcpbench_result_iterations(few.result, &sweeps));
+  CHECK(sweeps == 3);
+  Free(&few);
+
+  options.max_iterations = 0;
+  Answer cold = Solve("pgs", problem, &options, NULL);
+  CHECK(cold.status == LCPBENCH_SOLVED && cold.n == kRows);
+  /* -f'' = 1 with f = 0 at both ends, in finite differences. */
+  for (int i = 0; i < kRows; ++i) CHECK(fabs(cold.f[i] - 0.5 * (i + 1) * (kRows - i)) < 1e-4);
+  int64_t cold_sweeps = 0, warm_sweeps = 0;
+  CHECK_OK(lcpbench_result_iterations(cold.result, &cold_sweeps));
+
+  options.initial_f = cold.f;
+  options.initial_f_size = cold.n;
+  Answer warm = Solve("pgs", problem, &options, NULL);
+  CHECK(warm.status == LCPBENCH_SOLVED);
+  CHECK_OK(lcpbench_result_iterations(warm.result, &warm_sweeps));
+  CHECK(warm_sweeps * 10 < cold_sweeps);
+  Free(&warm);
+
+  /* One result may be the start of the next solve into itself. */
+  lcpbench_result* result = cold.result;
+  CHECK_OK(lcpbench_solve(cold.solver, problem, &options, result));
+  CHECK_OK(lcpbench_result_iterations(result, &warm_sweeps));
+  CHECK(warm_sweeps * 10 < cold_sweeps);
+
+  /* Settings reach the method: 1.8 is close to the best relaxation of this chain. */
+  const lcpbench_setting settings[2] = {{"relaxation", "1.8"}, {"form", "assembled"}};
+  lcpbench_solver* relaxed = NULL;
+  int64_t relaxed_sweeps = 0;
+  options.initial_f = NULL;
+  options.initial_f_size = 0;
+  CHECK_OK(lcpbench_solver_create("pgs", settings, 2, &relaxed));
+  CHECK_OK(lcpbench_solver_prepare(relaxed, problem));
+  CHECK_OK(lcpbench_solve(relaxed, problem, &options, result));
+  CHECK_OK(lcpbench_result_iterations(result, &relaxed_sweeps));
+  CHECK(relaxed_sweeps * 2 < cold_sweeps);
+  lcpbench_solver_free(relaxed);
+
+  options.time_limit_s = 1e-9;
+  Answer late = Solve("pgs", problem, &options, NULL);
+  CHECK(late.status == LCPBENCH_TIME_LIMIT);
+  Free(&late);
+  Free(&cold);
+  lcpbench_problem_free(problem);
+}
+
+static void NoRowsAreAProblem(void) {
+  lcpbench_problem* problem = NULL;
+  int64_t n = -1;
+  CHECK_OK(lcpbench_problem_from_dense(0, NULL, LCPBENCH_COLUMN_MAJOR, NULL, NULL, 0, &problem));
+  CHECK_OK(lcpbench_problem_size(problem, &n));
+  CHECK(n == 0);
+  Answer answer = Solve("auto", problem, NULL, NULL);
+  CHECK(answer.status == LCPBENCH_SOLVED && answer.n == 0 && answer.f == NULL && answer.verdict.passes == 1);
+  Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
+static void WrongProblemsAreRefused(void) {
+  lcpbench_problem* problem = NULL;
+  double A[9], b[3];
+  memcpy(A, kA, sizeof A);
+  memcpy(b, kB, sizeof b);
+  const uint8_t kinds[3] = {0, 2, 0};
+  CHECK_REFUSED(lcpbench_problem_from_dense(-1, A, 0, b, NULL, 0, &problem), "n is -1");
+  CHECK_REFUSED(lcpbench_problem_from_dense((int64_t)1 << 31, A, 0, b, NULL, 0, &problem), "n is 2147483648");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, NULL, 0, b, NULL, 0, &problem), "A is NULL");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, NULL, NULL, 0, &problem), "b is NULL");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 7, b, NULL, 0, &problem), "layout is 7");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, b, kinds, 0, &problem), "kinds[1] is 2");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, b, NULL, 8, &problem), "facts is 8");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, b, NULL, 0, NULL), "problem is NULL");
+  A[3] = NAN;
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, LCPBENCH_COLUMN_MAJOR, b, NULL, 0, &problem),
+                "A: entry (0, 1) is nan");
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, LCPBENCH_ROW_MAJOR, b, NULL, 0, &problem), "A: entry (1, 0) is nan");
+  A[3] = 5;
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, b, NULL, LCPBENCH_SYMMETRIC, &problem), "A is not symmetric");
+  A[3] = 1;
+  b[2] = -INFINITY;
+  CHECK_REFUSED(lcpbench_problem_from_dense(3, A, 0, b, NULL, 0, &problem), "b[2] is -inf");
+  b[2] = 3;
+
+  int32_t starts[4] = {0, 2, 4, 5}, indices[5] = {0, 1, 0, 1, 2};
+  double values[5] = {2, 1, 1, 2, 1};
+#define FROM_SPARSE(entries) lcpbench_problem_from_sparse(3, 0, starts, indices, values, entries, b, NULL, 0, &problem)
+  CHECK_REFUSED(FROM_SPARSE(4), "starts[3] is 5, expected entries = 4");
+  CHECK_REFUSED(FROM_SPARSE(-1), "entries is -1");
+  starts[0] = 1;
+  CHECK_REFUSED(FROM_SPARSE(5), "starts[0] is 1");
+  starts[0] = 0;
+  starts[1] = 5;
+  CHECK_REFUSED(FROM_SPARSE(5), "starts[2] is 4, less than the 5 before it");
+  starts[1] = 2;
+  indices[4] = 3;
+  CHECK_REFUSED(FROM_SPARSE(5), "indices[4] is 3");
+  indices[4] = -1;
+  CHECK_REFUSED(FROM_SPARSE(5), "indices[4] is -1");
+  indices[4] = 2;
+  indices[1] = 0;
+  CHECK_REFUSED(FROM_SPARSE(5), "entry (0, 0) of A is stored twice");
+  indices[1] = 1;
+  values[2] = INFINITY;
+  CHECK_REFUSED(FROM_SPARSE(5), "values[2] is inf");
+  values[2] = 1;
+  CHECK_REFUSED(lcpbench_problem_from_sparse(3, 0, NULL, indices, values, 5, b, NULL, 0, &problem), "starts is NULL");
+  CHECK_REFUSED(lcpbench_problem_from_sparse(3, 0, starts, NULL, values, 5, b, NULL, 0, &problem), "indices is NULL");
+  CHECK_REFUSED(lcpbench_problem_from_sparse(3, 0, starts, indices, NULL, 5, b, NULL, 0, &problem), "values is NULL");
+
+  double inverse_mass[3] = {1, -2, 1};
+#define FROM_FACTORS(columns, masses) \
+  lcpbench_problem_from_factors(3, columns, 0, starts, indices, values, 5, masses, b, NULL, &problem)
+  CHECK_REFUSED(FROM_FACTORS(3, inverse_mass), "inverse_mass[1] is -2");
+  CHECK_REFUSED(FROM_FACTORS(3, NULL), "inverse_mass is NULL");
+  CHECK_REFUSED(FROM_FACTORS(-3, inverse_mass), "columns is -3");
+  CHECK(problem == NULL);
+}
+
+static void WrongCallsAreRefused(void) {
+  lcpbench_problem* problem = KnownProblem();
+  lcpbench_solver* solver = NULL;
+  lcpbench_result* result = NULL;
+  const lcpbench_setting unknown[1] = {{"colour", "red"}}, twice[2] = {{"relaxation", "1"}, {"relaxation", "1.5"}};
+  const lcpbench_setting far[1] = {{"relaxation", "2.5"}}, empty[1] = {{NULL, "1"}};
+  CHECK_REFUSED(lcpbench_solver_create("simplex", NULL, 0, &solver), "unknown solver 'simplex'");
+  CHECK_REFUSED(lcpbench_solver_create(NULL, NULL, 0, &solver), "key is NULL");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", NULL, 0, NULL), "solver is NULL");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", NULL, 1, &solver), "settings is NULL");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", unknown, 1, &solver), "unknown option 'colour'");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", far, 1, &solver), "relaxation");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", twice, 2, &solver), "settings[1].name is 'relaxation'");
+  CHECK_REFUSED(lcpbench_solver_create("pgs", empty, 1, &solver), "settings[0].name is NULL");
+  CHECK(solver == NULL);
+  CHECK_OK(lcpbench_solver_create("pgs", NULL, 0, &solver));
+  CHECK_OK(lcpbench_result_create(&result));
+  int64_t iterations = 0;
+  CHECK_OK(lcpbench_result_iterations(result, &iterations));
+  CHECK(iterations == -1);
+
+  lcpbench_verdict verdict;
+  CHECK_REFUSED(lcpbench_verify_result(problem, result, 1e-6, &verdict, sizeof verdict, NULL), "result is empty");
+  CHECK_REFUSED(lcpbench_solve(NULL, problem, NULL, result), "solver is NULL");
+  CHECK_REFUSED(lcpbench_solve(solver, NULL, NULL, result), "problem is NULL");
+  CHECK_REFUSED(lcpbench_solve(solver, problem, NULL, NULL), "result is NULL");
+
+  lcpbench_solve_options options;
+  memset(&options, 0, sizeof options);
+  CHECK_REFUSED(lcpbench_solve(solver, problem, &options, result), "lcpbench_solve_options_init");
+  CHECK_REFUSED(lcpbench_solve_options_init(&options, 8), "size is 8");
+  const double start[3] = {1, NAN, 0};
+  const struct {
+    double tolerance, time_limit_s;
+    int64_t max_iterations;
+    const double* initial_f;
+    int64_t initial_f_size;
+    const char* words;
+  } wrong[] = {{0, 1, 0, NULL, 0, "tolerance"},           {1, 1, 0, NULL, 0, "tolerance"},
+               {NAN, 1, 0, NULL, 0, "tolerance"},         {1e-6, 0, 0, NULL, 0, "time limit"},
+               {1e-6, NAN, 0, NULL, 0, "time limit"},     {1e-6, 1, -1, NULL, 0, "iteration limit"},
+               {1e-6, 1, 0, start, 2, "initial_f_size"},  {1e-6, 1, 0, start, 3, "initial f must be finite"},
+               {1e-6, 1, 0, NULL, 3, "initial_f is NULL"}};
+  for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+    CHECK_OK(lcpbench_solve_options_init(&options, sizeof options));
+    options.tolerance = wrong[i].tolerance;
+    options.time_limit_s = wrong[i].time_limit_s;
+    options.max_iterations = wrong[i].max_iterations;
+    options.initial_f = wrong[i].initial_f;
+    options.initial_f_size = wrong[i].initial_f_size;
+    CHECK_REFUSED(lcpbench_solve(solver, problem, &options, result), wrong[i].words);
+  }
+  lcpbench_status status = LCPBENCH_SOLVED;
+  CHECK_OK(lcpbench_result_status(result, &status));
+  CHECK(status == LCPBENCH_NOT_RUN); /* none of these wrote to the result */
+
+  const double f[3] = {0, 0, 0};
+  size_t count = 0;
+  CHECK_OK(lcpbench_solver_count(&count));
+  lcpbench_solver_info info;
+  CHECK_REFUSED(lcpbench_verify(problem, f, 2, 0, NULL, 1e-6, &verdict, sizeof verdict, NULL), "f_size is 2");
+  CHECK_REFUSED(lcpbench_verify(problem, NULL, 3, 0, NULL, 1e-6, &verdict, sizeof verdict, NULL), "f is NULL");
+  CHECK_REFUSED(lcpbench_verify(problem, f, 3, 9, NULL, 1e-6, &verdict, sizeof verdict, NULL), "claim is 9");
+  CHECK_REFUSED(lcpbench_verify(problem, f, 3, 0, NULL, 2, &verdict, sizeof verdict, NULL), "tolerance is 2");
+  CHECK_REFUSED(lcpbench_verify(problem, f, 3, 0, NULL, 1e-6, NULL, sizeof verdict, NULL), "verdict is NULL");
+  CHECK_REFUSED(lcpbench_verify(problem, f, 3, 0, NULL, 1e-6, &verdict, 16, NULL), "size is 16");
+  CHECK_REFUSED(lcpbench_solver_describe(count, &info, sizeof info), "index is");
+  CHECK_REFUSED(lcpbench_solver_describe(0, &info, 3), "size is 3");
+  CHECK_REFUSED(lcpbench_limit_library_threads(0, NULL), "threads is 0");
+  CHECK_REFUSED(lcpbench_result_status(NULL, &status), "result is NULL");
+  CHECK(strcmp(lcpbench_status_key(99), "unknown") == 0);
+
+  /* A result of another problem does not fit. */
+  lcpbench_problem* smaller = NULL;
+  CHECK_OK(lcpbench_problem_from_dense(1, kA, LCPBENCH_COLUMN_MAJOR, kB, NULL, 0, &smaller));
+  CHECK_OK(lcpbench_solve(solver, smaller, NULL, result));
+  CHECK_REFUSED(lcpbench_verify_result(problem, result, 1e-6, &verdict, sizeof verdict, NULL), "result has 1 forces");
+  lcpbench_problem_free(smaller);
+  lcpbench_result_free(result);
+  lcpbench_solver_free(solver);
+  lcpbench_problem_free(problem);
+  lcpbench_result_free(NULL);
+  lcpbench_solver_free(NULL);
+  lcpbench_problem_free(NULL);
+}
+
+/* Programs of a later version have larger structs: members that this library does not know must be unused. */
+static void LaterStructsAreUnderstood(void) {
+  struct {
+    lcpbench_solve_options options;
+    double later;
+  } options;
+  struct {
+    lcpbench_verdict verdict;
+    char later[40];
+  } verdict;
+  lcpbench_problem* problem = KnownProblem();
+  memset(&options, 0xff, sizeof options);
+  memset(&verdict, 0xff, sizeof verdict);
+  CHECK_OK(lcpbench_solve_options_init(&options.options, sizeof options));
+  CHECK(options.options.size == sizeof options && options.later == 0);
+  Answer answer = Solve("bpp", problem, &options.options, NULL);
+  CHECK(answer.status == LCPBENCH_SOLVED);
+  CHECK_OK(lcpbench_verify_result(problem, answer.result, 1e-9, &verdict.verdict, sizeof verdict, NULL));
+  CHECK(verdict.verdict.passes == 1 && verdict.later[0] == 0 && verdict.later[39] == 0);
+  options.later = 1;
+  CHECK_REFUSED(lcpbench_solve(answer.solver, problem, &options.options, answer.result), "does not know");
+  Free(&answer);
+  lcpbench_problem_free(problem);
+}
+
+typedef struct Share {
+  const char* key;
+  const lcpbench_problem* problem;
+  int wrong;
+} Share;
+
+static void* SolveAndFail(void* argument) {
+  Share* share = argument;
+  lcpbench_solver* solver = NULL;
+  lcpbench_result* result = NULL;
+  lcpbench_verdict verdict;
+  char words[64];
+  snprintf(words, sizeof words, "unknown option 'no-%s'", share->key);
+  if (lcpbench_solver_create(share->key, NULL, 0, &solver) || lcpbench_result_create(&result)) ++share->wrong;
+  for (int i = 0; i < 50; ++i) {
+    char name[32];
+    snprintf(name, sizeof name, "no-%s", share->key);
+    const lcpbench_setting setting[1] = {{name, "1"}};
+    lcpbench_solver* none = NULL;
+    if (lcpbench_solver_create(share->key, setting, 1, &none) == LCPBENCH_OK) ++share->wrong;
+    if (lcpbench_solve(solver, share->problem, NULL, result) ||
+        lcpbench_verify_result(share->problem, result, 1e-9, &verdict, sizeof verdict, NULL) || !verdict.passes) {
+      ++share->wrong;
+    }
+    if (strstr(lcpbench_last_error(), words) == NULL) ++share->wrong; /* this thread's mistake, not another's */
+  }
+  lcpbench_result_free(result);
+  lcpbench_solver_free(solver);
+  return NULL;
+}
+
+static void ThreadsShareAProblemAndKeepTheirErrors(void) {
+  lcpbench_problem* problem = KnownProblem();
+  Share shares[4] = {{"auto", problem, 0}, {"dantzig", problem, 0}, {"lemke", problem, 0}, {"bpp", problem, 0}};
+  pthread_t threads[4];
+  for (int i = 0; i < 4; ++i) CHECK(pthread_create(&threads[i], NULL, SolveAndFail, &shares[i]) == 0);
+  for (int i = 0; i < 4; ++i) {
+    CHECK(pthread_join(threads[i], NULL) == 0);
+    CHECK(shares[i].wrong == 0);
+  }
+  lcpbench_problem_free(problem);
+}
+
+int main(void) {
+  CHECK(lcpbench_last_error()[0] == '\0');
+  CHECK(strcmp(lcpbench_version(), LCPBENCH_EXPECTED_VERSION) == 0);
+  SolvesAKnownProblem();
+  LayoutsAndFormsAgree();
+  FactorsAreTheirProduct();
+  AnInfeasibleProblemHasARay();
+  AWrongAnswerIsFound();
+  EverySolverSolvesTheKnownProblem();
+  OptionsReachTheSolver();
+  NoRowsAreAProblem();
+  WrongProblemsAreRefused();
+  WrongCallsAreRefused();
+  LaterStructsAreUnderstood();
+  ThreadsShareAProblemAndKeepTheirErrors();
+  if (failures > 0) fprintf(stderr, "%d checks failed\n", failures);
+  return failures > 100 ? 100 : failures;
+}
