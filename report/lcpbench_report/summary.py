@@ -222,16 +222,21 @@ def _motion(inputs: Inputs) -> str:
 
 
 def _scaling(inputs: Inputs) -> str:
-    table = inputs.analysis.get("scaling")
-    if table is None or table.empty:
+    """Exponents over all sizes would praise what has a large overhead; what counts is who is fast at the end."""
+    counted = _counted(inputs)
+    if counted.empty:
         return ""
-    rows = table[(table["set"] == COUNTED) & (table["tier"] == main_tier(inputs)) & (table["mode"] == _MODE)]
-    medians = rows.groupby("solver")["exponent"].median()
-    largest = rows.groupby("solver")["rows_max"].max()
-    if medians.empty:
+    tier = main_tier(inputs)
+    at_tier = counted[counted["tier"] == tier]
+    top = at_tier["rows"].max()
+    largest = at_tier[at_tier["rows"] == top]
+    ranked = decision.contenders(largest, inputs.own)
+    if not ranked or top <= decision.SIZES[1][1]:
         return ""
-    top = largest.max()
-    reaching = [solver for solver in inputs.keys if largest.get(solver, 0) == top]
-    best = min(reaching, key=lambda solver: medians[solver])
-    return (f"Up to {int(top)} rows, time grows least with `{best}` (median over families: n^{medians[best]:.2f}); "
-            f"{_keys(reaching)} get there.")
+    best = ranked[0]
+    second = f"; next is `{ranked[1].solver}` with {formats.ratio(ranked[1].mean / best.mean)} times" if ranked[1:] else ""
+    scaling = inputs.analysis.get("scaling")
+    rows = scaling[(scaling["set"] == COUNTED) & (scaling["tier"] == tier) & (scaling["solver"] == best.solver)]
+    growth = f"; over all sizes its time grows as n^{rows['exponent'].median():.2f} (median over families)" if len(rows) else ""
+    return (f"At the largest size, {int(top)} rows, `{best.solver}` is the fastest of those that verify as much as any "
+            f"({best.verified} of {best.problems}), with {formats.seconds(best.mean)}{second}{growth}.")
