@@ -1,11 +1,13 @@
 """One colour, marker and dash per solver; the same in every figure and table.
 
-Own solvers have saturated colours, filled markers and thick lines. Peers have the muted colours, one per library, and
-hollow markers, one per method; a variant of a method (default options, diagonal shift) has its dash changed. So the
-eye finds the library first, then the method, then the variant.
+Own solvers have saturated colours, filled markers and thick lines. There are more of them than colours that can be told
+apart: no two share both colour and marker, those that share a colour differ in their dash, and the six that most
+questions are about share none. Peers have the muted colours, one per library, and hollow
+markers, one per method; a variant of a method (default options, diagonal shift, other settings) has its dash changed.
+So the eye finds the library first, then the method, then the variant.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 # Okabe and Ito (2008), safe for the common kinds of colour blindness; yellow left out: too pale on white.
 _OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
@@ -13,8 +15,22 @@ _OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 _PEERS = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _SOLID = "-"
-_DASHES = {"default": (0, (1.5, 2)), "cfm": (0, (4, 2))}
+_DASHES = {"default": (0, (1.5, 2)), "cfm": (0, (4, 2)), "tuned": (0, (5, 1.5, 1, 1.5))}
+_VARIANT = (0, (8, 2))  # with other settings, under a key of its own
+# Of the second, third, ... own solver with a colour.
+_OWN_DASHES = (_SOLID, (0, (5, 1.6)), (0, (1.4, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
+# Whether a campaign has them or not, so that colours are the same in all. The first six have a colour each: what a
+# motion is solved with, and the classics it is compared with. Others come behind.
+_KNOWN = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke", "semismooth-newton", "active-set", "psor", "nncg", "apgd",
+          "ipopt-qp", "ipopt-ncp", "hybrid")
+_LIBRARIES = ("bullet", "ode", "dart", "siconos", "petsc", "tao", "cgal", "clp")
+# Markers of peers' methods, one meaning as far as they go; other methods have the library's first free one.
+_METHODS = {"dantzig": "o", "lemke": "s", "lexicolemke": "s", "pgs": "^", "newton-fb": "D", "nsgs-sbm": "v", "avi": "P",
+            "rsls": "o", "ssls": "D", "bntr": "o", "tron": "s", "qp": "o", "clp": "o"}
 ORACLE_COLOUR = "#000000"
+
+_PLOTLY_SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down",
+                   "P": "cross", "X": "x", "*": "star"}
 
 # The markers as SVG paths in a box from -5 to 5, for legends in HTML.
 MARKER_PATHS = {
@@ -42,6 +58,16 @@ class SolverStyle:
         """For SVG; '' is solid."""
         return "" if self.dash == _SOLID else " ".join(map(str, self.dash[1]))
 
+    @property
+    def plotly_symbol(self) -> str:
+        """The marker's name in Plotly; peers' are hollow."""
+        return _PLOTLY_SYMBOLS[self.marker] + ("" if self.own else "-open")
+
+    @property
+    def plotly_dash(self) -> str:
+        """The dash in Plotly's notation, lengths in pixels of a line 1.4 px wide."""
+        return "solid" if self.dash == _SOLID else ",".join(f"{1.4 * length:g}px" for length in self.dash[1])
+
 
 def level_colours(count: int) -> list[str]:
     """Backgrounds for `count` tiers, the strictest (first) the strongest; dark text reads on all of them."""
@@ -50,22 +76,53 @@ def level_colours(count: int) -> list[str]:
     return ["#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in zip(strong, faint)) for share in shares]
 
 
+def library(entry: dict) -> str:
+    """What a solver belongs to: a peer's library is its key up to the first '-'; an external solver is its own."""
+    return entry["key"].split("-")[0] if entry["origin"] == "peer" else entry["key"]
+
+
+def method(entry: dict) -> str:
+    """The key of the solver of which this one is another setting, or its own."""
+    if entry.get("base"):
+        return entry["base"]
+    base, _, variant = entry["key"].rpartition("-")
+    return base if entry["origin"] == "peer" and base and variant in _DASHES else entry["key"]
+
+
 def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
-    """By key, of the solvers of run.json; those that are missing count, so that styles do not depend on the build."""
-    libraries: dict[str, dict[str, str]] = {}  # library -> method -> marker
-    styles, own = {}, 0
+    """By key, of a campaign's solvers; those that are missing count, so that styles do not depend on the build."""
+    styles = _own_styles([s["key"] for s in solvers if s["origin"] == "own" and method(s) == s["key"]])
+    libraries: dict[str, dict[str, str]] = {name: {} for name in _LIBRARIES}  # library -> method -> marker
     for solver in solvers:
-        key = solver["key"]
+        key, base = solver["key"], method(solver)
         if solver["origin"] == "own":
-            styles[key] = SolverStyle(_OWN[own % len(_OWN)], _MARKERS[own % len(_MARKERS)], _SOLID, True)
-            own += 1
+            if key not in styles:
+                parent = styles.get(base) or SolverStyle(_OWN[0], _MARKERS[0], _SOLID, True)
+                styles[key] = replace(parent, dash=_variant_dash(key))
             continue
-        library = solver["source"] if solver["origin"] == "peer" else key
-        markers = libraries.setdefault(library, {})
-        colour = _PEERS[list(libraries).index(library) % len(_PEERS)]
-        method, _, variant = key.rpartition("-")
-        if variant not in _DASHES or not method:
-            method, variant = key, ""
-        marker = markers.setdefault(method, _MARKERS[len(markers) % len(_MARKERS)])
-        styles[key] = SolverStyle(colour, marker, _DASHES.get(variant, _SOLID), False)
+        markers = libraries.setdefault(library(solver), {})
+        colour = _PEERS[list(libraries).index(library(solver)) % len(_PEERS)]
+        marker = markers.setdefault(base, _free_marker(base, library(solver), list(markers.values())))
+        styles[key] = SolverStyle(colour, marker, _SOLID if base == key else _variant_dash(key), False)
+    return {solver["key"]: styles[solver["key"]] for solver in solvers}
+
+
+def _variant_dash(key: str):
+    return _DASHES.get(key.rpartition("-")[2], _VARIANT)
+
+
+def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:
+    usual = _METHODS.get(method_key.removeprefix(of_library + "-"))
+    free = [marker for marker in (usual, *_MARKERS) if marker and marker not in taken]
+    return free[0] if free else _MARKERS[len(taken) % len(_MARKERS)]
+
+
+def _own_styles(keys: list[str]) -> dict[str, SolverStyle]:
+    """Colours by turns; of a colour every solver has the next marker and dash."""
+    styles = {}
+    for index, key in enumerate([*_KNOWN, *(key for key in keys if key not in _KNOWN)]):
+        turn, colour = divmod(index, len(_OWN))
+        # Colour c begins with marker c, so that markers differ where colours do as well.
+        marker = _MARKERS[(colour + turn * (len(_MARKERS) - len(_OWN) + 1)) % len(_MARKERS)]
+        styles[key] = SolverStyle(_OWN[colour], marker, _OWN_DASHES[turn % len(_OWN_DASHES)], True)
     return styles
