@@ -1,10 +1,10 @@
 """One colour, marker and dash per solver; the same in every figure and table.
 
 Own solvers have saturated colours, filled markers and thick lines. There are more of them than colours that can be told
-apart: no two share both colour and marker, those that share a colour differ in their dash, and the ones that most
-questions are about have colours of their own among themselves. Peers have the muted colours, one per library, and hollow
-markers, one per method; a variant of a method (default options, diagonal shift, other settings) has its dash changed. So
-the eye finds the library first, then the method, then the variant.
+apart: no two share both colour and marker, those that share a colour differ in their dash, and the six that most
+questions are about share none. Peers have the muted colours, one per library, and hollow
+markers, one per method; a variant of a method (default options, diagonal shift, other settings) has its dash changed.
+So the eye finds the library first, then the method, then the variant.
 """
 
 from dataclasses import dataclass, replace
@@ -19,8 +19,14 @@ _DASHES = {"default": (0, (1.5, 2)), "cfm": (0, (4, 2)), "tuned": (0, (5, 1.5, 1
 _VARIANT = (0, (8, 2))  # with other settings, under a key of its own
 # Of the second, third, ... own solver with a colour.
 _OWN_DASHES = (_SOLID, (0, (5, 1.6)), (0, (1.4, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
-# One each: what a motion is solved with, and the classics it is compared with.
-_IMPORTANT = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke")
+# Whether a campaign has them or not, so that colours are the same in all. The first six have a colour each: what a
+# motion is solved with, and the classics it is compared with. Others come behind.
+_KNOWN = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke", "semismooth-newton", "active-set", "psor", "nncg", "apgd",
+          "ipopt-qp", "ipopt-ncp", "hybrid")
+_LIBRARIES = ("bullet", "ode", "dart", "siconos", "petsc", "tao", "cgal", "clp")
+# Markers of peers' methods, one meaning as far as they go; other methods have the library's first free one.
+_METHODS = {"dantzig": "o", "lemke": "s", "lexicolemke": "s", "pgs": "^", "newton-fb": "D", "nsgs-sbm": "v", "avi": "P",
+            "rsls": "o", "ssls": "D", "bntr": "o", "tron": "s", "qp": "o", "clp": "o"}
 ORACLE_COLOUR = "#000000"
 
 _PLOTLY_SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down",
@@ -71,7 +77,7 @@ def level_colours(count: int) -> list[str]:
 
 
 def library(entry: dict) -> str:
-    """What a solver's key belongs to: a peer's library is its key up to the first '-'; an external solver is its own."""
+    """What a solver belongs to: a peer's library is its key up to the first '-'; an external solver is its own."""
     return entry["key"].split("-")[0] if entry["origin"] == "peer" else entry["key"]
 
 
@@ -86,7 +92,7 @@ def method(entry: dict) -> str:
 def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
     """By key, of a campaign's solvers; those that are missing count, so that styles do not depend on the build."""
     styles = _own_styles([s["key"] for s in solvers if s["origin"] == "own" and method(s) == s["key"]])
-    libraries: dict[str, dict[str, str]] = {}  # library -> method -> marker
+    libraries: dict[str, dict[str, str]] = {name: {} for name in _LIBRARIES}  # library -> method -> marker
     for solver in solvers:
         key, base = solver["key"], method(solver)
         if solver["origin"] == "own":
@@ -96,7 +102,7 @@ def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
             continue
         markers = libraries.setdefault(library(solver), {})
         colour = _PEERS[list(libraries).index(library(solver)) % len(_PEERS)]
-        marker = markers.setdefault(base, _MARKERS[len(markers) % len(_MARKERS)])
+        marker = markers.setdefault(base, _free_marker(base, library(solver), list(markers.values())))
         styles[key] = SolverStyle(colour, marker, _SOLID if base == key else _variant_dash(key), False)
     return {solver["key"]: styles[solver["key"]] for solver in solvers}
 
@@ -105,11 +111,16 @@ def _variant_dash(key: str):
     return _DASHES.get(key.rpartition("-")[2], _VARIANT)
 
 
+def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:
+    usual = _METHODS.get(method_key.removeprefix(of_library + "-"))
+    free = [marker for marker in (usual, *_MARKERS) if marker and marker not in taken]
+    return free[0] if free else _MARKERS[len(taken) % len(_MARKERS)]
+
+
 def _own_styles(keys: list[str]) -> dict[str, SolverStyle]:
-    """Colours by turns, the important ones first; of a colour every solver has the next marker and dash."""
-    ordered = [key for key in _IMPORTANT if key in keys] + [key for key in keys if key not in _IMPORTANT]
+    """Colours by turns; of a colour every solver has the next marker and dash."""
     styles = {}
-    for index, key in enumerate(ordered):
+    for index, key in enumerate([*_KNOWN, *(key for key in keys if key not in _KNOWN)]):
         turn, colour = divmod(index, len(_OWN))
         # Colour c begins with marker c, so that markers differ where colours do as well.
         marker = _MARKERS[(colour + turn * (len(_MARKERS) - len(_OWN) + 1)) % len(_MARKERS)]

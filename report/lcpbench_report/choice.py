@@ -1,0 +1,125 @@
+"""What is shown where not all can be: which problems, which tier, which solvers. The CSV tables hold all of it."""
+
+import math
+
+import numpy as np
+import pandas as pd
+
+from .inputs import Inputs
+from .statistics.cells import EXCLUDED
+from .statistics.groups import GROUP
+from .statistics.means import SHIFTS, penalised, shifted_geometric_mean
+from .style import library, method
+
+STANDARD, PATHOLOGICAL = "standard", "pathological"
+TIER = 1e-6  # that every solver here is meant for
+TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
+
+
+def main_mode(inputs: Inputs) -> str:
+    modes = list(dict.fromkeys(inputs.cells["mode"]))
+    return "cold" if "cold" in modes or not modes else modes[0]
+
+
+def main_tier(inputs: Inputs) -> float:
+    """The one nearest to TIER, of problems if there are any, else of sequences."""
+    tiers = inputs.tiers or [tier for campaign in inputs.campaigns for tier in campaign.info["tiers"]]
+    return min(tiers, key=lambda tier: abs(math.log10(tier / TIER)), default=TIER)
+
+
+def shown_tiers(inputs: Inputs) -> list[float]:
+    """All tiers; the collection's three where a study of precision has many. Loosest first."""
+    if len(inputs.tiers) <= 4:
+        return inputs.tiers
+    usual = [tier for tier in inputs.tiers if any(math.isclose(tier, t, rel_tol=1e-6) for t in TIERS)]
+    return usual or [main_tier(inputs)]
+
+
+def standard_cells(inputs: Inputs, tier: float) -> pd.DataFrame:
+    """Cells of the main mode and one tier: of the standard set where it is there; else of all problems that count, the
+    pathological ones aside if there are others."""
+    cells = inputs.cells
+    chosen = cells[(cells["mode"] == main_mode(inputs)) & (cells["tier"] == tier) & cells["counts"].astype(bool)]
+    for some in (chosen["set"] == STANDARD, chosen["set"] != PATHOLOGICAL):
+        if some.any():
+            return chosen[some]
+    return chosen
+
+
+def families(inputs: Inputs) -> list[str]:
+    """In the order of the collection."""
+    return list(dict.fromkeys(about["family"] for about in inputs.problems.values()))
+
+
+def counted(table: pd.DataFrame, inputs: Inputs, tier: float | None = None) -> pd.DataFrame:
+    """Rows of a table of inputs.analysis: problems that count, main mode, and the tier if one is asked for."""
+    chosen = (table["set"] == "counted") & (table["mode"] == main_mode(inputs))
+    if tier is not None:
+        chosen &= table["tier"] == tier
+    return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
+
+
+def ranked(inputs: Inputs, solvers: list[str] | None = None) -> list[str]:
+    """Best first at the main tier, over the standard problems; by the order of the registry where nothing was measured,
+    and among equals."""
+    solvers = inputs.keys if solvers is None else solvers
+    return _ranked(_main_cells(inputs), solvers)
+
+
+def best_own(inputs: Inputs, most: int = 12) -> list[str]:
+    """The better setting of every method; the `most` best ones, in the order of the registry."""
+    return _best(inputs, lambda entry: entry["origin"] == "own", method, most)
+
+
+def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
+    """The best solver of every library (and external ones) on the problems that all the library's solvers were given;
+    where it is excluded from larger ones by its size limit, also the best of those that are not. The `most` best of
+    them, in the order of the registry."""
+    return _best(inputs, lambda entry: entry["origin"] != "own", library, most)
+
+
+def _main_cells(inputs: Inputs) -> pd.DataFrame:
+    return standard_cells(inputs, main_tier(inputs)) if len(inputs.cells) else inputs.cells
+
+
+def _ranked(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
+    """By the shifted geometric mean, in which what was not verified has the time limit: failing does not pay."""
+    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), SHIFTS["s"])
+             for solver, mine in cells.groupby("solver")}
+    return sorted(solvers, key=lambda solver: means.get(solver, math.inf))
+
+
+def _best(inputs: Inputs, wanted, group_of, most: int) -> list[str]:
+    groups: dict[str, list[str]] = {}
+    for entry in inputs.solvers:
+        if wanted(entry) and entry["key"] in inputs.keys:
+            groups.setdefault(group_of(entry), []).append(entry["key"])
+    cells = _main_cells(inputs)
+    chosen = [key for group in groups.values() for key in _best_of(cells, group)]
+    kept = set(_ranked(cells, chosen)[:most])
+    return [key for key in inputs.keys if key in kept]
+
+
+def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
+    """One of them, or two."""
+    if len(solvers) == 1 or not len(cells):
+        return solvers[:1]
+    mine = cells[cells["solver"].isin(solvers)]
+    # Sizes that a solver is not given at all; a single problem may be excluded for the time that a looser tier took.
+    absent = (mine["verdict"] == EXCLUDED).groupby([mine["solver"], mine["rows"]]).all()
+    absent = absent[absent].reset_index()
+    common = mine[~mine["rows"].isin(absent["rows"])]
+    first = _ranked(common if len(common) else mine, solvers)[0]
+    beyond = mine[mine["rows"].isin(absent.loc[absent["solver"] == first, "rows"])]
+    others = [solver for solver in solvers if beyond.loc[beyond["solver"] == solver, "passes"].any()]
+    return [first, _ranked(beyond, others)[0]] if others else [first]
+
+
+def median_time(times) -> float:
+    """Median where what was not verified took infinitely long: failing on the hard ones cannot lower it. Infinite where
+    half or more were not verified, NaN without any."""
+    values = np.sort(np.asarray(times, dtype=float))
+    if not len(values):
+        return math.nan
+    low, high = values[(len(values) - 1) // 2], values[len(values) // 2]
+    return float((low + high) / 2) if math.isfinite(high) else math.inf

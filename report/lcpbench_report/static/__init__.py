@@ -1,0 +1,12 @@
+"""Figures and tables for papers: what stands beside the report's page.
+
+    canvas                      how figures look and are saved
+    times, profiles, accuracy, coverage, precision, scaling, robustness, sequences, motion
+                                figures; each function returns one, or None where the inputs do not have the part
+    latex, latex_tables         LaTeX tables
+    write                       all files
+"""
+
+from .write import write_static
+
+__all__ = ["write_static"]

@@ -1,0 +1,147 @@
+"""How figures look and are saved: the same bytes for the same data."""
+
+import math
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("agg")
+
+from matplotlib import pyplot as plt  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import (FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter,  # noqa: E402
+                               NullLocator)
+
+from ..style import ORACLE_COLOUR, SolverStyle  # noqa: E402
+from ..units import time_unit  # noqa: E402
+
+INK, GRID, FAINT, CONTEXT = "#1c2430", "#e3e7ec", "#5c6672", "#d3d9e0"
+COLUMN, PAGE = 3.5, 7.16  # widths of a column and of a page with two [in]
+ORACLE_LABEL = "oracle"
+ORACLE_DASH = (0, (6, 2))
+# Verdicts; told apart by lightness as well.
+VERDICTS = {"verified": "#0072B2", "false success": "#D55E00", "called infeasible": "#8CC5E8", "failed": "#F0C98A",
+            "excluded": "#e1e5ea"}
+_STYLE = {
+    "svg.fonttype": "path", "svg.hashsalt": "lcpbench", "pdf.fonttype": 42, "font.family": "DejaVu Sans",
+    "font.size": 7.5, "axes.titlesize": 8, "axes.labelsize": 8, "legend.fontsize": 7, "xtick.labelsize": 7,
+    "ytick.labelsize": 7, "axes.edgecolor": "#9aa4b0", "axes.labelcolor": INK, "axes.titlecolor": INK,
+    "axes.titlelocation": "left", "axes.spines.top": False, "axes.spines.right": False, "axes.grid": True,
+    "axes.axisbelow": True, "grid.color": GRID, "grid.linewidth": 0.6, "xtick.color": INK, "ytick.color": INK,
+    "text.color": INK, "figure.facecolor": "white", "axes.facecolor": "white", "savefig.facecolor": "white",
+    "lines.linewidth": 1.1, "lines.markersize": 4, "axes.linewidth": 0.7, "hatch.linewidth": 0.5,
+    "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.minor.width": 0.4, "ytick.minor.width": 0.4,
+    "legend.frameon": False, "legend.handlelength": 2.6, "legend.columnspacing": 1.4, "legend.labelspacing": 0.35,
+    "savefig.bbox": "tight", "savefig.pad_inches": 0.03,
+}
+
+
+def look():
+    """A context in which figures are made and saved."""
+    return plt.rc_context(_STYLE)
+
+
+def panels(rows: int, columns: int, width: float, height: float, **options):
+    """(figure, axes as a table of rows x columns)"""
+    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, layout="constrained", **options)
+
+
+def save(figure, folder: Path, name: str) -> list[Path]:
+    """<name>.svg and <name>.pdf of one figure, which is closed."""
+    paths = [folder / f"{name}.svg", folder / f"{name}.pdf"]
+    save_svg(figure, paths[0])
+    figure.savefig(paths[1], metadata={"CreationDate": None, "Creator": "LCPBench", "Producer": None})
+    plt.close(figure)
+    return paths
+
+
+def save_svg(figure, path: Path) -> None:
+    """On white, so that it can be read on a dark page."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    # The layout is found once; by default every drawing looks for it again, which takes longer than the drawing.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
+    figure.savefig(path, metadata={"Date": None, "Creator": "LCPBench"})
+
+
+def line(axes, x, y, style: SolverStyle, marks: bool = True, **options):
+    """A solver's line. Peers are thinner, with hollow markers."""
+    look_of = {"color": style.colour, "linestyle": style.dash, "linewidth": 1.2 if style.own else 0.9,
+               "zorder": 4 if style.own else 3} | (marker(style) if marks else {})
+    return axes.plot(x, y, **(look_of | options))
+
+
+def marker(style: SolverStyle, size: float = 4) -> dict:
+    """Arguments of plot() for a solver's marker."""
+    return {"marker": style.marker, "markersize": size * (0.85 if style.marker in "sD" else 1),
+            "markerfacecolor": style.colour if style.own else "white", "markeredgecolor": style.colour,
+            "markeredgewidth": 0.5 if style.own else 0.9, "color": style.colour}
+
+
+def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = False) -> list[Line2D]:
+    """For a legend: line, dash and marker of every solver."""
+    made = [Line2D([], [], label=solver, linestyle=styles[solver].dash, linewidth=1.2 if styles[solver].own else 0.9,
+                   **marker(styles[solver])) for solver in solvers]
+    if oracle:
+        made.append(Line2D([], [], label=ORACLE_LABEL, color=ORACLE_COLOUR, linestyle=ORACLE_DASH, linewidth=1.2))
+    return made
+
+
+def legend_below(axes, made: list[Line2D], columns: int, offset: float = -0.2):
+    """Under the panel, outside of its frame."""
+    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, offset), ncol=columns, borderaxespad=0)
+
+
+def legend_outside(figure, made: list, columns: int):
+    """Under the whole figure; save() makes room for it."""
+    return figure.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, 0), ncol=columns, borderaxespad=0.2)
+
+
+def log_axis(axis, label: str, form=None, decades: int = 9) -> None:
+    """Logarithmic with whole powers of ten as ticks. `form` makes text of a tick; default 10^k."""
+    axes = axis.axes
+    (axes.set_xscale if axis.axis_name == "x" else axes.set_yscale)("log")
+    axis.set_major_locator(LogLocator(10, numticks=decades))
+    axis.set_minor_locator(LogLocator(10, subs=range(2, 10), numticks=decades + 6))
+    axis.set_minor_formatter(NullFormatter())
+    if form is not None:
+        axis.set_major_formatter(FuncFormatter(lambda value, _: form(value)))
+    axis.set_label_text(label)
+
+
+def time_tick(seconds: float) -> str:
+    """10 µs"""
+    if seconds <= 0:
+        return "0"
+    name, scale = time_unit(seconds * 1.0001)
+    value = seconds / scale
+    return f"{value:.0f} {name}" if value >= 0.999 else f"{value:g} {name}"
+
+
+def power_tick(value: float) -> str:
+    return f"$10^{{{round(math.log10(value))}}}$"
+
+
+def size_axis(axes, sizes) -> None:
+    """Rows, logarithmic, with labelled ticks at powers of ten only."""
+    sizes = sorted(set(sizes))
+    log_axis(axes.xaxis, "rows $n$", lambda value: f"{value:,.0f}".replace(",", "\u2009"))
+    if sizes:
+        axes.set_xlim(sizes[0] / 1.2, sizes[-1] * 1.2)
+        inside = [10**k for k in range(0, 8) if sizes[0] / 1.2 <= 10**k <= sizes[-1] * 1.2]
+        ticks = inside if len(inside) > 1 else sizes if len(sizes) < 5 else [sizes[0], sizes[-1]]
+        axes.xaxis.set_major_locator(FixedLocator(ticks))
+        if len(inside) < 2:
+            axes.xaxis.set_minor_locator(NullLocator())
+
+
+def time_axis(axes, label: str = "", axis: str = "y") -> None:
+    log_axis(axes.yaxis if axis == "y" else axes.xaxis, label, time_tick)
+
+
+def name_axis(axes, names: list[str]) -> None:
+    """One row of a figure per name, the first on top."""
+    axes.set_yticks(range(len(names)), names)
+    axes.set_ylim(len(names) - 0.4, -0.6)
+    axes.tick_params(axis="y", length=0)
+    axes.grid(False, axis="y")

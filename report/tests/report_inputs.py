@@ -1,0 +1,62 @@
+"""Made-up inputs of a report with all parts: problems of two families, a grid, pathological ones, sequences, motion."""
+
+import json
+from pathlib import Path
+
+from lcpbench_report.inputs import Inputs, load_inputs
+from synthetic import write_motion
+from synthetic_campaign import exclude, fail, write_campaign
+from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
+
+OWN = ("auto", "dantzig", "pgs")
+# Of one library two methods: the second is quicker, and not given large problems; of another two settings: the
+# default one is slower.
+PEERS = ("ode-dantzig", "ode-lemke", "clp", "clp-default")
+FACTORS = {"auto": 1.0, "dantzig": 0.5, "pgs": 3.0, "ode-dantzig": 2.0, "ode-lemke": 0.6, "clp": 20.0,
+           "clp-default": 40.0}
+FAILING, NEXT = "dantzig", "ode-lemke"  # the fastest, but not on all problems of any size; the next one
+ENVIRONMENT = {"cpu": "A Processor", "compiler": "GNU 12.2.0", "git_commit": "0123456789abcdef", "git_dirty": False,
+               "os": "An OS", "flags": "-O3"}
+
+
+def all_inputs(folder: Path) -> Inputs:
+    """With everything that a report can have."""
+    problems = write_problems(folder / "standard")
+    sequences = write_steps(folder / "sequences")
+    (folder / "motion").mkdir()
+    write_motion(folder / "motion")
+    return load_inputs([problems, sequences], folder / "motion")
+
+
+def write_problems(folder: Path, change=None) -> Path:
+    """@param change  of a cell's record, default: failures and exclusions of some solvers"""
+    write_campaign(folder, FACTORS, copies=2, change=change or _fail_some)
+    info = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
+    for solver in info["solvers"]:
+        solver["origin"] = "peer" if solver["key"] in PEERS else "own"
+    info |= {"environment": ENVIRONMENT, "started": "2026-01-02T03:04:05Z"}
+    (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
+    lines = [json.loads(line) for line in (folder / "problems.jsonl").read_text(encoding="utf-8").splitlines()]
+    for index, problem in enumerate(lines):
+        if problem["set"] == "main":
+            problem["set"] = "standard" if index % 4 else "pathological"
+            problem["grid"] = "mass ratio" if index % 4 == 1 else ""
+    (folder / "problems.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+    return folder
+
+
+def write_steps(folder: Path) -> Path:
+    passes = [one_pass(name, solver, mode, [time * (1 + 0.01 * k) for k in range(STEPS)],
+                       failed=(3,) * (solver == "pgs"))
+              for name, _ in SEQUENCES for solver, time in (("auto", 1e-5), ("pgs", 5e-5))
+              for mode in ("cold", "warm", "deadline-1ms")]
+    return write_sequences(folder, passes, (("auto", "own"), ("pgs", "own")))
+
+
+def _fail_some(record: dict) -> dict:
+    """FAILING is wrong on one of the two problems of every family and size; large ones are not given to ode-lemke."""
+    if record["solver"] == FAILING and record["problem"].endswith("-1"):
+        return fail(record, "solved")
+    if record["solver"] == "ode-lemke" and any(f"-{rows}-" in record["problem"] for rows in (200, 500)):
+        return exclude(record)
+    return record

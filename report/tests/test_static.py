@@ -1,0 +1,175 @@
+"""Run: /usr/bin/python3 -m unittest discover -s report/tests
+
+Figures and tables for papers.
+"""
+
+import gzip
+import io
+import re
+import sys
+import tempfile
+import unittest
+import xml.etree.ElementTree
+from pathlib import Path
+
+import pandas as pd
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+from lcpbench_report.inputs import load_inputs  # noqa: E402
+from lcpbench_report.static import latex, write, write_static  # noqa: E402
+from lcpbench_report.static.robustness import kind_of  # noqa: E402
+from report_inputs import FAILING, all_inputs, write_problems, write_steps  # noqa: E402
+
+FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
+           "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
+           "motion-disc-pile-velocity", "motion-disc-track-acceleration"}
+TABLES = {"headline", "coverage", "means", "accuracy", "scaling", "sequences", "deadlines"}
+_DRAWN = "{http://www.w3.org/2000/svg}path"
+
+
+class Static(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls._folder = tempfile.TemporaryDirectory()
+        cls.path = Path(cls._folder.name)
+        cls.inputs = all_inputs(cls.path)
+        cls.written = write_static(cls.inputs, cls.path / "out")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls._folder.cleanup()
+
+    def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
+        for suffix in (".svg", ".pdf"):
+            self.assertEqual({path.stem for path in self.written if path.suffix == suffix}, FIGURES)
+        on_disk = {path for path in (self.path / "out").rglob("*") if path.is_file()}
+        self.assertEqual(set(self.written), on_disk)
+
+    def test_figures_are_not_empty(self):
+        for path in self.written:
+            if path.suffix == ".svg":
+                tree = xml.etree.ElementTree.parse(path)
+                # Lines of data, beyond frames, ticks and letters.
+                clipped = [e for e in tree.iter() if e.get("clip-path")]
+                self.assertGreater(len(clipped), 3, path.name)
+                self.assertGreater(sum(1 for _ in tree.iter(_DRAWN)), 20, path.name)
+            elif path.suffix == ".pdf":
+                self.assertTrue(path.read_bytes().startswith(b"%PDF"))
+
+    def test_the_same_inputs_give_the_same_bytes(self):
+        again = write_static(self.inputs, self.path / "again")
+        self.assertEqual(len(again), len(self.written))
+        for old, new in zip(self.written, again):
+            self.assertEqual(old.read_bytes(), new.read_bytes(), old.name)
+
+    def test_svg_stands_on_white(self):
+        text = (self.path / "out/figures/time-by-size.svg").read_text(encoding="utf-8")
+        background = re.search(r'<g id="patch_1">\s*<path d="[^"]*" style="([^"]*)"', text)
+        self.assertIn("fill: #ffffff", background[1])
+
+    def test_without_sequences_motion_and_grids_those_are_left_out(self):
+        inputs = load_inputs([self.path / "standard"])
+        for problem in inputs.problems.values():
+            problem["grid"] = ""
+        found = {name for name, draw in write.figures(inputs) if name.startswith(("sequence", "motion", "robustness-"))
+                 and draw() is not None}
+        self.assertEqual(found, set())
+        names = {path.stem for path in write.write_tables(inputs, self.path / "less") if path.suffix == ".tex"}
+        self.assertEqual(names, TABLES - {"sequences", "deadlines"})
+
+    def test_of_sequences_alone_there_are_those_figures_only(self):
+        inputs = load_inputs([write_steps(self.path / "alone")])
+        written = write_static(inputs, self.path / "steps")
+        self.assertEqual({path.stem for path in written if path.suffix == ".svg"},
+                         {"sequence-latency", "sequence-deadlines"})
+        self.assertEqual({path.stem for path in written if path.suffix == ".tex"}, {"sequences", "deadlines"})
+
+    def test_two_tiers_are_no_study_of_precision(self):
+        folder = write_problems(self.path / "two")
+        inputs = load_inputs([folder])
+        inputs.cells = inputs.cells[inputs.cells["tier"] > 1e-8]
+        found = dict(write.figures(inputs))
+        self.assertIsNone(found["work-precision"]())
+
+    def test_csv_tables_are_those_of_the_analysis(self):
+        table = pd.read_csv(self.path / "out/tables/coverage.csv")
+        self.assertEqual(len(table), len(self.inputs.analysis["coverage"]))
+        self.assertEqual({path.name.split(".")[0] for path in self.written if ".csv" in path.suffixes},
+                         {*self.inputs.analysis, "motion"})
+
+    def test_large_tables_are_compressed(self):
+        table = pd.DataFrame({"a": range(200_000), "ok": [True] * 200_000})
+        path = write._write_csv(table, self.path / "large.csv")
+        self.assertEqual(path.name, "large.csv.gz")
+        self.assertFalse((self.path / "large.csv").exists())
+        self.assertTrue(pd.read_csv(io.BytesIO(gzip.decompress(path.read_bytes()))).equals(table))
+
+    def test_latex_tables_are_well_formed(self):
+        found = {path.stem: path.read_text(encoding="utf-8") for path in self.written if path.suffix == ".tex"}
+        self.assertEqual(set(found), TABLES)
+        for name, text in found.items():
+            for environment in re.findall(r"\\begin\{(\w+)\}", text):
+                self.assertIn(rf"\end{{{environment}}}", text)
+            columns = len(re.search(r"\\begin\{tabular\}\{@\{\}(\w+)@\{\}\}", text)[1])
+            body = text.split(r"\midrule")[1].split(r"\bottomrule")[0].strip().splitlines()
+            self.assertGreater(len(body), 1, name)
+            for line in body:
+                self.assertEqual(len(re.findall(r"(?<!\\)&", line)) + 1, columns, f"{name}: {line}")
+                self.assertTrue(line.endswith(r"\\"), line)
+            for line in text.split(r"\toprule")[1].split(r"\midrule")[0].strip().splitlines():
+                if line.startswith(r"\cmidrule"):
+                    continue
+                spans = sum(int(n) for n in re.findall(r"\\multicolumn\{(\d+)\}", line))
+                single = len(re.findall(r"(?<!\\)&", line)) + 1 - len(re.findall(r"\\multicolumn", line))
+                self.assertEqual(spans + single, columns, f"{name}: {line}")
+            plain = text.replace(r"\{", "").replace(r"\}", "")
+            self.assertEqual(plain.count("{"), plain.count("}"), name)
+            self.assertTrue(text.isascii(), name)
+
+    def test_false_successes_are_told_in_latex(self):
+        text = (self.path / "out/tables/coverage.tex").read_text(encoding="utf-8")
+        row = next(line for line in text.splitlines() if rf"\texttt{{{FAILING}}}" in line)
+        counted = self.inputs.analysis["coverage"]
+        mine = counted[(counted["set"] == "counted") & (counted["solver"] == FAILING)].sort_values("tier")
+        cells = [cell.strip(" \\") for cell in row.split("&")]
+        self.assertEqual(cells[3::3], [str(n) for n in mine["false_successes"][::-1]])
+
+    def test_the_readme_names_the_packages_and_the_files(self):
+        text = (self.path / "out/tables/README.md").read_text(encoding="utf-8")
+        self.assertIn(r"\usepackage{booktabs}", text)
+        self.assertIn(r"\input{tables/", text)
+        for name in TABLES:
+            self.assertIn(f"`{name}.tex`", text)
+
+
+class Latex(unittest.TestCase):
+    def test_special_characters_are_escaped(self):
+        self.assertEqual(latex.escape("a_b & 50 % #1 ${x}~^<\\"),
+                         r"a\_b \& 50 \% \#1 \$\{x\}\textasciitilde{}\textasciicircum{}\textless{}\textbackslash{}")
+        self.assertEqual(latex.key("time_s"), r"\texttt{time\_s}")
+        self.assertTrue(latex.escape("4–10 µs\u202f%").isascii())
+
+    def test_numbers_have_three_digits(self):
+        for value, text in ((0.12345, "0.123"), (0.0345, "0.0345"), (9.999, "10.00"), (45.67, "45.7"), (1234.0, "1234"),
+                            (0.0, "0"), (-1.5, "$-1.50$"), (1.5e-9, r"$1.5\cdot 10^{-9}$"), (float("inf"), r"$\infty$"),
+                            (float("nan"), latex.DASH)):
+            self.assertEqual(latex.number(value), text)
+
+    def test_shares_are_rounded_down(self):
+        self.assertEqual(latex.percent(9999, 10000), "99.9")
+        self.assertEqual(latex.percent(5, 5), "100")
+        self.assertEqual(latex.percent(0, 0), latex.DASH)
+
+
+class Kinds(unittest.TestCase):
+    def test_the_change_of_a_problem_is_its_kind_else_the_family(self):
+        for problem, kind in (("disc-pile-n40-s1-mass-ratio-1e+08", "mass-ratio"),
+                              ("disc-track-n40-s1-conformal-1e-09", "conformal"),
+                              ("ovals-in-bowl-n100-s1-slack--0.5", "slack"), ("squeezed-row-n8-s1", "squeezed-row")):
+            self.assertEqual(kind_of(problem, problem.split("-n")[0]), kind)
+
+
+if __name__ == "__main__":
+    unittest.main()

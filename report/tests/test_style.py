@@ -1,0 +1,76 @@
+"""Run: /usr/bin/python3 -m unittest discover -s report/tests
+
+Looks of solvers: distinct, and the same in every campaign.
+"""
+
+import sys
+import unittest
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+from lcpbench_report.style import solver_styles  # noqa: E402
+
+OWN = ("dantzig", "auto", "semismooth-newton", "lemke", "bpp", "active-set", "pgs", "psor", "nncg", "apgd", "ipopt-qp",
+       "ipopt-ncp", "ipm", "hybrid", "new-one", "another")
+PEERS = ("bullet-dantzig", "bullet-dantzig-cfm", "bullet-lemke", "ode-dantzig", "dart-dantzig", "dart-pgs",
+         "dart-pgs-default", "siconos-lexicolemke", "siconos-newton-fb", "siconos-pgs", "siconos-nsgs-sbm",
+         "siconos-avi", "petsc-rsls", "petsc-ssls", "tao-bntr", "tao-tron", "cgal-qp", "clp", "clp-default")
+
+
+def entries(own=OWN, peers=PEERS):
+    return [{"key": key, "origin": "own" if key in own else "peer"} for key in (*own, *peers)]
+
+
+class Style(unittest.TestCase):
+    def setUp(self):
+        self.styles = solver_styles(entries())
+
+    def test_no_two_own_solvers_share_colour_and_marker(self):
+        looks = {(self.styles[key].colour, self.styles[key].marker) for key in OWN}
+        self.assertEqual(len(looks), len(OWN))
+
+    def test_own_solvers_of_one_colour_have_other_dashes(self):
+        looks = {(self.styles[key].colour, str(self.styles[key].dash)) for key in OWN}
+        self.assertEqual(len(looks), len(OWN))
+
+    def test_the_important_ones_have_colours_of_their_own(self):
+        important = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke")
+        self.assertEqual(len({self.styles[key].colour for key in important}), len(important))
+
+    def test_every_solver_looks_different_in_matplotlib_and_in_plotly(self):
+        keys = [*OWN, *PEERS]
+        for look in (lambda s: (s.colour, s.marker, str(s.dash)), lambda s: (s.colour, s.plotly_symbol, s.plotly_dash)):
+            self.assertEqual(len({look(self.styles[key]) for key in keys}), len(keys))
+
+    def test_a_library_has_one_colour_and_no_other_has_it(self):
+        colours = {}
+        for key in PEERS:
+            colours.setdefault(key.split("-")[0], set()).add(self.styles[key].colour)
+        self.assertTrue(all(len(found) == 1 for found in colours.values()))
+        self.assertEqual(len(set.union(*colours.values())), len(colours))
+
+    def test_a_solver_looks_the_same_in_a_campaign_of_few(self):
+        few = solver_styles(entries(("pgs", "nncg"), ("tao-tron", "siconos-avi", "clp")))
+        for key, style in few.items():
+            self.assertEqual(style, self.styles[key])
+
+    def test_a_variant_has_its_solvers_colour_and_marker_and_another_dash(self):
+        styles = solver_styles([*entries(), {"key": "pgs-tuned", "origin": "own", "base": "pgs"},
+                                {"key": "mine", "origin": "own", "base": "pgs"},
+                                {"key": "clp-tuned", "origin": "peer", "base": "clp"}])
+        for variant, base in (("pgs-tuned", "pgs"), ("mine", "pgs"), ("clp-tuned", "clp"), ("clp-default", "clp")):
+            self.assertEqual(styles[variant].colour, styles[base].colour)
+            self.assertEqual(styles[variant].marker, styles[base].marker)
+            self.assertNotEqual(styles[variant].dash, styles[base].dash)
+        self.assertEqual(len({str(styles[key].dash) for key in ("pgs", "pgs-tuned", "mine")}), 3)
+
+    def test_plotly_symbols_of_peers_are_hollow(self):
+        self.assertEqual(self.styles["ode-dantzig"].plotly_symbol, "circle-open")
+        self.assertEqual(self.styles["auto"].plotly_symbol, "circle")
+        self.assertEqual(self.styles["auto"].plotly_dash, "solid")
+
+
+if __name__ == "__main__":
+    unittest.main()
