@@ -2,7 +2,7 @@
 
 A column's time is the median over all its problems, where an answer that was not verified, or a problem that a solver
 was not given, took infinitely long. So a solver that fails on hard problems gains nothing by it, and one that fails on
-half has no time at all. The best of a column is the quickest of those that verify most, which are in general all problems.
+half has no time at all. The best of a column is the quickest of those that verify most: in general, all problems.
 """
 
 import math

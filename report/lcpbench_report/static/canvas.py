@@ -31,7 +31,7 @@ _STYLE = {
     "text.color": INK, "figure.facecolor": "white", "axes.facecolor": "white", "savefig.facecolor": "white",
     "lines.linewidth": 1.1, "lines.markersize": 4, "axes.linewidth": 0.7, "hatch.linewidth": 0.5,
     "xtick.major.width": 0.6, "ytick.major.width": 0.6, "xtick.minor.width": 0.4, "ytick.minor.width": 0.4,
-    "legend.frameon": False, "legend.handlelength": 2.6, "legend.columnspacing": 1.4, "legend.labelspacing": 0.35,
+    "legend.frameon": False, "legend.handlelength": 2.4, "legend.columnspacing": 1.1, "legend.labelspacing": 0.35,
     "savefig.bbox": "tight", "savefig.pad_inches": 0.03,
 }
 
@@ -137,6 +137,15 @@ def size_axis(axes, sizes) -> None:
 
 def time_axis(axes, label: str = "", axis: str = "y") -> None:
     log_axis(axes.yaxis if axis == "y" else axes.xaxis, label, time_tick)
+    low, high = axes.get_ylim()
+    if axis == "y" and high / low < 100:  # powers of ten alone would be one label or two
+        axes.yaxis.set_minor_formatter(
+            FuncFormatter(lambda value, _: time_tick(value) if _digit(value) in (2, 5) else ""))
+
+
+def _digit(value: float) -> int:
+    """The first one of a number."""
+    return round(value / 10 ** math.floor(math.log10(value) + 1e-9))
 
 
 def name_axis(axes, names: list[str]) -> None:

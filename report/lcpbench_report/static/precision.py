@@ -2,26 +2,40 @@
 
 import math
 
+import pandas as pd
+
 from .. import choice
 from ..inputs import Inputs
+from ..statistics.cells import EXCLUDED
+from ..statistics.precision import delivered_table
 from ..style import solver_styles
 from . import canvas
 
 _FEWEST_TIERS = 3
 
 
+def _at_every_tier(cells: pd.DataFrame) -> pd.DataFrame:
+    """Points of one line must be of the same problems: where several campaigns were read, those of the one with the most
+    tiers; and of them, for each solver, those that it was not excluded from at any tier."""
+    cells = cells[cells["counts"].astype(bool)]
+    tiers = cells.groupby("problem")["tier"].transform("nunique")
+    cells = cells[tiers == tiers.max()]
+    run = cells[cells["verdict"] != EXCLUDED]
+    return run[run.groupby(["solver", "mode", "problem"])["tier"].transform("nunique") == run["tier"].nunique()]
+
+
 def work_precision(inputs: Inputs):
-    """Mean time against the tolerance asked for, and against the residual got for it (90 % quantile), over all problems
-    that were run, right or not; None without several tolerances."""
-    table = inputs.analysis.get("delivered")
-    table = None if table is None else choice.counted(table, inputs)
-    if table is None or table["tier"].nunique() < _FEWEST_TIERS:
+    """Mean time against the tolerance asked for, and against the residual got for it (90 % quantile), right or not, over
+    the problems that a solver was given at every tier; None without several tolerances."""
+    cells = _at_every_tier(inputs.cells)
+    if cells["tier"].nunique() < _FEWEST_TIERS:
         return None
+    table = choice.counted(delivered_table(cells), inputs)
     styles = solver_styles(inputs.solvers)
     # Of what has a tolerance: the line of a direct method is a point.
     tolerant = {entry["key"] for entry in inputs.solvers if entry["uses_tolerance"]}
-    solvers = [key for key in choice.best_own(inputs, 8) + choice.best_peers(inputs, 4)
-               if key in tolerant and (table["solver"] == key).any()]
+    solvers = [key for key in choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
+               if key in tolerant and (table["solver"] == key).any()][:12]
     if not solvers:
         return None
     figure, axes = canvas.panels(1, 2, canvas.PAGE, 3.1, sharey=True)
