@@ -5,7 +5,7 @@ import math
 import pandas as pd
 
 from . import decision, formats
-from .inputs import Inputs
+from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import FALSE_SUCCESS, VERIFIED
 from .statistics.groups import COUNTED
 
@@ -168,9 +168,9 @@ def _accuracy(inputs: Inputs) -> str:
 
 
 def pathological(inputs: Inputs) -> pd.DataFrame:
-    """Cells of problems that do not count because they are meant to break something."""
+    """Cells of problems that are meant to break something."""
     cells = inputs.cells
-    return cells[(cells["set"] == "pathological") & (cells["mode"] == _MODE)] if len(cells) else cells
+    return cells[(cells["set"] == PATHOLOGICAL) & (cells["mode"] == _MODE)] if len(cells) else cells
 
 
 def _robustness(inputs: Inputs) -> str:
