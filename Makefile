@@ -2,14 +2,15 @@
 PRESET  ?= release
 BUILD   := build/$(PRESET)
 JOBS    ?= $(shell nproc)
-RESULTS ?= build/results/default
-SUITE   ?= default
+SUITE   ?= quick
+RESULTS ?= build/results/$(basename $(notdir $(SUITE)))
 # Debian's Python modules belong to Debian's interpreter.
 PYTHON  ?= /usr/bin/python3
 
-# Peers that have been the fastest right one somewhere up to 1000 rows; all own solvers run with them.
-GOAL_PEERS   ?= bullet-dantzig,bullet-dantzig-cfm,dart-dantzig,dart-dantzig-cfm,ode-dantzig,ode-dantzig-cfm,petsc-rsls,petsc-ssls,tao-tron
-GOAL_RESULTS ?= build/results/goals
+# Motions that the report shows: with joints, piled, and at the acceleration level, where loose tolerances end at the
+# budget.
+MOTION_RESULTS ?= build/results/motion
+MOTION = --scenes gear-train,disc-pile,disc-track --size 16 --steps 100 --budget 0.5
 
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
@@ -24,17 +25,21 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6
               --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
-.PHONY: help deps peers configure build test report run goals calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc check format fuzz install clean
+# The campaigns and studies whose results are committed (report/reference/README.md).
+REFERENCE_RESULTS := $(addprefix report/reference/,standard pathological sequences large) \
+                     --motion report/reference/motion --precision report/reference/precision
+
+.PHONY: help deps peers configure command build test report run calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
 
 help:
-	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
+	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
-	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
 	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
+	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, README's headline"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
@@ -63,25 +68,28 @@ test: build
 	@ctest --preset $(PRESET) -j $(JOBS)
 
 # Only the command: a newcomer's first report should not wait for the tests to compile.
-run: configure
+command: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
-	@$(BUILD)/lcpbench run --suite $(SUITE) --output $(RESULTS)
+
+# The quick campaign begins anew, so that it is never of two versions. Longer ones are not thrown away: where there is
+# one, RUN_OPTIONS=--resume goes on with it, and tells if it was begun with another version.
+run: command
+	@$(if $(filter build/results/quick,$(RESULTS)),rm -rf build/results/quick)
+	@$(BUILD)/lcpbench run --suite $(SUITE) $(RUN_OPTIONS) --output $(RESULTS)
 
 report: run
-	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
-	@echo "report: $(CURDIR)/build/report/index.html, times of all cells: index.csv beside it"
+	@$(BUILD)/lcpbench motion $(MOTION) --output $(MOTION_RESULTS)
+	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --output build/report/index.html
+	@echo "report: $(CURDIR)/build/report/index.html"
 
-# Every family at every size, one tier and one seed.
-goals: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
-	@$(BUILD)/lcpbench run --suite default --sizes 10,30,100,300,1000 --seeds 1 --tiers 1e-6 \
-	  --scenes "$$($(BUILD)/lcpbench list scenes | cut -d' ' -f1 | paste -sd,)" \
-	  --solvers "$$($(BUILD)/lcpbench list solvers | awk '/, LCPBench / { printf "%s,", $$1 }')$(GOAL_PEERS)" \
-	  --output $(GOAL_RESULTS)
-	@$(PYTHON) report/goals.py $(GOAL_RESULTS)
+# The committed results, report/reference/: the report with figures and tables, and what of it is committed beside them.
+reference-report: deps
+	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) -o build/reference/index.html
+	@cp build/reference/index.html build/reference/summary.md report/reference/
+	@$(PYTHON) report/headline.py report/reference/standard --update README.md
+	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
-calibrate: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
 	@$(PYTHON) report/calibrate.py $(CALIBRATION_RESULTS)
 
@@ -89,8 +97,7 @@ geometry-benchmark scene-benchmark large-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 
-slurm-try: configure
-	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+slurm-try: command
 	@benchmarks/slurm/try_slurm.sh $(BUILD)/lcpbench
 
 doc: configure

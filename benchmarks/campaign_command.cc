@@ -4,12 +4,14 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <regex>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/campaign/benchmark_json.h"
 #include "benchmarks/campaign/campaign.h"
+#include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
@@ -24,26 +26,48 @@ namespace {
 
 struct NamedCampaign {
   const char* name;
-  std::vector<const char*> tiers;  // of the collection
-  double most_s;                   // the longest time limit of a solve
-  std::vector<double> tolerances;  // empty: the plan's tiers
-  const char* filter = "";
+  std::vector<const char*> manifests;  // of the collection
+  const char* filter = "";             // as CampaignPlan's, as is all that follows
+  std::vector<double> tiers = CampaignPlan{}.tiers;
+  int rounds = CampaignPlan{}.rounds;
+  int repetitions = CampaignPlan{}.repetitions;
+  double budget_s = CampaignPlan{}.budget_s;
+  double cell_budget_s = CampaignPlan{}.cell_budget_s;
+  double most_s = CampaignPlan{}.most_s;
 };
+
+// A first look, in about a minute with our solvers: one seed of all families from 2 to 160 rows, of some up to 1000,
+// problems of every kind that is meant to break something, and four short motions. In these Ipopt is left out: its
+// milliseconds a step are most of the time that all would take.
+constexpr const char* kQuickProblems =
+    "^solve/[a-z-]+-n(2|10|25|64|160)-s1/|"
+    "^solve/(disc-pile|tall-stacks|chain-of-links|ovals-in-bowl)-n(400|1000)-s1/|"
+    "^solve/(squeezed-row|barely-squeezed-row|idle-line|fixed-pairs|overpinned-beam)-n40-s1/|"
+    "^solve/(tall-stacks-n40-s1-mass-ratio-1e[+]08|disc-track-n40-s1-conformal-1e-06|gear-train-n60-s1-scale-rows-60|"
+    "disc-pile-n30-s1-duplicate-rows-1|disc-pile-n30-s1-oppose-rows-0.2|ovals-in-bowl-n60-s1-crowd-contacts-1e-07)/|"
+    "^steps/((disc-track|gear-train|boxes-and-discs)-n12|disc-pile-n40)-s1-motion/(?!ipopt)";
 
 const std::vector<NamedCampaign>& Campaigns() {
   static const std::vector<NamedCampaign> campaigns{
-      {"smoke", {"smoke"}, 0.5, {}},
-      {"engine", {"engine"}, 0.5, {}},
-      {"standard", {"engine", "standard"}, 2, {}},
-      {"pathological", {"pathological"}, 2, {}},
-      {"large", {"large"}, 60, {}},
+      {.name = "quick",
+       .manifests = {"engine", "standard", "pathological", "sequences"},
+       .filter = kQuickProblems,
+       .rounds = 3,
+       .repetitions = 3,
+       .budget_s = 0.01,
+       .cell_budget_s = 0.05,
+       .most_s = 0.5},
+      {.name = "engine", .manifests = {"engine"}, .most_s = 0.5},
+      {.name = "smoke", .manifests = {"smoke"}, .most_s = 0.5},
+      {.name = "standard", .manifests = {"engine", "standard"}},
+      {.name = "pathological", .manifests = {"pathological"}},
+      {.name = "large", .manifests = {"large"}, .most_s = 60},
       // What every decade of precision costs.
-      {"precision",
-       {"standard"},
-       2,
-       {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12},
-       "-n(40|250|1000)-s1/"},
-      {"sequences", {"sequences"}, 0.5, {}},
+      {.name = "precision",
+       .manifests = {"standard"},
+       .filter = "-n(40|250|1000)-s1/",
+       .tiers = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}},
+      {.name = "sequences", .manifests = {"sequences"}, .most_s = 0.5},
   };
   return campaigns;
 }
@@ -73,66 +97,65 @@ std::pair<int, int> ParseShard(const std::string& text) {
   return shard;
 }
 
-}  // namespace
-
-void AddCampaignOptions(CLI::App& command, CampaignArguments* arguments) {
-  command.add_flag("--resume", arguments->resume, "Campaigns: go on with the one that the folder has");
-  command.add_option("--shard", arguments->shard, "Campaigns: k/N, the k-th of N parts; see lcpbench merge")
-      ->capture_default_str();
-  command.add_option(
-      "--filter", arguments->filter,
-      "Campaigns: only cells solve/PROBLEM/SOLVER/TIER, or steps/SEQUENCE/SOLVER/TIER/MODE, that match this "
-      "regular expression");
-  command.add_option("--rounds", arguments->rounds, "Campaigns: how often every cell is visited");
-  command.add_option(
-      "--most-rounds", arguments->most_rounds,
-      "Campaigns: how often at most, while its time is uncertain by more than 5 % [default: a third more]");
-  command.add_option("--cpu", arguments->cpu, "Campaigns: the processor that solves are kept on");
-  command
-      .add_option("--modes", arguments->modes,
-                  "Campaigns: cold (with warm caches), cold-cache (caches emptied before every solve) [default: cold]")
-      ->delimiter(',');
-  command.add_option(
-      "--tuned", arguments->tuned,
-      "Campaigns: adds KEY-tuned for every solver that `lcpbench tune` chose settings for, data/tuned.json");
-}
-
-BenchmarkFlags TakeBenchmarkFlags(const std::vector<std::string>& flags, CampaignPlan* plan,
-                                  CampaignArguments* arguments) {
-  BenchmarkFlags taken;
-  for (const std::string& flag : flags) {
-    const size_t equals = flag.find('=');
-    const std::string name = flag.substr(0, equals);
-    const std::string value = equals == std::string::npos ? "" : flag.substr(equals + 1);
-    const auto number = [&](auto* into) {
-      const auto [stop, error] = std::from_chars(value.data(), value.data() + value.size(), *into);
-      if (error != std::errc() || stop != value.data() + value.size()) {
-        throw InputError(name + ": expected a number, found '" + value + "'");
-      }
-    };
-    if (name == "--benchmark_filter") {
-      arguments->filter = value;
-    } else if (name == "--benchmark_repetitions") {
-      number(&plan->repetitions);
-    } else if (name == "--benchmark_min_time") {
-      number(&plan->min_time_s);
-    } else if (name == "--benchmark_out") {
-      taken.out = value;
-    } else if (name == "--benchmark_list_tests") {
-      taken.list = value != "false";
-    } else if (flag != "--benchmark_out_format=json") {
-      throw InputError("run: unexpected argument '" + flag + "'");
-    }
-  }
-  return taken;
-}
-
-bool IsCampaign(const std::string& suite) {
+CampaignPlan CampaignOf(const std::string& suite) {
+  CampaignPlan plan;
+  plan.name = suite;
+  for (const SolverEntry& entry : AllSolvers()) plan.solvers.push_back(entry.key);
   for (const NamedCampaign& campaign : Campaigns()) {
-    if (suite == campaign.name) return true;
+    if (suite != campaign.name) continue;
+    for (const char* manifest : campaign.manifests) plan.manifests.push_back(ManifestOf(manifest));
+    plan.filter = campaign.filter;
+    plan.tiers = campaign.tiers;
+    plan.rounds = campaign.rounds;
+    plan.repetitions = campaign.repetitions;
+    plan.budget_s = campaign.budget_s;
+    plan.cell_budget_s = campaign.cell_budget_s;
+    plan.most_s = campaign.most_s;
+    return plan;
   }
-  return IsPath(suite);
+  if (!IsPath(suite)) {
+    throw InputError("unknown suite '" + suite + "', expected one of " + CampaignNames() + ", or a manifest's path");
+  }
+  plan.name = std::filesystem::path(suite).stem().string();
+  plan.manifests = {suite};
+  return plan;
 }
+
+// Names that match both. Checked apart, because two broken expressions may make a whole one.
+std::string Both(const std::string& plans, const std::string& users) {
+  try {
+    const std::regex check(users);
+  } catch (const std::regex_error&) {
+    throw InputError("--filter: expected a regular expression, found '" + users + "'");
+  }
+  if (plans.empty() || users.empty()) return plans + users;
+  return "^(?=.*(?:" + plans + "))(?=.*(?:" + users + "))";
+}
+
+CampaignPlan PlanOf(const CampaignArguments& arguments) {
+  CampaignPlan plan = CampaignOf(arguments.suite);
+  plan.filter = Both(plan.filter, arguments.filter);
+  if (!arguments.solvers.empty()) plan.solvers = arguments.solvers;
+  if (!arguments.tiers.empty()) plan.tiers = arguments.tiers;
+  if (!arguments.modes.empty()) plan.modes = arguments.modes;
+  if (arguments.time_limit_s != 0) plan.least_s = plan.most_s = arguments.time_limit_s;
+  if (arguments.min_time_s != 0) plan.min_time_s = arguments.min_time_s;
+  if (arguments.repetitions != 0) plan.repetitions = arguments.repetitions;
+  if (arguments.rounds != 0) plan.rounds = arguments.rounds;
+  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : plan.rounds + plan.rounds / 3;
+  return plan;
+}
+
+// One line for all of them: they have no cells.
+void TellWhatIsMissing(const CampaignPlan& plan) {
+  std::string missing;
+  for (const std::string& key : plan.solvers) {
+    if (!FindSolver(key).available) missing += (missing.empty() ? "" : ", ") + key;
+  }
+  if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
+}
+
+}  // namespace
 
 std::string CampaignNames() {
   std::string names;
@@ -140,33 +163,12 @@ std::string CampaignNames() {
   return names;
 }
 
-CampaignPlan CampaignOf(const std::string& suite) {
-  CampaignPlan plan;
-  plan.name = suite;
-  for (const SolverEntry& entry : AllSolvers()) plan.solvers.push_back(entry.key);
-  for (const NamedCampaign& campaign : Campaigns()) {
-    if (suite != campaign.name) continue;
-    for (const char* tier : campaign.tiers) plan.manifests.push_back(ManifestOf(tier));
-    plan.most_s = campaign.most_s;
-    if (!campaign.tolerances.empty()) plan.tiers = campaign.tolerances;
-    plan.filter = campaign.filter;
-    return plan;
-  }
-  plan.name = std::filesystem::path(suite).stem().string();
-  plan.manifests = {suite};
-  return plan;
-}
-
-int RunCampaignCommand(CampaignPlan plan, CampaignArguments arguments, const BenchmarkFlags& flags,
-                       const std::string& folder) {
-  if (!arguments.filter.empty()) plan.filter = arguments.filter;
-  if (arguments.rounds != 0) plan.rounds = arguments.rounds;
-  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : plan.rounds + plan.rounds / 3;
+int RunCampaignCommand(CampaignArguments arguments) {
+  CampaignPlan plan = PlanOf(arguments);
   CampaignOptions options;
-  options.folder = folder;
+  options.folder = arguments.output.empty() ? "build/results/" + plan.name : arguments.output;
   options.resume = arguments.resume;
   options.cpu = arguments.cpu;
-  if (!arguments.modes.empty()) plan.modes = arguments.modes;
   if (!arguments.tuned.empty()) AddTunedVariants(arguments.tuned, &plan, &arguments.variants);
   for (const std::string& external : arguments.externals) {
     options.solver_arguments.insert(options.solver_arguments.end(), {"--external", external});
@@ -175,13 +177,14 @@ int RunCampaignCommand(CampaignPlan plan, CampaignArguments arguments, const Ben
     options.solver_arguments.insert(options.solver_arguments.end(), {"--variant", variant});
   }
   std::tie(options.shard, options.shards) = ParseShard(arguments.shard);
-  if (flags.list) {
+  if (arguments.list) {
     for (const std::string& name : CampaignCells(plan, options)) std::cout << name << '\n';
     return 0;
   }
+  TellWhatIsMissing(plan);
   const int status = RunCampaign(plan, options);
-  if (!flags.out.empty()) WriteBenchmarkJson(folder, flags.out);
-  std::cout << "results: " << folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
+  if (!arguments.benchmark_json.empty()) WriteBenchmarkJson(options.folder, arguments.benchmark_json);
+  std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;
   return status;
 }
 

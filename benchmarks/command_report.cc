@@ -1,5 +1,7 @@
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "benchmarks/commands.h"
 #include "benchmarks/python_script.h"
@@ -10,25 +12,44 @@ namespace lcpbench {
 namespace {
 
 struct ReportArguments {
-  std::string results;
+  std::vector<std::string> campaigns;
   std::string output = "build/report/index.html";
+  std::string motion;
+  std::string precision;
 };
 
-int Report(const ReportArguments& arguments) {
-  if (!std::filesystem::is_directory(arguments.results)) {
-    throw InputError(arguments.results + ": expected a folder of result files (lcpbench run writes one)");
+void RequireFile(const std::string& folder, const char* file, const char* expected) {
+  if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / file)) {
+    throw InputError(folder + ": expected " + expected + ", found no " + file);
   }
-  return RunPythonScript("report", {kReportScript, kInstalledReportScript},
-                         {arguments.results, "-o", arguments.output});
+}
+
+int Report(const ReportArguments& arguments) {
+  for (const std::string& campaign : arguments.campaigns) {
+    RequireFile(campaign, "campaign.json", "a campaign's folder (lcpbench run writes one)");
+  }
+  std::vector<std::string> words = arguments.campaigns;
+  words.insert(words.end(), {"-o", arguments.output});
+  if (!arguments.motion.empty()) {
+    RequireFile(arguments.motion, "motion.csv", "a folder that lcpbench motion wrote");
+    words.insert(words.end(), {"--motion", arguments.motion});
+  }
+  if (!arguments.precision.empty()) {
+    RequireFile(arguments.precision, "campaign.json", "a campaign's folder (lcpbench run --suite precision)");
+    words.insert(words.end(), {"--precision", arguments.precision});
+  }
+  return RunPythonScript("report", {kReportScript, kInstalledReportScript}, words);
 }
 
 }  // namespace
 
 void AddReportCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<ReportArguments>();
-  CLI::App* report = app.add_subcommand("report", "Makes one self-contained HTML page of a folder of result files");
-  report->add_option("RESULTS", arguments->results, "Folder written by lcpbench run")->required();
+  CLI::App* report = app.add_subcommand("report", "Makes a report of campaigns: an interactive page, figures, tables, a summary");
+  report->add_option("FOLDER", arguments->campaigns, "Written by lcpbench run")->required();
   report->add_option("-o,--output", arguments->output, "The page")->capture_default_str();
+  report->add_option("--motion", arguments->motion, "Written by lcpbench motion: how solvers drive scenes");
+  report->add_option("--precision", arguments->precision, "Written by lcpbench run --suite precision");
   report->callback([arguments, &run] { run = [arguments] { return Report(*arguments); }; });
 }
 

@@ -12,7 +12,7 @@
 #include <stdexcept>
 
 #include "benchmarks/child_process.h"
-#include "benchmarks/suite.h"
+#include "benchmarks/exclusion_rules.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
@@ -47,11 +47,6 @@ double GraceFor(int size) {
   return kStart + kPerRow * size;
 }
 
-// Why a solver is not given a problem of this size, by the rules of the suites; "" if it is.
-std::string WhyNotRun(const std::string& solver, int size, double tolerance) {
-  return ExclusionRule(Suite{}, FindSolver(solver), size, tolerance);
-}
-
 // What the child printed; false, with its failure completed, where that is no outcome.
 template <typename Outcome>
 bool ReadOutcome(ChildOutcome* child, Outcome* outcome) {
@@ -68,7 +63,7 @@ bool ReadOutcome(ChildOutcome* child, Outcome* outcome) {
 SolveOutcome RunSolve(const LargeStudy& study, const LargeProblem& problem, const std::string& solver,
                       const std::string& answer_file) {
   SolveOutcome outcome;
-  const std::string rule = WhyNotRun(solver, problem.size, study.tolerance);
+  const std::string rule = SizeRefusal(FindSolver(solver), problem.size);
   if (!rule.empty()) {
     outcome.verdict = "excluded";
     outcome.detail = rule;
@@ -167,8 +162,7 @@ std::vector<std::string> LargeOwnSolvers() {
   std::vector<std::string> keys;
   for (const SolverEntry& entry : AllSolvers()) {
     const bool meant = std::find(kNotMeant.begin(), kNotMeant.end(), entry.key) == kNotMeant.end();
-    if (entry.available && entry.origin == SolverOrigin::kOwn && meant &&
-        WhyNotRun(entry.key, static_cast<int>(kTimedSize), 1e-9).empty()) {
+    if (entry.available && entry.origin == SolverOrigin::kOwn && meant && SizeRefusal(entry, kTimedSize).empty()) {
       keys.push_back(entry.key);
     }
   }
@@ -178,7 +172,7 @@ std::vector<std::string> LargeOwnSolvers() {
 std::vector<std::string> LargePeers(int size) {
   std::vector<std::string> keys;
   for (const SolverEntry& entry : AllSolvers()) {
-    if (entry.available && entry.origin == SolverOrigin::kPeer && WhyNotRun(entry.key, size, 1e-9).empty()) {
+    if (entry.available && entry.origin == SolverOrigin::kPeer && SizeRefusal(entry, size).empty()) {
       keys.push_back(entry.key);
     }
   }

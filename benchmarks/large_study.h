@@ -51,7 +51,7 @@ struct LargeRow {
 };
 
 /// Runs all cells, problem by problem; K is measured with the first verified answer. A cell that crashes, hangs,
-/// exhausts memory or is excluded by a size rule of the suites is a row that says so.
+/// exhausts memory or is excluded by a size limit (exclusion_rules.h) is a row that says so.
 /// @param begin  told what comes next, before every cell
 /// @param done   receives the rows of a problem when it is finished
 std::vector<LargeRow> RunLargeStudy(const LargeStudy& study, const std::function<void(const std::string& what)>& begin,

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string_view>
 
-#include "benchmarks/suite.h"
+#include "benchmarks/exclusion_rules.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

@@ -17,9 +17,9 @@
 #include "benchmarks/campaign/sequence_campaign.h"
 #include "benchmarks/campaign/sequence_plan.h"
 #include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/exclusion_rules.h"
 #include "benchmarks/interrupt.h"
 #include "benchmarks/progress.h"
-#include "benchmarks/suite.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
 
@@ -204,6 +204,20 @@ class Campaign {
   std::int64_t disturbed_ = 0;
 };
 
+// What goes on elsewhere, or with another build, is allowed: every line names its environment. It should be no
+// surprise.
+void TellOfAnotherEnvironment(const std::string& folder, const nlohmann::ordered_json& begun,
+                              const nlohmann::ordered_json& now) {
+  if (begun.at("environment_hash") == now.at("environment_hash")) return;
+  std::string what;
+  for (const auto& [key, value] : now.at("environment").items()) {
+    if (begun.at("environment").value(key, nlohmann::ordered_json()) != value) {
+      what += (what.empty() ? "" : ", ") + key;
+    }
+  }
+  std::cerr << folder << ": note: begun in another environment (" << what << ")" << std::endl;
+}
+
 // The plan's file is there and says the same, or is not there yet.
 std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordered_json& campaign) {
   std::error_code error;
@@ -214,8 +228,12 @@ std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordere
     WriteCampaignFile(path, campaign);
   } else if (!options.resume) {
     throw InputError(options.folder + ": has a campaign already; --resume goes on with it");
-  } else if (!SameCampaign(ReadCampaignFile(path), campaign)) {
-    throw InputError(options.folder + ": expected the campaign that is asked for, found another plan");
+  } else {
+    const nlohmann::ordered_json begun = ReadCampaignFile(path);
+    if (!SameCampaign(begun, campaign)) {
+      throw InputError(options.folder + ": expected the campaign that is asked for, found another plan");
+    }
+    TellOfAnotherEnvironment(options.folder, begun, campaign);
   }
   return campaign.at("environment_hash").get<std::string>();
 }

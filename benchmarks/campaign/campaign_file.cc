@@ -10,9 +10,8 @@
 #include "benchmarks/campaign/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/environment.h"
+#include "benchmarks/exclusion_rules.h"
 #include "benchmarks/hardware_counters.h"
-#include "benchmarks/results.h"
-#include "benchmarks/suite.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/peers/tier_settings.h"
 #include "solvers/registry.h"
@@ -32,6 +31,18 @@ const char* SettingOf(const SolverEntry& solver) {
   const bool tuned =
       std::any_of(table.begin(), table.end(), [&solver](const TierOption& row) { return row.key == solver.key; });
   return tuned ? "tuned" : "default";
+}
+
+const char* OriginKey(SolverOrigin origin) {
+  switch (origin) {
+    case SolverOrigin::kOwn:
+      return "own";
+    case SolverOrigin::kPeer:
+      return "peer";
+    case SolverOrigin::kExternal:
+      return "external";
+  }
+  return "unknown";
 }
 
 // UTC, ISO 8601.

@@ -7,7 +7,7 @@
 #include <regex>
 #include <utility>
 
-#include "benchmarks/suite.h"
+#include "benchmarks/exclusion_rules.h"
 #include "model/scenes/random.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"

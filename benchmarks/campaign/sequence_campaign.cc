@@ -10,7 +10,7 @@
 #include "benchmarks/campaign/sequence_plan.h"
 #include "benchmarks/interrupt.h"
 #include "benchmarks/progress.h"
-#include "benchmarks/suite.h"
+#include "benchmarks/exclusion_rules.h"
 
 namespace lcpbench {
 namespace {

@@ -6,7 +6,7 @@
 #include <regex>
 #include <utility>
 
-#include "benchmarks/suite.h"
+#include "benchmarks/exclusion_rules.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

@@ -197,7 +197,7 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
       {Campaign("c", "--tiers 1e-6 --resume"), "another plan"},
       {Campaign("d", "--shard 4/3"), "--shard"},
       {Campaign("d", "--shard x"), "--shard"},
-      {Campaign("d", "--sizes 10"), "--filter"},
+      {Campaign("d", "--sizes 10"), "--sizes"},
       {std::string("run --suite ") + kManifest + " --filter '(' -o " + Path("e"), "regular expression"},
       {"run --suite nowhere.json -o " + Path("f"), "nowhere.json"},
       {"merge " + Path("nowhere") + " -o " + Path("g"), "cannot be opened"},

@@ -1,10 +1,10 @@
-// A campaign goes on whatever a solver's process does.
+// A campaign goes on whatever a solver's process does, and says what that was.
 
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -14,46 +14,48 @@
 namespace lcpbench {
 namespace {
 
-using Row = std::map<std::string, std::string>;
-
-// Cells with commas are quoted; quotes do not occur in them.
-std::vector<std::string> Cells(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
-
-std::vector<Row> ReadTable(const std::filesystem::path& path) {
-  std::istringstream text(ReadFile(path));
-  std::string line;
-  std::getline(text, line);
-  const std::vector<std::string> columns = Cells(line);
-  std::vector<Row> rows;
-  while (std::getline(text, line)) {
-    const std::vector<std::string> cells = Cells(line);
-    EXPECT_EQ(cells.size(), columns.size()) << line;
-    Row row;
-    for (std::size_t i = 0; i < std::min(cells.size(), columns.size()); ++i) row[columns[i]] = cells[i];
-    rows.push_back(row);
-  }
-  return rows;
-}
+using Json = nlohmann::json;
 
 class Campaign : public CommandTest {
  protected:
+  static std::string Data(const std::string& set) {
+    return "run --suite " LCPBENCH_SOURCE_DIR "/data/" + set + ".json";
+  }
+
   // The misbehaving worker under the key `key`; it may use half a gigabyte, so that exhausting it is quick.
   std::string External(const std::string& key, const std::string& manner) {
     Write(key + ".sh", "ulimit -v 524288\nexec " LCPBENCH_TEST_WORKER " " + manner + "\n");
     return " --external \"" + key + "=sh " + Path(key + ".sh") + "\"";
+  }
+
+  std::vector<Json> Lines(const std::string& file) {
+    std::istringstream text(ReadFile(folder_ / "r" / file));
+    std::vector<Json> lines;
+    for (std::string line; std::getline(text, line);) lines.push_back(Json::parse(line));
+    return lines;
+  }
+
+  // What the tables of `lcpbench analyse` say of a solver, by column.
+  std::map<std::string, std::string> Coverage(const std::string& solver) {
+    std::istringstream text(ReadFile(folder_ / "r/analysis/coverage.csv"));
+    const auto split = [](const std::string& line) {
+      std::vector<std::string> cells;
+      std::istringstream stream(line);
+      for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+      return cells;
+    };
+    std::string line;
+    std::getline(text, line);
+    const std::vector<std::string> columns = split(line);
+    while (std::getline(text, line)) {
+      if (line.find("," + solver + ",") == std::string::npos) continue;
+      const std::vector<std::string> cells = split(line);
+      std::map<std::string, std::string> row;
+      for (std::size_t k = 0; k < cells.size(); ++k) row[columns.at(k)] = cells[k];
+      return row;
+    }
+    ADD_FAILURE() << solver << " has no row";
+    return {};
   }
 };
 
@@ -65,9 +67,9 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
                                                       {"well", "dantzig"}};
   for (const auto& [key, manner] : manners) externals += External(key, manner);
   const CommandOutcome run =
-      Run("run --suite quick --scenes disc-pile --sizes 6,9 --tiers 1e-6 --time-limit 0.1 --min-time 0.001"
-          " --solvers crashing,crashing-early,hanging,hoarding,lying,not-a-number,well,dantzig" +
-          externals + " -o " + Path("r"));
+      Run(Data("smoke") + " --filter '(disc-pile|rockers)-n8-' --tiers 1e-6 --time-limit 0.1 --min-time 0.001" +
+          " --rounds 2 --solvers crashing,crashing-early,hanging,hoarding,lying,not-a-number,well,dantzig" + externals +
+          " -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
 
   const std::map<std::string, std::string> claims = {{"crashing", "numerical_failure"},
@@ -78,114 +80,120 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
                                                      {"not-a-number", "solved"},
                                                      {"well", "solved"},
                                                      {"dantzig", "solved"}};
-  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
-  EXPECT_EQ(rows.size(), 2 * claims.size());
-  for (Row row : rows) {
-    const std::string key = row["solver"];
+  std::size_t judged = 0;
+  std::map<std::string, std::set<int>> rounds;
+  for (const Json& cell : Lines("cells.jsonl")) {
+    const std::string key = cell["solver"];
+    rounds[key].insert(cell["round"].get<int>());
+    if (cell["round"] != 0) continue;
+    ++judged;
     const bool good = key == "well" || key == "dantzig";
     // On a busy machine the time may run out before the memory does.
-    const bool out_of_time = key == "hoarding" && row["claim"] == "time_limit";
-    EXPECT_TRUE(out_of_time || row["claim"] == claims.at(key)) << key << ": " << row["claim"];
-    EXPECT_EQ(row["passes"], good ? "true" : "false") << key;
-    EXPECT_EQ(row["false_success"], key == "lying" || key == "not-a-number" ? "true" : "false") << key;
-    EXPECT_EQ(row["reason"].empty(), good) << key;
+    const bool out_of_time = key == "hoarding" && cell["claim"] == "time_limit";
+    EXPECT_TRUE(out_of_time || cell["claim"] == claims.at(key)) << cell.dump();
+    EXPECT_EQ(cell["passes"], good) << cell.dump();
+    EXPECT_EQ(cell["false_success"], key == "lying" || key == "not-a-number") << cell.dump();
+    EXPECT_EQ(cell["reason"].get<std::string>().empty(), good) << cell.dump();
     // What the process did is told, too.
-    EXPECT_EQ(row["detail"].empty(), claims.at(key) == "solved") << key << row["detail"];
+    const std::string detail = cell["detail"];
+    EXPECT_EQ(detail.empty(), claims.at(key) == "solved") << cell.dump();
     if (key == "crashing") {
-      EXPECT_NE(row["detail"].find("signal 11"), std::string::npos) << row["detail"];
+      EXPECT_NE(detail.find("signal 11"), std::string::npos) << detail;
     }
     if (key == "hanging") {
-      EXPECT_NE(row["detail"].find("killed"), std::string::npos) << row["detail"];
+      EXPECT_NE(detail.find("killed"), std::string::npos) << detail;
     }
   }
+  EXPECT_EQ(judged, 2 * claims.size());
+  // What failed is not timed again.
+  for (const auto& [key, found] : rounds) EXPECT_EQ(found.size(), key == "well" || key == "dantzig" ? 2U : 1U) << key;
 
-  int timed = 0;
-  int failed = 0;
-  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
-  for (const nlohmann::json& entry : timing["benchmarks"]) {
-    const std::string name = entry["name"];
-    if (!name.starts_with("solve/") || entry["run_type"] != "iteration") continue;
-    const bool good = name.find("/well/") != std::string::npos || name.find("/dantzig/") != std::string::npos;
-    EXPECT_EQ(entry.value("error_occurred", false), !good) << name;
-    (good ? timed : failed) += 1;
-    if (good) {
-      EXPECT_GT(entry["real_time"].get<double>(), 0) << name;
-    } else {
-      EXPECT_FALSE(entry["error_message"].get<std::string>().empty()) << name;
-    }
+  const CommandOutcome analysed = Run("analyse " + Path("r"));
+  ASSERT_EQ(analysed.status, 0) << analysed.error;
+  for (const auto& [key, claim] : claims) {
+    auto row = Coverage(key);
+    const bool good = key == "well" || key == "dantzig";
+    EXPECT_EQ(row["problems"], "2") << key;
+    EXPECT_EQ(row["verified"], good ? "2" : "0") << key;
+    EXPECT_EQ(row["false_successes"], !good && claim == "solved" ? "2" : "0") << key;
   }
-  EXPECT_GE(timed, 4);
-  EXPECT_GE(failed, 12);
-
-  const CommandOutcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
-  EXPECT_EQ(report.status, 0) << report.error;
-  EXPECT_NE(ReadFile(folder_ / "page.html").find("hoarding"), std::string::npos);
-  EXPECT_NE(ReadFile(folder_ / "page.csv").find("hanging,external,disc-pile,6,1e-6,time limit"), std::string::npos);
 }
 
 TEST_F(Campaign, EveryAnswerIsJudgedByItsProblemsFloor) {
-  const CommandOutcome run =
-      Run("run --suite quick --scenes tall-stacks,boxes-and-discs --sizes 8,20 --min-time 0.0001"
-          " --solvers pgs,dantzig -o " +
-          Path("r"));
+  const CommandOutcome run = Run(Data("standard") + " --filter '(tall-stacks|boxes-and-discs)-n(10|25)-s1/'" +
+                                 " --rounds 1 --repetitions 1 --solvers pgs,dantzig -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
-  std::map<std::string, std::string> floors;
-  for (const Row& row : ReadTable(folder_ / "r/problems.csv")) {
-    floors[row.at("problem")] = row.at("floor");
-    EXPECT_EQ(row.at("floor_solver"), "auto");
-    EXPECT_GT(std::stod(row.at("floor")), 0);
-    EXPECT_LT(std::stod(row.at("floor")), 1e-12);
+  std::map<std::string, double> floors;
+  for (const Json& problem : Lines("problems.jsonl")) {
+    floors[problem["problem"]] = problem["floor"].get<double>();
+    EXPECT_GT(problem["floor"], 0) << problem.dump();
+    EXPECT_LT(problem["floor"], 1e-12) << problem.dump();
   }
-  EXPECT_EQ(floors.size(), 4u);
-  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
-  ASSERT_EQ(rows.size(), 4u * 2 * 3);
-  for (const Row& row : rows) {
-    EXPECT_EQ(row.at("floor"), floors.at(row.at("problem")));
-    EXPECT_FALSE(row.at("answer_floor").empty());
-    EXPECT_EQ(row.at("at_floor"), "false");
+  EXPECT_EQ(floors.size(), 4U);
+  const std::vector<Json> cells = Lines("cells.jsonl");
+  ASSERT_EQ(cells.size(), 4U * 2 * 3);
+  for (const Json& cell : cells) {
+    EXPECT_EQ(cell["metrics"]["floor"], floors.at(cell["problem"])) << cell.dump();
+    EXPECT_TRUE(cell["metrics"]["answer_floor"].is_number()) << cell.dump();
+    EXPECT_EQ(cell["at_floor"], false) << cell.dump();
   }
 }
 
 TEST_F(Campaign, AnswersAtTheFloorAreVerifiedAndTimed) {
-  // Mass ratios of 1e6 put the floor at 7e-14, far above this tier.
-  const CommandOutcome run =
-      Run("run --suite quick --scenes tall-stacks --sizes 300 --tiers 1e-15 --min-time 0.0001"
-          " --solvers dantzig,lemke -o " +
-          Path("r"));
+  // Mass ratios of 1e6 put the floor far above this tier.
+  const CommandOutcome run = Run(Data("standard") + " --filter 'tall-stacks-n64-s1/' --tiers 1e-15 --rounds 1" +
+                                 " --repetitions 2 --solvers dantzig,lemke -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
-  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
-  ASSERT_EQ(rows.size(), 2u);
-  for (const Row& row : rows) {
-    EXPECT_EQ(row.at("passes"), "true") << row.at("reason");
-    EXPECT_EQ(row.at("at_floor"), "true");
-    EXPECT_EQ(row.at("false_success"), "false");
-    EXPECT_GT(std::stod(row.at("rho")), 1e-15);
-    EXPECT_LE(std::stod(row.at("rho")), std::stod(row.at("floor")));
+  const double floor = Lines("problems.jsonl").at(0)["floor"];
+  EXPECT_GT(floor, 1e-14);
+  const std::vector<Json> cells = Lines("cells.jsonl");
+  ASSERT_EQ(cells.size(), 2U);
+  for (const Json& cell : cells) {
+    EXPECT_EQ(cell["passes"], true) << cell.dump();
+    EXPECT_EQ(cell["at_floor"], true) << cell.dump();
+    EXPECT_EQ(cell["false_success"], false) << cell.dump();
+    EXPECT_GT(cell["metrics"]["rho"], 1e-15);
+    EXPECT_LE(cell["metrics"]["rho"], floor);
+    // Nothing wrong is timed more than once.
+    EXPECT_EQ(cell["solve_s"].size(), 2U) << cell.dump();
   }
-  // Both passes judge alike: nothing was left out of the timing.
-  int timed = 0;
-  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
-  for (const nlohmann::json& entry : timing["benchmarks"]) {
-    EXPECT_FALSE(entry.value("error_occurred", false)) << entry.dump();
-    timed += entry["name"].get<std::string>().starts_with("solve/") ? 1 : 0;
-  }
-  EXPECT_GE(timed, 2);
-
-  const CommandOutcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
-  EXPECT_EQ(report.status, 0) << report.error;
-  EXPECT_NE(ReadFile(folder_ / "page.html").find("2 runs passed thanks to it only"), std::string::npos);
+  ASSERT_EQ(Run("analyse " + Path("r")).status, 0);
+  EXPECT_EQ(Coverage("dantzig")["at_floor"], "1");
 }
 
 TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
-  const CommandOutcome run = Run("run --suite quick --scenes disc-pile --sizes 6 --time-limit 0.1 --solvers hanging" +
+  const CommandOutcome run = Run(Data("smoke") + " --filter disc-pile-n8- --time-limit 0.1 --solvers hanging" +
                                  External("hanging", "hang") + " -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
-  const std::vector<Row> rows = ReadTable(folder_ / "r/accuracy.csv");
-  ASSERT_EQ(rows.size(), 3u);
-  EXPECT_EQ(rows[0].at("claim"), "time_limit");
-  for (const std::size_t i : {1u, 2u}) {
-    EXPECT_EQ(rows[i].at("claim"), "");
-    EXPECT_EQ(rows[i].at("excluded"), "out of time at the looser tier 1e-03");
+  const std::vector<Json> cells = Lines("cells.jsonl");
+  ASSERT_EQ(cells.size(), 3U);
+  EXPECT_EQ(cells[0]["tier"], 1e-3);
+  EXPECT_EQ(cells[0]["claim"], "time_limit");
+  EXPECT_EQ(cells[0]["excluded"], "");
+  for (const std::size_t k : {1U, 2U}) {
+    EXPECT_FALSE(cells[k].contains("claim")) << cells[k].dump();
+    EXPECT_EQ(cells[k]["excluded"], "out of time at the looser tier 1e-03");
+  }
+}
+
+TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {
+  const CommandOutcome run =
+      Run(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --rounds 1 --repetitions 1 -o " + Path("r"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  std::set<std::string> with_cells;
+  for (const Json& cell : Lines("cells.jsonl")) with_cells.insert(cell["solver"].get<std::string>());
+  const Json campaign = Json::parse(ReadFile(folder_ / "r/campaign.json"));
+  EXPECT_GT(campaign["solvers"].size(), 14U);
+  std::istringstream notes(run.error);
+  std::string missing;
+  for (std::string line; std::getline(notes, line);) {
+    if (line.starts_with("not in this build: ")) missing = line + ",";
+  }
+  for (const Json& solver : campaign["solvers"]) {
+    const std::string key = solver["key"];
+    const bool available = solver["available"];
+    EXPECT_EQ(with_cells.count(key) == 1, available) << key;
+    EXPECT_EQ(missing.find(" " + key + ",") == std::string::npos, available) << key << missing;
   }
 }
 

@@ -93,9 +93,14 @@ TEST_F(Command, MisuseIsOneLineAndStatusTwo) {
   ExpectMisuse("generate disc-pile --size 0", "0");
   ExpectMisuse("generate disc-pile --size -5", "-5");
   ExpectMisuse("run --suite huge", "huge");
+  ExpectMisuse("run --suite default", "expected one of quick, engine");
   ExpectMisuse("run --suite quick --solvers simplex -o " + Path("r"), "simplex");
-  ExpectMisuse("run --suite quick --nonsense -o " + Path("r"), "--nonsense");
-  ExpectMisuse("report " + Path("nothing-here"), "nothing-here");
+  ExpectMisuse("run --filter ')|(' -o " + Path("r"), "--filter: expected a regular expression");
+  for (const char* option : {"--nonsense", "--scenes disc-pile", "--sizes 10", "--seeds 1", "--benchmark_color=true"}) {
+    const std::string text = option;
+    ExpectMisuse("run " + text + " -o " + Path("r"), text.substr(0, text.find(' ')));
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "r"));
 }
 
 TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
@@ -152,39 +157,15 @@ TEST_F(Command, EverySolverSolvesWhatGenerateWrites) {
   }
 }
 
-TEST_F(Command, RunWritesEveryResultFileAndTheReportReadsThem) {
-  const Outcome run = Run("run --suite quick --scenes disc-pile,rockers --sizes 5 --min-time 0.0001 -o " + Path("r"));
-  ASSERT_EQ(run.status, 0) << run.error;
-  for (const char* name : {"run.json", "problems.csv", "accuracy.csv", "timing.json", "disc-pile.svg", "rockers.svg"}) {
-    EXPECT_TRUE(fs::exists(folder_ / "r" / name)) << name;
-  }
-  const nlohmann::json about = nlohmann::json::parse(ReadFile(folder_ / "r/run.json"));
-  EXPECT_EQ(about["schema"], "lcpbench-run/1");
-  EXPECT_GT(about["wall_s"].get<double>(), 0);
-  EXPECT_FALSE(about["git_commit"].get<std::string>().empty());
-  // header + 2 problems x solvers x 3 tiers; who is not in the build is named once, and has no cells
-  std::size_t available = 0;
-  const std::string accuracy = ReadFile(folder_ / "r/accuracy.csv");
-  for (const SolverEntry& entry : AllSolvers()) {
-    available += entry.available ? 1 : 0;
-    EXPECT_EQ(accuracy.find("," + entry.key + ",") != std::string::npos, entry.available) << entry.key;
-    if (!entry.available) {
-      EXPECT_NE(run.error.find(entry.key), std::string::npos);
-    }
-  }
-  EXPECT_EQ(Lines(accuracy).size(), 1 + 2 * available * 3);
-  EXPECT_EQ(about["solvers"].size(), AllSolvers().size());
-  const std::vector<std::string> problems = Lines(ReadFile(folder_ / "r/problems.csv"));
-  ASSERT_EQ(problems.size(), 3u);
-  EXPECT_TRUE(problems[0].ends_with(",floor,floor_solver")) << problems[0];
-  EXPECT_TRUE(problems[1].ends_with(",auto")) << problems[1];
-  const nlohmann::json timing = nlohmann::json::parse(ReadFile(folder_ / "r/timing.json"));
-  EXPECT_TRUE(timing["context"].contains("git_commit"));
-  EXPECT_FALSE(timing["benchmarks"].empty());
-
-  const Outcome report = Run("report " + Path("r") + " -o " + Path("page.html"));
-  EXPECT_EQ(report.status, 0) << report.error;
-  EXPECT_NE(ReadFile(folder_ / "page.html").find("<svg"), std::string::npos);
+TEST_F(Command, ReportNamesWhatItCannotTake) {
+  ExpectMisuse("report", "FOLDER");
+  ExpectMisuse("report " + Path("nothing-here"), "nothing-here");
+  ExpectMisuse("report " + folder_.string(), "expected a campaign's folder");
+  Write("campaign.json", "{}");
+  ExpectMisuse("report " + folder_.string() + " " + Path("nothing-here"), "nothing-here");
+  ExpectMisuse("report " + folder_.string() + " --motion " + Path("stdin"), "motion.csv");
+  ExpectMisuse("report " + folder_.string() + " --motion " + folder_.string(), "motion.csv");
+  ExpectMisuse("report " + folder_.string() + " --nonsense", "--nonsense");
 }
 
 TEST_F(Command, CertifyAnswersInFractions) {

@@ -1,0 +1,157 @@
+// What `lcpbench run` does when it is asked for nothing else: a campaign of several manifests, with sequences.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "benchmarks/collection/manifest.h"
+#include "solvers/registry.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+std::vector<std::string> Split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+
+// By id.
+std::map<std::string, ManifestEntry> Problems(const std::string& set) {
+  std::map<std::string, ManifestEntry> problems;
+  for (const ManifestEntry& entry : ReadManifest(LCPBENCH_SOURCE_DIR "/data/" + set + ".json").problems) {
+    problems.emplace(entry.id, entry);
+  }
+  return problems;
+}
+
+class QuickCampaign : public CommandTest {
+ protected:
+  std::vector<Json> Lines(const std::string& file) {
+    std::vector<Json> lines;
+    for (const std::string& line : Split(ReadFile(folder_ / "q" / file), '\n')) lines.push_back(Json::parse(line));
+    return lines;
+  }
+};
+
+TEST_F(QuickCampaign, HasASpreadOfEverything) {
+  const CommandOutcome listed = Run("run --benchmark_list_tests");
+  ASSERT_EQ(listed.status, 0) << listed.error;
+  EXPECT_EQ(listed.out, Run("run --suite quick --benchmark_list_tests").out);
+  std::set<std::string> problems;
+  std::set<std::string> sequences;
+  std::map<std::string, std::set<std::string>> tiers;  // by solver
+  for (const std::string& name : Split(listed.out, '\n')) {
+    const std::vector<std::string> parts = Split(name, '/');
+    ASSERT_GE(parts.size(), 4U) << name;
+    (parts[0] == "solve" ? problems : sequences).insert(parts[1]);
+    tiers[parts[2]].insert(parts[3]);
+  }
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (!entry.available) continue;
+    const std::set<std::string> all = {"1e-03", "1e-06", "1e-09"};
+    EXPECT_EQ(tiers[entry.key], entry.uses_tolerance ? all : std::set<std::string>{"1e-09"}) << entry.key;
+  }
+
+  // Problems that count: of every family four sizes or more, and one seed of each.
+  const auto standard = Problems("standard");
+  std::map<std::string, std::set<Index>> sizes;
+  std::size_t engine = 0;
+  for (const std::string& id : problems) {
+    engine += Problems("engine").count(id);
+    const auto entry = standard.find(id);
+    if (entry == standard.end()) continue;
+    EXPECT_TRUE(sizes[entry->second.family].insert(entry->second.properties.rows).second) << id;
+  }
+  EXPECT_GE(engine, 16U);
+  EXPECT_EQ(sizes.size(), 16U);
+  Index largest = 0;
+  for (const auto& [family, rows] : sizes) {
+    EXPECT_GE(rows.size(), 4U) << family;
+    EXPECT_GE(*rows.rbegin(), 16 * *rows.begin()) << family;
+    largest = std::max(largest, *rows.rbegin());
+  }
+  EXPECT_EQ(largest, 1000);
+
+  // Whatever is meant to break something says what: of some of these sentences a problem each.
+  std::set<std::string> purposes;
+  std::size_t pathological = 0;
+  for (const auto& [id, entry] : Problems("pathological")) {
+    if (problems.count(id) == 0) continue;
+    ++pathological;
+    purposes.insert(entry.purpose);
+  }
+  EXPECT_GE(purposes.size(), 8U);
+  EXPECT_LE(pathological, 16U);
+  EXPECT_GE(sequences.size(), 3U);
+}
+
+TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
+  const std::string command =
+      "run --filter '/((disc-pile-n(2|10)-s1|idle-line-n40-s1)/(dantzig|pgs)|"
+      "gear-train-n12-s1-motion/pgs/1e-03)/' --rounds 1 --repetitions 2 -o " +
+      Path("q");
+  const CommandOutcome run = Run(command);
+  ASSERT_EQ(run.status, 0) << run.error;
+  const Json campaign = Json::parse(ReadFile(folder_ / "q/campaign.json"));
+  EXPECT_EQ(campaign["name"], "quick");
+  ASSERT_EQ(campaign["manifests"].size(), 4U);
+  std::map<std::string, std::pair<std::string, bool>> set_and_counts;
+  for (const Json& problem : Lines("problems.jsonl")) {
+    set_and_counts[problem["problem"]] = {problem["set"].get<std::string>(), problem["counts"].get<bool>()};
+  }
+  const std::map<std::string, std::pair<std::string, bool>> expected = {
+      {"disc-pile-n2-s1", {"engine", false}},  // too few rows to count
+      {"disc-pile-n10-s1", {"standard", true}},
+      {"idle-line-n40-s1", {"pathological", true}}};
+  EXPECT_EQ(set_and_counts, expected);
+  EXPECT_EQ(Lines("cells.jsonl").size(), 3U * 2 * 3);
+  std::set<std::string> modes;
+  for (const Json& pass : Lines("steps.jsonl")) {
+    EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
+    modes.insert(pass["mode"].get<std::string>());
+  }
+  EXPECT_EQ(modes, (std::set<std::string>{"cold", "warm"}));
+
+  const CommandOutcome analysed = Run("analyse " + Path("q"));
+  ASSERT_EQ(analysed.status, 0) << analysed.error;
+  const std::string cells = ReadFile(folder_ / "q/analysis/cells.csv");
+  for (const auto& [problem, set] : expected) EXPECT_NE(cells.find(problem), std::string::npos) << problem;
+  // header + 2 modes
+  EXPECT_EQ(Split(ReadFile(folder_ / "q/analysis/latency.csv"), '\n').size(), 3U);
+  // Only what counts is in the means.
+  const std::string coverage = ReadFile(folder_ / "q/analysis/coverage.csv");
+  EXPECT_NE(coverage.find("counted"), std::string::npos) << coverage;
+  EXPECT_EQ(coverage.find("engine"), std::string::npos) << coverage;
+
+  // The folder is not overwritten, and goes on where it is asked to.
+  EXPECT_EQ(Run(command).status, 2);
+  const std::string before = ReadFile(folder_ / "q/cells.jsonl");
+  const CommandOutcome again = Run(command + " --resume");
+  EXPECT_EQ(again.status, 0);
+  EXPECT_EQ(again.error.find("another environment"), std::string::npos) << again.error;
+  EXPECT_EQ(ReadFile(folder_ / "q/cells.jsonl"), before);
+
+  // Another build may go on with it, but not in silence.
+  auto other = nlohmann::ordered_json::parse(ReadFile(folder_ / "q/campaign.json"));
+  other["environment"]["git_commit"] = "0000";
+  other["environment_hash"] = "0000";
+  Write("q/campaign.json", other.dump());
+  const CommandOutcome elsewhere = Run(command + " --resume");
+  EXPECT_EQ(elsewhere.status, 0);
+  EXPECT_NE(elsewhere.error.find("note: begun in another environment (git_commit)"), std::string::npos)
+      << elsewhere.error;
+}
+
+}  // namespace
+}  // namespace lcpbench
