@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Makes of a campaign's folder a small one to be kept: the same cells, rounded to few digits and compressed.
+"""Makes of the folder of a campaign or of motions a small one to be kept: rounded to few digits and compressed.
 
     report/archive.py build/results/standard report/reference/standard
 
@@ -15,8 +15,8 @@ from lcpbench_report import script  # noqa: E402
 
 
 def main(arguments: list[str] | None = None) -> int:
-    parser = script.Parser(description="Make a small folder of a campaign's, to be kept.")
-    parser.add_argument("campaign", type=Path, metavar="DIR", help="folder of a campaign")
+    parser = script.Parser(description="Make a small folder of that of a campaign or of motions, to be kept.")
+    parser.add_argument("campaign", type=Path, metavar="DIR", help="folder of a campaign, or of `lcpbench motion`")
     parser.add_argument("output", type=Path, metavar="OUT", help="the folder to write")
     options = parser.parse_args(arguments)
 

@@ -21,7 +21,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folders of campaigns")
     parser.add_argument("--motion", type=Path, metavar="DIR", help="a folder written by `lcpbench motion`")
     parser.add_argument("--precision", type=Path, metavar="DIR", help="a campaign of `--suite precision`")
-    parser.add_argument("--page-only", action="store_true", help="the page and the summary, without figures and tables")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.html", help="the page to write")
     options = parser.parse_args(arguments)
 
@@ -36,11 +35,10 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"generate.py: note: {note}", file=sys.stderr)
         folder = options.output.parent
         folder.mkdir(parents=True, exist_ok=True)
-        options.output.write_text(render(inputs, beside=not options.page_only), encoding="utf-8")
+        options.output.write_text(render(inputs), encoding="utf-8")
         words = markdown_summary.render(inputs, summary.summary_lines(inputs))
         (folder / "summary.md").write_text(words, encoding="utf-8")
-        if not options.page_only:
-            write_static(inputs, folder)
+        write_static(inputs, folder)
 
     return script.guarded("generate.py", act)
 

@@ -1,7 +1,8 @@
-"""Makes of a campaign's folder one that is small enough to be kept with the source.
+"""Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
 The same files, which every script reads: campaign.json as it is; the lines of the others with numbers of few digits,
-sorted by problem, solver and tier so that like stands beside like, and compressed by xz.
+sorted by problem, solver and tier so that like stands beside like, and compressed by xz. motion.csv is compressed as it
+is.
 """
 
 import json
@@ -10,6 +11,7 @@ import shutil
 from collections.abc import Callable
 from pathlib import Path
 
+from . import motion
 from .errors import ReportError
 from .statistics.jsonl import packed, read_lines
 
@@ -28,13 +30,17 @@ _AS_IT_IS = ("tier", "deadline_s", "time_limit_s")
 
 def archive(folder: Path, output: Path) -> dict[str, int]:
     """@returns bytes of every file written
-    @throws ReportError where `folder` is no campaign's, or `output` holds one already
+    @throws ReportError where `folder` is neither, or `output` has files already
     """
-    if not (folder / CAMPAIGN).is_file():
-        raise ReportError(str(folder), f"has no {CAMPAIGN}", "a campaign's folder")
-    if (output / CAMPAIGN).exists():
-        raise ReportError(str(output), f"has a {CAMPAIGN} already", "a new folder")
+    if not any((folder / name).is_file() for name in (CAMPAIGN, motion.FILE)):
+        raise ReportError(str(folder), f"has no {CAMPAIGN} and no {motion.FILE}", "the folder of a campaign or of motions")
+    if output.exists() and any(output.iterdir()):
+        raise ReportError(str(output), "has files already", "a new folder")
     output.mkdir(parents=True, exist_ok=True)
+    if (folder / motion.FILE).is_file():
+        path = packed(output / motion.FILE)
+        path.write_bytes(lzma.compress((folder / motion.FILE).read_bytes(), preset=9))
+        return {path.name: path.stat().st_size}
     shutil.copyfile(folder / CAMPAIGN, output / CAMPAIGN)
     written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}
     for name, order in _FILES.items():

@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 
 from .errors import ReportError
+from .statistics.jsonl import is_there, packed
 
 # Kind -> what a cell of it is, in words. A "?" marks kinds that may be empty: "" or NaN after reading.
 _WORDS = {"text": "a word", "text?": "anything", "integer": "a whole number", "number": "a number",
@@ -13,14 +14,14 @@ _WORDS = {"text": "a word", "text?": "anything", "integer": "a whole number", "n
 
 
 def read_table(path: Path, columns: dict[str, str]) -> pd.DataFrame:
-    """Columns that are not asked for are dropped.
+    """Columns that are not asked for are dropped. A file that ends in .xz stands for one that is not there.
 
     @throws ReportError naming line and column of the first cell that does not fit
     """
-    if not path.is_file():
+    if not is_there(path):
         raise ReportError(path.name, f"missing in {path.parent}", "the files listed in benchmarks/RESULTS.md")
     try:
-        raw = pd.read_csv(path, dtype=str, keep_default_na=False)
+        raw = pd.read_csv(path if path.is_file() else packed(path), dtype=str, keep_default_na=False)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
         raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
     for column in columns:

@@ -7,6 +7,7 @@ import pandas as pd
 
 from . import formats
 from .csv_table import read_table
+from .statistics.jsonl import is_there
 
 FILE = "motion.csv"
 # Kinds as in csv_table.py.
@@ -24,7 +25,7 @@ def read(folder: Path) -> pd.DataFrame:
 
 
 def is_present(folder: Path) -> bool:
-    return (folder / FILE).is_file()
+    return is_there(folder / FILE)
 
 
 def scenes(table: pd.DataFrame) -> list[tuple[str, str]]:

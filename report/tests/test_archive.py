@@ -10,11 +10,12 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import archive as archive_script  # noqa: E402
+from lcpbench_report import motion  # noqa: E402
 from lcpbench_report.archive import archive  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics.cells import cell_table  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from synthetic_report import write_cells, write_steps  # noqa: E402
+from synthetic_report import write_cells, write_motion, write_steps  # noqa: E402
 
 
 class Archive(unittest.TestCase):
@@ -49,6 +50,12 @@ class Archive(unittest.TestCase):
         for key, runs in before.items():
             for index, once in runs.rounds.items():
                 self.assertEqual(list(once.latency()), list(after[key].rounds[index].latency()))
+
+    def test_motions_are_kept_as_they_are(self):
+        folder = write_motion(self.root / "motion")
+        archive(folder, self.root / "kept")
+        self.assertTrue(motion.read(self.root / "kept").equals(motion.read(folder)))
+        self.assertFalse((self.root / "kept" / motion.FILE).exists())
 
     def test_the_same_campaign_gives_the_same_bytes(self):
         folder = write_cells(self.root / "campaign")

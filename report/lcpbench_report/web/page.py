@@ -24,11 +24,8 @@ _WELL_KNOWN = ("auto", "dantzig", "lemke", "bpp", "pgs", "ipm", "nncg")
 _PEERS_SHOWN = 3
 
 
-def render(inputs: Inputs, beside: bool = False) -> str:
-    """The page as text; the same for the same results.
-
-    @param beside  whether tables and figures stand beside it
-    """
+def render(inputs: Inputs) -> str:
+    """The page as text; the same for the same results."""
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
     environment.filters["keys"] = keys
@@ -47,7 +44,7 @@ def render(inputs: Inputs, beside: bool = False) -> str:
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
         "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs),
         "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs),
-        "notes": inputs.notes, "beside": beside,
+        "notes": inputs.notes,
     }
     return environment.get_template("page.html.j2").render(context)
 
