@@ -162,7 +162,8 @@ std::vector<std::string> LargeOwnSolvers() {
   std::vector<std::string> keys;
   for (const SolverEntry& entry : AllSolvers()) {
     const bool meant = std::find(kNotMeant.begin(), kNotMeant.end(), entry.key) == kNotMeant.end();
-    if (entry.available && entry.origin == SolverOrigin::kOwn && meant && SizeRefusal(entry, kTimedSize).empty()) {
+    if (entry.available && entry.origin == SolverOrigin::kOwn && meant &&
+        SizeRefusal(entry, static_cast<Index>(kTimedSize)).empty()) {
       keys.push_back(entry.key);
     }
   }

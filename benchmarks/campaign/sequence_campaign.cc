@@ -8,9 +8,9 @@
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/sequence_journal.h"
 #include "benchmarks/campaign/sequence_plan.h"
+#include "benchmarks/exclusion_rules.h"
 #include "benchmarks/interrupt.h"
 #include "benchmarks/progress.h"
-#include "benchmarks/exclusion_rules.h"
 
 namespace lcpbench {
 namespace {
