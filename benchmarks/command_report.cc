@@ -18,8 +18,10 @@ struct ReportArguments {
   std::string precision;
 };
 
-void RequireFile(const std::string& folder, const char* file, const char* expected) {
-  if (!std::filesystem::is_regular_file(std::filesystem::path(folder) / file)) {
+// The file, or what report/archive.py made of it.
+void RequireFile(const std::string& folder, const std::string& file, const char* expected) {
+  const std::filesystem::path path = std::filesystem::path(folder) / file;
+  if (!std::filesystem::is_regular_file(path) && !std::filesystem::is_regular_file(path.string() + ".xz")) {
     throw InputError(folder + ": expected " + expected + ", found no " + file);
   }
 }
