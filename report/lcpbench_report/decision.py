@@ -85,29 +85,59 @@ def by_class(inputs: Inputs) -> list[Choice]:
 
 
 def by_deadline(inputs: Inputs) -> list[dict]:
-    """Per deadline and size of sequences the solver that verifies the largest share of steps in time; of equals the one
-    with the least 99th percentile of warm latency."""
+    """Per accuracy, size of sequences and deadline the solver that misses the smallest share of steps; of equals the one
+    with the least 99th percentile of warm latency.
+
+    @returns a row per accuracy (the loosest first) and size, with an entry per deadline in `choices`
+    """
     deadlines, latency = inputs.analysis.get("deadline"), inputs.analysis.get("latency_by_solver")
     if deadlines is None or deadlines.empty:
         return []
-    warm = latency[latency["mode"] == "warm"].set_index(["solver", "size"])["p99"].groupby(level=[0, 1]).min()
-    table = deadlines.assign(p99=[warm.get((row.solver, row.size), math.inf) for row in deadlines.itertuples()])
+    warm = latency[latency["mode"] == "warm"]
     found = []
-    for (deadline, size, tier), rows in table.groupby(["deadline_s", "size", "tier"], sort=True):
-        ranked = rows.sort_values(["verified_share", "p99"], ascending=[False, True])
-        best = ranked.iloc[0]
-        found.append({"deadline_s": deadline, "size": size, "tier": tier, "solver": best["solver"],
-                      "verified_share": best["verified_share"], "p99": best["p99"], "steps": int(best["steps"]),
-                      "others": [(row.solver, row.verified_share) for row in ranked.iloc[1:4].itertuples()]})
+    for tier in sorted(set(deadlines["tier"]), reverse=True):
+        for size in sorted(set(deadlines["size"].astype(str)), key=_number):
+            rows = deadlines[(deadlines["tier"] == tier) & (deadlines["size"].astype(str) == size)]
+            choices = []
+            for deadline in sorted(set(deadlines["deadline_s"])):
+                mine = rows[rows["deadline_s"] == deadline]
+                ranked = sorted(((1 - row.verified_share, _p99(warm, row.solver, size, tier), row.solver)
+                                 for row in mine.itertuples()))
+                choices.append({"deadline_s": deadline, "solver": ranked[0][2], "missed": ranked[0][0],
+                                "p99": ranked[0][1], "next": ranked[1] if ranked[1:] else None} if ranked else None)
+            found.append({"tier": tier, "size": size, "choices": choices})
     return found
 
 
-def by_warm_start(inputs: Inputs) -> list[dict]:
-    """What a warm start gains: per solver the median of cold over warm latency, over sequences of all sizes."""
+def _number(size: str) -> float:
+    """For an order: all sizes together come last."""
+    return float(size) if size.isdigit() else math.inf
+
+
+def _p99(warm: pd.DataFrame, solver: str, size: str, tier: float) -> float:
+    """Of the warm pass that was asked for the tier nearest to `tier`."""
+    rows = warm[(warm["solver"] == solver) & (warm["size"].astype(str) == size)]
+    if rows.empty:
+        return math.inf
+    return float(rows.loc[(rows["tier"].map(math.log) - math.log(tier)).abs().idxmin(), "p99"])
+
+
+def warm_passes(inputs: Inputs, tier: float) -> pd.DataFrame:
+    """latency_by_solver's rows of warm passes over sequences of all sizes; of every solver at the tier nearest to
+    `tier`."""
     latency = inputs.analysis.get("latency_by_solver")
     if latency is None or latency.empty:
-        return []
+        return pd.DataFrame(columns=["solver"])
     rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")]
+    nearest = (rows["tier"].map(math.log) - math.log(tier)).abs().groupby(rows["solver"]).idxmin()
+    return rows.loc[nearest]
+
+
+def by_warm_start(inputs: Inputs, tier: float) -> list[dict]:
+    """What a warm start gains: per solver the median of cold over warm latency, over sequences of all sizes."""
+    rows = warm_passes(inputs, tier)
+    if rows.empty:
+        return []
     return rows.sort_values("warm_gain", ascending=False)[
         ["solver", "tier", "warm_gain", "warm_gain_low", "warm_gain_high", "p50", "p99", "max",
          "verified_share"]].to_dict("records")

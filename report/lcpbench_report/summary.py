@@ -22,7 +22,7 @@ def main_tier(inputs: Inputs) -> float:
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
     rules = (_what, _coverage, _false_successes, _fastest, _by_size, _peers, _accuracy, _robustness, _sequences,
-             _motion, _scaling)
+             _scaling, _motion)
     lines = [line for rule in rules if (line := rule(inputs))]
     return lines[:MOST_LINES]
 
@@ -55,20 +55,22 @@ def _what(inputs: Inputs) -> str:
 
 
 def _coverage(inputs: Inputs) -> str:
-    table = inputs.analysis.get("coverage")
-    if table is None or table.empty:
-        return ""
-    counted = table[(table["set"] == COUNTED) & (table["mode"] == _MODE)]
+    counted = _counted(inputs)
     if counted.empty:
         return ""
-    problems = int(counted["problems"].max())
-    always = counted.groupby("solver")["verified"].min()
-    whole = [solver for solver in inputs.keys if always.get(solver, 0) == problems]
+    # Where a campaign was run with some solvers only, it says nothing of the others.
+    turns = counted.groupby(["problem", "tier"])["solver"].transform("nunique")
+    common = counted[turns == turns.max()]
+    problems = common["problem"].nunique()
+    verified = (common["verdict"] == VERIFIED).groupby(common["solver"]).sum()
+    cells = common.groupby("solver").size()
+    whole = [solver for solver in inputs.keys if cells.get(solver, 0) and verified[solver] == cells[solver]]
     if whole:
-        return f"All {problems} problems that count are verified at every tier by {_keys(whole)}."
-    best = max(inputs.keys, key=lambda solver: always.get(solver, 0))
-    return (f"No solver verifies all {problems} problems that count at every tier; `{best}` comes closest with "
-            f"{int(always[best])}.")
+        return (f"All of the {problems} problems that count and that every solver was run on are verified at every tier "
+                f"by {_keys(whole)}.")
+    best = max((solver for solver in inputs.keys if solver in cells), key=lambda solver: verified[solver])
+    return (f"No solver verifies all of the {problems} problems that count at every tier; `{best}` comes closest, with "
+            f"{int(verified[best])} of {int(cells[best])} cells.")
 
 
 def _false_successes(inputs: Inputs) -> str:
@@ -189,23 +191,22 @@ def _robustness(inputs: Inputs) -> str:
 
 
 def _sequences(inputs: Inputs) -> str:
-    latency = inputs.analysis.get("latency_by_solver")
-    if latency is None or latency.empty:
-        return ""
-    rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")
-                   & (latency["verified_share"] >= 0.999)]
-    if rows.empty:
-        rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")]
-        rows = rows[rows["verified_share"] == rows["verified_share"].max()]
+    rows = decision.warm_passes(inputs, main_tier(inputs))
     if rows.empty:
         return ""
-    best = rows.sort_values("p99").iloc[0]
-    gains = rows[rows["warm_gain"].notna()].sort_values("warm_gain", ascending=False)
+    most = rows["verified_share"].max()
+    enough = rows[rows["verified_share"] >= decision.SHARE * most].sort_values("p99")
+    best = enough.iloc[0]
+    gains = enough[enough["warm_gain"].notna()].sort_values("warm_gain", ascending=False)
     gain = "" if gains.empty else (f"; a warm start gains most for `{gains.iloc[0]['solver']}` "
                                    f"({formats.ratio(gains.iloc[0]['warm_gain'])} times)")
-    return (f"Steps of motions, warm: `{best['solver']}` verifies {formats.percent(best['verified_share'])} of "
-            f"{int(best['steps'])} with p50 {formats.seconds(best['p50'])}, p99 {formats.seconds(best['p99'])} and at "
-            f"most {formats.seconds(best['max'])}{gain}.")
+    whole = [solver for solver in inputs.keys
+             if (rows[rows["solver"] == solver]["verified_share"] == 1).any()]
+    every = f"; all are verified of {_keys(whole)}" if whole else ""
+    return (f"Steps of motions, warm, asked for {formats.tier(best['tier'])}: the least 99th percentile has "
+            f"`{best['solver']}`, {formats.seconds(best['p99'])} (median {formats.seconds(best['p50'])}, largest "
+            f"{formats.seconds(best['max'])}), which verifies {best['verified_share']:.2%} of {int(best['steps'])}"
+            f"{every}{gain}.")
 
 
 def _motion(inputs: Inputs) -> str:
@@ -213,12 +214,18 @@ def _motion(inputs: Inputs) -> str:
     if table is None:
         return ""
     last = table.sort_values("step").groupby(["scene", "level", "solver", "tolerance"]).last().reset_index()
-    whole = last[last["stopped"] == ""]
-    loose, strict = max(table["tolerance"]), min(table["tolerance"])
-    worst = table.groupby("tolerance")["energy_error"].max()
-    text = (f"Driven by a solver, {len(whole)} of {len(last)} motions run to their end; the largest energy error is "
-            f"{formats.residual(worst[strict])} at {formats.tier(strict)}")
-    return text + (f" and {formats.residual(worst[loose])} at {formats.tier(loose)}." if loose > strict else ".")
+    ours = last["solver"].isin(inputs.own)
+    strict = min(table["tolerance"])
+    worst = table[table["tolerance"] == strict].groupby(["scene", "level", "solver"])["energy_error"].max().reset_index()
+    parts = []
+    for words, rows, errors in (("ours", last[ours], worst[worst["solver"].isin(inputs.own)]),
+                                ("other projects' solvers", last[~ours], worst[~worst["solver"].isin(inputs.own)])):
+        if len(rows):
+            ended = int((rows["stopped"] == "").sum())
+            parts.append(f"with {words} {ended} of {len(rows)} motions run to their end, and at {formats.tier(strict)} the "
+                         f"energy is off by {formats.residual(errors['energy_error'].median())} in the median and "
+                         f"{formats.residual(errors['energy_error'].max())} at most (of the largest kinetic energy)")
+    return f"Driven by a solver, {'; '.join(parts)}."
 
 
 def _scaling(inputs: Inputs) -> str:

@@ -15,6 +15,7 @@ from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
 from synthetic_campaign import cells_of  # noqa: E402
 from synthetic_report import whole_inputs, write_all  # noqa: E402
+from synthetic_steps import STEPS  # noqa: E402
 
 INF = float("inf")
 
@@ -68,12 +69,14 @@ class WholeReport(unittest.TestCase):
 
     def test_of_equals_within_the_deadline_the_one_with_the_least_percentile(self):
         found = decision.by_deadline(self.inputs)
-        self.assertTrue(found)
-        self.assertEqual({row["solver"] for row in found}, {"auto"})
-        self.assertEqual({name for row in found for name, _ in row["others"]}, {"pgs"})
+        self.assertEqual([row["size"] for row in found][-3:], ["12", "40", "all"])
+        for row in found:
+            for choice in row["choices"]:
+                self.assertEqual((choice["solver"], choice["missed"], choice["next"][2]), ("auto", 0, "pgs"))
+                self.assertAlmostEqual(choice["next"][0], 1 / STEPS)
 
     def test_gains_of_warm_starts(self):
-        gains = {row["solver"]: row["warm_gain"] for row in decision.by_warm_start(self.inputs)}
+        gains = {row["solver"]: row["warm_gain"] for row in decision.by_warm_start(self.inputs, 1e-6)}
         self.assertAlmostEqual(gains["auto"], 2.0, places=6)
         self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
 
@@ -86,6 +89,7 @@ class WholeReport(unittest.TestCase):
         self.assertGreater(false, 0)
         self.assertIn(f"0 in {int(cells[cells['solver'].isin(self.inputs.own)].shape[0])} solves of ours, {false} in", text)
         self.assertIn("verified at every tier by `auto`.", text)
+        self.assertIn("`auto`, 10.0 µs (median 10.0 µs".replace(" µs", "\u202fµs"), text)
         self.assertIn("Fastest over all sizes at 1e-6: `auto`", text)
         self.assertNotIn("nan", text)
 

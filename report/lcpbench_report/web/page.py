@@ -42,7 +42,8 @@ def render(inputs: Inputs) -> str:
         "data": Markup(as_script(data)),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs),
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
-        "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs),
+        "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, summary.main_tier(inputs)),
+        "decision_tiers": decision_tiers(inputs),
         "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs),
         "notes": inputs.notes,
     }

@@ -36,7 +36,6 @@ def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> d
         "problems": _problems(inputs, names),
         "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
         "latency": _records(inputs.analysis.get("latency_by_solver")),
-        "sequences": _records(inputs.analysis.get("latency"), drop=("set", "setup_p50", "solve_p50", "convert_p50")),
         "deadlines": _records(inputs.analysis.get("deadline")),
         "scaling": _records(inputs.analysis.get("scaling"), drop=("set", "theil_sen", "theil_sen_low",
                                                                   "theil_sen_high")),
