@@ -11,6 +11,10 @@ PYTHON  ?= /usr/bin/python3
 GOAL_PEERS   ?= bullet-dantzig,bullet-dantzig-cfm,dart-dantzig,dart-dantzig-cfm,ode-dantzig,ode-dantzig-cfm,petsc-rsls,petsc-ssls,tao-tron
 GOAL_RESULTS ?= build/results/goals
 
+# What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
+CAMPAIGNS          ?= build/results/standard
+CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
+
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
@@ -24,13 +28,14 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6
               --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
-.PHONY: help deps peers configure build test report run goals calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
+.PHONY: help deps peers configure build test report run goals recommendation calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the default suite, write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make goals    our solvers against the fastest right peer, up to 1000 rows (needs the peers; some minutes)"
+	@echo "make recommendation   rules of lcpbench recommend from campaigns (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
@@ -69,6 +74,14 @@ run: configure
 report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html, times of all cells: index.csv beside it"
+
+recommendation: configure
+	@cmake --build --preset $(PRESET) -j $(JOBS) --target lcpbench_command
+	@rm -f build/features.jsonl
+	@for manifest in $(CAMPAIGN_MANIFESTS); do \
+	  $(BUILD)/lcpbench collection write $$manifest | $(BUILD)/lcpbench recommend --features - >> build/features.jsonl || exit 1; \
+	done
+	@$(PYTHON) report/recommendation.py $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
 
 # Every family at every size, one tier and one seed.
 goals: configure

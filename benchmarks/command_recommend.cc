@@ -48,14 +48,14 @@ double ParseDuration(const std::string& option, const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   std::string unit(end, text.data() + text.size());
   unit.erase(0, unit.find_first_not_of(' ') == std::string::npos ? unit.size() : unit.find_first_not_of(' '));
-  double seconds = 0;
-  if (unit.empty() || unit == "s") seconds = 1;
-  if (unit == "ms") seconds = 1e-3;
-  if (unit == "us" || unit == "µs") seconds = 1e-6;
-  if (error != std::errc() || !(value > 0) || !std::isfinite(value) || seconds == 0) {
+  double units = 0;  // of a second: dividing rounds once, and 100us is 1e-4
+  if (unit.empty() || unit == "s") units = 1;
+  if (unit == "ms") units = 1e3;
+  if (unit == "us" || unit == "µs") units = 1e6;
+  if (error != std::errc() || !(value > 0) || !std::isfinite(value) || units == 0) {
     throw InputError(option + ": expected a time > 0 in seconds, or with us, ms or s, found '" + text + "'");
   }
-  return value * seconds;
+  return value / units;
 }
 
 std::string RulesFile(const RecommendArguments& arguments) {

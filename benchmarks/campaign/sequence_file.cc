@@ -44,6 +44,16 @@ double FloorOf(const LcpProblem& problem, double exact_floor) {
   return std::min(exact_floor, found.reference.floor.value_or(exact_floor));
 }
 
+// FormatLcpRecord, which writes a dense matrix as coordinates; here it stays dense, as what solvers are given.
+std::string Record(const LcpProblem& problem) {
+  std::string line = FormatLcpRecord(problem);
+  if (problem.given_form() != MatrixForm::kDense) return line;
+  Json record = Json::parse(line);
+  record["A"] = Json::array();
+  for (const auto& row : problem.DenseA().rowwise()) record["A"].push_back(std::vector<double>(row.begin(), row.end()));
+  return record.dump();
+}
+
 // The line without its closing brace goes on with more members.
 std::string Line(const SequenceStep& step) {
   Json more;
@@ -53,7 +63,7 @@ std::string Line(const SequenceStep& step) {
   }
   more["floor"] = step.reference.floor ? Json(*step.reference.floor) : Json(nullptr);
   more["previous"] = step.previous;
-  std::string line = FormatLcpRecord(step.problem);
+  std::string line = Record(step.problem);
   line.pop_back();
   return line + "," + more.dump().substr(1) + "\n";
 }

@@ -45,7 +45,7 @@ std::string TimeText(double seconds) {
 std::string ErrorText(double value) {
   if (!std::isfinite(value)) return "-";
   char text[16];
-  std::snprintf(text, sizeof text, "%.0e", value);
+  std::snprintf(text, sizeof text, "%.1e", value);
   return text;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -120,11 +121,11 @@ bool Contains(const RecommendationRegion& region, const ProblemFeatures& feature
 
 RecommendationRules ReadRecommendationRules(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  if (!file || !(text << file.rdbuf())) throw InputError(path + ": cannot be opened for reading");
+  if (!file) throw InputError(path + ": cannot be opened for reading");
+  const std::string text(std::istreambuf_iterator<char>(file), {});
   Json json;
   try {
-    json = Json::parse(text.str());
+    json = Json::parse(text);
   } catch (const Json::exception& error) {
     throw InputError(path + ": expected the JSON that report/recommendation.py writes, found " + error.what());
   }
