@@ -1,9 +1,8 @@
 #include "benchmarks/recommend/measurement.h"
 
-#include <stdlib.h>
-
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <numeric>

@@ -59,7 +59,7 @@ class Field {
     return json_.get<double>();
   }
   std::string SolverKey() const {
-    const std::string key = Text();
+    std::string key = Text();
     const auto all = AllSolvers();
     const bool known = std::any_of(all.begin(), all.end(), [&](const SolverEntry& entry) { return entry.key == key; });
     if (!known) Refuse("the key of a solver");

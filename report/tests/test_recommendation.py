@@ -2,6 +2,7 @@
 see what it holds out."""
 
 import contextlib
+import gzip
 import io
 import json
 import math
@@ -36,7 +37,7 @@ def outcomes_of(latency, families=FAMILIES, sizes=(10, 20, 100, 200), tiers=(1e-
                         time = latency(solver, family, size, tier)
                         rows.append({"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size,
                                      "seed": float(seed), "solver": solver, "tier": tier, "verified": time < math.inf,
-                                     "false_success": False, "excluded": False, "latency_s": time})
+                                     "false_success": False, "excluded": False, "latency_s": time, "solve_s": time})
     table = pd.DataFrame(rows)
     features = table.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
     return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}])
@@ -107,6 +108,13 @@ class RegionsTest(unittest.TestCase):
                           {"solver": "c", "verified": 1.0, "within": 0.0}])
 
 
+class MeasuresTest(unittest.TestCase):
+    def test_a_list_has_who_is_best_with_set_up_and_who_is_best_without(self):
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1.0, "b": 5.0, "c": 9.0}[solver])
+        made.table.loc[made.table.solver == "b", "solve_s"] = 0.1
+        self.assertEqual(set(candidates_by_region(made)[(1e-3, 0)]), {"a", "b"})
+
+
 class EvaluationTest(unittest.TestCase):
     @staticmethod
     def odd_one_out(solver, family, rows, tier):
@@ -116,7 +124,8 @@ class EvaluationTest(unittest.TestCase):
 
     def rows_of(self, made: Outcomes) -> dict:
         table = rules.tier_tables(made)[0]
-        return {row["group"]: row for row in evaluation.held_out(made, table, table.families, EDGES)}
+        return {row["group"]: row for row in evaluation.held_out(made, table, table.families, EDGES)
+                if row["measure"] == "latency_s"}
 
     def test_a_family_that_needs_what_no_other_needs_does_not_pass(self):
         found = self.rows_of(outcomes_of(self.odd_one_out))
@@ -142,7 +151,8 @@ class EvaluationTest(unittest.TestCase):
                                {"a": 1.0 if family != "discs" or rows > wrong else 9.0, "b": 5.0, "c": 1.0}[solver],
                                sizes=range(1, 11))
             # Only the family that is held out would want c.
-            made.table.loc[(made.table.solver == "c") & (made.table.family != "discs"), "latency_s"] = 9.0
+            made.table.loc[(made.table.solver == "c") & (made.table.family != "discs"),
+                               ["latency_s", "solve_s"]] = 9.0
             row = self.rows_of(made)["discs"]
             self.assertEqual((row["problems"], row["right"], row["passes"]), (10, 10 - wrong, passes))
 
@@ -155,24 +165,26 @@ class EvaluationTest(unittest.TestCase):
     def test_seeds_are_held_out_as_families_are(self):
         made = outcomes_of(lambda solver, family, rows, tier: {"a": 1, "b": 2, "c": 3}[solver], seeds=(1, 2, 3))
         found = evaluation.evaluate(made, EDGES)
-        self.assertEqual([(row["seed"], row["problems"]) for row in found["seeds"] if row["tier"] == 1e-3],
+        self.assertEqual([(row["seed"], row["problems"]) for row in found["seeds"]
+                          if (row["tier"], row["measure"]) == (1e-3, "latency_s")],
                          [(1, 16), (2, 16), (3, 16)])
         self.assertEqual(found["tiers"][0]["seeds"],
                          {"groups": 3, "pass": 3, "problems": 48, "right": 48, "share": 1.0})
 
     def test_a_feature_that_tells_two_kinds_apart_shows_as_one_that_helps(self):
-        """Twenty-four families fill the list of four with a solver for each size; four others need a fifth."""
+        """Twenty-four families fill the list of five with a solver for each size; four others need a sixth."""
         families = [f"a{k:02}" for k in range(24)] + [f"d{k}" for k in range(4)]
 
         def latency(solver, family, rows, tier):
-            return 1e-5 if solver == ("s5" if family.startswith("d") else f"s{rows}") else 1e-3
+            return 1e-5 if solver == ("s6" if family.startswith("d") else f"s{rows}") else 1e-3
 
-        made = outcomes_of(latency, families, sizes=(1, 2, 3, 4), tiers=(1e-3,), solvers=[f"s{k}" for k in range(1, 6)])
+        made = outcomes_of(latency, families, sizes=(1, 2, 3, 4, 5), tiers=(1e-3,),
+                           solvers=[f"s{k}" for k in range(1, 7)])
         made.features["kind"] = [float(name.startswith("d")) for name in made.features.index]
         found = {tuple(of["features"]): of for of in evaluation.compare_divisions(made, EDGES)}
-        self.assertEqual(found[("rows",)]["right"], 96)
-        self.assertEqual(found[("rows", "kind")]["right"], 112)
-        self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (24, 28))
+        self.assertEqual(found[("rows",)]["right"], 240)
+        self.assertEqual(found[("rows", "kind")]["right"], 280)
+        self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (48, 56))
 
 
 class CommandTest(unittest.TestCase):
@@ -245,6 +257,19 @@ class CommandTest(unittest.TestCase):
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
         made = json.loads(outputs[0].read_text())
         self.assertEqual((made["schema"], made["campaigns"][0]["commit"]), ("lcpbench-recommendation/1", "abc"))
+
+    def test_the_tables_of_a_campaign_without_its_cells_are_enough(self):
+        from lcpbench_report.statistics import tables
+        from lcpbench_report.statistics.load import load_campaign
+        folder, features = self.write_campaign()
+        from_cells = read_outcomes([folder], features).table
+        tables.write_tables(load_campaign(folder), folder / tables.FOLDER)
+        (folder / "cells.jsonl").unlink()
+        written = folder / tables.FOLDER / "cells.csv"
+        with gzip.open(f"{written}.gz", "wb") as archive:
+            archive.write(written.read_bytes())
+        written.unlink()
+        pd.testing.assert_frame_equal(read_outcomes([folder], features).table, from_cells)
 
     def test_families_can_be_left_out(self):
         folder, features = self.write_campaign()

@@ -2,8 +2,9 @@
 
 For every family rules are made of all other families. On each of its problems the recommendation is the fastest of
 the candidates that is verified there, since that is what `lcpbench recommend` finds out by measuring them; it is right
-where its latency is within WITHIN of the best measured solver. A family passes where the median of that ratio is at
-most WITHIN and it is right on LEAST_SHARE of the problems or more. The same with seeds in the place of families.
+where its time is within WITHIN of the best measured solver. A family passes where the median of that ratio is at
+most WITHIN and it is right on LEAST_SHARE of the problems or more. That is judged by each measure (MEASURES); the lists
+are the same. The same with seeds in the place of families.
 """
 
 import math
@@ -12,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from . import lists
-from .outcomes import Outcomes
+from .outcomes import MEASURES, Outcomes
 from .regions import EDGES, Edges
 from .rules import TierTable, choose_candidates, partition, tier_tables
 
@@ -26,7 +27,7 @@ def evaluate(outcomes: Outcomes, edges: Edges = EDGES) -> dict:
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]
     return {"within": lists.WITHIN, "least_share": LEAST_SHARE, "most_candidates": lists.MOST,
             "divisions": compare_divisions(outcomes, edges),
-            "tiers": [_summary(table.tier, by_family, by_seed) for table in tables],
+            "tiers": [_summary(table.tier, measure, by_family, by_seed) for table in tables for measure in MEASURES],
             "families": [_plain(row, "family") for row in by_family], "seeds": [_plain(row, "seed") for row in by_seed]}
 
 
@@ -52,9 +53,9 @@ def compare_divisions(outcomes: Outcomes, edges: Edges) -> list[dict]:
 
 
 def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edges) -> list[dict]:
-    """A row per group (of problems), held out in turn."""
+    """A row per group (of problems), held out in turn, and measure."""
     numbers, sizes = partition(outcomes, edges)
-    own = [key for key in outcomes.own if key in table.latencies]
+    own = [key for key in outcomes.own if key in table.verified]
     rows = []
     for group in sorted(groups.unique()):
         problems = groups.index[(groups == group).to_numpy()]
@@ -63,17 +64,21 @@ def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edg
             continue
         # Of the table nothing but the training problems' rows is read.
         candidates = choose_candidates(table, numbers, sizes, own, training)
-        latency = pd.Series({problem: table.latencies.loc[problem, candidates.solvers[numbers[problem]]].min()
-                             for problem in problems})
-        rows.append({"group": group, "tier": table.tier} | _judge(latency, table.latencies.loc[problems], own))
+        for measure, times in table.times.items():
+            of_region = numbers[problems]
+            found = pd.concat([
+                times.loc[problems[(of_region == number).to_numpy()], candidates.solvers[number]].min(axis=1)
+                for number in of_region.unique()])
+            rows.append({"group": group, "tier": table.tier, "measure": measure}
+                        | _judge(found[problems], times.loc[problems], own))
     return rows
 
 
-def _judge(latency: pd.Series, of_problems: pd.DataFrame, own: list[str]) -> dict:
+def _judge(found: pd.Series, of_problems: pd.DataFrame, own: list[str]) -> dict:
     best_own, best_all = of_problems[own].min(axis=1), of_problems.min(axis=1)
     solvable = best_own < math.inf
-    ratio = (latency / best_own)[solvable].fillna(math.inf)
-    ratio_all = (latency / best_all)[best_all < math.inf].fillna(math.inf)
+    ratio = (found / best_own)[solvable].fillna(math.inf)
+    ratio_all = (found / best_all)[best_all < math.inf].fillna(math.inf)
     share = float((ratio <= lists.WITHIN).mean()) if len(ratio) else math.nan
     median = _median(ratio)
     return {"problems": int(len(ratio)), "right": int((ratio <= lists.WITHIN).sum()), "share": share, "median": median,
@@ -86,10 +91,10 @@ def _median(ratio: pd.Series) -> float:
     return float(np.quantile(ratio, 0.5, method="lower")) if len(ratio) else math.nan
 
 
-def _summary(tier: float, by_family: list[dict], by_seed: list[dict]) -> dict:
-    summary: dict = {"tier": tier}
+def _summary(tier: float, measure: str, by_family: list[dict], by_seed: list[dict]) -> dict:
+    summary: dict = {"tier": tier, "measure": measure}
     for name, rows in (("families", by_family), ("seeds", by_seed)):
-        of_tier = [row for row in rows if row["tier"] == tier]
+        of_tier = [row for row in rows if (row["tier"], row["measure"]) == (tier, measure)]
         problems = sum(row["problems"] for row in of_tier)
         summary[name] = {"groups": len(of_tier), "pass": sum(row["passes"] for row in of_tier), "problems": problems,
                          "right": sum(row["right"] for row in of_tier),
@@ -109,13 +114,13 @@ def _digits(value: float) -> float | None:
 
 
 def as_text(evaluation: dict) -> str:
-    """A table per tier."""
+    """A table per tier and measure."""
     lines = []
     for summary in evaluation["tiers"]:
-        lines.append(f"tier {summary['tier']:g}, rules made without the family: share of its problems within "
-                     f"{evaluation['within']:g} x of the best own solver (of all solvers)")
+        lines.append(f"tier {summary['tier']:g}, {summary['measure']}, rules made without the family: share of its "
+                     f"problems within {evaluation['within']:g} x of the best own solver (of all solvers)")
         for row in evaluation["families"]:
-            if row["tier"] != summary["tier"]:
+            if (row["tier"], row["measure"]) != (summary["tier"], summary["measure"]):
                 continue
             median, worst = (f"{row[key]:.3g}" if row[key] is not None else "-" for key in ("median", "worst"))
             lines.append(f"  {row['family']:<18} {row['right']:>3} of {row['problems']:>3}  {row['share'] or 0:7.1%} "
@@ -125,7 +130,7 @@ def as_text(evaluation: dict) -> str:
             of = summary[name]
             lines.append(f"  {of['pass']} of {of['groups']} {name} pass; "
                          f"{of['share'] or 0:.1%} of {of['problems']} problems")
-    lines.append("regions by, all tiers:")
+    lines.append("regions by, all tiers and measures:")
     for of in evaluation["divisions"]:
         lines.append(f"  {', '.join(of['features']):<28} {of['pass']} of {of['families']} families pass; "
                      f"{of['right']} of {of['problems']} problems")

@@ -5,7 +5,7 @@ import pandas as pd
 
 NEAR = 1.1  # of the best: what counts when a list is made
 WITHIN = 1.3  # of the best: what a recommendation must keep
-MOST = 4  # solvers of a list
+MOST = 5  # solvers of a list
 _WORST = 1e3  # a slower or failed answer is no worse than that
 _LOG_WEIGHT = 0.1  # of the logarithm of the ratio, where a problem is not near
 

@@ -1,4 +1,4 @@
-"""What the solvers of campaigns did: a row per problem, solver and tier, with the latency that an engine would see."""
+"""What the solvers of campaigns did: a row per problem, solver and tier, with the times that an engine would see."""
 
 import json
 import math
@@ -14,16 +14,19 @@ from ..statistics.cells import cell_table
 from ..statistics.jsonl import read_lines
 from ..statistics.load import load_campaign
 
-_TABLE = Path("analysis") / "cells.csv"
+_TABLES = ("cells.csv", "cells.csv.gz")  # of the folder analysis; the second as an archive has it
 _COLUMNS = ["problem", "family", "rows", "solver", "tier", "mode", "excluded", "passes", "false_success", "time_s",
             "setup_s", "convert_s"]
 _MODE = "cold"
+# How a solver is timed: a new one with its set-up, and one that is set up already. One that an engine keeps from step
+# to step lies between them: its set-up finds workspace and what is known of the structure.
+MEASURES = ("latency_s", "solve_s")
 
 
 @dataclass
 class Outcomes:
-    """`table` has the columns problem, family, rows, seed, solver, tier, verified, false_success, excluded and
-    latency_s (infinite where the answer was not verified); `features` a row per problem, by its name."""
+    """`table` has the columns problem, family, rows, seed, solver, tier, verified, false_success, excluded, and
+    of MEASURES (infinite where the answer was not verified); `features` a row per problem, by its name."""
 
     table: pd.DataFrame
     features: pd.DataFrame
@@ -36,8 +39,7 @@ def read_outcomes(folders: Iterable[Path], features: Path) -> Outcomes:
     """The cells of campaigns' folders. The tables of `lcpbench analyse` are taken where they are newer than the cells,
     which saves a minute.
 
-    A latency is set-up and solve, as a problem that is new at every step costs it; of solvers in processes of their
-    own solve and conversion.
+    A latency is set-up and solve; of solvers in processes of their own solve and conversion.
 
     @param features  written by `lcpbench recommend --features`: JSON lines
     @throws ReportError for the first thing that does not fit
@@ -84,9 +86,10 @@ def _provenance(info: dict) -> dict:
 
 
 def _cells(folder: Path) -> pd.DataFrame:
-    table, cells = folder / _TABLE, folder / "cells.jsonl"
-    if table.is_file() and (not cells.is_file() or table.stat().st_mtime >= cells.stat().st_mtime):
-        return pd.read_csv(table, usecols=_COLUMNS, keep_default_na=True, low_memory=False)
+    cells = folder / "cells.jsonl"
+    for table in (folder / "analysis" / name for name in _TABLES):
+        if table.is_file() and (not cells.is_file() or table.stat().st_mtime >= cells.stat().st_mtime):
+            return pd.read_csv(table, usecols=_COLUMNS, low_memory=False)
     return cell_table(load_campaign(folder))[_COLUMNS]
 
 
@@ -107,6 +110,7 @@ def _outcomes(cells: pd.DataFrame, own: set[str]) -> pd.DataFrame:
     found["false_success"] = cells.false_success.astype(bool)
     found["excluded"] = cells.excluded.notna() & (cells.excluded != "")
     found["latency_s"] = np.where(verified, cells.time_s + beside, math.inf)
+    found["solve_s"] = np.where(verified, cells.time_s, math.inf)
     # Names end in -sSEED; grids of one property have seeds from 101 on.
     found["seed"] = found.problem.str.extract(r"-s(\d+)$", expand=False).astype(float)
     return found.reset_index(drop=True)

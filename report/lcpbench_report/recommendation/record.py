@@ -19,7 +19,8 @@ def make(outcomes: Outcomes, leave_out: frozenset[str] = frozenset()) -> dict:
         raise ReportError("--leave-out", f"no problem of family {sorted(unknown)[0]!r}",
                           "one of " + ", ".join(sorted(set(outcomes.table.family))))
     return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
-            "latency": "set-up and solve, medians; of peers solve and conversion", "near": lists.NEAR,
+            "measures": {"latency_s": "set-up and solve of a new solver, medians; of peers solve and conversion",
+                         "solve_s": "the solve alone"}, "near": lists.NEAR,
             "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": EDGES,
             "regions": make_regions(outcomes, leave_out),
             "evaluation": None if leave_out else evaluation.evaluate(outcomes)}

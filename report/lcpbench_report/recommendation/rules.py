@@ -3,10 +3,11 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
 import pandas as pd
 
 from . import lists
-from .outcomes import Outcomes
+from .outcomes import MEASURES, Outcomes
 from .regions import EDGES, Edges, bounds, region_of
 
 _LEAST_FAMILIES = 3  # a region with problems of fewer ones takes the list of all problems of its size
@@ -20,7 +21,8 @@ class TierTable:
     tier: float
     families: pd.Series
     seeds: pd.Series
-    latencies: pd.DataFrame  # [s], infinite where the answer was not verified; not a number where there was no cell
+    # By measure [s], infinite where the answer was not verified; not a number where there was no cell.
+    times: dict[str, pd.DataFrame]
     verified: pd.DataFrame
     false_success: pd.DataFrame
 
@@ -31,9 +33,9 @@ def tier_tables(outcomes: Outcomes) -> list[TierTable]:
     for tier in sorted(outcomes.table.tier.unique(), reverse=True):
         cells = outcomes.table[outcomes.table.tier == tier]
         wide = {name: cells.pivot(index="problem", columns="solver", values=name)
-                for name in ("latency_s", "verified", "false_success")}
-        of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(wide["latency_s"].index)
-        made.append(TierTable(float(tier), of_problem.family, of_problem.seed, wide["latency_s"],
+                for name in (*MEASURES, "verified", "false_success")}
+        of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(wide["verified"].index)
+        made.append(TierTable(float(tier), of_problem.family, of_problem.seed, {name: wide[name] for name in MEASURES},
                               wide["verified"].eq(True), wide["false_success"].eq(True)))
     return made
 
@@ -50,13 +52,14 @@ def choose_candidates(table: TierTable, numbers: pd.Series, sizes: pd.Series, so
                       most: int = lists.MOST) -> Candidates:
     """A list for every region that any problem lies in, made of the problems of `training` alone. One that has training
     problems of fewer than three families takes what all training problems of its part of the sizes say, and where there
-    are none of those all.
+    are none of those all. Every problem counts once by each measure.
 
     @param numbers  of every problem its region
     @param sizes    of every problem its part of the sizes
     """
     found = Candidates({}, {})
-    for number in sorted(set(numbers[table.latencies.index])):
+    columns = [key for key in solvers if key in table.verified]
+    for number in sorted(set(numbers[table.verified.index])):
         size = sizes[numbers == number].iloc[0]
         for chosen in (training[(numbers[training] == number).to_numpy()],
                        training[(sizes[training] == size).to_numpy()], training):
@@ -64,13 +67,18 @@ def choose_candidates(table: TierTable, numbers: pd.Series, sizes: pd.Series, so
             if table.families[chosen].nunique() >= _LEAST_FAMILIES:
                 break
         chosen = found.training[number]
-        latencies = table.latencies.loc[chosen, [key for key in solvers if key in table.latencies]]
-        best = latencies.min(axis=1)
-        solved = best[best < math.inf].index
-        false = {key for key in latencies if table.false_success.loc[chosen, key].any()}
-        found.solvers[number] = lists.choose(lists.ratios(latencies.loc[solved], best[solved]),
-                                             lists.family_weights(table.families[solved]), false, most)
+        solved = chosen[table.verified.loc[chosen, columns].any(axis=1).to_numpy()]
+        false = {key for key in columns if table.false_success.loc[chosen, key].any()}
+        ratios = pd.concat([ratios_of(table, measure, solved, columns) for measure in table.times])
+        weights = np.tile(lists.family_weights(table.families[solved]), len(table.times))
+        found.solvers[number] = lists.choose(ratios, weights, false, most)
     return found
+
+
+def ratios_of(table: TierTable, measure: str, problems: pd.Index, solvers: list[str]) -> pd.DataFrame:
+    """Of every problem and solver the time over the best of these solvers."""
+    times = table.times[measure].loc[problems, solvers]
+    return lists.ratios(times, times.min(axis=1))
 
 
 def partition(outcomes: Outcomes, edges: Edges) -> tuple[pd.Series, pd.Series]:
@@ -83,7 +91,8 @@ def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset(), ed
     numbers, sizes = partition(outcomes, edges)
     regions = []
     for table in tier_tables(outcomes):
-        problems = table.latencies.index
+        problems = table.verified.index
+        columns = [key for key in outcomes.own if key in table.verified]
         training = problems[~table.families.isin(leave_out).to_numpy()]
         own = choose_candidates(table, numbers, sizes, outcomes.own, training)
         peers = choose_candidates(table, numbers, sizes, outcomes.peers, training, _PEERS) if outcomes.peers else None
@@ -91,8 +100,6 @@ def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset(), ed
             if number not in own.solvers:
                 continue
             of_region = own.training[number]
-            latencies = table.latencies.loc[of_region, [key for key in outcomes.own if key in table.latencies]]
-            best = latencies.min(axis=1)
             regions.append({
                 "tier": table.tier,
                 "where": {name: [low, None if math.isinf(high) else high] for name, (low, high) in where.items()},
@@ -100,7 +107,8 @@ def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset(), ed
                 "families": int(table.families[of_region].nunique()),
                 "candidates": own.solvers[number],
                 "peers": peers.solvers[number] if peers else [],
-                "solvers": lists.record(lists.ratios(latencies, best), table.verified.loc[of_region],
+                "solvers": lists.record(ratios_of(table, MEASURES[0], of_region, columns),
+                                        table.verified.loc[of_region],
                                         lists.family_weights(table.families[of_region])),
             })
     return regions
