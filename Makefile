@@ -12,6 +12,10 @@ PYTHON  ?= /usr/bin/python3
 MOTION_RESULTS ?= build/results/motion
 MOTION = --scenes gear-train,disc-pile,disc-track --size 16 --steps 100 --budget 0.5
 
+# What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
+CAMPAIGNS          ?= report/reference/standard
+CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
+
 # How long and with which new inputs `make fuzz` goes on.
 FUZZ_SECONDS ?= 60
 FUZZ_CORPUS  := build/fuzz/corpus
@@ -29,12 +33,13 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6
 REFERENCE_RESULTS := $(addprefix report/reference/,standard pathological sequences large) \
                      --motion report/reference/motion --precision report/reference/precision
 
-.PHONY: help deps peers configure command build test report run calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
+.PHONY: help deps peers configure command build test report run recommendation calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make recommendation   rules of lcpbench recommend from campaigns (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
@@ -88,6 +93,13 @@ reference-report: deps
 	@cp build/reference/index.html build/reference/summary.md report/reference/
 	@$(PYTHON) report/headline.py report/reference/standard --update README.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
+
+recommendation: command
+	@rm -f build/features.jsonl
+	@for manifest in $(CAMPAIGN_MANIFESTS); do \
+	  $(BUILD)/lcpbench collection write $$manifest | $(BUILD)/lcpbench recommend --features - >> build/features.jsonl || exit 1; \
+	done
+	@$(PYTHON) report/recommendation.py $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)

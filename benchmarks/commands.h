@@ -28,6 +28,7 @@ void AddReportCommand(CLI::App& app, CommandRun& run);
 void AddAnalyseCommand(CLI::App& app, CommandRun& run);
 void AddCompareCommand(CLI::App& app, CommandRun& run);
 void AddTuneCommand(CLI::App& app, CommandRun& run);
+void AddRecommendCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);
 void AddMotionCommand(CLI::App& app, CommandRun& run);
 

@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
   AddAnalyseCommand(app, run);
   AddCompareCommand(app, run);
   AddTuneCommand(app, run);
+  AddRecommendCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
 

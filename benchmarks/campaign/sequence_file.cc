@@ -44,23 +44,41 @@ double FloorOf(const LcpProblem& problem, double exact_floor) {
   return std::min(exact_floor, found.reference.floor.value_or(exact_floor));
 }
 
+// FormatLcpRecord, which writes a dense matrix as coordinates; here it stays dense, as what solvers are given.
+std::string Record(const LcpProblem& problem) {
+  std::string line = FormatLcpRecord(problem);
+  if (problem.given_form() != MatrixForm::kDense) return line;
+  Json record = Json::parse(line);
+  record["A"] = Json::array();
+  for (const auto& row : problem.DenseA().rowwise()) record["A"].push_back(std::vector<double>(row.begin(), row.end()));
+  return record.dump();
+}
+
 // The line without its closing brace goes on with more members.
-std::string Line(const LcpProblem& problem, const MotionProblem& met, const std::vector<int>& previous) {
+std::string Line(const SequenceStep& step) {
   Json more;
+  if (step.reference.w) {
+    more["status"] = ToString(LcpStatus::kSolved);
+    more["w"] = std::vector<double>(step.reference.w->begin(), step.reference.w->end());
+  }
+  more["floor"] = step.reference.floor ? Json(*step.reference.floor) : Json(nullptr);
+  more["previous"] = step.previous;
+  std::string line = Record(step.problem);
+  line.pop_back();
+  return line + "," + more.dump().substr(1) + "\n";
+}
+
+LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
+  LcpReference reference;
   const bool solved = met.result.status == LcpStatus::kSolved;
   const double exact_floor = solved ? RoundingFloor(problem, met.result.f) : std::numeric_limits<double>::infinity();
   // With a detail it is the answer to a problem that differs a little (exact_solver.h): its w is not this one's.
   if (solved && met.result.detail.empty() && exact_floor <= kLargestFloorOfW) {
-    const Eigen::VectorXd w = ComputeMetrics(problem, met.result.f).w;
-    more["status"] = ToString(met.result.status);
-    more["w"] = std::vector<double>(w.begin(), w.end());
+    reference.w = ComputeMetrics(problem, met.result.f).w;
   }
   const double floor = FloorOf(problem, exact_floor);
-  more["floor"] = std::isfinite(floor) ? Json(floor) : Json(nullptr);
-  more["previous"] = previous;
-  std::string line = FormatLcpRecord(problem);
-  line.pop_back();
-  return line + "," + more.dump().substr(1) + "\n";
+  if (std::isfinite(floor)) reference.floor = floor;
+  return reference;
 }
 
 std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
@@ -99,7 +117,7 @@ void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
       ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
         Interruption::Check();
         hash.Add(problem);
-        text += Line(problem, met, PreviousRows(&matching, met));
+        text += Line({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
       });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
   RequireHash(entry.id, entry.sha256, hash.Result());
@@ -109,6 +127,17 @@ void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
   WriteGzipFile(part, text);
   fs::rename(part, path, error);
   if (error) throw InputError(path + ": cannot be written: " + error.message());
+}
+
+std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std::string& path) {
+  std::string text;
+  SequenceHash hash;
+  for (const SequenceStep& step : steps) {
+    hash.Add(step.problem);
+    text += Line(step);
+  }
+  WriteGzipFile(path, text);
+  return hash.Result();
 }
 
 std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256) {

@@ -31,6 +31,11 @@ std::string SequencePath(const std::string& folder, const std::string& id);
 void WriteSequenceFile(const SequenceEntry& entry, const std::string& path);
 
 /// @param sha256  SequenceHash of the problems
+/// Writes given steps as such a file; of the references `status`, `w` and `floor`.
+/// @return SequenceHash of the problems
+/// @throws InputError where the file cannot be written
+std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std::string& path);
+
 /// @throws InputError naming the file and what it should be, also where the hash is another
 std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256);
 

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// What can be said of a problem before it is solved, at the cost of forming A once. Which of it matters for the choice
+/// of a solver the reference results say (rules.h).
+struct ProblemFeatures {
+  double rows = 0;
+  double bilateral = 0;        ///< share of the rows
+  double couplings = 0;        ///< stored entries of A per row
+  double diagonal_spread = 1;  ///< largest over smallest of the positive diagonal entries of A
+  double islands = 0;          ///< sets of rows without any coupling between them
+  double largest_island = 0;   ///< share of the rows
+  /// Of the movable bodies that the rows touch: largest over smallest mass. Not known without the factors of A.
+  std::optional<double> mass_spread;
+  /// Share of the rows that depend on others for sure: in every island rows beyond the columns of J that can move and
+  /// carry more than rounding. Not known without the factors of A, unless the problem says its rank.
+  std::optional<double> redundancy;
+};
+
+/// O(entries of A), plus what forming A costs.
+ProblemFeatures MeasureFeatures(const LcpProblem& problem);
+
+/// The names of all features, as the members are called.
+const std::vector<std::string>& FeatureNames();
+
+/// One feature by its name; empty where it is not known. @throws InputError naming the known ones
+std::optional<double> FeatureNamed(const ProblemFeatures& features, const std::string& name);
+
+/// A member per feature, null where it is not known.
+nlohmann::ordered_json Describe(const ProblemFeatures& features);
+
+}  // namespace lcpbench

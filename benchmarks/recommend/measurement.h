@@ -1,0 +1,51 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/recommend/problem_steps.h"
+
+namespace lcpbench {
+
+struct MeasurementPlan {
+  std::vector<std::string> solvers;  ///< registry keys
+  double tolerance = 1e-6;
+  int rounds = 5;                             ///< passes of every solver over the steps, each round in another order
+  std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
+  int cpu = -1;                               ///< the processor that solves are kept on; -1: any
+  // A solve may take time_per_row_s times its rows, within [least_s, most_s]; a pass budget_s.
+  double time_per_row_s = 1e-3;
+  double least_s = 0.2;
+  double most_s = 60;
+  double budget_s = 60;
+  std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solver's process
+  NoiseRule noise;
+};
+
+/// What the passes of one solver over the steps found, from cold starts or from warm ones.
+struct Measurement {
+  std::string solver;
+  bool warm = false;
+  std::string outcome;  ///< SequenceReply::outcome of the last pass
+  std::string detail;
+  /// Set-up and solve [s] of every step (of solvers in processes of their own solve and conversion): the median over
+  /// the rounds in which it was not preempted. Infinite where the pass ended before.
+  std::vector<double> latency_s;
+  double raw_max_s = 0;               ///< the largest of all rounds
+  std::map<double, int> passed;       ///< steps verified, by tier: of the worst round
+  int false_successes = 0;            ///< of the worst round, at the tolerance
+  std::map<std::string, int> claims;  ///< steps by the solver's own word, of the last round
+  double rho = 0;                     ///< largest of all answers; infinite where there is none
+  int disturbed = 0;                  ///< passes that the machine disturbed, again when they were repeated
+};
+
+/// Runs every solver over the steps in a worker process, which may crash or hang without harm, as campaigns on
+/// sequences do (sequence_runner.h), and judges every answer relative to the problem's rounding floor, which own
+/// solvers find beforehand (reference_floor.h). One problem alone is solved as a sequence of copies. Where it is known
+/// which rows stay, every solver also runs from warm starts. What fails on every step is not run again.
+/// @throws InputError for an unknown solver
+std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemSteps steps);
+
+}  // namespace lcpbench

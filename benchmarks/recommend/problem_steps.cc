@@ -1,0 +1,153 @@
+#include "benchmarks/recommend/problem_steps.h"
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <utility>
+
+#include "benchmarks/input_files.h"
+#include "benchmarks/problem_formats.h"
+#include "benchmarks/scene_source.h"
+#include "model/assembly.h"
+#include "model/motion/row_matching.h"
+#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/json_lines.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+// The rows that are not listed, in order.
+std::vector<int> Others(std::size_t rows, const std::vector<int>& listed, const std::string& where) {
+  std::vector<bool> is_listed(rows, false);
+  for (const int row : listed) {
+    if (row < 0 || row >= static_cast<int>(rows)) {
+      throw InputError(where + ": field 'motion': expected rows below " + std::to_string(rows) + ", found " +
+                       std::to_string(row));
+    }
+    is_listed[static_cast<std::size_t>(row)] = true;
+  }
+  std::vector<int> others;
+  for (std::size_t row = 0; row < rows; ++row) {
+    if (!is_listed[row]) others.push_back(static_cast<int>(row));
+  }
+  return others;
+}
+
+// Where the rows of a line were in the line before; nothing where it does not say.
+std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows, std::size_t rows_before,
+                                             const std::string& where) {
+  try {
+    if (line.contains("previous")) {
+      auto previous = line.at("previous").get<std::vector<int>>();
+      bool fits = previous.size() == rows;
+      for (const int row : previous) fits = fits && row >= -1 && row < static_cast<int>(rows_before);
+      if (fits) return previous;
+      throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+    }
+    if (!line.contains("motion")) return std::nullopt;
+    const Json& motion = line.at("motion");
+    const std::vector<int> here = Others(rows, motion.at("entered").get<std::vector<int>>(), where);
+    const std::vector<int> before = Others(rows_before, motion.at("left").get<std::vector<int>>(), where);
+    if (here.size() != before.size()) {
+      throw InputError(where + ": field 'motion': expected as many rows that stay as the line before has, " +
+                       std::to_string(before.size()) + ", found " + std::to_string(here.size()));
+    }
+    std::vector<int> previous(rows, -1);
+    for (std::size_t k = 0; k < here.size(); ++k) previous[static_cast<std::size_t>(here[k])] = before[k];
+    return previous;
+  } catch (const Json::exception&) {
+    throw InputError(where + ": expected member 'previous', or 'motion' with 'entered' and 'left', lists of rows");
+  }
+}
+
+ProblemSteps ReadLines(const std::string& path) {
+  ProblemSteps found;
+  bool all_known = true;
+  std::size_t rows_before = 0;
+  ReadEachLine(path, [&](const std::string& line, const std::string& where) {
+    LcpRecord record = ParseLcpRecord(line, where);
+    const Json json = Json::parse(line);
+    const auto rows = static_cast<std::size_t>(record.problem.size());
+    const std::optional<std::vector<int>> previous = PreviousRows(json, rows, rows_before, where);
+    all_known = all_known && previous.has_value();
+    SequenceStep step{std::move(record.problem), previous.value_or(std::vector<int>(rows, -1)),
+                      std::move(record.reference)};
+    if (json.contains("floor") && json.at("floor").is_number()) step.reference.floor = json.at("floor").get<double>();
+    rows_before = rows;
+    found.steps.push_back(std::move(step));
+  });
+  found.rows_are_known = all_known && found.steps.size() > 1;
+  return found;
+}
+
+ProblemSteps Instant(const std::string& scene, int size, std::uint64_t seed) {
+  ProblemSteps found;
+  LcpProblem problem = AssembleContactLcp(LoadInstant(scene, size, seed)).problem;
+  const auto rows = static_cast<std::size_t>(problem.size());
+  found.steps.push_back({std::move(problem), std::vector<int>(rows, -1), {}});
+  return found;
+}
+
+// Of the acceleration level the first problem of each step, as SequenceWriter has it.
+ProblemSteps Moving(const std::string& scene_name, int size, std::uint64_t seed, int steps) {
+  const MovingScene scene = LoadScene(scene_name, size, seed);
+  const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
+  const std::unique_ptr<Motion> motion = StartMotion(scene, LcpOptions{}, *solver);
+  ProblemSteps found;
+  found.rows_are_known = true;
+  RowMatching matching;
+  bool taken = false;
+  motion->set_observer([&](const MotionProblem& met) {
+    // Where a time step has no solution, the relaxed problem that is solved instead follows.
+    if (met.problem.size() == 0 || met.result.status != LcpStatus::kSolved) return;
+    if (met.kind == MotionProblemKind::kAcceleration && taken) return;
+    taken = taken || met.kind == MotionProblemKind::kAcceleration;
+    std::vector<int> previous;
+    for (const std::optional<int>& row : matching.Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
+    found.steps.push_back({met.problem, std::move(previous), {}});
+  });
+  for (int k = 0; k < steps && motion->status() == MotionStatus::kMoving; ++k) {
+    taken = false;
+    motion->Advance(scene.step);
+  }
+  if (found.steps.empty()) throw InputError(scene_name + ": met no problem within " + std::to_string(steps) + " steps");
+  return found;
+}
+
+void RequireRows(const ProblemSteps& found) {
+  for (const SequenceStep& step : found.steps) {
+    if (step.problem.size() > 0 && step.problem.has_standard_bounds()) continue;
+    throw InputError(found.name + ": problem '" + step.problem.id() +
+                     "': expected one row or more, unilateral or bilateral ones");
+  }
+}
+
+}  // namespace
+
+ProblemSteps ReadProblemSteps(const std::string& path) {
+  ProblemSteps found;
+  if (FormatOfFile(path) == ProblemFormat::kJsonLines) {
+    found = ReadLines(path);
+  } else {
+    LcpProblem problem = ReadProblemFile(path);
+    const auto rows = static_cast<std::size_t>(problem.size());
+    found.steps.push_back({std::move(problem), std::vector<int>(rows, -1), {}});
+  }
+  found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
+  RequireRows(found);
+  return found;
+}
+
+ProblemSteps MakeProblemSteps(const std::string& scene, int size, std::uint64_t seed, int steps) {
+  if (steps < 1) throw InputError("--steps: expected a number >= 1");
+  ProblemSteps found = steps == 1 ? Instant(scene, size, seed) : Moving(scene, size, seed, steps);
+  found.name = scene;
+  RequireRows(found);
+  return found;
+}
+
+}  // namespace lcpbench

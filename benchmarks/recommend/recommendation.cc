@@ -1,0 +1,249 @@
+#include "benchmarks/recommend/recommendation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "benchmarks/recommend/embedding.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kManyInFields = 1e4;  // beyond, numbers are written with an exponent
+
+std::string NumberText(double value, int digits = 3) {
+  char text[32];
+  const bool plain = value == 0 || (std::abs(value) >= 1e-3 && std::abs(value) <= kManyInFields * 10);
+  std::snprintf(text, sizeof text, plain ? "%.*g" : "%.*e", plain ? digits + 2 : digits - 1, value);
+  return text;
+}
+
+// Shares and times are no better known than that.
+std::string ShortText(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+std::string TimeText(double seconds) {
+  if (!std::isfinite(seconds)) return "-";
+  struct Unit {
+    double seconds;
+    const char* name;
+  };
+  constexpr std::array<Unit, 3> kUnits = {{{1e-9, "ns"}, {1e-6, "µs"}, {1e-3, "ms"}}};
+  for (const Unit& unit : kUnits) {
+    if (seconds < 999.5 * unit.seconds) return ShortText(seconds / unit.seconds) + " " + unit.name;
+  }
+  return ShortText(seconds) + " s";
+}
+
+std::string ErrorText(double value) {
+  if (!std::isfinite(value)) return "-";
+  char text[16];
+  std::snprintf(text, sizeof text, "%.1e", value);
+  return text;
+}
+
+// Columns, not bytes: µ has two of those.
+std::string Padded(const std::string& text, size_t width) {
+  const auto columns = static_cast<size_t>(std::count_if(
+      text.begin(), text.end(), [](char byte) { return (static_cast<unsigned char>(byte) & 0xC0U) != 0x80U; }));
+  return columns < width ? text + std::string(width - columns, ' ') : text;
+}
+
+std::string FormatTable(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<size_t> widths;
+  for (const auto& row : rows) {
+    widths.resize(std::max(widths.size(), row.size()));
+    for (size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+  }
+  std::string text;
+  for (const auto& row : rows) {
+    std::string line = " ";
+    for (size_t k = 0; k < row.size(); ++k) line += " " + (k + 1 < row.size() ? Padded(row[k], widths[k] + 1) : row[k]);
+    line.erase(line.find_last_not_of(' ') + 1);
+    text += line + "\n";
+  }
+  return text;
+}
+
+std::string NameOf(const Assessment& each, bool warm_is_told) {
+  if (!warm_is_told) return each.measured.solver;
+  return each.measured.solver + (each.measured.warm ? ", warm starts" : ", cold starts");
+}
+
+std::string Evidence(const Recommendation& all, const Assessment& each) {
+  std::string text = NameOf(each, all.rows_are_known) + ": " + TimeText(each.p50_s) + " median, " +
+                     TimeText(each.p99_s) + " p99, rho " + ErrorText(each.measured.rho);
+  if (all.request.deadline_s) text += ", in time " + ShortText(100 * each.in_time) + " %";
+  return each.shortcoming.empty() ? text : text + "; " + each.shortcoming;
+}
+
+std::string Heading(const Recommendation& all) {
+  std::string text =
+      all.input + ": " + std::to_string(all.problems) + (all.problems == 1 ? " problem, " : " problems, ");
+  text += NumberText(all.least_rows);
+  if (all.most_rows > all.least_rows) text += " to " + NumberText(all.most_rows);
+  text += " rows; asked for: rho <= " + ShortText(all.request.tolerance);
+  if (all.request.deadline_s) text += ", set-up and solve within " + TimeText(*all.request.deadline_s);
+  return text + "\n";
+}
+
+std::string FeaturesLine(const Recommendation& all) {
+  std::string text;
+  for (const std::string& name : FeatureNames()) {
+    const std::optional<double> value = FeatureNamed(all.features, name);
+    text += (text.empty() ? "" : ", ") + name + " " + (value ? NumberText(*value) : "not known");
+  }
+  return (all.problems > 1 ? "features of the largest: " : "features: ") + text + "\n";
+}
+
+std::string RegionLine(const Recommendation& all) {
+  std::string text;
+  for (const auto& [name, ends] : all.region.where) {
+    text += (text.empty() ? "" : ", ") + name + " " + NumberText(ends.first) + " to " +
+            (std::isfinite(ends.second) ? "below " + NumberText(ends.second) : "any");
+  }
+  return "reference: " + std::to_string(all.region.problems) + " problems with " + text + " at tier " +
+         ShortText(all.region.tier) + ", of " + all.made_of + "\n";
+}
+
+std::string Table(const Recommendation& all) {
+  std::vector<std::vector<std::string>> rows = {{"solver", "start", "median", "p99", "max"}};
+  if (all.request.deadline_s) rows.front().emplace_back("in time");
+  for (const char* heading : {"verified", "rho", ""}) rows.front().emplace_back(heading);
+  for (const Assessment& each : all.ranked) {
+    const Measurement& measured = each.measured;
+    std::vector<std::string> row = {measured.solver, measured.warm ? "warm" : "cold", TimeText(each.p50_s),
+                                    TimeText(each.p99_s), TimeText(each.max_s)};
+    if (all.request.deadline_s) row.push_back(ShortText(100 * each.in_time) + " %");
+    row.push_back(ShortText(100 * each.verified) + " %");
+    row.push_back(ErrorText(measured.rho));
+    row.push_back(each.shortcoming);
+    rows.push_back(row);
+  }
+  return FormatTable(rows);
+}
+
+std::string UntriedText(const Recommendation& all) {
+  if (all.untried.empty()) return "";
+  std::string text = "not tried: " + std::to_string(all.untried.size()) +
+                     " own solvers, in the reference within 1.3 x of the best on so many of its problems "
+                     "(--candidates all tries them):";
+  for (const UntriedSolver& each : all.untried) {
+    text += (&each == all.untried.data() ? " " : ", ") + each.solver;
+    text += each.rank > 0 ? " (rank " + std::to_string(each.rank) + ", " + ShortText(100 * each.within) + " %)"
+                          : " (not in the reference)";
+  }
+  return text + "\n";
+}
+
+std::string OriginNote(const std::string& solver) {
+  switch (FindSolver(solver).origin) {
+    case SolverOrigin::kOwn:
+      return "";
+    case SolverOrigin::kPeer:
+      return "It runs in a process of its own, which takes longer than what was timed; its library can be called "
+             "directly.\n";
+    case SolverOrigin::kExternal:
+      return "It is a command of yours: RegisterExternalSolver makes its key known, or call its library directly.\n";
+  }
+  return "";
+}
+
+std::string DisturbedText(const Recommendation& all) {
+  int disturbed = 0;
+  for (const Assessment& each : all.ranked) disturbed += each.measured.disturbed;
+  if (disturbed == 0) return "";
+  return "note: the processor's clock was slower than at its best by a tenth in " + std::to_string(disturbed) +
+         " passes, though they were repeated\n";
+}
+
+// Others that meet the request, or come next.
+std::string RunnersUp(const Recommendation& all) {
+  constexpr size_t kMost = 3;
+  std::string text;
+  for (size_t k = 1; k < std::min(all.ranked.size(), kMost + 1); ++k) {
+    text += (k == 1 ? "next: " : "      ") + Evidence(all, all.ranked[k]) + "\n";
+  }
+  return text;
+}
+
+Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+}  // namespace
+
+std::string FormatRecommendation(const Recommendation& all) {
+  const Assessment& best = all.ranked.front();
+  std::string text = Heading(all) + FeaturesLine(all) + RegionLine(all) + "\n" + Table(all) + "\n";
+  if (!best.meets) {
+    text += "nothing that was tried meets the request; nearest: " + Evidence(all, best) + "\n";
+  } else {
+    text += "recommended: " + Evidence(all, best) + "\n";
+  }
+  text += RunnersUp(all) + UntriedText(all) + DisturbedText(all);
+  if (!best.meets) return text;
+  text += "\nC++:\n\n" + EmbeddingCode(best.measured.solver, best.measured.warm, all.request) +
+          OriginNote(best.measured.solver) + "\nCMake:\n\n" + EmbeddingCMake();
+  return text;
+}
+
+nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
+  Json json;
+  json["input"] = all.input;
+  json["problems"] = all.problems;
+  json["rows"] = {all.least_rows, all.most_rows};
+  json["tolerance"] = all.request.tolerance;
+  json["deadline_s"] = all.request.deadline_s ? Json(*all.request.deadline_s) : Json(nullptr);
+  json["features"] = Describe(all.features);
+  Json where = Json::object();
+  for (const auto& [name, ends] : all.region.where) where[name] = {ends.first, FiniteOrNull(ends.second)};
+  json["reference"] = {{"rules", all.rules_file},         {"campaigns", all.made_of},
+                       {"tier", all.region.tier},         {"where", where},
+                       {"problems", all.region.problems}, {"candidates", all.region.candidates}};
+  json["ranked_by"] = all.request.by_tail ? "p99_s" : "p50_s";
+  json["rounds"] = all.rounds;
+  json["samples"] = all.samples;
+  json["ranked"] = Json::array();
+  for (const Assessment& each : all.ranked) {
+    const Measurement& measured = each.measured;
+    Json tiers = Json::array();
+    for (const auto& [tier, passed] : measured.passed) tiers.push_back({{"tier", tier}, {"passed", passed}});
+    json["ranked"].push_back({{"solver", measured.solver},
+                              {"start", measured.warm ? "warm" : "cold"},
+                              {"meets", each.meets},
+                              {"shortcoming", each.shortcoming},
+                              {"p50_s", FiniteOrNull(each.p50_s)},
+                              {"p99_s", FiniteOrNull(each.p99_s)},
+                              {"max_s", FiniteOrNull(each.max_s)},
+                              {"raw_max_s", FiniteOrNull(measured.raw_max_s)},
+                              {"in_time", each.in_time},
+                              {"verified", each.verified},
+                              {"verdicts", tiers},
+                              {"false_successes", measured.false_successes},
+                              {"claims", measured.claims},
+                              {"rho", FiniteOrNull(measured.rho)},
+                              {"outcome", measured.outcome},
+                              {"detail", measured.detail},
+                              {"disturbed", measured.disturbed}});
+  }
+  json["not_tried"] = Json::array();
+  for (const UntriedSolver& each : all.untried) {
+    json["not_tried"].push_back({{"solver", each.solver},
+                                 {"rank", each.rank > 0 ? Json(each.rank) : Json(nullptr)},
+                                 {"within", each.rank > 0 ? Json(each.within) : Json(nullptr)}});
+  }
+  const Assessment& best = all.ranked.front();
+  json["recommended"] = best.meets ? Json(best.measured.solver) : Json(nullptr);
+  json["start"] = best.meets ? Json(best.measured.warm ? "warm" : "cold") : Json(nullptr);
+  json["cpp"] = best.meets ? Json(EmbeddingCode(best.measured.solver, best.measured.warm, all.request)) : Json(nullptr);
+  json["cmake"] = best.meets ? Json(EmbeddingCMake()) : Json(nullptr);
+  return json;
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "benchmarks/recommend/features.h"
+#include "benchmarks/recommend/ranking.h"
+#include "benchmarks/recommend/rules.h"
+
+namespace lcpbench {
+
+/// An own solver that was not measured, and how it did in the reference.
+struct UntriedSolver {
+  std::string solver;
+  int rank = 0;       ///< among the own solvers of the region, from 1; 0: not in the reference
+  double within = 0;  ///< ReferenceRecord
+};
+
+/// All that `lcpbench recommend` has to say.
+struct Recommendation {
+  std::string input;
+  int problems = 0;
+  double least_rows = 0;
+  double most_rows = 0;
+  bool rows_are_known = false;  ///< so that solvers also ran from warm starts
+  int samples = 0;              ///< solves of a solver and round
+  int rounds = 0;
+  RecommendationRequest request;
+  ProblemFeatures features;  ///< of the problem with most rows
+  std::string rules_file;
+  std::string made_of;  ///< what the rules were made of
+  RecommendationRegion region;
+  std::vector<Assessment> ranked;  ///< best first, one or more
+  std::vector<UntriedSolver> untried;
+};
+
+/// As text: features, table, the recommendation with its evidence, C++ and CMake lines.
+std::string FormatRecommendation(const Recommendation& recommendation);
+
+/// The same as one JSON object (RESULTS.md).
+nlohmann::ordered_json DescribeRecommendation(const Recommendation& recommendation);
+
+}  // namespace lcpbench

@@ -1,0 +1,46 @@
+"""Writes data/recommendation.json, schema "lcpbench-recommendation/1" (benchmarks/RESULTS.md)."""
+
+import json
+from pathlib import Path
+
+from ..errors import ReportError
+from . import evaluation, lists
+from .outcomes import Outcomes
+from .regions import EDGES
+from .rules import make_regions
+
+SCHEMA = "lcpbench-recommendation/1"
+
+
+def make(outcomes: Outcomes, leave_out: frozenset[str] = frozenset()) -> dict:
+    """@param leave_out  families that the rules are made without; they are then not evaluated either"""
+    unknown = leave_out - set(outcomes.table.family)
+    if unknown:
+        raise ReportError("--leave-out", f"no problem of family {sorted(unknown)[0]!r}",
+                          "one of " + ", ".join(sorted(set(outcomes.table.family))))
+    return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
+            "measures": {"latency_s": "set-up and solve of a new solver, medians; of peers solve and conversion",
+                         "solve_s": "the solve alone"}, "near": lists.NEAR,
+            "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": EDGES,
+            "regions": make_regions(outcomes, leave_out),
+            "evaluation": None if leave_out else evaluation.evaluate(outcomes)}
+
+
+def write(made: dict, path: Path) -> None:
+    """The same rules are always the same bytes; lists and objects that hold no others are on one line."""
+    path.write_text(_text(made, "") + "\n", "utf-8")
+
+
+def _text(value, indent: str) -> str:
+    flat = not isinstance(value, dict | list) or not any(isinstance(e, dict | list) for e in _elements(value))
+    if flat:
+        return json.dumps(value, ensure_ascii=False)
+    inner = indent + " "
+    if isinstance(value, dict):
+        parts = [f"{inner}{json.dumps(key)}: {_text(element, inner)}" for key, element in value.items()]
+        return "{\n" + ",\n".join(parts) + "\n" + indent + "}"
+    return "[\n" + ",\n".join(inner + _text(element, inner) for element in value) + "\n" + indent + "]"
+
+
+def _elements(value):
+    return value.values() if isinstance(value, dict) else value

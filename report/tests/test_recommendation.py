@@ -1,0 +1,298 @@
+"""Rules of `lcpbench recommend`: lists on made-up outcomes whose right answer is known, and an evaluation that does not
+see what it holds out."""
+
+import contextlib
+import gzip
+import io
+import json
+import math
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+import recommendation as command  # noqa: E402
+from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.recommendation import evaluation, lists, record, regions, rules  # noqa: E402
+from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes  # noqa: E402
+
+EDGES = {"rows": [0, 50]}
+FAMILIES = ("arches", "boxes", "chains", "discs")
+
+
+def outcomes_of(latency, families=FAMILIES, sizes=(10, 20, 100, 200), tiers=(1e-3, 1e-6), solvers=("a", "b", "c"),
+                seeds=(1,)) -> Outcomes:
+    """@param latency  (solver, family, rows, tier) -> seconds, infinite: not verified"""
+    rows = []
+    for family in families:
+        for size in sizes:
+            for seed in seeds:
+                for tier in tiers:
+                    for solver in solvers:
+                        time = latency(solver, family, size, tier)
+                        rows.append({"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size,
+                                     "seed": float(seed), "solver": solver, "tier": tier, "verified": time < math.inf,
+                                     "false_success": False, "excluded": False, "latency_s": time, "solve_s": time})
+    table = pd.DataFrame(rows)
+    features = table.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
+    return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}])
+
+
+def candidates_by_region(outcomes: Outcomes, leave_out=frozenset()) -> dict:
+    found = rules.make_regions(outcomes, leave_out, EDGES)
+    return {(region["tier"], region["where"]["rows"][0]): region["candidates"] for region in found}
+
+
+class ChooseTest(unittest.TestCase):
+    def choose(self, ratios: dict, false_success=frozenset(), most=4):
+        table = pd.DataFrame(ratios)
+        return lists.choose(table, np.ones(len(table)), set(false_success), most)
+
+    def test_one_solver_is_enough_where_it_is_always_the_best(self):
+        self.assertEqual(self.choose({"slow": [2.0, 3.0], "best": [1.0, 1.0]}), ["best"])
+
+    def test_two_that_complement_each_other_go_before_the_second_best_on_average(self):
+        found = self.choose({"small": [1.0, 1.0, 9.0], "large": [30.0, 30.0, 1.0], "even": [1.4, 1.4, 1.4]}, most=2)
+        self.assertEqual(found, ["small", "large"])
+
+    def test_a_solver_that_fails_is_backed_up(self):
+        self.assertEqual(self.choose({"fast": [1.0, 1.0, 1e3], "sure": [5.0, 5.0, 1.0]}), ["fast", "sure"])
+
+    def test_who_claims_success_falsely_is_never_chosen(self):
+        self.assertEqual(self.choose({"liar": [1.0, 1.0], "honest": [1.5, 1.5]}, {"liar"}), ["honest"])
+
+    def test_what_adds_nothing_is_left_out(self):
+        self.assertEqual(self.choose({"a": [1.0, 1.0], "twin": [1.0, 1.0]}), ["a"])
+
+    def test_families_weigh_the_same_however_many_problems_they_have(self):
+        weights = lists.family_weights(pd.Series(["large"] * 9 + ["small"]))
+        self.assertAlmostEqual(weights[:9].sum(), weights[9:].sum())
+        ratios = pd.DataFrame({"of_nine": [1.0] * 9 + [3.0], "of_one": [1.2] * 9 + [1.0]})
+        self.assertEqual(lists.choose(ratios, weights, set(), 1), ["of_one"])
+        self.assertEqual(lists.choose(ratios, np.ones(10), set(), 1), ["of_nine"])
+
+
+class RegionsTest(unittest.TestCase):
+    def test_a_region_begins_at_its_edge_and_the_last_has_no_end(self):
+        features = pd.DataFrame({"rows": [1.0, 16.0, 17.0, 1e6], "spread": [0.0, 5.0, math.nan, 5.0]})
+        edges = {"rows": [0, 17], "spread": [0, 5]}
+        self.assertEqual(regions.region_of(features, edges).tolist(), [0, 1, 2, 3])
+        self.assertEqual(regions.bounds(edges)[3], {"rows": (17, math.inf), "spread": (5, math.inf)})
+
+    def test_every_size_and_tier_has_the_list_of_its_own(self):
+        best = {(True, 1e-3): "a", (True, 1e-6): "b", (False, 1e-3): "c", (False, 1e-6): "a"}
+        found = candidates_by_region(outcomes_of(
+            lambda solver, family, rows, tier: 1e-5 if solver == best[(rows < 50, tier)] else 1e-3))
+        self.assertEqual(found, {(1e-3, 0): ["a"], (1e-6, 0): ["b"], (1e-3, 50): ["c"], (1e-6, 50): ["a"]})
+
+    def test_a_region_of_too_few_families_takes_the_list_of_its_size(self):
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 2, "b": 1, "c": 3}[solver] if family == "arches"
+                           else {"a": 1, "b": 2, "c": 3}[solver], sizes=(10,))
+        made.features["spread"] = [1.0 if name.startswith("arches") else 0.0 for name in made.features.index]
+        found = rules.make_regions(made, frozenset(), EDGES | {"spread": [0, 1]})
+        lone = [region for region in found if region["where"]["spread"][0] == 1]
+        self.assertEqual([region["problems"] for region in lone], [4, 4])
+        self.assertEqual([region["candidates"] for region in lone], [["a", "b"]] * 2)
+
+    def test_solvers_are_ranked_by_how_often_they_are_near_the_best(self):
+        made = outcomes_of(lambda solver, family, rows, tier:
+                           {"a": math.inf if family == "discs" else 1, "b": 1.2, "c": 9}[solver])
+        self.assertEqual(rules.make_regions(made, frozenset(), EDGES)[0]["solvers"],
+                         [{"solver": "b", "verified": 1.0, "within": 1.0},
+                          {"solver": "a", "verified": 0.75, "within": 0.75},
+                          {"solver": "c", "verified": 1.0, "within": 0.0}])
+
+
+class MeasuresTest(unittest.TestCase):
+    def test_a_list_has_who_is_best_with_set_up_and_who_is_best_without(self):
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1.0, "b": 5.0, "c": 9.0}[solver])
+        made.table.loc[made.table.solver == "b", "solve_s"] = 0.1
+        self.assertEqual(set(candidates_by_region(made)[(1e-3, 0)]), {"a", "b"})
+
+
+class EvaluationTest(unittest.TestCase):
+    @staticmethod
+    def odd_one_out(solver, family, rows, tier):
+        """c is good for discs only, and a for all others."""
+        good = {"discs": "c"}.get(family, "a")
+        return 1e-5 if solver == good else 5e-5 if solver == "b" else 1e-3
+
+    def rows_of(self, made: Outcomes) -> dict:
+        table = rules.tier_tables(made)[0]
+        return {row["group"]: row for row in evaluation.held_out(made, table, table.families, EDGES)
+                if row["measure"] == "latency_s"}
+
+    def test_a_family_that_needs_what_no_other_needs_does_not_pass(self):
+        found = self.rows_of(outcomes_of(self.odd_one_out))
+        self.assertEqual({family: row["passes"] for family, row in found.items()},
+                         {"arches": True, "boxes": True, "chains": True, "discs": False})
+        self.assertEqual(found["discs"]["right"], 0)
+        self.assertAlmostEqual(found["discs"]["median"], 100)
+        # Rules that may look at it have the answer.
+        self.assertIn("c", candidates_by_region(outcomes_of(self.odd_one_out))[(1e-3, 0)])
+        self.assertNotIn("c", candidates_by_region(outcomes_of(self.odd_one_out), frozenset({"discs"}))[(1e-3, 0)])
+
+    def test_what_the_held_out_family_says_changes_nothing(self):
+        first = outcomes_of(self.odd_one_out)
+        second = outcomes_of(lambda solver, family, rows, tier: 1e-9 if family == "discs" and solver == "b"
+                             else self.odd_one_out(solver, family, rows, tier))
+        leave_out = frozenset({"discs"})
+        self.assertEqual(rules.make_regions(first, leave_out, EDGES), rules.make_regions(second, leave_out, EDGES))
+        self.assertNotEqual(rules.make_regions(first, edges=EDGES), rules.make_regions(second, edges=EDGES))
+
+    def test_nine_of_ten_problems_are_enough_and_eight_are_not(self):
+        for wrong, passes in ((1, True), (2, False)):
+            made = outcomes_of(lambda solver, family, rows, tier, wrong=wrong:
+                               {"a": 1.0 if family != "discs" or rows > wrong else 9.0, "b": 5.0, "c": 1.0}[solver],
+                               sizes=range(1, 11))
+            # Only the family that is held out would want c.
+            made.table.loc[(made.table.solver == "c") & (made.table.family != "discs"),
+                               ["latency_s", "solve_s"]] = 9.0
+            row = self.rows_of(made)["discs"]
+            self.assertEqual((row["problems"], row["right"], row["passes"]), (10, 10 - wrong, passes))
+
+    def test_a_candidate_that_fails_is_passed_over_for_the_next(self):
+        made = outcomes_of(lambda solver, family, rows, tier: math.inf if solver == "a" and rows == 10
+                           else {"a": 1.0, "b": 1.2, "c": 9.0}[solver])
+        row = self.rows_of(made)["arches"]
+        self.assertEqual(row["right"], row["problems"])
+
+    def test_seeds_are_held_out_as_families_are(self):
+        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1, "b": 2, "c": 3}[solver], seeds=(1, 2, 3))
+        found = evaluation.evaluate(made, EDGES)
+        self.assertEqual([(row["seed"], row["problems"]) for row in found["seeds"]
+                          if (row["tier"], row["measure"]) == (1e-3, "latency_s")],
+                         [(1, 16), (2, 16), (3, 16)])
+        self.assertEqual(found["tiers"][0]["seeds"],
+                         {"groups": 3, "pass": 3, "problems": 48, "right": 48, "share": 1.0})
+
+    def test_a_feature_that_tells_two_kinds_apart_shows_as_one_that_helps(self):
+        """Twenty-four families fill the list of five with a solver for each size; four others need a sixth."""
+        families = [f"a{k:02}" for k in range(24)] + [f"d{k}" for k in range(4)]
+
+        def latency(solver, family, rows, tier):
+            return 1e-5 if solver == ("s6" if family.startswith("d") else f"s{rows}") else 1e-3
+
+        made = outcomes_of(latency, families, sizes=(1, 2, 3, 4, 5), tiers=(1e-3,),
+                           solvers=[f"s{k}" for k in range(1, 7)])
+        made.features["kind"] = [float(name.startswith("d")) for name in made.features.index]
+        found = {tuple(of["features"]): of for of in evaluation.compare_divisions(made, EDGES)}
+        self.assertEqual(found[("rows",)]["right"], 240)
+        self.assertEqual(found[("rows", "kind")]["right"], 280)
+        self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (48, 56))
+
+
+class CommandTest(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def write_campaign(self, latency=1e-5) -> tuple[Path, Path]:
+        """A folder of two own solvers and a peer, and the features of its problems."""
+        folder = self.folder / "campaign"
+        folder.mkdir(exist_ok=True)
+        solvers = {"auto": "own", "pgs": "own", "peer": "peer"}
+        info = {"schema": "lcpbench-campaign/1", "name": "made-up", "tiers": [1e-6], "manifests": [],
+                "limits": {"time_per_row_s": 1e-3, "least_s": 0.2, "most_s": 2},
+                "environment": {"git_commit": "abc", "cpu": "none"},
+                "solvers": [{"key": key, "setting": "default", "origin": origin, "uses_tolerance": False,
+                             "available": True} for key, origin in solvers.items()]}
+        (folder / "campaign.json").write_text(json.dumps(info))
+        problems, cells, features = [], [], []
+        for family in FAMILIES:
+            for rows in (4, 40, 400):
+                name = f"{family}-n{rows}-s1"
+                problems.append({"problem": name, "set": "made-up", "family": family, "rows": rows,
+                                 "reference": "certified", "counts": True, "oracle_s": None, "floor": None})
+                features.append({"problem": name, "rows": rows, "redundancy": None})
+                for key, origin in solvers.items():
+                    cells.append({"problem": name, "solver": key, "tier": 1e-6, "round": 0, "mode": "cold",
+                                  "excluded": "", "claim": "solved", "passes": True, "best_tier": 1e-6,
+                                  "at_floor": False,
+                                  "false_success": False, "false_infeasible": False, "iterations": 1, "reason": "",
+                                  "metrics": {}, "time_limit_s": 1.0,
+                                  "setup_s": [3 * latency if key == "auto" else latency],
+                                  "solve_s": [latency], "convert_s": [latency] if origin == "peer" else None,
+                                  "peak_bytes": None})
+        for name, lines in (("problems", problems), ("cells", cells)):
+            (folder / f"{name}.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+        path = self.folder / "features.jsonl"
+        path.write_text("".join(json.dumps(line) + "\n" for line in features))
+        return folder, path
+
+    def run_command(self, *arguments) -> tuple[int, str, str]:
+        out, error = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
+            try:
+                status = command.main([str(argument) for argument in arguments])
+            except SystemExit as end:
+                status = end.code
+        return status, out.getvalue(), error.getvalue()
+
+    def test_set_up_counts_and_peers_are_told_apart(self):
+        folder, features = self.write_campaign()
+        found = read_outcomes([folder], features)
+        self.assertEqual((found.own, found.peers), (["auto", "pgs"], ["peer"]))
+        latency = found.table.groupby("solver").latency_s.median()
+        self.assertAlmostEqual(latency["auto"], 4e-5)
+        self.assertAlmostEqual(latency["pgs"], 2e-5)
+        self.assertAlmostEqual(latency["peer"], 2e-5)
+        made = record.make(found)
+        self.assertEqual({tuple(region["candidates"]) for region in made["regions"]}, {("pgs",)})
+        self.assertEqual({tuple(region["peers"]) for region in made["regions"]}, {("peer",)})
+
+    def test_the_file_says_where_it_comes_from_and_is_the_same_each_time(self):
+        folder, features = self.write_campaign()
+        outputs = [self.folder / "one.json", self.folder / "two.json"]
+        for output in outputs:
+            status, text, error = self.run_command(folder, "--features", features, "-o", output)
+            self.assertEqual((status, error), (0, ""))
+            self.assertIn("4 of 4 families pass", text)
+        self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
+        made = json.loads(outputs[0].read_text())
+        self.assertEqual((made["schema"], made["campaigns"][0]["commit"]), ("lcpbench-recommendation/1", "abc"))
+
+    def test_the_tables_of_a_campaign_without_its_cells_are_enough(self):
+        from lcpbench_report.statistics import tables
+        from lcpbench_report.statistics.load import load_campaign
+        folder, features = self.write_campaign()
+        from_cells = read_outcomes([folder], features).table
+        tables.write_tables(load_campaign(folder), folder / tables.FOLDER)
+        (folder / "cells.jsonl").unlink()
+        written = folder / tables.FOLDER / "cells.csv"
+        with gzip.open(f"{written}.gz", "wb") as archive:
+            archive.write(written.read_bytes())
+        written.unlink()
+        pd.testing.assert_frame_equal(read_outcomes([folder], features).table, from_cells)
+
+    def test_families_can_be_left_out(self):
+        folder, features = self.write_campaign()
+        output = self.folder / "rules.json"
+        self.assertEqual(self.run_command(folder, "--features", features, "--leave-out", "discs", "-o", output)[0], 0)
+        made = json.loads(output.read_text())
+        self.assertEqual((made["left_out"], made["evaluation"]), (["discs"], None))
+        self.assertEqual({region["families"] for region in made["regions"]}, {3})
+
+    def test_mistakes_are_one_line(self):
+        folder, features = self.write_campaign()
+        for arguments, expected in (
+                ((folder, "--features", self.folder / "none", "-o", "x"), "no such file"),
+                ((self.folder, "--features", features, "-o", "x"), "campaign.json: missing"),
+                ((folder, folder, "--features", features, "-o", "x"), "is in two"),
+                ((folder, "--features", features, "--leave-out", "cubes", "-o", "x"), "no problem of family 'cubes'")):
+            status, _, error = self.run_command(*arguments)
+            self.assertEqual((status, error.count("\n")), (2, 1), error)
+            self.assertIn(expected, error)
+        features.write_text(features.read_text().split("\n", 1)[1])
+        with self.assertRaisesRegex(ReportError, "no line for problem"):
+            read_outcomes([folder], features)
+
+
+if __name__ == "__main__":
+    unittest.main()
