@@ -45,6 +45,7 @@ Json ToJson(const CellVerdict& verdict) {
           {"at_floor", verdict.at_floor},
           {"false_success", verdict.false_success},
           {"false_infeasible", verdict.false_infeasible},
+          {"proved_infeasible", verdict.proved_infeasible},
           {"reason", verdict.reason}};
 }
 
@@ -56,6 +57,7 @@ CellVerdict VerdictFrom(const Json& json) {
   json.at("at_floor").get_to(verdict.at_floor);
   json.at("false_success").get_to(verdict.false_success);
   json.at("false_infeasible").get_to(verdict.false_infeasible);
+  json.at("proved_infeasible").get_to(verdict.proved_infeasible);
   json.at("reason").get_to(verdict.reason);
   return verdict;
 }

@@ -36,6 +36,7 @@ struct CellVerdict {
   bool at_floor = false;
   bool false_success = false;
   bool false_infeasible = false;
+  bool proved_infeasible = false;  ///< claimed infeasible, and the ray is accepted (verify.h)
   std::string reason;
 };
 

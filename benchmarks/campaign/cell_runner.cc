@@ -33,7 +33,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-CellVerdict Describe(const Verdict& verdict, double tier) {
+CellVerdict Describe(const Verdict& verdict, LcpStatus claim, double tier) {
   CellVerdict described;
   described.tier = tier;
   described.passes = verdict.passes;
@@ -41,6 +41,7 @@ CellVerdict Describe(const Verdict& verdict, double tier) {
   described.at_floor = verdict.at_floor;
   described.false_success = verdict.false_success;
   described.false_infeasible = verdict.false_infeasible;
+  described.proved_infeasible = claim == LcpStatus::kInfeasible && verdict.farkas && verdict.farkas->accepted;
   described.reason = verdict.reason;
   return described;
 }
@@ -229,7 +230,7 @@ CellReply CellRunner::Run(const CellRequest& request, const std::function<void(P
   for (const double tier : request.judged) {
     const Verdict verdict = Verify(given, result, tier, &reference_);
     passes = passes || verdict.passes;
-    reply.verdicts.push_back(Describe(verdict, tier));
+    reply.verdicts.push_back(Describe(verdict, result.status, tier));
     reply.metrics = Describe(verdict.metrics);
   }
   // Nothing wrong is timed again: a failure counts by what it is.

@@ -107,6 +107,7 @@ void Journal::Write(const ManifestEntry& problem, const PlannedCell& cell, int r
     line["at_floor"] = verdict.at_floor;
     line["false_success"] = verdict.false_success;
     line["false_infeasible"] = verdict.false_infeasible;
+    line["proved_infeasible"] = verdict.proved_infeasible;
     line["iterations"] = reply.iterations;
     line["reason"] = verdict.reason;
     line["detail"] = reply.detail;

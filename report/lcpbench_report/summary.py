@@ -180,7 +180,8 @@ def _robustness(inputs: Inputs) -> str:
     if cells.empty:
         return ""
     cells = cells[cells["tier"] == main_tier(inputs)]
-    verified = cells[cells["verdict"] == VERIFIED]["solver"].value_counts()
+    right = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool)
+    verified = cells[right]["solver"].value_counts()
     false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
     ranked = sorted(inputs.keys, key=lambda solver: (-verified.get(solver, 0), false.get(solver, 0)))[:3]
     parts = [f"`{solver}` {int(verified.get(solver, 0))}" for solver in ranked]

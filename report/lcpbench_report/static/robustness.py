@@ -7,7 +7,7 @@ from matplotlib.patches import Patch
 
 from .. import choice
 from ..inputs import Inputs
-from ..statistics.cells import EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..statistics.cells import EXCLUDED, FALSE_SUCCESS, VERIFIED
 from ..units import power
 from . import canvas
 
@@ -15,8 +15,7 @@ from . import canvas
 _CHANGE = re.compile(r"-n\d+-s\d+-(?P<change>[a-z-]+?)-[-+.\de]+$")
 
 
-_WORDS = {VERIFIED: "verified", FALSE_SUCCESS: "false success", EXCLUDED: "excluded",
-          FAILED + "infeasible": "called infeasible"}
+_WORDS = {VERIFIED: "verified", FALSE_SUCCESS: "false success", EXCLUDED: "excluded"}
 
 
 def kind_of(problem: str, family: str) -> str:
@@ -50,7 +49,7 @@ def _map(inputs: Inputs, cells: pd.DataFrame, kinds: list[str]):
     if not len(cells):
         return None
     verdicts = cells["verdict"].map(lambda verdict: _WORDS.get(verdict, "failed"))
-    verdicts[cells["false_infeasible"].astype(bool)] = "failed"
+    verdicts[cells["proved_infeasible"].astype(bool)] = "proved infeasible"
     counts = pd.crosstab([cells["solver"], pd.Series(kinds, index=cells.index, name="kind")], verdicts)
     of_problem = dict(zip(cells["problem"], kinds))
     names = list(dict.fromkeys(of_problem[name] for name in inputs.problems if name in of_problem))

@@ -23,7 +23,7 @@ _CONFIDENCE = 0.95
 LEAST_ROUNDS = 3  # for an interval of what differs between rounds
 
 COLUMNS = ["set", "counts", "family", "problem", "rows", "reference", "solver", "tier", "mode", "verdict", "excluded",
-           "claim", "passes", "at_floor", "false_success", "false_infeasible", "best_tier", "iterations", *METRICS,
+           "claim", "passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible", "best_tier", "iterations", *METRICS,
            "rounds", "rounds_changed", "rounds_disturbed", "repetitions", "setup_s", "convert_s", "first_s",
            "factor_share", "allocations_first", "allocations_later", *(f"solve_{level}" for level in _LEVELS),
            "solve_low", "solve_high", "time_s", "time_limit_s", "oracle_s", "oracle_ratio", "peak_bytes"]
@@ -90,11 +90,12 @@ def _row(campaign: Campaign, problem: str, solver: str, tier: float, mode: str, 
     if record["excluded"]:
         limit = campaign.time_limit(about["rows"])
         return row | {"claim": "", "passes": False, "at_floor": False, "false_success": False,
-                      "false_infeasible": False, "rounds_changed": 0, "rounds_disturbed": 0, "repetitions": 0,
+                      "false_infeasible": False, "proved_infeasible": False, "rounds_changed": 0, "rounds_disturbed": 0, "repetitions": 0,
                       "time_s": math.inf, "time_limit_s": limit, "oracle_ratio": math.inf if about["oracle_s"] else math.nan}
     times = [time for round_times in runs.times() for time in round_times]
     low, high = time_interval(runs.times())
     row |= {key: record[key] for key in ("claim", "passes", "at_floor", "false_success", "false_infeasible")}
+    row["proved_infeasible"] = record.get("proved_infeasible", False)  # older folders do not say
     row |= {key: _number(record[key]) for key in ("best_tier", "iterations", "peak_bytes")}
     row |= {metric: _number(record["metrics"].get(metric)) for metric in METRICS}
     row |= {"rounds_changed": runs.changed, "rounds_disturbed": len(runs.disturbed), "repetitions": len(times), "setup_s": _median(runs.setup_s),

@@ -31,7 +31,7 @@ _RUN = {"claim": "name", "passes": "boolean", "best_tier": "number?", "at_floor"
         "peak_bytes": "time?"}
 # What runners write since they observe the machine and the first solve; absent in older folders.
 _OBSERVED = {"first_s": "time?", "factor_s": "time?", "factor_of_s": "time?", "allocations": "object?",
-             "disturbance": "object?"}
+             "disturbance": "object?", "proved_infeasible": "boolean"}
 
 # (problem, solver, tier, mode)
 CellKey = tuple[str, str, float, str]

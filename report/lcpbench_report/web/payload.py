@@ -17,7 +17,7 @@ LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", EXCLUDED: "x", FAILED + "iteration
            FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
-FALSE_INFEASIBLE, OTHER, ABSENT = "q", "e", "."
+PROVED_INFEASIBLE, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "q", "e", "."
 # Key in the page -> column of statistics.cells; all packed as logarithms.
 NUMBERS = {"time": "solve_median", "setup": "setup_s", "first": "first_s", "iterations": "iterations", "rho": "rho",
            "backward": "backward_error", "werror": "w_error"}
@@ -73,7 +73,7 @@ def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
     for tier, of_tier in table.groupby("tier", sort=False):
         at = [index[name] for name in of_tier["problem"]]
         letters = np.full(len(index), ABSENT)
-        letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"])]
+        letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"], of_tier["proved_infeasible"])]
         verdicts[tier] = "".join(letters)
         packed = {key: pack(_spread_out(of_tier[column], at, len(index))) for key, column in NUMBERS.items()}
         half = (of_tier["solve_high"] - of_tier["solve_low"]) / 2 / of_tier["solve_median"]
@@ -90,7 +90,9 @@ def _key(tier: float) -> str:
     return f"{tier:.0e}"
 
 
-def _letter(verdict: str, false_infeasible: bool) -> str:
+def _letter(verdict: str, false_infeasible: bool, proved_infeasible: bool) -> str:
+    if proved_infeasible:
+        return PROVED_INFEASIBLE
     return FALSE_INFEASIBLE if false_infeasible else LETTERS.get(verdict, OTHER)
 
 
