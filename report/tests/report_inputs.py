@@ -4,8 +4,8 @@ import json
 from pathlib import Path
 
 from lcpbench_report.inputs import Inputs, load_inputs
-from synthetic import write_motion
 from synthetic_campaign import exclude, fail, write_campaign
+from synthetic_report import write_motion
 from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
 OWN = ("auto", "dantzig", "pgs")

@@ -24,7 +24,7 @@ from report_inputs import FAILING, all_inputs, write_problems, write_steps  # no
 
 FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
            "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
-           "motion-disc-pile-velocity", "motion-disc-track-acceleration"}
+           "motion-disc-pile-velocity"}
 TABLES = {"headline", "coverage", "means", "accuracy", "scaling", "sequences", "deadlines"}
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
