@@ -47,7 +47,8 @@ int Report(const ReportArguments& arguments) {
 
 void AddReportCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<ReportArguments>();
-  CLI::App* report = app.add_subcommand("report", "Makes a report of campaigns: an interactive page, figures, tables, a summary");
+  CLI::App* report =
+      app.add_subcommand("report", "Makes a report of campaigns: an interactive page, figures, tables, a summary");
   report->add_option("FOLDER", arguments->campaigns, "Written by lcpbench run")->required();
   report->add_option("-o,--output", arguments->output, "The page")->capture_default_str();
   report->add_option("--motion", arguments->motion, "Written by lcpbench motion: how solvers drive scenes");

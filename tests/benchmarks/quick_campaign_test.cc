@@ -134,6 +134,17 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_NE(coverage.find("counted"), std::string::npos) << coverage;
   EXPECT_EQ(coverage.find("engine"), std::string::npos) << coverage;
 
+  // All of it is one report.
+  const CommandOutcome report = Run("report " + Path("q") + " -o " + Path("report/index.html"));
+  ASSERT_EQ(report.status, 0) << report.error;
+  const std::string page = ReadFile(folder_ / "report/index.html");
+  for (const char* section : {"performance", "robustness", "sequences", "limitations"}) {
+    EXPECT_NE(page.find("<section id=\"" + std::string(section) + "\">"), std::string::npos) << section;
+  }
+  for (const char* file : {"summary.md", "tables/coverage.tex", "tables/latency.csv", "figures/coverage.svg"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder_ / "report" / file)) << file;
+  }
+
   // The folder is not overwritten, and goes on where it is asked to.
   EXPECT_EQ(Run(command).status, 2);
   const std::string before = ReadFile(folder_ / "q/cells.jsonl");
