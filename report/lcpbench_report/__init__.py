@@ -1,11 +1,13 @@
-"""The report of LCPBench: result files in, one self-contained HTML page out.
+"""The report of LCPBench: campaigns' folders in; a page, figures, tables and words out. It reads result files only
+(benchmarks/RESULTS.md), and every number comes from them.
 
-    load, timing   read and check the files                    (the only modules that touch the results folder)
-    cells          joins accuracy and timing                   (the only module that decides which time counts)
-    stats          performance profile, slope, geometric mean  (pure mathematics, no file or column names)
-    summary, tables, limitations                               (words and rows made from cells)
-    figures, svg, style, formats                               (how it looks)
-    page           puts it together with page.html.j2
-
-Every number on the page comes from the result files; benchmarks/RESULTS.md is their schema.
+    statistics                  reads a campaign, and the tables that `lcpbench analyse` writes
+    inputs, motion, csv_table   all that one report is made of
+    choice, decision            what is shown where not all can be; which solver to take, by one rule
+    summary, fairness           sentences made of the data
+    web                         the interactive page
+    static, markdown_*, headline_table    figures and tables for papers, summary.md, README's headline
+    style, formats              how solvers look, and numbers as text
+    archive                     campaigns that are kept with the source
+    recommendation, tuning      rules of `lcpbench recommend`, settings chosen by `lcpbench tune`
 """

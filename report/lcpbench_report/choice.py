@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pandas as pd
 
-from .inputs import Inputs
+from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import EXCLUDED
 from .statistics.groups import GROUP
 from .statistics.means import SHIFTS, penalised, shifted_geometric_mean
 from .style import library, method
 
-STANDARD, PATHOLOGICAL = "standard", "pathological"
+STANDARD = "standard"
 TIER = 1e-6  # that every solver here is meant for
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
 

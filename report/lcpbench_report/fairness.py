@@ -128,8 +128,8 @@ def _tiers(inputs: Inputs) -> list:
     drop = [solver for solver in inputs.keys
             if counts.get((solver, loose), 0) and
             counts.get((solver, strict), 0) < _TIER_DROP * counts.get((solver, loose), 0)]
-    return [("Loose methods at strict tiers", f"{formats.words(drop)} verify much less at {formats.tier(strict)} than at "
-             f"{formats.tier(loose)}: they are judged here at tiers that they are not built for too.")] if drop else []
+    return [("Loose methods at strict tiers", f"{formats.words(drop)} verify much less at {formats.power(strict)} than at "
+             f"{formats.power(loose)}: they are judged here at tiers that they are not built for too.")] if drop else []
 
 
 def _direct(inputs: Inputs) -> list:

@@ -5,7 +5,7 @@ import math
 from .errors import ReportError
 from .headline_table import Entry, Headline
 from .inputs import Inputs
-from .units import UNKNOWN, power, share_text, time_text
+from .formats import DASH, power, seconds, share
 
 BEGIN = "<!-- headline: written by report/headline.py -->"
 END = "<!-- end of headline -->"
@@ -47,12 +47,12 @@ def table(found: Headline) -> str:
 
 def cell(entry: Entry | None) -> str:
     if entry is None or entry.excluded == entry.problems:
-        return UNKNOWN
-    share = share_text(entry.verified, entry.problems)
+        return DASH
+    verified = share(entry.verified, entry.problems)
     if not math.isfinite(entry.time_s):
-        return f"✗ {share}"
-    time = f"**{time_text(entry.time_s)}**" if entry.best else time_text(entry.time_s)
-    return time if entry.verified == entry.problems else f"{time} · {share}"
+        return f"✗ {verified}"
+    time = f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
+    return time if entry.verified == entry.problems else f"{time} · {verified}"
 
 
 def render(inputs: Inputs, found: Headline) -> str:

@@ -7,7 +7,7 @@ import pandas as pd
 from . import choice, markdown_headline
 from .headline_table import headline
 from .inputs import Inputs
-from .units import UNKNOWN, power, share_text, time_text
+from .formats import DASH, power, seconds, share
 
 _MOST_SOLVERS = 25  # of a table
 
@@ -47,7 +47,7 @@ def _coverage(inputs: Inputs) -> list[str]:
     for solver in inputs.keys:
         found = [by.loc[(solver, tier)] if (solver, tier) in by.index else None for tier in tiers]
         if any(of is not None for of in found):
-            rows.append([f"`{solver}`", *(UNKNOWN if of is None else _cell(of) for of in found)])
+            rows.append([f"`{solver}`", *(DASH if of is None else _cell(of) for of in found)])
     return ["## Verified and false", "",
             "Share of the problems that are verified, and ✗ with the number of false successes: answers that a solver "
             "called solved and that are not.", "",
@@ -55,8 +55,8 @@ def _coverage(inputs: Inputs) -> list[str]:
 
 
 def _cell(of: pd.Series) -> str:
-    share = share_text(int(of["verified"]), int(of["problems"]))
-    return f"{share} · ✗ {int(of['false_successes'])}" if of["false_successes"] else share
+    verified = share(int(of["verified"]), int(of["problems"]))
+    return f"{verified} · ✗ {int(of['false_successes'])}" if of["false_successes"] else verified
 
 
 def _sequences(inputs: Inputs) -> list[str]:
@@ -69,9 +69,9 @@ def _sequences(inputs: Inputs) -> list[str]:
     for solver in inputs.keys:
         for _, of in chosen[chosen["solver"] == solver].iterrows():
             gain = of["warm_gain"]
-            rows.append([f"`{solver}`", share_text(int(of["verified"]), int(of["steps"])),
-                         *(time_text(of[level]) for level in ("p50", "p99", "max")),
-                         UNKNOWN if pd.isna(gain) else f"{gain:.2f}"])
+            rows.append([f"`{solver}`", share(int(of["verified"]), int(of["steps"])),
+                         *(seconds(of[level]) for level in ("p50", "p99", "max")),
+                         DASH if pd.isna(gain) else f"{gain:.2f}"])
     if not rows:
         return []
     return ["## Sequences of motions", "",

@@ -47,7 +47,7 @@ def summary(table: pd.DataFrame, solvers: list[str]) -> list[dict]:
             last = run.iloc[-1]
             rows.append({
                 "solver": solver, "first": not rows or rows[-1]["solver"] != solver,
-                "tolerance": formats.tier(tolerance), "time": f"{last['time']:.3g}",
+                "tolerance": formats.power(tolerance), "time": f"{last['time']:.3g}",
                 "energy": _number(run["energy_error"].max()), "penetration": _number(run["penetration"].max()),
                 "joint": _number(run["joint_error"].max()), "distance": _number(run["distance"].max()),
                 "per_step": formats.seconds(last["solve_time_s"] / max(1, last["step"])),

@@ -5,18 +5,13 @@ import math
 import pandas as pd
 
 from . import decision, formats
+from .choice import main_tier
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import FALSE_SUCCESS, VERIFIED
 from .statistics.groups import COUNTED
 
 MOST_LINES = 10
-_TIER = 1e-6  # that every solver here is meant for
 _MODE = "cold"
-
-
-def main_tier(inputs: Inputs) -> float:
-    """The tier nearest to 1e-6."""
-    return min(inputs.tiers, key=lambda tier: abs(math.log(tier / _TIER)), default=_TIER)
 
 
 def summary_lines(inputs: Inputs) -> list[str]:
@@ -50,7 +45,7 @@ def _what(inputs: Inputs) -> str:
     others = f" and {formats.plural(peers, 'setting')} of other projects' solvers" if peers else ""
     return (f"{formats.plural(len(inputs.own), 'solver')} of ours{others} on {len(inputs.problems)} problems of "
             f"{cells['family'].nunique()} families, {min(rows)} to {max(rows)} rows, at "
-            f"{formats.words([formats.tier(t) for t in inputs.tiers])}: {len(cells)} cells, each answer judged by one "
+            f"{formats.words([formats.power(t) for t in inputs.tiers])}: {len(cells)} cells, each answer judged by one "
             "verifier, each time a median of repetitions in several rounds.")
 
 
@@ -109,7 +104,7 @@ def _fastest(inputs: Inputs) -> str:
     pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["mode"] == _MODE)
                   & (pairs["a"] == first["solver"])]
     won = int((pairs["verdict"] == "A faster").sum())
-    return (f"Fastest over all sizes at {formats.tier(tier)}: `{first['solver']}`, shifted geometric mean "
+    return (f"Fastest over all sizes at {formats.power(tier)}: `{first['solver']}`, shifted geometric mean "
             f"{formats.seconds(first['mean'])} with failures at the time limit; next is `{second['solver']}` with "
             f"{formats.ratio(second['mean'] / first['mean'])} times as much. In pairwise tests, corrected for their "
             f"number, `{first['solver']}` is faster than {won} of {len(pairs)} others.")
@@ -164,7 +159,7 @@ def _accuracy(inputs: Inputs) -> str:
     enough = [solver for solver in inputs.keys if most.get(solver, 0) >= 0.95 * most.max()]
     best = min(enough, key=lambda solver: errors[solver])
     worst = max(enough, key=lambda solver: errors[solver])
-    return (f"Against proved answers ({proved['problem'].nunique()} problems, {formats.tier(tier)}) w of `{best}` is off "
+    return (f"Against proved answers ({proved['problem'].nunique()} problems, {formats.power(tier)}) w of `{best}` is off "
             f"by at most {formats.residual(errors[best])} in 99 of 100 verified answers, of `{worst}` by "
             f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
 
@@ -186,7 +181,7 @@ def _robustness(inputs: Inputs) -> str:
     ranked = sorted(inputs.keys, key=lambda solver: (-verified.get(solver, 0), false.get(solver, 0)))[:3]
     parts = [f"`{solver}` {int(verified.get(solver, 0))}" for solver in ranked]
     liars = sum(solver in false.index for solver in inputs.keys)
-    return (f"Of {cells['problem'].nunique()} problems meant to break something, at {formats.tier(main_tier(inputs))} "
+    return (f"Of {cells['problem'].nunique()} problems meant to break something, at {formats.power(main_tier(inputs))} "
             f"most are answered rightly (solved, or infeasible with a proof) by {', '.join(parts)}; {liars} of "
             f"{cells['solver'].nunique()} solvers claim a wrong answer at least once.")
 
@@ -204,7 +199,7 @@ def _sequences(inputs: Inputs) -> str:
     whole = [solver for solver in inputs.keys
              if (rows[rows["solver"] == solver]["verified_share"] == 1).any()]
     every = f"; all are verified of {_keys(whole)}" if whole else ""
-    return (f"Steps of motions, warm, asked for {formats.tier(best['tier'])}: the least 99th percentile has "
+    return (f"Steps of motions, warm, asked for {formats.power(best['tier'])}: the least 99th percentile has "
             f"`{best['solver']}`, {formats.seconds(best['p99'])} (median {formats.seconds(best['p50'])}, largest "
             f"{formats.seconds(best['max'])}), which verifies {best['verified_share']:.2%} of {int(best['steps'])}"
             f"{every}{gain}.")
@@ -223,7 +218,7 @@ def _motion(inputs: Inputs) -> str:
                                 ("other projects' solvers", last[~ours], worst[~worst["solver"].isin(inputs.own)])):
         if len(rows):
             ended = int((rows["stopped"] == "").sum())
-            parts.append(f"with {words} {ended} of {len(rows)} motions run to their end, and at {formats.tier(strict)} the "
+            parts.append(f"with {words} {ended} of {len(rows)} motions run to their end, and at {formats.power(strict)} the "
                          f"energy is off by {formats.residual(errors['energy_error'].median())} in the median and "
                          f"{formats.residual(errors['energy_error'].max())} at most (of the largest kinetic energy)")
     return f"Driven by a solver, {'; '.join(parts)}."

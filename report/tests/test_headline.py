@@ -16,7 +16,7 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import headline as script  # noqa: E402
-from lcpbench_report import choice, markdown_headline, markdown_summary, units  # noqa: E402
+from lcpbench_report import choice, formats, markdown_headline, markdown_summary  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.headline_table import headline  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
@@ -90,7 +90,7 @@ class Headline(unittest.TestCase):
     def test_excluded_columns_are_a_dash_and_never_bold(self):
         _, found = self.of(lambda record: exclude(record) if record["solver"] == FAILING and "-10-" in record["problem"]
                            else record)
-        self.assertEqual(markdown_headline.cell(found.rows[FAILING][0]), units.UNKNOWN)
+        self.assertEqual(markdown_headline.cell(found.rows[FAILING][0]), formats.DASH)
         self.assertNotIn(FAILING, self.best(found)[0])
 
     def test_pathological_problems_and_islands_do_not_count(self):
@@ -120,9 +120,9 @@ class Headline(unittest.TestCase):
         self.assertNotIn("()", markdown_headline.caption(bare, found))
 
     def test_a_share_below_all_is_never_shown_as_all(self):
-        self.assertEqual(units.share_text(999, 1000), "99\u202f%")
-        self.assertEqual(units.share_text(1000, 1000), "100\u202f%")
-        self.assertEqual(units.share_text(1, 1000), "<1\u202f%")
+        self.assertEqual(formats.share(999, 1000), "99\u202f%")
+        self.assertEqual(formats.share(1000, 1000), "100\u202f%")
+        self.assertEqual(formats.share(1, 1000), "<1\u202f%")
 
     def test_update_replaces_what_stands_between_the_markers_and_draws_the_figure(self):
         readme, figure = self.path / "README.md", self.path / "pictures" / "headline.svg"

@@ -6,7 +6,7 @@ from .. import choice
 from ..inputs import Inputs
 from ..statistics.cells import quantiles
 from ..style import solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 _LEAST = 1e-17  # smaller ones, and 0, are rounding; they stand at the axis' end

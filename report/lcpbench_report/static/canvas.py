@@ -13,7 +13,7 @@ from matplotlib.ticker import (FixedLocator, FuncFormatter, LogLocator, MaxNLoca
                                NullLocator)
 
 from ..style import ORACLE_COLOUR, SolverStyle  # noqa: E402
-from ..units import time_unit  # noqa: E402
+from ..formats import time_unit  # noqa: E402
 
 INK, GRID, FAINT, CONTEXT = "#1c2430", "#e3e7ec", "#5c6672", "#d3d9e0"
 COLUMN, PAGE = 3.5, 7.16  # widths of a column and of a page with two [in]

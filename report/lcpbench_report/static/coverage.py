@@ -4,7 +4,7 @@ from matplotlib.patches import Patch
 
 from .. import choice
 from ..inputs import Inputs
-from ..units import power
+from ..formats import power
 from . import canvas
 
 _COLUMNS = {"verified": "verified", "false success": "false_successes", "failed": "failed", "excluded": "excluded"}

@@ -9,7 +9,7 @@ import pandas as pd
 from .. import choice
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..units import time_unit
+from ..formats import time_unit
 from . import latex
 from .latex import count, escape, key, number, percent, power, scientific, spanning, tabular
 from .sequences import ALL

@@ -6,7 +6,7 @@ import pandas as pd
 from .. import choice
 from ..inputs import Inputs
 from ..style import SolverStyle, solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 _QUANTITIES = (("energy_error", "energy error, relative"), ("penetration", "deepest penetration so far [m]"))

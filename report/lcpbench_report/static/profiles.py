@@ -3,7 +3,7 @@
 from .. import choice
 from ..inputs import Inputs
 from ..style import solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 from .. import choice
 from ..inputs import Inputs
 from ..statistics.cells import EXCLUDED, FALSE_SUCCESS, VERIFIED
-from ..units import power
+from ..formats import power
 from . import canvas
 
 # family-n40-s1-mass-ratio-1e+08: the change of a problem is what it is meant to break.

@@ -5,7 +5,7 @@ import numpy as np
 from .. import choice
 from ..inputs import Inputs
 from ..style import solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 _BAND = 0.62  # height of the band of a solver's families

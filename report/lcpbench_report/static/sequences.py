@@ -7,7 +7,7 @@ import pandas as pd
 from .. import choice
 from ..inputs import Inputs
 from ..style import solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 ALL = "all"  # size of all sequences together

@@ -12,7 +12,7 @@ import pandas as pd
 from .. import choice
 from ..inputs import Inputs
 from ..style import ORACLE_COLOUR, SolverStyle, solver_styles
-from ..units import power
+from ..formats import power
 from . import canvas
 
 _COLUMNS = 4  # of the small multiples

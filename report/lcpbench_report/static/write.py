@@ -8,7 +8,7 @@ from pathlib import Path
 from .. import choice
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
-from ..units import power
+from ..formats import power
 from . import (accuracy, canvas, coverage, latex_tables, motion, precision, profiles, robustness, scaling, sequences,
                times)
 

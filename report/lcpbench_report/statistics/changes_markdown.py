@@ -80,7 +80,7 @@ def _speeds(changes: Changes, shown: int) -> list[str]:
             lines += ["No solver, nor a solver on a family.", ""]
             continue
         rows = [[f"`{row.solver}`", "all" if row.family == ALL_FAMILIES else f"`{row.family}`",
-                 row.set if row.set != COUNTED else "", row.mode, formats.tier(row.tier), row.problems,
+                 row.set if row.set != COUNTED else "", row.mode, formats.power(row.tier), row.problems,
                  _ratio(row), f"{row.quickest_ratio:.3f}",
                  f"{row.p:.1g}"] for row in table.itertuples()]
         lines += _table(["solver", "family", "set that does not count", "mode", "tier", "problems", "new / old",

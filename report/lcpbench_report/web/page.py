@@ -1,13 +1,12 @@
 """Puts the page together: data, tables and words into page.html.j2, with styles and scripts inline."""
 
 import json
-import math
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from .. import decision, formats, motion, plotly_bundle, summary
+from .. import choice, decision, formats, motion, plotly_bundle, summary
 from ..fairness import limitations
 from ..inputs import Inputs
 from ..style import solver_styles
@@ -30,7 +29,7 @@ def render(inputs: Inputs) -> str:
                               trim_blocks=True, lstrip_blocks=True)
     environment.filters["keys"] = keys
     environment.filters["seconds"] = formats.seconds
-    environment.filters["tier"] = formats.tier
+    environment.filters["tier"] = formats.power
     environment.filters["ratio"] = formats.ratio
     environment.filters["percent"] = formats.percent
     environment.filters["residual"] = formats.residual
@@ -42,8 +41,8 @@ def render(inputs: Inputs) -> str:
         "data": Markup(as_script(data)),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs),
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
-        "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, summary.main_tier(inputs)),
-        "decision_tiers": decision_tiers(inputs),
+        "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, choice.main_tier(inputs)),
+        "decision_tiers": choice.shown_tiers(inputs),
         "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs),
         "notes": inputs.notes,
     }
@@ -69,7 +68,7 @@ def shown(inputs: Inputs) -> list[str]:
     means = inputs.analysis.get("means")
     if means is None or means.empty:
         return chosen
-    tier = summary.main_tier(inputs)
+    tier = choice.main_tier(inputs)
     ranked = means[(means["unit"] == "s") & (means["tier"] == tier)].sort_values("mean")["solver"]
     libraries: dict[str, str] = {}
     for solver in ranked:
@@ -89,29 +88,21 @@ def _has(inputs: Inputs) -> dict[str, bool]:
 def _classes(inputs: Inputs) -> list[dict]:
     """Rows of the decision table: size and redundancy, a cell per tier of the three that are judged by default."""
     rows: dict[tuple, dict] = {}
-    tiers = decision_tiers(inputs)
-    for choice in decision.by_class(inputs):
-        if choice.tier not in tiers:
+    tiers = choice.shown_tiers(inputs)
+    for found in decision.by_class(inputs):
+        if found.tier not in tiers:
             continue
-        row = rows.setdefault((choice.rows, choice.redundant), {
-            "size": size_words(*choice.rows).replace(" rows", ""), "redundant": choice.redundant, "problems": choice.problems, "cells": {}})
-        row["cells"][choice.tier] = _cell(choice)
+        row = rows.setdefault((found.rows, found.redundant), {
+            "size": size_words(*found.rows).replace(" rows", ""), "redundant": found.redundant,
+            "problems": found.problems, "cells": {}})
+        row["cells"][found.tier] = _cell(found)
     return list(rows.values())
 
 
-def decision_tiers(inputs: Inputs) -> list[float]:
-    """At most three: of a campaign over every decade the outermost and the middle one."""
-    if len(inputs.tiers) <= 3:
-        return inputs.tiers
-    wanted = (1e-3, 1e-6, 1e-9)
-    found = [tier for tier in inputs.tiers if any(math.isclose(tier, w, rel_tol=1e-6) for w in wanted)]
-    return found or inputs.tiers[:3]
-
-
-def _cell(choice: decision.Choice) -> dict:
-    ranked = choice.own or choice.everyone
+def _cell(found: decision.Choice) -> dict:
+    ranked = found.own or found.everyone
     best = ranked[0]
-    peer = next((c for c in choice.everyone if not c.own), None)
+    peer = next((c for c in found.everyone if not c.own), None)
     return {"best": best, "next": ranked[1] if len(ranked) > 1 else None,
             "peer": peer if peer is not None and peer.mean < best.mean else None}
 
@@ -174,7 +165,7 @@ def _facts(info: dict) -> dict:
     manifests = ", ".join(f"{m['name']} {m['version']} ({m['sha256'][:12]}…)" for m in info.get("manifests", []))
     rounds = info.get("rounds", "?")
     campaign = [("Started", info.get("started", "not recorded")), ("Problems", manifests or formats.DASH),
-                ("Tiers", ", ".join(formats.tier(t) for t in info["tiers"]) + " on ρ"),
+                ("Tiers", ", ".join(formats.power(t) for t in info["tiers"]) + " on ρ"),
                 ("Rounds", f"{rounds} to {info.get('most_rounds', rounds)}, {info.get('repetitions', '?')} repetitions "
                            f"each; seed {info.get('seed', '?')}"),
                 ("Filter", info.get("filter") or "none")]
