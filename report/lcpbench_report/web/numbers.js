@@ -42,6 +42,14 @@ const KINDS = {
 
 const narrow = () => window.innerWidth < 700;
 
+/** A long title in two lines where the screen is narrow. */
+function titleOf(text) {
+  if (!narrow() || text.length < 36) return {text, standoff: 8};
+  const middle = text.length / 2, gaps = [...text.matchAll(/ /g)].map((found) => found.index);
+  const at = gaps.reduce((a, b) => Math.abs(a - middle) <= Math.abs(b - middle) ? a : b, 0);
+  return {text: at ? `${text.slice(0, at)}<br>${text.slice(at + 1)}` : text, standoff: 8};
+}
+
 /** A logarithmic axis with a tick for every power of ten, or for every other one where there are many. */
 function logAxis(title, kind, values, most = 8) {
   let low = Infinity, high = -Infinity;
@@ -63,12 +71,12 @@ function logAxis(title, kind, values, most = 8) {
     }
   }
   const word = (e) => Number.isInteger(e) ? KINDS[kind].tick(e) : KINDS[kind].words(10 ** e);
-  return {type: "log", title: {text: title, standoff: 8}, range: [from - room, to + room], tickvals: ticks.map((e) => 10 ** e),
+  return {type: "log", title: titleOf(title), range: [from - room, to + room], tickvals: ticks.map((e) => 10 ** e),
           ticktext: ticks.map(word), gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true};
 }
 
 function linearAxis(title, more = {}) {
-  return {title: {text: title, standoff: 8}, gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true, ...more};
+  return {title: titleOf(title), gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true, ...more};
 }
 
 function layoutOf(xaxis, yaxis, more = {}) {
