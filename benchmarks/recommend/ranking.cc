@@ -105,6 +105,7 @@ double Quantile(std::vector<double> values, double q) {
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,
                                          const RecommendationRequest& request) {
   std::vector<Assessment> ranked;
+  ranked.reserve(measurements.size());
   for (const Measurement& measured : measurements) ranked.push_back(Assess(measured, request));
   const auto key = [](const Assessment& each) {
     const double verified = each.meets ? 1 : each.verified;
