@@ -21,6 +21,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folders of campaigns")
     parser.add_argument("--motion", type=Path, metavar="DIR", help="a folder written by `lcpbench motion`")
     parser.add_argument("--precision", type=Path, metavar="DIR", help="a campaign of `--suite precision`")
+    parser.add_argument("--previous", type=Path, metavar="DIR", help="an earlier run of the first campaign: summary.md "
+                        "tells what changed")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.html", help="the page to write")
     options = parser.parse_args(arguments)
 
@@ -36,11 +38,22 @@ def main(arguments: list[str] | None = None) -> int:
         folder = options.output.parent
         folder.mkdir(parents=True, exist_ok=True)
         options.output.write_text(render(inputs), encoding="utf-8")
-        words = markdown_summary.render(inputs, summary.summary_lines(inputs))
+        changed = _changes(options.previous, options.campaigns[0]) if options.previous else ""
+        words = markdown_summary.render(inputs, summary.summary_lines(inputs), changed)
         (folder / "summary.md").write_text(words, encoding="utf-8")
         write_static(inputs, folder)
 
     return script.guarded("generate.py", act)
+
+
+def _changes(previous: Path, now: Path) -> str:
+    from lcpbench_report.statistics.changes import compare_campaigns
+    from lcpbench_report.statistics.changes_markdown import summary
+    from lcpbench_report.statistics.load import load_campaign
+
+    # Read anew: a report counts fewer problems than a comparison.
+    old, new = load_campaign(previous), load_campaign(now)
+    return summary(str(previous), old, str(now), new, compare_campaigns(old, new))
 
 
 if __name__ == "__main__":

@@ -12,8 +12,10 @@ from .formats import DASH, power, seconds, share
 _MOST_SOLVERS = 25  # of a table
 
 
-def render(inputs: Inputs, lines: list[str]) -> str:
-    """@param lines  what the report finds, a sentence each; they come first"""
+def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
+    """@param lines    what the report finds, a sentence each; they come first
+    @param changes  against an earlier run, in Markdown (statistics.changes_markdown)
+    """
     parts = ["# LCPBench: " + ", ".join(inputs.names), ""]
     parts += [f"- {line}" for line in lines] + [""] * bool(lines)
     if len(inputs.cells):
@@ -22,6 +24,7 @@ def render(inputs: Inputs, lines: list[str]) -> str:
     parts += _sequences(inputs)
     parts += _environment(inputs)
     parts += ["## Compared with an earlier run", "",
+              *([changes.replace("\n#", "\n##").replace("# ", "### ", 1)] if changes else []),
               "    lcpbench compare OLD NEW", "",
               "reads two campaign folders of one plan and tells what became slower, faster or wrong; its exit status is "
               "1 for a regression.", ""]

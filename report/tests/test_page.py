@@ -19,7 +19,8 @@ from lcpbench_report import plotly_bundle  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
 from lcpbench_report.web import encoding, page  # noqa: E402
-from synthetic_report import whole_inputs, write_all, write_steps  # noqa: E402
+from synthetic_campaign import Noise, write_campaign  # noqa: E402
+from synthetic_report import FACTORS, whole_inputs, write_all, write_steps  # noqa: E402
 
 # Plotly's script takes a second and says nothing here.
 NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
@@ -127,6 +128,18 @@ class Script(unittest.TestCase):
         self.assertLess(len(text.encode()), 10e6)
         self.assertIn("Licensed under the MIT license", text)
         self.assertEqual(text.count("</script>"), 3)
+
+    def test_the_summary_tells_what_changed_since_an_earlier_run(self):
+        slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
+        with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
+            old = write_campaign(Path(folder) / "old", FACTORS, noise=Noise(repetitions=5, rounds=3))
+            new = write_campaign(Path(folder) / "new", slower, noise=Noise(repetitions=5, rounds=3), run=1)
+            out = Path(folder) / "out" / "index.html"
+            self.assertEqual(generate.main([str(new), "--previous", str(old), "-o", str(out)]), 0)
+            text = (out.parent / "summary.md").read_text(encoding="utf-8")
+        part = text[text.index("## Compared with an earlier run"):]
+        self.assertRegex(part, r"(?m)^\| .*pgs.*\b(2\.0|1\.9)")
+        self.assertNotRegex(part, r"(?m)^# ")
 
     def test_a_missing_bundle_is_told_with_its_package(self):
         with self.assertRaisesRegex(ReportError, "python3-plotly"):
