@@ -17,7 +17,7 @@ _MODE = "cold"
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
     rules = (_what, _coverage, _false_successes, _fastest, _by_size, _peers, _accuracy, _robustness, _sequences,
-             _scaling, _motion)
+             _motion, _scaling)
     lines = [line for rule in rules if (line := rule(inputs))]
     return lines[:MOST_LINES]
 
