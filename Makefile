@@ -87,10 +87,10 @@ report: run
 	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html"
 
-# The committed results, report/reference/: the report with figures and tables, and what of it is committed beside them.
+# The report of the committed results; what of it is committed beside them is its summary, and README's headline.
 reference-report: deps
 	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) -o build/reference/index.html
-	@cp build/reference/index.html build/reference/summary.md report/reference/
+	@cp build/reference/summary.md report/reference/
 	@$(PYTHON) report/headline.py report/reference/standard --update README.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/sequence_cell.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/progress.h"
@@ -64,13 +65,6 @@ struct Entrant {
   std::vector<std::vector<double>> all;
 };
 
-double Median(std::vector<double> values) {
-  if (values.empty()) return kInfinity;
-  std::sort(values.begin(), values.end());
-  const size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : (values[middle - 1] + values[middle]) / 2;
-}
-
 class Study {
  public:
   Study(const MeasurementPlan& plan, const ProblemSteps& steps, const std::string& file, const std::string& hash)
@@ -116,7 +110,8 @@ class Study {
     std::vector<Measurement> measurements;
     for (Entrant& entrant : entrants_) {
       for (size_t step = 0; step < entrant.all.size(); ++step) {
-        entrant.found.latency_s.push_back(Median(entrant.calm[step].empty() ? entrant.all[step] : entrant.calm[step]));
+        const std::vector<double>& times = entrant.calm[step].empty() ? entrant.all[step] : entrant.calm[step];
+        entrant.found.latency_s.push_back(times.empty() ? kInfinity : MedianOf(times));
       }
       measurements.push_back(std::move(entrant.found));
     }

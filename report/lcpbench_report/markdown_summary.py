@@ -1,13 +1,14 @@
-"""A report in one page of Markdown, for logs of builds and for messages."""
-
-import math
+"""A report in Markdown: for logs of builds, for messages, and to be kept with the source."""
 
 import pandas as pd
 
-from . import choice, markdown_headline
+from . import choice, decision, markdown_headline
+from .fairness import limitations
+from .formats import DASH, power, ratio, seconds, share
 from .headline_table import headline
 from .inputs import Inputs
-from .formats import DASH, power, seconds, share
+from .statistics.cells import FALSE_SUCCESS, VERIFIED
+from .summary import pathological, size_words
 
 _MOST_SOLVERS = 25  # of a table
 
@@ -19,10 +20,14 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
     parts = ["# LCPBench: " + ", ".join(inputs.names), ""]
     parts += [f"- {line}" for line in lines] + [""] * bool(lines)
     if len(inputs.cells):
+        parts += _choices(inputs)
         parts += ["## Times", "", markdown_headline.render(inputs, headline(inputs))]
         parts += _coverage(inputs)
+        parts += _robustness(inputs)
     parts += _sequences(inputs)
     parts += _environment(inputs)
+    parts += ["## Limitations that affect fairness", "",
+              *(f"- **{subject}.** {sentence}" for subject, sentence in limitations(inputs)), ""]
     parts += ["## Compared with an earlier run", "",
               *([changes.replace("\n#", "\n##").replace("# ", "### ", 1)] if changes else []),
               "    lcpbench compare OLD NEW", "",
@@ -62,12 +67,46 @@ def _cell(of: pd.Series) -> str:
     return f"{verified} · ✗ {int(of['false_successes'])}" if of["false_successes"] else verified
 
 
-def _sequences(inputs: Inputs) -> list[str]:
-    table = inputs.analysis.get("latency_by_solver")
-    if table is None or not len(table):
+def _choices(inputs: Inputs) -> list[str]:
+    """The rule of decision.py, by size and redundancy."""
+    tiers = choice.shown_tiers(inputs)
+    rows: dict[tuple, dict[float, str]] = {}
+    for found in decision.by_class(inputs):
+        ranked = found.own or found.everyone
+        second = f"; next `{ranked[1].solver}` {ratio(ranked[1].mean / ranked[0].mean)}×" if ranked[1:] else ""
+        rows.setdefault((found.rows, found.redundant), {})[found.tier] = (
+            f"`{ranked[0].solver}` {seconds(ranked[0].mean)}{second}")
+    if not rows:
         return []
-    tier = min(set(table["tier"]), key=lambda t: abs(math.log10(t / choice.TIER)))
-    chosen = table[(table["size"].astype(str) == "all") & (table["tier"] == tier) & (table["mode"] == "warm")]
+    return ["## Which backend", "",
+            "Of our solvers that verify nearly as much as any (99 % of the most), the one with the least geometric mean of "
+            "times, failures entered with the time limit. Redundant: rows of A depend on each other.", "",
+            *_table(["rows", "redundant", *(f"tier {power(tier)}" for tier in tiers)],
+                    [[size_words(*rows_of).replace(" rows", ""), "yes" if redundant else "no", *(cells.get(tier, DASH) for tier in tiers)]
+                     for (rows_of, redundant), cells in rows.items()])]
+
+
+def _robustness(inputs: Inputs) -> list[str]:
+    cells = pathological(inputs)
+    cells = cells[cells["tier"] == choice.main_tier(inputs)]
+    if cells.empty:
+        return []
+    rows = []
+    for solver in inputs.keys:
+        mine = cells[cells["solver"] == solver]
+        if len(mine):
+            rows.append([f"`{solver}`", str(int((mine["verdict"] == VERIFIED).sum())),
+                         str(int(mine["proved_infeasible"].astype(bool).sum())),
+                         str(int((mine["verdict"] == FALSE_SUCCESS).sum())), str(int((mine["excluded"] != "").sum()))])
+    return ["## Problems that are meant to break something", "",
+            f"{cells['problem'].nunique()} problems at tier {power(choice.main_tier(inputs))}; what is missing to that "
+            "number failed honestly.", "",
+            *_table(["solver", "verified", "proved infeasible", "false successes", "excluded"], rows)]
+
+
+def _sequences(inputs: Inputs) -> list[str]:
+    tier = choice.main_tier(inputs)
+    chosen = decision.warm_passes(inputs, tier)
     rows = []
     for solver in inputs.keys:
         for _, of in chosen[chosen["solver"] == solver].iterrows():

@@ -54,11 +54,6 @@ class SolverStyle:
         return MARKER_PATHS[self.marker]
 
     @property
-    def dash_array(self) -> str:
-        """For SVG; '' is solid."""
-        return "" if self.dash == _SOLID else " ".join(map(str, self.dash[1]))
-
-    @property
     def plotly_symbol(self) -> str:
         """The marker's name in Plotly; peers' are hollow."""
         return _PLOTLY_SYMBOLS[self.marker] + ("" if self.own else "-open")
@@ -67,13 +62,6 @@ class SolverStyle:
     def plotly_dash(self) -> str:
         """The dash in Plotly's notation, lengths in pixels of a line 1.4 px wide."""
         return "solid" if self.dash == _SOLID else ",".join(f"{1.4 * length:g}px" for length in self.dash[1])
-
-
-def level_colours(count: int) -> list[str]:
-    """Backgrounds for `count` tiers, the strictest (first) the strongest; dark text reads on all of them."""
-    strong, faint = (0x9E, 0xC9, 0xE8), (0xE9, 0xF3, 0xFA)
-    shares = [i / max(count - 1, 1) for i in range(count)]
-    return ["#" + "".join(f"{round(a + (b - a) * share):02x}" for a, b in zip(strong, faint)) for share in shares]
 
 
 def library(entry: dict) -> str:

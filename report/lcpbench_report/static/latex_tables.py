@@ -82,24 +82,21 @@ def _per_tier(inputs: Inputs, name: str):
     return table, tiers, _in_order(inputs, table)
 
 
+def _rows(table: pd.DataFrame, tiers: list[float], solvers: list[str], cells) -> list[list[str]]:
+    """@param cells  three words from a row of the table"""
+    by = table.set_index(["solver", "tier"])
+    return [[key(solver), *(word for tier in tiers for word in (
+        cells(by.loc[(solver, tier)]) if (solver, tier) in by.index else [latex.DASH] * 3))] for solver in solvers]
+
+
 def _coverage(inputs: Inputs) -> str | None:
     """Of all problems that count: per cent verified, per cent excluded, number of false successes."""
     found = _per_tier(inputs, "coverage")
     if found is None:
         return None
     table, tiers, solvers = found
-    by = table.set_index(["solver", "tier"])
-    rows = []
-    for solver in solvers:
-        row = [key(solver)]
-        for tier in tiers:
-            if (solver, tier) not in by.index:
-                row += [latex.DASH] * 3
-                continue
-            of = by.loc[(solver, tier)]
-            row += [percent(of["verified"], of["problems"]), percent(of["excluded"], of["problems"]),
-                    count(of["false_successes"])]
-        rows.append(row)
+    rows = _rows(table, tiers, solvers, lambda of: [
+        percent(of["verified"], of["problems"]), percent(of["excluded"], of["problems"]), count(of["false_successes"])])
     header = spanning([f"tier ${power(tier)}$" for tier in tiers], 3)
     header.append(" & ".join(["solver", *[r"verified [\%]", r"excl. [\%]", "false"] * len(tiers)]) + r" \\")
     return tabular("l" + "rrr" * len(tiers), header, rows, "footnotesize")
@@ -112,18 +109,9 @@ def _means(inputs: Inputs) -> str | None:
         return None
     table, tiers, solvers = found
     table = table[table["unit"] == "s"]
-    by = table.set_index(["solver", "tier"])
-    rows = []
-    for solver in solvers:
-        row = [key(solver)]
-        for tier in tiers:
-            if (solver, tier) not in by.index:
-                row += [latex.DASH] * 3
-                continue
-            of = by.loc[(solver, tier)]
-            row += [number(1e3 * of["mean"]), f"[{number(1e3 * of['mean_low'])}, {number(1e3 * of['mean_high'])}]",
-                    number(of["over_best"])]
-        rows.append(row)
+    rows = _rows(table, tiers, solvers, lambda of: [
+        number(1e3 * of["mean"]), f"[{number(1e3 * of['mean_low'])}, {number(1e3 * of['mean_high'])}]",
+        number(of["over_best"])])
     shift = f"{1e3 * float(table['shift'].iloc[0]):g}"
     header = spanning([f"tier ${power(tier)}$, shift {shift} ms" for tier in tiers], 3)
     header.append(" & ".join(["solver", *["mean [ms]", r"95\,\%", "ratio"] * len(tiers)]) + r" \\")

@@ -57,7 +57,7 @@ def _problems(inputs: Inputs, names: list[str]) -> dict:
     found = {"name": names, "families": families, "family": [families.index(record["family"]) for record in about],
              "sets": sets, "set": [sets.index(record["set"]) for record in about],
              "counts": [int(record["counts"]) for record in about], "rows": [record["rows"] for record in about],
-             "reference": [record["reference"] for record in about], "oracle": pack(_column(about, "oracle_s"))}
+             "oracle": pack(_column(about, "oracle_s"))}
     for key in ("redundancy", "mass_ratio", "condition", "fraction_active"):
         found[key] = pack(_column(about, key))
     return found
