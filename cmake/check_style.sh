@@ -1,16 +1,9 @@
 #!/bin/sh
-# Formatting of every C and C++ file, lint of every compiled one, and the documentation of public headers. Needs a configured and built tree (its generated headers).
+# Formatting of every C and C++ file, include directions, the documentation of public headers, and (last, it takes by
+# far the longest) lint of every compiled file. Needs a configured and built tree (its generated headers).
 set -eu
 build=$1
 git ls-files '*.h' '*.cc' '*.c' | xargs clang-format --dry-run -Werror
-# clang does not know every option of GCC.
-mkdir -p build/lint
-sed 's/ -fno-tree-loop-distribute-patterns//' "$build/compile_commands.json" > build/lint/compile_commands.json
-git ls-files 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' |
-  xargs -P "$(nproc)" -n 2 clang-tidy -p build/lint --quiet --extra-arg=-Wno-unknown-warning-option 2> build/clang-tidy.log || {
-  echo "clang-tidy found something (see above)" >&2
-  exit 1
-}
 if git grep -nE '#include "(model|benchmarks|tests)/' -- solvers; then
   echo "solvers/ must not include model/, benchmarks/ or tests/" >&2
   exit 1
@@ -23,4 +16,12 @@ if ! cmake --build "$build" --target doc > build/doc.log 2>&1; then
   cat build/doc.log >&2
   exit 1
 fi
+# clang does not know every option of GCC.
+mkdir -p build/lint
+sed 's/ -fno-tree-loop-distribute-patterns//' "$build/compile_commands.json" > build/lint/compile_commands.json
+git ls-files 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' |
+  xargs -P "$(nproc)" -n 2 clang-tidy -p build/lint --quiet --extra-arg=-Wno-unknown-warning-option 2> build/clang-tidy.log || {
+  echo "clang-tidy found something (see above)" >&2
+  exit 1
+}
 echo "formatting, lint, documentation and include directions are clean"
