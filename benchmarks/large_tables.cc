@@ -8,6 +8,7 @@
 #include <tuple>
 #include <utility>
 
+#include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/csv.h"
 #include "benchmarks/growth_report.h"
 
@@ -27,16 +28,10 @@ std::string Shown(const char* format, double value) { return value < 0 ? "-" : F
 
 std::string Cell(double value) { return value < 0 ? "" : CsvWriter::Cell(value); }
 
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
 // "median (most)"
 std::string MedianAndMost(const std::vector<double>& values) {
   if (values.empty()) return "-";
-  return Format("%.3g (%.3g)", Median(values), *std::max_element(values.begin(), values.end()));
+  return Format("%.3g (%.3g)", MedianOf(values), *std::max_element(values.begin(), values.end()));
 }
 
 std::vector<int> Sizes(const std::vector<LargeRow>& rows) {
@@ -216,7 +211,7 @@ std::string ExponentTable(const std::vector<LargeRow>& rows, const std::vector<s
           all_verified = all_verified && row.outcome.verified;
           times.push_back(row.total_s());
         }
-        if (all_verified && !times.empty()) series.points.push_back({static_cast<double>(size), Median(times)});
+        if (all_verified && !times.empty()) series.points.push_back({static_cast<double>(size), MedianOf(times)});
       }
       lines.back().push_back(series.points.size() > 1 ? Format("%.2f", series.Exponent()) : "-");
     }
@@ -283,7 +278,7 @@ std::string MassTable(const std::vector<LargeRow>& rows, const std::vector<std::
           }
           if (all == 0) continue;
           const auto median = [](const char* format, const std::vector<double>& values) {
-            return values.empty() ? std::string("-") : Format(format, Median(values));
+            return values.empty() ? std::string("-") : Format(format, MedianOf(values));
           };
           lines.push_back({solver, family, std::to_string(size), Format("%g", ratio), Format("%d/%d", verified, all),
                            Format("%d/%d", at_floor, all), median("%.0f", iterations), median("%.1e", rho),

@@ -6,6 +6,8 @@ Figures and tables for papers.
 import gzip
 import io
 import re
+import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -127,6 +129,22 @@ class Static(unittest.TestCase):
             plain = text.replace(r"\{", "").replace(r"\}", "")
             self.assertEqual(plain.count("{"), plain.count("}"), name)
             self.assertTrue(text.isascii(), name)
+
+    @unittest.skipUnless(shutil.which("pdflatex"), "no LaTeX here (texlive-latex-recommended has what it takes)")
+    def test_latex_sets_every_table_within_the_page(self):
+        tables = [path for path in self.written if path.suffix == ".tex"]
+        folder = self.path / "latex"
+        folder.mkdir(exist_ok=True)
+        lines = [r"\documentclass[twocolumn]{article}", r"\usepackage{booktabs}", r"\usepackage{textcomp}",
+                 r"\usepackage[a4paper, margin=2cm]{geometry}", r"\begin{document}"]
+        lines += [rf"\begin{{table*}}\centering\input{{{path}}}\end{{table*}}\clearpage" for path in tables]
+        (folder / "all.tex").write_text("\n".join([*lines, r"\end{document}"]), encoding="utf-8")
+        found = subprocess.run(["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "all.tex"], cwd=folder,
+                               capture_output=True, text=True, errors="replace", check=False)
+        self.assertEqual(found.returncode, 0, found.stdout[-2000:])
+        log = (folder / "all.log").read_text(encoding="utf-8", errors="replace")
+        self.assertNotIn("Overfull", log)
+        self.assertIn(f"({len(tables)} pages", log)
 
     def test_false_successes_are_told_in_latex(self):
         text = (self.path / "out/tables/coverage.tex").read_text(encoding="utf-8")

@@ -64,7 +64,7 @@ def tabular(align: str, header: Iterable[str], rows: Iterable[Iterable[str]], si
     @param header  finished lines, \\cmidrule among them; those of cells end with \\\\
     @param rows    cells, escaped
     """
-    lines = [rf"\begin{{{size}}}", r"\setlength{\tabcolsep}{4pt}", rf"\begin{{tabular}}{{@{{}}{align}@{{}}}}",
+    lines = [rf"\begin{{{size}}}", r"\setlength{\tabcolsep}{3pt}", rf"\begin{{tabular}}{{@{{}}{align}@{{}}}}",
              r"\toprule", *header, r"\midrule"]
     lines += [" & ".join(row) + r" \\" for row in rows]
     lines += [r"\bottomrule", r"\end{tabular}", rf"\end{{{size}}}"]
