@@ -49,7 +49,10 @@ class Archive(unittest.TestCase):
         self.assertEqual(sorted(before), sorted(after))
         for key, runs in before.items():
             for index, once in runs.rounds.items():
-                self.assertEqual(list(once.latency()), list(after[key].rounds[index].latency()))
+                kept = after[key].rounds[index].latency()
+                self.assertEqual(len(kept), len(once.latency()))
+                # Set-up and solve, each to three digits.
+                self.assertLess(abs(kept / once.latency() - 1).max(), 6e-3)
 
     def test_motions_are_kept_as_they_are(self):
         folder = write_motion(self.root / "motion")
