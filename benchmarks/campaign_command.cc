@@ -181,7 +181,8 @@ int RunCampaignCommand(CampaignArguments arguments) {
     for (const std::string& name : CampaignCells(plan, options)) std::cout << name << '\n';
     return 0;
   }
-  TellWhatIsMissing(plan);
+  // Not before: of a user's mistake there is one line only.
+  options.on_start = [&plan] { TellWhatIsMissing(plan); };
   const int status = RunCampaign(plan, options);
   if (!arguments.benchmark_json.empty()) WriteBenchmarkJson(options.folder, arguments.benchmark_json);
   std::cout << "results: " << options.folder << (status == 0 ? "" : " (interrupted; --resume goes on)") << std::endl;

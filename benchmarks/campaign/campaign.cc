@@ -274,6 +274,7 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests));
   Campaign campaign(plan, options, manifests, environment);
+  if (options.on_start) options.on_start();
   std::vector<std::vector<bool>> wanted;
   wanted.reserve(manifests.size());
   for (const Manifest& manifest : manifests) wanted.emplace_back(manifest.problems.size(), false);

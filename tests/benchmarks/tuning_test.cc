@@ -167,10 +167,12 @@ TEST_F(TunedSettings, TuneTellsMistakesInItsSpace) {
 
 // The whole way, small: what tune writes, run takes.
 TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
-  const CommandOutcome outcome =
-      Run("tune --solvers lemke,bullet-lemke --budget 2 --sizes 12 --problem-seed 77 --rounds 1 --repetitions 2 "
-          "--folder " +
-          Path("t") + " -o " + Path("tuned.json"));
+  // A peer without settings, where there is one, is left out.
+  const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
+  const CommandOutcome outcome = Run("tune --solvers lemke" + peer +
+                                     " --budget 2 --sizes 12 --problem-seed 77 --rounds 1 --repetitions 2 "
+                                     "--folder " +
+                                     Path("t") + " -o " + Path("tuned.json"));
   ASSERT_EQ(outcome.status, 0) << outcome.error;
   const auto tuned = nlohmann::json::parse(ReadFile(folder_ / "tuned.json"));
   EXPECT_EQ(tuned["budget"], 2);
