@@ -23,11 +23,10 @@ _FILES: dict[str, Callable[[dict], tuple] | None] = {
     "cells.jsonl": lambda cell: (cell["problem"], cell["solver"], -cell["tier"], cell["mode"], cell["round"]),
     _STEP_FILE: lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]),
 }
-# Significant digits: 0.05 % of a time is far below what rounds differ by, a residual's magnitude is what counts, and a
-# single step is timed once, where the clock itself has hardly more than two digits in a microsecond.
-_TIME_DIGITS = 4
-_DIGITS = 3
-_STEP_TIME_DIGITS = 3
+# Significant digits of times and of other numbers: 0.05 % of a time is far below what rounds differ by, a residual's
+# magnitude is what counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
+_CELL_DIGITS = (4, 3)
+_STEP_DIGITS = (3, 2)
 _AS_IT_IS = ("tier", "deadline_s", "time_limit_s")
 
 
@@ -50,9 +49,9 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
         if not (folder / name).is_file():
             continue
         lines = []
-        time_digits = _STEP_TIME_DIGITS if name == _STEP_FILE else _TIME_DIGITS
+        digits = _STEP_DIGITS if name == _STEP_FILE else _CELL_DIGITS
         for _, line in read_lines(folder / name, lambda note: None):
-            text = json.dumps(_rounded(line, time_digits), separators=(",", ":"))
+            text = json.dumps(_rounded(line, *digits), separators=(",", ":"))
             lines.append((order(line) if order else (), text))
         if order:
             lines.sort()
@@ -63,13 +62,12 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
     return written
 
 
-def _rounded(value: object, time_digits: int, key: str = "") -> object:
+def _rounded(value: object, time_digits: int, digits: int, key: str = "") -> object:
     """The same with short numbers; a number > 0 stays one."""
     if isinstance(value, float) and key not in _AS_IT_IS:
-        digits = time_digits if key.endswith("_s") else _DIGITS
-        return float(f"{value:.{digits - 1}e}")
+        return float(f"{value:.{(time_digits if key.endswith('_s') else digits) - 1}e}")
     if isinstance(value, list):
-        return [_rounded(entry, time_digits, key) for entry in value]
+        return [_rounded(entry, time_digits, digits, key) for entry in value]
     if isinstance(value, dict):
-        return {name: _rounded(entry, time_digits, name) for name, entry in value.items()}
+        return {name: _rounded(entry, time_digits, digits, name) for name, entry in value.items()}
     return value

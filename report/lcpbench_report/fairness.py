@@ -12,7 +12,7 @@ _UNCERTAIN = 0.1
 
 def limitations(inputs: Inputs) -> list[tuple[str, str]]:
     """[(subject, sentences)]"""
-    rules = (_machine, _builds, _noise, _rounds, _limit, _excluded, _unavailable, _tiers, _direct, _floor, _setup,
+    rules = (_machine, _builds, _noise, _rounds, _limit, _excluded, _unavailable, _tiers, _direct, _floor, _setup, _steps,
              _processes, _sets, _deadlines, _scope)
     return [line for rule in rules for line in rule(inputs)]
 
@@ -154,6 +154,20 @@ def _processes(inputs: Inputs) -> list:
     return [("Other projects' solvers", "They run in worker processes and time themselves there, without conversions; "
              "their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
              "problems, one rule for all (solvers/peers/tier_settings.h). Their authors were not asked.")] if peers else []
+
+
+def latency_note(inputs: Inputs) -> str:
+    """What the latency of other projects' solvers leaves out; empty without any."""
+    table = inputs.analysis.get("latency_by_solver")
+    if table is None or set(table["solver"]) <= set(inputs.own):
+        return ""
+    return ("The latency of other projects' solvers has no set-up, in which A is formed for them: it is measured across "
+            "processes, where no engine has it. Ours has. The solve alone compares both.")
+
+
+def _steps(inputs: Inputs) -> list:
+    text = latency_note(inputs)
+    return [("Latency of steps", text)] if text else []
 
 
 def _sets(inputs: Inputs) -> list:

@@ -3,7 +3,7 @@
 import pandas as pd
 
 from . import choice, decision, markdown_headline
-from .fairness import limitations
+from .fairness import latency_note, limitations
 from .formats import DASH, power, ratio, seconds, share
 from .headline_table import headline
 from .inputs import Inputs
@@ -112,14 +112,15 @@ def _sequences(inputs: Inputs) -> list[str]:
         for _, of in chosen[chosen["solver"] == solver].iterrows():
             gain = of["warm_gain"]
             rows.append([f"`{solver}`", share(int(of["verified"]), int(of["steps"])),
-                         *(seconds(of[level]) for level in ("p50", "p99", "max")),
+                         *(seconds(of[level]) for level in ("p50", "p99", "max", "solve_p50", "solve_p99")),
                          DASH if pd.isna(gain) else f"{gain:.2f}"])
     if not rows:
         return []
     return ["## Sequences of motions", "",
             f"Latency of a step from a warm start (set-up and solve) at tier {power(tier)}, and by how much a cold "
-            "start takes longer.", "", *_table(["solver", "verified", "median", "99 %", "largest", "cold over warm"],
-                                        rows[:_MOST_SOLVERS])]
+            f"start takes longer. {latency_note(inputs)}".rstrip(), "",
+            *_table(["solver", "verified", "median", "99 %", "largest", "solve, median", "solve, 99 %", "cold over warm"],
+                    rows[:_MOST_SOLVERS])]
 
 
 def _environment(inputs: Inputs) -> list[str]:

@@ -45,13 +45,15 @@ def write_cells(folder: Path) -> Path:
 
 
 def write_steps(folder: Path) -> Path:
-    """`quick` gains by warm starts, `peer` misses a step of every deadline."""
+    """`auto` gains by warm starts, `pgs` misses a step of the deadline; the peer's set-up is across processes."""
     passes = []
     for name, _ in SEQUENCES:
         for solver, cold, warm in (("auto", 2e-5, 1e-5), ("pgs", 8e-5, 6e-5)):
             passes += [one_pass(name, solver, "cold", [cold] * STEPS), one_pass(name, solver, "warm", [warm] * STEPS),
                        one_pass(name, solver, "deadline-1ms", [warm] * STEPS, failed=[3] if solver == "pgs" else [])]
-    return write_sequences(folder, passes, solvers=(("auto", "own"), ("pgs", "own")))
+        passes += [one_pass(name, "ode-dantzig", mode, [3e-5] * STEPS, setup_s=1e-3, convert_s=1e-6)
+                   for mode in ("cold", "warm")]
+    return write_sequences(folder, passes, solvers=(("auto", "own"), ("pgs", "own"), ("ode-dantzig", "peer")))
 
 
 def write_motion(folder: Path) -> Path:

@@ -100,6 +100,15 @@ class WholeReport(unittest.TestCase):
         self.assertIn("-march=native", found["Compiler flags"])
         self.assertNotIn("Uncommitted changes", found)
         self.assertNotIn("Direct methods", found)
+        self.assertIn("no set-up", found["Latency of steps"])
+
+    def test_where_all_solvers_are_ours_nothing_is_said_of_the_latency_of_others(self):
+        of_peers = self.inputs.analysis["latency_by_solver"]
+        try:
+            self.inputs.analysis["latency_by_solver"] = of_peers[of_peers["solver"] != "ode-dantzig"]
+            self.assertEqual(fairness.latency_note(self.inputs), "")
+        finally:
+            self.inputs.analysis["latency_by_solver"] = of_peers
 
 
 class Folders(unittest.TestCase):

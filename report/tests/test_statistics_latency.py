@@ -64,6 +64,13 @@ class StepTables(unittest.TestCase):
         row = latency_table(self.load([line])).iloc[0]
         np.testing.assert_allclose(row[["p50", "max", "convert_p50"]].tolist(), [56e-6, 106e-6, 5e-6])
 
+    def test_the_solve_alone_compares_those_with_set_up_and_those_without(self):
+        for setup, convert, whole in ((2e-6, None, 53e-6), (1.0, 5e-6, 56e-6)):
+            row = latency_by_solver_table(self.load([one_pass("pile-12", "peer", "cold", RISING, setup_s=setup,
+                                                              convert_s=convert)])).iloc[0]
+            np.testing.assert_allclose(row[["p50", "solve_p50", "solve_p99", "solve_max"]].tolist(),
+                                       [whole, 51e-6, 100e-6, 101e-6])
+
     def test_steps_that_were_not_reached_take_for_ever(self):
         row = latency_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
         self.assertEqual((row["outcome"], row["verified"]), ("budget", 60))

@@ -7,7 +7,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from .. import choice, decision, formats, motion, plotly_bundle, summary
-from ..fairness import limitations
+from ..fairness import latency_note, limitations
 from ..inputs import Inputs
 from ..style import solver_styles
 from ..summary import pathological, size_words
@@ -43,7 +43,7 @@ def render(inputs: Inputs) -> str:
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
         "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, choice.main_tier(inputs)),
         "decision_tiers": choice.shown_tiers(inputs),
-        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs),
+        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs), "latency_note": latency_note(inputs),
         "notes": inputs.notes,
     }
     return environment.get_template("page.html.j2").render(context)
