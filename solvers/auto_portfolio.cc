@@ -1,6 +1,7 @@
 #include "solvers/auto_portfolio.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -196,16 +197,35 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
       test_.Reset(*problem_);
       if (test_.Meets(options_->tolerance, result->f)) return true;
       result->status = LcpStatus::kNumericalFailure;
-      return false;
+      break;
     case LcpStatus::kInfeasible:
       if (result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted) return true;
       result->farkas_ray.reset();
       result->status = LcpStatus::kNumericalFailure;
-      return false;
+      break;
     case LcpStatus::kTimeLimit:
       return true;
     default:
-      return false;
+      break;
+  }
+  Remember(result->f);
+  return false;
+}
+
+void AutoPortfolio::Remember(const Eigen::VectorXd& f) {
+  if (reached_count_ == reached_.size()) reached_.emplace_back();
+  reached_[reached_count_++] = f;
+}
+
+// Residuals are taken here and not where points are remembered: mostly the next backend arrives.
+void AutoPortfolio::TakeTheBest(LcpResult* result) {
+  test_.Reset(*problem_, GivenFormTest::Columns::kWhenNeeded);
+  long double least = test_.Rho(result->f);
+  for (std::size_t k = 0; k < reached_count_; ++k) {
+    const long double rho = test_.Rho(reached_[k]);
+    if (!(rho < least) && !std::isnan(least)) continue;
+    least = rho;
+    result->f = reached_[k];
   }
 }
 
@@ -239,6 +259,14 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   deadline_ = &deadline;
   has_start_ = options.initial_f != nullptr;
   if (has_start_) start_ = *options.initial_f;
+  reached_count_ = 0;
+  if (!result->f.isZero(0)) Remember(result->f);
+  AskAll(choice, result);
+  const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;
+  if (!arrived && reached_count_ > 0) TakeTheBest(result);
+}
+
+void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
   if (choice == Choice::kByCost) {
     if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
     if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
@@ -246,10 +274,10 @@ void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, 
   }
   const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;
   if (begins_with_hybrid ? TryHybrid(result) : TryNewton(result)) return;
-  has_start_ = options.initial_f != nullptr;
-  if (has_start_) start_ = *options.initial_f;
+  has_start_ = options_->initial_f != nullptr;
+  if (has_start_) start_ = *options_->initial_f;
   if (begins_with_hybrid ? TryNewton(result) : TryHybrid(result)) return;
-  if (problem.size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
+  if (problem_->size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
 }
 
 bool AutoPortfolio::TryNewton(LcpResult* result) {

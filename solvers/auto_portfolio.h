@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "solvers/bpp.h"
 #include "solvers/dantzig.h"
@@ -34,7 +36,8 @@ namespace lcpbench {
 ///   problems with redundant rows begin there.
 /// - Then the others of the two, and Dantzig pivoting where a dense A is small. They have hardly ever been needed.
 ///
-/// A backend that would need more memory than there is refuses (MemoryRefusal), and the next one is asked.
+/// A backend that would need more memory than there is refuses (MemoryRefusal), and the next one is asked. Where none
+/// arrives, the answer is the point of least rho that any of them ended at.
 class AutoPortfolio {
  public:
   explicit AutoPortfolio(std::int64_t newton_factorisations);
@@ -51,7 +54,7 @@ class AutoPortfolio {
   /// Set-up of the backends that come first; not needed for Choice::kRobust. `problem` has at least one row.
   void Prepare(const LcpProblem& problem);
   /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
-  /// result->detail.
+  /// result->detail. result->f holds what was reached before, or 0: it stays where nothing better is found.
   void Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
              LcpResult* result);
   /// From here on `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
@@ -64,6 +67,9 @@ class AutoPortfolio {
  private:
   enum class Trust { kVerifiesItself, kVerify };
   bool PrepareBpp(const LcpProblem& problem);
+  void AskAll(Choice choice, LcpResult* result);
+  void Remember(const Eigen::VectorXd& f);
+  void TakeTheBest(LcpResult* result);
   std::int64_t NncgLimit(double factorisations, double step_time) const;
   bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
   bool TryBpp(LcpResult* result);
@@ -96,6 +102,9 @@ class AutoPortfolio {
   const Deadline* deadline_ = nullptr;
   Eigen::VectorXd start_;  // where the next backend starts
   bool has_start_ = false;
+  std::vector<Eigen::VectorXd>
+      reached_;  // where backends ended that did not arrive, the first `reached_count_` of them
+  std::size_t reached_count_ = 0;
 };
 
 }  // namespace lcpbench

@@ -11,6 +11,7 @@
 #include "solvers/dantzig.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/semismooth_newton.h"
 #include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/stacked_problems.h"
@@ -167,6 +168,33 @@ TEST(AutoSolver, AgreesWithDantzigInW) {
     const double size = problem.b().cwiseQuotient(root).norm();
     EXPECT_LE((w - v).cwiseQuotient(root).norm(), 1e-7 * (1 + size)) << seed;
   }
+}
+
+// The Newton method comes first here and goes on from the start it is given, which Dantzig pivoting, the last, leaves.
+TEST(AutoSolver, ReturnsTheBestPointWhereNoBackendArrives) {
+  int unsolved = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const int rows = 60 + static_cast<int>(seed);
+    const LcpProblem problem = PlantedProblem(rows, rows / 4, seed, 0, 5).problem;
+    TestRandom random(seed);
+    VectorXd near_f = Solve(problem).f;
+    for (Index i = 0; i < near_f.size(); ++i) near_f[i] += 0.1 * random.Integer(0, 10);
+    for (const std::int64_t most : {1, 2, 3}) {
+      LcpOptions options;
+      options.tolerance = 1e-12;
+      options.max_iterations = most;
+      options.initial_f = &near_f;
+      LcpResult all, first;
+      AutoSolver().Solve(problem, options, &all);
+      if (all.status == LcpStatus::kSolved) continue;
+      ++unsolved;
+      ASSERT_EQ(all.detail.rfind("semismooth-newton", 0), 0U) << all.detail;
+      SemismoothNewtonSolver().Solve(problem, options, &first);
+      EXPECT_LE(Verify(problem, all, 1e-12).metrics.rho, Verify(problem, first, 1e-12).metrics.rho * (1 + 1e-9))
+          << "seed " << seed << ", " << most << " iterations: " << all.detail;
+    }
+  }
+  EXPECT_GT(unsolved, 40);
 }
 
 TEST(AutoSolver, RefusesImpossibleOptions) {
