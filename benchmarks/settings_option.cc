@@ -6,7 +6,8 @@ namespace lcpbench {
 
 std::shared_ptr<std::vector<std::string>> AddSettingsOption(CLI::App& command) {
   auto pairs = std::make_shared<std::vector<std::string>>();
-  command.add_option("--set", *pairs, "Option of the solver itself, NAME=VALUE; may be repeated")->expected(1);
+  command.add_option("--set", *pairs, "Option of the solver itself, NAME=VALUE; may be repeated")
+      ->allow_extra_args(false);  // one a flag, so that arguments may follow it
   return pairs;
 }
 

@@ -120,8 +120,9 @@ void BodyActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& sca
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
       if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
       const bool is_first = graph_.place(it.col()) == row.first;
-      (is_first ? row.first_j : row.second_j)[it.col() % kAxes] =
-          it.value() * std::sqrt(inverse_mass[it.col()]) * scale[i];
+      // Not the choice of arrays itself: with -fsanitize=undefined GCC 12 writes into a copy of it.
+      double* entries = is_first ? row.first_j : row.second_j;
+      entries[it.col() % kAxes] = it.value() * std::sqrt(inverse_mass[it.col()]) * scale[i];
     }
   }
   valid_ = false;

@@ -86,6 +86,9 @@ TEST_F(Command, MisuseIsOneLineAndStatusTwo) {
   ExpectMisuse("solve --solver pgs --set relaxation=5 -", "relaxation", kProblem);
   ExpectMisuse("solve --solver pgs --set nonsense -", "NAME=VALUE", kProblem);
   ExpectMisuse("solve --solver pgs --set nonsense=1 -", "nonsense", kProblem);
+  // Every one counts where there are several.
+  ExpectMisuse("solve --solver pgs --set relaxation=1.2 --set nonsense=1 -", "nonsense", kProblem);
+  ExpectMisuse("solve --solver pgs --set nonsense=1 --set relaxation=1.2 -", "nonsense", kProblem);
   ExpectMisuse("solve --solver dantzig -", "empty", "");
   ExpectMisuse("assemble -", "empty", "\n\n");
   ExpectMisuse("assemble -", "<stdin>:1", "{");

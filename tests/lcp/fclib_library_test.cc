@@ -7,6 +7,7 @@ extern "C" {
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <random>
 #include <string>
 #include <vector>
@@ -26,6 +27,12 @@ class FclibLibrary : public testing::Test {
   std::string path_ =
       testing::TempDir() + "fclib-library-" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".hdf5";
 };
+
+// What fclib_delete_local frees is what the structure holds.
+void Free(fclib_local* problem) {
+  fclib_delete_local(problem);
+  std::free(problem);
+}
 
 Eigen::MatrixXd DenseOf(const fclib_matrix* matrix) {
   EXPECT_EQ(matrix->nz, -1);  // compressed columns
@@ -87,7 +94,7 @@ TEST_F(FclibLibrary, ReadsOurFiles) {
         }
       }
     }
-    fclib_delete_local(read);
+    Free(read);
   }
 }
 
@@ -167,7 +174,7 @@ TEST_F(FclibLibrary, TakesOurAnswersForItsOwn) {
       EXPECT_GT(Merit(*read, u, r, l), kRounding);
       *number -= 1;
     }
-    fclib_delete_local(read);
+    Free(read);
     const FclibProblem back = ReadFclibProblem(path_);
     EXPECT_EQ(DifferenceOfRows(back.problem, problem), "");
     EXPECT_EQ(back.f.value(), f);
