@@ -16,11 +16,15 @@ void Count(std::size_t size) {
   bytes.fetch_add(static_cast<long>(size), std::memory_order_relaxed);
 }
 }  // namespace
+#ifdef __clang__
+// These are the C library's own names.
+#pragma clang diagnostic ignored "-Wreserved-identifier"
+#endif
 extern "C" {
-void* __libc_malloc(std::size_t size);                           // NOLINT(bugprone-reserved-identifier)
-void* __libc_calloc(std::size_t count, std::size_t size);        // NOLINT(bugprone-reserved-identifier)
-void* __libc_realloc(void* old, std::size_t size);               // NOLINT(bugprone-reserved-identifier)
-void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT(bugprone-reserved-identifier)
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) noexcept {
   Count(size);
