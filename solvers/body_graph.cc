@@ -131,7 +131,7 @@ void BodyGraph::Analyze(const Graph& graph, const Eigen::VectorXi& nodes) {
       for (int r = 0; r < kAxes; ++r) lower.insert(kAxes * other + r, column) = 0;
     }
   }
-  lower.makeCompressed();
+  if (bodies > 0) lower.makeCompressed();  // which reads beyond a matrix without columns
   factor_->AnalyzeAsOrdered(lower, will_update_);
 }
 

@@ -1,7 +1,9 @@
 #include "solvers/external/protocol.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
+#include <functional>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
@@ -77,6 +79,11 @@ class ByteReader {
     for (std::size_t i = 0; i + 1 < starts.size(); ++i) valid = valid && starts[i] <= starts[i + 1];
     for (const std::int32_t column : inner)
       valid = valid && column >= 0 && static_cast<std::uint64_t>(column) < columns;
+    for (std::size_t i = 0; valid && i + 1 < starts.size(); ++i) {
+      const auto row = inner.begin() + starts[i];
+      const auto end = inner.begin() + starts[i + 1];
+      valid = std::adjacent_find(row, end, std::greater_equal<>()) == end;  // columns in order, each once
+    }
     if (!valid) throw std::runtime_error(std::string("protocol: ") + field + " is not a compressed row matrix");
     return Eigen::Map<const SparseMatrix>(static_cast<Index>(rows), static_cast<Index>(columns),
                                           static_cast<Index>(entries), starts.data(), inner.data(), values.data());
