@@ -88,16 +88,20 @@ class ByteReader {
     return Eigen::Map<const SparseMatrix>(static_cast<Index>(rows), static_cast<Index>(columns),
                                           static_cast<Index>(entries), starts.data(), inner.data(), values.data());
   }
+  /// What is to come must fit in what is left: no claim makes room for itself.
+  void RequireRoom(const char* field, std::uint64_t count, std::size_t size) const {
+    // By division, so that nothing can overflow.
+    if (count > (bytes_.size() - at_) / size) {
+      throw std::runtime_error(std::string("protocol: a message ends within its field '") + field + "'");
+    }
+  }
   void Finish() const {
     if (at_ != bytes_.size()) throw std::runtime_error("protocol: a message is longer than its fields");
   }
 
  private:
-  // The count is checked by division, so that no claim can overflow.
   const char* Advance(const char* field, std::uint64_t count, std::size_t size) {
-    if (count > (bytes_.size() - at_) / size) {
-      throw std::runtime_error(std::string("protocol: a message ends within its field '") + field + "'");
-    }
+    RequireRoom(field, count, size);
     const char* begin = bytes_.data() + at_;
     at_ += static_cast<std::size_t>(count) * size;
     return begin;
@@ -208,6 +212,7 @@ LcpProblem DecodeProblem(const Bytes& payload) {
     }
     case static_cast<std::uint8_t>(MatrixForm::kFactors): {
       const auto columns = in.Get<std::uint64_t>("columns");
+      in.RequireRoom("inverse mass", columns, sizeof(double));
       SparseMatrix J = in.GetSparse("J", n, columns);
       Eigen::VectorXd inverse_mass = in.GetVector("inverse mass", columns);
       in.Finish();
