@@ -102,8 +102,8 @@ class AutoPortfolio {
   const Deadline* deadline_ = nullptr;
   Eigen::VectorXd start_;  // where the next backend starts
   bool has_start_ = false;
-  std::vector<Eigen::VectorXd>
-      reached_;  // where backends ended that did not arrive, the first `reached_count_` of them
+  // Where backends ended that did not arrive: the first `reached_count_`.
+  std::vector<Eigen::VectorXd> reached_;
   std::size_t reached_count_ = 0;
 };
 

@@ -82,7 +82,8 @@ def _choices(inputs: Inputs) -> list[str]:
             "Of our solvers that verify nearly as much as any (99 % of the most), the one with the least geometric mean of "
             "times, failures entered with the time limit. Redundant: rows of A depend on each other.", "",
             *_table(["rows", "redundant", *(f"tier {power(tier)}" for tier in tiers)],
-                    [[size_words(*rows_of).replace(" rows", ""), "yes" if redundant else "no", *(cells.get(tier, DASH) for tier in tiers)]
+                    [[size_words(*rows_of).replace(" rows", ""), "yes" if redundant else "no",
+                      *(cells.get(tier, DASH) for tier in tiers)]
                      for (rows_of, redundant), cells in rows.items()])]
 
 

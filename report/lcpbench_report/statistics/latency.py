@@ -5,8 +5,8 @@ and the maximum which frames are dropped. Of every step the median over the roun
 processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
 `preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
 pass ended before, has an infinite latency. Columns `solve_*` of a solver are the same of the solve alone, which is what
-solvers in processes of their own are compared by: their latency has no set-up. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
-definition 7).
+solvers in processes of their own are compared by: their latency has no set-up. Quantiles interpolate linearly between
+order statistics (Hyndman & Fan 1996, definition 7).
 """
 
 import math
