@@ -10,6 +10,7 @@
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/problem_arrays.h"
 
 namespace lcpbench {
 namespace {
@@ -233,6 +234,80 @@ LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::Vector
   state->DetectTwoBodyRows();
   return LcpProblem(std::move(state));
 }
+
+ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
+  if (!problem.has_standard_bounds()) throw InputError("problem '" + problem.id() + "': bounds are not standard");
+  ProblemArrays arrays;
+  arrays.id = problem.id();
+  arrays.form = problem.given_form();
+  arrays.rows = arrays.columns = problem.size();
+  const auto take_rows = [&arrays](const SparseMatrix& matrix) {
+    arrays.columns = matrix.cols();
+    arrays.row_start.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
+    arrays.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
+    arrays.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
+  };
+  switch (arrays.form) {
+    case MatrixForm::kFactors:
+      take_rows(problem.J());
+      arrays.inverse_mass.assign(problem.inverse_mass().begin(), problem.inverse_mass().end());
+      break;
+    case MatrixForm::kSparse:
+      take_rows(problem.SparseA());
+      break;
+    case MatrixForm::kDense:
+      for (Index i = 0; i < arrays.rows; ++i) {
+        const auto row = problem.DenseA().row(i);
+        arrays.value.insert(arrays.value.end(), row.begin(), row.end());
+      }
+      break;
+  }
+  arrays.b.assign(problem.b().begin(), problem.b().end());
+  if (!problem.bilateral_rows().empty()) arrays.bilateral.assign(arrays.b.size(), 0);
+  for (const Index row : problem.bilateral_rows()) arrays.bilateral[static_cast<size_t>(row)] = 1;
+  arrays.facts = problem.facts();
+  return arrays;
+}
+
+LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
+  const Index n = arrays.rows;
+  Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), static_cast<Index>(arrays.b.size()));
+  std::vector<Index> bilateral;
+  for (size_t i = 0; i < arrays.bilateral.size(); ++i) {
+    if (arrays.bilateral[i] != 0) bilateral.push_back(static_cast<Index>(i));
+  }
+  RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
+  if (arrays.form == MatrixForm::kDense) {
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    return FromDense(arrays.id, Eigen::Map<const RowMajor>(arrays.value.data(), n, n), std::move(b), std::move(bounds),
+                     arrays.facts);
+  }
+  SparseMatrix matrix =
+      Eigen::Map<const SparseMatrix>(n, arrays.columns, static_cast<Index>(arrays.value.size()),
+                                     arrays.row_start.data(), arrays.column.data(), arrays.value.data());
+  if (arrays.form == MatrixForm::kSparse) {
+    return FromSparse(arrays.id, std::move(matrix), std::move(b), std::move(bounds), arrays.facts);
+  }
+  Eigen::VectorXd inverse_mass =
+      Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), static_cast<Index>(arrays.inverse_mass.size()));
+  return FromFactors(arrays.id, std::move(matrix), std::move(inverse_mass), std::move(b), std::move(bounds),
+                     arrays.facts);
+}
+
+LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
+  RowBounds bounds{state_->lower, state_->upper};
+  switch (state_->form) {
+    case MatrixForm::kSparse:
+      return FromSparse(state_->id, state_->given_sparse, std::move(b), std::move(bounds), state_->facts);
+    case MatrixForm::kFactors:
+      return FromFactors(state_->id, state_->J, state_->inverse_mass, std::move(b), std::move(bounds), state_->facts);
+    case MatrixForm::kDense:
+      break;
+  }
+  return FromDense(state_->id, state_->given_dense, std::move(b), std::move(bounds), state_->facts);
+}
+
+bool LcpProblem::SharesMatrixWith(const LcpProblem& other) const { return state_ == other.state_; }
 
 LcpProblem LcpProblem::CopyOfGivenForm() const {
   RowBounds bounds{state_->lower, state_->upper};

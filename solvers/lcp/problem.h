@@ -29,6 +29,8 @@ struct RowBounds {
   static RowBounds WithBilateralRows(Index n, const std::vector<Index>& bilateral);
 };
 
+struct ProblemArrays;
+
 /// What is *proved* about A. False or empty means "not known", never "known to be false".
 struct MatrixFacts {
   bool symmetric = false;              ///< A = A^T
@@ -64,6 +66,14 @@ class LcpProblem {
   /// Symmetry and positive semidefiniteness follow from the form and are set in facts().
   static LcpProblem FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                 RowBounds bounds = {}, MatrixFacts facts = {});
+  /// From a caller's arrays, which are checked and copied (problem_arrays.h): what a fresh time begins with.
+  static LcpProblem FromArrays(const ProblemArrays& arrays);
+
+  /// The same matrix and bounds with another b: whatever has been derived of A is shared with this problem.
+  /// @param b  n, finite
+  LcpProblem WithB(Eigen::VectorXd b) const;
+  /// True for problems with the same matrix and bounds in one storage: copies, and those that WithB made.
+  bool SharesMatrixWith(const LcpProblem& other) const;
 
   /// The name it was given.
   const std::string& id() const;

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// What a pass over a stream of problems times.
+enum class PassKind : std::uint8_t {
+  /// From the caller's arrays to f, in one interval around everything: checking the input, LcpProblem, forms of A,
+  /// scaling, ordering, analysis, factorizations, fallbacks, the solver's own check. By a solver object that has solved
+  /// other problems and never this one: what a user pays who meets a new problem every step.
+  kFresh,
+  /// The same work with clock reads between its parts, for explanation. Never summed into a fresh time.
+  kParts,
+  /// The same matrix with another b, from LcpProblem::WithB to f, right after an untimed solve with the given b: what a
+  /// driver of constant geometry pays.
+  kAgain,
+};
+
+/// One pass: problems are named by their index in the stream.
+struct PassRequest {
+  PassKind kind = PassKind::kFresh;
+  double tolerance = 1e-9;
+  double time_limit_s = 0;  ///< of one solve [s]
+  /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code.
+  std::vector<std::uint32_t> warm_up;
+  std::vector<std::uint32_t> order;  ///< timed, in this order; none of warm_up, each once
+  /// So many problems share a pair of clock reads, each is given the mean: for solves of less than some 2 us. Fresh
+  /// only.
+  std::uint32_t group = 1;
+  /// No further group is begun once the timed ones took so long in all [s].
+  double budget_s = 0;
+  /// kAgain: the other b of the problems of `order`, in its order.
+  std::vector<Eigen::VectorXd> other_b;
+};
+
+/// What happened to one problem of a pass.
+struct PassEntry {
+  double seconds = 0;  ///< of kFresh and kAgain; of kParts problem + prepare + solve
+  // Of kParts [s].
+  double problem_s = 0;  ///< LcpProblem::FromArrays
+  double prepare_s = 0;  ///< LcpSolver::Prepare
+  double convert_s = 0;  ///< of a foreign library's adapter: conversions inside the solve; else 0
+  double solve_s = 0;    ///< LcpSolver::Solve without convert_s
+  LcpStatus status = LcpStatus::kNotRun;
+  Eigen::VectorXd f;
+};
+
+/// Entries in the order of PassRequest::order; fewer where the budget ended.
+using PassReply = std::vector<PassEntry>;
+
+/// Makes the solver object of a pass.
+using SolverFactory = std::function<std::unique_ptr<LcpSolver>()>;
+
+/// Runs one pass in this thread. The solver object is made for it, warmed up, and meets every problem once.
+/// @param problems  the whole stream
+PassReply RunPass(const SolverFactory& make, std::span<const ProblemArrays> problems, const PassRequest& request);
+
+}  // namespace lcpbench
