@@ -28,11 +28,11 @@ struct NamedCampaign {
   const char* name;
   std::vector<const char*> manifests;  // of the collection
   const char* filter = "";             // as CampaignPlan's, as is all that follows
+  Index most_rows = 0;
+  bool fills = true;
   std::vector<double> tiers = CampaignPlan{}.tiers;
-  int rounds = CampaignPlan{}.rounds;
-  int repetitions = CampaignPlan{}.repetitions;
-  double budget_s = CampaignPlan{}.budget_s;
-  double cell_budget_s = CampaignPlan{}.cell_budget_s;
+  int passes = CampaignPlan{}.passes;
+  TaskBudgets budgets = {};
   double most_s = CampaignPlan{}.most_s;
 };
 
@@ -52,22 +52,34 @@ const std::vector<NamedCampaign>& Campaigns() {
       {.name = "quick",
        .manifests = {"engine", "standard", "pathological", "sequences"},
        .filter = kQuickProblems,
-       .rounds = 3,
-       .repetitions = 3,
-       .budget_s = 0.01,
-       .cell_budget_s = 0.05,
+       .fills = false,
+       .passes = 3,
+       .budgets = {.judge_s = 1.5, .timed_s = 0.5, .parts_s = 0.1, .again_s = 0.1},
        .most_s = 0.5},
+      // README's headline and comparisons between commits: every class to 10^4 rows, with all problems of the
+      // collection and all that fill up its streams, at the one tier that every solver is meant for.
+      {.name = "core",
+       .manifests = {"engine", "standard"},
+       .most_rows = 10'000,
+       .tiers = {1e-6},
+       .budgets = {.judge_s = 2, .timed_s = 1.5, .parts_s = 0.25, .again_s = 0.25},
+       .most_s = 1},
       {.name = "engine", .manifests = {"engine"}, .most_s = 0.5},
       {.name = "smoke", .manifests = {"smoke"}, .most_s = 0.5},
       {.name = "standard", .manifests = {"engine", "standard"}},
       {.name = "pathological", .manifests = {"pathological"}},
-      {.name = "large", .manifests = {"large"}, .most_s = 60},
+      {.name = "large",
+       .manifests = {"large"},
+       .passes = 3,
+       .budgets = {.judge_s = 600, .timed_s = 600, .parts_s = 120, .again_s = 120},
+       .most_s = 60},
       // What every decade of precision costs.
       {.name = "precision",
        .manifests = {"standard"},
        .filter = "-n(40|250|1000)-s1/",
+       .fills = false,
        .tiers = {1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}},
-      {.name = "sequences", .manifests = {"sequences"}, .most_s = 0.5},
+      {.name = "sequences", .manifests = {"sequences"}, .passes = 6, .most_s = 0.5},
   };
   return campaigns;
 }
@@ -105,11 +117,11 @@ CampaignPlan CampaignOf(const std::string& suite) {
     if (suite != campaign.name) continue;
     for (const char* manifest : campaign.manifests) plan.manifests.push_back(ManifestOf(manifest));
     plan.filter = campaign.filter;
+    plan.most_rows = campaign.most_rows;
+    plan.fills = campaign.fills;
     plan.tiers = campaign.tiers;
-    plan.rounds = campaign.rounds;
-    plan.repetitions = campaign.repetitions;
-    plan.budget_s = campaign.budget_s;
-    plan.cell_budget_s = campaign.cell_budget_s;
+    plan.passes = campaign.passes;
+    plan.budgets = campaign.budgets;
     plan.most_s = campaign.most_s;
     return plan;
   }
@@ -137,12 +149,10 @@ CampaignPlan PlanOf(const CampaignArguments& arguments) {
   plan.filter = Both(plan.filter, arguments.filter);
   if (!arguments.solvers.empty()) plan.solvers = arguments.solvers;
   if (!arguments.tiers.empty()) plan.tiers = arguments.tiers;
-  if (!arguments.modes.empty()) plan.modes = arguments.modes;
   if (arguments.time_limit_s != 0) plan.least_s = plan.most_s = arguments.time_limit_s;
-  if (arguments.min_time_s != 0) plan.min_time_s = arguments.min_time_s;
-  if (arguments.repetitions != 0) plan.repetitions = arguments.repetitions;
-  if (arguments.rounds != 0) plan.rounds = arguments.rounds;
-  plan.most_rounds = arguments.most_rounds != 0 ? arguments.most_rounds : plan.rounds + plan.rounds / 3;
+  if (arguments.passes != 0) plan.passes = arguments.passes;
+  if (arguments.most_rows != 0) plan.most_rows = arguments.most_rows;
+  if (arguments.no_fills) plan.fills = false;
   return plan;
 }
 
@@ -190,7 +200,7 @@ int RunCampaignCommand(CampaignArguments arguments) {
 }
 
 void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run) {
-  CLI::App* worker = app.add_subcommand("campaign-worker", "Runs cells for `lcpbench run`");
+  CLI::App* worker = app.add_subcommand("campaign-worker", "Solves and times for `lcpbench run`");
   worker->group("");  // of no use to people
   const auto externals = AddExternalOption(*worker);
   const auto variants = AddVariantOption(*worker);
@@ -198,7 +208,7 @@ void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run) {
     run = [externals, variants] {
       RegisterExternals(*externals);
       RegisterVariants(*variants);
-      return ServeCells();
+      return ServeTasks();
     };
   });
 }

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "solvers/lcp/problem.h"
+
 namespace lcpbench {
 
 /// What `lcpbench run` is asked for: a campaign by name, or a manifest, and what is different from its plan.
@@ -12,13 +14,11 @@ struct CampaignArguments {
   std::string output;           ///< folder; "": build/results/NAME
   std::vector<std::string> solvers;
   std::vector<double> tiers;
-  std::vector<std::string> modes;
   double time_limit_s = 0;
-  double min_time_s = 0;
-  int repetitions = 0;
-  int rounds = 0;
-  int most_rounds = 0;  ///< 0: a third more than the rounds
-  std::string filter;   ///< narrows the plan's own
+  int passes = 0;
+  Index most_rows = 0;
+  bool no_fills = false;
+  std::string filter;  ///< narrows the plan's own
   int cpu = -1;
   bool resume = false;
   std::string shard = "1/1";

@@ -1,10 +1,16 @@
 #include "benchmarks/environment.h"
 
+#include <sys/utsname.h>
 #include <unistd.h>
+#if defined(__x86_64__)
+#include <cpuid.h>
+#endif
 
 #include <boost/version.hpp>
+#include <cstring>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 #include "build_info.h"
@@ -30,6 +36,44 @@ std::string FirstValue(const char* path, const std::string& key, char separator)
   return "unknown";
 }
 
+// Of the flags that the kernel lists, those that decide how fast dense loops are.
+std::string InstructionSets() {
+  std::istringstream flags(FirstValue("/proc/cpuinfo", "flags", ':'));
+  std::string found;
+  for (std::string flag; flags >> flag;) {
+    const bool is_vector = flag.starts_with("sse") || flag.starts_with("ssse") || flag.starts_with("avx") ||
+                           flag == "fma" || flag == "bmi2";
+    if (is_vector) found += (found.empty() ? "" : " ") + flag;
+  }
+  return found.empty() ? "unknown" : found;
+}
+
+std::string Kernel() {
+  utsname names{};
+  return uname(&names) == 0 ? std::string(names.sysname) + " " + names.release : "unknown";
+}
+
+// CPUID leaf 1 says whether there is one, leaf 0x40000000 who.
+std::string Hypervisor() {
+#if defined(__x86_64__)
+  unsigned a = 0;
+  unsigned b = 0;
+  unsigned c = 0;
+  unsigned d = 0;
+  constexpr unsigned kIsGuest = 1U << 31U;
+  if (__get_cpuid(1, &a, &b, &c, &d) == 0 || (c & kIsGuest) == 0) return "none";
+  constexpr unsigned kVendorLeaf = 0x40000000U;
+  __cpuid(kVendorLeaf, a, b, c, d);
+  char vendor[13] = {};
+  std::memcpy(vendor, &b, 4);
+  std::memcpy(vendor + 4, &c, 4);
+  std::memcpy(vendor + 8, &d, 4);
+  return vendor[0] == 0 ? "unnamed" : vendor;
+#else
+  return "unknown";
+#endif
+}
+
 }  // namespace
 
 Environment DescribeEnvironment() {
@@ -42,6 +86,9 @@ Environment DescribeEnvironment() {
   environment.solver_flags = kSolverFlags;
   environment.build_type = kBuildType;
   environment.cpu = FirstValue("/proc/cpuinfo", "model name", ':');
+  environment.instruction_sets = InstructionSets();
+  environment.kernel = Kernel();
+  environment.hypervisor = Hypervisor();
   environment.cores = static_cast<int>(std::thread::hardware_concurrency());
   environment.memory_bytes = static_cast<long long>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
   environment.os = FirstValue("/etc/os-release", "PRETTY_NAME", '=');
@@ -66,6 +113,9 @@ nlohmann::ordered_json ToJson(const Environment& environment) {
   json["solver_flags"] = environment.solver_flags;
   json["build_type"] = environment.build_type;
   json["cpu"] = environment.cpu;
+  json["instruction_sets"] = environment.instruction_sets;
+  json["kernel"] = environment.kernel;
+  json["hypervisor"] = environment.hypervisor;
   json["cores"] = environment.cores;
   json["memory_bytes"] = environment.memory_bytes;
   json["os"] = environment.os;

@@ -17,6 +17,9 @@ struct Environment {
   std::string solver_flags;  ///< added in solvers/
   std::string build_type;
   std::string cpu;
+  std::string instruction_sets;  ///< vector extensions of the processor, divided by spaces
+  std::string kernel;            ///< name and release
+  std::string hypervisor;        ///< vendor, as the processor names it; "none" on bare metal
   int cores = 0;
   long long memory_bytes = 0;
   std::string os;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -15,26 +16,43 @@ namespace lcpbench {
 namespace {
 
 struct Times {
-  std::vector<double> solve_s;
+  std::vector<double> fresh_s;
   std::string failure;
 };
 
-std::map<std::string, Times> TimesByName(const std::string& path) {
+void ForEachLine(const std::string& path, const std::function<void(const nlohmann::json& line)>& take) {
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened for reading");
-  std::map<std::string, Times> cells;
   std::string line;
-  while (std::getline(file, line) && !file.eof()) {
-    const nlohmann::json cell = nlohmann::json::parse(line);
-    if (!cell.at("excluded").get<std::string>().empty()) continue;
-    Times& times = cells[CellName(cell.at("problem").get<std::string>(), cell.at("solver").get<std::string>(),
-                                  cell.at("tier").get<double>(), cell.at("mode").get<std::string>())];
-    if (cell.at("passes").get<bool>()) {
-      for (const double time : cell.at("solve_s")) times.solve_s.push_back(time);
-    } else if (times.failure.empty()) {
-      times.failure = cell.at("claim").get<std::string>() + ": " + cell.at("reason").get<std::string>();
+  while (std::getline(file, line) && !file.eof()) take(nlohmann::json::parse(line));
+}
+
+std::map<std::string, Times> TimesByName(const std::filesystem::path& folder) {
+  std::map<std::string, std::vector<std::string>> problems;  // by size class
+  ForEachLine((folder / "problems.jsonl").string(), [&](const nlohmann::json& line) {
+    problems[line.at("size_class").get<std::string>()].push_back(line.at("problem").get<std::string>());
+  });
+  std::map<std::string, Times> cells;
+  ForEachLine((folder / "streams.jsonl").string(), [&](const nlohmann::json& line) {
+    if (!line.at("excluded").get<std::string>().empty()) return;
+    const std::vector<std::string>& names = problems.at(line.at("size_class").get<std::string>());
+    const auto first = line.at("first").get<std::size_t>();
+    const auto cell = [&](std::size_t at) -> Times& {
+      return cells[CellName(names.at(first + at), line.at("solver").get<std::string>(), line.at("tier").get<double>())];
+    };
+    if (line.at("kind") == "judge") {
+      for (const nlohmann::json& exception : line.at("exceptions")) {
+        if (exception.at("passes").get<bool>() || exception.at("claim") == "excluded") continue;
+        cell(exception.at("at").get<std::size_t>()).failure =
+            exception.at("claim").get<std::string>() + ": " + exception.at("reason").get<std::string>();
+      }
+    } else if (line.at("kind") == "fresh") {
+      const nlohmann::json& times = line.at("fresh_s");
+      for (std::size_t at = 0; at < times.size(); ++at) {
+        if (times[at].is_number()) cell(at).fresh_s.push_back(times[at].get<double>());
+      }
     }
-  }
+  });
   return cells;
 }
 
@@ -42,7 +60,7 @@ std::map<std::string, Times> TimesByName(const std::string& path) {
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   using Run = benchmark::BenchmarkReporter::Run;
-  const auto cells = TimesByName((std::filesystem::path(folder) / "cells.jsonl").string());
+  const auto cells = TimesByName(folder);
   std::ofstream out(path);
   if (!out) throw InputError(path + ": cannot be written");
   benchmark::JSONReporter reporter;
@@ -58,9 +76,10 @@ void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
     run.statistics = nullptr;
     run.time_unit = benchmark::kNanosecond;
     run.iterations = 1;
-    run.repetitions = static_cast<std::int64_t>(times.solve_s.size());
+    run.repetitions = static_cast<std::int64_t>(times.fresh_s.size());
     std::vector<Run> runs;
-    for (const double time : times.solve_s) {
+    if (times.fresh_s.empty() && times.failure.empty()) continue;  // verified, and not timed
+    for (const double time : times.fresh_s) {
       run.repetition_index = static_cast<std::int64_t>(runs.size());
       run.real_accumulated_time = time;
       run.cpu_accumulated_time = time;

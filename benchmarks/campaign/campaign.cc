@@ -1,6 +1,7 @@
 #include "benchmarks/campaign/campaign.h"
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -8,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -29,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCampaignFile = "campaign.json";
-constexpr const char* kCellsFile = "cells.jsonl";
+constexpr const char* kStreamsFile = "streams.jsonl";
 constexpr const char* kProblemsFile = "problems.jsonl";
 constexpr const char* kStepsFile = "steps.jsonl";
 
@@ -43,129 +45,167 @@ WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options
   return worker;
 }
 
-std::vector<PlannedCell> CellsOfShard(const CampaignPlan& plan, const CampaignOptions& options,
-                                      const std::vector<Manifest>& manifests) {
-  std::vector<PlannedCell> cells;
-  for (PlannedCell& cell : PlanCells(plan, manifests)) {
-    const std::string& id = manifests[cell.manifest].problems[cell.entry].id;
-    if (IsInShard(id, cell.solver, options.shard, options.shards)) cells.push_back(std::move(cell));
+std::vector<Task> TasksOfShard(const CampaignPlan& plan, const CampaignOptions& options,
+                               const std::vector<PlannedProblem>& problems) {
+  std::vector<Task> tasks;
+  for (Task& task : PlanTasks(plan, problems)) {
+    const std::string about = std::string(problems[task.begin].size_class->key) + "|" + std::to_string(task.first);
+    if (IsInShard(about, task.solver, options.shard, options.shards)) tasks.push_back(std::move(task));
   }
-  return cells;
+  return tasks;
 }
 
 class Campaign {
  public:
-  Campaign(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<Manifest>& manifests,
+  Campaign(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<PlannedProblem>& problems,
            std::string environment_hash)
       : plan_(plan),
-        manifests_(manifests),
+        problems_(problems),
         environment_hash_(std::move(environment_hash)),
-        journal_(In(options.folder, kCellsFile)),
+        journal_(In(options.folder, kStreamsFile)),
         worker_(WorkerFor(plan, options)),
-        cells_(CellsOfShard(plan, options, manifests)) {}
-
-  const std::vector<PlannedCell>& cells() const { return cells_; }
+        tasks_(TasksOfShard(plan, options, problems)) {}
 
   // False where it was interrupted. The caller keeps the Interruption.
   bool Run() {
-    if (cells_.empty()) return true;
-    ProgressBar bar("campaign", static_cast<double>(cells_.size()) * plan_.rounds);
-    for (int round = 0; round < plan_.rounds; ++round) {
-      for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
+    if (tasks_.empty()) return true;
+    for (int round = 0; round <= plan_.passes; ++round) {
+      ProgressBar bar(round == 0 ? "judging" : "pass " + std::to_string(round), static_cast<double>(tasks_.size()));
+      for (const std::size_t k : OrderOfRound(tasks_, plan_.seed, round)) {
+        const Task& task = tasks_[k];
         if (Interruption::Requested()) return false;
-        RunCell(cells_[k], round);
+        if (round == 0) {
+          Judge(task);
+        } else {
+          Time(task, PassKind::kFresh, round);
+          if (round == 1) Time(task, PassKind::kParts, round);
+          if (round == 1) Time(task, PassKind::kAgain, round);
+        }
         bar.Advance(1, Summary());
       }
     }
-    return RunExtraRounds();
+    return !Interruption::Requested();
   }
 
  private:
-  // Of cells whose median time is not known well enough yet.
-  bool RunExtraRounds() {
-    for (int round = plan_.rounds; round < plan_.most_rounds; ++round) {
-      std::vector<std::size_t> wide;
-      for (const std::size_t k : OrderOfRound(cells_, plan_.seed, round)) {
-        if (DeservesRound(cells_[k], plan_.tight)) wide.push_back(k);
-      }
-      if (wide.empty()) return true;
-      ProgressBar bar("round " + std::to_string(round + 1), static_cast<double>(wide.size()));
-      for (const std::size_t k : wide) {
-        if (Interruption::Requested()) return false;
-        RunCell(cells_[k], round);
-        bar.Advance(1, Summary());
-      }
-    }
-    return true;
+  const PlannedProblem& ProblemOf(const Task& task, std::size_t place) const { return problems_[task.begin + place]; }
+  ProblemName NameOf(const Task& task, std::size_t place) const {
+    const PlannedProblem& problem = ProblemOf(task, place);
+    return {plan_.manifests[problem.manifest], problem.entry->id};
   }
+  double LimitOf(const Task& task, std::size_t place) const {
+    return TimeLimitOf(plan_, ProblemOf(task, place).entry->properties.rows);
+  }
+  std::string ClassOf(const Task& task) const { return std::string(problems_[task.begin].size_class->key); }
+  TaskKey KeyOf(const Task& task, double tier) const { return {task, ClassOf(task), tier}; }
 
-  const ManifestEntry& Entry(const PlannedCell& cell) const { return manifests_[cell.manifest].problems[cell.entry]; }
-
-  CellKey KeyOf(const PlannedCell& cell, double tier) const { return {Entry(cell).id, cell.solver, tier, cell.mode}; }
-
-  std::vector<double> TiersOf(const PlannedCell& cell) const { return TiersOfRun(plan_, cell); }
-
-  // Declared beforehand: after a looser tier ran out of time stricter ones are not tried.
-  std::string RuleFromLooserTier(const PlannedCell& cell) const {
+  // The rule by which a problem of a task is not tried: declared beforehand. "" for none.
+  std::string RuleFor(const Task& task, std::size_t place) const {
+    std::string refusal = SizeRefusal(FindSolver(task.solver), ProblemOf(task, place).entry->properties.rows);
+    if (!refusal.empty()) return refusal;
     for (const double tier : plan_.tiers) {
-      if (tier > cell.tier && journal_.RanOutOfTime(KeyOf(cell, tier))) return OutOfTimeRule(tier);
+      if (tier <= task.tier) continue;
+      const Journal::Judgement* looser = journal_.Find(KeyOf(task, tier));
+      if (looser != nullptr && looser->out_of_time.count(place) > 0) return OutOfTimeRule(tier);
     }
     return {};
   }
 
-  // Whether a cell is timed again: one that passed and has not had its time; with `width` > 0 one whose median is not
-  // known so well.
-  bool DeservesRound(const PlannedCell& cell, double width) const {
-    const std::vector<double> tiers = TiersOf(cell);
-    return std::any_of(tiers.begin(), tiers.end(), [&](double tier) {
-      const CellKey key = KeyOf(cell, tier);
-      if (!journal_.Passed(key) || journal_.TimeSpent(key) > plan_.cell_budget_s) return false;
-      return width <= 0 || !journal_.IsTight(key, width);
-    });
-  }
-
-  void RunCell(const PlannedCell& planned, int round) {
-    const ManifestEntry& entry = Entry(planned);
-    if (journal_.Has(KeyOf(planned, planned.tier), round)) return;
-    PlannedCell cell = planned;
-    if (cell.excluded.empty()) cell.excluded = RuleFromLooserTier(cell);
-    if (!cell.excluded.empty()) {
-      if (round == 0) journal_.WriteExcluded(entry, cell, TiersOf(cell));
+  // Pass 0: every problem by itself, with its limits, as far as the budget goes.
+  void Judge(const Task& task) {
+    if (journal_.Has(KeyOf(task, task.judged.back()), "judge", 0)) return;
+    if (!task.excluded.empty()) {
+      journal_.WriteExcluded(task, ClassOf(task), environment_hash_);
       return;
     }
-    if (round > 0 && !DeservesRound(cell, 0)) return;
-    CellRequest request;
-    request.manifest = plan_.manifests[cell.manifest];
-    request.problem = entry.id;
-    request.solver = cell.solver;
-    request.mode = cell.mode;
-    request.tier = cell.tier;
-    request.judged = TiersOf(cell);
-    request.time_limit_s = cell.time_limit_s;
-    request.repetitions = plan_.repetitions;
-    request.min_time_s = plan_.min_time_s;
-    request.budget_s = plan_.budget_s;
-    CellReply reply = RunUndisturbed(request);
-    // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the solver's.
-    if (Interruption::Requested() && reply.claim == "crashed") return;
-    if (reply.verdicts.empty()) {
-      for (const double tier : TiersOf(cell)) {
-        CellVerdict failed;
-        failed.tier = tier;
-        failed.reason = reply.detail;
-        reply.verdicts.push_back(failed);
+    std::vector<Judged> judged;
+    double spent = 0;
+    for (std::size_t place = 0; place < task.end - task.begin && spent <= plan_.budgets.judge_s; ++place) {
+      Judged one;
+      one.excluded = RuleFor(task, place);
+      if (one.excluded.empty()) {
+        const double start = SteadyNow();
+        one.reply =
+            worker_.Run(JudgeRequest{NameOf(task, place), task.solver, task.tier, task.judged, LimitOf(task, place)});
+        spent += one.reply.fresh_s ? *one.reply.fresh_s : SteadyNow() - start;
+        // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the
+        // solver's.
+        if (Interruption::Requested() && one.reply.claim == "crashed") return;
+        Count(one.reply);
       }
+      judged.push_back(std::move(one));
     }
-    journal_.Write(entry, cell, round, reply, environment_hash_);
-    Count(reply);
+    journal_.WriteJudged(task, ClassOf(task), judged, environment_hash_);
+  }
+
+  // What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
+  // those that are timed, other ones in every pass.
+  PassRequest PassOf(const Task& task, const Journal::Judgement& judgement, PassKind kind, int pass) const {
+    constexpr double kLeastInterval = 2e-6;  // s
+    constexpr std::uint32_t kMostTogether = 8;
+    constexpr std::size_t kMostWarmUps = 16;
+    constexpr std::size_t kOneIn = 8;
+    PassRequest request;
+    request.kind = kind;
+    request.tolerance = task.tier;
+    std::vector<std::size_t> verified;
+    const Journal::Judgement& loosest = *journal_.Find(KeyOf(task, task.judged.front()));
+    for (std::size_t place = 0; place < loosest.attempted; ++place) {
+      if (loosest.unverified.count(place) > 0) continue;
+      verified.push_back(place);
+      request.time_limit_s = std::max(request.time_limit_s, LimitOf(task, place));
+    }
+    if (verified.empty()) return request;
+    const std::size_t count = verified.size();
+    const std::size_t warm = count < 2 ? 0 : std::clamp<std::size_t>(count / kOneIn, 1, kMostWarmUps);
+    std::vector<bool> warms(count, false);
+    const std::vector<std::size_t> fixed = ShuffleGroups(verified, plan_.seed + task.first, 0);
+    for (std::size_t k = 0; k < warm; ++k) {
+      const std::size_t chosen = fixed[(static_cast<std::size_t>(pass - 1) * warm + k) % count];
+      warms[chosen] = true;
+      request.warm_up.push_back(static_cast<std::uint32_t>(verified[chosen]));
+    }
+    for (const std::size_t k : ShuffleGroups(verified, plan_.seed + task.first, pass)) {
+      if (!warms[k]) request.order.push_back(static_cast<std::uint32_t>(verified[k]));
+    }
+    if (kind == PassKind::kFresh && task.is_stream && judgement.median_s > 0) {
+      request.group = static_cast<std::uint32_t>(
+          std::clamp(std::ceil(kLeastInterval / judgement.median_s), 1.0, static_cast<double>(kMostTogether)));
+    }
+    return request;
+  }
+
+  void Time(const Task& task, PassKind kind, int pass) {
+    const TaskKey key = KeyOf(task, task.judged.back());
+    const Journal::Judgement* judgement = journal_.Find(key);
+    if (judgement == nullptr || journal_.Has(key, KindKey(kind), pass)) return;
+    TimedRequest request;
+    request.pass = PassOf(task, *judgement, kind, pass);
+    if (request.pass.order.empty()) return;
+    const TaskBudgets& budgets = plan_.budgets;
+    request.pass.budget_s = kind == PassKind::kFresh   ? budgets.timed_s - judgement->timed_s
+                            : kind == PassKind::kParts ? budgets.parts_s
+                                                       : budgets.again_s;
+    if (request.pass.budget_s <= 0) return;
+    for (std::size_t place = 0; place < task.end - task.begin; ++place) request.stream.push_back(NameOf(task, place));
+    request.solver = task.solver;
+    request.judged = task.judged;
+    request.other_b_seed = plan_.seed;
+    int reruns = 0;
+    bool disturbed = false;
+    const TimedReply reply = RunUndisturbed(request, &reruns, &disturbed);
+    if (Interruption::Requested() && reply.outcome != "completed") return;
+    journal_.WriteTimed(task, ClassOf(task), kind, pass, request.pass.group, reply, reruns, disturbed,
+                        environment_hash_);
   }
 
   // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
-  CellReply RunUndisturbed(const CellRequest& request) {
-    CellReply best;
+  TimedReply RunUndisturbed(const TimedRequest& request, int* reruns, bool* disturbed) {
+    TimedReply best;
     double least = std::numeric_limits<double>::infinity();
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
-      CellReply reply = worker_.Run(request);
+      TimedReply reply = worker_.Run(request);
+      if (reply.outcome != "completed" && request.pass.order.size() > 1) return RunOneByOne(request, reply);
       if (!reply.disturbance) return reply;
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
       const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
@@ -173,19 +213,46 @@ class Campaign {
         least = found;
         best = std::move(reply);
       }
-      best.reruns = run;
-      best.disturbed = least > 0;
-      if (!best.disturbed) break;
+      *reruns = run;
+      *disturbed = least > 0;
+      if (!*disturbed) break;
     }
-    if (best.disturbed) ++disturbed_;
+    if (*disturbed) ++disturbed_;
     return best;
   }
 
-  void Count(const CellReply& reply) {
+  // A process that ended in a pass does not say at which problem: it counts for the one at which it ends again.
+  TimedReply RunOneByOne(const TimedRequest& request, const TimedReply& ended) {
+    TimedReply all;
+    all.outcome = ended.outcome;
+    all.detail = ended.detail;
+    all.seconds.resize(request.stream.size());
+    all.failed.resize(request.judged.size());
+    for (const std::uint32_t place : request.pass.order) {
+      if (Interruption::Requested()) break;
+      TimedRequest one = request;
+      one.pass.order = {place};
+      one.pass.group = 1;
+      const TimedReply reply = worker_.Run(one);
+      if (reply.outcome == "completed" && reply.seconds.size() == all.seconds.size()) {
+        all.seconds[place] = reply.seconds[place];
+      }
+      for (std::size_t tier = 0; tier < all.failed.size(); ++tier) {
+        if (reply.outcome != "completed") {
+          all.failed[tier].push_back(place);
+        } else {
+          all.failed[tier].insert(all.failed[tier].end(), reply.failed[tier].begin(), reply.failed[tier].end());
+        }
+      }
+    }
+    return all;
+  }
+
+  void Count(const JudgeReply& reply) {
     const auto strictest = std::min_element(reply.verdicts.begin(), reply.verdicts.end(),
                                             [](const auto& a, const auto& b) { return a.tier < b.tier; });
-    if (!strictest->passes) ++failures_;
-    if (strictest->false_success) ++false_successes_;
+    if (strictest == reply.verdicts.end() || !strictest->passes) ++failures_;
+    if (strictest != reply.verdicts.end() && strictest->false_success) ++false_successes_;
   }
 
   std::string Summary() const {
@@ -194,11 +261,11 @@ class Campaign {
   }
 
   const CampaignPlan& plan_;
-  const std::vector<Manifest>& manifests_;
+  const std::vector<PlannedProblem>& problems_;
   std::string environment_hash_;
   Journal journal_;
   WorkerProcess worker_;
-  std::vector<PlannedCell> cells_;
+  std::vector<Task> tasks_;
   std::int64_t failures_ = 0;
   std::int64_t false_successes_ = 0;
   std::int64_t disturbed_ = 0;
@@ -258,9 +325,12 @@ std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
 std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
   const std::vector<Manifest> manifests = ReadManifests(plan);
+  const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
   std::vector<std::string> names;
-  for (const PlannedCell& cell : CellsOfShard(plan, options, manifests)) {
-    names.push_back(CellName(manifests[cell.manifest].problems[cell.entry].id, cell.solver, cell.tier, cell.mode));
+  for (const Task& task : TasksOfShard(plan, options, problems)) {
+    for (std::size_t k = task.begin; k < task.end; ++k) {
+      names.push_back(CellName(problems[k].entry->id, task.solver, task.tier));
+    }
   }
   for (std::string& name : PassNames(plan, options, manifests)) names.push_back(std::move(name));
   return names;
@@ -272,14 +342,11 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
     throw InputError("campaign: expected a shard k/N with k from 1 to N");
   }
   const std::vector<Manifest> manifests = ReadManifests(plan);
-  const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests));
-  Campaign campaign(plan, options, manifests, environment);
+  const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
+  const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests, problems));
+  Campaign campaign(plan, options, problems, environment);
   if (options.on_start) options.on_start();
-  std::vector<std::vector<bool>> wanted;
-  wanted.reserve(manifests.size());
-  for (const Manifest& manifest : manifests) wanted.emplace_back(manifest.problems.size(), false);
-  for (const PlannedCell& cell : campaign.cells()) wanted[cell.manifest][cell.entry] = true;
-  WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, wanted);
+  WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, problems);
   const Interruption interruption;
   const bool done = campaign.Run() && RunSequences(plan, options, manifests, WorkerFor(plan, options), environment);
   return done ? 0 : Interruption::ExitStatus();
@@ -289,21 +356,21 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   if (folders.empty()) throw InputError("merge: expected folders of campaigns");
   if (fs::exists(In(output, kCampaignFile))) throw InputError(output + ": has a campaign already");
   const nlohmann::ordered_json first = ReadCampaignFile(In(folders.front(), kCampaignFile));
-  // By problem; by problem, solver, tier, round: sorted, so that the folders' order does not matter.
-  std::map<std::string, std::string> problems;
+  // Sorted, so that the folders' order does not matter. All folders have the same problems, in the same order.
+  std::vector<std::string> problems;
   // By sequence, solver, tier, mode, round.
   std::map<std::tuple<std::string, std::string, double, std::string, int>, std::string> passes;
   bool has_passes = false;
-  std::map<std::pair<CellKey, int>, std::string> cells;
+  std::map<std::tuple<TaskKey, std::string, int>, std::string> lines;
   for (const std::string& folder : folders) {
     if (!SameCampaign(ReadCampaignFile(In(folder, kCampaignFile)), first)) {
       throw InputError(folder + ": expected the campaign of " + folders.front() + ", found another plan");
     }
     const auto for_each = [&folder](const char* file, const auto& take) {
-      std::ifstream lines(In(folder, file));
-      if (!lines) throw InputError(In(folder, file) + ": cannot be opened for reading");
+      std::ifstream text(In(folder, file));
+      if (!text) throw InputError(In(folder, file) + ": cannot be opened for reading");
       std::string line;
-      while (std::getline(lines, line) && !lines.eof()) {
+      while (std::getline(text, line) && !text.eof()) {
         try {
           take(nlohmann::json::parse(line), line);
         } catch (const nlohmann::json::exception&) {
@@ -311,15 +378,14 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
         }
       }
     };
-    for_each(kProblemsFile, [&](const nlohmann::json& json, const std::string& line) {
-      problems.emplace(json.at("problem").get<std::string>(), line);
-    });
-    for_each(kCellsFile, [&](const nlohmann::json& json, const std::string& line) {
-      const auto tier = json.at("tier").get<double>();
-      const CellKey key(json.at("problem").get<std::string>(), json.at("solver").get<std::string>(), tier,
-                        json.at("mode").get<std::string>());
-      if (!cells.emplace(std::pair(key, json.at("round").get<int>()), line).second) {
-        throw InputError(folder + ": " + CellName(key.problem, key.solver, tier, key.mode) +
+    if (folder == folders.front()) {
+      for_each(kProblemsFile, [&](const nlohmann::json&, const std::string& line) { problems.push_back(line); });
+    }
+    for_each(kStreamsFile, [&](const nlohmann::json& json, const std::string& line) {
+      const TaskKey key(json);
+      if (!lines.emplace(std::tuple(key, json.at("kind").get<std::string>(), json.at("pass").get<int>()), line)
+               .second) {
+        throw InputError(folder + ": " + key.solver + " on " + key.size_class + " rows at " + key.tier +
                          " is in another folder already");
       }
     });
@@ -336,25 +402,26 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
       }
     });
   }
-  const auto is_first = [](const auto& cell) { return cell.first.second == 0; };
-  const auto found = static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), is_first));
+  const auto found = static_cast<std::size_t>(
+      std::count_if(lines.begin(), lines.end(), [](const auto& line) { return std::get<1>(line.first) == "judge"; }));
   if (const auto planned = first.at("lines").get<std::size_t>(); found < planned) {
-    std::cerr << "merge: note: " << found << " of " << planned << " cells: a shard is missing, or not at its end"
+    std::cerr << "merge: note: " << found << " of " << planned << " tasks: a shard is missing, or not at its end"
               << std::endl;
   }
   std::error_code error;
   fs::create_directories(output, error);
   if (error) throw InputError(output + ": cannot be created: " + error.message());
-  const auto write = [&output](const char* file, const auto& lines) {
+  const auto write = [&output](const char* file, const auto& all, const auto& text_of) {
     std::ofstream out(In(output, file));
-    for (const auto& [key, line] : lines) out << line << '\n';
+    for (const auto& line : all) out << text_of(line) << '\n';
     out.close();
     if (!out) throw InputError(In(output, file) + ": cannot be written");
   };
+  const auto second = [](const auto& line) { return line.second; };
   WriteCampaignFile(In(output, kCampaignFile), first);
-  write(kProblemsFile, problems);
-  write(kCellsFile, cells);
-  if (has_passes) write(kStepsFile, passes);
+  write(kProblemsFile, problems, [](const std::string& line) { return line; });
+  write(kStreamsFile, lines, second);
+  if (has_passes) write(kStepsFile, passes, second);
 }
 
 }  // namespace lcpbench

@@ -18,14 +18,14 @@ struct CampaignOptions {
   std::function<void()> on_start;             ///< called before the first solve, when nothing is wrong with the plan
 };
 
-/// Runs a campaign, or its rest, into a folder (files: RESULTS.md). Rounds: in the first one every cell is solved,
-/// judged, and timed where it passed; in the others passed cells are timed again in another order, so that what the
-/// machine does meanwhile is spread over all solvers; cells whose median time is still uncertain get more rounds.
+/// Runs a campaign, or its rest, into a folder (files: RESULTS.md). First every task is judged: its problems are solved
+/// one by one, with limits. Then come the timed passes over what was verified (fresh_pass.h), tasks in another order
+/// each time, so that what the machine does meanwhile is spread over all solvers.
 /// @return exit status: 0, or 128 + signal where it was interrupted
 /// @throws InputError where the plan cannot be run, the folder has another campaign, or has one and `resume` is not set
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options);
 
-/// The names of all its cells, CellName, by problem, solver, tier and mode; of the shard. Nothing is run.
+/// The names of all that it solves, CellName and PassName; of the shard. Nothing is run.
 /// @throws InputError as RunCampaign
 std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options);
 

@@ -21,7 +21,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kSchema = "lcpbench-campaign/1";
+constexpr const char* kSchema = "lcpbench-campaign/2";
 
 // What a key stands for. Only peers whose stopping options were chosen by the rule of tier_settings.h run tuned under
 // their own key; our solvers, and peers without such options, run as they are.
@@ -57,7 +57,8 @@ std::string Now() {
 
 }  // namespace
 
-Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
+Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests,
+                      const std::vector<PlannedProblem>& problems) {
   Json json;
   json["schema"] = kSchema;
   json["name"] = plan.name;
@@ -84,16 +85,23 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     json["tuning"] = {{"file", plan.tuning.file}, {"sha256", plan.tuning.sha256}, {"budget", plan.tuning.budget}};
   }
   json["tiers"] = plan.tiers;
-  json["modes"] = plan.modes;
   json["filter"] = plan.filter;
+  json["most_rows"] = plan.most_rows;
+  json["fills"] = plan.fills;
   json["seed"] = plan.seed;
-  json["rounds"] = plan.rounds;
-  json["most_rounds"] = plan.most_rounds;
-  json["tight"] = plan.tight;
-  json["repetitions"] = plan.repetitions;
-  json["min_time_s"] = plan.min_time_s;
-  json["budget_s"] = plan.budget_s;
-  json["cell_budget_s"] = plan.cell_budget_s;
+  json["size_classes"] = Json::array();
+  for (const SizeClass& size_class : kSizeClasses) {
+    json["size_classes"].push_back(
+        {{"key", size_class.key},
+         {"least", size_class.least},
+         {"most", &size_class == &kSizeClasses.back() ? Json(nullptr) : Json(size_class.most)},
+         {"stream", size_class.stream}});
+  }
+  json["passes"] = plan.passes;
+  json["budgets_s"] = {{"judge", plan.budgets.judge_s},
+                       {"timed", plan.budgets.timed_s},
+                       {"parts", plan.budgets.parts_s},
+                       {"again", plan.budgets.again_s}};
   json["limits"] = {{"time_per_row_s", plan.time_per_row_s},
                     {"least_s", plan.least_s},
                     {"most_s", plan.most_s},
@@ -106,8 +114,8 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
   }
   json["lines"] = 0;
-  for (const PlannedCell& cell : PlanCells(plan, manifests)) {
-    json["lines"] = json["lines"].get<std::size_t>() + TiersOfRun(plan, cell).size();
+  for (const Task& task : PlanTasks(plan, problems)) {
+    json["lines"] = json["lines"].get<std::size_t>() + task.judged.size();
   }
   DescribeSequences(plan, manifests, &json);
   json["started"] = Now();

@@ -10,7 +10,8 @@
 namespace lcpbench {
 
 /// campaign.json (RESULTS.md): what is run, where, and with which rules. It is written before the first solve.
-nlohmann::ordered_json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
+nlohmann::ordered_json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests,
+                                        const std::vector<PlannedProblem>& problems);
 
 /// Two campaigns are one if all but the start's time and the environment is the same.
 bool SameCampaign(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b);

@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <functional>
 #include <regex>
+#include <string_view>
+#include <tuple>
 #include <utility>
 
 #include "benchmarks/exclusion_rules.h"
@@ -15,19 +17,18 @@
 namespace lcpbench {
 namespace {
 
-double TimeLimitOf(const CampaignPlan& plan, Index rows) {
-  return std::clamp(plan.time_per_row_s * static_cast<double>(rows), plan.least_s, plan.most_s);
-}
-
-bool SameGroup(const PlannedCell& a, const PlannedCell& b) {
-  return a.manifest == b.manifest && a.entry == b.entry && a.solver == b.solver;
-}
-
 // FNV-1a, of 64 bits.
 std::uint64_t Hash(const std::string& text) {
   std::uint64_t hash = 14695981039346656037U;
   for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211U;
   return hash;
+}
+
+// The finalizer of splitmix64: ids that differ in a digit get orders that have nothing in common.
+std::uint64_t Mixed(std::uint64_t value) {
+  value = (value ^ (value >> 30U)) * 0xbf58476d1ce4e5b9U;
+  value = (value ^ (value >> 27U)) * 0x94d049bb133111ebU;
+  return value ^ (value >> 31U);
 }
 
 }  // namespace
@@ -39,10 +40,14 @@ double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fas
   return std::max(slower, 0.0) + waiting;
 }
 
-std::string CellName(const std::string& problem, const std::string& solver, double tier, const std::string& mode) {
+double TimeLimitOf(const CampaignPlan& plan, Index rows) {
+  return std::clamp(plan.time_per_row_s * static_cast<double>(rows), plan.least_s, plan.most_s);
+}
+
+std::string CellName(const std::string& problem, const std::string& solver, double tier) {
   char text[16];
   std::snprintf(text, sizeof text, "%.0e", tier);
-  return "solve/" + problem + "/" + solver + "/" + text + (mode == kColdStart ? "" : "/" + mode);
+  return "solve/" + problem + "/" + solver + "/" + text;
 }
 
 void RequireValid(const CampaignPlan& plan) {
@@ -54,18 +59,12 @@ void RequireValid(const CampaignPlan& plan) {
   require(!plan.solvers.empty(), "at least one solver");
   require(!plan.tiers.empty(), "at least one tier");
   for (const double tier : plan.tiers) require(tier > 0 && tier < 1, "tiers in (0, 1)");
-  require(!plan.modes.empty(), "at least one mode");
-  for (const std::string& mode : plan.modes) {
-    require(mode == kColdStart || mode == kColdCache,
-            std::string("modes ") + kColdStart + " or " + kColdCache + ", found '" + mode + "'");
-    require(std::count(plan.modes.begin(), plan.modes.end(), mode) == 1, "every mode once");
-  }
   require(plan.noise.slower_clock > 0 && plan.noise.least_cpu_share < 1 && plan.noise.most_reruns >= 0,
           "a rule for noise that some cells pass");
-  require(plan.rounds >= 1 && plan.most_rounds >= plan.rounds, "rounds >= 1, and no fewer at most");
-  require(plan.tight > 0, "a relative width > 0");
-  require(plan.repetitions >= 1, "repetitions >= 1");
-  require(plan.min_time_s > 0 && plan.budget_s > 0 && plan.cell_budget_s > 0, "times > 0 s");
+  require(plan.passes >= 1, "passes >= 1");
+  const TaskBudgets& budgets = plan.budgets;
+  require(budgets.judge_s > 0 && budgets.timed_s > 0 && budgets.parts_s >= 0 && budgets.again_s >= 0, "budgets > 0 s");
+  require(plan.most_rows >= 0, "rows >= 0");
   require(plan.time_per_row_s >= 0 && plan.least_s > 0 && plan.most_s >= plan.least_s, "time limits > 0 s, in order");
   for (const double deadline : plan.deadlines_s) require(deadline > 0, "deadlines > 0 s");
   require(plan.pass_budget_s > 0, "a pass's budget > 0 s");
@@ -76,35 +75,61 @@ void RequireValid(const CampaignPlan& plan) {
   }
 }
 
-std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
+std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
   const std::regex filter(plan.filter);
-  std::vector<double> loosest_first = plan.tiers;
-  std::sort(loosest_first.begin(), loosest_first.end(), std::greater<>());
-  std::vector<PlannedCell> cells;
+  std::vector<PlannedProblem> problems;
   for (std::size_t m = 0; m < manifests.size(); ++m) {
-    const std::vector<ManifestEntry>& problems = manifests[m].problems;
-    for (std::size_t k = 0; k < problems.size(); ++k) {
-      for (const std::string& key : plan.solvers) {
-        const SolverEntry& solver = FindSolver(key);
-        if (!solver.available) continue;
-        const auto tiers = solver.uses_tolerance ? loosest_first : std::vector<double>{loosest_first.back()};
-        for (const double tier : tiers) {
-          for (const std::string& mode : plan.modes) {
-            const std::string name = CellName(problems[k].id, solver.key, tier, mode);
-            if (!plan.filter.empty() && !std::regex_search(name, filter)) continue;
-            const Index rows = problems[k].properties.rows;
-            cells.push_back({m, k, solver.key, mode, tier, TimeLimitOf(plan, rows), SizeRefusal(solver, rows)});
-          }
-        }
+    const auto add = [&](const std::vector<ManifestEntry>& entries) {
+      for (const ManifestEntry& entry : entries) {
+        const Index rows = entry.properties.rows;
+        if (plan.most_rows > 0 && rows > plan.most_rows) continue;
+        if (!plan.filter.empty() && !std::regex_search("solve/" + entry.id + "/", filter)) continue;
+        problems.push_back({m, &entry, &SizeClassOf(rows)});
       }
-    }
+    };
+    add(manifests[m].problems);
+    if (plan.fills) add(manifests[m].fill);
   }
-  return cells;
+  const std::string salt = std::to_string(plan.seed) + "|";
+  std::sort(problems.begin(), problems.end(), [&salt](const PlannedProblem& a, const PlannedProblem& b) {
+    const auto key = [&salt](const PlannedProblem& problem) {
+      return std::tuple(problem.size_class->least, problem.entry->fill, Mixed(Hash(salt + problem.entry->id)),
+                        std::string_view(problem.entry->id));
+    };
+    return key(a) < key(b);
+  });
+  return problems;
 }
 
-std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell) {
-  if (FindSolver(cell.solver).uses_tolerance) return {cell.tier};
-  return plan.tiers;
+std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems) {
+  constexpr Index kMostRowsTogether = 10'000;
+  std::vector<double> loosest_first = plan.tiers;
+  std::sort(loosest_first.begin(), loosest_first.end(), std::greater<>());
+  std::vector<Task> tasks;
+  std::size_t first_of_class = 0;
+  for (std::size_t begin = 0; begin < problems.size();) {
+    const SizeClass* size_class = problems[begin].size_class;
+    if (problems[first_of_class].size_class != size_class) first_of_class = begin;
+    std::size_t end = begin + 1;
+    while (size_class->most <= kMostRowsTogether && end < problems.size() && problems[end].size_class == size_class) {
+      ++end;
+    }
+    for (const std::string& key : plan.solvers) {
+      const SolverEntry& solver = FindSolver(key);
+      if (!solver.available) continue;
+      Task task{key, 0, loosest_first, begin, end, begin - first_of_class, "", size_class->stream > 0};
+      Index least_rows = problems[begin].entry->properties.rows;
+      for (std::size_t k = begin; k < end; ++k) least_rows = std::min(least_rows, problems[k].entry->properties.rows);
+      task.excluded = SizeRefusal(solver, least_rows);
+      for (const double tier : solver.uses_tolerance ? loosest_first : std::vector<double>{loosest_first.back()}) {
+        task.tier = tier;
+        if (solver.uses_tolerance) task.judged = {tier};
+        tasks.push_back(task);
+      }
+    }
+    begin = end;
+  }
+  return tasks;
 }
 
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round) {
@@ -129,16 +154,17 @@ std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_
   return order;
 }
 
-std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round) {
-  std::vector<std::size_t> groups(cells.size(), 0);
-  for (std::size_t k = 1; k < cells.size(); ++k) {
-    groups[k] = groups[k - 1] + (SameGroup(cells[k], cells[k - 1]) ? 0 : 1);
+std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round) {
+  std::vector<std::size_t> groups(tasks.size(), 0);
+  for (std::size_t k = 1; k < tasks.size(); ++k) {
+    const bool same = tasks[k].begin == tasks[k - 1].begin && tasks[k].solver == tasks[k - 1].solver;
+    groups[k] = groups[k - 1] + (same ? 0 : 1);
   }
   return ShuffleGroups(groups, seed, round);
 }
 
-bool IsInShard(const std::string& problem, const std::string& solver, int k, int n) {
-  return Hash(problem + "|" + solver) % static_cast<std::uint64_t>(n) == static_cast<std::uint64_t>(k - 1);
+bool IsInShard(const std::string& about, const std::string& solver, int k, int n) {
+  return Hash(about + "|" + solver) % static_cast<std::uint64_t>(n) == static_cast<std::uint64_t>(k - 1);
 }
 
 }  // namespace lcpbench

@@ -4,12 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/cell.h"
 #include "benchmarks/collection/manifest.h"
+#include "benchmarks/size_classes.h"
+#include "benchmarks/speed_probe.h"
 
 namespace lcpbench {
 
-/// When a cell counts as disturbed by the machine. It is run again then, and keeps the run that was disturbed least.
+/// When a timed pass counts as disturbed by the machine. It is run again then, and keeps the run that was disturbed
+/// least.
 struct NoiseRule {
   double slower_clock = 0.1;      ///< the probe of the clock rate took this much longer than Journal::FastProbe
   double least_cpu_share = 0.95;  ///< less processor time than this share of the wall-clock time
@@ -26,22 +28,28 @@ struct TuningSource {
   int budget = 0;  ///< configurations that were tried of a solver, at most
 };
 
+/// What the solves of one task may take in all [s]; no further solve, or pass, is begun after it. The same for every
+/// solver, so that those which take long are measured on fewer problems or in fewer passes, not left out.
+struct TaskBudgets {
+  double judge_s = 10;
+  double timed_s = 4;
+  double parts_s = 1;
+  double again_s = 1;
+};
+
 /// What a campaign consists of, fixed before its first solve.
 struct CampaignPlan {
   std::string name;
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> solvers;    ///< registry keys
   std::vector<double> tiers = {1e-3, 1e-6, 1e-9};
-  std::vector<std::string> modes = {kColdStart};  ///< of cell.h
-  std::string filter;      ///< regular expression that a cell's name must contain, CellName; "" for all
-  std::uint64_t seed = 1;  ///< of the order
-  int rounds = 6;          ///< every cell is visited so often, each time in another order
-  int most_rounds = 8;     ///< and so often at most, while its time is not known to `tight`
-  double tight = 0.05;     ///< relative half width of the time's 95 % interval (median_interval.h)
-  int repetitions = 5;     ///< of a round, at most
-  double min_time_s = 0.0005;
-  double budget_s = 0.03;      ///< of a cell and round: no further repetition is begun after it
-  double cell_budget_s = 0.2;  ///< of a cell: it gets no further round once its repetitions took so long in all
+  /// Regular expression that "solve/<problem>/" must contain, and PassName of sequences; "" for all.
+  std::string filter;
+  Index most_rows = 0;     ///< no larger problems; 0: all
+  bool fills = true;       ///< streams are filled up with the manifests' problems of further seeds
+  std::uint64_t seed = 1;  ///< of all orders
+  int passes = 5;          ///< timed ones, at most; over sequences so many rounds
+  TaskBudgets budgets;
   // A solve may take time_per_row_s times its rows, within [least_s, most_s].
   double time_per_row_s = 1e-3;
   double least_s = 0.2;
@@ -54,38 +62,51 @@ struct CampaignPlan {
   TuningSource tuning;
 };
 
-/// One cell. A solver whose settings do not depend on the tolerance has one, at the strictest tier, for all.
-struct PlannedCell {
+/// A problem of the campaign.
+struct PlannedProblem {
   std::size_t manifest = 0;  ///< index into the plan's
-  std::size_t entry = 0;     ///< index into the manifest's problems
-  std::string solver;
-  std::string mode;
-  double tier = 0;
-  double time_limit_s = 0;
-  std::string excluded;  ///< the rule by which it is not run; "" for none
+  const ManifestEntry* entry = nullptr;
+  const SizeClass* size_class = nullptr;
 };
 
-/// "solve/<problem>/<solver>/<tier>", and "/<mode>" where it is not cold
-std::string CellName(const std::string& problem, const std::string& solver, double tier, const std::string& mode);
+/// The campaign's problems by size class, within a class those of the collection before those that fill it up, and
+/// both in an order drawn by the seed: a task that is cut short by its budget has seen a fair sample.
+/// @param manifests  must outlive the result
+std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 
-/// All cells of a plan by problem and solver, tiers loosest first. Solvers that are not in the build have none.
-std::vector<PlannedCell> PlanCells(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
+/// Solver x size class x tier: what is judged, timed and recorded together. Above 10^4 rows every problem is a task of
+/// its own, for the memory's sake. A solver whose settings do not depend on the tolerance has one task, at the
+/// strictest tier, for all.
+struct Task {
+  std::string solver;
+  double tier = 0;
+  std::vector<double> judged;  ///< tiers, loosest first
+  std::size_t begin = 0;       ///< of PlanProblems
+  std::size_t end = 0;
+  std::size_t first = 0;   ///< of its size class, the place of `begin`
+  std::string excluded;    ///< the rule by which none of it is run; "" for none
+  bool is_stream = false;  ///< its class is timed as a stream
+};
 
-/// The tiers that one run of a cell's solver is judged at, a line of results each: the cell's, or all where the
-/// solver's settings do not depend on the tolerance.
-std::vector<double> TiersOfRun(const CampaignPlan& plan, const PlannedCell& cell);
+/// All tasks, by class, problem, solver and tier, the loosest tier first. Solvers that are not in the build have none.
+std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems);
+
+/// "solve/<problem>/<solver>/<tier>", for lists and Google Benchmark's JSON.
+std::string CellName(const std::string& problem, const std::string& solver, double tier);
+
+/// What one solve may take [s].
+double TimeLimitOf(const CampaignPlan& plan, Index rows);
 
 /// Indices of cells, those of one group (equal numbers, side by side) together and in order, the groups shuffled by the
 /// seed and the round. The same on every machine.
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
 
-/// The order of a round: all cells of a problem and solver together, these groups shuffled by the plan's seed and the
-/// round.
-std::vector<std::size_t> OrderOfRound(const std::vector<PlannedCell>& cells, std::uint64_t seed, int round);
+/// The order of a round: the tiers of a task together, these groups shuffled by the plan's seed and the round.
+std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round);
 
-/// Whether a cell is in shard k of n (k from 1): by a hash of problem and solver, so that shards do not depend on the
-/// order, and a problem's cells of one solver stay together.
-bool IsInShard(const std::string& problem, const std::string& solver, int k, int n);
+/// Whether something is in shard k of n (k from 1): by a hash of what it is about and the solver, so that shards do not
+/// depend on the order, and the tiers of one solver stay together.
+bool IsInShard(const std::string& about, const std::string& solver, int k, int n);
 
 /// "" where the plan can be run. @throws InputError naming what cannot
 void RequireValid(const CampaignPlan& plan);

@@ -44,8 +44,8 @@ class SequenceCampaign {
   bool Run() {
     if (passes_.empty()) return true;
     if (!MakeFiles()) return false;
-    ProgressBar bar("passes", static_cast<double>(passes_.size()) * plan_.rounds);
-    for (int round = 0; round < plan_.rounds; ++round) {
+    ProgressBar bar("passes", static_cast<double>(passes_.size()) * plan_.passes);
+    for (int round = 0; round < plan_.passes; ++round) {
       for (const std::size_t k : OrderOfRound(passes_, plan_.seed, round)) {
         if (Interruption::Requested()) return false;
         RunPass(passes_[k], round);

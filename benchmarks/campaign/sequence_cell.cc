@@ -52,8 +52,7 @@ Json NothingReached(const std::vector<double>& judged, int steps) {
     results["verdicts"].push_back(
         {{"tier", tier}, {"passed", 0}, {"failed", steps}, {"false_successes", 0}, {"failed_steps", all}});
   }
-  for (const char* field :
-       {"late", "preempted", "setup_s", "solve_s", "convert_s", "iterations", "rho", "backward_error", "w_error"}) {
+  for (const char* field : {"late", "preempted", "latency_s", "iterations", "rho", "backward_error", "w_error"}) {
     results[field] = Json::array();
   }
   return results;

@@ -22,18 +22,22 @@ Json MembersOf(const SequenceEntry& sequence, const PlannedPass& pass, int round
 SequenceJournal::SequenceJournal(const std::string& path)
     : file_(path, "a pass over a sequence", [this](const nlohmann::json& line) { Note(line); }) {}
 
+SequenceJournal::Key SequenceJournal::KeyOf(const std::string& sequence, const PlannedPass& pass) {
+  return {sequence, pass.solver, TierText(pass.tier), pass.mode};
+}
+
 bool SequenceJournal::Has(const std::string& sequence, const PlannedPass& pass, int round) const {
-  return done_.count({CellKey(sequence, pass.solver, pass.tier, pass.mode), round}) > 0;
+  return done_.count({KeyOf(sequence, pass), round}) > 0;
 }
 
 std::string SequenceJournal::FirstOutcome(const std::string& sequence, const PlannedPass& pass) const {
-  const auto found = first_outcomes_.find(CellKey(sequence, pass.solver, pass.tier, pass.mode));
+  const auto found = first_outcomes_.find(KeyOf(sequence, pass));
   return found == first_outcomes_.end() ? "" : found->second;
 }
 
 void SequenceJournal::Note(const nlohmann::json& line) {
-  const CellKey key(line.at("sequence").get<std::string>(), line.at("solver").get<std::string>(),
-                    line.at("tier").get<double>(), line.at("mode").get<std::string>());
+  const Key key(line.at("sequence").get<std::string>(), line.at("solver").get<std::string>(),
+                TierText(line.at("tier").get<double>()), line.at("mode").get<std::string>());
   const int round = line.at("round").get<int>();
   done_.insert({key, round});
   if (round > 0 || !line.at("excluded").get<std::string>().empty()) return;

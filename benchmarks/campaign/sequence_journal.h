@@ -3,6 +3,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -33,9 +34,12 @@ class SequenceJournal {
   void Note(const nlohmann::json& line);
   void Append(const nlohmann::ordered_json& line);
 
-  // By sequence, solver, tier and mode.
-  std::set<std::pair<CellKey, int>> done_;
-  std::map<CellKey, std::string> first_outcomes_;
+  // Sequence, solver, tier as text, mode.
+  using Key = std::tuple<std::string, std::string, std::string, std::string>;
+  static Key KeyOf(const std::string& sequence, const PlannedPass& pass);
+
+  std::set<std::pair<Key, int>> done_;
+  std::map<Key, std::string> first_outcomes_;
   AppendOnlyFile file_;  // last: it tells the others what it has
 };
 

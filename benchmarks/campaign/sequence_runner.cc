@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <utility>
 
+#include "benchmarks/campaign/task_messages.h"
 #include "benchmarks/speed_probe.h"
+#include "solvers/lcp/problem_arrays.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
@@ -21,29 +21,18 @@ constexpr double kAllowedLeast = 20e-6;
 // A solve cannot be asked for no time at all.
 constexpr double kLeastLimit = 1e-9;
 
-// A campaign has some 10^7 of these numbers; a clock knows no more digits of a time, and nobody asks for more of an
-// error.
-Json Rounded(double value) {
-  if (!std::isfinite(value)) return nullptr;
-  char text[24];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return std::strtod(text, nullptr);
-}
-
-Json KnownOrNull(double value) { return value == -1 ? Json(nullptr) : Rounded(value); }
+Json KnownOrNull(double value) { return value == -1 ? Json(nullptr) : RoundedNumber(value); }
 
 // What a pass found, step by step.
 class Record {
  public:
-  Record(const SequenceRequest& request, bool times_itself) : request_(request), times_itself_(times_itself) {
+  explicit Record(const SequenceRequest& request) : request_(request) {
     for (const double tier : request.judged) verdicts_.push_back({tier, {}, 0});
   }
 
-  void AddTimes(double setup_s, double solve_s, double convert_s, bool preempted) {
+  void AddTime(double latency_s, bool preempted) {
     if (preempted) preempted_.push_back(steps_);
-    setup_.push_back(Rounded(setup_s));
-    solve_.push_back(Rounded(solve_s));
-    convert_.push_back(Rounded(convert_s));
+    latency_.push_back(RoundedNumber(latency_s));
   }
 
   void AddAnswer(const SequenceStep& step, const LcpResult& result) {
@@ -53,8 +42,8 @@ class Record {
       counts.failed.push_back(steps_);
       if (result.status == LcpStatus::kSolved) ++counts.false_successes;
     }
-    rho_.push_back(Rounded(verdict.metrics.rho));
-    backward_error_.push_back(Rounded(verdict.metrics.backward_error));
+    rho_.push_back(RoundedNumber(verdict.metrics.rho));
+    backward_error_.push_back(RoundedNumber(verdict.metrics.backward_error));
     w_error_.push_back(KnownOrNull(verdict.metrics.w_error));
     EndStep(result);
   }
@@ -83,9 +72,7 @@ class Record {
     }
     results["late"] = late_;
     results["preempted"] = preempted_;
-    results["setup_s"] = setup_;
-    results["solve_s"] = solve_;
-    results["convert_s"] = times_itself_ ? convert_ : Json(nullptr);
+    results["latency_s"] = latency_;
     results["iterations"] = iterations_;
     results["rho"] = rho_;
     results["backward_error"] = backward_error_;
@@ -107,15 +94,12 @@ class Record {
   }
 
   const SequenceRequest& request_;
-  bool times_itself_;
   int steps_ = 0;
   std::map<std::string, int> claims_;
   std::vector<TierCounts> verdicts_;
   std::vector<int> late_;
   std::vector<int> preempted_;
-  Json setup_ = Json::array();
-  Json solve_ = Json::array();
-  Json convert_ = Json::array();
+  Json latency_ = Json::array();
   Json iterations_ = Json::array();
   Json rho_ = Json::array();
   Json backward_error_ = Json::array();
@@ -138,7 +122,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
   const int all = static_cast<int>(steps_.size());
   const bool times_itself = entry.origin != SolverOrigin::kOwn;
   LcpSolver& solver = pool_.Get(entry);
-  Record record(request, times_itself);
+  Record record(request);
   Eigen::VectorXd taken_on;  // by the rows of the step before; empty: nothing
   double spent = 0;
   LcpResult result;
@@ -151,10 +135,9 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       reply.detail = "the pass was ended before step " + std::to_string(k) + " of " + std::to_string(all);
       break;
     }
-    // Of its own copy: set-up pays for every form of A that the solver reads.
-    const LcpProblem problem = step.problem.CopyOfGivenForm();
+    const ProblemArrays arrays = ProblemArrays::Of(step.problem);
     const double limit =
-        std::clamp(request.time_per_row_s * static_cast<double>(problem.size()), request.least_s, request.most_s);
+        std::clamp(request.time_per_row_s * static_cast<double>(arrays.rows), request.least_s, request.most_s);
     begin(k, limit);
     LcpOptions options;
     options.tolerance = request.tier;
@@ -165,22 +148,25 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       options.initial_f = &start;
     }
 
+    // From the caller's arrays to f, set-up inside; of another process what it takes itself.
     const long long switches = InvoluntarySwitches();
     const double begun = SteadyNow();
-    solver.Prepare(problem);
-    const double prepared = SteadyNow();
-    if (request.deadline_s > 0) {
-      options.time_limit_s = std::max(request.deadline_s - (times_itself ? 0 : prepared - begun), kLeastLimit);
+    double latency = 0;
+    if (times_itself) {
+      if (request.deadline_s > 0) options.time_limit_s = request.deadline_s;
+      solver.Solve(step.problem, options, &result);
+      latency = result.own_fresh_s >= 0 ? result.own_fresh_s : SteadyNow() - begun;
+    } else {
+      const LcpProblem problem = LcpProblem::FromArrays(arrays);
+      solver.Prepare(problem);
+      if (request.deadline_s > 0) {
+        options.time_limit_s = std::max(request.deadline_s - (SteadyNow() - begun), kLeastLimit);
+      }
+      solver.Solve(problem, options, &result);
+      latency = SteadyNow() - begun;
     }
-    solver.Solve(problem, options, &result);
-    const double solved = SteadyNow();
     const bool preempted = !times_itself && InvoluntarySwitches() != switches;
-
-    const bool has_own = times_itself && result.own_solve_s >= 0;
-    const double solve_s = has_own ? result.own_solve_s : solved - prepared;
-    const double convert_s = has_own ? std::max(0.0, result.own_convert_s) : 0;
-    const double latency = solve_s + convert_s + (times_itself ? 0 : prepared - begun);
-    record.AddTimes(prepared - begun, solve_s, convert_s, preempted);
+    record.AddTime(latency, preempted);
     spent += latency;
     const double allowed = request.deadline_s + std::max(kAllowedPart * request.deadline_s, kAllowedLeast);
     if (request.deadline_s > 0 && latency > allowed) {

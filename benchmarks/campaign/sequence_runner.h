@@ -11,13 +11,13 @@
 namespace lcpbench {
 
 /// Runs passes over sequences, within a worker process. One solver lives through a pass, as it would in an engine, and
-/// every step pays set-up and solve once, on a problem that no other solve has prepared. Answers are judged between the
+/// every step is timed in one interval from the caller's arrays to f, set-up inside. Answers are judged between the
 /// steps, outside of what is timed. Keeps the last sequence.
 ///
 /// With a deadline a step's set-up and solve share it: the solve's time limit is what set-up has left. An answer counts
 /// that comes by the deadline plus 10 % or 20 us, whichever is more; of what is late nothing is taken on, and the next
-/// step starts where this one did. Solvers in processes of their own have set-up and conversions between the processes
-/// besides, which no engine would pay: their deadline covers what they time themselves, the solve and its conversions.
+/// step starts where this one did. Solvers in processes of their own time themselves there, from the same arrays;
+/// transport between the processes, which no engine would pay, is outside.
 class SequenceRunner {
  public:
   /// @param begin  called before each step with its number and what its solve may take [s]

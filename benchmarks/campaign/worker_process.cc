@@ -19,8 +19,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "benchmarks/campaign/cell_runner.h"
 #include "benchmarks/campaign/sequence_runner.h"
+#include "benchmarks/campaign/task_runner.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
 
@@ -31,7 +31,6 @@ constexpr const char* kWorkerCommand = "campaign-worker";
 constexpr int kNotStarted = 127;
 constexpr char kMark = '#';
 constexpr const char* kSolveMark = "# solve";
-constexpr const char* kRepeatMark = "# repeat";
 constexpr const char* kStepMark = "# step ";
 constexpr double kSecondsBetweenSteps = 0.2;  // of a sequence that the worker tells of
 constexpr const char* kRefusedMark = "# refused ";
@@ -183,17 +182,32 @@ std::optional<std::string> WorkerProcess::Ask(const std::string& request,
   return std::nullopt;
 }
 
-CellReply WorkerProcess::Run(const CellRequest& request) {
-  const double solve_limit = request.time_limit_s * (1 + options_.grace_share) + options_.grace_s;
-  CellReply outcome;
+JudgeReply WorkerProcess::Run(const JudgeRequest& request) {
+  const double limit = request.time_limit_s * (1 + options_.grace_share) + options_.grace_s;
+  JudgeReply outcome;
   const std::optional<std::string> reply = Ask(
       FormatRequest(request),
-      [&](const std::string& mark) {
-        return mark == kRepeatMark ? Phase{2 * request.budget_s + solve_limit, "while it was timed"}
-                                   : Phase{solve_limit, "while it was set up or solved"};
+      [limit](const std::string&) {
+        return Phase{limit, "while it was solved"};
       },
       &outcome.claim, &outcome.detail);
-  return reply ? ParseReply(*reply) : outcome;
+  return reply ? ParseJudgeReply(*reply) : outcome;
+}
+
+TimedReply WorkerProcess::Run(const TimedRequest& request) {
+  // Warm-ups are not in the budget, and judging the answers takes its time, too.
+  const auto solves = static_cast<double>(request.pass.warm_up.size() + 1);
+  const double limit = options_.make_s +
+                       (request.pass.budget_s + solves * request.pass.time_limit_s) * (1 + options_.grace_share) +
+                       options_.grace_s;
+  TimedReply outcome;
+  const std::optional<std::string> reply = Ask(
+      FormatRequest(request),
+      [limit](const std::string&) {
+        return Phase{limit, "in a timed pass"};
+      },
+      &outcome.outcome, &outcome.detail);
+  return reply ? ParseTimedReply(*reply) : outcome;
 }
 
 SequenceReply WorkerProcess::Run(const SequenceRequest& request) {
@@ -213,7 +227,7 @@ SequenceReply WorkerProcess::Run(const SequenceRequest& request) {
   return reply ? ParseSequenceReply(*reply) : outcome;
 }
 
-int ServeCells() {
+int ServeTasks() {
   // What libraries print must not get among the replies.
   const int replies = dup(STDOUT_FILENO);
   dup2(STDERR_FILENO, STDOUT_FILENO);
@@ -230,7 +244,7 @@ int ServeCells() {
   };
   // What does not fit ends the worker: the next one starts with all its memory.
   std::set_new_handler([] { _exit(kOutOfMemory); });
-  CellRunner runner;
+  TaskRunner runner;
   SequenceRunner sequences;
   std::string line;
   while (std::getline(std::cin, line)) {
@@ -246,10 +260,10 @@ int ServeCells() {
         })));
         continue;
       }
-      const CellReply reply = runner.Run(ParseRequest(line), [&tell](CellRunner::Phase phase) {
-        tell(phase == CellRunner::Phase::kSolve ? kSolveMark : kRepeatMark);
-      });
-      tell(FormatReply(reply));
+      const auto begin = [&tell] { tell(kSolveMark); };
+      const nlohmann::json request = nlohmann::json::parse(line, nullptr, false);
+      tell(IsTimedRequest(request) ? FormatReply(runner.Run(ParseTimedRequest(request), begin))
+                                   : FormatReply(runner.Run(ParseJudgeRequest(request), begin)));
     } catch (const InputError& error) {
       tell(std::string(kRefusedMark) + error.what());
     } catch (const std::bad_alloc&) {

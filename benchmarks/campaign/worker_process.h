@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/cell.h"
 #include "benchmarks/campaign/sequence_cell.h"
+#include "benchmarks/campaign/task_messages.h"
 
 namespace lcpbench {
 
 struct WorkerOptions {
-  std::string program = "/proc/self/exe";     ///< this one: a program whose command campaign-worker is ServeCells
+  std::string program = "/proc/self/exe";     ///< this one: a program whose command campaign-worker is ServeTasks
   std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
   std::uint64_t memory_bytes = 0;             ///< address space; 0 for none; not kept under sanitizers
   int cpu = -1;                               ///< the processor it is kept on; -1: any
@@ -22,8 +22,8 @@ struct WorkerOptions {
   double grace_s = 2;
 };
 
-/// This program run again as a worker that runs one cell after the other, so that a solver that crashes, hangs or takes
-/// all memory is an outcome. It lives on from cell to cell; one that ended is started anew.
+/// This program run again as a worker that runs one request after the other, so that a solver that crashes, hangs or
+/// takes all memory is an outcome. It lives on from request to request; one that ended is started anew.
 class WorkerProcess {
  public:
   explicit WorkerProcess(const WorkerOptions& options);
@@ -34,7 +34,9 @@ class WorkerProcess {
   /// Never throws for what the solver does: the reply's claim is then crashed, killed or out_of_memory, with the reason
   /// in detail.
   /// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
-  CellReply Run(const CellRequest& request);
+  JudgeReply Run(const JudgeRequest& request);
+  /// A timed pass. The reply's outcome says how the worker ended.
+  TimedReply Run(const TimedRequest& request);
   /// A pass over a sequence; every step has its own limit, and the reply's outcome says how the worker ended.
   SequenceReply Run(const SequenceRequest& request);
 
@@ -63,6 +65,6 @@ class WorkerProcess {
 /// What the worker does: requests on standard input, one line each; replies on standard output. Lines that begin with
 /// '#' say that a phase begins.
 /// @return exit status
-int ServeCells();
+int ServeTasks();
 
 }  // namespace lcpbench

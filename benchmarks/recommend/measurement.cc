@@ -59,7 +59,6 @@ void FindFloors(double tolerance, std::vector<SequenceStep>* steps) {
 // One solver in one mode: its passes so far.
 struct Entrant {
   Measurement found;
-  bool times_itself = false;
   bool done = false;
   std::vector<std::vector<double>> calm;  // by step: latencies in rounds without preemption
   std::vector<std::vector<double>> all;
@@ -88,7 +87,6 @@ class Study {
         Entrant entrant;
         entrant.found.solver = key;
         entrant.found.warm = warm;
-        entrant.times_itself = FindSolver(key).origin != SolverOrigin::kOwn;
         entrant.calm.resize(steps.steps.size());
         entrant.all.resize(steps.steps.size());
         entrants_.push_back(std::move(entrant));
@@ -162,8 +160,7 @@ class Study {
     const auto preempted = results.at("preempted").get<std::vector<int>>();
     const auto reached = results.at("reached").get<size_t>();
     for (size_t step = 0; step < reached; ++step) {
-      const double latency = NumberAt(results.at("solve_s"), step) +
-                             NumberAt(results.at(entrant->times_itself ? "convert_s" : "setup_s"), step);
+      const double latency = NumberAt(results.at("latency_s"), step);
       entrant->all[step].push_back(latency);
       found.raw_max_s = std::max(found.raw_max_s, latency);
       if (std::find(preempted.begin(), preempted.end(), static_cast<int>(step)) == preempted.end()) {
