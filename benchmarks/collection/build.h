@@ -9,15 +9,20 @@
 
 namespace lcpbench {
 
-/// A manifest with its file of references, and of problems where the tier has one: JSON lines.
+/// A manifest with its file of references, and of problems where the tier has one: JSON lines. Problems that are steps
+/// of motions stand in a file of their own, which the manifest's entries name: making them anew takes a motion.
 struct BuiltTier {
   Manifest manifest;
   std::string references;
   std::string problems;
+  std::string motion_problems;
 };
+inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
 /// Makes and examines every problem and sequence of a tier. Where the tier refuses, a candidate that is trivial
-/// (Triviality) or has no solution is noted as refused and tried again with other seeds, some times.
+/// (Triviality) or has no solution is noted as refused and tried again with other seeds, some times. Size classes whose
+/// stream has fewer problems are filled up, by turns of all planned scenes and sizes; a fill-up must have a certified
+/// answer and a content of its own, too.
 /// @param progress  called after every candidate with how many are done, of how many, and the last one's id
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
                     const std::function<void(int done, int all, const std::string& id)>& progress);
@@ -25,5 +30,9 @@ BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
 /// How often a candidate is tried with another seed, and by what its seed is raised.
 inline constexpr int kSeedsTried = 20;
 inline constexpr std::uint64_t kSeedStep = 100;
+/// Motions without any step that is taken.
+inline constexpr int kMotionsTried = 3;
+/// The first seed of fill-ups.
+inline constexpr std::uint64_t kFillSeed = 10'001;
 
 }  // namespace lcpbench

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -42,6 +43,7 @@ Json Describe(const Recipe& recipe) {
   json["scene"] = recipe.scene;
   json["rows"] = recipe.rows;
   json["seed"] = recipe.seed;
+  if (recipe.motion_step > 0) json["motion_step"] = recipe.motion_step;
   if (!recipe.changes.empty()) {
     Json changes = Json::array();
     for (const Change& change : recipe.changes) changes.push_back({{"name", change.name}, {"amount", change.amount}});
@@ -77,8 +79,11 @@ Json Describe(const ManifestEntry& entry) {
     json["recipe"] = Describe(*recipe);
   } else {
     const auto& file = std::get<FileSource>(entry.source);
+    if (entry.remake.has_value()) json["recipe"] = Describe(*entry.remake);
     json["file"] = {{"path", file.path}, {"line", file.line}};
   }
+  json["base"] = entry.base;
+  json["origin"] = entry.origin;
   if (!entry.grid.empty()) json["grid"] = entry.grid;
   if (!entry.purpose.empty()) json["purpose"] = entry.purpose;
   json["rows"] = p.rows;
@@ -125,14 +130,51 @@ Json Describe(const SequenceEntry& entry) {
   return json;
 }
 
+// Seeds by scene and rows, in the order of the problems.
+Json Describe(const FillClass& fill, std::span<const ManifestEntry> problems) {
+  Json json;
+  json["size_class"] = fill.size_class;
+  json["problems"] = fill.problems;
+  json["refused_by_reason"] = Json::object();
+  for (const auto& [reason, count] : fill.refused) json["refused_by_reason"][reason] = count;
+  json["sha256"] = fill.sha256;
+  json["recipes"] = Json::array();
+  const Recipe* before = nullptr;
+  for (const ManifestEntry& entry : problems) {
+    const auto& recipe = std::get<Recipe>(entry.source);
+    if (before == nullptr || before->scene != recipe.scene || before->rows != recipe.rows) {
+      json["recipes"].push_back({{"scene", recipe.scene}, {"rows", recipe.rows}, {"seeds", Json::array()}});
+    }
+    json["recipes"].back()["seeds"].push_back(recipe.seed);
+    before = &recipe;
+  }
+  return json;
+}
+
 Json Describe(const Refusal& refusal) { return {{"id", refusal.id}, {"reason", refusal.reason}}; }
 
 // One item a line.
-template <typename Item>
-std::string Lines(const std::vector<Item>& items) {
+std::string Lines(const std::vector<Json>& items) {
   std::string text = "[";
-  for (size_t k = 0; k < items.size(); ++k) text += (k == 0 ? "\n  " : ",\n  ") + Describe(items[k]).dump();
+  for (size_t k = 0; k < items.size(); ++k) text += (k == 0 ? "\n  " : ",\n  ") + items[k].dump();
   return text + (items.empty() ? "]" : "\n ]");
+}
+
+template <typename Item>
+std::vector<Json> DescribeAll(const std::vector<Item>& items) {
+  std::vector<Json> described;
+  for (const Item& item : items) described.push_back(Describe(item));
+  return described;
+}
+
+std::vector<Json> DescribeFill(const Manifest& manifest) {
+  std::vector<Json> described;
+  std::span<const ManifestEntry> rest(manifest.fill);
+  for (const FillClass& fill : manifest.fill_classes) {
+    described.push_back(Describe(fill, rest.first(fill.problems)));
+    rest = rest.subspan(fill.problems);
+  }
+  return described;
 }
 
 // ----- reading
@@ -162,6 +204,7 @@ Recipe ReadRecipe(const JsonField& field) {
       recipe.changes.push_back({change["name"].String(), change["amount"].Number()});
     }
   }
+  if (field.Has("motion_step")) recipe.motion_step = PositiveInteger(field["motion_step"]);
   return recipe;
 }
 
@@ -178,11 +221,18 @@ ManifestEntry ReadEntry(const JsonField& field) {
   ManifestEntry entry;
   entry.id = field["id"].String();
   entry.family = field["family"].String();
+  entry.base = entry.id;
+  entry.origin = "placed";
+  if (field.Has("recipe") || !field.Has("file")) {
+    Recipe recipe = ReadRecipe(field["recipe"]);
+    entry.base = BaseOf(recipe);
+    if (recipe.motion_step > 0) entry.origin = "motion";
+    entry.source = recipe;
+    if (field.Has("file")) entry.remake = std::move(recipe);
+  }
   if (field.Has("file")) {
     entry.source =
         FileSource{field["file"]["path"].String(), static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
-  } else {
-    entry.source = ReadRecipe(field["recipe"]);
   }
   if (field.Has("grid")) entry.grid = field["grid"].String();
   if (field.Has("purpose")) entry.purpose = field["purpose"].String();
@@ -190,6 +240,27 @@ ManifestEntry ReadEntry(const JsonField& field) {
   if (field.Has("reference")) entry.reference.kind = field["reference"]["kind"].String();
   entry.sha256 = ReadHash(field["sha256"]);
   return entry;
+}
+
+void ReadFillClass(const JsonField& field, Manifest* manifest) {
+  FillClass fill;
+  fill.size_class = field["size_class"].String();
+  fill.sha256 = ReadHash(field["sha256"]);
+  const size_t before = manifest->fill.size();
+  for (const JsonField& group : field["recipes"].Items()) {
+    Recipe recipe;
+    recipe.scene = group["scene"].String();
+    recipe.rows = PositiveInteger(group["rows"]);
+    for (const JsonField& seed : group["seeds"].Items()) {
+      recipe.seed = Seed(seed);
+      manifest->fill.push_back(FillEntry(recipe));
+    }
+  }
+  fill.problems = manifest->fill.size() - before;
+  if (fill.problems != static_cast<size_t>(PositiveInteger(field["problems"]))) {
+    field["problems"].Mismatch("the number of seeds, " + std::to_string(fill.problems));
+  }
+  manifest->fill_classes.push_back(std::move(fill));
 }
 
 SequenceEntry ReadSequence(const JsonField& field) {
@@ -209,8 +280,29 @@ SequenceEntry ReadSequence(const JsonField& field) {
 std::string ManifestHash(const Manifest& manifest) {
   std::string text;
   for (const ManifestEntry& entry : manifest.problems) text += entry.id + ' ' + entry.sha256 + '\n';
+  for (const FillClass& fill : manifest.fill_classes) text += fill.size_class + ' ' + fill.sha256 + '\n';
   for (const SequenceEntry& entry : manifest.sequences) text += entry.id + ' ' + entry.sha256 + '\n';
   return TextHash(text);
+}
+
+ManifestEntry FillEntry(const Recipe& recipe) {
+  ManifestEntry entry;
+  entry.id = RecipeId(recipe);
+  entry.family = recipe.scene;
+  entry.source = recipe;
+  entry.base = BaseOf(recipe);
+  entry.origin = "placed";
+  entry.fill = true;
+  entry.properties.rows = recipe.rows;
+  entry.reference.kind = "certified";
+  return entry;
+}
+
+std::map<std::string, double> WeightsByBase(const std::vector<ManifestEntry>& problems) {
+  std::map<std::string, double> weights;
+  for (const ManifestEntry& entry : problems) weights[entry.base] += 1;
+  for (auto& [base, weight] : weights) weight = 1 / weight;
+  return weights;
 }
 
 struct ProblemSource::OpenFile {
@@ -266,9 +358,10 @@ std::string FormatManifest(const Manifest& manifest) {
   member("purpose", Json(manifest.purpose).dump());
   if (!manifest.references.empty()) member("references", Json(manifest.references).dump());
   member("refused_by_reason", counts.dump());
-  member("refused", Lines(manifest.refused));
-  member("problems", Lines(manifest.problems));
-  member("sequences", Lines(manifest.sequences), true);
+  member("refused", Lines(DescribeAll(manifest.refused)));
+  member("problems", Lines(DescribeAll(manifest.problems)));
+  if (!manifest.fill.empty()) member("fill", Lines(DescribeFill(manifest)));
+  member("sequences", Lines(DescribeAll(manifest.sequences)), true);
   return text + "}\n";
 }
 
@@ -294,6 +387,15 @@ Manifest ReadManifest(const std::string& path) {
   for (const JsonField& item : root["problems"].Items()) {
     manifest.problems.push_back(ReadEntry(item));
     once(item, manifest.problems.back().id);
+  }
+  if (root.Has("fill")) {
+    for (const JsonField& item : root["fill"].Items()) {
+      const size_t before = manifest.fill.size();
+      ReadFillClass(item, &manifest);
+      for (size_t k = before; k < manifest.fill.size(); ++k) {
+        if (!ids.insert(manifest.fill[k].id).second) item["recipes"].Mismatch("ids of their own");
+      }
+    }
   }
   if (root.Has("sequences")) {
     for (const JsonField& item : root["sequences"].Items()) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,14 +41,27 @@ struct ManifestEntry {
   std::string id;
   std::string family;  ///< scene, hard case, or the folder it was imported from
   std::variant<Recipe, FileSource> source;
-  std::string grid;     ///< the property that the problem's neighbours differ in; "" outside grids
-  std::string purpose;  ///< of pathological ones: what it is meant to break
+  std::optional<Recipe> remake;  ///< of a problem in a file that was generated: how it is made anew
+  std::string base;              ///< BaseOf its recipe; its own id where it has none
+  std::string origin;            ///< "placed", or "motion": a step of a scene's motion
+  bool fill = false;             ///< a fill-up (FillClass): `properties.rows` is all that is known of it
+  std::string grid;              ///< the property that the problem's neighbours differ in; "" outside grids
+  std::string purpose;           ///< of pathological ones: what it is meant to break
   ProblemProperties properties;
   std::optional<AnswerProperties> answer;
   ReferenceSummary reference;
   std::string provenance;
   std::string licence;
-  std::string sha256;  ///< ContentHash
+  std::string sha256;  ///< ContentHash; "" of fill-ups
+};
+
+/// Fill-ups: problems of the set's own families and sizes with further seeds, so that streams are long enough
+/// (size_classes.h). The manifest has one hash over all of a class, and no properties.
+struct FillClass {
+  std::string size_class;  ///< key
+  std::size_t problems = 0;
+  std::map<std::string, int> refused;  ///< candidates that were not taken, by reason
+  std::string sha256;                  ///< SequenceHash of its problems in their order
 };
 
 /// Of a sequence: consecutive problems of one motion, and how much the active set changes.
@@ -86,8 +100,16 @@ struct Manifest {
   std::string references;  ///< file of references, relative to the manifest; "" for none
   std::vector<Refusal> refused;
   std::vector<ManifestEntry> problems;
+  std::vector<FillClass> fill_classes;
+  std::vector<ManifestEntry> fill;  ///< of all classes, one after the other
   std::vector<SequenceEntry> sequences;
 };
+
+/// 1 / k for the k problems that have a base in common: what each of them counts where all do.
+std::map<std::string, double> WeightsByBase(const std::vector<ManifestEntry>& problems);
+
+/// Of a problem that fills up; its answer is certified.
+ManifestEntry FillEntry(const Recipe& recipe);
 
 /// The text of a manifest file.
 std::string FormatManifest(const Manifest& manifest);
@@ -96,7 +118,7 @@ std::string FormatManifest(const Manifest& manifest);
 /// @throws InputError naming file, place, what was expected and what was found
 Manifest ReadManifest(const std::string& path);
 
-/// SHA-256 of the ids and hashes of all problems and sequences: what a set consists of.
+/// SHA-256 of the ids and hashes of all problems, fill-ups and sequences: what a set consists of.
 std::string ManifestHash(const Manifest& manifest);
 
 /// Makes the problems of a manifest's entries, or reads them. Entries in the order of their file's lines cost one pass.

@@ -49,6 +49,17 @@ void AddGrid(const char* property, const char* change, std::initializer_list<std
   }
 }
 
+// Steps of motions of every family.
+void AddMotions(std::initializer_list<int> sizes, std::uint64_t last_seed, int steps, Tier* tier) {
+  for (const SceneFamily& scene : AllScenes()) {
+    for (const int rows : sizes) {
+      for (std::uint64_t seed = 1; seed <= last_seed; ++seed) {
+        tier->motions.push_back({{std::string(scene.key), rows, seed, {}}, steps});
+      }
+    }
+  }
+}
+
 Tier Named(const char* name, const char* purpose) {
   Tier tier;
   tier.name = name;
@@ -71,13 +82,12 @@ Tier Smoke() {
 }
 
 Tier Engine() {
-  Tier tier =
-      Named("engine", "One to three rows, as a physics engine's islands mostly are: timed, never counted as hard.");
+  Tier tier = Named("engine", "One to three rows, as a physics engine's islands mostly are.");
   tier.has_references = true;
   tier.has_files = true;
   AddEveryScene({1, 2, 3}, 1, 3, &tier);
-  // What few rows have as answer is trivial more often than not, and belongs to an engine's everyday: nothing is
-  // refused.
+  // Of one row f = 0 and w = 0 are all there is, and an engine meets either: nothing is refused for its answer.
+  tier.fill = {{SizeClassOf(1), {1}}, {SizeClassOf(2), {2, 3}}};
   return tier;
 }
 
@@ -103,6 +113,11 @@ Tier Standard() {
   AddGrid("curvature contrast", "curvature-contrast",
           {"disc-track", "rockers", "ovals-in-bowl", "gear-train", "cam-follower"}, {100, 400}, {3, 10, 30, 100, 1000},
           &tier);
+  AddMotions({45, 64, 100}, 2, 2, &tier);
+  AddMotions({160, 250, 400}, 2, 1, &tier);
+  AddMotions({640, 1000, 1800}, 1, 1, &tier);
+  tier.fill = {{SizeClassOf(4), {4, 6}},         {SizeClassOf(10), {10}},        {SizeClassOf(16), {16, 25}},
+               {SizeClassOf(40), {40, 64, 100}}, {SizeClassOf(160), {160, 250}}, {SizeClassOf(400), {400, 640, 1000}}};
   return tier;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "benchmarks/collection/recipe.h"
+#include "benchmarks/size_classes.h"
 
 namespace lcpbench {
 
@@ -14,6 +15,18 @@ struct Candidate {
   std::string family;
   std::string grid;     ///< the property that its neighbours differ in; "" outside grids
   std::string purpose;  ///< of pathological ones: what it is meant to break
+};
+
+/// A motion that the collection is meant to have some steps of (TakeSteps).
+struct MotionCandidate {
+  Recipe start;
+  int steps = 0;  ///< taken
+};
+
+/// Fill-ups of one size class: problems of all scene families at some sizes.
+struct FillPlan {
+  SizeClass size_class;
+  std::vector<int> rows;
 };
 
 /// A sequence that the collection is meant to have: a scene that moves `steps` steps of its own length.
@@ -33,6 +46,8 @@ struct Tier {
   /// The problems themselves are written as well.
   bool has_files = false;
   std::vector<Candidate> problems;
+  std::vector<MotionCandidate> motions;
+  std::vector<FillPlan> fill;
   std::vector<SequenceCandidate> sequences;
 };
 
@@ -41,6 +56,6 @@ Tier PlanTier(std::string_view name);
 const std::vector<std::string>& AllTiers();
 
 /// Of all that the plan holds. Raised with every change of what a manifest's problems are.
-inline constexpr const char* kCollectionVersion = "1.0.0";
+inline constexpr const char* kCollectionVersion = "2.0.0";
 
 }  // namespace lcpbench

@@ -163,9 +163,10 @@ std::string Triviality(const LcpProblem& problem, const AnswerProperties& answer
     no_force = problem.is_bilateral(i) ? problem.b()[i] == 0 : problem.b()[i] >= 0;
   }
   if (no_force) return "f = 0";
-  return answer.fraction_active >= 1 || static_cast<Index>(problem.bilateral_rows().size()) == problem.size()
-             ? "all rows active"
-             : "";
+  if (answer.fraction_active >= 1 || static_cast<Index>(problem.bilateral_rows().size()) == problem.size()) {
+    return "all rows active";
+  }
+  return answer.fraction_active <= 0 ? "no active contact" : "";
 }
 
 }  // namespace lcpbench

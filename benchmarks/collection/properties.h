@@ -52,7 +52,8 @@ AnswerProperties MeasureAnswer(const LcpProblem& problem, const Eigen::VectorXd&
                                double negligible);
 
 /// What a solver need not be good at: "f = 0" where that is the answer (b >= 0, b = 0 on bilateral rows), "all rows
-/// active" where w = 0 on all rows, so that -A^+ b or another solution of linear equations is one. Empty: neither.
+/// active" where w = 0 on all rows, so that -A^+ b or another solution of linear equations is one, "no active contact"
+/// where w > 0 on all unilateral rows, so that the bilateral ones decide the answer alone. Empty: none of these.
 std::string Triviality(const LcpProblem& problem, const AnswerProperties& answer);
 
 }  // namespace lcpbench

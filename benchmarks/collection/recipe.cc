@@ -7,6 +7,7 @@
 
 #include "benchmarks/collection/curvature_changes.h"
 #include "benchmarks/collection/hard_cases.h"
+#include "benchmarks/collection/motion_steps.h"
 #include "benchmarks/collection/row_changes.h"
 #include "model/overloaded.h"
 #include "model/scenes/scene.h"
@@ -90,14 +91,21 @@ const std::vector<ChangeKind>& AllChanges() {
 }
 
 std::string RecipeId(const Recipe& recipe) {
-  std::string id = recipe.scene + "-n" + std::to_string(recipe.rows) + "-s" + std::to_string(recipe.seed);
+  std::string id = BaseOf(recipe);
+  if (recipe.motion_step > 0) id += "-step" + std::to_string(recipe.motion_step);
   for (const Change& change : recipe.changes) id += "-" + change.name + "-" + ShortNumber(change.amount);
   return id;
+}
+
+std::string BaseOf(const Recipe& recipe) {
+  return recipe.scene + "-n" + std::to_string(recipe.rows) + "-s" + std::to_string(recipe.seed) +
+         (recipe.motion_step > 0 ? "-motion" : "");
 }
 
 Instance MakeInstance(const Recipe& recipe) {
   const std::string id = RecipeId(recipe);
   try {
+    if (recipe.motion_step > 0) return MakeMotionStep(recipe);
     ContactSystem system = Generate(recipe);
     // Curvature first, wherever it stands in the list: rows are made from the edges.
     for (const Change& change : recipe.changes) {

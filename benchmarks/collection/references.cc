@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -16,6 +17,16 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr size_t kExcerpt = 40;
+
+// Of a line; where it stands first, as our files have it, without parsing the numbers behind it.
+std::string IdOf(const std::string& line) {
+  constexpr std::string_view kStart = R"({"id":")";
+  if (line.starts_with(kStart)) {
+    const std::size_t end = line.find_first_of("\"\\", kStart.size());
+    if (end != std::string::npos && line[end] == '"') return line.substr(kStart.size(), end - kStart.size());
+  }
+  return Json::parse(line).at("id").get<std::string>();
+}
 
 Eigen::VectorXd Numbers(const Json& values, Index size) {
   const auto numbers = values.get<std::vector<double>>();
@@ -37,7 +48,7 @@ References::References(const Manifest& manifest, const std::string& folder) {
   std::string line;
   while (std::getline(lines, line)) {
     try {
-      std::string id = Json::parse(line).at("id").get<std::string>();
+      std::string id = IdOf(line);
       lines_[std::move(id)] = std::move(line);
     } catch (const Json::exception&) {
       throw InputError(name_ + ": expected lines with an id, found '" + line.substr(0, kExcerpt) + "'");
