@@ -1,7 +1,6 @@
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "benchmarks/commands.h"
 #include "benchmarks/python_script.h"
@@ -11,13 +10,11 @@
 namespace lcpbench {
 namespace {
 
-int Analyse(const std::string& campaign, bool repetitions) {
+int Analyse(const std::string& campaign) {
   if (!std::filesystem::is_directory(campaign)) {
     throw InputError(campaign + ": expected a campaign's folder, found none");
   }
-  std::vector<std::string> arguments = {campaign};
-  if (repetitions) arguments.emplace_back("--repetitions");
-  return RunPythonScript("analyse", {kAnalyseScript, kInstalledAnalyseScript}, arguments);
+  return RunPythonScript("analyse", {kAnalyseScript, kInstalledAnalyseScript}, {campaign});
 }
 
 }  // namespace
@@ -26,10 +23,7 @@ void AddAnalyseCommand(CLI::App& app, CommandRun& run) {
   auto campaign = std::make_shared<std::string>();
   CLI::App* analyse = app.add_subcommand("analyse", "Writes the statistics of a campaign's folder as CSV tables");
   analyse->add_option("DIR", *campaign, "The campaign's folder; the tables go into DIR/analysis")->required();
-  auto repetitions = std::make_shared<bool>(false);
-  analyse->add_flag("--repetitions", *repetitions, "Also write every repetition as a row, repetitions.csv.gz");
-  analyse->callback(
-      [campaign, repetitions, &run] { run = [campaign, repetitions] { return Analyse(*campaign, *repetitions); }; });
+  analyse->callback([campaign, &run] { run = [campaign] { return Analyse(*campaign); }; });
 }
 
 }  // namespace lcpbench

@@ -6,7 +6,7 @@
 
 namespace lcpbench {
 
-/// A solver that takes `factor` times as long as another: after every solve it keeps the processor busy. It shows
+/// A solver that takes `factor` times as long as another: after set-up and solve it keeps the processor busy. It shows
 /// whether a campaign finds a difference of known size.
 class SlowedSolver : public LcpSolver {
  public:
@@ -21,6 +21,8 @@ class SlowedSolver : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
+  void WaitSince(double start) const;
+
   std::unique_ptr<LcpSolver> solver_;
   double factor_;
 };

@@ -21,6 +21,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/hardware_counters.h"
 #include "solvers/lcp/input_error.h"
+#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
@@ -28,23 +29,15 @@ namespace {
 
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
-std::vector<nlohmann::json> Lines(const std::string& text) {
-  std::vector<nlohmann::json> lines;
-  std::istringstream input(text);
-  std::string line;
-  while (std::getline(input, line)) lines.push_back(nlohmann::json::parse(line));
-  return lines;
-}
-
-// What must not depend on when and where a cell was run, sorted.
-std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& cells) {
+// What must not depend on when and where something was run, sorted.
+std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& lines) {
   std::vector<std::string> kept;
-  for (nlohmann::json cell : cells) {
-    for (const char* field : {"setup_s", "first_s", "solve_s", "convert_s", "factor_s", "factor_of_s", "peak_bytes",
-                              "allocations", "counters", "disturbance", "environment"}) {
-      cell.erase(field);
+  for (nlohmann::json line : lines) {
+    for (const char* field : {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s", "group",
+                              "factor_share", "peak_bytes", "allocations", "disturbance", "environment"}) {
+      line.erase(field);
     }
-    kept.push_back(cell.dump());
+    kept.push_back(line.dump());
   }
   std::sort(kept.begin(), kept.end());
   return kept;
@@ -55,38 +48,52 @@ class CampaignCommand : public CommandTest {
   // Own solvers: one by tolerance, one direct, one that fails at times.
   std::string Campaign(const std::string& folder, const std::string& more = "") const {
     return std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall' " +
-           "--rounds 2 --most-rounds 2 --repetitions 3 --min-time 1e-4 -o " + Path(folder) + " " + more;
+           "--passes 2 -o " + Path(folder) + " " + more;
   }
-  std::vector<nlohmann::json> Cells(const std::string& folder) const {
-    return Lines(ReadFile(folder_ / folder / "cells.jsonl"));
+  std::vector<nlohmann::json> Cells(const std::string& folder) const { return CellsOf(folder_ / folder); }
+  std::vector<nlohmann::json> Lines(const std::string& folder) const {
+    return JsonLines(folder_ / folder / "streams.jsonl");
   }
 };
 
-TEST_F(CampaignCommand, EveryCellHasItsLineAndVerdict) {
+TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
   const CommandOutcome outcome = Run(Campaign("c"));
   ASSERT_EQ(outcome.status, 0) << outcome.error;
   const auto cells = Cells("c");
-  const auto problems = Lines(ReadFile(folder_ / "c" / "problems.jsonl"));
+  const auto problems = JsonLines(folder_ / "c" / "problems.jsonl");
   ASSERT_EQ(problems.size(), 18U);  // 16 families with 8 rows, two of them with 40 as well
   // Every tier of every solver, though direct methods run once.
-  size_t first_rounds = 0;
+  EXPECT_EQ(cells.size(), problems.size() * 3 * 3);
   for (const auto& cell : cells) {
-    if (cell["round"] == 0) ++first_rounds;
     EXPECT_EQ(cell["false_success"], false) << cell.dump();
-    EXPECT_GE(cell["solve_s"].size(), 1U);
-    for (const double time : cell["solve_s"]) EXPECT_GT(time, 0);
-    if (cell["passes"] == true) {
-      EXPECT_LE(cell["metrics"]["rho"].get<double>(), cell["tier"].get<double>());
-    }
+    EXPECT_GT(cell["first_s"].get<double>(), 0);
+    for (const double time : cell["fresh_s"]) EXPECT_GT(time, 0);
+    if (cell["passes"] != true) continue;
+    EXPECT_LE(cell["rho"].get<double>(), cell["tier"].get<double>());
+    // What warms a pass is not timed in it: of two passes a problem misses one at most.
+    EXPECT_GE(cell["fresh_s"].size(), 1U) << cell.dump();
   }
-  EXPECT_EQ(first_rounds, problems.size() * 3 * 3);
+  double weight = 0;
   for (const auto& problem : problems) {
     EXPECT_GT(problem["oracle_s"].get<double>(), 0) << problem.dump();
     EXPECT_GE(problem["floor"].get<double>(), 0);
+    weight += problem["weight"].get<double>();
+  }
+  EXPECT_GT(weight, 0.99 * 16);  // at least a base per family
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] == "parts") {
+      EXPECT_EQ(line["solve_s"].size(), line["count"]);
+    }
+    if (line["kind"] == "again") {
+      EXPECT_EQ(line["failed"].size(), 0U) << line.dump();
+    }
   }
   const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
-  EXPECT_EQ(campaign["schema"], "lcpbench-campaign/1");
+  EXPECT_EQ(campaign["schema"], "lcpbench-campaign/2");
   EXPECT_EQ(campaign["manifests"][0]["name"], "smoke");
+  for (const char* field : {"cpu", "instruction_sets", "kernel", "hypervisor", "git_commit"}) {
+    EXPECT_FALSE(campaign["environment"][field].get<std::string>().empty()) << field;
+  }
 }
 
 TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
@@ -111,17 +118,24 @@ TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
   EXPECT_EQ(same.status, 0) << same.error;
   EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
   std::filesystem::copy(folder_ / "c", folder_ / "wrong");
-  std::ofstream cells(folder_ / "wrong" / "cells.jsonl");
+  std::ofstream lines(folder_ / "wrong" / "streams.jsonl");
   bool changed = false;
-  for (nlohmann::json cell : Cells("c")) {
-    if (!changed && cell["round"] == 0 && cell["passes"] == true) {
+  for (nlohmann::json line : Lines("c")) {
+    if (!changed && line["kind"] == "judge" && line["exceptions"].empty()) {
       changed = true;
-      cell["passes"] = false;
-      cell["false_success"] = true;
+      line["exceptions"].push_back({{"at", 0},
+                                    {"claim", "solved"},
+                                    {"passes", false},
+                                    {"at_floor", false},
+                                    {"false_success", true},
+                                    {"false_infeasible", false},
+                                    {"proved_infeasible", false},
+                                    {"reason", "rho"},
+                                    {"detail", ""}});
     }
-    cells << cell.dump() << "\n";
+    lines << line.dump() << "\n";
   }
-  cells.close();
+  lines.close();
   const CommandOutcome wrong = Run("compare " + Path("c") + " " + Path("wrong") + " -o " + Path("summary.md"));
   EXPECT_EQ(wrong.status, 1) << wrong.error;
   EXPECT_NE(ReadFile(folder_ / "summary.md").find("1 new false success"), std::string::npos);
@@ -133,14 +147,14 @@ TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
     const CommandOutcome outcome = Run(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
     ASSERT_EQ(outcome.status, 0) << outcome.error;
-    EXPECT_LT(Cells(std::string("s") + shard[0]).size(), Cells("whole").size());
+    EXPECT_LT(Lines(std::string("s") + shard[0]).size(), Lines("whole").size());
   }
   const CommandOutcome all = Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
   ASSERT_EQ(all.status, 0);
   EXPECT_EQ(all.error, "");
   ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
-  EXPECT_EQ(ReadFile(folder_ / "m" / "cells.jsonl"), ReadFile(folder_ / "n" / "cells.jsonl"));
-  EXPECT_EQ(WithoutTimes(Cells("m")), WithoutTimes(Cells("whole")));
+  EXPECT_EQ(ReadFile(folder_ / "m" / "streams.jsonl"), ReadFile(folder_ / "n" / "streams.jsonl"));
+  EXPECT_EQ(WithoutTimes(Lines("m")), WithoutTimes(Lines("whole")));
   // A shard that is missing is told.
   const CommandOutcome two = Run("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
   EXPECT_EQ(two.status, 0);
@@ -162,12 +176,12 @@ TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
     if (!RunAndKill(Campaign("killed", trial == 0 ? "" : "--resume"), milliseconds)) break;
     ++kills;
     // What a crash of the machine could leave.
-    if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "cells.jsonl", std::ios::app) << "{\"problem\":\"torn";
+    if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "streams.jsonl", std::ios::app) << "{\"solver\":\"torn";
   }
   EXPECT_GE(kills, 3);
   const CommandOutcome rest = Run(Campaign("killed", "--resume"));
   ASSERT_EQ(rest.status, 0) << rest.error;
-  EXPECT_EQ(WithoutTimes(Cells("killed")), WithoutTimes(Cells("whole")));
+  EXPECT_EQ(WithoutTimes(Lines("killed")), WithoutTimes(Lines("whole")));
 }
 
 // As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
@@ -187,7 +201,7 @@ TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
   EXPECT_GE(interrupted, 3);
   const CommandOutcome rest = Run(Campaign("ended", "--resume"));
   ASSERT_EQ(rest.status, 0) << rest.error;
-  EXPECT_EQ(WithoutTimes(Cells("ended")), WithoutTimes(Cells("whole")));
+  EXPECT_EQ(WithoutTimes(Lines("ended")), WithoutTimes(Lines("whole")));
 }
 
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
@@ -208,15 +222,15 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
     EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
     EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
   }
-  std::ofstream(folder_ / "c" / "cells.jsonl", std::ios::app) << "no cell\n";
+  std::ofstream(folder_ / "c" / "streams.jsonl", std::ios::app) << "no line\n";
   const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
   EXPECT_EQ(broken.status, 2);
-  EXPECT_NE(broken.error.find("cells.jsonl:"), std::string::npos) << broken.error;
+  EXPECT_NE(broken.error.find("streams.jsonl:"), std::string::npos) << broken.error;
 }
 
 TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
-  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --rounds 1 " +
-                                "--most-rounds 1 --repetitions 3 --solvers pgs,over,again,slow -o " + Path("c") +
+  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --passes 1 " +
+                                "--solvers pgs,over,again,slow -o " + Path("c") +
                                 " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
   const CommandOutcome outcome = Run(arguments);
   ASSERT_EQ(outcome.status, 0) << outcome.error;
@@ -228,7 +242,7 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
     ASSERT_EQ(by_solver.size(), 4U) << problem;
     // One solver under two names, or slowed: the same answer to the last bit.
     for (const char* same : {"again", "slow"}) {
-      EXPECT_EQ(by_solver.at(same)["metrics"], by_solver.at("pgs")["metrics"]) << problem;
+      EXPECT_EQ(by_solver.at(same)["rho"], by_solver.at("pgs")["rho"]) << problem;
       EXPECT_EQ(by_solver.at(same)["iterations"], by_solver.at("pgs")["iterations"]) << problem;
     }
     differs = differs || by_solver.at("over")["iterations"] != by_solver.at("pgs")["iterations"];
@@ -253,123 +267,77 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
   }
 }
 
-TEST_F(CampaignCommand, ModesAreCellsOfTheirOwn) {
-  const CommandOutcome outcome = Run(Campaign("c", "--modes cold,cold-cache --tiers 1e-6"));
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
-  std::map<std::string, int> count;
-  for (const auto& cell : Cells("c")) {
-    ++count[cell["mode"]];
-    // With cold caches every repetition is one solve, and of no solver the memory that was walked through counts.
-    EXPECT_LE(cell["solve_s"].size(), 3U);
-    EXPECT_LT(cell["peak_bytes"].get<double>(), 200e6);
-  }
-  EXPECT_EQ(count.size(), 2U);
-  EXPECT_EQ(count["cold"], count["cold-cache"]);
-  EXPECT_EQ(Run("analyse " + Path("c")).status, 0);
-  const CommandOutcome unknown = Run(Campaign("d", "--modes lukewarm"));
-  EXPECT_EQ(unknown.status, 2);
-  EXPECT_NE(unknown.error.find("cold-cache"), std::string::npos) << unknown.error;
-}
-
-TEST_F(CampaignCommand, EveryCellSaysWhatItsSolveTook) {
+TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
   ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
-                "--rounds 1 --most-rounds 1 --repetitions 3 -o " + Path("c"))
+                "--passes 1 -o " + Path("c"))
                 .status,
             0);
   for (const auto& cell : Cells("c")) {
     if (cell["passes"] != true) continue;
     const std::string solver = cell["solver"];
     EXPECT_GT(cell["first_s"].get<double>(), 0);
-    EXPECT_LE(cell["factor_s"].get<double>(), cell["factor_of_s"].get<double>());
-    // Sweeps factorise nothing, interior points every step.
+    EXPECT_LT(cell["factor_share"].get<double>(), 1);
+    // Sweeps factorize nothing, interior points every step.
     if (solver == "pgs") {
-      EXPECT_EQ(cell["factor_s"].get<double>(), 0);
+      EXPECT_EQ(cell["factor_share"].get<double>(), 0);
     }
     if (solver == "ipm") {
-      EXPECT_GT(cell["factor_s"].get<double>(), 0);
-    }
-    const auto& disturbance = cell["disturbance"];
-    EXPECT_GT(disturbance["probe_s"].get<double>(), 0);
-    EXPECT_GT(disturbance["cpu_share"].get<double>(), 0);
-    EXPECT_LE(disturbance["reruns"].get<int>(), 2);
-    // What is undisturbed was not run again for nothing, and what is disturbed was run as often as allowed.
-    if (disturbance["disturbed"] == true) {
-      EXPECT_EQ(disturbance["reruns"], 2);
+      EXPECT_GT(cell["factor_share"].get<double>(), 0);
     }
 #ifndef __SANITIZE_ADDRESS__
-    EXPECT_GE(cell["allocations"]["first_bytes"].get<int>(), 0);
-    if (solver == "dantzig" || solver == "pgs") {
-      EXPECT_EQ(cell["allocations"]["later"], 0) << cell["problem"];
-    }
+    EXPECT_GT(cell["allocations"].get<int>(), 0) << cell["problem"];
 #endif
+  }
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] != "fresh") continue;
+    const auto& disturbance = line["disturbance"];
+    EXPECT_GT(disturbance["probe_s"].get<double>(), 0);
+    EXPECT_GT(disturbance["cpu_share"].get<double>(), 0);
+    // What is undisturbed was not run again for nothing, and what is disturbed was run as often as allowed.
+    EXPECT_LE(disturbance["reruns"].get<int>(), NoiseRule{}.most_reruns);
+    if (disturbance["disturbed"] == true) {
+      EXPECT_EQ(disturbance["reruns"], NoiseRule{}.most_reruns);
+    }
+  }
+}
+
+// The budget of a task ends it, for judging and for timing; what had no turn is not counted as failed.
+TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
+  ASSERT_EQ(Run(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 3 --solvers dantzig,slow ") +
+                "--variant slow=dantzig,slowdown=100 -o " + Path("c"))
+                .status,
+            0);
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] == "judge") {
+      EXPECT_LE(line["attempted"], line["count"]);
+      EXPECT_EQ(line["rho"].size(), line["attempted"]);
+    }
+    if (line["kind"] == "fresh") {
+      EXPECT_EQ(line["fresh_s"].size(), line["count"]);
+    }
   }
 }
 
 TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
-  const std::string filter = "--benchmark_filter='rockers-n8.*dantzig'";
-  const CommandOutcome list = Run(Campaign("c", filter + " --benchmark_list_tests"));
+  const std::string filter = "--benchmark_filter='rockers-n(8|40)-' --solvers dantzig";
+  const std::string campaign = std::string("run --suite ") + kManifest + " " + filter + " -o " + Path("c");
+  const CommandOutcome list = Run(campaign + " --benchmark_list_tests");
   ASSERT_EQ(list.status, 0) << list.error;
-  EXPECT_EQ(list.out, "solve/rockers-n8-s11/dantzig/1e-09\n");
+  EXPECT_NE(list.out.find("solve/rockers-n8-s11/dantzig/1e-09\n"), std::string::npos) << list.out;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
-  const CommandOutcome run =
-      Run(Campaign("c", filter + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json")));
+  const CommandOutcome run = Run(campaign + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json"));
   ASSERT_EQ(run.status, 0) << run.error;
   const auto json = nlohmann::json::parse(ReadFile(folder_ / "times.json"));
-  // Two rounds, judged at three tiers by one run.
-  size_t repetitions = 0;
-  for (const auto& cell : Cells("c")) repetitions += cell["solve_s"].size();
-  EXPECT_EQ(json["benchmarks"].size(), repetitions);
-  EXPECT_EQ(repetitions, 2U * 4 * 3);
+  // Four passes, judged at three tiers by one run.
+  size_t times = 0;
+  for (const auto& cell : Cells("c")) times += cell["fresh_s"].size();
+  EXPECT_EQ(json["benchmarks"].size(), times);
+  EXPECT_EQ(times, 2U * 4 * 3);
   for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
   EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
 }
 
-// How often a cell is visited depends on its times: only bounds can be told.
-TEST_F(CampaignCommand, UncertainTimesGetMoreRounds) {
-  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig --filter n8 --rounds 1 --most-rounds 4 " +
-                "--repetitions 2 --min-time 1e-5 --tiers 1e-6 -o " + Path("c"))
-                .status,
-            0);
-  std::map<std::string, std::vector<double>> medians;
-  for (const auto& cell : Cells("c")) {
-    medians[cell["problem"]].push_back(MedianOf(cell["solve_s"].get<std::vector<double>>()));
-  }
-  EXPECT_EQ(medians.size(), 16U);
-  for (const auto& [id, of_rounds] : medians) {
-    EXPECT_LE(of_rounds.size(), 4U);
-    // Fewer than all only where the time is known.
-    if (of_rounds.size() < 4) {
-      EXPECT_LE(IntervalOfRounds(of_rounds).relative_width(), 0.05) << id;
-    }
-  }
-}
-
-TEST(RoundInterval, HoldsTheTimeAsOftenAsItSays) {
-  std::mt19937 random(5);
-  // Rounds differ by more than their repetitions do.
-  std::lognormal_distribution<double> round(0, 0.1);
-  std::lognormal_distribution<double> repetition(0, 0.02);
-  for (const int rounds : {2, 3, 6, 9}) {
-    constexpr int kTrials = 4000;
-    int held = 0;
-    for (int trial = 0; trial < kTrials; ++trial) {
-      std::vector<double> medians;
-      for (int r = 0; r < rounds; ++r) {
-        const double level = round(random);
-        std::vector<double> samples(5);
-        for (double& sample : samples) sample = level * repetition(random);
-        medians.push_back(MedianOf(samples));
-      }
-      const RoundInterval interval = IntervalOfRounds(medians);
-      EXPECT_LE(interval.low, interval.center);
-      EXPECT_LE(interval.center, interval.high);
-      if (interval.low <= 1 && 1 <= interval.high) ++held;
-    }
-    EXPECT_GE(held, 0.938 * kTrials) << rounds;
-    EXPECT_LE(held, 0.962 * kTrials) << rounds;
-  }
-  // One round says nothing of what differs between rounds.
-  EXPECT_FALSE(IntervalOfRounds({3}).relative_width() < 1e9);
+TEST(MedianOf, IsTheMiddleOne) {
   EXPECT_EQ(MedianOf({4, 1, 3}), 3);
   EXPECT_EQ(MedianOf({4, 1, 3, 2}), 2.5);
 }
@@ -425,17 +393,13 @@ TEST(DisturbanceWatch, SeesAThreadThatWaits) {
 
 // ----- one worker
 
-CellRequest Request(const std::string& problem, const std::string& solver) {
-  CellRequest request;
-  request.manifest = LCPBENCH_SOURCE_DIR "/data/standard.json";
-  request.problem = problem;
+JudgeRequest Request(const std::string& problem, const std::string& solver) {
+  JudgeRequest request;
+  request.problem = {LCPBENCH_SOURCE_DIR "/data/standard.json", problem};
   request.solver = solver;
   request.tier = 1e-6;
   request.judged = {1e-6};
   request.time_limit_s = 30;
-  request.repetitions = 3;
-  request.min_time_s = 1e-4;
-  request.budget_s = 0.1;
   return request;
 }
 
@@ -448,13 +412,39 @@ WorkerOptions Options() {
 TEST(WorkerProcess, SolvesJudgesAndTimes) {
   WorkerProcess worker(Options());
   for (const char* solver : {"auto", "dantzig", "ipm"}) {
-    const CellReply reply = worker.Run(Request("rockers-n100-s1", solver));
+    const JudgeReply reply = worker.Run(Request("rockers-n100-s1", solver));
     EXPECT_EQ(reply.claim, "solved") << reply.detail;
-    EXPECT_EQ(reply.solve_s.size(), 3U);
     ASSERT_FALSE(reply.verdicts.empty());
-    for (const CellVerdict& verdict : reply.verdicts) EXPECT_TRUE(verdict.passes) << verdict.reason;
+    for (const TierVerdict& verdict : reply.verdicts) EXPECT_TRUE(verdict.passes) << verdict.reason;
     EXPECT_LE(reply.metrics.at("w_error").get<double>(), 1e-4);
     EXPECT_GT(*reply.peak_bytes, 1e6);
+    EXPECT_GT(*reply.fresh_s, 0);
+
+    TimedRequest pass;
+    for (const char* problem : {"rockers-n10-s1", "rockers-n25-s1", "rockers-n100-s1"}) {
+      pass.stream.push_back({LCPBENCH_SOURCE_DIR "/data/standard.json", problem});
+    }
+    pass.solver = solver;
+    pass.judged = {1e-3, 1e-6};
+    pass.pass.tolerance = 1e-6;
+    pass.pass.time_limit_s = 10;
+    pass.pass.warm_up = {1};
+    pass.pass.order = {2, 0};
+    pass.pass.budget_s = 10;
+    for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+      pass.pass.kind = kind;
+      const TimedReply timed = worker.Run(pass);
+      EXPECT_EQ(timed.outcome, "completed") << timed.detail;
+      ASSERT_EQ(timed.seconds.size(), 3U);
+      EXPECT_FALSE(timed.seconds[1].has_value());
+      for (const std::size_t place : {0U, 2U}) EXPECT_GT(*timed.seconds[place], 0);
+      ASSERT_EQ(timed.failed.size(), 2U);
+      for (const auto& failed : timed.failed) EXPECT_TRUE(failed.empty());
+      if (kind == PassKind::kParts) {
+        EXPECT_NEAR(*timed.problem_s[0] + *timed.prepare_s[0] + *timed.convert_s[0] + *timed.solve_s[0],
+                    *timed.seconds[0], 1e-9);
+      }
+    }
   }
 }
 
@@ -462,7 +452,7 @@ TEST(WorkerProcess, KillsWhatTakesTooLongAndGoesOn) {
   WorkerOptions options = Options();
   options.make_s = 1e-4;
   WorkerProcess worker(options);
-  const CellReply killed = worker.Run(Request("rockers-n100-s1", "auto"));
+  const JudgeReply killed = worker.Run(Request("rockers-n100-s1", "auto"));
   EXPECT_EQ(killed.claim, "killed");
   EXPECT_TRUE(killed.verdicts.empty());
   // Less time than the first factorisation takes: the solver notices, or is killed.
@@ -470,12 +460,12 @@ TEST(WorkerProcess, KillsWhatTakesTooLongAndGoesOn) {
   strict.grace_s = 0;
   strict.grace_share = 0;
   WorkerProcess impatient(strict);
-  CellRequest request = Request("chain-of-links-n10000-s1", "ipm");
+  JudgeRequest request = Request("chain-of-links-n10000-s1", "ipm");
   request.time_limit_s = 1e-3;
-  const CellReply late = impatient.Run(request);
+  const JudgeReply late = impatient.Run(request);
   EXPECT_TRUE(late.claim == "killed" || late.claim == "time_limit") << late.claim;
-  const CellReply next = impatient.Run([] {
-    CellRequest small = Request("rockers-n10-s1", "dantzig");
+  const JudgeReply next = impatient.Run([] {
+    JudgeRequest small = Request("rockers-n10-s1", "dantzig");
     small.time_limit_s = 10;
     return small;
   }());
@@ -489,7 +479,7 @@ TEST(WorkerProcess, MemoryBeyondTheLimitIsAnOutcome) {
   WorkerOptions options = Options();
   options.memory_bytes = std::uint64_t{600} << 20U;
   WorkerProcess worker(options);
-  const CellReply reply = worker.Run(Request("tall-stacks-n10000-s1", "dantzig"));
+  const JudgeReply reply = worker.Run(Request("tall-stacks-n10000-s1", "dantzig"));
   EXPECT_TRUE(reply.claim == "out_of_memory" || reply.claim == "numerical_failure" || reply.claim == "unsupported")
       << reply.claim << ": " << reply.detail;
   EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "dantzig")).claim, "solved");
@@ -506,9 +496,9 @@ TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
   WorkerOptions options = Options();
   options.solver_arguments = {"--external", "dying=/bin/false"};
   WorkerProcess worker(options);
-  const CellReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
+  const JudgeReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
   EXPECT_NE(reply.claim, "solved");
-  for (const CellVerdict& verdict : reply.verdicts) EXPECT_FALSE(verdict.passes);
+  for (const TierVerdict& verdict : reply.verdicts) EXPECT_FALSE(verdict.passes);
   EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
 }
 

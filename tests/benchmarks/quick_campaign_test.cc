@@ -12,6 +12,7 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "solvers/registry.h"
+#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
@@ -98,8 +99,8 @@ TEST_F(QuickCampaign, HasASpreadOfEverything) {
 
 TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   const std::string command =
-      "run --filter '/((disc-pile-n(2|10)-s1|idle-line-n40-s1)/(dantzig|pgs)|"
-      "gear-train-n12-s1-motion/pgs/1e-03)/' --rounds 1 --repetitions 2 -o " +
+      "run --solvers dantzig,pgs --filter '/(disc-pile-n(2|10)-s1|idle-line-n40-s1|"
+      "gear-train-n12-s1-motion/pgs/1e-03)/' --passes 1 -o " +
       Path("q");
   const CommandOutcome run = Run(command);
   ASSERT_EQ(run.status, 0) << run.error;
@@ -111,11 +112,11 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
     set_and_counts[problem["problem"]] = {problem["set"].get<std::string>(), problem["counts"].get<bool>()};
   }
   const std::map<std::string, std::pair<std::string, bool>> expected = {
-      {"disc-pile-n2-s1", {"engine", false}},  // too few rows to count
+      {"disc-pile-n2-s1", {"engine", true}},
       {"disc-pile-n10-s1", {"standard", true}},
       {"idle-line-n40-s1", {"pathological", true}}};
   EXPECT_EQ(set_and_counts, expected);
-  EXPECT_EQ(Lines("cells.jsonl").size(), 3U * 2 * 3);
+  EXPECT_EQ(CellsOf(folder_ / "q").size(), 3U * 2 * 3);
   std::set<std::string> modes;
   for (const Json& pass : Lines("steps.jsonl")) {
     EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
@@ -147,11 +148,11 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
 
   // The folder is not overwritten, and goes on where it is asked to.
   EXPECT_EQ(Run(command).status, 2);
-  const std::string before = ReadFile(folder_ / "q/cells.jsonl");
+  const std::string before = ReadFile(folder_ / "q/streams.jsonl");
   const CommandOutcome again = Run(command + " --resume");
   EXPECT_EQ(again.status, 0);
   EXPECT_EQ(again.error.find("another environment"), std::string::npos) << again.error;
-  EXPECT_EQ(ReadFile(folder_ / "q/cells.jsonl"), before);
+  EXPECT_EQ(ReadFile(folder_ / "q/streams.jsonl"), before);
 
   // Another build may go on with it, but not in silence.
   auto other = nlohmann::ordered_json::parse(ReadFile(folder_ / "q/campaign.json"));

@@ -11,6 +11,7 @@
 #include "model/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/registry.h"
+#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
@@ -76,8 +77,7 @@ class TunedSettings : public CommandTest {
  protected:
   std::string Campaign(const std::string& folder, const std::string& more) const {
     return std::string("run --suite ") + kManifest +
-           " --filter 'rockers-n8-' --tiers 1e-6 --rounds 1 --most-rounds 1 " + "--repetitions 2 --min-time 1e-5 -o " +
-           Path(folder) + " " + more;
+           " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " + Path(folder) + " " + more;
   }
   std::map<std::string, nlohmann::json> SolversOf(const std::string& folder) const {
     const auto campaign = nlohmann::json::parse(ReadFile(folder_ / folder / "campaign.json"));
@@ -106,10 +106,8 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   EXPECT_EQ(campaign["tuning"]["budget"], 5);
   // The worker process knows it too, and it sweeps otherwise.
   std::map<std::string, int> iterations;
-  std::istringstream lines(ReadFile(folder_ / "c" / "cells.jsonl"));
-  for (std::string line; std::getline(lines, line);) {
-    const auto cell = nlohmann::json::parse(line);
-    EXPECT_EQ(cell["passes"], true) << line;
+  for (const auto& cell : CellsOf(folder_ / "c")) {
+    EXPECT_EQ(cell["passes"], true) << cell.dump();
     iterations[cell["solver"]] = cell["iterations"];
   }
   ASSERT_EQ(iterations.size(), 4U);
@@ -170,7 +168,7 @@ TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
   // A peer without settings, where there is one, is left out.
   const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
   const CommandOutcome outcome = Run("tune --solvers lemke" + peer +
-                                     " --budget 2 --sizes 12 --problem-seed 77 --rounds 1 --repetitions 2 "
+                                     " --budget 2 --sizes 12 --problem-seed 77 --passes 1 "
                                      "--folder " +
                                      Path("t") + " -o " + Path("tuned.json"));
   ASSERT_EQ(outcome.status, 0) << outcome.error;
