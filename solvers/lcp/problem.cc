@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
 
+#include "solvers/lcp/dense_assembly.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem_arrays.h"
@@ -22,10 +25,21 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 }
 
 void RequireFinite(const std::string& id, const char* name, const double* values, Index count) {
-  for (Index i = 0; i < count; ++i) {
-    if (!std::isfinite(values[i])) {
-      Reject(id,
-             std::string(name) + " must be finite, entry " + std::to_string(i) + " is " + std::to_string(values[i]));
+  // By bits and without a branch, so that the compiler takes several at once.
+  constexpr std::uint64_t kExponent = std::uint64_t{0x7ff} << 52U;
+  std::uint64_t bad = 0;
+  for (Index i = 0; i < count; ++i)
+    bad |= std::uint64_t{(std::bit_cast<std::uint64_t>(values[i]) & kExponent) == kExponent};
+  if (bad == 0) return;
+  const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
+  Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
+                 std::to_string(*found));
+}
+
+void RequireNonnegative(const std::string& id, const Eigen::VectorXd& inverse_mass) {
+  for (Index k = 0; k < inverse_mass.size(); ++k) {
+    if (inverse_mass[k] < 0) {
+      Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(inverse_mass[k]));
     }
   }
 }
@@ -37,19 +51,60 @@ void RequireShape(const std::string& id, const char* name, Index rows, Index col
   }
 }
 
+// Of the matrix that arrays hold, in the two sparse forms.
+void RequireCompressedRows(const ProblemArrays& arrays) {
+  const Index n = arrays.rows;
+  const auto count = static_cast<Index>(arrays.column.size());
+  const std::vector<int>& start = arrays.row_start;
+  if (arrays.columns < 0 || (arrays.form == MatrixForm::kSparse && arrays.columns != n)) {
+    Reject(arrays.id, "columns must be " + std::string(arrays.form == MatrixForm::kSparse ? "rows" : ">= 0") +
+                          ", found " + std::to_string(arrays.columns));
+  }
+  RequireShape(arrays.id, "row start", static_cast<Index>(start.size()), 1, n + 1, 1);
+  RequireShape(arrays.id, "values", static_cast<Index>(arrays.value.size()), 1, count, 1);
+  if (start.front() != 0 || start.back() != count) {
+    Reject(arrays.id, "row start must go from 0 to " + std::to_string(count) + ", found " +
+                          std::to_string(start.front()) + " to " + std::to_string(start.back()));
+  }
+  for (size_t i = 0; i < static_cast<size_t>(n); ++i) {
+    if (start[i + 1] < start[i] || start[i + 1] > count) {
+      Reject(arrays.id, "row start must ascend, found " + std::to_string(start[i + 1]) + " after " +
+                            std::to_string(start[i]) + " at row " + std::to_string(i));
+    }
+    int last = -1;
+    for (auto e = static_cast<size_t>(start[i]); e < static_cast<size_t>(start[i + 1]); ++e) {
+      const int column = arrays.column[e];
+      if (column <= last || column >= arrays.columns) {
+        Reject(arrays.id, "row " + std::to_string(i) + " has column " + std::to_string(column) + " after " +
+                              std::to_string(last) + ", expected ascending ones below " +
+                              std::to_string(arrays.columns));
+      }
+      last = column;
+    }
+  }
+}
+
+void CopyCompressedRows(const ProblemArrays& arrays, SparseMatrix* matrix) {
+  matrix->resize(arrays.rows, arrays.columns);
+  matrix->resizeNonZeros(static_cast<Index>(arrays.value.size()));
+  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix->outerIndexPtr());
+  std::copy(arrays.column.begin(), arrays.column.end(), matrix->innerIndexPtr());
+  std::copy(arrays.value.begin(), arrays.value.end(), matrix->valuePtr());
+}
+
 }  // namespace
 
-struct LcpProblem::State {
+// All but b, and what has been derived of it: shared by problems that differ in b only.
+struct LcpProblem::Matrix {
   std::string id;
   MatrixForm form = MatrixForm::kDense;
-  Eigen::VectorXd b;
+  Index rows = 0;
   MatrixFacts facts;
 
   Eigen::MatrixXd given_dense;
   SparseMatrix given_sparse;
   SparseMatrix J;
   Eigen::VectorXd inverse_mass;
-  bool two_body_rows = false;
 
   Eigen::VectorXd lower;  // empty when every row is unilateral
   Eigen::VectorXd upper;
@@ -57,20 +112,20 @@ struct LcpProblem::State {
   bool standard_bounds = true;
 
   // Derived on request, once; the flags make that safe from several threads.
-  std::once_flag dense_once, sparse_once, diagonal_once, asymmetry_once;
+  std::once_flag dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
   Eigen::MatrixXd derived_dense;
   SparseMatrix derived_sparse;
   Eigen::VectorXd diagonal;
   double asymmetry = 0;
+  bool two_body_rows = false;
 
   void SetBounds(RowBounds bounds) {
-    const Index n = b.size();
     if (bounds.lower.size() == 0 && bounds.upper.size() == 0) return;
-    RequireShape(id, "lower", bounds.lower.size(), 1, n, 1);
-    RequireShape(id, "upper", bounds.upper.size(), 1, n, 1);
+    RequireShape(id, "lower", bounds.lower.size(), 1, rows, 1);
+    RequireShape(id, "upper", bounds.upper.size(), 1, rows, 1);
     lower = std::move(bounds.lower);
     upper = std::move(bounds.upper);
-    for (Index i = 0; i < n; ++i) {
+    for (Index i = 0; i < rows; ++i) {
       const double lo = lower[i];
       const double hi = upper[i];
       if (!(lo <= hi) || lo == kInfinity || hi == -kInfinity) {
@@ -85,9 +140,9 @@ struct LcpProblem::State {
     }
   }
 
-  void DetectTwoBodyRows() {
-    two_body_rows = inverse_mass.size() % 3 == 0;
-    for (Index i = 0; i < J.rows() && two_body_rows; ++i) {
+  bool HasTwoBodyRows() const {
+    if (inverse_mass.size() % 3 != 0) return false;
+    for (Index i = 0; i < J.rows(); ++i) {
       std::array<int, 2> blocks = {-1, -1};
       for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
         const int block = static_cast<int>(it.col() / 3);
@@ -97,10 +152,25 @@ struct LcpProblem::State {
         } else if (blocks[1] < 0) {
           blocks[1] = block;
         } else {
-          two_body_rows = false;
-          break;
+          return false;
         }
       }
+    }
+    return true;
+  }
+
+  // Standard bounds.
+  void SetBilateral(const std::vector<unsigned char>& flags) {
+    const auto count =
+        static_cast<size_t>(std::count_if(flags.begin(), flags.end(), [](auto flag) { return flag != 0; }));
+    if (count == 0) return;
+    lower = Eigen::VectorXd::Zero(rows);
+    upper = Eigen::VectorXd::Constant(rows, kInfinity);
+    bilateral.reserve(count);
+    for (Index i = 0; i < rows; ++i) {
+      if (flags[static_cast<size_t>(i)] == 0) continue;
+      lower[i] = -kInfinity;
+      bilateral.push_back(i);
     }
   }
 
@@ -160,6 +230,15 @@ struct LcpProblem::State {
   }
 };
 
+// A new problem's storage in one piece.
+struct LcpProblem::Storage {
+  Matrix matrix;
+  Eigen::VectorXd b;
+};
+
+LcpProblem::LcpProblem(const std::shared_ptr<Storage>& storage)
+    : matrix_(storage, &storage->matrix), b_(storage, &storage->b) {}
+
 RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilateral) {
   RowBounds bounds;
   if (bilateral.empty()) return bounds;
@@ -175,64 +254,56 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
   return bounds;
 }
 
+std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b,
+                                                             MatrixFacts facts) {
+  RequireFinite(id, "b", b.data(), b.size());
+  auto storage = std::make_shared<Storage>();
+  storage->matrix.id = std::move(id);
+  storage->matrix.form = form;
+  storage->matrix.rows = b.size();
+  storage->matrix.facts = facts;
+  storage->b = std::move(b);
+  return storage;
+}
+
 LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds,
                                  MatrixFacts facts) {
-  auto state = std::make_shared<State>();
-  state->id = std::move(id);
-  state->form = MatrixForm::kDense;
-  const Index n = b.size();
-  RequireShape(state->id, "A", A.rows(), A.cols(), n, n);
-  RequireFinite(state->id, "A", A.data(), A.size());
-  RequireFinite(state->id, "b", b.data(), n);
-  state->given_dense = std::move(A);
-  state->b = std::move(b);
-  state->facts = facts;
-  state->SetBounds(std::move(bounds));
-  return LcpProblem(std::move(state));
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), facts);
+  Matrix& matrix = storage->matrix;
+  RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
+  RequireFinite(matrix.id, "A", A.data(), A.size());
+  matrix.given_dense = std::move(A);
+  matrix.SetBounds(std::move(bounds));
+  return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds,
                                   MatrixFacts facts) {
-  auto state = std::make_shared<State>();
-  state->id = std::move(id);
-  state->form = MatrixForm::kSparse;
-  const Index n = b.size();
-  RequireShape(state->id, "A", A.rows(), A.cols(), n, n);
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), facts);
+  Matrix& matrix = storage->matrix;
+  RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
   A.makeCompressed();
-  RequireFinite(state->id, "A", A.valuePtr(), A.nonZeros());
-  RequireFinite(state->id, "b", b.data(), n);
-  state->given_sparse.swap(A);  // Eigen's sparse matrices cannot be moved
-  state->b = std::move(b);
-  state->facts = facts;
-  state->SetBounds(std::move(bounds));
-  return LcpProblem(std::move(state));
+  RequireFinite(matrix.id, "A", A.valuePtr(), A.nonZeros());
+  matrix.given_sparse.swap(A);  // Eigen's sparse matrices cannot be moved
+  matrix.SetBounds(std::move(bounds));
+  return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                    RowBounds bounds, MatrixFacts facts) {
-  auto state = std::make_shared<State>();
-  state->id = std::move(id);
-  state->form = MatrixForm::kFactors;
-  RequireShape(state->id, "J", J.rows(), J.cols(), b.size(), inverse_mass.size());
-  J.makeCompressed();
-  RequireFinite(state->id, "J", J.valuePtr(), J.nonZeros());
-  RequireFinite(state->id, "inverse mass", inverse_mass.data(), inverse_mass.size());
-  RequireFinite(state->id, "b", b.data(), b.size());
-  for (Index k = 0; k < inverse_mass.size(); ++k) {
-    if (inverse_mass[k] < 0) {
-      Reject(state->id,
-             "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(inverse_mass[k]));
-    }
-  }
   facts.symmetric = true;
   facts.positive_semidefinite = true;
-  state->J.swap(J);  // Eigen's sparse matrices cannot be moved
-  state->inverse_mass = std::move(inverse_mass);
-  state->b = std::move(b);
-  state->facts = facts;
-  state->SetBounds(std::move(bounds));
-  state->DetectTwoBodyRows();
-  return LcpProblem(std::move(state));
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), facts);
+  Matrix& matrix = storage->matrix;
+  RequireShape(matrix.id, "J", J.rows(), J.cols(), matrix.rows, inverse_mass.size());
+  J.makeCompressed();
+  RequireFinite(matrix.id, "J", J.valuePtr(), J.nonZeros());
+  RequireFinite(matrix.id, "inverse mass", inverse_mass.data(), inverse_mass.size());
+  RequireNonnegative(matrix.id, inverse_mass);
+  matrix.J.swap(J);  // Eigen's sparse matrices cannot be moved
+  matrix.inverse_mass = std::move(inverse_mass);
+  matrix.SetBounds(std::move(bounds));
+  return LcpProblem(storage);
 }
 
 ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
@@ -253,7 +324,7 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
       arrays.inverse_mass.assign(problem.inverse_mass().begin(), problem.inverse_mass().end());
       break;
     case MatrixForm::kSparse:
-      take_rows(problem.SparseA());
+      take_rows(problem.matrix_->given_sparse);
       break;
     case MatrixForm::kDense:
       for (Index i = 0; i < arrays.rows; ++i) {
@@ -271,88 +342,106 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
 
 LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
-  Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), static_cast<Index>(arrays.b.size()));
-  std::vector<Index> bilateral;
-  for (size_t i = 0; i < arrays.bilateral.size(); ++i) {
-    if (arrays.bilateral[i] != 0) bilateral.push_back(static_cast<Index>(i));
+  RequireShape(arrays.id, "b", static_cast<Index>(arrays.b.size()), 1, n, 1);
+  const bool is_dense = arrays.form == MatrixForm::kDense;
+  const bool has_factors = arrays.form == MatrixForm::kFactors;
+  if (is_dense) {
+    const auto count = static_cast<Index>(arrays.value.size());
+    if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
+      Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
+    }
+  } else {
+    RequireCompressedRows(arrays);
   }
-  RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
-  if (arrays.form == MatrixForm::kDense) {
+  if (!arrays.bilateral.empty()) {
+    RequireShape(arrays.id, "bilateral", static_cast<Index>(arrays.bilateral.size()), 1, n, 1);
+  }
+  const auto storage =
+      MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n), arrays.facts);
+  Matrix& matrix = storage->matrix;
+  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), static_cast<Index>(arrays.value.size()));
+  if (is_dense) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return FromDense(arrays.id, Eigen::Map<const RowMajor>(arrays.value.data(), n, n), std::move(b), std::move(bounds),
-                     arrays.facts);
+    matrix.given_dense = Eigen::Map<const RowMajor>(arrays.value.data(), n, n);
+  } else {
+    CopyCompressedRows(arrays, has_factors ? &matrix.J : &matrix.given_sparse);
   }
-  SparseMatrix matrix =
-      Eigen::Map<const SparseMatrix>(n, arrays.columns, static_cast<Index>(arrays.value.size()),
-                                     arrays.row_start.data(), arrays.column.data(), arrays.value.data());
-  if (arrays.form == MatrixForm::kSparse) {
-    return FromSparse(arrays.id, std::move(matrix), std::move(b), std::move(bounds), arrays.facts);
+  if (has_factors) {
+    matrix.facts.symmetric = true;
+    matrix.facts.positive_semidefinite = true;
+    RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
+    RequireFinite(arrays.id, "inverse mass", arrays.inverse_mass.data(), arrays.columns);
+    matrix.inverse_mass = Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns);
+    RequireNonnegative(arrays.id, matrix.inverse_mass);
   }
-  Eigen::VectorXd inverse_mass =
-      Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), static_cast<Index>(arrays.inverse_mass.size()));
-  return FromFactors(arrays.id, std::move(matrix), std::move(inverse_mass), std::move(b), std::move(bounds),
-                     arrays.facts);
+  matrix.SetBilateral(arrays.bilateral);
+  return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
-  RowBounds bounds{state_->lower, state_->upper};
-  switch (state_->form) {
-    case MatrixForm::kSparse:
-      return FromSparse(state_->id, state_->given_sparse, std::move(b), std::move(bounds), state_->facts);
-    case MatrixForm::kFactors:
-      return FromFactors(state_->id, state_->J, state_->inverse_mass, std::move(b), std::move(bounds), state_->facts);
-    case MatrixForm::kDense:
-      break;
-  }
-  return FromDense(state_->id, state_->given_dense, std::move(b), std::move(bounds), state_->facts);
+  RequireShape(id(), "b", b.size(), 1, size(), 1);
+  RequireFinite(id(), "b", b.data(), b.size());
+  LcpProblem other = *this;
+  other.b_ = std::make_shared<const Eigen::VectorXd>(std::move(b));
+  return other;
 }
-
-bool LcpProblem::SharesMatrixWith(const LcpProblem& other) const { return state_ == other.state_; }
 
 LcpProblem LcpProblem::CopyOfGivenForm() const {
-  RowBounds bounds{state_->lower, state_->upper};
-  switch (state_->form) {
+  RowBounds bounds{matrix_->lower, matrix_->upper};
+  switch (matrix_->form) {
     case MatrixForm::kSparse:
-      return FromSparse(state_->id, state_->given_sparse, state_->b, std::move(bounds), state_->facts);
+      return FromSparse(matrix_->id, matrix_->given_sparse, b(), std::move(bounds), matrix_->facts);
     case MatrixForm::kFactors:
-      return FromFactors(state_->id, state_->J, state_->inverse_mass, state_->b, std::move(bounds), state_->facts);
+      return FromFactors(matrix_->id, matrix_->J, matrix_->inverse_mass, b(), std::move(bounds), matrix_->facts);
     case MatrixForm::kDense:
       break;
   }
-  return FromDense(state_->id, state_->given_dense, state_->b, std::move(bounds), state_->facts);
+  return FromDense(matrix_->id, matrix_->given_dense, b(), std::move(bounds), matrix_->facts);
 }
 
-const std::string& LcpProblem::id() const { return state_->id; }
-Index LcpProblem::size() const { return state_->b.size(); }
-MatrixForm LcpProblem::given_form() const { return state_->form; }
-const MatrixFacts& LcpProblem::facts() const { return state_->facts; }
-const Eigen::VectorXd& LcpProblem::b() const { return state_->b; }
-bool LcpProblem::has_two_body_rows() const { return state_->two_body_rows; }
+const std::string& LcpProblem::id() const { return matrix_->id; }
+Index LcpProblem::size() const { return matrix_->rows; }
+MatrixForm LcpProblem::given_form() const { return matrix_->form; }
+const MatrixFacts& LcpProblem::facts() const { return matrix_->facts; }
+const Eigen::VectorXd& LcpProblem::b() const { return *b_; }
+
+bool LcpProblem::has_two_body_rows() const {
+  Matrix& s = *matrix_;
+  if (s.form != MatrixForm::kFactors) return false;
+  std::call_once(s.two_body_once, [&] { s.two_body_rows = s.HasTwoBodyRows(); });
+  return s.two_body_rows;
+}
 
 const SparseMatrix& LcpProblem::J() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::J: the problem has no factors");
-  return state_->J;
+  return matrix_->J;
 }
 
 const Eigen::VectorXd& LcpProblem::inverse_mass() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::inverse_mass: the problem has no factors");
-  return state_->inverse_mass;
+  return matrix_->inverse_mass;
 }
 
 const Eigen::MatrixXd& LcpProblem::DenseA() const {
-  State& s = *state_;
+  Matrix& s = *matrix_;
   if (s.form == MatrixForm::kDense) return s.given_dense;
   std::call_once(s.dense_once, [&] {
     const auto n = static_cast<double>(size());
     RequireMemory(n * n * sizeof(double), "the dense A");
-    const SparseMatrix& sparse = s.form == MatrixForm::kSparse ? s.given_sparse : SparseA();
-    s.derived_dense = Eigen::MatrixXd(sparse);
+    if (s.form == MatrixForm::kSparse) {
+      s.derived_dense = Eigen::MatrixXd(s.given_sparse);
+      return;
+    }
+    s.derived_dense.resize(size(), size());
+    AssembleDenseA(FactorView{s.J.rows(), s.J.cols(), s.J.outerIndexPtr(), s.J.innerIndexPtr(), s.J.valuePtr(),
+                              s.inverse_mass.data()},
+                   s.derived_dense.data(), size());
   });
   return s.derived_dense;
 }
 
 const SparseMatrix& LcpProblem::SparseA() const {
-  State& s = *state_;
+  Matrix& s = *matrix_;
   std::call_once(s.sparse_once, [&] {
     switch (s.form) {
       case MatrixForm::kFactors:
@@ -370,7 +459,7 @@ const SparseMatrix& LcpProblem::SparseA() const {
 }
 
 const Eigen::VectorXd& LcpProblem::DiagonalA() const {
-  State& s = *state_;
+  Matrix& s = *matrix_;
   std::call_once(s.diagonal_once, [&] {
     switch (s.form) {
       case MatrixForm::kFactors:
@@ -395,7 +484,7 @@ const Eigen::VectorXd& LcpProblem::DiagonalA() const {
 }
 
 double LcpProblem::Asymmetry() const {
-  State& s = *state_;
+  Matrix& s = *matrix_;
   if (s.form == MatrixForm::kFactors) return 0;
   std::call_once(s.asymmetry_once, [&] {
     const Eigen::VectorXd& d = DiagonalA();
@@ -425,8 +514,8 @@ double LcpProblem::Asymmetry() const {
 }
 
 void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
-  const State& s = *state_;
-  *w = s.b;
+  const Matrix& s = *matrix_;
+  *w = b();
   switch (s.form) {
     case MatrixForm::kDense:
       w->noalias() += s.given_dense * f;
@@ -443,17 +532,17 @@ void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
 }
 
 double LcpProblem::lower(Index row) const {
-  if (state_->lower.size() == 0) return 0.0;
-  return state_->lower[row];
+  if (matrix_->lower.size() == 0) return 0.0;
+  return matrix_->lower[row];
 }
 
 double LcpProblem::upper(Index row) const {
-  if (state_->upper.size() == 0) return kInfinity;
-  return state_->upper[row];
+  if (matrix_->upper.size() == 0) return kInfinity;
+  return matrix_->upper[row];
 }
 
 bool LcpProblem::is_bilateral(Index row) const { return lower(row) == -kInfinity && upper(row) == kInfinity; }
-const std::vector<Index>& LcpProblem::bilateral_rows() const { return state_->bilateral; }
-bool LcpProblem::has_standard_bounds() const { return state_->standard_bounds; }
+const std::vector<Index>& LcpProblem::bilateral_rows() const { return matrix_->bilateral; }
+bool LcpProblem::has_standard_bounds() const { return matrix_->standard_bounds; }
 
 }  // namespace lcpbench

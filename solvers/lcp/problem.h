@@ -73,7 +73,7 @@ class LcpProblem {
   /// @param b  n, finite
   LcpProblem WithB(Eigen::VectorXd b) const;
   /// True for problems with the same matrix and bounds in one storage: copies, and those that WithB made.
-  bool SharesMatrixWith(const LcpProblem& other) const;
+  bool SharesMatrixWith(const LcpProblem& other) const { return matrix_ == other.matrix_; }
 
   /// The name it was given.
   const std::string& id() const;
@@ -127,14 +127,17 @@ class LcpProblem {
   /// The same given problem without its derived forms, so that forming them can be timed again.
   LcpProblem CopyOfGivenForm() const;
 
-  /// True for copies of one problem.
-  bool SharesStorageWith(const LcpProblem& other) const { return state_ == other.state_; }
-
-  struct State;
-
  private:
-  explicit LcpProblem(std::shared_ptr<State> state) : state_(std::move(state)) {}
-  std::shared_ptr<State> state_;
+  friend struct ProblemArrays;
+  struct Matrix;
+  struct Storage;
+
+  explicit LcpProblem(const std::shared_ptr<Storage>& storage);
+  /// Checks b. The matrix is still to be given.
+  static std::shared_ptr<Storage> MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b, MatrixFacts facts);
+
+  std::shared_ptr<Matrix> matrix_;
+  std::shared_ptr<const Eigen::VectorXd> b_;
 };
 
 /// What is known of the answer from outside (exact arithmetic, say). Kept apart from the problem, so that no solver can

@@ -75,7 +75,7 @@ std::string LcpSolver::WhyUnsupported(const LcpProblem& /*problem*/) const { ret
 void LcpSolver::Reserve(Index /*max_rows*/) {}
 
 void LcpSolver::Prepare(const LcpProblem& problem) {
-  if (prepared_.has_value() && prepared_->SharesStorageWith(problem)) return;
+  if (prepared_.has_value() && prepared_->SharesMatrixWith(problem) && &prepared_->b() == &problem.b()) return;
   prepared_.reset();
   if (problem.size() == 0 || !problem.has_standard_bounds() || !WhyUnsupported(problem).empty()) return;
   DoPrepare(problem);
