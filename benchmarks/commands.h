@@ -15,6 +15,7 @@ void AddListCommand(CLI::App& app, CommandRun& run);
 void AddGenerateCommand(CLI::App& app, CommandRun& run);
 void AddSceneCommand(CLI::App& app, CommandRun& run);
 void AddSolveCommand(CLI::App& app, CommandRun& run);
+void AddServeCommand(CLI::App& app, CommandRun& run);
 void AddCertifyCommand(CLI::App& app, CommandRun& run);
 void AddConvertCommand(CLI::App& app, CommandRun& run);
 void AddCollectionCommand(CLI::App& app, CommandRun& run);

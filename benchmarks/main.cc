@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
   AddGenerateCommand(app, run);
   AddSceneCommand(app, run);
   AddSolveCommand(app, run);
+  AddServeCommand(app, run);
   AddCertifyCommand(app, run);
   AddConvertCommand(app, run);
   AddCollectionCommand(app, run);

@@ -84,8 +84,8 @@ Channel::Outcome Channel::Read(MessageType* type, Bytes* payload, double until) 
   std::uint64_t length = 0;
   std::memcpy(&code, header, sizeof code);
   std::memcpy(&length, header + sizeof code, sizeof length);
-  const bool known =
-      code >= static_cast<std::uint32_t>(MessageType::kHello) && code <= static_cast<std::uint32_t>(MessageType::kQuit);
+  const bool known = code >= static_cast<std::uint32_t>(MessageType::kHello) &&
+                     code <= static_cast<std::uint32_t>(MessageType::kPassReply);
   if (!known || length > kLargestPayload) return Outcome::kBroken;
   *type = static_cast<MessageType>(code);
   payload->clear();

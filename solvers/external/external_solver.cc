@@ -5,10 +5,9 @@
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
-#include <csignal>
 
+#include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <limits>
@@ -32,10 +31,17 @@ constexpr bool kAddressSanitizer = true;
 constexpr bool kAddressSanitizer = false;
 #endif
 
-// A worker that did not answer in time; it has been killed.
-struct WorkerTimeout : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
+using How = WorkerFailure::How;
+
+// The problem as a worker of version 1 wants it.
+LcpProblem InForm(const LcpProblem& problem, WantedForm form) {
+  if (form == WantedForm::kAsGiven) return problem;
+  RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
+  if (form == WantedForm::kDense) {
+    return LcpProblem::FromDense(problem.id(), problem.DenseA(), problem.b(), std::move(bounds), problem.facts());
+  }
+  return LcpProblem::FromSparse(problem.id(), problem.SparseA(), problem.b(), std::move(bounds), problem.facts());
+}
 
 std::string DescribeEnd(int status) {
   if (WIFSIGNALED(status)) {
@@ -108,13 +114,13 @@ class ExternalSolver::Process {
         return;
       case Outcome::kTimeout:
         Kill();
-        throw WorkerTimeout("worker '" + name_ + "' gave no answer within " + std::to_string(limit_s) +
-                            " s and was killed");
+        throw WorkerFailure(How::kTimeLimit, "worker '" + name_ + "' gave no answer within " + std::to_string(limit_s) +
+                                                 " s and was killed");
       case Outcome::kBroken:
         Kill();
-        throw std::runtime_error("worker '" + name_ + "' sent what is no message of the protocol");
+        throw WorkerFailure(How::kBroken, "worker '" + name_ + "' sent what is no message of the protocol");
       case Outcome::kClosed:
-        throw std::runtime_error("worker '" + name_ + "' " + DescribeEnd(WaitOrKill()));
+        throw WorkerFailure(How::kEnded, "worker '" + name_ + "' " + DescribeEnd(WaitOrKill()));
     }
   }
 
@@ -170,13 +176,40 @@ const Hello& ExternalSolver::Greet() {
   return hello_;
 }
 
-void ExternalSolver::SendProblem(const LcpProblem& problem) {
+void ExternalSolver::Drop() {
+  process_.reset();
+  loaded_.reset();
+  has_stream_ = false;
+}
+
+void ExternalSolver::Load(const LcpProblem& problem) {
   Greet();
+  const bool has_matrix = loaded_ && loaded_->SharesMatrixWith(problem);
+  if (has_matrix && &loaded_->b() == &problem.b()) return;
+  const double limit = options_.prepare_limit_s;
   try {
-    process_->Send(MessageType::kProblem, Encode(problem, hello_.form), options_.prepare_limit_s);
-    prepared_ = DecodePrepared(process_->Receive(MessageType::kPrepared, options_.prepare_limit_s));
+    formed_on_host_s_ = 0;
+    prepared_ = {};
+    if (hello_.version == 1) {
+      const double start = SteadyNow();
+      const LcpProblem given = problem.CopyOfGivenForm();
+      if (hello_.form == WantedForm::kDense) given.DenseA();
+      if (hello_.form == WantedForm::kSparse) given.SparseA();
+      formed_on_host_s_ = SteadyNow() - start;
+      const ProblemArrays arrays = ProblemArrays::Of(InForm(given, hello_.form));
+      process_->Send(MessageType::kProblem, Encode(arrays, hello_.version), limit);
+      prepared_ = DecodePrepared(process_->Receive(MessageType::kPrepared, limit));
+    } else {
+      if (has_matrix) {
+        process_->Send(MessageType::kOtherB, Encode(problem.b()), limit);
+      } else {
+        process_->Send(MessageType::kProblem, Encode(ProblemArrays::Of(problem)), limit);
+      }
+      process_->Receive(MessageType::kLoaded, limit);
+    }
+    loaded_ = problem;
   } catch (...) {
-    process_.reset();
+    Drop();
     throw;
   }
 }
@@ -184,41 +217,124 @@ void ExternalSolver::SendProblem(const LcpProblem& problem) {
 void ExternalSolver::DoPrepare(const LcpProblem& problem) {
   failure_.clear();
   try {
-    SendProblem(problem);
+    Load(problem);
   } catch (const std::exception& error) {
     // A status of the solve that follows, not an end of the campaign.
     failure_ = error.what();
   }
 }
 
+LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOptions& options) {
+  // Here too: the worker may have ended at the solve before, and b may be another one.
+  Load(problem);
+  if (!prepared_.why_unsupported.empty()) {
+    LcpResult result;
+    result.f.setZero(problem.size());
+    result.status = LcpStatus::kUnsupported;
+    result.detail = prepared_.why_unsupported;
+    return result;
+  }
+  SolveRequest request;
+  request.tolerance = options.tolerance;
+  request.time_limit_s = options.time_limit_s;
+  request.max_iterations = options.max_iterations;
+  if (options.initial_f != nullptr) request.start = *options.initial_f;
+  const double limit = options.time_limit_s * (1 + options_.grace_factor) + options_.grace_s;
+  try {
+    process_->Send(MessageType::kSolve, Encode(request, hello_.version), limit);
+    LcpResult result = DecodeResult(process_->Receive(MessageType::kResult, limit), problem.size(), hello_.version);
+    if (hello_.version == 1) {
+      result.own_fresh_s = formed_on_host_s_ + prepared_.convert_s + std::max(0.0, result.own_convert_s) +
+                           std::max(0.0, result.own_solve_s);
+    }
+    return result;
+  } catch (...) {
+    Drop();
+    throw;
+  }
+}
+
 void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   if (!failure_.empty()) throw std::runtime_error(std::exchange(failure_, {}));
   try {
-    // The worker may have ended at the solve before.
-    if (process_ == nullptr) SendProblem(problem);
-    if (!prepared_.why_unsupported.empty()) {
-      result->status = LcpStatus::kUnsupported;
-      result->detail = prepared_.why_unsupported;
-      return;
-    }
-    SolveRequest request;
-    request.tolerance = options.tolerance;
-    request.time_limit_s = options.time_limit_s;
-    request.max_iterations = options.max_iterations;
-    request.repetitions = static_cast<std::uint64_t>(options.repetitions);
-    if (options.initial_f != nullptr) request.start = *options.initial_f;
-    const double limit = static_cast<double>(options.repetitions) * options.time_limit_s * (1 + options_.grace_factor) +
-                         options_.grace_s;
-    process_->Send(MessageType::kSolve, Encode(request), limit);
-    *result = DecodeResult(process_->Receive(MessageType::kResult, limit), problem.size());
-  } catch (const WorkerTimeout& error) {
-    process_.reset();
+    *result = AskForSolve(problem, options);
+  } catch (const WorkerFailure& failure) {
+    if (failure.how() != How::kTimeLimit) throw;
     result->status = LcpStatus::kTimeLimit;
-    result->detail = error.what();
-  } catch (const std::exception&) {
-    process_.reset();
+    result->detail = failure.what();
+  }
+}
+
+void ExternalSolver::LoadStream(std::span<const ProblemArrays> stream) {
+  stream_.assign(stream.begin(), stream.end());
+  has_stream_ = false;
+  SendStream();
+}
+
+void ExternalSolver::SendStream() {
+  try {
+    Greet();
+    if (has_stream_ || hello_.version == 1) return;
+    process_->Send(MessageType::kStream, Encode(stream_), options_.prepare_limit_s);
+    process_->Receive(MessageType::kLoaded, options_.prepare_limit_s);
+    has_stream_ = true;
+  } catch (const InputError& error) {
+    throw WorkerFailure(How::kNotStarted, error.what());
+  } catch (...) {
+    Drop();
     throw;
   }
+}
+
+PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
+  SendStream();
+  if (hello_.version == 1) return RunPassByProblems(request, limit_s);
+  try {
+    process_->Send(MessageType::kPass, Encode(request), limit_s);
+    return DecodePassReply(process_->Receive(MessageType::kPassReply, limit_s), request, stream_);
+  } catch (const WorkerFailure&) {
+    Drop();
+    throw;
+  } catch (const std::exception& error) {
+    Drop();
+    throw WorkerFailure(How::kBroken, error.what());
+  }
+}
+
+PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double limit_s) {
+  LcpOptions options;
+  options.tolerance = request.tolerance;
+  options.time_limit_s = request.time_limit_s;
+  const double start = SteadyNow();
+  const auto solve = [&](const LcpProblem& problem) {
+    if (SteadyNow() - start > limit_s) throw WorkerFailure(How::kTimeLimit, "a pass by single solves took too long");
+    try {
+      return AskForSolve(problem, options);
+    } catch (const WorkerFailure&) {
+      throw;
+    } catch (const std::exception& error) {
+      throw WorkerFailure(How::kBroken, error.what());
+    }
+  };
+  for (const std::uint32_t index : request.warm_up) solve(LcpProblem::FromArrays(stream_[index]));
+  PassReply reply;
+  double spent = 0;
+  for (std::size_t k = 0; k < request.order.size() && spent <= request.budget_s; ++k) {
+    LcpProblem problem = LcpProblem::FromArrays(stream_[request.order[k]]);
+    if (request.kind == PassKind::kAgain) problem = problem.WithB(request.other_b[k]);
+    const LcpResult result = solve(problem);
+    PassEntry entry;
+    entry.seconds = std::max(0.0, result.own_fresh_s);
+    entry.problem_s = formed_on_host_s_;
+    entry.prepare_s = prepared_.convert_s;
+    entry.convert_s = std::max(0.0, result.own_convert_s);
+    entry.solve_s = std::max(0.0, result.own_solve_s);
+    entry.status = result.status;
+    entry.f = result.f;
+    spent += entry.seconds;
+    reply.push_back(std::move(entry));
+  }
+  return reply;
 }
 
 }  // namespace lcpbench

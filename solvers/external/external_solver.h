@@ -2,6 +2,9 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -24,16 +27,35 @@ struct ExternalSolverOptions {
   double grace_s = 1;  ///< [s], see grace_factor
 };
 
+/// What became of a worker that was to load a stream or run a pass: it is gone, and the next use starts another.
+class WorkerFailure : public std::runtime_error {
+ public:
+  enum class How {
+    kNotStarted,  ///< or did not greet
+    kTimeLimit,   ///< no answer in time: it was killed
+    kEnded,       ///< by itself: a crash, an exit
+    kBroken,      ///< sent what is no message of the protocol, and was killed
+  };
+  WorkerFailure(How how, const std::string& what) : std::runtime_error(what), how_(how) {}
+  How how() const { return how_; }
+
+ private:
+  How how_;
+};
+
 /// A solver in a process of its own, behind the protocol of protocol.h: code that crashes, hangs, exhausts memory,
 /// prints, or does not live in one process with other libraries.
 ///
-/// Method, guarantees, options: the worker's. Set-up is the conversion into the form that the worker wants, sending it,
-/// and the worker's own preparation. result.own_solve_s is the worker's reading around the solve alone, so that pipes
-/// are not part of it; options.repetitions repeats the solve there.
+/// Method, guarantees, options: the worker's. The problem is sent in its given form; the worker forms and converts what
+/// its library takes on its own clock, result.own_fresh_s, so that pipes are not part of it. After LcpProblem::WithB
+/// only b is sent.
 /// What a failure leaves: a worker that ends or breaks the protocol is kNumericalFailure with the way it ended in
 /// detail; one that does not stop at its time limit is killed and kTimeLimit; f is zero then. The next solve starts a
 /// new worker. A worker's claims are verified like everyone's.
 /// The worker starts with the first problem and ends with this object.
+///
+/// For a worker of version 1, A is formed here, anew for every problem and every b; own_fresh_s is the sum of that and
+/// of what the worker says of its conversions and its solve.
 class ExternalSolver : public LcpSolver {
  public:
   /// @throws InputError for an empty command or limits that are not > 0
@@ -45,6 +67,19 @@ class ExternalSolver : public LcpSolver {
   /// What the worker says of itself; starts it.
   /// @throws InputError if it cannot be started or does not greet as the protocol prescribes
   const Hello& Greet();
+  /// Starts it. @throws InputError as Greet
+  bool is_version_1() { return Greet().version == 1; }
+  /// Of the last solve, what forming A for a worker of version 1 took here [s]; else 0.
+  double formed_on_host_s() const { return formed_on_host_s_; }
+
+  /// The stream that passes are about; a worker started later gets it by itself.
+  /// @throws WorkerFailure
+  void LoadStream(std::span<const ProblemArrays> stream);
+  /// As lcpbench::RunPass, in the worker. With a worker of version 1 every problem is a solve of its own by one and the
+  /// same worker, PassEntry::problem_s is what forming A took here, whatever the kind, and nothing is known "again".
+  /// @param limit_s  for the whole pass [s]
+  /// @throws WorkerFailure
+  PassReply RunPass(const PassRequest& request, double limit_s);
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;
@@ -53,13 +88,24 @@ class ExternalSolver : public LcpSolver {
  private:
   class Process;
 
-  void SendProblem(const LcpProblem& problem);
+  void Load(const LcpProblem& problem);
+  void SendStream();
+  LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
+  PassReply RunPassByProblems(const PassRequest& request, double limit_s);
+  void Drop();
 
   ExternalSolverOptions options_;
   std::unique_ptr<Process> process_;
   Hello hello_;
-  Prepared prepared_;
   std::string failure_;  // of the last DoPrepare
+  // What the worker holds.
+  std::optional<LcpProblem> loaded_;
+  bool has_stream_ = false;
+
+  std::vector<ProblemArrays> stream_;
+  // Version 1.
+  Prepared prepared_;
+  double formed_on_host_s_ = 0;
 };
 
 }  // namespace lcpbench

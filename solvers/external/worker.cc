@@ -3,12 +3,13 @@
 #include <sys/prctl.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <vector>
 
 #include "solvers/external/channel.h"
 
@@ -19,7 +20,7 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 
 class Worker {
  public:
-  Worker(LcpSolver& solver, Channel channel) : solver_(solver), channel_(channel) {}
+  Worker(const SolverFactory& make, Channel channel) : make_(make), solver_(make()), channel_(channel) {}
 
   int Run(const Hello& hello) {
     if (!Send(MessageType::kHello, Encode(hello))) return 1;
@@ -29,34 +30,39 @@ class Worker {
       const Channel::Outcome outcome = channel_.Read(&type, &payload, kForever);
       if (outcome == Channel::Outcome::kClosed) return 0;
       if (outcome != Channel::Outcome::kDone) return 1;
-      switch (type) {
-        case MessageType::kQuit:
-          return 0;
-        case MessageType::kProblem:
-          if (!TakeProblem(payload)) return 1;
-          break;
-        case MessageType::kSolve:
-          if (!problem_ || !Solve(DecodeSolve(payload, problem_->size()))) return 1;
-          break;
-        default:
-          return 1;
-      }
+      if (type == MessageType::kQuit) return 0;
+      if (!Answer(type, payload)) return 1;
     }
   }
 
  private:
-  bool Send(MessageType type, const Bytes& payload) {
-    return channel_.Write(type, payload, kForever) == Channel::Outcome::kDone;
+  // False where the host broke the protocol or is gone.
+  bool Answer(MessageType type, const Bytes& payload) {
+    switch (type) {
+      case MessageType::kProblem:
+        arrays_ = DecodeProblem(payload);
+        problem_.reset();
+        other_b_.reset();
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kOtherB:
+        if (!arrays_) return false;
+        other_b_ = DecodeOtherB(payload, arrays_->rows);
+        if (!problem_) problem_ = LcpProblem::FromArrays(*arrays_);
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kSolve:
+        return arrays_ && Solve(DecodeSolve(payload, arrays_->rows));
+      case MessageType::kStream:
+        stream_ = DecodeStream(payload);
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kPass:
+        return Send(MessageType::kPassReply, Encode(RunPass(make_, stream_, DecodePass(payload, stream_))));
+      default:
+        return false;
+    }
   }
 
-  bool TakeProblem(const Bytes& payload) {
-    problem_ = DecodeProblem(payload);
-    Prepared prepared;
-    prepared.why_unsupported = solver_.WhyUnsupported(*problem_);
-    const double start = SteadyNow();
-    if (prepared.why_unsupported.empty()) solver_.Prepare(*problem_);
-    prepared.convert_s = SteadyNow() - start;
-    return Send(MessageType::kPrepared, Encode(prepared));
+  bool Send(MessageType type, const Bytes& payload) {
+    return channel_.Write(type, payload, kForever) == Channel::Outcome::kDone;
   }
 
   bool Solve(const SolveRequest& request) {
@@ -66,35 +72,33 @@ class Worker {
     options.max_iterations = request.max_iterations;
     if (request.start) options.initial_f = &*request.start;
     LcpResult result;
-    double solving = 0;
-    double converting = 0;
-    const std::uint64_t count = std::max<std::uint64_t>(1, request.repetitions);
-    for (std::uint64_t i = 0; i < count; ++i) {
-      const double start = SteadyNow();
-      solver_.Solve(*problem_, options, &result);
-      const double wall = SteadyNow() - start;
-      solving += result.own_solve_s >= 0 ? result.own_solve_s : wall;
-      converting += std::max(0.0, result.own_convert_s);
-    }
-    result.own_solve_s = solving / static_cast<double>(count);
-    result.own_convert_s = converting / static_cast<double>(count);
+    const double start = SteadyNow();
+    problem_ = other_b_ ? problem_->WithB(*other_b_) : LcpProblem::FromArrays(*arrays_);
+    solver_->Solve(*problem_, options, &result);
+    result.own_fresh_s = SteadyNow() - start;
+    if (result.own_solve_s < 0) result.own_solve_s = result.own_fresh_s;
     return Send(MessageType::kResult, Encode(result));
   }
 
-  LcpSolver& solver_;
+  const SolverFactory& make_;
+  std::unique_ptr<LcpSolver> solver_;
   Channel channel_;
+  // Of single solves: as sent, as last solved, and the b that takes the place of the one sent.
+  std::optional<ProblemArrays> arrays_;
   std::optional<LcpProblem> problem_;
+  std::optional<Eigen::VectorXd> other_b_;
+  std::vector<ProblemArrays> stream_;
 };
 
 }  // namespace
 
-int RunWorker(const Hello& hello, LcpSolver& solver) {
+int RunWorker(const Hello& hello, const SolverFactory& make) {
   // Nobody would wait for the answer of a worker whose host was killed.
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int out = dup(STDOUT_FILENO);
   if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
   try {
-    return Worker(solver, Channel(STDIN_FILENO, out)).Run(hello);
+    return Worker(make, Channel(STDIN_FILENO, out)).Run(hello);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "worker: %s\n", error.what());
     return 1;

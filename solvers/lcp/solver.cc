@@ -89,6 +89,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   result->detail.clear();
   result->own_solve_s = -1;
   result->own_convert_s = -1;
+  result->own_fresh_s = -1;
   result->factor_s = -1;
   result->farkas_ray.reset();
   if (!problem.has_standard_bounds()) {

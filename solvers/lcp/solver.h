@@ -66,6 +66,9 @@ struct LcpResult {
   /// boundary besides, and own_convert_s says how long conversions took. Negative: the call's time is the solve's.
   double own_solve_s = -1;
   double own_convert_s = -1;  ///< [s], see own_solve_s
+  /// Of a solver in another process [s]: one interval there, from the caller's arrays to f, set-up and warm start
+  /// inside; after LcpProblem::WithB from the new b to f. Negative: the solver runs in this process.
+  double own_fresh_s = -1;
   /// Of the solve, in numeric factorisations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
   /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).

@@ -83,9 +83,9 @@ std::unique_ptr<LcpSolver> MakeLemke(const Settings& settings) {
   return std::make_unique<Lemke>();
 }
 
-constexpr std::array kSolvers{PeerSolver{"bullet-dantzig", WantedForm::kDense, &MakeDantzig},
-                              PeerSolver{"bullet-dantzig-cfm", WantedForm::kDense, &MakeShiftedDantzig},
-                              PeerSolver{"bullet-lemke", WantedForm::kDense, &MakeLemke}};
+constexpr std::array kSolvers{PeerSolver{"bullet-dantzig", &MakeDantzig},
+                              PeerSolver{"bullet-dantzig-cfm", &MakeShiftedDantzig},
+                              PeerSolver{"bullet-lemke", &MakeLemke}};
 
 }  // namespace
 

@@ -144,7 +144,7 @@ std::unique_ptr<LcpSolver> MakeExactQp(const Settings& settings) {
   return std::make_unique<ExactQp>();
 }
 
-constexpr std::array kSolvers{PeerSolver{"cgal-qp", WantedForm::kAsGiven, &MakeExactQp}};
+constexpr std::array kSolvers{PeerSolver{"cgal-qp", &MakeExactQp}};
 
 }  // namespace
 

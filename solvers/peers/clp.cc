@@ -135,8 +135,7 @@ std::unique_ptr<LcpSolver> MakeDefaultClp(const Settings& settings) {
   return std::make_unique<Clp>(options);
 }
 
-constexpr std::array kSolvers{PeerSolver{"clp", WantedForm::kSparse, &MakeClp},
-                              PeerSolver{"clp-default", WantedForm::kSparse, &MakeDefaultClp}};
+constexpr std::array kSolvers{PeerSolver{"clp", &MakeClp}, PeerSolver{"clp-default", &MakeDefaultClp}};
 
 }  // namespace
 

@@ -156,10 +156,9 @@ std::unique_ptr<LcpSolver> MakeDefaultPgs(const Settings& settings) {
   return std::make_unique<Pgs>(options);
 }
 
-constexpr std::array kSolvers{PeerSolver{"dart-dantzig", WantedForm::kDense, &MakeDantzig},
-                              PeerSolver{"dart-dantzig-cfm", WantedForm::kDense, &MakeShiftedDantzig},
-                              PeerSolver{"dart-pgs", WantedForm::kDense, &MakePgs},
-                              PeerSolver{"dart-pgs-default", WantedForm::kDense, &MakeDefaultPgs}};
+constexpr std::array kSolvers{PeerSolver{"dart-dantzig", &MakeDantzig},
+                              PeerSolver{"dart-dantzig-cfm", &MakeShiftedDantzig}, PeerSolver{"dart-pgs", &MakePgs},
+                              PeerSolver{"dart-pgs-default", &MakeDefaultPgs}};
 
 }  // namespace
 

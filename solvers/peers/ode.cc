@@ -96,8 +96,8 @@ std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
                                        kCode);
 }
 
-constexpr std::array kSolvers{PeerSolver{"ode-dantzig", WantedForm::kDense, &MakeDantzig},
-                              PeerSolver{"ode-dantzig-cfm", WantedForm::kDense, &MakeShiftedDantzig}};
+constexpr std::array kSolvers{PeerSolver{"ode-dantzig", &MakeDantzig},
+                              PeerSolver{"ode-dantzig-cfm", &MakeShiftedDantzig}};
 
 }  // namespace
 

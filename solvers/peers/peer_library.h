@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 
-#include "solvers/external/protocol.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
@@ -14,7 +13,6 @@ namespace lcpbench {
 /// One solver of a peer's library, as its worker serves it.
 struct PeerSolver {
   std::string_view key;  ///< that of peer_table.h
-  WantedForm form = WantedForm::kDense;
   /// @throws InputError for unknown or impossible settings
   std::unique_ptr<LcpSolver> (*make)(const Settings& settings) = nullptr;
 };

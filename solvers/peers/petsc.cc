@@ -255,7 +255,7 @@ std::unique_ptr<LcpSolver> Make(const Settings& settings) {
 
 template <typename Solver, const Method& kMethod>
 constexpr PeerSolver Entry() {
-  return {kMethod.key, WantedForm::kSparse, &Make<Solver, kMethod>};
+  return {kMethod.key, &Make<Solver, kMethod>};
 }
 
 constexpr std::array kSolvers{

@@ -197,9 +197,7 @@ std::unique_ptr<LcpSolver> Make(const Settings& settings) {
 
 template <const Method& kMethod>
 constexpr PeerSolver Entry() {
-  // Blocks are found by the bodies that rows join: only factors tell them.
-  const WantedForm form = kMethod.storage == kBlocks ? WantedForm::kAsGiven : WantedForm::kDense;
-  return {kMethod.key, form, &Make<kMethod>};
+  return {kMethod.key, &Make<kMethod>};
 }
 
 constexpr std::array kSolvers{Entry<kLemke>(), Entry<kNewton>(),     Entry<kNewtonDefault>(),

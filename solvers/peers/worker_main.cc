@@ -33,9 +33,13 @@ int main(int argc, char** argv) {
     std::string known;
     for (const PeerSolver& solver : library.solvers) {
       if (argc > 1 && solver.key == argv[1]) {
-        const std::unique_ptr<LcpSolver> made = solver.make(ParseSettings(argc, argv));
-        const Hello hello{kProtocolVersion, solver.form, std::string(solver.key), library.version, library.licence};
-        return RunWorker(hello, *made);
+        const auto make = [&solver, settings = ParseSettings(argc, argv)] { return solver.make(settings); };
+        make();  // what is wrong with the settings is said now
+        Hello hello;
+        hello.name = solver.key;
+        hello.library_version = library.version;
+        hello.licence = library.licence;
+        return RunWorker(hello, make);
       }
       known += (known.empty() ? "" : ", ") + std::string(solver.key);
     }

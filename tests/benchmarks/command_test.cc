@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "model/scenes/scene.h"
+#include "solvers/external/external_solver.h"
 #include "solvers/lcp/json_lines.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
@@ -52,6 +53,30 @@ TEST_F(Command, HelpIsEverywhere) {
     EXPECT_NE(outcome.out.find("Usage"), std::string::npos) << sub;
     EXPECT_EQ(outcome.error, "") << sub;
   }
+}
+
+TEST_F(Command, ServeGivesTheBitsOfTheSolverInThisProcess) {
+  const LcpProblem problem = ParseLcpRecord(kProblem, "test").problem;
+  for (const char* key : {"auto", "dantzig"}) {
+    ExternalSolver served({{LCPBENCH_COMMAND, "serve", key}});
+    EXPECT_EQ(served.Greet().name, key);
+    LcpResult there;
+    LcpResult here;
+    served.Solve(problem, {}, &there);
+    MakeSolver(key)->Solve(problem, {}, &here);
+    EXPECT_EQ(there.status, LcpStatus::kSolved);
+    EXPECT_EQ(there.f, here.f);
+    EXPECT_GT(there.own_fresh_s, 0);
+    const std::vector<ProblemArrays> stream{ProblemArrays::Of(problem), ProblemArrays::Of(problem)};
+    PassRequest request;
+    request.time_limit_s = request.budget_s = 1;
+    request.warm_up = {0};
+    request.order = {1};
+    served.LoadStream(stream);
+    EXPECT_EQ(served.RunPass(request, 10).at(0).f, here.f);
+  }
+  ExpectMisuse("serve nobody", "unknown solver 'nobody'");
+  ExpectMisuse("serve auto no-such-option=1", "no-such-option");
 }
 
 TEST_F(Command, ListsStartWithTheKey) {

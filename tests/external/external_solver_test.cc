@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <string>
+#include <vector>
 
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
@@ -46,19 +47,119 @@ TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
     EXPECT_EQ(there.status, here.status);
     EXPECT_EQ(there.f, here.f);
     EXPECT_EQ(there.iterations, here.iterations);
-    EXPECT_GT(there.own_solve_s, 0);
+    EXPECT_GT(there.own_fresh_s, 0);
   }
 }
 
-TEST(ExternalSolver, RepetitionsAreAveragedInTheWorker) {
+TEST(ExternalSolver, AnotherBIsSolvedOnTheMatrixThatWasSent) {
   ExternalSolver external(Worker("dantzig"));
-  LcpOptions options;
-  options.repetitions = 1000;
-  LcpResult result;
-  const double start = SteadyNow();
-  external.Solve(AnyProblem(), options, &result);
-  EXPECT_EQ(result.status, LcpStatus::kSolved);
-  EXPECT_LE(1000 * result.own_solve_s, SteadyNow() - start);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
+    SolveWith(external, problem);
+    const LcpProblem other = problem.WithB(-problem.b());
+    const LcpResult there = SolveWith(external, other);
+    LcpResult here;
+    MakeSolver("dantzig")->Solve(other, {}, &here);
+    EXPECT_EQ(there.f, here.f);
+    // And back: nothing of the other b is left.
+    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    EXPECT_EQ(SolveWith(external, problem).f, here.f);
+  }
+}
+
+std::vector<ProblemArrays> Stream() {
+  std::vector<ProblemArrays> stream;
+  for (unsigned k = 0; k < 12; ++k) stream.push_back(ProblemArrays::Of(PlantedProblem(6 + k, 4, k, 2, 0).problem));
+  return stream;
+}
+
+PassRequest Pass(PassKind kind, const std::vector<ProblemArrays>& stream) {
+  PassRequest request;
+  request.kind = kind;
+  request.time_limit_s = 1;
+  request.budget_s = 10;
+  request.warm_up = {0, 5};
+  request.order = {7, 1, 11, 2, 4};
+  request.group = 2;
+  for (const std::uint32_t index : request.order) {
+    request.other_b.push_back(-Eigen::Map<const Eigen::VectorXd>(stream[index].b.data(), stream[index].rows));
+  }
+  return request;
+}
+
+TEST(ExternalSolver, APassInTheWorkerGivesTheBitsOfOneHere) {
+  const std::vector<ProblemArrays> stream = Stream();
+  ExternalSolver external(Worker("dantzig"));
+  external.LoadStream(stream);
+  for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+    const PassRequest request = Pass(kind, stream);
+    const PassReply there = external.RunPass(request, 10);
+    const PassReply here = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
+    ASSERT_EQ(there.size(), request.order.size());
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      EXPECT_EQ(there[k].status, here[k].status);
+      EXPECT_EQ(there[k].f, here[k].f);
+      EXPECT_GT(there[k].seconds, 0);
+    }
+  }
+  EXPECT_FALSE(external.is_version_1());
+}
+
+// The one that did it is for the caller to find; the stream is there again with the next worker.
+TEST(ExternalSolver, APassSaysHowItsWorkerEndedAndTheNextGoesOn) {
+  const std::vector<ProblemArrays> stream = Stream();
+  for (const char* manner : {"crash-at-nine", "hang-at-nine"}) {
+    ExternalSolver external(Worker(manner));
+    external.LoadStream(stream);
+    PassRequest request = Pass(PassKind::kFresh, stream);
+    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+    request.order.push_back(3);  // nine rows
+    try {
+      external.RunPass(request, 0.2);
+      ADD_FAILURE() << manner;
+    } catch (const WorkerFailure& failure) {
+      EXPECT_EQ(failure.how(),
+                std::string(manner) == "hang-at-nine" ? WorkerFailure::How::kTimeLimit : WorkerFailure::How::kEnded);
+    }
+    request.order.pop_back();
+    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+  }
+  ExternalSolver missing({{"/no/such/program"}});
+  try {
+    missing.LoadStream(stream);
+    FAIL();
+  } catch (const WorkerFailure& failure) {
+    EXPECT_EQ(failure.how(), WorkerFailure::How::kNotStarted);
+  }
+}
+
+TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere) {
+  const std::vector<ProblemArrays> stream = Stream();
+  for (const char* manner : {"version-1-dense", "version-1-sparse", "version-1-given"}) {
+    SCOPED_TRACE(manner);
+    ExternalSolver external(Worker(manner));
+    EXPECT_TRUE(external.is_version_1());
+    const LcpProblem problem = PlantedProblem(15, 5, 1, 3, 0).problem;
+    LcpResult here;
+    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    const LcpResult there = SolveWith(external, problem);
+    EXPECT_EQ(there.status, LcpStatus::kSolved) << there.detail;
+    EXPECT_LE((there.f - here.f).norm(), 1e-9 * here.f.norm());
+    // 0.25 of conversion and 0.5 of the solve, as that worker says.
+    EXPECT_GT(external.formed_on_host_s(), 0);
+    EXPECT_DOUBLE_EQ(there.own_fresh_s, external.formed_on_host_s() + 0.25 + 0.5);
+    external.LoadStream(stream);
+    for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+      const PassRequest request = Pass(kind, stream);
+      const PassReply reply = external.RunPass(request, 10);
+      const PassReply wanted = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
+      ASSERT_EQ(reply.size(), request.order.size());
+      for (std::size_t k = 0; k < reply.size(); ++k) {
+        EXPECT_LE((reply[k].f - wanted[k].f).norm(), 1e-9 * wanted[k].f.norm());
+        EXPECT_DOUBLE_EQ(reply[k].seconds, reply[k].problem_s + 0.25 + 0.5);
+      }
+    }
+  }
 }
 
 struct Manner {

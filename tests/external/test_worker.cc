@@ -1,14 +1,17 @@
-// A worker that misbehaves as its first argument says, or serves dantzig well.
+// A worker that misbehaves as its first argument says, or serves dantzig well, by either version of the protocol.
 
 #include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "solvers/external/channel.h"
 #include "solvers/external/worker.h"
 #include "solvers/registry.h"
 
@@ -24,6 +27,10 @@ class BadSolver : public LcpSolver {
     if (manner_ == "crash-in-prepare") std::abort();
   }
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    if (manner_ == "hang-at-nine" && problem.size() == 9) {
+      for (;;) pause();
+    }
+    if (manner_ == "crash-at-nine" && problem.size() == 9) std::raise(SIGSEGV);
     if (manner_ == "crash") std::raise(SIGSEGV);
     if (manner_ == "exit") std::_Exit(3);
     if (manner_ == "throw") throw std::runtime_error("the library gave up");
@@ -51,6 +58,35 @@ class BadSolver : public LcpSolver {
   std::string manner_;
 };
 
+// What a program must do at the least.
+int ServeVersion1(WantedForm form) {
+  constexpr double kForever = 1e9;
+  Channel channel(STDIN_FILENO, STDOUT_FILENO);
+  const auto solver = MakeSolver("dantzig");
+  std::optional<LcpProblem> problem;
+  const Hello hello{1, form, "version-1", "1.0", "none"};
+  channel.Write(MessageType::kHello, Encode(hello), kForever);
+  MessageType type{};
+  Bytes payload;
+  while (channel.Read(&type, &payload, kForever) == Channel::Outcome::kDone) {
+    if (type == MessageType::kProblem) {
+      const ProblemArrays arrays = DecodeProblem(payload, 1);
+      const MatrixForm wanted = form == WantedForm::kDense ? MatrixForm::kDense : MatrixForm::kSparse;
+      const bool as_wanted = form == WantedForm::kAsGiven || arrays.form == wanted;
+      problem = LcpProblem::FromArrays(arrays);
+      channel.Write(MessageType::kPrepared, Encode(Prepared{0.25, as_wanted ? "" : "another form"}), kForever);
+    } else if (type == MessageType::kSolve) {
+      LcpResult result;
+      solver->Solve(*problem, {}, &result);
+      result.own_solve_s = 0.5;
+      channel.Write(MessageType::kResult, Encode(result, 1), kForever);
+    } else {
+      return type == MessageType::kQuit ? 0 : 1;
+    }
+  }
+  return 0;
+}
+
 }  // namespace
 }  // namespace lcpbench
 
@@ -64,8 +100,12 @@ int main(int argc, char** argv) {
     std::puts("Hello, I am not a worker, and this is more than a header");
     return 0;
   }
-  const Hello hello{kProtocolVersion, WantedForm::kAsGiven, manner, "1.0", "none"};
-  if (manner == "dantzig") return RunWorker(hello, *MakeSolver("dantzig"));
-  BadSolver solver(manner);
-  return RunWorker(hello, solver);
+  if (manner == "version-1-dense") return ServeVersion1(WantedForm::kDense);
+  if (manner == "version-1-sparse") return ServeVersion1(WantedForm::kSparse);
+  if (manner == "version-1-given") return ServeVersion1(WantedForm::kAsGiven);
+  const Hello hello{kProtocolVersion, {}, manner, "1.0", "none"};
+  return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
+    if (manner == "dantzig") return MakeSolver("dantzig");
+    return std::make_unique<BadSolver>(manner);
+  });
 }
