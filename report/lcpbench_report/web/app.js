@@ -70,6 +70,9 @@ function changed() {
   for (const chip of document.querySelectorAll("#chips .chip")) chip.setAttribute("aria-pressed", view.shown.includes(chip.dataset.solver));
   document.getElementById("legend").replaceChildren(...SOLVERS.filter(({key}) => view.shown.includes(key)).map(chipOf));
   for (const other of document.querySelectorAll("select[data-choice]")) other.value = choiceOf(other.dataset.choice);
+  const picture = document.getElementById("picture");
+  picture.hidden = !DATA.pictures.includes(view.family);
+  picture.href = `#scene-${view.family}`;
   document.getElementById("chosen").textContent = `(${view.shown.length} of ${SOLVERS.length} shown)`;
 }
 

@@ -1,6 +1,7 @@
 """Puts the page together: data, tables and words into page.html.j2, with styles and scripts inline."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
@@ -12,6 +13,7 @@ from ..inputs import Inputs
 from ..style import solver_styles
 from ..summary import pathological, size_words
 from . import payload
+from .gallery import Picture
 
 _HERE = Path(__file__).resolve().parent
 # In the order in which the page runs them.
@@ -23,7 +25,7 @@ _WELL_KNOWN = ("auto", "dantzig", "lemke", "bpp", "pgs", "ipm", "nncg")
 _PEERS_SHOWN = 3
 
 
-def render(inputs: Inputs) -> str:
+def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     """The page as text; the same for the same results."""
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
@@ -34,6 +36,7 @@ def render(inputs: Inputs) -> str:
     environment.filters["percent"] = formats.percent
     environment.filters["residual"] = formats.residual
     data = payload.build(inputs, solver_styles(inputs.solvers), shown(inputs))
+    data["pictures"] = [picture.family for picture in pictures]
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
         "plotly": Markup(plotly_bundle.minified()),
@@ -43,8 +46,9 @@ def render(inputs: Inputs) -> str:
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
         "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, choice.main_tier(inputs)),
         "decision_tiers": choice.shown_tiers(inputs),
-        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs), "latency_note": latency_note(inputs),
-        "notes": inputs.notes,
+        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs),
+        "limitations": limitations(inputs), "latency_note": latency_note(inputs), "notes": inputs.notes,
+        "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
 
