@@ -17,21 +17,16 @@ from lcpbench_report import script  # noqa: E402
 def main(arguments: list[str] | None = None) -> int:
     parser = script.Parser(description="Write the statistics of a campaign's folder as CSV tables.")
     parser.add_argument("campaign", type=Path, metavar="DIR", help="folder of a campaign; tables go to DIR/analysis")
-    parser.add_argument("--repetitions", action="store_true",
-                        help="also write every repetition as a row, analysis/repetitions.csv.gz")
     options = parser.parse_args(arguments)
 
     def act() -> None:
         from lcpbench_report.statistics import tables
         from lcpbench_report.statistics.load import load_campaign
-        from lcpbench_report.statistics.repetitions import write_repetitions
 
         campaign = load_campaign(options.campaign)
         for note in campaign.notes:
             print(f"analyse.py: note: {note}", file=sys.stderr)
         tables.write_tables(campaign, options.campaign / tables.FOLDER)
-        if options.repetitions:
-            write_repetitions(campaign, options.campaign / tables.FOLDER / "repetitions.csv.gz")
 
     return script.guarded("analyse.py", act)
 

@@ -1,7 +1,7 @@
 """Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
 The same files, which every script reads: campaign.json as it is; the lines of the others with numbers of few digits,
-sorted by problem, solver and tier so that like stands beside like, and compressed by xz. motion.csv is compressed as it
+sorted by size class, solver and tier so that like stands beside like, and compressed by xz. motion.csv is compressed as it
 is.
 """
 
@@ -14,20 +14,22 @@ from pathlib import Path
 from . import motion
 from .errors import ReportError
 from .statistics.jsonl import packed, read_lines
+from .statistics.load import PROBLEMS_FILE, STREAMS_FILE
+from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"
-_STEP_FILE = "steps.jsonl"
 # File -> what its lines are sorted by. Problems keep their order, which is that of tables and figures.
 _FILES: dict[str, Callable[[dict], tuple] | None] = {
-    "problems.jsonl": None,
-    "cells.jsonl": lambda cell: (cell["problem"], cell["solver"], -cell["tier"], cell["mode"], cell["round"]),
-    _STEP_FILE: lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]),
+    PROBLEMS_FILE: None,
+    STREAMS_FILE: lambda line: (line["size_class"], line["solver"], line["first"], -line["tier"], line["kind"] != "judge",
+                                line["kind"], line["pass"]),
+    STEPS_FILE: lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]),
 }
 # Significant digits of times and of other numbers: 0.05 % of a time is far below what rounds differ by, a residual's
 # magnitude is what counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
-_CELL_DIGITS = (4, 3)
+_STREAM_DIGITS = (4, 3)
 _STEP_DIGITS = (3, 2)
-_AS_IT_IS = ("tier", "deadline_s", "time_limit_s")
+_AS_IT_IS = ("tier", "best_tier", "weight", "deadline_s")
 
 
 def archive(folder: Path, output: Path) -> dict[str, int]:
@@ -49,7 +51,7 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
         if not (folder / name).is_file():
             continue
         lines = []
-        digits = _STEP_DIGITS if name == _STEP_FILE else _CELL_DIGITS
+        digits = _STEP_DIGITS if name == STEPS_FILE else _STREAM_DIGITS
         for _, line in read_lines(folder / name, lambda note: None):
             text = json.dumps(_rounded(line, *digits), separators=(",", ":"))
             lines.append((order(line) if order else (), text))

@@ -9,7 +9,7 @@ import pandas as pd
 from . import motion as motion_file
 from .errors import ReportError
 from .statistics import tables
-from .statistics.cells import cell_table
+from .statistics.cells import ablation_cells, cell_table
 from .statistics.load import Campaign, load_campaign
 from .statistics.precision import delivered_table
 
@@ -22,7 +22,8 @@ class Inputs:
 
     names: list[str]  # of the folders
     campaigns: list[Campaign]
-    cells: pd.DataFrame  # statistics.cells.COLUMNS
+    cells: pd.DataFrame  # statistics.cells.COLUMNS, without the solvers of ablations
+    ablated: pd.DataFrame  # of those alone: for the table `ablation`, and nothing else
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # statistics.precision's table `delivered` of a campaign over every decade
@@ -66,7 +67,7 @@ class Inputs:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
         found = {}
         if len(self.cells):
-            found = {name: table(self.cells) for name, table in tables.TABLES.items()}
+            found = tables.tables_of(self.cells, self.ablated, self.solvers)
         stepped = [campaign for campaign in self.campaigns if campaign.passes]
         for name, table in tables.STEP_TABLES.items() if stepped else ():
             found[name] = pd.concat([table(campaign) for campaign in stepped], ignore_index=True)
@@ -92,7 +93,8 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    cells = pd.concat([cell_table(campaign) for campaign in campaigns], ignore_index=True)
+    cells, ablated = (pd.concat([table(campaign) for campaign in campaigns], ignore_index=True)
+                      for table in (cell_table, ablation_cells))
     table = None
     if motion is not None:
         if not motion_file.is_present(motion):
@@ -100,4 +102,5 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
         table = motion_file.read(motion)
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
-    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, table, notes, delivered)
+    return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
+                  table, notes, delivered)

@@ -1,5 +1,6 @@
 """Made-up inputs of a report with all parts: problems of two families, a grid, pathological ones, sequences, motion."""
 
+import itertools
 import json
 from pathlib import Path
 
@@ -30,19 +31,23 @@ def all_inputs(folder: Path) -> Inputs:
 
 def write_problems(folder: Path, change=None) -> Path:
     """@param change  of a cell's record, default: failures and exclusions of some solvers"""
-    write_campaign(folder, FACTORS, copies=2, change=change or _fail_some)
+    write_campaign(folder, FACTORS, copies=2, change=change or _fail_some, change_problem=_of_sets(itertools.count()),
+                   solvers={key: {"origin": "peer"} for key in PEERS})
     info = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
-    for solver in info["solvers"]:
-        solver["origin"] = "peer" if solver["key"] in PEERS else "own"
     info |= {"environment": ENVIRONMENT, "started": "2026-01-02T03:04:05Z"}
     (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
-    lines = [json.loads(line) for line in (folder / "problems.jsonl").read_text(encoding="utf-8").splitlines()]
-    for index, problem in enumerate(lines):
-        if problem["set"] == "main":
-            problem["set"] = "standard" if index % 4 else "pathological"
-            problem["grid"] = "mass ratio" if index % 4 == 1 else ""
-    (folder / "problems.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
     return folder
+
+
+def _of_sets(numbers):
+    """Every fourth problem is a pathological one, another fourth has a grid."""
+    def change(problem: dict) -> dict:
+        index = next(numbers)
+        if problem["set"] != "main":
+            return problem
+        return problem | {"set": "standard" if index % 4 else "pathological",
+                          "grid": "mass ratio" if index % 4 == 1 else ""}
+    return change
 
 
 def write_steps(folder: Path) -> Path:

@@ -1,6 +1,8 @@
-"""Made-up campaigns, seeded: difficulty per problem, noise per round and repetition. Not measurements."""
+"""Made-up campaigns, seeded: difficulty per problem, noise per pass. Not measurements."""
 
+import itertools
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,87 +11,141 @@ import pandas as pd
 
 TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)
+CLASSES = (("1", 1, 1, 1000), ("2-3", 2, 3, 1000), ("4-6", 4, 6, 1000), ("7-12", 7, 12, 1000), ("13-30", 13, 30, 1000),
+           ("31-100", 31, 100, 256), ("101-300", 101, 300, 64), ("301-1000", 301, 1000, 64),
+           ("1001-1e4", 1001, 10_000, 0), ("1e4-1e5", 10_001, 100_000, 0), ("1e5-1e6", 100_001, 10**9, 0))
 FAMILIES = ("piles", "chains")
 COPIES = 4  # problems of one family and size
 ORACLE_PER_ROW = 1e-7  # [s]
 EXPONENT = 1.5  # of the time over the rows
 TIME_LIMIT = 10.0
+FIRST, AGAIN = 3.0, 0.5  # times of the solve that is judged, and of another b, over the fresh one
+PARTS = {"problem_s": 0.25, "prepare_s": 0.5, "convert_s": 0.0, "solve_s": 0.25}  # of the fresh time
+METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
+JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
+FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible")
 
 
 @dataclass
 class Noise:
-    """Standard deviations of logarithms, and how often a cell is measured."""
+    """Standard deviations of logarithms: of a problem in a pass, of a whole pass over a problem's task; and how many
+    passes there are."""
 
-    repetition: float = 0.05
-    round: float = 0.0
-    rounds: int = 1
-    repetitions: int = 30
+    problem: float = 0.05
+    level: float = 0.0
+    passes: int = 5
 
 
-def repetitions(rng, median: float, noise: Noise) -> list[list[float]]:
-    """Times of one cell, a list for every round."""
-    levels = rng.normal(0, noise.round, (noise.rounds, 1)) if noise.round else np.zeros((noise.rounds, 1))
-    logs = levels + rng.normal(0, noise.repetition, (noise.rounds, noise.repetitions))
+def size_class(rows: int) -> str:
+    return next(key for key, least, most, _ in CLASSES if least <= rows <= most)
+
+
+def times_of_passes(rng, median: float, noise: Noise) -> list[float]:
+    """Of one cell, whose passes have levels of their own."""
+    logs = rng.normal(0, noise.problem, noise.passes) + rng.normal(0, noise.level, noise.passes)
     return (median * np.exp(logs)).tolist()
 
 
 def median_times(rng, factors: dict[str, float], problems: int = 100, noise: Noise | None = None) -> pd.DataFrame:
-    """Problems x solvers: the medians of what `repetitions` gives, drawn at once. A problem's difficulty is spread
+    """Problems x solvers: the medians of what `times_of_passes` gives, drawn at once. A problem's difficulty is spread
     over some decades."""
     noise = noise or Noise()
     difficulty = rng.normal(0, 2, (problems, 1))
-    shape = (problems, len(factors), noise.rounds)
-    logs = rng.normal(0, noise.round, (*shape, 1)) if noise.round else np.zeros((*shape, 1))
-    logs = logs + rng.normal(0, noise.repetition, (*shape, noise.repetitions))
-    medians = np.median(logs.reshape(problems, len(factors), -1), axis=2)
-    return pd.DataFrame(1e-3 * np.exp(difficulty + medians) * np.array(list(factors.values())), columns=list(factors))
+    logs = rng.normal(0, np.hypot(noise.problem, noise.level), (problems, len(factors), noise.passes))
+    return pd.DataFrame(1e-3 * np.exp(difficulty + np.median(logs, axis=2)) * np.array(list(factors.values())),
+                        columns=list(factors))
 
 
 def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame:
-    """What the tables need of a table of cells, from problems x solvers (inf: failed, NaN: no such cell)."""
+    """What the tables need of a table of cells, from problems x solvers (inf: failed, NaN: no such cell). Every problem
+    is a base of its own."""
     rows = []
     for problem, row in times.iterrows():
         for solver, time in row.dropna().items():
             solved = bool(np.isfinite(time))
-            rows.append({"set": "main", "counts": True, "mode": "cold", "tier": tier, "problem": problem,
-                         "family": "piles", "rows": 10, "reference": "certified", "solver": solver, "time_s": time,
-                         "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3, "oracle_ratio": time / 1e-3,
-                         "verdict": "verified" if solved else "failed:time_limit", "passes": solved,
-                         "at_floor": False, "false_infeasible": False,
-                         "claim": "solved" if solved else "time_limit", "rho": tier / 2} | columns)
+            rows.append({"set": "main", "counts": True, "tier": tier, "problem": problem, "base": str(problem),
+                         "weight": 1.0, "origin": "placed", "fill": False, "family": "piles", "rows": 10,
+                         "size_class": "7-12", "reference": "certified", "solver": solver, "asked": True,
+                         "time_s": time, "fresh_s": time if solved else np.nan, "first_s": time if solved else np.nan,
+                         "again_s": time if solved else np.nan, "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3,
+                         "oracle_ratio": time / 1e-3, "verdict": "verified" if solved else "failed:time_limit",
+                         "excluded": "", "passes": solved, "at_floor": False, "false_success": False,
+                         "false_infeasible": False, "claim": "solved" if solved else "time_limit", "rho": tier / 2,
+                         "problem_s": np.nan, "prepare_s": np.nan, "convert_s": np.nan, "solve_s": np.nan} | columns)
     return pd.DataFrame(rows)
 
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
-                   copies: int = COPIES, change=lambda record: record, run: int = 0) -> Path:
+                   copies: int = COPIES, change: Callable[[dict], dict] = lambda record: record, run: int = 0,
+                   solvers: dict[str, dict] | None = None,
+                   change_problem: Callable[[dict], dict] = lambda record: record) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
     @param factors  time of every solver over that of the first
-    @param change   what becomes of a cell's record before it is written
+    @param change   what becomes of a cell's record (_cell) before it is put into its task's lines: fail, exclude, ...
     @param run      of the same campaign: the problems are as difficult, the noise is another
+    @param solvers  what the entries of solvers in campaign.json have besides: {"peer": {"origin": "peer"}}
+    @param change_problem  what becomes of a problem's record
     """
-    rng, noise = np.random.default_rng([seed, run]), noise or Noise(repetitions=5, rounds=2)
+    noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
-    info = {"schema": "lcpbench-campaign/1", "name": "synthetic", "manifests": [], "tiers": list(tiers), "seed": seed,
-            "rounds": noise.rounds, "size_limits": [], "environment": {}, "environment_hash": "0",
-            "limits": {"time_per_row_s": 0.01, "least_s": 1.0, "most_s": TIME_LIMIT, "memory_bytes": 2**30},
-            "solvers": [_solver(key, True) for key in factors] + [_solver("absent", False)]}
+    entries = [_solver(key, True) | (solvers or {}).get(key, {}) for key in factors]
+    (folder / "campaign.json").write_text(json.dumps(campaign_info(list(tiers), seed, [*entries, _solver("absent", False)],
+                                                                   noise.passes)), encoding="utf-8")
     problems = [_problem(f"{family}-{rows}-{copy}", "main", family, rows)
                 for family in FAMILIES for rows in SIZES for copy in range(copies)]
     problems.append(_problem("ragdoll", "engine", "ragdolls", 40) | {"counts": False, "reference": "none"})
+    difficulties = dict(zip((problem["problem"] for problem in problems),
+                            np.exp(np.random.default_rng(seed).normal(0, 0.1, len(problems)))))
+    problems = [change_problem(problem) for problem in problems]
+    rng = np.random.default_rng([seed, run])
     cells = []
-    difficulties = np.exp(np.random.default_rng(seed).normal(0, 0.1, len(problems)))
-    for problem, difficulty in zip(problems, difficulties):
+    for problem in problems:
         for solver, factor in factors.items():
             for tier in tiers:
-                median = factor * difficulty * 1e-7 * problem["rows"] ** EXPONENT * (1 - np.log10(tier))
-                for index, times in enumerate(repetitions(rng, median, noise)):
-                    cells.append(change(_cell(problem["problem"], solver, tier, index, times)))
-    (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
+                median = factor * difficulties[problem["problem"]] * 1e-7 * problem["rows"] ** EXPONENT
+                median *= 1 - np.log10(tier)
+                cells.append(change(_cell(problem["problem"], solver, tier, times_of_passes(rng, median, noise))))
     write_lines(folder / "problems.jsonl", problems)
-    write_lines(folder / "cells.jsonl", cells)
+    write_lines(folder / "streams.jsonl", stream_lines(problems, cells))
     return folder
+
+
+def campaign_info(tiers: list[float], seed: int, solvers: list[dict], passes: int = 5) -> dict:
+    """What campaign.json holds."""
+    return {"schema": "lcpbench-campaign/2", "name": "synthetic", "manifests": [], "tiers": tiers, "seed": seed,
+            "passes": passes, "size_limits": [], "environment": {}, "environment_hash": "0",
+            "budgets_s": {"judge": 1.0, "timed": 1.0, "parts": 1.0, "again": 1.0},
+            "limits": {"time_per_row_s": 0.01, "least_s": 1.0, "most_s": TIME_LIMIT, "memory_bytes": 2**30},
+            "size_classes": [dict(zip(("key", "least", "most", "stream"), of)) for of in CLASSES], "solvers": solvers}
+
+
+def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
+    """The lines of streams.jsonl. A task ends where a rule begins or ends to exclude the solver, and where a problem of
+    the class has no cell; classes without a stream have tasks of single problems."""
+    order: dict[str, tuple[str, int]] = {}
+    numbers = itertools.count()
+    for key, *_ in CLASSES:
+        numbers = itertools.count()
+        order |= {p["problem"]: (p["size_class"], next(numbers)) for p in problems if p["size_class"] == key}
+    streams = {key: stream for key, *_, stream in CLASSES}
+    by_task: dict[tuple, list[dict]] = {}
+    for cell in sorted(cells, key=lambda cell: order[cell["problem"]][1]):
+        size, number = order[cell["problem"]]
+        run = by_task.setdefault((cell["solver"], size, cell["tier"]), [])
+        run.append(cell | {"number": number})
+    lines = []
+    for (solver, size, tier), run in by_task.items():
+        task: list[dict] = []
+        for cell in run:
+            if task and (not streams[size] or cell["excluded"] != task[-1]["excluded"]
+                         or cell["number"] != task[-1]["number"] + 1):
+                lines += _task_lines(solver, size, tier, task)
+                task = []
+            task.append(cell)
+        lines += _task_lines(solver, size, tier, task)
+    return lines
 
 
 def write_lines(path: Path, records: list[dict]) -> None:
@@ -98,29 +154,68 @@ def write_lines(path: Path, records: list[dict]) -> None:
 
 def fail(record: dict, claim: str = "iteration_limit") -> dict:
     """The same cell, not verified; one that claims to have solved it is a false success."""
-    return record | {"passes": False, "claim": claim, "false_success": claim == "solved", "best_tier": None,
-                     "metrics": record["metrics"] | {"rho": 1.0}, "reason": "rho too large"}
+    return record | {"passes": False, "claim": claim, "false_success": claim == "solved", "best_tier": None, "rho": 1.0,
+                     "reason": "rho too large", "fresh_s": [None] * len(record["fresh_s"])}
 
 
 def exclude(record: dict, rule: str = "rows > 100") -> dict:
-    return {key: record[key] for key in ("problem", "solver", "tier", "round", "mode")} | {"excluded": rule}
+    return record | {"excluded": rule}
+
+
+def slower(record: dict, factor: float) -> dict:
+    """The same cell, and every pass takes so many times as long."""
+    return record | {"fresh_s": [None if time is None else factor * time for time in record["fresh_s"]],
+                     "first_s": factor * record["first_s"]}
+
+
+def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[dict]:
+    common = {"solver": solver, "size_class": size, "tier": tier, "first": task[0]["number"], "count": len(task),
+              "environment": "0"}
+    judge = common | {"kind": "judge", "pass": 0, "excluded": task[0]["excluded"]}
+    if task[0]["excluded"]:
+        return [judge]
+    judge |= {"attempted": len(task), **{key: [cell[key] for cell in task] for key in JUDGED},
+              "exceptions": [_exception(at, cell) for at, cell in enumerate(task) if not _is_plain(cell)],
+              "peak_bytes": None}
+    lines = [judge]
+    for index in range(max(len(cell["fresh_s"]) for cell in task)):
+        lines.append(common | {"kind": "fresh", "pass": index + 1, "fresh_s": [c["fresh_s"][index] for c in task],
+                               "group": 1, "changed": [], "failed": [],
+                               "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0,
+                                               "disturbed": any(index in c["disturbed"] for c in task)}})
+    lines.append(common | {"kind": "parts", "pass": 1} | {
+        key: [None if c["fresh_s"][0] is None else share * c["fresh_s"][0] for c in task]
+        for key, share in PARTS.items()})
+    lines.append(common | {"kind": "again", "pass": 1, "failed": [],
+                           "again_s": [None if c["fresh_s"][0] is None else AGAIN * c["fresh_s"][0] for c in task]})
+    return lines
+
+
+def _is_plain(cell: dict) -> bool:
+    return cell["claim"] == "solved" and cell["passes"] and not any(cell[flag] for flag in FLAGS[1:])
+
+
+def _exception(at: int, cell: dict) -> dict:
+    return {"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
 
 
 def _solver(key: str, available: bool) -> dict:
     return {"key": key, "setting": "tuned", "origin": "own", "uses_tolerance": True, "available": available,
-            "licence": "", "library_version": ""}
+            "tolerance": "follows", "ablation": "", "base": "", "settings": {}, "licence": "", "library_version": ""}
 
 
 def _problem(name: str, chosen_set: str, family: str, rows: int) -> dict:
-    return {"problem": name, "set": chosen_set, "family": family, "grid": "", "rows": rows, "bilateral": 0,
+    return {"problem": name, "set": chosen_set, "family": family, "grid": "", "base": name, "weight": 1.0,
+            "origin": "placed", "fill": False, "size_class": size_class(rows), "rows": rows, "bilateral": 0,
             "redundancy": 0, "condition": None, "mass_ratio": 1, "fraction_active": 0.5, "reference": "certified",
             "counts": True, "oracle_s": ORACLE_PER_ROW * rows, "floor": None}
 
 
-def _cell(problem: str, solver: str, tier: float, index: int, times: list[float]) -> dict:
-    return {"problem": problem, "solver": solver, "tier": tier, "round": index, "mode": "cold", "excluded": "",
-            "claim": "solved", "passes": True, "best_tier": tier, "at_floor": False, "false_success": False,
-            "false_infeasible": False, "iterations": 7, "reason": "", "detail": "",
-            "metrics": {"rho": tier / 3, "backward_error": tier / 2, "gap_rel": None, "w_error": tier, "f_error": None},
-            "time_limit_s": TIME_LIMIT, "setup_s": [1e-6, 3e-6], "solve_s": times, "convert_s": None,
-            "peak_bytes": None, "environment": "0"}
+def _cell(problem: str, solver: str, tier: float, times: list[float]) -> dict:
+    """What is known of one cell: the members of a judge line's arrays and of its exceptions, a time for every pass, and
+    which passes were disturbed."""
+    return {"problem": problem, "solver": solver, "tier": tier, "excluded": "", "claim": "solved", "passes": True,
+            "at_floor": False, "false_success": False, "false_infeasible": False, "proved_infeasible": False,
+            "reason": "", "detail": "", "rho": tier / 3, "backward_error": tier / 2, "gap_rel": None, "w_error": tier,
+            "f_error": None, "best_tier": tier, "iterations": 7, "first_s": FIRST * times[0], "allocations": 0,
+            "factor_share": 0.5, "fresh_s": times, "disturbed": []}

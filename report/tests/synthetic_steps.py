@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from synthetic_campaign import TIME_LIMIT, write_lines
+from synthetic_campaign import campaign_info, write_lines
 
 STEPS = 101  # so that percentiles are order statistics
 TIERS = (1e-3, 1e-6)
@@ -14,24 +14,24 @@ DEADLINE = 1e-3
 def write_sequences(folder: Path, passes: list[dict], solvers=(("quick", "own"), ("peer", "peer"))) -> Path:
     """Fills `folder`, without files of problems and cells, and returns it."""
     folder.mkdir(parents=True, exist_ok=True)
-    info = {"schema": "lcpbench-campaign/1", "name": "synthetic", "manifests": [], "tiers": list(TIERS), "seed": 1,
-            "rounds": 1, "size_limits": [], "environment": {}, "environment_hash": "0",
-            "limits": {"time_per_row_s": 0.01, "least_s": 1.0, "most_s": TIME_LIMIT, "memory_bytes": 2**30},
-            "solvers": [{"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": True,
-                         "licence": "", "library_version": ""} for key, origin in solvers],
-            "sequences": [{"sequence": name, "set": "motions", "family": name.split("-")[0], "rows": rows,
-                           "most_rows": rows, "steps": STEPS} for name, rows in SEQUENCES],
-            "deadlines_s": [DEADLINE], "pass_budget_s": 20}
+    entries = [{"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": True,
+                "tolerance": "follows", "ablation": "", "licence": "", "library_version": ""} for key, origin in solvers]
+    info = campaign_info(list(TIERS), 1, entries) | {
+        "sequences": [{"sequence": name, "set": "motions", "family": name.split("-")[0], "rows": rows,
+                       "most_rows": rows, "steps": STEPS} for name, rows in SEQUENCES],
+        "deadlines_s": [DEADLINE], "pass_budget_s": 20}
     (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
     write_lines(folder / "steps.jsonl", passes)
     return folder
 
 
-def one_pass(sequence: str, solver: str, mode: str, solve_s: list[float], setup_s: float = 0.0, tier: float = 1e-6,
-             index: int = 0, failed=(), late=(), convert_s=None, rho=None, judged=None,
-             preempted=()) -> dict:
-    """A line of steps.jsonl. Steps beyond those that have a time were not reached."""
-    reached = len(solve_s)
+def one_pass(sequence: str, solver: str, mode: str, latency_s: list[float], tier: float = 1e-6, index: int = 0,
+             failed=(), late=(), parts=True, rho=None, judged=None, preempted=()) -> dict:
+    """A line of steps.jsonl. Steps beyond those that have a time were not reached.
+
+    @param parts  whether those of the latency are known: a quarter is set-up
+    """
+    reached = len(latency_s)
     rho = [tier / 2] * reached if rho is None else rho
     missed = sorted({*failed, *late, *range(reached, STEPS)})
     return {"sequence": sequence, "solver": solver, "tier": tier, "mode": mode,
@@ -40,8 +40,10 @@ def one_pass(sequence: str, solver: str, mode: str, solve_s: list[float], setup_
             "claims": {"solved": reached} if reached else {},
             "verdicts": [{"tier": judge, "passed": STEPS - len(missed), "failed": len(missed), "false_successes": 0,
                           "failed_steps": missed} for judge in judged or [tier]],
-            "late": list(late), "preempted": list(preempted), "setup_s": [setup_s] * reached, "solve_s": solve_s,
-            "convert_s": None if convert_s is None else [convert_s] * reached, "iterations": [3] * reached,
+            "late": list(late), "preempted": list(preempted), "latency_s": latency_s,
+            "setup_s": [time / 4 for time in latency_s] if parts else None,
+            "solve_s": [3 * time / 4 for time in latency_s] if parts else None, "convert_s": None,
+            "iterations": [3] * reached,
             "rho": [None if k in late else value for k, value in enumerate(rho)],
             "backward_error": [None] * reached, "w_error": [None if k in late else 2e-9 for k in range(reached)],
             "environment": "0"}

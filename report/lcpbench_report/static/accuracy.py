@@ -4,7 +4,7 @@ import numpy as np
 
 from .. import choice
 from ..inputs import Inputs
-from ..statistics.cells import quantiles
+from ..statistics.weighted import quantiles
 from ..style import solver_styles
 from ..formats import power
 from . import canvas

@@ -2,8 +2,9 @@
 
 import pandas as pd
 
-from .cells import VERIFIED, quantiles
+from .cells import VERIFIED
 from .groups import GROUP, groups
+from .weighted import quantiles
 
 METRICS = ("rho", "backward_error", "w_error", "f_error")
 REFERENCES = ("certified", "bounded")
@@ -23,8 +24,9 @@ def accuracy_table(cells: pd.DataFrame) -> pd.DataFrame:
                 continue
             for answers, chosen in _ANSWERS.items():
                 for metric in METRICS:
-                    values = own.loc[chosen(own), metric].dropna()
-                    if len(values):
+                    known = own[chosen(own) & own[metric].notna()]
+                    if len(known):
                         rows.append({**group.label, "solver": solver, "reference": reference, "answers": answers,
-                                     "metric": metric, "problems": len(values), **quantiles(values)})
+                                     "metric": metric, "problems": len(known),
+                                     **quantiles(known[metric], weights=known["weight"])})
     return pd.DataFrame(rows, columns=COLUMNS)

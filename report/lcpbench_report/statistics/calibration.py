@@ -10,7 +10,7 @@ from .pairwise import A_FASTER, NO_DIFFERENCE, pairwise_table
 from ..errors import ReportError
 
 SLOWDOWN = "slowdown"
-COLUMNS = ["mode", "tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
+COLUMNS = ["tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
            "wilcoxon_p_holm", "expected", "found", "right"]
 
 
@@ -28,8 +28,8 @@ def calibration_table(campaign: Campaign) -> pd.DataFrame:
     for (base, variant), factor in known.items():
         for _, pair in pairs.loc[[(base, variant)]].iterrows():
             expected = A_FASTER if factor > 1 else NO_DIFFERENCE
-            rows.append({"mode": pair["mode"], "tier": pair["tier"], "solver": base,
-                         "variant": variant, "slowdown": factor, "problems": pair["both"], "ratio": 1 / pair["ratio"],
+            rows.append({"tier": pair["tier"], "solver": base, "variant": variant, "slowdown": factor,
+                         "problems": pair["both"], "ratio": 1 / pair["ratio"],
                          "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"],
                          "wilcoxon_p_holm": pair["wilcoxon_p_holm"], "expected": expected, "found": pair["verdict"],
                          "right": bool(pair["verdict"] == expected)})

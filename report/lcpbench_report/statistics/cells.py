@@ -1,6 +1,8 @@
-"""One row per cell (problem x solver x tier x mode): its verdict, its times, and the time that counts.
+"""One row per cell (problem x solver x tier): its verdict, its times, and the time that counts.
 
-The time that counts, `time_s`, is the median of the solve's repetitions where the answer was verified, else inf.
+The time that counts, `time_s`, is the fresh time where the answer was verified, else inf: from the caller's arrays to
+f, the median over the passes. Where a verified problem was not timed, for the task's budget was spent, it is the time
+of the solve that was judged.
 """
 
 import math
@@ -9,110 +11,167 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from .load import Campaign, CellRuns
+from .intervals import CONFIDENCE
+from .load import AGAIN, DEFAULT, EXCEPTION, FRESH, JUDGED, METRICS, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"
+# Of a solver that was not asked for this tier's tolerance: it takes its library's own one.
+BELOW_TIER = "below the tier"
 EXCLUDED = "excluded"
 FAILED = "failed:"  # and the solver's claim
-# Of answers; every one a column, empty where it is not known.
-METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
-KEY = ["problem", "solver", "tier", "mode"]
-_LEVELS = {"min": 0, "p25": 0.25, "median": 0.5, "p75": 0.75, "p90": 0.9, "p99": 0.99, "max": 1}
-_CONFIDENCE = 0.95
-LEAST_ROUNDS = 3  # for an interval of what differs between rounds
+CHANGED = FAILED + "changed"  # verified by itself, and not in a timed pass
+KEY = ["problem", "solver", "tier"]
+LEAST_PASSES = 3  # for an interval of what differs between passes
 
-COLUMNS = ["set", "counts", "family", "problem", "rows", "reference", "solver", "tier", "mode", "verdict", "excluded",
-           "claim", "passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible", "best_tier", "iterations", *METRICS,
-           "rounds", "rounds_changed", "rounds_disturbed", "repetitions", "setup_s", "convert_s", "first_s",
-           "factor_share", "allocations_first", "allocations_later", *(f"solve_{level}" for level in _LEVELS),
-           "solve_low", "solve_high", "time_s", "time_limit_s", "oracle_s", "oracle_ratio", "peak_bytes"]
+_ABOUT = ("set", "counts", "base", "weight", "origin", "fill", "family", "problem", "rows", "size_class", "reference")
+_FLAGS = ("passes", "at_floor", "false_success", "false_infeasible", "proved_infeasible")
+_TIMES = ("fresh_low", "fresh_high", "fresh_min", "fresh_s", *PART_TIMES, "again_s")
+COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *_FLAGS, "best_tier", "iterations",
+           *METRICS, "timed", "disturbed", *_TIMES, "first_s", "factor_share", "allocations", "time_s", "time_limit_s",
+           "oracle_s", "oracle_ratio", "peak_bytes"]
 
 
 def cell_table(campaign: Campaign) -> pd.DataFrame:
-    """A row per cell, in the order of the file; columns COLUMNS. Times in seconds."""
-    rows = [_row(campaign, *key, runs) for key, runs in campaign.cells.items()]
-    return pd.DataFrame(rows, columns=COLUMNS)
+    """A row per cell, columns COLUMNS, times in seconds; without the solvers of ablations."""
+    solvers = campaign.solvers
+    return _table(campaign, [task for task in campaign.tasks if not solvers[task.solver]["ablation"]])
 
 
-def quantiles(values, prefix: str = "") -> dict[str, float]:
-    """Smallest, quartiles, 90 and 99 per cent, largest of the values that are not NaN (linear interpolation between
-    order statistics: Hyndman & Fan 1996, definition 7); NaN without any."""
-    known = np.asarray(values, dtype=float)
-    known = known[~np.isnan(known)]
-    found = np.quantile(known, list(_LEVELS.values())) if len(known) else [math.nan] * len(_LEVELS)
-    return dict(zip((prefix + name for name in _LEVELS), map(float, found)))
+def ablation_cells(campaign: Campaign) -> pd.DataFrame:
+    """The same of the solvers of ablations alone."""
+    solvers = campaign.solvers
+    return _table(campaign, [task for task in campaign.tasks if solvers[task.solver]["ablation"]])
 
 
-def median_interval(values) -> tuple[float, float]:
-    """Confidence interval (95 %) of the median that holds for every distribution: the order statistics k and n + 1 - k
-    with k the 2.5 % quantile of the binomial distribution (n, 1/2) (Conover 1999, section 3.2).
+def _table(campaign: Campaign, tasks: list[Task]) -> pd.DataFrame:
+    """Whole columns at a time: a campaign has a million cells."""
+    counts = [task.count for task in tasks]
+    ends = np.cumsum([0, *counts])
+    places = [slice(low, high) for low, high in zip(ends, ends[1:])]
+    columns = _about(campaign, tasks)
+    solvers = campaign.solvers
+    columns["solver"] = _repeated([task.solver for task in tasks], counts)
+    columns["tier"] = np.repeat(np.array([task.tier for task in tasks], dtype=float), counts)
+    columns["asked"] = np.repeat([solvers[task.solver]["tolerance"] != DEFAULT for task in tasks], counts).astype(bool)
+    columns["peak_bytes"] = np.repeat(np.array([task.peak_bytes for task in tasks]), counts)
+    columns |= _judged(tasks, places, ends[-1])
+    columns |= _timed(tasks, places, ends[-1])
+    columns["time_limit_s"] = campaign.time_limit(columns["rows"])
+    lost = np.zeros(ends[-1], dtype=bool)
+    for task, place in zip(tasks, places):
+        for one in task.passes.get(FRESH, {}).values():
+            lost[place.start + np.array(one.failed, dtype=int)] = True
+    lost &= columns["passes"]
+    columns["passes"] &= ~lost
+    columns["verdict"] = _verdicts(columns)
+    columns["verdict"][lost] = CHANGED
+    columns["time_s"] = np.where(columns["passes"], np.where(np.isnan(columns["fresh_s"]), columns["first_s"],
+                                                             columns["fresh_s"]), math.inf)
+    columns["oracle_ratio"] = columns["time_s"] / columns["oracle_s"]
+    return pd.DataFrame(columns, columns=COLUMNS)
 
-    With fewer than six values they are the smallest and the largest, and the confidence is less: 1 - 2^(1-n).
+
+def _about(campaign: Campaign, tasks: list[Task]) -> dict[str, np.ndarray]:
+    """What is known of the problems, by row."""
+    numbers = {name: index for index, name in enumerate(campaign.problems)}
+    by_class = {key: np.array([numbers[name] for name in names], dtype=int) for key, names in campaign.classes.items()}
+    rows = [by_class[task.size_class][task.first:task.first + task.count] for task in tasks]
+    order = np.concatenate(rows) if rows else np.empty(0, dtype=int)
+    records = list(campaign.problems.values())
+    columns = {}
+    for key in _ABOUT:
+        values = [record[key] for record in records]
+        texts = bool(values) and isinstance(values[0], str)
+        columns[key] = np.array(values, dtype=object if texts else float if key == "weight" else None)[order]
+    columns["oracle_s"] = np.array([record["oracle_s"] for record in records], dtype=float)[order]
+    return columns
+
+
+def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
+    columns: dict[str, np.ndarray] = {key: np.full(total, math.nan) for key in JUDGED}
+    columns |= {key: np.zeros(total, dtype=bool) for key in _FLAGS}
+    columns |= {key: np.full(total, "", dtype=object) for key in ("excluded", "claim")}
+    for task, place in zip(tasks, places):
+        run = slice(place.start, place.start + task.attempted)
+        columns["excluded"][run.stop:place.stop] = task.excluded or TASK_BUDGET
+        columns["claim"][run] = "solved"
+        columns["passes"][run] = True
+        for key, values in task.judged.items():
+            columns[key][run] = values
+        at = [place.start + one["at"] for one in task.exceptions]
+        for key in EXCEPTION if at else ():
+            if key in columns:
+                columns[key][at] = [one[key] for one in task.exceptions]
+    return columns
+
+
+def _timed(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.ndarray]:
+    fresh, disturbed = _passes(tasks, places, total, FRESH, "fresh_s")
+    known = ~np.isnan(fresh)
+    columns = {"timed": known.sum(axis=0), "disturbed": (known & disturbed).sum(axis=0)}
+    # Passes that the machine disturbed are left out where there are others.
+    calm = known & ~disturbed
+    fresh = np.where(calm | ~calm.any(axis=0), fresh, math.nan)
+    columns["fresh_s"] = median_of_passes(fresh)
+    columns["fresh_min"] = np.fmin.reduce(fresh, axis=0, initial=math.nan)
+    columns["fresh_low"], columns["fresh_high"] = time_interval(fresh)
+    for key in PART_TIMES:
+        columns[key] = median_of_passes(_passes(tasks, places, total, PARTS, key)[0])
+    columns["again_s"] = median_of_passes(_passes(tasks, places, total, AGAIN, "again_s")[0])
+    for task, place in zip(tasks, places):
+        for one in task.passes.get(AGAIN, {}).values():
+            columns["again_s"][place.start + np.array(one.failed, dtype=int)] = math.inf
+    return columns
+
+
+def _passes(tasks: list[Task], places: list[slice], total: int, kind: str, key: str) -> tuple[np.ndarray, np.ndarray]:
+    """Passes x rows: times, and whether the machine disturbed the pass."""
+    most = max((len(task.passes.get(kind, {})) for task in tasks), default=0)
+    times, disturbed = np.full((most, total), math.nan), np.zeros((most, total), dtype=bool)
+    for task, place in zip(tasks, places):
+        for index, one in enumerate(task.passes.get(kind, {}).values()):
+            times[index, place] = one.times[key]
+            disturbed[index, place] = one.disturbed
+    return times, disturbed
+
+
+def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
+    failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
+    claimed = np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER)
+    return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"]],
+                     [np.full(len(failed), EXCLUDED, dtype=object), np.full(len(failed), VERIFIED, dtype=object),
+                      claimed.astype(object)], failed)
+
+
+def _repeated(words: list[str], counts: list[int]) -> np.ndarray:
+    return np.repeat(np.array(words, dtype=object), counts)
+
+
+def median_of_passes(times: np.ndarray) -> np.ndarray:
+    """@param times  passes x cells, NaN: none
+    @returns of every cell the median of what it has, NaN without any
     """
-    known = np.sort(np.asarray(values, dtype=float))
-    if not len(known):
-        return math.nan, math.nan
-    k = max(int(stats.binom.ppf((1 - _CONFIDENCE) / 2, len(known), 0.5)), 1)
-    return float(known[k - 1]), float(known[len(known) - k])
+    if not len(times):
+        return np.full(times.shape[1], math.nan)
+    ordered, known, cells = np.sort(times, axis=0), (~np.isnan(times)).sum(axis=0), np.arange(times.shape[1])
+    return (ordered[np.maximum(known - 1, 0) // 2, cells] + ordered[np.minimum(known // 2, len(times) - 1), cells]) / 2
 
 
-def time_interval(rounds: list[list[float]]) -> tuple[float, float]:
-    """Confidence interval (95 %) of a cell's time. With LEAST_ROUNDS rounds or more Student's interval of the logarithms
-    of their medians: what differs between rounds (clock rate, memory layout, neighbours) is common to all repetitions
-    of one (Kalibera & Jones 2013). It is widened to the median of all repetitions where that lies outside. With fewer
-    rounds the interval of the median of the repetitions, which says nothing about other rounds.
+def time_interval(times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Confidence intervals (95 %) of cells' times: with LEAST_PASSES passes or more Student's interval of the logarithms
+    (what differs between passes, clock rate, memory layout, neighbours, is common to all problems of one: Kalibera &
+    Jones 2013), widened to the median where that lies outside. With fewer passes the least and the largest.
 
-    @param rounds  times, a list for every round
+    @param times  passes x cells, NaN: none
     """
-    times = [time for of_round in rounds for time in of_round]
-    if len(rounds) < LEAST_ROUNDS:
-        return median_interval(times)
-    logs = np.log([np.median(of_round) for of_round in rounds])
-    half = stats.t.ppf((1 + _CONFIDENCE) / 2, len(logs) - 1) * logs.std(ddof=1) / math.sqrt(len(logs))
-    median = float(np.median(times))
-    return min(math.exp(logs.mean() - half), median), max(math.exp(logs.mean() + half), median)
-
-
-def verdict_of(record: dict) -> str:
-    if record["excluded"]:
-        return EXCLUDED
-    if record["passes"]:
-        return VERIFIED
-    return FALSE_SUCCESS if record["false_success"] else FAILED + record["claim"]
-
-
-def _row(campaign: Campaign, problem: str, solver: str, tier: float, mode: str, runs: CellRuns) -> dict:
-    about, record = campaign.problems[problem], runs.record
-    row = {key: about[key] for key in ("set", "counts", "family", "rows", "reference")}
-    row |= {"problem": problem, "solver": solver, "tier": tier, "mode": mode, "verdict": verdict_of(record),
-            "excluded": record["excluded"], "oracle_s": _number(about["oracle_s"]), "rounds": len(runs.rounds)}
-    if record["excluded"]:
-        limit = campaign.time_limit(about["rows"])
-        return row | {"claim": "", "passes": False, "at_floor": False, "false_success": False,
-                      "false_infeasible": False, "proved_infeasible": False, "rounds_changed": 0, "rounds_disturbed": 0, "repetitions": 0,
-                      "time_s": math.inf, "time_limit_s": limit, "oracle_ratio": math.inf if about["oracle_s"] else math.nan}
-    times = [time for round_times in runs.times() for time in round_times]
-    low, high = time_interval(runs.times())
-    row |= {key: record[key] for key in ("claim", "passes", "at_floor", "false_success", "false_infeasible")}
-    row["proved_infeasible"] = record.get("proved_infeasible", False)  # older folders do not say
-    row |= {key: _number(record[key]) for key in ("best_tier", "iterations", "peak_bytes")}
-    row |= {metric: _number(record["metrics"].get(metric)) for metric in METRICS}
-    row |= {"rounds_changed": runs.changed, "rounds_disturbed": len(runs.disturbed), "repetitions": len(times), "setup_s": _median(runs.setup_s),
-            "convert_s": _median(runs.convert_s), "solve_low": low, "solve_high": high,
-            "time_limit_s": record["time_limit_s"]} | quantiles(times, "solve_")
-    allocations = record.get("allocations") or {}
-    row |= {f"allocations_{which}": _number(allocations.get(which)) for which in ("first", "later")}
-    row["first_s"] = _number(record.get("first_s"))
-    row["factor_share"] = _number(record.get("factor_s")) / (record.get("factor_of_s") or math.nan)
-    row["time_s"] = row["solve_median"] if record["passes"] else math.inf
-    row["oracle_ratio"] = row["time_s"] / row["oracle_s"]
-    return row
-
-
-def _number(value: float | None) -> float:
-    return math.nan if value is None else float(value)
-
-
-def _median(values: list[float]) -> float:
-    return float(np.median(values)) if values else math.nan
+    known = (~np.isnan(times)).sum(axis=0)
+    low, high = (extreme.reduce(times, axis=0, initial=math.nan) for extreme in (np.fmin, np.fmax))
+    enough = known >= LEAST_PASSES
+    if enough.any():
+        logs, count = np.log(times[:, enough]), known[enough]
+        reach = np.array([math.nan] * 2 + [stats.t.ppf((1 + CONFIDENCE) / 2, k - 1) for k in range(2, len(times) + 1)])
+        half = reach[count] * np.nanstd(logs, axis=0, ddof=1) / np.sqrt(count)
+        mean, median = np.nanmean(logs, axis=0), median_of_passes(times[:, enough])
+        low[enough], high[enough] = np.minimum(np.exp(mean - half), median), np.maximum(np.exp(mean + half), median)
+    return low, high

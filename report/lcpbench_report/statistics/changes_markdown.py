@@ -5,16 +5,15 @@ import pandas as pd
 from .. import formats
 from . import pairwise
 from .cells import FALSE_SUCCESS
-from .changes import ALL_FAMILIES, FASTER, SLOWER, Changes
-from .compare import LEAST_ROUNDS
+from .changes import ALL, Changes
 from .groups import COUNTED
 from .intervals import MARGIN
 from .load import Campaign
 from .same import cell_name
 
 _SHOWN = 20  # rows of a table
-_ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solver_flags", "build_type", "cpu", "cores",
-                "os", "library_threads", "libraries")
+_ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solver_flags", "build_type", "cpu",
+                "instruction_sets", "cores", "os", "kernel", "hypervisor", "library_threads", "libraries")
 
 
 def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes, shown: int = _SHOWN) -> str:
@@ -23,7 +22,6 @@ def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes:
     lines += _environment(old, new)
     lines += _verdicts(changes, shown)
     lines += _speeds(changes, shown)
-    lines += _single(changes, shown)
     lines += _agreement(changes)
     lines += _only_in_one(changes)
     return "\n".join(lines).rstrip("\n") + "\n"
@@ -77,33 +75,19 @@ def _speeds(changes: Changes, shown: int) -> list[str]:
     for title, table in (("Slower", changes.slower), ("Faster", changes.faster)):
         lines += [f"## {title}", ""]
         if table.empty:
-            lines += ["No solver, nor a solver on a family.", ""]
+            lines += ["No solver, nor a solver on a size class or a family.", ""]
             continue
-        rows = [[f"`{row.solver}`", "all" if row.family == ALL_FAMILIES else f"`{row.family}`",
-                 row.set if row.set != COUNTED else "", row.mode, formats.power(row.tier), row.problems,
-                 _ratio(row), f"{row.quickest_ratio:.3f}",
-                 f"{row.p:.1g}"] for row in table.itertuples()]
-        lines += _table(["solver", "family", "set that does not count", "mode", "tier", "problems", "new / old",
-                         "quickest rounds", "p"], rows, shown)
-    return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier × "
-                    f"mode, over all problems and by family. Median ratio of the times of answers that both verified, "
-                    f"with its bootstrap interval; p of Wilcoxon's signed-rank test, adjusted by Holm for all of them. "
-                    f"A change needs p < {pairwise.LEVEL:g} and an interval beyond {_margin()}, by the medians of all "
-                    f"repetitions and by those of the quickest rounds.", ""]
-
-
-def _single(changes: Changes, shown: int) -> list[str]:
-    lines = ["## Single cells", ""]
-    lines += [f"For information, no regression by themselves. Of {formats.plural(changes.tested, 'cell')} with rounds "
-              f"enough for a test {int((changes.single['verdict'] == SLOWER).sum())} are slower and "
-              f"{int((changes.single['verdict'] == FASTER).sum())} faster (Welch's test of rounds, adjusted by Holm "
-              f"for all cells, and an interval beyond {_margin()}; below {LEAST_ROUNDS} rounds the interval knows "
-              f"repetitions only).", ""]
-    if not changes.single.empty:
-        lines += _table(["cell", "new / old", "p"],
-                        [[f"`{_name(row)}`", _ratio(row), f"{row['p']:.1g}"] for _, row in changes.single.iterrows()],
-                        shown)
-    return lines
+        rows = [[f"`{row.solver}`", *("all" if part == ALL else f"`{part}`" for part in (row.size_class, row.family)),
+                 row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems, _ratio(row),
+                 f"{row.quickest_ratio:.3f}", f"{row.p:.1g}"] for row in table.itertuples()]
+        lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
+                         "quickest passes", "p"], rows, shown)
+    return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "
+                    f"all problems, by size class and by family. Median ratio of the fresh times of answers that both "
+                    f"verified, problems by their weight, with an interval by bootstrap over families and bases; p of "
+                    f"Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
+                    f"p < {pairwise.LEVEL:g} and an interval beyond {_margin()}, by the medians of the passes and by "
+                    f"the quickest ones.", ""]
 
 
 def _agreement(changes: Changes) -> list[str]:
@@ -137,7 +121,7 @@ def _table(head: list[str], rows: list[list], shown: int) -> list[str]:
 
 
 def _name(row) -> str:
-    return cell_name((row["problem"], row["solver"], row["tier"], row["mode"]))
+    return cell_name((row["problem"], row["solver"], row["tier"]))
 
 
 def _verdict(row, when: str) -> str:

@@ -1,41 +1,59 @@
-"""How much each solver solves, and how often it says so wrongly. Shares with Wilson's intervals (1927)."""
+"""How much each solver solves, and how often it says so wrongly.
+
+Two figures of wrong claims: a *false success* is of a solver that was asked for this tier's tolerance, or whose method
+has none; a claim of one that takes its library's own tolerance is an answer *below the tier*. Shares are of the
+problems' weight, with Wilson's intervals (intervals.share_interval).
+"""
 
 import pandas as pd
 
-from .cells import EXCLUDED, FALSE_SUCCESS, VERIFIED
+from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
 from .groups import GROUP, groups
 from .intervals import share_interval
+from .weighted import weighted_share
 
-_COUNTS = ["problems", "verified", "at_floor", "false_successes", "false_infeasible", "failed", "excluded"]
-# Share -> what is counted, out of what.
-SHARES = {"verified_share": ("verified", "problems"), "verified_of_attempted": ("verified", "attempted"),
-          "false_share": ("false_successes", "attempted"), "false_of_claims": ("false_successes", "claims")}
-COLUMNS = [*GROUP, "solver", *_COUNTS, "attempted", "claims",
+_COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "excluded"]
+# Share -> (what is counted, out of what): functions of a table of cells.
+SHARES = {"attempted_share": ("attempted", "problems"), "verified_share": ("verified", "problems"),
+          "verified_of_attempted": ("verified", "attempted"), "false_share": ("false_successes", "attempted"),
+          "below_tier_share": ("below_tier", "attempted"), "false_of_claims": ("wrong_claims", "claims")}
+COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
            *(share + end for share in SHARES for end in ("", "_low", "_high"))]
 
 
 def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per group and solver; problems that count only. verified + false_successes + failed + excluded = problems;
-    claims: answers that the solver called solved, or that were verified whatever it said."""
+    """A row per group and solver; problems that count only. verified + false_successes + below_tier + failed +
+    excluded = problems; claims: answers that the solver called solved, or that were verified whatever it said."""
     rows = []
     for group in groups(cells, counted_only=True):
         for solver, own in group.cells.groupby("solver", sort=False):
-            rows.append({**group.label, "solver": solver, **_counts(own)})
-            for share, (part, whole) in SHARES.items():
-                low, high = share_interval(rows[-1][part], rows[-1][whole])
-                value = rows[-1][part] / rows[-1][whole] if rows[-1][whole] else float("nan")
-                rows[-1] |= {share: value, f"{share}_low": low, f"{share}_high": high}
+            rows.append({**group.label, "solver": solver, **coverage(own)})
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _counts(cells: pd.DataFrame) -> dict:
-    verdict = cells["verdict"]
-    found = {"problems": len(cells), "verified": int((verdict == VERIFIED).sum()),
-             "at_floor": int((cells["passes"].astype(bool) & cells["at_floor"].astype(bool)).sum()),
-             "false_successes": int((verdict == FALSE_SUCCESS).sum()),
-             "false_infeasible": int(cells["false_infeasible"].astype(bool).sum()),
-             "excluded": int((verdict == EXCLUDED).sum())}
-    found["attempted"] = found["problems"] - found["excluded"]
-    found["failed"] = found["attempted"] - found["verified"] - found["false_successes"]
-    found["claims"] = found["verified"] + found["false_successes"]
+def coverage(cells: pd.DataFrame) -> dict:
+    """The columns of one solver's cells, without those of the group."""
+    kinds = kinds_of(cells)
+    weights = cells["weight"].to_numpy(dtype=float)
+    found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
+             "weight": float(weights.sum())}
+    for share, (part, whole) in SHARES.items():
+        among = kinds[whole].to_numpy()
+        value = weighted_share(kinds[part].to_numpy()[among], weights[among])
+        low, high = share_interval(value, weights[among].sum())
+        found |= {share: value, f"{share}_low": low, f"{share}_high": high}
     return found
+
+
+def kinds_of(cells: pd.DataFrame) -> dict[str, pd.Series]:
+    """Name of a count -> of every cell whether it counts there."""
+    verdict = cells["verdict"]
+    kinds = {"problems": verdict.notna(), "verified": verdict == VERIFIED,
+             "at_floor": cells["passes"].astype(bool) & cells["at_floor"].astype(bool),
+             "false_successes": verdict == FALSE_SUCCESS, "below_tier": verdict == BELOW_TIER,
+             "false_infeasible": cells["false_infeasible"].astype(bool), "excluded": verdict == EXCLUDED}
+    kinds["attempted"] = ~kinds["excluded"]
+    kinds["wrong_claims"] = kinds["false_successes"] | kinds["below_tier"]
+    kinds["claims"] = kinds["verified"] | kinds["wrong_claims"]
+    kinds["failed"] = kinds["attempted"] & ~kinds["claims"]
+    return kinds

@@ -5,6 +5,8 @@ A kind is a word of _KINDS; a "?" behind it allows null.
 
 import math
 
+import numpy as np
+
 from ..errors import ReportError
 
 
@@ -53,3 +55,56 @@ def check_word(place: str, record: dict, key: str, words) -> None:
     """@throws ReportError where `record[key]` is none of `words`"""
     if record[key] not in words:
         raise ReportError(place, f"key '{key}' is {record[key]!r}", "one of " + ", ".join(map(str, words)))
+
+
+# What numbers may be -> (test of an array, NaN passing, words for the user).
+_RANGES = {"any": (lambda a: np.zeros(len(a), dtype=bool), "numbers or null"),
+           ">= 0": (lambda a: a < 0, "numbers >= 0 or null"), "> 0": (lambda a: a <= 0, "numbers > 0 or null")}
+_NUMBERS = {int, float, type(None)}
+
+
+def check_numbers(place: str, record: dict, key: str, count: int, within: str = "any") -> np.ndarray:
+    """The list `record[key]`, NaN where it has null.
+
+    @param within  any, >= 0 or > 0
+    @throws ReportError where it is no list of `count` finite numbers or nulls
+    """
+    refuse, words = _RANGES[within]
+    check_fields(place, record, {key: "list"})
+    values = record[key]
+    if len(values) != count:
+        raise ReportError(place, f"key '{key}' has {len(values)} values", f"{count}")
+    if not _NUMBERS.issuperset(map(type, values)):
+        wrong = next(value for value in values if type(value) not in _NUMBERS)
+        raise ReportError(place, f"key '{key}' has {str(wrong)[:40]!r}", words)
+    array = np.array(values, dtype=float)
+    wrong = np.isinf(array) | refuse(array)
+    if wrong.any():
+        raise ReportError(place, f"key '{key}' has {array[wrong][0]!r}", words)
+    return array
+
+
+def check_places(place: str, listed: list, count: int) -> list[int]:
+    """@throws ReportError where an entry of `listed` is no index below `count`, or is there twice"""
+    seen = set()
+    for index in listed:
+        if type(index) is not int or not 0 <= index < count or index in seen:
+            raise ReportError(place, f"index {index!r}", f"whole numbers from 0 to {count - 1}, each once")
+        seen.add(index)
+    return listed
+
+
+class Tiers:
+    """Finds the tier of campaign.json that a line means: files round."""
+
+    def __init__(self, tiers: list[float]):
+        self._known = {tier: tier for tier in tiers}
+
+    def find(self, place: str, found: float) -> float:
+        """@throws ReportError where there is none"""
+        if found not in self._known:
+            tier = next((t for t in self._known.values() if math.isclose(t, found, rel_tol=1e-6)), None)
+            if tier is None:
+                raise ReportError(place, f"tier is {found!r}", "a tier of campaign.json")
+            self._known[found] = tier
+        return self._known[found]

@@ -1,4 +1,4 @@
-"""What is compared with what: cells of one tier and one mode; and problems that count, never with those that do not."""
+"""What is compared with what: cells of one tier; and problems that count, never with those that do not."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ import pandas as pd
 
 # The value of a table's column `set` for all problems that count, whatever their own set.
 COUNTED = "counted"
-GROUP = ["set", "mode", "tier"]
+GROUP = ["set", "tier"]
 
 
 @dataclass
 class Group:
-    """The cells of one mode and tier, on the problems that count or on those of one set that does not."""
+    """The cells of one tier, on the problems that count or on those of one set that does not."""
 
     label: dict  # GROUP -> value
     cells: pd.DataFrame
@@ -32,6 +32,11 @@ class Group:
         table = self.cells.pivot(index="problem", columns="solver", values=column)
         return table.reindex(index=list(dict.fromkeys(self.cells["problem"])), columns=self.solvers)
 
+    @property
+    def weights(self) -> np.ndarray:
+        """Of the problems, in the order of `wide`."""
+        return self.cells.drop_duplicates("problem")["weight"].to_numpy(dtype=float)
+
     def common(self) -> "Group":
         """The problems on which every solver of the group has a cell. Of a campaign that was stopped half way the
         others would count as failures of those who never had their turn."""
@@ -49,7 +54,6 @@ def groups(cells: pd.DataFrame, counted_only: bool = False) -> Iterator[Group]:
     labelled = with_label(cells)
     if counted_only:
         labelled = labelled[labelled["set"] == COUNTED]
-    keys = labelled[GROUP].drop_duplicates().sort_values(GROUP, ascending=[True, True, False])
+    keys = labelled[GROUP].drop_duplicates().sort_values(GROUP, ascending=[True, False])
     for key in keys.itertuples(index=False):
-        chosen = (labelled["set"] == key.set) & (labelled["mode"] == key.mode) & (labelled["tier"] == key.tier)
-        yield Group(dict(zip(GROUP, key)), labelled[chosen])
+        yield Group(dict(zip(GROUP, key)), labelled[(labelled["set"] == key.set) & (labelled["tier"] == key.tier)])

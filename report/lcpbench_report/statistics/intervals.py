@@ -1,9 +1,9 @@
 """Confidence intervals (95 %)."""
 
 import math
-from collections.abc import Callable
 
 import numpy as np
+import pandas as pd
 from scipy import stats
 
 CONFIDENCE = 0.95
@@ -11,30 +11,130 @@ RESAMPLES = 1000
 SEED = 20240607  # of the bootstrap: the same tables from the same files
 # A ratio of times nearer to 1 than this is never called a difference, however sure its interval is: clock drift, code
 # alignment and memory layout move all problems alike by a per cent or so (Mytkowicz et al. 2009), and no resampling of
-# problems or repetitions can see what they have in common.
+# problems can see what they have in common.
 MARGIN = 1.02
+_TAIL = (1 - CONFIDENCE) / 2
+_ROUNDING = 1e-5  # of sums of weights in single precision, relative
+_MIDDLE = (0.35, 0.65)  # of the weight: where the medians of resamples of many problems lie, nearly always
+_MANY = 1000
 
 
-def bootstrap_interval(values, statistic: Callable) -> tuple[float, float]:
-    """Percentile bootstrap (Efron 1979; Efron & Tibshirani 1993, chapter 13), by scipy.stats.bootstrap.
+class Bootstrap:
+    """Percentile bootstrap (Efron & Tibshirani 1993, chapter 13) in two stages: families are drawn with replacement, and
+    within each family drawn its bases (Davison & Hinkley 1997, section 3.8). Problems of one base, which differ in one
+    number, are drawn together; so are families, for another collection would have others.
 
     Percentiles and not BCa: that one estimates its acceleration by the jackknife, which is inconsistent for a median
     (Efron & Tibshirani, section 11.6), and is undefined where all values are equal.
-    @param statistic  takes (values, axis)
-    @returns NaN twice with fewer than two values
     """
-    sample = np.asarray(values, dtype=float)
-    if len(sample) < 2:
-        return math.nan, math.nan
-    interval = stats.bootstrap((sample,), statistic, n_resamples=RESAMPLES, confidence_level=CONFIDENCE,
-                               method="percentile", vectorized=True,
-                               random_state=np.random.default_rng(SEED)).confidence_interval
-    return float(interval.low), float(interval.high)
+
+    def __init__(self, problems: pd.DataFrame):
+        """@param problems  columns problem, family and base; more than one row of a problem does not matter"""
+        problems = problems.drop_duplicates("problem")
+        bases = pd.MultiIndex.from_frame(problems[["family", "base"]].astype(str))
+        numbers, known = bases.factorize()
+        self._base_of = pd.Series(numbers, index=problems["problem"].to_numpy())
+        families = known.get_level_values(0).factorize()[0]
+        self._drawn = _draw(families)
+
+    def median(self, problems, values, weights) -> tuple[float, float]:
+        """Interval of the weighted median; inf is a value.
+
+        @param problems  the problem of every value; they need not be all
+        @returns NaN twice with fewer than two bases
+        """
+        values, weights, bases = self._sample(values, weights, problems)
+        if len(np.unique(bases)) < 2:
+            return math.nan, math.nan
+        order = np.argsort(values, kind="stable")
+        return _percentiles(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
+
+    def mean(self, problems, values, weights, among=None) -> tuple[float, float]:
+        """Interval of the weighted mean.
+
+        @param among  1 and 0, where the mean is to be over some of the problems: both sums are drawn
+        """
+        values, weights, bases = self._sample(values, weights, problems)
+        if len(np.unique(bases)) < 2:
+            return math.nan, math.nan
+        among = np.ones(len(values)) if among is None else np.asarray(among, dtype=float)
+        part, whole = (self._sums(bases, weights * factor) for factor in (values * among, among))
+        return _percentiles(part[whole > 0] / whole[whole > 0])
+
+    def ratio_of_means(self, problems, first, second, weights, inverse) -> tuple[float, float]:
+        """Interval of inverse(mean of first) / inverse(mean of second), drawn together."""
+        first, weights, bases = self._sample(first, weights, problems)
+        if len(np.unique(bases)) < 2:
+            return math.nan, math.nan
+        whole = self._sums(bases, weights)
+        means = [self._sums(bases, weights * values)[whole > 0] / whole[whole > 0]
+                 for values in (first, np.asarray(second, dtype=float))]
+        return _percentiles(inverse(means[0]) / inverse(means[1]))
+
+    def base_means(self, problems, values, weights) -> np.ndarray:
+        """The weighted mean of every base that has values."""
+        values, weights, bases = self._sample(values, weights, problems)
+        whole = np.bincount(bases, weights)
+        return np.bincount(bases, weights * values)[whole > 0] / whole[whole > 0]
+
+    def _sample(self, values, weights, problems) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        return (np.asarray(values, dtype=float), np.asarray(weights, dtype=float),
+                self._base_of.loc[np.asarray(problems)].to_numpy())
+
+    def _sums(self, bases: np.ndarray, values: np.ndarray) -> np.ndarray:
+        return np.bincount(bases, values, len(self._drawn)).astype(np.float32) @ self._drawn
+
+    def _medians(self, values: np.ndarray, weights: np.ndarray, bases: np.ndarray) -> np.ndarray:
+        """Of every resample; the values are sorted. Of many values those in the middle are looked at, if they do."""
+        half = self._sums(bases, weights) / 2
+        chosen = half > 0
+        share = np.cumsum(weights) / weights.sum()
+        for first, last in [np.searchsorted(share, _MIDDLE)] * (len(values) > _MANY) + [(0, len(values))]:
+            sums = self._drawn[bases[first:last]]
+            sums *= weights[first:last, np.newaxis]
+            np.cumsum(sums, axis=0, out=sums)
+            before = self._sums(bases[:first], weights[:first])
+            sums += before
+            if first == 0 or ((before < half * (1 - _ROUNDING)) & (sums[-1] > half * (1 + _ROUNDING)))[chosen].all():
+                break
+        return _middle_values(values[first:last], sums[:, chosen], half[chosen])
 
 
-def share_interval(count: int, total: int) -> tuple[float, float]:
-    """Of a probability after `count` out of `total` (Wilson 1927); NaN twice where the total is 0."""
-    if total == 0:
+def share_interval(share: float, weight: float) -> tuple[float, float]:
+    """Of a probability whose estimate is a share of the weight (Wilson 1927). The weight counts as the number of
+    observations: bases, for what differs in one number tells hardly more than one; NaN twice where it is 0.
+    """
+    if not weight > 0:
         return math.nan, math.nan
-    interval = stats.binomtest(int(count), int(total)).proportion_ci(CONFIDENCE, method="wilson")
-    return float(interval.low), float(interval.high)
+    z = stats.norm.ppf(1 - _TAIL)
+    centre, reach = share + z * z / (2 * weight), z * math.sqrt(share * (1 - share) / weight + (z / (2 * weight)) ** 2)
+    return max((centre - reach) / (1 + z * z / weight), 0.0), min((centre + reach) / (1 + z * z / weight), 1.0)
+
+
+def _draw(families: np.ndarray) -> np.ndarray:
+    """@param families  of every base its family, numbered from 0
+    @returns bases x RESAMPLES: how often every base is drawn
+    """
+    rng = np.random.default_rng(SEED)
+    drawn = np.zeros((len(families), RESAMPLES), dtype=np.float32)
+    count = int(families.max(initial=-1)) + 1
+    if not count:
+        return drawn
+    often = rng.multinomial(count, np.full(count, 1 / count), RESAMPLES)
+    for family in range(count):
+        own = np.flatnonzero(families == family)
+        drawn[own] = rng.multinomial(often[:, family] * len(own), np.full(len(own), 1 / len(own))).T
+    return drawn
+
+
+def _middle_values(values: np.ndarray, sums: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Where running sums of weights (values x resamples) reach half; the mean with the next one where they equal it."""
+    low, high = (sums < half * (1 - _ROUNDING)).sum(axis=0), (sums < half * (1 + _ROUNDING)).sum(axis=0)
+    return (values[np.minimum(low, len(values) - 1)] + values[np.minimum(high, len(values) - 1)]) / 2
+
+
+def _percentiles(found: np.ndarray) -> tuple[float, float]:
+    """Outwards to a value that was found: infinite ones have none between them."""
+    if not len(found):
+        return math.nan, math.nan
+    return (float(np.quantile(found, _TAIL, method="lower")), float(np.quantile(found, 1 - _TAIL, method="higher")))

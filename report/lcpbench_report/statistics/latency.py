@@ -1,12 +1,11 @@
 """How long the steps of a motion take, how much a warm start gains, and what a deadline leaves of the answers.
 
-What an engine waits for is a step's latency (Round.latency): the median says what a frame costs, the 99th percentile
+What an engine waits for is a step's latency, one interval from its arrays to the forces, of every solver: the median says what a frame costs, the 99th percentile
 and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
 processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
 `preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
-pass ended before, has an infinite latency. Columns `solve_*` of a solver are the same of the solve alone, which is what
-solvers in processes of their own are compared by: their latency has no set-up. Quantiles interpolate linearly between
-order statistics (Hyndman & Fan 1996, definition 7).
+pass ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
+definition 7).
 """
 
 import math
@@ -23,13 +22,12 @@ from .steps import PassRuns
 
 ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
-_SOLVE_COLUMNS = [f"solve_{name}" for name in _LEVELS]
 _VERIFIED = ["verified", "verified_share"]
 LATENCY_COLUMNS = ["set", "sequence", "family", "rows", "solver", "tier", "mode", "excluded", "outcome", "rounds",
                    "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "setup_p50", "solve_p50",
                    "convert_p50", "iterations_p50"]
 SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
-                  *_LEVELS, "raw_max", "preempted", *_SOLVE_COLUMNS, "warm_gain", "warm_gain_low", "warm_gain_high"]
+                  *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
 DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
                     *_VERIFIED, "verified_low", "verified_high", "rho_p50", "rho_p99", "rho_max",
                     "w_error_p99", "w_error_max"]
@@ -55,14 +53,7 @@ class JudgedPass:
 
     def latency(self) -> np.ndarray:
         """Of every step the median over the rounds that were not disturbed [s]."""
-        return self._undisturbed([r.latency() for r in self.rounds])
-
-    def solve(self) -> np.ndarray:
-        """The same of the solve alone."""
-        return self._undisturbed([r.solve_s for r in self.rounds])
-
-    def _undisturbed(self, rounds: list[np.ndarray]) -> np.ndarray:
-        times = np.array([_or_infinite(once) for once in rounds])
+        times = np.array([_or_infinite(r.latency_s) for r in self.rounds])
         counts = ~np.array([r.preempted for r in self.rounds]) | self.preempted()
         return np.nanmedian(np.where(counts, times, np.nan), axis=0)
 
@@ -94,7 +85,6 @@ def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
                 row |= _verdicts(run) | _quantiles(np.concatenate([one.latency() for one in run]), _LEVELS)
                 row["raw_max"] = max(_raw_max(one) for one in run)
                 row["preempted"] = sum(int(one.preempted().sum()) for one in run)
-                row |= _quantiles(np.concatenate([one.solve() for one in run]), _LEVELS, "solve_")
             if mode == "warm":
                 row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
             rows.append(row)
@@ -111,7 +101,7 @@ def deadline_table(campaign: Campaign) -> pd.DataFrame:
     for (solver, deadline), own in _grouped(passes, lambda one: (one.solver, one.runs.deadline_s)):
         for size, chosen in _by_size(own):
             rounds = [r for one in chosen for r in one.rounds]
-            in_time = [~r.late & ~np.isnan(r.solve_s) for r in rounds]
+            in_time = [~r.late & ~np.isnan(r.latency_s) for r in rounds]
             answered, steps = int(sum(map(np.sum, in_time))), sum(map(len, in_time))
             shared = {"solver": solver, "deadline_s": deadline, "size": size, "sequences": len(chosen), "steps": steps,
                       "in_time": answered, "in_time_share": answered / steps}
@@ -161,7 +151,7 @@ def _verdicts(passes: list[JudgedPass]) -> dict:
 
 
 def _raw_max(one: JudgedPass) -> float:
-    return float(max(_or_infinite(r.latency()).max() for r in one.rounds))
+    return float(max(_or_infinite(r.latency_s).max() for r in one.rounds))
 
 
 def _or_infinite(values: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Reads a campaign's folder, schema "lcpbench-campaign/1", and checks it.
+"""Reads a campaign's folder, schema "lcpbench-campaign/2", and checks it.
 
 Nothing is repaired in silence: what does not fit raises ReportError naming file, line and key.
 """
@@ -9,58 +9,71 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import ReportError
-from .fields import check_fields, check_word
+from .fields import Tiers, check_fields, check_numbers, check_places, check_word
 from .jsonl import is_there, read_lines
 from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
 
-SCHEMA = "lcpbench-campaign/1"
-MODES = ("cold", "cold-cache", "warm")
-_CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list", "limits": "object"}
-_SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean"}
+SCHEMA = "lcpbench-campaign/2"
+PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
+# What a solver takes for the tier: its method has no tolerance; the tier's is passed on; the library's own one.
+TOLERANCES = DIRECT, FOLLOWS, DEFAULT = ("direct", "follows", "default")
+ABLATIONS = ("", "no-self-check", "checked", "baseline")
+KINDS = JUDGE, FRESH, PARTS, AGAIN = ("judge", "fresh", "parts", "again")
+TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
+_CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list", "limits": "object",
+             "size_classes": "list"}
+_SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean",
+           "tolerance": "name", "ablation": "text"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
-_PROBLEM = {"problem": "name", "set": "name", "family": "name", "rows": "count", "reference": "name",
-            "counts": "boolean", "oracle_s": "positive?", "floor": "time?"}
+_SIZE_CLASS = {"key": "name", "least": "count", "most": "count", "stream": "count"}
+_PROBLEM = {"problem": "name", "set": "name", "family": "name", "base": "name", "weight": "positive", "origin": "name",
+            "fill": "boolean", "size_class": "name", "rows": "count", "reference": "name", "counts": "boolean",
+            "oracle_s": "positive?", "floor": "time?"}
 _REFERENCES = ("certified", "bounded", "none")
-_CELL = {"problem": "name", "solver": "name", "tier": "positive", "round": "count", "mode": "name", "excluded": "text"}
-# What a cell that was run has besides.
-_RUN = {"claim": "name", "passes": "boolean", "best_tier": "number?", "at_floor": "boolean", "false_success": "boolean",
-        "false_infeasible": "boolean", "iterations": "number?", "reason": "text", "metrics": "object",
-        "time_limit_s": "positive", "setup_s": "times", "solve_s": "times", "convert_s": "times?",
-        "peak_bytes": "time?"}
-# What runners write since they observe the machine and the first solve; absent in older folders.
-_OBSERVED = {"first_s": "time?", "factor_s": "time?", "factor_of_s": "time?", "allocations": "object?",
-             "disturbance": "object?", "proved_infeasible": "boolean"}
-
-# (problem, solver, tier, mode)
-CellKey = tuple[str, str, float, str]
+_ORIGINS = ("placed", "motion")
+_LINE = {"solver": "name", "size_class": "name", "tier": "positive", "kind": "name", "pass": "count", "first": "count",
+         "count": "count", "environment": "text"}
+METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
+# Arrays of a judge line, a number for every problem that had its turn; all numbers but these are >= 0.
+JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
+_SIGNED = ("gap_rel",)
+_JUDGE = {"excluded": "text"}
+_RUN = {"attempted": "count", "peak_bytes": "time?", "exceptions": "list"}
+EXCEPTION = {"claim": "name", "passes": "boolean", "at_floor": "boolean", "false_success": "boolean",
+             "false_infeasible": "boolean", "proved_infeasible": "boolean", "reason": "text", "detail": "text"}
+PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
+# Arrays of a timed line, a time for every problem of the task; null: none.
+_TIMED = {FRESH: ("fresh_s",), PARTS: PART_TIMES, AGAIN: ("again_s",)}
 
 
 @dataclass
-class CellRuns:
-    """One cell: its verdict is that of round 0, its repetitions are those of all rounds."""
+class TimedPass:
+    """One timed pass over a task; arrays have an entry for each of its problems, NaN where there is none."""
 
-    record: dict = field(default_factory=dict)  # the line of round 0
-    rounds: dict[int, list[float]] = field(default_factory=dict)  # round -> solve times [s]
-    passed: dict[int, bool] = field(default_factory=dict)  # round -> whether it passed
-    disturbed: set[int] = field(default_factory=set)  # rounds that the machine disturbed, also when run again
-    environments: dict[int, str] = field(default_factory=dict)  # round -> hash of campaign.json's environment
-    setup_s: list[float] = field(default_factory=list)
-    convert_s: list[float] = field(default_factory=list)
+    times: dict[str, np.ndarray]  # name of the array -> [s]
+    failed: list[int]  # problems whose answer changed, and is not verified
+    disturbed: bool = False  # by the machine, also when run again
 
-    @property
-    def changed(self) -> int:
-        """Rounds with another verdict than round 0."""
-        return sum(passed != self.passed[0] for passed in self.passed.values())
 
-    def times(self) -> list[list[float]]:
-        """Solve times [s], a list for every round with the verdict of round 0: the others did something else. Rounds
-        that the machine disturbed are left out where there are others."""
-        same = [index for index in sorted(self.rounds)
-                if self.rounds[index] and self.passed[index] == self.passed[0]]
-        calm = [index for index in same if index not in self.disturbed]
-        return [self.rounds[index] for index in calm or same]
+@dataclass
+class Task:
+    """A solver on consecutive problems of a size class at a tier."""
+
+    solver: str
+    size_class: str
+    tier: float
+    first: int  # index of its first problem within the class's order
+    count: int
+    excluded: str = ""  # the rule, where it was not run
+    attempted: int = 0  # so many of its problems had their turn
+    judged: dict[str, np.ndarray] = field(default_factory=dict)  # JUDGED -> of the attempted ones, NaN: not known
+    exceptions: list[dict] = field(default_factory=list)  # what is not plainly solved and verified, by `at`
+    peak_bytes: float = math.nan
+    passes: dict[str, dict[int, TimedPass]] = field(default_factory=dict)  # kind -> number of the pass -> pass
 
 
 @dataclass
@@ -69,40 +82,46 @@ class Campaign:
 
     info: dict  # campaign.json
     problems: dict[str, dict]
-    cells: dict[CellKey, CellRuns]
+    tasks: list[Task]
     notes: list[str]  # what was passed over
     sequences: dict[str, dict] = field(default_factory=dict)  # of campaign.json, by name
     passes: dict[PassKey, PassRuns] = field(default_factory=dict)  # over the sequences
 
-    def time_limit(self, rows: int) -> float:
-        """Of one solve of a problem with so many rows [s]."""
-        limits = self.info["limits"]
-        return min(max(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
+    @property
+    def solvers(self) -> dict[str, dict]:
+        """The entries of campaign.json by key."""
+        return {solver["key"]: solver for solver in self.info["solvers"]}
 
-    def repetitions(self, problem: str, solver: str, tier: float, mode: str = "cold") -> list[list[float]]:
-        """Solve times [s] of a cell, a list for every round; empty where there is no such cell."""
-        runs = self.cells.get((problem, solver, tier, mode))
-        return runs.times() if runs else []
+    @property
+    def classes(self) -> dict[str, list[str]]:
+        """Size class -> its problems, in the order that tasks refer to."""
+        found: dict[str, list[str]] = {of["key"]: [] for of in self.info["size_classes"]}
+        for name, about in self.problems.items():
+            found[about["size_class"]].append(name)
+        return found
+
+    def time_limit(self, rows):
+        """Of one solve of a problem with so many rows, or of an array of them [s]."""
+        limits = self.info["limits"]
+        return np.minimum(np.maximum(limits["time_per_row_s"] * rows, limits["least_s"]), limits["most_s"])
 
 
 def load_campaign(folder: Path) -> Campaign:
-    """A campaign of sequences alone need not have the files of problems and cells.
+    """A campaign of sequences alone need not have the files of problems and streams.
 
     @throws ReportError for the first thing that does not fit
     """
     if not folder.is_dir():
         raise ReportError(str(folder), "no such folder", "a campaign's folder")
     notes: list[str] = []
-    info = _read_info(folder / "campaign.json")
-    problems: dict[str, dict] = {}
-    cells: dict[CellKey, CellRuns] = {}
-    has_cells = any(is_there(folder / name) for name in ("problems.jsonl", "cells.jsonl"))
-    if has_cells or not is_there(folder / STEPS_FILE):
-        problems = _read_problems(folder / "problems.jsonl", notes.append)
-        cells = _read_cells(folder / "cells.jsonl", info, problems, notes.append)
-    sequences = read_sequences(info, "campaign.json")
-    passes = read_passes(folder / STEPS_FILE, info, sequences, notes.append)
-    return Campaign(info, problems, cells, notes, sequences, passes)
+    campaign = Campaign(_read_info(folder / "campaign.json"), {}, [], notes)
+    has_problems = any(is_there(folder / name) for name in (PROBLEMS_FILE, STREAMS_FILE))
+    if has_problems or not is_there(folder / STEPS_FILE):
+        campaign.problems = _read_problems(folder / PROBLEMS_FILE, campaign.info, notes.append)
+        campaign.tasks = _read_tasks(folder / STREAMS_FILE, campaign, notes.append)
+    campaign.sequences = read_sequences(campaign.info, "campaign.json")
+    campaign.passes = read_passes(folder / STEPS_FILE, campaign.info, campaign.sequences, notes.append)
+    return campaign
 
 
 def _read_info(path: Path) -> dict:
@@ -118,73 +137,130 @@ def _read_info(path: Path) -> dict:
     check_fields(path.name, info, _CAMPAIGN)
     check_fields(f"{path.name}: limits", info["limits"], _LIMITS)
     for index, solver in enumerate(info["solvers"]):
-        check_fields(f"{path.name}: solvers[{index}]", solver, _SOLVER)
-    keys = [solver["key"] for solver in info["solvers"]]
-    for key in keys:
-        if keys.count(key) > 1:
-            raise ReportError(path.name, f"solver {key!r} is there {keys.count(key)} times", "every key once")
+        place = f"{path.name}: solvers[{index}]"
+        check_fields(place, solver, _SOLVER)
+        check_word(place, solver, "tolerance", TOLERANCES)
+        check_word(place, solver, "ablation", ABLATIONS)
+        if solver["ablation"]:
+            check_fields(place, solver, {"base": "name"})
+    for index, size_class in enumerate(info["size_classes"]):
+        check_fields(f"{path.name}: size_classes[{index}]", size_class, _SIZE_CLASS)
+    for what, entries in (("solver", info["solvers"]), ("size class", info["size_classes"])):
+        keys = [entry["key"] for entry in entries]
+        for key in keys:
+            if keys.count(key) > 1:
+                raise ReportError(path.name, f"{what} {key!r} is there {keys.count(key)} times", "every key once")
     for tier in info["tiers"]:
         check_fields(f"{path.name}: tiers", {"tier": tier}, {"tier": "positive"})
     return info
 
 
-def _read_problems(path: Path, note: Callable[[str], None]) -> dict[str, dict]:
+def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[str, dict]:
     problems: dict[str, dict] = {}
+    classes = {of["key"]: of for of in info["size_classes"]}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_fields(place, line, _PROBLEM)
         check_word(place, record, "reference", _REFERENCES)
+        check_word(place, record, "origin", _ORIGINS)
+        check_word(place, record, "size_class", classes)
+        own = classes[record["size_class"]]
+        if not own["least"] <= record["rows"] <= own["most"]:
+            raise ReportError(place, f"key 'rows' is {record['rows']}", f"{own['least']} to {own['most']}, those of "
+                              f"size class {own['key']}")
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
         problems[record["problem"]] = record
     return problems
 
 
-def _read_cells(path: Path, info: dict, problems: dict[str, dict], note: Callable[[str], None]):
-    solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
-    cells: dict[CellKey, CellRuns] = {}
+def _read_tasks(path: Path, campaign: Campaign, note: Callable[[str], None]) -> list[Task]:
+    """Passes of a task may come before its judge line: processes that share a folder end as they like."""
+    solvers = {key: "" for key, solver in campaign.solvers.items() if solver["available"]}
+    sizes = {key: len(problems) for key, problems in campaign.classes.items()}
+    tiers = Tiers(campaign.info["tiers"])
+    tasks: dict[tuple, Task] = {}
+    judged: dict[tuple, set[int]] = {}
+    passes: dict[tuple, list[tuple[str, dict]]] = {}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, _CELL)
-        check_word(place, record, "mode", MODES)
-        if record["problem"] not in problems:
-            raise ReportError(place, f"problem is {record['problem']!r}", "a problem of problems.jsonl")
+        record = check_fields(place, line, _LINE)
+        check_word(place, record, "kind", KINDS)
         if record["solver"] not in solvers:
             raise ReportError(place, f"solver is {record['solver']!r}", "an available solver of campaign.json")
-        tier = next((t for t in info["tiers"] if math.isclose(t, record["tier"], rel_tol=1e-6)), None)
-        if tier is None:
-            raise ReportError(place, f"tier is {record['tier']!r}", "a tier of campaign.json")
-        if not record["excluded"]:
-            _check_run(place, record)
-        _add(place, cells.setdefault((record["problem"], record["solver"], tier, record["mode"]), CellRuns()), record)
-    for key, runs in cells.items():
-        if not runs.record:
-            raise ReportError(path.name, f"cell {', '.join(map(str, key))} has no round 0", "a line for every round")
-    return cells
+        check_word(place, record, "size_class", sizes)
+        tier = tiers.find(place, record["tier"])
+        first, count = int(record["first"]), int(record["count"])
+        if not 1 <= count <= sizes[record["size_class"]] - first:
+            raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
+                              f"some of the {sizes[record['size_class']]} problems of this size class")
+        key = (record["solver"], record["size_class"], tier, first, count)
+        if record["kind"] != JUDGE:
+            passes.setdefault(key, []).append((place, record))
+            continue
+        seen = judged.setdefault(key[:3], set())
+        if not seen.isdisjoint(range(first, first + count)):
+            raise ReportError(place, "a problem of this task is judged twice", "a judge line per task")
+        seen.update(range(first, first + count))
+        tasks[key] = _judged(place, record, Task(*key))
+    for key, lines in passes.items():
+        if key not in tasks:
+            raise ReportError(lines[0][0], "the task has no judge line", "one for every task")
+        for place, record in lines:
+            _add_pass(place, record, tasks[key])
+    return list(tasks.values())
 
 
-def _check_run(place: str, record: dict) -> None:
+def _judged(place: str, record: dict, task: Task) -> Task:
+    check_fields(place, record, _JUDGE)
+    if record["pass"] != 0:
+        raise ReportError(place, f"key 'pass' is {record['pass']}", "0 where the kind is judge")
+    task.excluded = record["excluded"]
+    if task.excluded:
+        return task
     check_fields(place, record, _RUN)
-    check_fields(place, record, {key: kind for key, kind in _OBSERVED.items() if key in record})
-    check_fields(f"{place}: metrics", record["metrics"], dict.fromkeys(record["metrics"], "number?"))
-    # Ratios and logarithms of what counts; what failed at once may well have taken no time.
-    if record["passes"] and not (record["solve_s"] and min(record["solve_s"]) > 0):
-        raise ReportError(place, f"key 'solve_s' is {record['solve_s']}", "numbers > 0 where a solve passes")
+    task.attempted = int(record["attempted"])
+    if task.attempted > task.count:
+        raise ReportError(place, f"key 'attempted' is {task.attempted}", f"{task.count}, the key 'count', at most")
+    for key in JUDGED:
+        task.judged[key] = check_numbers(place, record, key, task.attempted, "any" if key in _SIGNED else ">= 0")
+    at = check_places(f"{place}: exceptions", [_place_of(place, one) for one in record["exceptions"]], task.attempted)
+    for index, exception in zip(at, record["exceptions"]):
+        check_fields(f"{place}: exceptions at {index}", exception, EXCEPTION)
+    task.exceptions = record["exceptions"]
+    task.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
+    # It may be the only time of a problem: ratios and logarithms are made of it.
+    plain = np.ones(task.attempted, dtype=bool)
+    plain[[one["at"] for one in task.exceptions if not one["passes"]]] = False
+    if not (task.judged["first_s"][plain] > 0).all():
+        raise ReportError(place, "key 'first_s' has none", "a number > 0 where a solve passes")
+    return task
 
 
-def _add(place: str, runs: CellRuns, record: dict) -> None:
-    """A later round of a cell may come before round 0: processes that share a folder end as they like."""
-    index = int(record["round"])
-    if index in runs.rounds:
-        raise ReportError(place, f"round {index} of this cell is there twice", "a line per cell and round")
-    runs.rounds[index] = [] if record["excluded"] else record["solve_s"]
-    runs.passed[index] = not record["excluded"] and record["passes"]
-    if index == 0:
-        runs.record = record
-    if record["excluded"]:
+def _place_of(place: str, exception: object) -> int:
+    return check_fields(f"{place}: exceptions", exception, {"at": "count"})["at"]
+
+
+def _add_pass(place: str, record: dict, task: Task) -> None:
+    kind, number = record["kind"], int(record["pass"])
+    if number < 1:
+        raise ReportError(place, f"key 'pass' is {number}", f"1 or more where the kind is {kind}")
+    of_kind = task.passes.setdefault(kind, {})
+    if number in of_kind:
+        raise ReportError(place, f"pass {number} of this kind and task is there twice", "a line per task and pass")
+    if task.excluded:
+        raise ReportError(place, f"the task is excluded: {task.excluded}", "no pass of it")
+    times = {key: check_numbers(place, record, key, task.count, ">= 0" if kind == PARTS else "> 0")
+             for key in _TIMED[kind]}
+    if kind == PARTS:
+        of_kind[number] = TimedPass(times, [])
         return
-    if (record.get("disturbance") or {}).get("disturbed"):
-        runs.disturbed.add(index)
-    runs.environments[index] = str(record.get("environment", ""))
-    runs.setup_s += record["setup_s"]
-    runs.convert_s += record["convert_s"] or []
+    check_fields(place, record, {"failed": "list"})
+    failed = check_places(f"{place}: failed", record["failed"], task.count)
+    disturbed = False
+    if kind == FRESH:
+        check_fields(place, record, {"group": "positive", "changed": "list", "disturbance": "object?"})
+        check_places(f"{place}: changed", record["changed"], task.count)
+        if record["disturbance"] is not None:
+            disturbed = check_fields(f"{place}: disturbance", record["disturbance"], {"disturbed": "boolean"})["disturbed"]
+    of_kind[number] = TimedPass(times, failed, disturbed)

@@ -4,8 +4,8 @@ advance (benchmarks/oracle.h). No method that factors can know less and be faste
 import numpy as np
 import pandas as pd
 
-from .cells import quantiles
 from .groups import GROUP, groups
+from .weighted import quantiles
 
 COLUMNS = [*GROUP, "solver", "problems", *quantiles([])]
 
@@ -16,5 +16,6 @@ def oracle_table(cells: pd.DataFrame) -> pd.DataFrame:
     for group in groups(cells):
         known = group.cells[np.isfinite(group.cells["oracle_ratio"])]
         for solver, own in known.groupby("solver", sort=False):
-            rows.append({**group.label, "solver": solver, "problems": len(own), **quantiles(own["oracle_ratio"])})
+            rows.append({**group.label, "solver": solver, "problems": len(own),
+                         **quantiles(own["oracle_ratio"], weights=own["weight"])})
     return pd.DataFrame(rows, columns=COLUMNS)

@@ -1,9 +1,10 @@
 """Two solvers without the others, for the joint ranking depends on who takes part (Gould & Scott 2016).
 
-Shares are over all problems on which both have a cell; a failure loses against a verified answer. Times are compared
-where both are verified, by d_p = log(t_Ap / t_Bp): the median ratio exp(median d) with its bootstrap interval, the
-sign test (Arbuthnott; exact binomial, ties left out) and the signed-rank test (Wilcoxon 1945; zeros left out), both
-two-sided and adjusted by Holm within a set, mode and tier.
+Shares are of the weight of all problems on which both have a cell; a failure loses against a verified answer. Times are
+compared where both are verified, by d_p = log(t_Ap / t_Bp): the ratio exp(weighted median d) with its bootstrap interval
+(intervals.Bootstrap), the sign test (Arbuthnott; exact binomial, ties left out) and the signed-rank test (Wilcoxon 1945;
+zeros left out), both two-sided and adjusted by Holm within a set and tier. What differs in one number is not
+independent: the tests have one value per base, the mean of its d_p.
 
 "Faster" is claimed only if the adjusted signed-rank p is below LEVEL, the whole interval of the ratio lies beyond
 MARGIN, and both point the same way. Anything else is "no difference": none that matters was shown.
@@ -16,31 +17,27 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from .cells import EXCLUDED
 from .groups import GROUP, Group, groups
 from .holm import holm
-from .intervals import MARGIN, bootstrap_interval
+from .intervals import MARGIN, Bootstrap
+from .weighted import weighted_median, weighted_share
 
 LEVEL = 0.05
 A_FASTER, B_FASTER, NO_DIFFERENCE = "A faster", "B faster", "no difference"
 SHARE_TAUS = (1, 2, 10)
-COLUMNS = [*GROUP, "a", "b", "problems", "both", "a_only", "b_only", "neither", "a_excluded", "b_excluded", "a_faster",
+COLUMNS = [*GROUP, "a", "b", "problems", "both", "bases", "a_only", "b_only", "neither", "a_excluded", "b_excluded", "a_faster",
            "b_faster", *(f"share_{tau}" for tau in SHARE_TAUS), "ratio", "ratio_low", "ratio_high", "sign_p",
            "sign_p_holm", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
 
 
-def pair_shares(a, b, taus=SHARE_TAUS) -> list[float]:
+def pair_shares(a, b, weights=None, taus=SHARE_TAUS) -> list[float]:
     """Profile of A in the pair (A, B) at every tau >= 1: the share of all problems with t_A <= tau t_B, inf being a
     failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
+    weights = np.ones(len(a)) if weights is None else weights
     solved = np.isfinite(a)
-    return [float(np.mean(solved & (a <= tau * b))) if len(a) else math.nan for tau in taus]
-
-
-def log_ratios(a, b) -> np.ndarray:
-    """log(t_A / t_B) where both are verified."""
-    a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
-    both = np.isfinite(a) & np.isfinite(b)
-    return np.log(a[both] / b[both])
+    return [weighted_share(solved & (a <= tau * b), weights) for tau in taus]
 
 
 def sign_test(differences: np.ndarray) -> float:
@@ -69,12 +66,17 @@ def verdict(adjusted_p: float, direction: int, low: float, high: float) -> str:
     return B_FASTER if direction > 0 and low > MARGIN else NO_DIFFERENCE
 
 
-def compare_pairs(times: pd.DataFrame, excluded: pd.DataFrame | None = None) -> pd.DataFrame:
+def compare_pairs(times: pd.DataFrame, about: pd.DataFrame | None = None,
+                  excluded: pd.DataFrame | None = None) -> pd.DataFrame:
     """@param times  problems x solvers: inf where the solver failed, NaN where there is no cell
-    @param excluded  likewise: whether the cell was excluded by rule
+    @param about     problems x (family, base, weight); each a base of one family by default
+    @param excluded  as `times`: whether the cell was excluded by rule
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
-    pairs = [compare_two(times, excluded, a, b) for a, b in itertools.combinations(times.columns, 2)]
+    if about is None:
+        about = independent(times.index)
+    bootstrap = bootstrap_of(about)
+    pairs = [compare_two(times, about, bootstrap, a, b, excluded) for a, b in itertools.combinations(times.columns, 2)]
     for test in ("sign_p", "wilcoxon_p"):
         for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
             pair[f"{test}_holm"] = adjusted
@@ -82,6 +84,15 @@ def compare_pairs(times: pd.DataFrame, excluded: pd.DataFrame | None = None) -> 
         pair["verdict"] = verdict(pair["wilcoxon_p_holm"], pair["direction"], pair["ratio_low"], pair["ratio_high"])
     rows = [row for pair in pairs for row in (pair, _mirrored(pair))]
     return pd.DataFrame(rows, columns=COLUMNS[len(GROUP):])
+
+
+def independent(problems) -> pd.DataFrame:
+    """What compare_pairs wants to know of problems that are bases of one family, and weigh the same."""
+    return pd.DataFrame({"family": "", "base": [str(problem) for problem in problems], "weight": 1.0}, index=problems)
+
+
+def bootstrap_of(about: pd.DataFrame) -> Bootstrap:
+    return Bootstrap(about.assign(problem=about.index))
 
 
 def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
@@ -95,32 +106,36 @@ def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
 
 
-def _times(group: Group) -> tuple[pd.DataFrame, pd.DataFrame]:
+def _times(group: Group) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     times = group.wide("time_s")
     if not group.counts:
         times = times.where(np.isfinite(times))
-    return times, group.wide("verdict") == "excluded"
+    about = group.cells.drop_duplicates("problem").set_index("problem")[["family", "base", "weight"]]
+    return times, about, group.wide("verdict") == EXCLUDED
 
 
-def compare_two(times: pd.DataFrame, excluded: pd.DataFrame | None, a: str, b: str) -> dict:
+def compare_two(times: pd.DataFrame, about: pd.DataFrame, bootstrap: Bootstrap, a: str, b: str,
+                excluded: pd.DataFrame | None = None) -> dict:
     """The columns `a` and `b` of `times`, not yet adjusted for other comparisons; see compare_pairs."""
     present = (times[a].notna() & times[b].notna()).to_numpy()
     t_a, t_b = times[a].to_numpy(dtype=float)[present], times[b].to_numpy(dtype=float)[present]
+    problems, weights = times.index[present], about["weight"].to_numpy(dtype=float)[present]
     left_out = {name: int(excluded[name].to_numpy()[present].sum()) if excluded is not None else 0 for name in (a, b)}
     solved_a, solved_b = np.isfinite(t_a), np.isfinite(t_b)
-    differences = log_ratios(t_a, t_b)
-    low, high = bootstrap_interval(differences, np.median)
-    p, direction = signed_rank_test(differences)
-    shares_a, shares_b = pair_shares(t_a, t_b), pair_shares(t_b, t_a)
-    return {"a": a, "b": b, "problems": int(present.sum()), "both": len(differences),
+    both = solved_a & solved_b
+    differences = np.log(t_a[both] / t_b[both])
+    low, high = bootstrap.median(problems[both], differences, weights[both])
+    of_bases = bootstrap.base_means(problems[both], differences, weights[both])
+    p, direction = signed_rank_test(of_bases)
+    shares_a, shares_b = pair_shares(t_a, t_b, weights), pair_shares(t_b, t_a, weights)
+    return {"a": a, "b": b, "problems": int(present.sum()), "both": len(differences), "bases": len(of_bases),
             "a_only": int(np.sum(solved_a & ~solved_b)), "b_only": int(np.sum(solved_b & ~solved_a)),
             "neither": int(np.sum(~solved_a & ~solved_b)), "a_excluded": left_out[a], "b_excluded": left_out[b],
             "a_faster": int(np.sum(differences < 0)), "b_faster": int(np.sum(differences > 0)),
             "shares": shares_a, "other_shares": shares_b,
             **{f"share_{tau}": share for tau, share in zip(SHARE_TAUS, shares_a)},
-            "ratio": math.exp(np.median(differences)) if len(differences) else math.nan,
-            "ratio_low": math.exp(low), "ratio_high": math.exp(high), "sign_p": sign_test(differences),
-            "wilcoxon_p": p, "direction": direction}
+            "ratio": math.exp(weighted_median(differences, weights[both])), "ratio_low": math.exp(low),
+            "ratio_high": math.exp(high), "sign_p": sign_test(of_bases), "wilcoxon_p": p, "direction": direction}
 
 
 def _mirrored(pair: dict) -> dict:

@@ -9,9 +9,9 @@ from ..errors import ReportError
 from .load import Campaign
 from .same import ENVIRONMENT
 
-# Of a solver: what it was asked; `base` and `settings` are of variants, and absent in older folders. The rest describes
-# its build, or is a label (`setting`).
-_ASKED = {"uses_tolerance": None, "base": "", "settings": {}}
+# Of a solver: what it was asked; `base` and `settings` are of variants alone. The rest describes its build, or is a
+# label (`setting`).
+_ASKED = {"uses_tolerance": None, "tolerance": None, "ablation": None, "base": "", "settings": {}}
 
 
 def require_same_plan(old: Campaign, new: Campaign) -> None:
@@ -28,7 +28,7 @@ def require_same_plan(old: Campaign, new: Campaign) -> None:
                               f"{_word(asked[1][key])} in NEW", "two campaigns of one plan")
     for name, about in old.problems.items():
         other = new.problems.get(name, about)
-        for key in ("set", "family", "rows", "counts", "reference"):
+        for key in ("set", "family", "base", "weight", "size_class", "rows", "counts", "reference"):
             if about[key] != other[key]:
                 raise ReportError("problems.jsonl", f"problem {name!r} has {key} {about[key]!r} in OLD and "
                                   f"{other[key]!r} in NEW", "two campaigns of one plan")

@@ -6,18 +6,20 @@ problems that the solver solves at that tier and at all looser ones, the shifted
 
 import pandas as pd
 
-from .cells import EXCLUDED, VERIFIED, quantiles
+from .cells import EXCLUDED, VERIFIED
 from .groups import with_label
-from .means import SHIFTS, shifted_geometric_mean
+from .means import penalised, shift_of, shifted_geometric_mean
+from .weighted import quantiles, weighted_median, weighted_share
 
-COLUMNS = ["set", "mode", "solver", "strictest", "tier", "problems", "shift", "mean_s", "rho_median", "rho_max"]
+COLUMNS = ["set", "solver", "strictest", "tier", "problems", "shift", "mean_s", "rho_median", "rho_max"]
 
 
 def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per set, mode, solver, curve and tier, loosest first; curves without a problem are left out."""
+    """A row per set, solver, curve and tier, loosest first; curves without a problem are left out."""
     rows = []
     labelled = with_label(cells)
-    for (label, mode, solver), own in labelled.groupby(["set", "mode", "solver"], sort=False):
+    shifts = _shifts(labelled)
+    for (label, solver), own in labelled.groupby(["set", "solver"], sort=False):
         tiers = sorted(own["tier"].unique(), reverse=True)
         solved = own[own["verdict"] == VERIFIED]
         problems = set(solved["problem"])
@@ -28,29 +30,38 @@ def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
             curve = solved[solved["problem"].isin(problems)]
             for tier in tiers[:depth]:
                 point = curve[curve["tier"] == tier]
-                rows.append({"set": label, "mode": mode, "solver": solver, "strictest": strictest, "tier": tier,
-                             "problems": len(point), "shift": SHIFTS["s"],
-                             "mean_s": shifted_geometric_mean(point["time_s"], SHIFTS["s"]),
-                             "rho_median": point["rho"].median(), "rho_max": point["rho"].max()})
+                rows.append({"set": label, "solver": solver, "strictest": strictest, "tier": tier,
+                             "problems": len(point), "shift": shifts[label],
+                             "mean_s": shifted_geometric_mean(point["time_s"], shifts[label], point["weight"]),
+                             "rho_median": weighted_median(point["rho"], point["weight"]),
+                             "rho_max": point["rho"].max()})
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def _shifts(labelled: pd.DataFrame) -> dict[str, float]:
+    """Of every set one for all tiers, so that they compare."""
+    return {label: shift_of(own) for label, own in labelled.groupby("set")}
 
 
 DELIVERED = ("rho", "w_error")
 
 
 def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per set, mode, solver and tier: what the solver takes for the tolerance it is asked for, and how exact its
-    answers are by the common metrics, whether they pass or not."""
+    """A row per set, solver and tier: what the solver takes for the tolerance it is asked for, and how exact its
+    answers are by the common metrics, whether they pass or not. The time of an answer that is not verified is that of
+    the solve that was judged, for nothing wrong is timed fresh."""
     rows = []
     run = with_label(cells[cells["verdict"] != EXCLUDED])
-    for (label, mode, solver, tier), own in run.groupby(["set", "mode", "solver", "tier"], sort=False):
-        row = {"set": label, "mode": mode, "solver": solver, "tier": tier, "problems": len(own),
-               "verified_share": float((own["verdict"] == VERIFIED).mean()), "shift": SHIFTS["s"],
-               "mean_s": shifted_geometric_mean(own["solve_median"].fillna(own["time_limit_s"]), SHIFTS["s"]),
+    run = run.assign(taken_s=penalised(run["fresh_s"].fillna(run["first_s"]).fillna(float("inf")), run["time_limit_s"]))
+    shifts = {label: shift_of(own, "taken_s") for label, own in run.groupby("set")}
+    for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):
+        row = {"set": label, "solver": solver, "tier": tier, "problems": len(own),
+               "verified_share": weighted_share(own["verdict"] == VERIFIED, own["weight"]), "shift": shifts[label],
+               "mean_s": shifted_geometric_mean(own["taken_s"], shifts[label], own["weight"]),
                "answers": int(own["rho"].notna().sum())}
         for metric in DELIVERED:
-            row |= quantiles(own[metric], f"{metric}_")
+            row |= quantiles(own[metric], f"{metric}_", own["weight"])
         rows.append(row)
-    columns = ["set", "mode", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
+    columns = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
                *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
     return pd.DataFrame(rows, columns=columns)

@@ -1,19 +1,23 @@
 """Whether two campaigns are the same apart from times: what must not depend on when, where and in how many parts they
 were run.
 
-The plan but for the environment, what is known of the problems but for the oracle's time, and of every cell's first
-round the answer and its verdict. The cells of later rounds are not compared: which ones there are depends on times.
+The plan but for the environment, what is known of the problems but for the oracle's time, and of every cell the answer
+and its verdict when it was judged. Timed passes are not compared: how many there are depends on times.
 """
 
 import math
 from dataclasses import dataclass, field
 
-from .load import Campaign, CellKey
+import numpy as np
+import pandas as pd
+
+from .cells import KEY, ablation_cells, cell_table
+from .load import METRICS, Campaign
 
 ENVIRONMENT = ("started", "environment", "environment_hash")
 _TIME_OF_PROBLEM = "oracle_s"
 CELL_FIELDS = ("excluded", "claim", "passes", "best_tier", "at_floor", "false_success", "false_infeasible",
-               "iterations", "metrics")
+               "proved_infeasible", "iterations", *METRICS)
 # Claims that depend on how fast the machine is.
 _OUT_OF_TIME = ("time_limit", "killed")
 
@@ -36,36 +40,46 @@ class Part:
 def differing_plan(a: dict, b: dict) -> Part:
     """@param a, b  contents of campaign.json"""
     return _compare({k: {k: v} for k, v in a.items() if k not in ENVIRONMENT},
-                    {k: {k: v} for k, v in b.items() if k not in ENVIRONMENT}, str)
+                    {k: {k: v} for k, v in b.items() if k not in ENVIRONMENT})
 
 
 def differing_problems(a: Campaign, b: Campaign) -> Part:
     known = [{name: {k: v for k, v in about.items() if k != _TIME_OF_PROBLEM} for name, about in c.problems.items()}
              for c in (a, b)]
-    return _compare(*known, str)
+    return _compare(*known)
 
 
 def differing_cells(a: Campaign, b: Campaign) -> Part:
-    records = [{key: {k: runs.record[k] for k in CELL_FIELDS if k in runs.record} for key, runs in c.cells.items()}
-               for c in (a, b)]
-    return _compare(*records, cell_name)
+    first, second = (pd.concat([cell_table(c), ablation_cells(c)]).set_index(KEY)[list(CELL_FIELDS)] for c in (a, b))
+    part = Part(only_a=[cell_name(key) for key in first.index.difference(second.index, sort=False)],
+                only_b=[cell_name(key) for key in second.index.difference(first.index, sort=False)])
+    common = first.index.intersection(second.index, sort=False)
+    first, second = first.loc[common], second.loc[common]
+    part.both = len(common)
+    other = ~((first == second) | (first.isna() & second.isna())).to_numpy()
+    for index in np.flatnonzero(other.any(axis=1)):
+        found = [f"{name} {_word(first.iat[index, k])} | {_word(second.iat[index, k])}"
+                 for k, name in enumerate(CELL_FIELDS) if other[index, k]]
+        part.differ.append(f"{cell_name(common[index])}: " + "; ".join(found))
+        part.out_of_time += any(table["claim"].iat[index] in _OUT_OF_TIME for table in (first, second))
+    return part
 
 
-def cell_name(key: CellKey) -> str:
-    problem, solver, tier, mode = key
-    return f"solve/{problem}/{solver}/{tier:g} ({mode})"
+def cell_name(key: tuple) -> str:
+    """@param key  the values of KEY"""
+    problem, solver, tier = key
+    return f"solve/{problem}/{solver}/{tier:g}"
 
 
-def _compare(a: dict, b: dict, name) -> Part:
-    part = Part(only_a=[name(key) for key in a if key not in b], only_b=[name(key) for key in b if key not in a])
+def _compare(a: dict, b: dict) -> Part:
+    part = Part(only_a=[str(key) for key in a if key not in b], only_b=[str(key) for key in b if key not in a])
     for key in a:
         if key not in b:
             continue
         part.both += 1
         found = _differences("", a[key], b[key])
         if found:
-            part.differ.append(f"{name(key)}: " + "; ".join(found))
-            part.out_of_time += any(record.get("claim") in _OUT_OF_TIME for record in (a[key], b[key]))
+            part.differ.append(f"{key}: " + "; ".join(found))
     return part
 
 
@@ -87,7 +101,7 @@ class _Missing:
 def _word(value) -> str:
     if value is _Missing:
         return "missing"
-    if isinstance(value, float) and math.isfinite(value):
-        return repr(value)  # all digits: it may be the last one
+    if isinstance(value, float):
+        return repr(value) if math.isfinite(value) else "not known"  # all digits: it may be the last one
     text = str(value)
     return text if len(text) <= 60 else text[:57] + "..."

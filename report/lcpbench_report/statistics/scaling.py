@@ -1,6 +1,7 @@
 """How time grows with the number of rows: t ~ c rows^exponent.
 
-By least squares in log-log coordinates, with Student's interval of the slope, and by the median of pairwise slopes
+The median time of every number of rows, each base of it counting once, is a point: small problems come in hundreds. By least squares in log-log
+coordinates, with Student's interval of the slope, and by the median of pairwise slopes
 (Theil 1950, Sen 1968), which a few odd problems do not move. Only verified answers have a time: where a solver begins
 to fail with size, the exponent is that of what it still solves.
 """
@@ -36,10 +37,10 @@ def scaling_table(cells: pd.DataFrame) -> pd.DataFrame:
     for group in groups(cells):
         solved = group.cells[np.isfinite(group.cells["time_s"]) & (group.cells["rows"] > 0)]
         for (solver, family), own in solved.groupby(["solver", "family"], sort=False):
-            sizes = own["rows"].nunique()
-            if sizes < LEAST_SIZES:
+            points = own.groupby(["rows", "base"])["time_s"].median().groupby("rows").median()
+            if len(points) < LEAST_SIZES:
                 continue
-            found.append({**group.label, "solver": solver, "family": family, "problems": len(own), "sizes": sizes,
+            found.append({**group.label, "solver": solver, "family": family, "problems": len(own), "sizes": len(points),
                           "rows_min": own["rows"].min(), "rows_max": own["rows"].max(),
-                          **fit_exponent(own["rows"], own["time_s"])})
+                          **fit_exponent(points.index, points)})
     return pd.DataFrame(found, columns=COLUMNS)

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import check_fields, check_word
+from .fields import Tiers, check_fields, check_numbers, check_places, check_word
 from .jsonl import is_there, read_lines
 
 FILE = "steps.jsonl"
@@ -20,12 +20,12 @@ _PASS = {"sequence": "name", "solver": "name", "tier": "positive", "mode": "name
          "round": "count", "excluded": "text"}
 # What a pass that was run has besides.
 _RUN = {"outcome": "name", "detail": "text", "steps": "count", "reached": "count", "claims": "object",
-        "verdicts": "list", "late": "list", "preempted": "list", "setup_s": "times", "solve_s": "times",
-        "convert_s": "times?", "iterations": "list", "rho": "list", "backward_error": "list", "w_error": "list"}
+        "verdicts": "list", "late": "list", "preempted": "list"}
 _VERDICT = {"tier": "positive", "passed": "count", "failed": "count", "false_successes": "count",
             "failed_steps": "list"}
-# Of every step that was reached.
-_BY_STEP = ("setup_s", "solve_s", "iterations", "rho", "backward_error", "w_error")
+# Of every step that was reached; the parts of the latency only of some solvers.
+_BY_STEP = ("latency_s", "iterations", "rho", "backward_error", "w_error")
+_PARTS = ("setup_s", "solve_s", "convert_s")
 
 # (sequence, solver, tier asked for, mode)
 PassKey = tuple[str, str, float, str]
@@ -42,17 +42,14 @@ class Round:
     false_successes: dict[float, int]
     late: np.ndarray
     preempted: np.ndarray  # the solver lost the processor to something else
-    setup_s: np.ndarray
-    solve_s: np.ndarray
-    convert_s: np.ndarray | None  # of solvers that time themselves in processes of their own
+    latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
+    # Parts of it, for explanation; None: not known.
+    setup_s: np.ndarray | None
+    solve_s: np.ndarray | None
+    convert_s: np.ndarray | None
     iterations: np.ndarray
     rho: np.ndarray  # NaN: none, for it came late or is not finite
     w_error: np.ndarray
-
-    def latency(self) -> np.ndarray:
-        """What each step takes [s]: set-up and solve. Of solvers in processes of their own the solve and what it
-        converts: their set-up is measured across the boundary between processes, which no engine would have."""
-        return self.setup_s + self.solve_s if self.convert_s is None else self.solve_s + self.convert_s
 
 
 @dataclass
@@ -84,13 +81,14 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
     passes: dict[PassKey, PassRuns] = {}
     if not is_there(path):
         return passes
+    tiers = Tiers(info["tiers"])
     solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
         record = check_fields(place, line, _PASS)
         check_word(place, record, "sequence", sequences)
         check_word(place, record, "solver", solvers)
-        key = (record["sequence"], record["solver"], _tier(place, record["tier"], info), record["mode"])
+        key = (record["sequence"], record["solver"], tiers.find(place, record["tier"]), record["mode"])
         runs = passes.setdefault(key, PassRuns(record["deadline_s"]))
         index = int(record["round"])
         if index in runs.rounds or runs.excluded:
@@ -98,62 +96,47 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
         if record["excluded"]:
             runs.excluded = record["excluded"]
         else:
-            runs.rounds[index] = _round(place, record, sequences[record["sequence"]]["steps"], info)
+            runs.rounds[index] = _round(place, record, sequences[record["sequence"]]["steps"], tiers)
     for key, runs in passes.items():
         if not runs.excluded and 0 not in runs.rounds:
             raise ReportError(path.name, f"pass {', '.join(map(str, key))} has no round 0", "a line for every round")
     return passes
 
 
-def _tier(place: str, found: float, info: dict) -> float:
-    tier = next((t for t in info["tiers"] if math.isclose(t, found, rel_tol=1e-6)), None)
-    if tier is None:
-        raise ReportError(place, f"tier is {found!r}", "a tier of campaign.json")
-    return tier
-
-
-def _round(place: str, record: dict, steps: int, info: dict) -> Round:
+def _round(place: str, record: dict, steps: int, tiers: Tiers) -> Round:
     check_fields(place, record, _RUN)
     check_word(place, record, "outcome", OUTCOMES)
     check_fields(f"{place}: claims", record["claims"], dict.fromkeys(record["claims"], "count"))
     reached = int(record["reached"])
     if record["steps"] != steps or reached > steps:
         raise ReportError(place, f"{reached} of {record['steps']} steps", f"the {steps} steps of campaign.json")
-    arrays = {}
-    for key in _BY_STEP + (("convert_s",) if record["convert_s"] is not None else ()):
-        values = record[key]
-        for value in values:
-            check_fields(f"{place}: {key}", {"value": value}, {"value": "number?"})
-        if len(values) != reached:
-            raise ReportError(place, f"key '{key}' has {len(values)} values", f"{reached}, one per step")
-        arrays[key] = _padded(values, steps)
+    arrays = {key: _padded(check_numbers(place, record, key, reached, ">= 0"), steps) for key in _BY_STEP}
+    check_fields(place, record, dict.fromkeys(_PARTS, "list?"))
+    for key in _PARTS:
+        if record[key] is not None:
+            arrays[key] = _padded(check_numbers(place, record, key, reached, ">= 0"), steps)
     verified, false_successes = {}, {}
     for verdict in record["verdicts"]:
         check_fields(f"{place}: verdicts", verdict, _VERDICT)
-        tier = _tier(f"{place}: verdicts", verdict["tier"], info)
+        tier = tiers.find(f"{place}: verdicts", verdict["tier"])
         verified[tier] = ~_marked(f"{place}: failed_steps", verdict["failed_steps"], steps)
         false_successes[tier] = int(verdict["false_successes"])
         if verified[tier].sum() != verdict["passed"] or verdict["passed"] + verdict["failed"] != steps:
             raise ReportError(place, f"{verdict['passed']} passed and {verdict['failed']} failed",
                               f"{steps} steps, and as many failed as are listed")
-    if _tier(place, record["tier"], info) not in verified:
+    if tiers.find(place, record["tier"]) not in verified:
         raise ReportError(place, "no verdict at the tier asked for", "one among 'verdicts'")
     return Round(record["outcome"], reached, record["claims"], verified, false_successes,
                  _marked(f"{place}: late", record["late"], steps),
-                 _marked(f"{place}: preempted", record["preempted"], steps), arrays["setup_s"], arrays["solve_s"],
-                 arrays.get("convert_s"), arrays["iterations"], arrays["rho"], arrays["w_error"])
+                 _marked(f"{place}: preempted", record["preempted"], steps), arrays["latency_s"],
+                 *map(arrays.get, _PARTS), arrays["iterations"], arrays["rho"], arrays["w_error"])
 
 
-def _padded(values: list, steps: int) -> np.ndarray:
-    array = np.full(steps, np.nan)
-    array[:len(values)] = [math.nan if value is None else value for value in values]
-    return array
+def _padded(values: np.ndarray, steps: int) -> np.ndarray:
+    return np.concatenate([values, np.full(steps - len(values), np.nan)])
 
 
 def _marked(place: str, listed: list, steps: int) -> np.ndarray:
     marks = np.zeros(steps, dtype=bool)
-    for step in listed:
-        if not isinstance(step, int) or not 0 <= step < steps or marks[step]:
-            raise ReportError(place, f"step {step!r}", f"whole numbers from 0 to {steps - 1}, each once")
-        marks[step] = True
+    marks[check_places(place, listed, steps)] = True
     return marks

@@ -5,40 +5,56 @@ from pathlib import Path
 
 import pandas as pd
 
+from .ablation import ablation_table
 from .accuracy import accuracy_table
-from .cells import cell_table
+from .cells import ablation_cells, cell_table
+from .class_times import class_table
 from .coverage import coverage_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
 from .means import mean_table
 from .oracle import oracle_table
 from .pairwise import pairwise_table
+from .peer_ratio import peer_ratio_table
 from .precision import delivered_table, precision_table
 from .profiles import profile_table
 from .scaling import scaling_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
-TABLES: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
-    "cells": lambda cells: cells, "profiles": profile_table, "pairwise": pairwise_table, "means": mean_table,
-    "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table, "delivered": delivered_table,
-    "accuracy": accuracy_table, "oracle": oracle_table,
+_OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
+    "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
+    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table,
+    "delivered": delivered_table, "accuracy": accuracy_table, "oracle": oracle_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
     "latency": latency_table, "latency_by_solver": latency_by_solver_table, "deadline": deadline_table,
 }
+TABLES = (*_OF_CELLS, "peer_ratio", "ablation")
 _DIGITS = "%.9g"
+
+
+def tables_of(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict]) -> dict[str, pd.DataFrame]:
+    """All of TABLES.
+
+    @param cells    of cells.cell_table
+    @param ablated  of cells.ablation_cells
+    @param solvers  the entries of campaign.json
+    """
+    own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
+    return {name: table(cells) for name, table in _OF_CELLS.items()} | {
+        "peer_ratio": peer_ratio_table(cells, own), "ablation": ablation_table(cells, ablated, solvers)}
 
 
 def write_tables(campaign: Campaign, folder: Path) -> None:
     """Writes every table as <name>.csv; one without rows still has its header. Of a campaign of sequences alone the
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
-    if campaign.cells or not campaign.passes:
-        cells = cell_table(campaign)
-        for name, table in TABLES.items():
-            write_csv(table(cells), folder / f"{name}.csv")
+    if campaign.tasks or not campaign.passes:
+        found = tables_of(cell_table(campaign), ablation_cells(campaign), campaign.info["solvers"])
+        for name, table in found.items():
+            write_csv(table, folder / f"{name}.csv")
     if campaign.passes:
         for name, table in STEP_TABLES.items():
             write_csv(table(campaign), folder / f"{name}.csv")
@@ -48,5 +64,5 @@ def write_csv(table: pd.DataFrame, path: Path) -> None:
     """Booleans as true and false, what is not known empty, infinite as inf."""
     words = {True: "true", False: "false"}
     booleans = {name: column.map(words) for name, column in table.items()
-                if len(column) and all(isinstance(value, bool) for value in column)}
+                if len(column) and pd.api.types.infer_dtype(column) == "boolean"}
     table.assign(**booleans).to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")

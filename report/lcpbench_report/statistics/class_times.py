@@ -1,0 +1,79 @@
+"""What a user pays, by size class: every solver's fresh time, how much it solves, and who is as good as the best.
+
+Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. In a class two solvers
+are *tied* where their intervals overlap (intervals.Bootstrap: families, then bases).
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+import pandas as pd
+
+from .cells import VERIFIED
+from .coverage import coverage
+from .groups import GROUP, groups
+from .intervals import Bootstrap
+from .load import PART_TIMES
+from .weighted import weighted_median, weighted_quantile
+
+ALL = "all"  # the value of `size_class` for all problems
+LEAST_FOR_P99 = 1000  # problems of a class
+_SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted")
+           for end in ("", "_low", "_high")]
+_MEDIANS = ["again_s", "first_s", *PART_TIMES]
+COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "attempted", "verified", "false_successes",
+           "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS, "tied"]
+
+
+def class_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, size class (and `all`) and solver; problems that count only. `p99_s` and the medians of the second
+    measure (`again_s`), of the solve that was judged and of the parts are of verified answers that were timed. `tied`:
+    with the best of all solvers that were asked."""
+    tables = []
+    for label, of_class in classes(cells):
+        bootstrap = Bootstrap(of_class)
+        rows = [label | {"solver": solver} | _row(own, bootstrap)
+                for solver, own in of_class.groupby("solver", sort=False)]
+        table = pd.DataFrame(rows)
+        tables.append(table.assign(tied=tied(table[table["asked"]]).reindex(table.index, fill_value=False)))
+    return pd.concat(tables, ignore_index=True)[COLUMNS] if tables else pd.DataFrame(columns=COLUMNS)
+
+
+def classes(cells: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
+    """Label and cells of every group of problems that count, by size class, and of all together: smallest class first,
+    `all` last."""
+    for group in groups(cells, counted_only=True):
+        order = group.cells.groupby("size_class")["rows"].min().sort_values().index
+        for size_class in order:
+            yield {**group.label, "size_class": size_class}, group.cells[group.cells["size_class"] == size_class]
+        yield {**group.label, "size_class": ALL}, group.cells
+
+
+def tied(rows: pd.DataFrame) -> pd.Series:
+    """Of solvers in one class: whether the interval of the median reaches that of the one with the least median."""
+    finite = rows[np.isfinite(rows["median_s"])]
+    if finite.empty:
+        return pd.Series(False, index=rows.index)
+    best = finite.loc[finite["median_s"].idxmin()]
+    reach = best["median_s"] if math.isnan(best["median_high"]) else best["median_high"]
+    return np.isfinite(rows["median_s"]) & (rows["median_low"].fillna(rows["median_s"]) <= reach)
+
+
+def p99(cells: pd.DataFrame) -> float:
+    """Of the fresh times of one solver's verified answers, where the class has problems enough; else NaN."""
+    timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
+    if len(cells) < LEAST_FOR_P99:
+        return math.nan
+    return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
+
+
+def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
+    low, high = bootstrap.median(cells["problem"], cells["time_s"], cells["weight"])
+    verified = cells[cells["verdict"] == VERIFIED]
+    row = coverage(cells) | {"median_s": weighted_median(cells["time_s"], cells["weight"]), "median_low": low,
+                             "median_high": high, "p99_s": p99(cells)}
+    for key in _MEDIANS:
+        known = verified[verified[key].notna()]
+        row[key] = weighted_median(known[key], known["weight"])
+    return row

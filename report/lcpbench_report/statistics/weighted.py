@@ -1,0 +1,44 @@
+"""Statistics of problems that weigh differently: each of the k variants of one base weighs 1/k, so that one recipe with
+many variants says no more than another one with few.
+
+With equal weights they are the usual ones.
+"""
+
+import math
+
+import numpy as np
+
+_LEVELS = {"min": 0, "p25": 0.25, "median": 0.5, "p75": 0.75, "p90": 0.9, "p99": 0.99, "max": 1}
+_ROUNDING = 1e-9  # of sums of weights, relative
+
+
+def weighted_quantile(values, weights, level: float) -> float:
+    """The least value with at least `level` of the weight at or below it; where that is exactly `level`, the mean of it
+    and the next one (Hyndman & Fan 1996, definition 2, with weights). inf is a value; NaN without any."""
+    values, weights = np.asarray(values, dtype=float), np.asarray(weights, dtype=float)
+    if not len(values):
+        return math.nan
+    order = np.argsort(values, kind="stable")
+    below = np.cumsum(weights[order])
+    below /= below[-1]
+    at = min(int(np.searchsorted(below, level - _ROUNDING)), len(order) - 1)
+    after = min(at + 1, len(order) - 1) if below[at] <= level + _ROUNDING and level > 0 else at
+    return float((values[order[at]] + values[order[after]]) / 2)
+
+
+def weighted_median(values, weights) -> float:
+    return weighted_quantile(values, weights, 0.5)
+
+
+def weighted_share(holds, weights) -> float:
+    """Of the weight, where `holds`; NaN without any."""
+    weights = np.asarray(weights, dtype=float)
+    return float(weights[np.asarray(holds, dtype=bool)].sum() / weights.sum()) if len(weights) else math.nan
+
+
+def quantiles(values, prefix: str = "", weights=None) -> dict[str, float]:
+    """Smallest, quartiles, 90 and 99 per cent, largest of the values that are not NaN; NaN without any."""
+    values = np.asarray(values, dtype=float)
+    weights = np.ones(len(values)) if weights is None else np.asarray(weights, dtype=float)
+    known = ~np.isnan(values)
+    return {prefix + name: weighted_quantile(values[known], weights[known], level) for name, level in _LEVELS.items()}
