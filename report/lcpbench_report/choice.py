@@ -8,7 +8,7 @@ import pandas as pd
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import EXCLUDED
 from .statistics.groups import COUNTED, GROUP
-from .statistics.means import SHIFTS, penalised, shifted_geometric_mean
+from .statistics.means import penalised, shift_of, shifted_geometric_mean
 from .statistics.weighted import weighted_median
 from .style import library, method
 
@@ -80,7 +80,8 @@ def _main_cells(inputs: Inputs) -> pd.DataFrame:
 
 def _ranked(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
     """By the shifted geometric mean, in which what was not verified has the time limit: failing does not pay."""
-    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), SHIFTS["s"], mine["weight"])
+    shift = shift_of(cells) if len(cells) else math.nan
+    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), shift, mine["weight"])
              for solver, mine in cells.groupby("solver")}
     return sorted(solvers, key=lambda solver: means.get(solver, math.inf))
 

@@ -13,7 +13,7 @@ import pandas as pd
 from . import choice
 from .inputs import Inputs
 from .statistics.cells import VERIFIED
-from .statistics.means import SHIFTS, penalised, shifted_geometric_mean
+from .statistics.means import penalised, shift_of, shifted_geometric_mean
 from .statistics.weighted import weighted_median, weighted_share
 
 SHARE = 0.99
@@ -49,11 +49,11 @@ def contenders(cells: pd.DataFrame, own: list[str]) -> list[Contender]:
     """
     turns = cells.groupby("problem")["solver"].transform("nunique")
     cells = cells[turns == turns.max()]
-    found = []
+    shift, found = shift_of(cells) if len(cells) else math.nan, []
     for solver, mine in cells.groupby("solver", sort=False):
         good = mine[mine["verdict"] == VERIFIED]
         times = penalised(mine["time_s"], mine["time_limit_s"])
-        found.append(Contender(solver, solver in own, shifted_geometric_mean(times, SHIFTS["s"], mine["weight"]),
+        found.append(Contender(solver, solver in own, shifted_geometric_mean(times, shift, mine["weight"]),
                                len(good), len(mine), weighted_share(mine["verdict"] == VERIFIED, mine["weight"]),
                                weighted_median(good["rho"], good["weight"])))
     most = max((contender.share for contender in found), default=0)

@@ -1,25 +1,23 @@
 """The headline: who is the fastest in every size class, ours or a peer, by how much, and how much of it is right.
 
-A time is a fresh time; a class's time is the median over its problems by their weights, where an answer that was not
-verified, or a problem that a solver was not given, took infinitely long. So a solver that fails on hard problems gains
-nothing by it, and one that fails on half has no time at all. Right is a solver that verifies RIGHT of a class; the best
-one is the quickest of these. Only where no solver is right, those that verify most take part.
+All of it is from the tables class_times and peer_ratio of the statistics, at the main tier; here is chosen who stands
+where. The best are the fastest of those that are right on RIGHT of a class (where nobody is, of those that are on as
+much as any). What is not told apart from the best of all is tied with it: the interval of the ratio of their times,
+problem by problem, reaches 1.
 """
 
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+import numpy as np
 import pandas as pd
 
 from . import choice
 from .inputs import Inputs
-from .statistics.cells import EXCLUDED
-from .statistics.groups import Group
-from .statistics.peer_ratio import RIGHT, Ratio, ratio_to_fastest, ratio_to_solver
-from .statistics.weighted import weighted_quantile, weighted_share
-
-P99_LEAST = 1000  # problems: the fewest that a 99 % quantile is given of
+from .statistics.class_times import ALL
+from .statistics.intervals import Bootstrap
+from .statistics.peer_ratio import RIGHT
 
 
 @dataclass(frozen=True)
@@ -27,11 +25,21 @@ class Entry:
     """One solver on the problems of one size class."""
 
     problems: int
-    excluded: int  # not given to the solver, by a rule that was declared before
+    attempted: int  # the others were not given to the solver, by a rule that was declared before
     share: float  # verified, by weight
-    time_s: float  # median; inf where half or more were not verified
-    p99_s: float  # NaN of fewer than P99_LEAST problems
-    best: bool = False  # or not distinguishable from it
+    time_s: float  # median of the weight; inf where half or more were not verified
+    p99_s: float  # NaN where there are few problems
+    asked: bool  # for the tier; or its method has no tolerance
+    best: bool = False  # of all, or tied with it
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A weighted median with its interval; of no problems NaN."""
+
+    median: float
+    low: float
+    high: float
 
 
 @dataclass(frozen=True)
@@ -60,47 +68,59 @@ def headline(inputs: Inputs) -> Headline:
     """By solver: the better setting of every own method, and the best of every peer library."""
     shown = choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
     tier = choice.main_tier(inputs)
+    times = choice.counted(inputs.analysis["class_times"], tier)
+    ratios = choice.counted(inputs.analysis["peer_ratio"], tier).set_index(["size_class", "solver"])
     cells = choice.main_cells(inputs, tier)
-    classes = []
-    for of in choice.size_classes(inputs, cells):
-        # Of a campaign that was stopped half way, only the problems that all have been given.
-        chosen = Group({}, cells[cells["size_class"] == of["key"]]).common().cells
-        if len(chosen):
-            classes.append(_row(inputs, of["key"], chosen))
+    classes = [_row(inputs, key, rows, ratios, cells[cells["size_class"] == key])
+               for key, rows in times.groupby("size_class", sort=False) if key != ALL]
     ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
     return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown])
 
 
-def _row(inputs: Inputs, size_class: str, cells: pd.DataFrame) -> ClassRow:
-    of = dict(tuple(cells.groupby("solver", sort=False)))
-    entries = {solver: _entry(of[solver]) for solver in inputs.keys if solver in of}
+def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
+    entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s, of.asked)
+               for of in times.itertuples()}
     own = best({solver: entry for solver, entry in entries.items() if solver in inputs.own})
-    peers = {solver: entry for solver, entry in entries.items() if solver not in inputs.own}
-    peer = best({solver: entry for solver, entry in peers.items() if entry.share >= RIGHT})
-    first = best(entries)
-    if first is not None:
-        rivals = [solver for solver in _right(entries) if solver != first and math.isfinite(entries[solver].time_s)]
-        tied = [first, *(s for s in rivals if ratio_to_solver(cells, s, first).low <= 1)]
-        entries |= {solver: replace(entries[solver], best=True) for solver in tied}
-    return ClassRow(size_class, cells["problem"].nunique(), own, peer, entries,
-                    ratio_to_fastest(cells, own, list(peers)) if own and peers else None,
-                    ratio_to_solver(cells, own, peer) if own and peer else None)
+    entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
+    problems = cells["problem"].nunique()
+    if own is None:
+        return ClassRow(size_class, problems, None, None, entries, None, None)
+    of = ratios.loc[(size_class, own)]
+    peer = of["peer"] or None
+    return ClassRow(size_class, problems, own, peer, entries, _ratio(of, ""), _ratio(of, "peer_") if peer else None)
 
 
-def _entry(cells: pd.DataFrame) -> Entry:
-    weight = cells["weight"]
-    p99 = weighted_quantile(cells["time_s"], weight, 0.99) if len(cells) >= P99_LEAST else math.nan
-    share = 1.0 if cells["passes"].all() else weighted_share(cells["passes"], weight)
-    return Entry(len(cells), int((cells["verdict"] == EXCLUDED).sum()), share, choice.median_time(cells), p99)
-
-
-def _right(entries: dict[str, Entry]) -> dict[str, Entry]:
-    """Those that take part in being the best."""
-    least = min(RIGHT, max((entry.share for entry in entries.values()), default=0))
-    return {solver: entry for solver, entry in entries.items() if entry.share and entry.share >= least}
+def _ratio(of: pd.Series, prefix: str) -> Ratio | None:
+    found = Ratio(*(float(of[f"{prefix}ratio{end}"]) for end in ("", "_low", "_high")))
+    return None if math.isnan(found.median) else found
 
 
 def best(entries: dict[str, Entry]) -> str | None:
     """None where nobody verifies more than half."""
-    rivals = {solver: entry.time_s for solver, entry in _right(entries).items() if math.isfinite(entry.time_s)}
+    rivals = _rivals(entries)
     return min(rivals, key=rivals.get, default=None)
+
+
+def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
+    """Median times of those that can be the best."""
+    least = min(RIGHT, max((entry.share for entry in entries.values()), default=0))
+    return {solver: entry.time_s for solver, entry in entries.items()
+            if entry.share >= least and math.isfinite(entry.time_s)}
+
+
+def tied(cells: pd.DataFrame, entries: dict[str, Entry]) -> list[str]:
+    """The best of all and those that it is not told apart from."""
+    first, rivals = best(entries), _rivals(entries)
+    if first is None:
+        return []
+    chosen = cells[cells["solver"].isin(rivals)]
+    times = chosen.pivot(index="problem", columns="solver", values="time_s")
+    weights = chosen.drop_duplicates("problem").set_index("problem")["weight"]
+    bootstrap = Bootstrap(chosen)
+    found = [first]
+    for solver in rivals:
+        both = times.index[np.isfinite(times[first]) & np.isfinite(times[solver])]
+        if solver != first:
+            low, _ = bootstrap.median(both, times.loc[both, solver] / times.loc[both, first], weights[both])
+            found += [solver] * (low <= 1)
+    return found

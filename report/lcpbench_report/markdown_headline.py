@@ -3,9 +3,10 @@
 import math
 
 from .formats import DASH, percent, plural, power, seconds, share_of, size_class, times
-from .headline_table import P99_LEAST, ClassRow, Entry, Headline
+from .headline_table import Entry, Headline, Ratio
 from .inputs import Inputs
-from .statistics.peer_ratio import RIGHT, Ratio
+from .statistics.class_times import LEAST_FOR_P99
+from .statistics.peer_ratio import RIGHT
 from .summary import false_successes, peers
 
 
@@ -16,8 +17,9 @@ def caption(inputs: Inputs, found: Headline) -> str:
             "check inside, by a solver object that has solved other problems and never this one; peers the same, in "
             "processes of their own. Of a class the median over its problems, each of k variants of one base with weight "
             "1/k; an answer that is not verified counts as infinitely slow. *Right*: share verified. The best are the "
-            f"fastest of those that are right on {percent(RIGHT)}; **bold**: the fastest of all, and what its 95 % "
-            f"interval does not tell apart from it. Ratios are our time over theirs, by problem{_where(inputs)}.")
+            f"fastest of those that are right on {percent(RIGHT)}; **bold**: the fastest of all, and what is tied with it: "
+            "the 95 % interval of the ratio of their times reaches 1. Ratios are our time over theirs, problem by problem; "
+            f"intervals by bootstrap over families and bases{_where(inputs)}.")
 
 
 def _where(inputs: Inputs) -> str:
@@ -77,7 +79,7 @@ def by_solver(found: Headline) -> str:
 
 
 def cell(entry: Entry | None) -> str:
-    if entry is None or entry.excluded == entry.problems:
+    if entry is None or not entry.attempted:
         return DASH
     verified = share_of(entry.share)
     if not math.isfinite(entry.time_s):
@@ -89,7 +91,7 @@ def cell(entry: Entry | None) -> str:
 def render(inputs: Inputs, found: Headline) -> str:
     """Caption, both tables, and what is said about them."""
     lines = [caption(inputs, found), "", classes(found), peers(found), "",
-             f"The 99 % quantile is given where there are {P99_LEAST} problems. {false_successes(inputs)}", "",
+             f"The 99 % quantile is given where there are {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
              f"Own solvers, then the best of each peer library, and of its others where that one is not given larger "
              "problems; columns are rows. After a time the share verified, where that is not all; ✗: half or more failed; "
              f"{DASH}: not run at that size, by a rule declared before.", "", by_solver(found)]

@@ -77,7 +77,7 @@ function bestTimes(solvers, tier) {
 }
 
 /** Size classes of the campaign that have problems here. */
-const CLASSES = DATA.classes.filter(({low, high}) => PROBLEMS.rows.some((n) => n >= low && n <= high));
+const CLASSES = DATA.classes.map((of) => ({...of, high: of.high ?? Infinity})).filter(({low, high}) => PROBLEMS.rows.some((n) => n >= low && n <= high));
 
 /** Those of `picked` that every solver shown was run on, or is excluded from by rule: of a campaign that is not at its
  *  end the others would count as failures. Solvers without any cell at the tier do not matter. */

@@ -92,7 +92,7 @@ def _headline(inputs: Inputs) -> dict:
         return {"headline": None, "ablation": None}
     found = headline(inputs)
     return {"headline": found, "headline_words": peers(found), "caption": markdown_headline.caption(inputs, found),
-            "ablation": ablation_table.rows(inputs)}
+            "ablation": ablation_table.rows(inputs), "ablation_words": ablation_table.WORDS}
 
 
 def _has(inputs: Inputs) -> dict[str, bool]:

@@ -9,7 +9,7 @@ from .. import motion
 from ..formats import size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
-from ..statistics.means import SHIFTS
+from ..statistics.means import shift_of
 from ..style import SolverStyle
 from .encoding import pack, pack_shares
 
@@ -34,7 +34,7 @@ def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> d
     return {
         "solvers": [_solver(entry, styles[entry["key"]], entry["key"] in shown)
                     for entry in inputs.solvers if entry["key"] in inputs.keys],
-        "tiers": inputs.tiers, "shift": SHIFTS["s"],
+        "tiers": inputs.tiers, "shift": _short(shift_of(cells)) if len(cells) else 0,
         "classes": [{"label": size_class(of["key"]), "low": of["least"], "high": of["most"]} for of in inputs.size_classes],
         "problems": _problems(inputs, names),
         "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
