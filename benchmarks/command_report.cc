@@ -16,6 +16,7 @@ struct ReportArguments {
   std::string output = "build/report/index.html";
   std::string motion;
   std::string precision;
+  std::string pictures;
   std::string previous;
 };
 
@@ -41,6 +42,7 @@ int Report(const ReportArguments& arguments) {
     RequireFile(arguments.precision, "campaign.json", "a campaign's folder (lcpbench run --suite precision)");
     words.insert(words.end(), {"--precision", arguments.precision});
   }
+  if (!arguments.pictures.empty()) words.insert(words.end(), {"--pictures", arguments.pictures});
   if (!arguments.previous.empty()) {
     RequireFile(arguments.previous, "campaign.json", "a campaign's folder (an earlier run of the first one)");
     words.insert(words.end(), {"--previous", arguments.previous});
@@ -58,6 +60,9 @@ void AddReportCommand(CLI::App& app, CommandRun& run) {
   report->add_option("-o,--output", arguments->output, "The page")->capture_default_str();
   report->add_option("--motion", arguments->motion, "Written by lcpbench motion: how solvers drive scenes");
   report->add_option("--precision", arguments->precision, "Written by lcpbench run --suite precision");
+  report->add_option(
+      "--pictures", arguments->pictures,
+      "Pictures of the scene families, as make pictures draws them, and what lcpbench list scenes prints");
   report->add_option("--previous", arguments->previous,
                      "An earlier run of the first campaign: summary.md tells what became slower, faster or wrong");
   report->callback([arguments, &run] { run = [arguments] { return Report(*arguments); }; });

@@ -21,6 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folders of campaigns")
     parser.add_argument("--motion", type=Path, metavar="DIR", help="a folder written by `lcpbench motion`")
     parser.add_argument("--precision", type=Path, metavar="DIR", help="a campaign of `--suite precision`")
+    parser.add_argument("--pictures", type=Path, metavar="DIR", help="pictures of the scene families (make pictures)")
     parser.add_argument("--previous", type=Path, metavar="DIR", help="an earlier run of the first campaign: summary.md "
                         "tells what changed")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="OUT.html", help="the page to write")
@@ -30,6 +31,7 @@ def main(arguments: list[str] | None = None) -> int:
         from lcpbench_report.inputs import load_inputs
         from lcpbench_report import markdown_summary, summary
         from lcpbench_report.static import write_static
+        from lcpbench_report.web import gallery
         from lcpbench_report.web.page import render
 
         inputs = load_inputs(options.campaigns, options.motion, options.precision)
@@ -37,7 +39,8 @@ def main(arguments: list[str] | None = None) -> int:
             print(f"generate.py: note: {note}", file=sys.stderr)
         folder = options.output.parent
         folder.mkdir(parents=True, exist_ok=True)
-        options.output.write_text(render(inputs), encoding="utf-8")
+        pictures = gallery.read(options.pictures) if options.pictures else []
+        options.output.write_text(render(inputs, pictures), encoding="utf-8")
         changed = _changes(options.previous, options.campaigns[0]) if options.previous else ""
         words = markdown_summary.render(inputs, summary.summary_lines(inputs), changed)
         (folder / "summary.md").write_text(words, encoding="utf-8")

@@ -7,18 +7,13 @@ import pandas as pd
 
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import EXCLUDED
-from .statistics.groups import GROUP
-from .statistics.means import SHIFTS, penalised, shifted_geometric_mean
+from .statistics.groups import COUNTED, GROUP
+from .statistics.means import penalised, shift_of, shifted_geometric_mean
+from .statistics.weighted import weighted_median
 from .style import library, method
 
-STANDARD = "standard"
 TIER = 1e-6  # that every solver here is meant for
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
-
-
-def main_mode(inputs: Inputs) -> str:
-    modes = list(dict.fromkeys(inputs.cells["mode"]))
-    return "cold" if "cold" in modes or not modes else modes[0]
 
 
 def main_tier(inputs: Inputs) -> float:
@@ -35,15 +30,16 @@ def shown_tiers(inputs: Inputs) -> list[float]:
     return usual or [main_tier(inputs)]
 
 
-def standard_cells(inputs: Inputs, tier: float) -> pd.DataFrame:
-    """Cells of the main mode and one tier: of the standard set where it is there; else of all problems that count, the
-    pathological ones aside if there are others."""
+def main_cells(inputs: Inputs, tier: float) -> pd.DataFrame:
+    """Cells of one tier on the problems that count."""
     cells = inputs.cells
-    chosen = cells[(cells["mode"] == main_mode(inputs)) & (cells["tier"] == tier) & cells["counts"].astype(bool)]
-    for some in (chosen["set"] == STANDARD, chosen["set"] != PATHOLOGICAL):
-        if some.any():
-            return chosen[some]
-    return chosen
+    return cells[(cells["tier"] == tier) & cells["counts"].astype(bool)] if len(cells) else cells
+
+
+def size_classes(inputs: Inputs, cells: pd.DataFrame) -> list[dict]:
+    """Those that `cells` have problems of, smallest first, as in campaign.json."""
+    there = set(cells["size_class"])
+    return [of for of in inputs.size_classes if of["key"] in there]
 
 
 def families(inputs: Inputs) -> list[str]:
@@ -51,16 +47,16 @@ def families(inputs: Inputs) -> list[str]:
     return list(dict.fromkeys(about["family"] for about in inputs.problems.values()))
 
 
-def counted(table: pd.DataFrame, inputs: Inputs, tier: float | None = None) -> pd.DataFrame:
-    """Rows of a table of inputs.analysis: problems that count, main mode, and the tier if one is asked for."""
-    chosen = (table["set"] == "counted") & (table["mode"] == main_mode(inputs))
+def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
+    """Rows of a table of inputs.analysis: problems that count, and the tier if one is asked for."""
+    chosen = table["set"] == COUNTED
     if tier is not None:
         chosen &= table["tier"] == tier
     return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
 
 
 def ranked(inputs: Inputs, solvers: list[str] | None = None) -> list[str]:
-    """Best first at the main tier, over the standard problems; by the order of the registry where nothing was measured,
+    """Best first at the main tier, over the problems that count; by the order of the registry where nothing was measured,
     and among equals."""
     solvers = inputs.keys if solvers is None else solvers
     return _ranked(_main_cells(inputs), solvers)
@@ -79,12 +75,13 @@ def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
 
 
 def _main_cells(inputs: Inputs) -> pd.DataFrame:
-    return standard_cells(inputs, main_tier(inputs)) if len(inputs.cells) else inputs.cells
+    return main_cells(inputs, main_tier(inputs))
 
 
 def _ranked(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
     """By the shifted geometric mean, in which what was not verified has the time limit: failing does not pay."""
-    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), SHIFTS["s"])
+    shift = shift_of(cells) if len(cells) else math.nan
+    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), shift, mine["weight"])
              for solver, mine in cells.groupby("solver")}
     return sorted(solvers, key=lambda solver: means.get(solver, math.inf))
 
@@ -106,20 +103,16 @@ def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
         return solvers[:1]
     mine = cells[cells["solver"].isin(solvers)]
     # Sizes that a solver is not given at all; a single problem may be excluded for the time that a looser tier took.
-    absent = (mine["verdict"] == EXCLUDED).groupby([mine["solver"], mine["rows"]]).all()
+    absent = (mine["verdict"] == EXCLUDED).groupby([mine["solver"], mine["size_class"]]).all()
     absent = absent[absent].reset_index()
-    common = mine[~mine["rows"].isin(absent["rows"])]
+    common = mine[~mine["size_class"].isin(absent["size_class"])]
     first = _ranked(common if len(common) else mine, solvers)[0]
-    beyond = mine[mine["rows"].isin(absent.loc[absent["solver"] == first, "rows"])]
+    beyond = mine[mine["size_class"].isin(absent.loc[absent["solver"] == first, "size_class"])]
     others = [solver for solver in solvers if beyond.loc[beyond["solver"] == solver, "passes"].any()]
     return [first, _ranked(beyond, others)[0]] if others else [first]
 
 
-def median_time(times) -> float:
-    """Median where what was not verified took infinitely long: failing on the hard ones cannot lower it. Infinite where
-    half or more were not verified, NaN without any."""
-    values = np.sort(np.asarray(times, dtype=float))
-    if not len(values):
-        return math.nan
-    low, high = values[(len(values) - 1) // 2], values[len(values) // 2]
-    return float((low + high) / 2) if math.isfinite(high) else math.inf
+def median_time(cells: pd.DataFrame) -> float:
+    """Weighted median of cells' times, where what was not verified took infinitely long: failing on the hard ones cannot
+    lower it. Infinite where half or more were not verified, NaN without any."""
+    return weighted_median(cells["time_s"], cells["weight"])

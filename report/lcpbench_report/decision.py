@@ -1,8 +1,8 @@
 """Which backend to choose, from the data alone: one rule for every class of problems.
 
 Of the solvers that verify nearly as many problems of the class as any does (SHARE of the most), the one with the least
-shifted geometric mean of times, failures entered with their time limit. So a solver cannot win by failing, and one
-failure in a hundred does not cost a fast one its place.
+shifted geometric mean of fresh times, by the problems' weights, failures entered with their time limit. So a solver
+cannot win by failing, and one failure in a hundred does not cost a fast one its place.
 """
 
 import math
@@ -10,36 +10,31 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from . import choice
 from .inputs import Inputs
 from .statistics.cells import VERIFIED
-from .statistics.means import penalised, shifted_geometric_mean
+from .statistics.means import penalised, shift_of, shifted_geometric_mean
+from .statistics.weighted import weighted_median, weighted_share
 
 SHARE = 0.99
-# Rows: from, up to.
-SIZES = ((1, 10), (11, 100), (101, 1000), (1001, 10000), (10001, math.inf))
-MODE = "cold"
-_SHIFT = 1e-6  # [s]: problems of a class are alike, and the small ones take microseconds
 
 
 @dataclass(frozen=True)
 class Contender:
     solver: str
     own: bool
-    mean: float  # [s]
+    mean: float  # of fresh times [s]
     verified: int
     problems: int
+    share: float  # verified, by weight
     median_rho: float  # of verified answers
-
-    @property
-    def share(self) -> float:
-        return self.verified / self.problems
 
 
 @dataclass(frozen=True)
 class Choice:
     """Of one class: contenders that verify enough, the fastest first. Of our solvers, which can be linked, and of all."""
 
-    rows: tuple[float, float]
+    size_class: str
     redundant: bool
     tier: float
     problems: int
@@ -54,33 +49,34 @@ def contenders(cells: pd.DataFrame, own: list[str]) -> list[Contender]:
     """
     turns = cells.groupby("problem")["solver"].transform("nunique")
     cells = cells[turns == turns.max()]
-    found = []
+    shift, found = shift_of(cells) if len(cells) else math.nan, []
     for solver, mine in cells.groupby("solver", sort=False):
-        verified = mine["verdict"] == VERIFIED
+        good = mine[mine["verdict"] == VERIFIED]
         times = penalised(mine["time_s"], mine["time_limit_s"])
-        found.append(Contender(solver, solver in own, shifted_geometric_mean(times, _SHIFT), int(verified.sum()),
-                               len(mine), float(mine.loc[verified, "rho"].median())))
-    most = max((contender.verified for contender in found), default=0)
-    return sorted((c for c in found if c.verified and c.verified >= SHARE * most), key=lambda c: c.mean)
+        found.append(Contender(solver, solver in own, shifted_geometric_mean(times, shift, mine["weight"]),
+                               len(good), len(mine), weighted_share(mine["verdict"] == VERIFIED, mine["weight"]),
+                               weighted_median(good["rho"], good["weight"])))
+    most = max((contender.share for contender in found), default=0)
+    return sorted((c for c in found if c.share and c.share >= SHARE * most), key=lambda c: c.mean)
 
 
 def by_class(inputs: Inputs) -> list[Choice]:
     """Size classes x redundancy x tiers that have problems that count."""
     if inputs.cells.empty:
         return []
-    cells = inputs.cells[(inputs.cells["mode"] == MODE) & inputs.cells["counts"].astype(bool)]
+    cells = inputs.cells[inputs.cells["counts"].astype(bool)]
     redundancy = {name: (about.get("redundancy") or 0) > 0 for name, about in inputs.problems.items()}
     dependent = cells["problem"].map(redundancy).astype(bool)
     found = []
-    for low, high in SIZES:
+    for of in choice.size_classes(inputs, cells):
         for redundant in (False, True):
-            of_class = cells[(cells["rows"] >= low) & (cells["rows"] <= high) & (dependent == redundant)]
+            of_class = cells[(cells["size_class"] == of["key"]) & (dependent == redundant)]
             for tier in inputs.tiers:
                 chosen = of_class[of_class["tier"] == tier]
                 everyone = contenders(chosen, inputs.own)
                 own = contenders(chosen[chosen["solver"].isin(inputs.own)], inputs.own)
                 if everyone:
-                    found.append(Choice((low, high), redundant, tier, chosen["problem"].nunique(), own, everyone))
+                    found.append(Choice(of["key"], redundant, tier, chosen["problem"].nunique(), own, everyone))
     return found
 
 

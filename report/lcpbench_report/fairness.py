@@ -3,6 +3,8 @@ out."""
 
 from . import formats
 from .inputs import Inputs
+from .statistics.cells import CHANGED, LEAST_PASSES
+from .statistics.load import TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
 _TIER_DROP = 0.75
@@ -12,9 +14,23 @@ _UNCERTAIN = 0.1
 
 def limitations(inputs: Inputs) -> list[tuple[str, str]]:
     """[(subject, sentences)]"""
-    rules = (_machine, _builds, _noise, _rounds, _limit, _excluded, _unavailable, _tiers, _direct, _floor, _setup, _steps,
-             _processes, _sets, _deadlines, _scope)
+    rules = (_measure, _machine, _builds, _noise, _changed, _limit, _excluded, _budget, _unavailable, _tiers, _direct, _floor,
+             _processes, _first_version, _checks, _weights, _ablation, _sets, _deadlines, _scope)
     return [line for rule in rules for line in rule(inputs)]
+
+
+def _measure(inputs: Inputs) -> list:
+    if inputs.cells.empty:
+        return []
+    passes = formats.words([str(p) for p in dict.fromkeys(c.info["passes"] for c in inputs.campaigns if "passes" in c.info)])
+    return [("Fresh times", "A time is one interval from the caller's arrays (J by rows, inverse masses, b, kinds of rows) "
+             "to f: validation, forms of A, scaling, ordering, analysis, factorizations, fallbacks and the solver's own check "
+             "are inside, for peers as for ours; making the arrays, workspace kept from earlier problems, transport between "
+             "processes and the verdict are outside. The solver object was warmed on other problems and meets each problem "
+             f"once a pass, in another random order each time; the median of at most {passes} passes counts. Below 2 µs a "
+             "pair of clock reads covers several different problems, and each is given their mean. Parts of a time are from "
+             "passes of their own, and are never summed. Who solves problem after problem of one matrix, or from a warm "
+             "start, finds that in the second time (“again”) and in the sequences.")]
 
 
 def _environments(inputs: Inputs) -> list[dict]:
@@ -53,36 +69,32 @@ def _run(inputs: Inputs):
 
 def _noise(inputs: Inputs) -> list:
     cells = _run(inputs)
-    if cells.empty:
+    timed = cells[cells["passes"].astype(bool) & cells["fresh_low"].notna()] if len(cells) else cells
+    if timed.empty:
         return []
-    passed = cells[cells["passes"].astype(bool) & cells["solve_low"].notna()]
-    if passed.empty:
-        return []
-    half = (passed["solve_high"] - passed["solve_low"]) / 2 / passed["solve_median"]
-    disturbed = int((cells["rounds_disturbed"] > 0).sum())
-    return [("Noise",
-             f"The 95 % interval of a cell's time has a half width of {formats.percent(half.median())} in the median; "
-             f"it is above {formats.percent(_UNCERTAIN)} for {formats.percent(float((half > _UNCERTAIN).mean()))} of the "
-             f"cells. {disturbed} of {len(cells)} cells had a round that the machine disturbed even when it was run "
-             "again; it does not count where there are others. Differences within the intervals mean nothing.")]
-
-
-def _rounds(inputs: Inputs) -> list:
-    cells = _run(inputs)
-    if cells.empty:
-        return []
-    changed = cells[cells["rounds_changed"] > 0]
-    few = float((cells.loc[cells["passes"].astype(bool), "rounds"] < 3).mean()) if cells["passes"].any() else 0.0
-    lines = []
-    if len(changed):
-        who = list(dict.fromkeys(changed["solver"]))[:5]
-        lines.append(("Verdicts that changed",
-                      f"In {formats.plural(len(changed), 'cell')} a later round had another verdict than the first, "
-                      f"which counts (for example {formats.words(who)}): mostly at the time limit."))
+    half = (timed["fresh_high"] - timed["fresh_low"]) / 2 / timed["fresh_s"]
+    disturbed = int((cells["disturbed"] > 0).sum())
+    few = float((timed["timed"] < LEAST_PASSES).mean())
+    lines = [("Noise",
+              f"The 95 % interval of a problem's time has a half width of {formats.percent(half.median())} in the median; "
+              f"it is above {formats.percent(_UNCERTAIN)} for {formats.percent(float((half > _UNCERTAIN).mean()))} of the "
+              f"times. {disturbed} of {len(cells)} cells had a pass that the machine disturbed even when it was run "
+              "again; it does not count where there are others. Differences within the intervals mean nothing.")]
     if few > 0.005:
-        lines.append(("Few rounds", f"{formats.percent(few)} of the timed cells were visited in fewer than three rounds, "
-                      "and their intervals say nothing of what differs between rounds."))
+        lines.append(("Few passes", f"{formats.percent(few)} of the timed cells have fewer than {LEAST_PASSES} passes, and "
+                      "their intervals say nothing of what differs between passes."))
     return lines
+
+
+def _changed(inputs: Inputs) -> list:
+    cells = _run(inputs)
+    changed = cells[cells["verdict"] == CHANGED] if len(cells) else cells
+    if changed.empty:
+        return []
+    who = list(dict.fromkeys(changed["solver"]))[:5]
+    return [("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem was "
+             "solved by itself, and not in a timed pass, after other problems: counted as failed (for example "
+             f"{formats.words(who)}).")]
 
 
 def _limit(inputs: Inputs) -> list:
@@ -101,7 +113,7 @@ def _limit(inputs: Inputs) -> list:
 
 
 def _excluded(inputs: Inputs) -> list:
-    left_out = inputs.cells[inputs.cells["excluded"] != ""] if len(inputs.cells) else inputs.cells
+    left_out = inputs.cells[~inputs.cells["excluded"].isin(("", TASK_BUDGET))] if len(inputs.cells) else inputs.cells
     if left_out.empty:
         return []
     parts = []
@@ -111,6 +123,25 @@ def _excluded(inputs: Inputs) -> list:
     return [("Excluded by rule", f"{formats.plural(len(left_out), 'cell')} did not take place, by rules fixed before the "
              f"run: {'; '.join(parts[:8])}{'; …' if len(parts) > 8 else ''}. In means, profiles and counts they stand as "
              "not solved.")]
+
+
+def _budget(inputs: Inputs) -> list:
+    cells = inputs.cells
+    if cells.empty:
+        return []
+    late = cells[cells["excluded"] == TASK_BUDGET]
+    untimed = int((cells["passes"].astype(bool) & (cells["timed"] == 0)).sum())
+    if late.empty and not untimed:
+        return []
+    who = [solver for solver in inputs.keys if solver in set(late["solver"])]
+    parts = []
+    if len(late):
+        parts.append(f"{formats.plural(len(late), 'cell')} had no turn, since the solver's budget for judging a size class "
+                     f"was spent ({', '.join(who[:8])}{', …' if len(who) > 8 else ''}): they stand as not solved.")
+    if untimed:
+        parts.append(f"{formats.plural(untimed, 'verified cell')} had no turn in a timed pass: the time of the solve that was "
+                     "judged stands for it.")
+    return [("Budgets", " ".join(parts))]
 
 
 def _unavailable(inputs: Inputs) -> list:
@@ -144,36 +175,51 @@ def _floor(inputs: Inputs) -> list:
              "the proved answer to doubles exceeds it already (rounding_floor.h).")] if passed else []
 
 
-def _setup(_: Inputs) -> list:
-    return [("Set-up apart", "Set-up (forms of A, allocation, symbolic analysis) is not part of the solve time; the "
-             "explorer shows it and the sum. Who solves each problem once pays both.")]
-
-
 def _processes(inputs: Inputs) -> list:
     peers = [solver for solver in inputs.keys if solver not in inputs.own]
-    return [("Other projects' solvers", "They run in worker processes and time themselves there, without conversions; "
-             "their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
+    return [("Other projects' solvers", "They run in worker processes and are timed there, from the same arrays as ours: "
+             "forming what the library takes, a dense A by the one shared assembly or sparse matrices, is on their clock. "
+             "Their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
              "problems, one rule for all (solvers/peers/tier_settings.h). Their authors were not asked.")] if peers else []
 
 
-def latency_note(inputs: Inputs) -> str:
-    """What the latency of other projects' solvers leaves out; empty without any."""
-    table = inputs.analysis.get("latency_by_solver")
-    if table is None or set(table["solver"]) <= set(inputs.own):
-        return ""
-    return ("The latency of other projects' solvers has no set-up, in which A is formed for them: it is measured across "
-            "processes, where no engine has it. Ours has. The solve alone compares both.")
+def _first_version(inputs: Inputs) -> list:
+    who = [entry["key"] for entry in inputs.solvers if entry.get("protocol") == 1 and entry["key"] in inputs.keys]
+    return [("External programs of protocol 1", f"{formats.words(who)}: these are handed matrices, not arrays. Forming them "
+             "took place in the host, was timed there and is added to their times.")] if who else []
 
 
-def _steps(inputs: Inputs) -> list:
-    text = latency_note(inputs)
-    return [("Latency of steps", text)] if text else []
+def _checks(inputs: Inputs) -> list:
+    return [("Own checks", "Our solvers that check an answer before they return it do so by the residual that the verifier "
+             "uses, inside the clock; peers check as their libraries do. What such a check is worth shows in the ablation "
+             "table, where ours run without it and peers with one and a further solve.")]
+
+
+def _weights(inputs: Inputs) -> list:
+    if inputs.cells.empty:
+        return []
+    problems = inputs.cells.drop_duplicates("problem")
+    variants = int((problems["weight"] < 1).sum())
+    motion, weight = problems[(problems["origin"] == "motion") & problems["counts"].astype(bool)], problems["weight"]
+    share = motion["weight"].sum() / max(weight[problems["counts"].astype(bool)].sum(), 1e-300)
+    filled = int(problems["fill"].astype(bool).sum())
+    return [("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
+             f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems weigh less than 1. "
+             f"{formats.percent(float(share))} of the counted weight are steps of motions; {filled} problems fill up size "
+             "classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")]
+
+
+def _ablation(inputs: Inputs) -> list:
+    found = [entry["key"] for entry in inputs.solvers if entry.get("ablation")]
+    return [("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "
+             "solvers without their own check, peers with a check and one more solve with a shifted diagonal, and our "
+             "solvers built for the instruction set that Debian's peers are built for.")] if found else []
 
 
 def _sets(inputs: Inputs) -> list:
     apart = [about for about in inputs.problems.values() if not about["counts"]]
-    return [("Problems apart", f"{formats.plural(len(apart), 'problem')} (tiny ones and those meant to break something) "
-             "are shown, but are in no mean, profile or count.")] if apart else []
+    return [("Problems apart", f"{formats.plural(len(apart), 'problem')} (most of them meant to break something) are shown, "
+             "but are in no mean, profile or count.")] if apart else []
 
 
 def _deadlines(inputs: Inputs) -> list:

@@ -61,10 +61,28 @@ def percent(value: float) -> str:
 
 def share(part: int, whole: int) -> str:
     """Per cent, rounded down: 100 % are all, and 0 % none."""
-    if not whole:
-        return DASH
-    found = 100 * part // whole
-    return f"{'<1' if part and not found else found}{_NARROW}%"
+    return share_of(part / whole) if whole else DASH
+
+
+def share_of(value: float) -> str:
+    """The same of a share."""
+    found = 100 if value >= 1 else min(math.floor(100 * value + 1e-9), 99)
+    return f"{'<1' if value and not found else found}{_NARROW}%"
+
+
+def times(value: float) -> str:
+    """A ratio that may be below 1: 140, 8.34, 0.60, 0.012"""
+    if not math.isfinite(value):
+        return "∞" if value > 0 else DASH
+    if value == 0 or value >= 9.995:
+        return f"{value:.0f}"
+    return f"{value:.{max(2, 1 - math.floor(math.log10(value) + 1e-12))}f}"
+
+
+def size_class(key: str) -> str:
+    """4-6 -> 4–6, 1001-1e4 -> 1001–10⁴"""
+    powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+    return "–".join("10" + end[2:].translate(powers) if end.startswith("1e") else end for end in key.split("-"))
 
 
 def plural(count: int, word: str, words: str = "") -> str:

@@ -1,22 +1,23 @@
-"""The headline: solver x size, time and share verified.
+"""The headline: who is the fastest in every size class, ours or a peer, by how much, and how much of it is right.
 
-A column's time is the median over all its problems, where an answer that was not verified, or a problem that a solver
-was not given, took infinitely long. So a solver that fails on hard problems gains nothing by it, and one that fails on
-half has no time at all. The best of a column is the quickest of those that verify most: in general, all problems.
+All of it is from the tables class_times and peer_ratio of the statistics, at the main tier; here is chosen who stands
+where. The best are the fastest of those that are right on RIGHT of a class (where nobody is, of those that are on as
+much as any). What is not told apart from the best of all is tied with it: the interval of the ratio of their times,
+problem by problem, reaches 1.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
+import numpy as np
 import pandas as pd
 
 from . import choice
 from .inputs import Inputs
-from .statistics.cells import EXCLUDED, FALSE_SUCCESS
-from .statistics.groups import Group
-
-# Rows from ... to; half decades, which hold two or three sizes of the collection each.
-CLASSES = ((1, 10), (11, 30), (31, 100), (101, 300), (301, 1000), (1001, math.inf))
+from .statistics.class_times import ALL
+from .statistics.intervals import Bootstrap
+from .statistics.peer_ratio import RIGHT
 
 
 @dataclass(frozen=True)
@@ -24,59 +25,102 @@ class Entry:
     """One solver on the problems of one size class."""
 
     problems: int
-    verified: int
-    false_successes: int
-    excluded: int  # not given to the solver, by a rule that was declared before
-    time_s: float  # median; inf where half or more were not verified
-    best: bool = False
+    attempted: int  # the others were not given to the solver, by a rule that was declared before
+    share: float  # verified, by weight
+    time_s: float  # median of the weight; inf where half or more were not verified
+    p99_s: float  # NaN where there are few problems
+    asked: bool  # for the tier; or its method has no tolerance
+    best: bool = False  # of all, or tied with it
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A weighted median with its interval; of no problems NaN."""
+
+    median: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class ClassRow:
+    """The best of ours against the peers in one size class. Ratios are of our time over theirs: above 1 we lose."""
+
+    size_class: str
+    problems: int
+    own: str | None
+    peer: str | None  # the best of the right ones; None where none is
+    entries: dict[str, Entry]  # of every solver that was run on the class
+    to_fastest: Ratio | None  # over the peer that is the fastest on each problem
+    to_peer: Ratio | None  # over `peer`
 
 
 @dataclass(frozen=True)
 class Headline:
     tier: float
-    columns: list[tuple[str, int]]  # label, problems
-    rows: dict[str, list[Entry | None]]  # by solver; None: was not run
+    classes: list[ClassRow]
+    solvers: list[str]  # of the table by solver
     left_out: list[str]  # solvers that have a better setting, or a better relative, in the table
 
 
-def headline(inputs: Inputs, solvers: list[str] | None = None) -> Headline:
-    """@param solvers  default: the better setting of every own method, and the best of every peer library"""
-    shown = choice.best_own(inputs, 20) + choice.best_peers(inputs, 20) if solvers is None else solvers
+@lru_cache(maxsize=2)
+def headline(inputs: Inputs) -> Headline:
+    """By solver: the better setting of every own method, and the best of every peer library."""
+    shown = choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
     tier = choice.main_tier(inputs)
-    cells = choice.standard_cells(inputs, tier)
-    columns, entries = [], []
-    for low, high in CLASSES:
-        chosen = cells[(cells["rows"] >= low) & (cells["rows"] <= high)]
-        # Of a campaign that was stopped half way, only the problems that all have been given.
-        chosen = Group({}, chosen).common().cells if len(chosen) else chosen
-        if not len(chosen):
-            continue
-        low = low if columns else min(chosen["rows"])
-        columns.append((_label(low, high), chosen["problem"].nunique()))
-        entries.append(_with_best({solver: _entry(chosen[chosen["solver"] == solver]) for solver in shown}))
-    ran = [solver for solver in shown if any(column[solver] for column in entries)]
-    return Headline(tier, columns, {solver: [column[solver] for column in entries] for solver in ran},
-                    [key for key in inputs.keys if key not in shown])
+    times = choice.counted(inputs.analysis["class_times"], tier)
+    ratios = choice.counted(inputs.analysis["peer_ratio"], tier).set_index(["size_class", "solver"])
+    cells = choice.main_cells(inputs, tier)
+    classes = [_row(inputs, key, rows, ratios, cells[cells["size_class"] == key])
+               for key, rows in times.groupby("size_class", sort=False) if key != ALL]
+    ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
+    return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown])
 
 
-def _label(low: int, high: float) -> str:
-    return f"{low}–{int(high)}" if math.isfinite(high) else f"> {low - 1}"
+def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
+    entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s, of.asked)
+               for of in times.itertuples()}
+    own = best({solver: entry for solver, entry in entries.items() if solver in inputs.own})
+    entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
+    problems = cells["problem"].nunique()
+    if own is None:
+        return ClassRow(size_class, problems, None, None, entries, None, None)
+    of = ratios.loc[(size_class, own)]
+    peer = of["peer"] or None
+    return ClassRow(size_class, problems, own, peer, entries, _ratio(of, ""), _ratio(of, "peer_") if peer else None)
 
 
-def _entry(cells: pd.DataFrame) -> Entry | None:
-    if not len(cells):
-        return None
-    verdicts = cells["verdict"]
-    return Entry(len(cells), int(cells["passes"].sum()), int((verdicts == FALSE_SUCCESS).sum()),
-                 int((verdicts == EXCLUDED).sum()), choice.median_time(cells["time_s"]))
+def _ratio(of: pd.Series, prefix: str) -> Ratio | None:
+    found = Ratio(*(float(of[f"{prefix}ratio{end}"]) for end in ("", "_low", "_high")))
+    return None if math.isnan(found.median) else found
 
 
-def _with_best(column: dict[str, Entry | None]) -> dict[str, Entry | None]:
-    most = max((entry.verified for entry in column.values() if entry), default=0)
-    rivals = {solver: entry.time_s for solver, entry in column.items() if entry and most and entry.verified == most}
-    best = min(rivals, key=rivals.get, default=None)
-    if best is None or not math.isfinite(rivals[best]):
-        return column
-    entry = column[best]
-    return column | {best: Entry(entry.problems, entry.verified, entry.false_successes, entry.excluded, entry.time_s,
-                                 True)}
+def best(entries: dict[str, Entry]) -> str | None:
+    """None where nobody verifies more than half."""
+    rivals = _rivals(entries)
+    return min(rivals, key=rivals.get, default=None)
+
+
+def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
+    """Median times of those that can be the best."""
+    least = min(RIGHT, max((entry.share for entry in entries.values()), default=0))
+    return {solver: entry.time_s for solver, entry in entries.items()
+            if entry.share >= least and math.isfinite(entry.time_s)}
+
+
+def tied(cells: pd.DataFrame, entries: dict[str, Entry]) -> list[str]:
+    """The best of all and those that it is not told apart from."""
+    first, rivals = best(entries), _rivals(entries)
+    if first is None:
+        return []
+    chosen = cells[cells["solver"].isin(rivals)]
+    times = chosen.pivot(index="problem", columns="solver", values="time_s")
+    weights = chosen.drop_duplicates("problem").set_index("problem")["weight"]
+    bootstrap = Bootstrap(chosen)
+    found = [first]
+    for solver in rivals:
+        both = times.index[np.isfinite(times[first]) & np.isfinite(times[solver])]
+        if solver != first:
+            low, _ = bootstrap.median(both, times.loc[both, solver] / times.loc[both, first], weights[both])
+            found += [solver] * (low <= 1)
+    return found

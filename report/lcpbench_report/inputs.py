@@ -16,7 +16,7 @@ from .statistics.precision import delivered_table
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
 
 
-@dataclass
+@dataclass(eq=False)
 class Inputs:
     """All tables in memory. Rows of every table keep the order of the folders."""
 
@@ -58,6 +58,11 @@ class Inputs:
         return {name: about for campaign in self.campaigns for name, about in campaign.problems.items()}
 
     @cached_property
+    def size_classes(self) -> list[dict]:
+        """Of campaign.json, smallest first; every campaign has the same."""
+        return self.campaigns[0].info["size_classes"]
+
+    @cached_property
     def tiers(self) -> list[float]:
         """Of the cells that were run, the loosest first."""
         return sorted(set(self.cells["tier"]), reverse=True)
@@ -93,8 +98,7 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    cells, ablated = (pd.concat([table(campaign) for campaign in campaigns], ignore_index=True)
-                      for table in (cell_table, ablation_cells))
+    cells, ablated = (_joined([table(campaign) for campaign in campaigns]) for table in (cell_table, ablation_cells))
     table = None
     if motion is not None:
         if not motion_file.is_present(motion):
@@ -104,3 +108,8 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
                   table, notes, delivered)
+
+
+def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:
+    """Without the empty ones, whose columns have no type."""
+    return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)

@@ -2,13 +2,13 @@
 
 import pandas as pd
 
-from . import choice, decision, markdown_headline
-from .fairness import latency_note, limitations
-from .formats import DASH, power, ratio, seconds, share
+from . import ablation_table, choice, decision, markdown_headline
+from .fairness import limitations
+from .formats import DASH, power, ratio, seconds, share, share_of, size_class
 from .headline_table import headline
 from .inputs import Inputs
-from .statistics.cells import FALSE_SUCCESS, VERIFIED
-from .summary import pathological, size_words
+from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED
+from .summary import pathological
 
 _MOST_SOLVERS = 25  # of a table
 
@@ -22,6 +22,7 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
     if len(inputs.cells):
         parts += _choices(inputs)
         parts += ["## Times", "", markdown_headline.render(inputs, headline(inputs))]
+        parts += ablation_table.section(inputs)
         parts += _coverage(inputs)
         parts += _robustness(inputs)
     parts += _sequences(inputs)
@@ -46,7 +47,7 @@ def _table(header: list[str], rows: list[list[str]]) -> list[str]:
 def _coverage(inputs: Inputs) -> list[str]:
     """Of all solvers, at the shown tiers."""
     table = inputs.analysis.get("coverage")
-    table = None if table is None else choice.counted(table, inputs)
+    table = None if table is None else choice.counted(table)
     if table is None or not len(table):
         return []
     tiers = [tier for tier in choice.shown_tiers(inputs) if (table["tier"] == tier).any()]
@@ -57,14 +58,15 @@ def _coverage(inputs: Inputs) -> list[str]:
         if any(of is not None for of in found):
             rows.append([f"`{solver}`", *(DASH if of is None else _cell(of) for of in found)])
     return ["## Verified and false", "",
-            "Share of the problems that are verified, and ✗ with the number of false successes: answers that a solver "
-            "called solved and that are not.", "",
+            "Share of the problems that are verified; ✗ with the number of false successes: answers that a solver called "
+            "solved and that are not; ↓ with the number of those of a solver that was not asked for this tier.", "",
             *_table(["solver", *(f"tier {power(tier)}" for tier in tiers)], rows)]
 
 
 def _cell(of: pd.Series) -> str:
-    verified = share(int(of["verified"]), int(of["problems"]))
-    return f"{verified} · ✗ {int(of['false_successes'])}" if of["false_successes"] else verified
+    parts = [share_of(of["verified_share"])]
+    parts += [f"{mark} {int(of[column])}" for mark, column in (("✗", "false_successes"), ("↓", "below_tier")) if of[column]]
+    return " · ".join(parts)
 
 
 def _choices(inputs: Inputs) -> list[str]:
@@ -74,17 +76,16 @@ def _choices(inputs: Inputs) -> list[str]:
     for found in decision.by_class(inputs):
         ranked = found.own or found.everyone
         second = f"; next `{ranked[1].solver}` {ratio(ranked[1].mean / ranked[0].mean)}×" if ranked[1:] else ""
-        rows.setdefault((found.rows, found.redundant), {})[found.tier] = (
+        rows.setdefault((found.size_class, found.redundant), {})[found.tier] = (
             f"`{ranked[0].solver}` {seconds(ranked[0].mean)}{second}")
     if not rows:
         return []
     return ["## Which backend", "",
             "Of our solvers that verify nearly as much as any (99 % of the most), the one with the least geometric mean of "
-            "times, failures entered with the time limit. Redundant: rows of A depend on each other.", "",
+            "fresh times, failures entered with the time limit. Redundant: rows of A depend on each other.", "",
             *_table(["rows", "redundant", *(f"tier {power(tier)}" for tier in tiers)],
-                    [[size_words(*rows_of).replace(" rows", ""), "yes" if redundant else "no",
-                      *(cells.get(tier, DASH) for tier in tiers)]
-                     for (rows_of, redundant), cells in rows.items()])]
+                    [[size_class(key), "yes" if redundant else "no", *(cells.get(tier, DASH) for tier in tiers)]
+                     for (key, redundant), cells in rows.items()])]
 
 
 def _robustness(inputs: Inputs) -> list[str]:
@@ -98,11 +99,12 @@ def _robustness(inputs: Inputs) -> list[str]:
         if len(mine):
             rows.append([f"`{solver}`", str(int((mine["verdict"] == VERIFIED).sum())),
                          str(int(mine["proved_infeasible"].astype(bool).sum())),
-                         str(int((mine["verdict"] == FALSE_SUCCESS).sum())), str(int((mine["excluded"] != "").sum()))])
+                         str(int((mine["verdict"] == FALSE_SUCCESS).sum())),
+                         str(int((mine["verdict"] == BELOW_TIER).sum())), str(int((mine["excluded"] != "").sum()))])
     return ["## Problems that are meant to break something", "",
             f"{cells['problem'].nunique()} problems at tier {power(choice.main_tier(inputs))}; what is missing to that "
             "number failed honestly.", "",
-            *_table(["solver", "verified", "proved infeasible", "false successes", "excluded"], rows)]
+            *_table(["solver", "verified", "proved infeasible", "false successes", "below the tier", "excluded"], rows)]
 
 
 def _sequences(inputs: Inputs) -> list[str]:
@@ -113,14 +115,14 @@ def _sequences(inputs: Inputs) -> list[str]:
         for _, of in chosen[chosen["solver"] == solver].iterrows():
             gain = of["warm_gain"]
             rows.append([f"`{solver}`", share(int(of["verified"]), int(of["steps"])),
-                         *(seconds(of[level]) for level in ("p50", "p99", "max", "solve_p50", "solve_p99")),
+                         *(seconds(of[level]) for level in ("p50", "p99", "max")),
                          DASH if pd.isna(gain) else f"{gain:.2f}"])
     if not rows:
         return []
     return ["## Sequences of motions", "",
-            f"Latency of a step from a warm start (set-up and solve) at tier {power(tier)}, and by how much a cold "
-            f"start takes longer. {latency_note(inputs)}".rstrip(), "",
-            *_table(["solver", "verified", "median", "99 %", "largest", "solve, median", "solve, 99 %", "cold over warm"],
+            f"Latency of a step from a warm start at tier {power(tier)}, one interval from its arrays to f, and by how much "
+            "a cold start takes longer.", "",
+            *_table(["solver", "verified", "median", "99 %", "largest", "cold over warm"],
                     rows[:_MOST_SOLVERS])]
 
 

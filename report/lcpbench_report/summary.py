@@ -1,32 +1,27 @@
 """What the data say, in ten lines at most. Every figure is computed; a line whose data are absent is left out."""
 
-import math
-
 import pandas as pd
 
-from . import decision, formats
+from . import choice, decision, formats
 from .choice import main_tier
+from .headline_table import ClassRow, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
-from .statistics.cells import FALSE_SUCCESS, VERIFIED
+from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
 from .statistics.groups import COUNTED
 
-MOST_LINES = 10
-_MODE = "cold"
+MOST_LINES = 11
 
 
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
-    rules = (_what, _coverage, _false_successes, _fastest, _by_size, _peers, _accuracy, _robustness, _sequences,
-             _motion, _scaling)
+    rules = (_what, _peers, _coverage, false_successes, _fastest, _by_size, _accuracy, _robustness, _sequences, _motion,
+             _scaling)
     lines = [line for rule in rules if (line := rule(inputs))]
     return lines[:MOST_LINES]
 
 
 def _counted(inputs: Inputs) -> pd.DataFrame:
-    if inputs.cells.empty:
-        return inputs.cells
-    cells = inputs.cells
-    return cells[cells["counts"].astype(bool) & (cells["mode"] == _MODE)]
+    return inputs.cells[inputs.cells["counts"].astype(bool)] if len(inputs.cells) else inputs.cells
 
 
 def _keys(solvers: list[str], most: int = 6) -> str:
@@ -46,7 +41,7 @@ def _what(inputs: Inputs) -> str:
     return (f"{formats.plural(len(inputs.own), 'solver')} of ours{others} on {len(inputs.problems)} problems of "
             f"{cells['family'].nunique()} families, {min(rows)} to {max(rows)} rows, at "
             f"{formats.words([formats.power(t) for t in inputs.tiers])}: {len(cells)} cells, each answer judged by one "
-            "verifier, each time a median of repetitions in several rounds.")
+            "verifier, each time from the caller's arrays to the forces of a problem that the solver has not seen.")
 
 
 def _coverage(inputs: Inputs) -> str:
@@ -68,21 +63,26 @@ def _coverage(inputs: Inputs) -> str:
             f"{int(verified[best])} of {int(cells[best])} cells.")
 
 
-def _false_successes(inputs: Inputs) -> str:
+def false_successes(inputs: Inputs) -> str:
+    """Two figures: what claims to have solved what it was asked for, and what was never asked."""
     cells = inputs.cells
     if cells.empty:
         return ""
-    false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
-    ours = sum(int(false.get(solver, 0)) for solver in inputs.own)
-    theirs = int(false.sum()) - ours
-    ran = cells[cells["verdict"] != "excluded"]
-    text = (f"False successes (claimed solved, refuted by the verifier): {ours} in "
-            f"{int(ran['solver'].isin(inputs.own).sum())} solves of ours")
+    ran = cells[cells["verdict"] != EXCLUDED]
+    own, asked = ran["solver"].isin(inputs.own), ran["asked"].astype(bool)
+    false = ran["verdict"] == FALSE_SUCCESS
+    text = (f"False successes (claimed solved, refuted by the verifier), over all tiers: {int((false & own).sum())} in "
+            f"{int(own.sum())} solves of ours")
     if len(inputs.keys) == len(inputs.own):
         return text + "."
-    worst = [f"`{solver}` {count}" for solver, count in false.items() if solver not in inputs.own][:3]
-    return (text + f", {theirs} in {int((~ran['solver'].isin(inputs.own)).sum())} of other projects' solvers"
-            + (f" (most: {', '.join(worst)})." if worst else "."))
+    most = ran[false & ~own]["solver"].value_counts()
+    worst = [f"`{solver}` {count}" for solver, count in most.items()][:3]
+    text += (f", {int((false & ~own).sum())} in {int((asked & ~own).sum())} of other projects' solvers that were asked for "
+             "the tier: the adapter passes it on, or the method is direct" + (f" (most: {', '.join(worst)})" if worst else ""))
+    if asked.all():
+        return text + "."
+    return (text + f". Solvers that run with their library's own tolerance and were never asked for the tier end below it "
+            f"in {int((ran['verdict'] == BELOW_TIER).sum())} of {int((~asked).sum())} solves.")
 
 
 def _means(inputs: Inputs) -> pd.DataFrame | None:
@@ -90,7 +90,7 @@ def _means(inputs: Inputs) -> pd.DataFrame | None:
     if table is None or table.empty:
         return None
     tier = main_tier(inputs)
-    chosen = table[(table["unit"] == "s") & (table["tier"] == tier) & (table["mode"] == _MODE)]
+    chosen = table[(table["unit"] == "s") & (table["tier"] == tier)]
     return None if chosen.empty else chosen.sort_values("mean").reset_index(drop=True)
 
 
@@ -101,8 +101,7 @@ def _fastest(inputs: Inputs) -> str:
     first, second = means.iloc[0], means.iloc[1]
     tier = main_tier(inputs)
     pairs = inputs.analysis["pairwise"]
-    pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["mode"] == _MODE)
-                  & (pairs["a"] == first["solver"])]
+    pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["a"] == first["solver"])]
     won = int((pairs["verdict"] == "A faster").sum())
     return (f"Fastest over all sizes at {formats.power(tier)}: `{first['solver']}`, shifted geometric mean "
             f"{formats.seconds(first['mean'])} with failures at the time limit; next is `{second['solver']}` with "
@@ -111,38 +110,48 @@ def _fastest(inputs: Inputs) -> str:
 
 
 def _by_size(inputs: Inputs) -> str:
-    tier = main_tier(inputs)
-    counted = _counted(inputs)
-    if counted.empty:
+    cells = choice.main_cells(inputs, main_tier(inputs))
+    if cells.empty:
         return ""
     parts = []
-    for low, high in decision.SIZES:
-        cells = counted[(counted["rows"] >= low) & (counted["rows"] <= high) & (counted["tier"] == tier)]
-        ranked = decision.contenders(cells, inputs.own)
+    for of in choice.size_classes(inputs, cells):
+        ranked = decision.contenders(cells[cells["size_class"] == of["key"]], list(inputs.own))
         if ranked:
-            parts.append(f"{size_words(low, high)} `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
+            parts.append(f"{formats.size_class(of['key'])} rows `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
     return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
 
 
-def size_words(low: float, high: float) -> str:
-    return f"above {low - 1:g} rows" if math.isinf(high) else f"up to {high:g} rows" if low <= 1 else f"{low:g}–{high:g}"
-
-
 def _peers(inputs: Inputs) -> str:
-    peers = [solver for solver in inputs.keys if solver not in inputs.own]
-    means = _means(inputs)
-    if not peers or means is None:
+    return peers(headline(inputs)) if len(inputs.cells) else ""
+
+
+def peers(found: Headline) -> str:
+    """First where we lose, then where nothing is decided, and only then where we win; empty without peers."""
+    rows = [row for row in found.classes if row.to_fastest is not None]
+    if not rows:
         return ""
-    tier = main_tier(inputs)
-    cells = _counted(inputs)
-    cells = cells[(cells["tier"] == tier) & (cells["verdict"] == VERIFIED)]
-    best = cells.assign(own=cells["solver"].isin(inputs.own)).groupby(["problem", "own"])["time_s"].min().unstack()
-    if True not in best or False not in best:
-        return ""
-    ratios = (best[False] / best[True]).dropna()
-    faster = int((ratios < 1).sum())
-    return (f"Against the fastest peer of every single problem, our fastest takes 1/{formats.ratio(ratios.median())} of "
-            f"the time in the median; on {faster} of {len(ratios)} problems a peer is faster.")
+    lost = [row for row in rows if row.to_fastest.low > 1]
+    won = [row for row in rows if row.to_fastest.high < 1]
+    tied = [formats.size_class(row.size_class) for row in rows if row not in lost and row not in won]
+    if lost:
+        parts = [f"Against the fastest peer of every single problem we lose at {formats.words([_lost(row) for row in lost])}."]
+    else:
+        parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
+    if tied:
+        parts.append(f"Not decided, for the interval reaches 1: {formats.words(tied)} rows.")
+    if won:
+        parts.append(f"We win at {formats.words([_won(row) for row in won])}.")
+    return " ".join(parts)
+
+
+def _lost(row: ClassRow) -> str:
+    known = "" if row.to_peer is None else f"; of those that are right, `{row.peer}` is the best: {formats.times(row.to_peer.median)}×"
+    return f"{formats.size_class(row.size_class)} rows ({formats.times(row.to_fastest.median)}× the time{known})"
+
+
+def _won(row: ClassRow) -> str:
+    faster = f"{formats.times(1 / row.to_fastest.median)}× as fast" if row.to_fastest.median else "no peer is right on half"
+    return f"{formats.size_class(row.size_class)} rows ({faster})"
 
 
 def _accuracy(inputs: Inputs) -> str:
@@ -167,7 +176,7 @@ def _accuracy(inputs: Inputs) -> str:
 def pathological(inputs: Inputs) -> pd.DataFrame:
     """Cells of problems that are meant to break something."""
     cells = inputs.cells
-    return cells[(cells["set"] == PATHOLOGICAL) & (cells["mode"] == _MODE)] if len(cells) else cells
+    return cells[cells["set"] == PATHOLOGICAL] if len(cells) else cells
 
 
 def _robustness(inputs: Inputs) -> str:
@@ -226,15 +235,13 @@ def _motion(inputs: Inputs) -> str:
 
 def _scaling(inputs: Inputs) -> str:
     """Exponents over all sizes would praise what has a large overhead; what counts is who is fast at the end."""
-    counted = _counted(inputs)
-    if counted.empty:
-        return ""
     tier = main_tier(inputs)
-    at_tier = counted[counted["tier"] == tier]
+    at_tier = choice.main_cells(inputs, tier)
+    if at_tier.empty:
+        return ""
     top = at_tier["rows"].max()
-    largest = at_tier[at_tier["rows"] == top]
-    ranked = decision.contenders(largest, inputs.own)
-    if not ranked or top <= decision.SIZES[1][1]:
+    ranked = decision.contenders(at_tier[at_tier["rows"] == top], inputs.own)
+    if not ranked or top <= 100:
         return ""
     best = ranked[0]
     second = f"; next is `{ranked[1].solver}` with {formats.ratio(ranked[1].mean / best.mean)} times" if ranked[1:] else ""

@@ -70,6 +70,15 @@ def write_motion(folder: Path) -> Path:
     return folder
 
 
+def write_pictures(folder: Path) -> Path:
+    """As `make pictures` leaves them: of one family that the campaign has, and of another one."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for family in ("piles", "rockers"):
+        (folder / f"{family}.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 9 3"/>', encoding="utf-8")
+    (folder / "scenes.txt").write_text("piles     Pile. Of <discs>\nrockers   Rockers. On a floor\n", encoding="utf-8")
+    return folder
+
+
 def write_all(folder: Path) -> tuple[list[Path], Path]:
     """@returns the campaigns' folders and that of the motion"""
     return [write_cells(folder / "standard"), write_steps(folder / "sequences")], write_motion(folder / "motion")

@@ -10,8 +10,9 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 from lcpbench_report import plotly_bundle  # noqa: E402
+from lcpbench_report.web import gallery  # noqa: E402
 from lcpbench_report.web.page import render  # noqa: E402
-from synthetic_report import whole_inputs  # noqa: E402
+from synthetic_report import whole_inputs, write_pictures  # noqa: E402
 
 FIGURES = {"times", "winners", "profile", "rho", "werror", "precision", "coverage", "pathological", "latency", "deadline",
            "energy", "penetration", "scaling"}
@@ -34,7 +35,8 @@ class Browser(unittest.TestCase):
     def setUpClass(cls):
         cls.temporary = tempfile.TemporaryDirectory()
         path = Path(cls.temporary.name) / "index.html"
-        path.write_text(render(whole_inputs(Path(cls.temporary.name) / "results")), encoding="utf-8")
+        pictures = gallery.read(write_pictures(Path(cls.temporary.name) / "pictures"))
+        path.write_text(render(whole_inputs(Path(cls.temporary.name) / "results"), pictures), encoding="utf-8")
         options = webdriver.ChromeOptions()
         options.binary_location = _CHROMIUM
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
@@ -175,6 +177,28 @@ class Browser(unittest.TestCase):
         self.assertEqual(self.run_script(order)[0], "auto")
         self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[3].click()
         self.assertEqual(self.run_script(order)[-1], "auto")
+
+    def test_a_family_that_has_a_picture_links_to_it(self):
+        link = self.driver.find_element(By.ID, "picture")
+        self.choose("family", "chains")
+        self.assertFalse(link.is_displayed())
+        self.choose("family", "piles")
+        link.click()
+        self.assertTrue(self.run_script("return document.querySelector('#scene-piles:target img').naturalWidth > 0"))
+        links = self.run_script("return [...document.querySelectorAll('#families a')].map((a) => document.querySelector(a.hash).id)")
+        self.assertEqual(links, ["scene-piles", "scene-rockers"])
+
+    def test_nothing_shows_through_the_bar_of_filters(self):
+        bar = self.driver.find_element(By.ID, "controls")
+        self.run_script("document.getElementById('figure-profile').scrollIntoView(); window.scrollBy(0, 60)")
+        self.names("profile")
+        hidden = self.run_script("""const box = arguments[0].getBoundingClientRect(), found = [];
+          for (let x = box.left + 2; x < box.right - 2; x += 20)
+            for (let y = box.top + 2; y < box.bottom - 2; y += 10) found.push(arguments[0].contains(document.elementFromPoint(x, y)));
+          return [box.top, getComputedStyle(arguments[0]).backgroundColor, found.length, found.every(Boolean)]""", bar)
+        self.assertEqual(hidden[:2], [0, "rgb(255, 255, 255)"])
+        self.assertGreater(hidden[2], 100)
+        self.assertTrue(hidden[3])
 
     def test_nothing_is_wider_than_a_phone(self):
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",

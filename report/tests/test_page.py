@@ -18,9 +18,9 @@ import generate  # noqa: E402
 from lcpbench_report import plotly_bundle  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.web import encoding, page  # noqa: E402
+from lcpbench_report.web import encoding, gallery, page  # noqa: E402
 from synthetic_campaign import Noise, write_campaign  # noqa: E402
-from synthetic_report import FACTORS, whole_inputs, write_all, write_steps  # noqa: E402
+from synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps  # noqa: E402
 
 # Plotly's script takes a second and says nothing here.
 NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
@@ -63,7 +63,8 @@ class Page(unittest.TestCase):
         cls.temporary = tempfile.TemporaryDirectory()
         cls.inputs = whole_inputs(Path(cls.temporary.name))
         with NO_BUNDLE:
-            cls.text = page.render(cls.inputs)
+            cls.pictures = gallery.read(write_pictures(Path(cls.temporary.name) / "pictures"))
+            cls.text = page.render(cls.inputs, cls.pictures)
         cls.data = data_of(cls.text)
 
     @classmethod
@@ -72,7 +73,7 @@ class Page(unittest.TestCase):
 
     def test_the_same_results_give_the_same_page(self):
         with NO_BUNDLE:
-            self.assertEqual(page.render(self.inputs), self.text)
+            self.assertEqual(page.render(self.inputs, self.pictures), self.text)
 
     def test_verdicts_and_times_are_those_of_the_cells(self):
         names = self.data["problems"]["name"]
@@ -94,8 +95,8 @@ class Page(unittest.TestCase):
         self.assertNotIn("</script", json.dumps(self.data))
 
     def test_every_section_is_there(self):
-        for section in ("summary", "choose", "performance", "accuracy", "robustness", "sequences", "scaling", "settings",
-                        "environment", "limitations"):
+        for section in ("summary", "choose", "performance", "accuracy", "robustness", "sequences", "scaling", "scenes",
+                        "settings", "environment", "limitations"):
             self.assertEqual(self.text.count(f'<section id="{section}">'), 1, section)
             self.assertIn(f'href="#{section}"', self.text)
         for word in ("a made-up CPU", "2026-01-02T03:04:05Z", "0123456789ab"):
@@ -110,6 +111,28 @@ class Page(unittest.TestCase):
         self.assertNotIn('id="performance"', text)
         self.assertIn('id="sequences"', text)
         self.assertNotIn("figure-energy", text)
+        self.assertNotIn('id="scenes"', text)
+
+    def test_the_gallery_has_the_pictures_in_order_with_their_words(self):
+        self.assertEqual(re.findall(r'<figure id="scene-([^"]*)"', self.text), ["piles", "rockers"])
+        picture = re.search(r'src="data:image/svg\+xml;base64,([^"]*)"', self.text)[1]
+        self.assertTrue(base64.b64decode(picture).startswith(b"<svg"))
+        self.assertIn("Pile. Of &lt;discs&gt;", self.text)
+        self.assertEqual(self.data["pictures"], ["piles", "rockers"])
+
+    def test_pictures_that_are_missing_too_large_or_none_are_refused(self):
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            with self.assertRaisesRegex(ReportError, "scenes.txt"):
+                gallery.read(folder)
+            write_pictures(folder)
+            for content in ("<html>", "<svg" + " " * 400_000):
+                (folder / "piles.svg").write_text(content, encoding="utf-8")
+                with self.assertRaisesRegex(ReportError, "piles.svg"):
+                    gallery.read(folder)
+            (folder / "piles.svg").unlink()
+            with self.assertRaisesRegex(ReportError, "missing"):
+                gallery.read(folder)
 
     def test_nothing_is_fetched(self):
         self.assertEqual(re.findall(r'(?:src|href)="(?!#|data:)[^"]*"', self.text), [])

@@ -18,7 +18,7 @@ def distributions(inputs: Inputs):
     """A row per solver: from the smallest to the largest value (thin), middle half (thick), median (marker) and 99 %
     quantile (tick); None without answers."""
     tier = choice.main_tier(inputs)
-    cells = choice.standard_cells(inputs, tier) if len(inputs.cells) else inputs.cells
+    cells = choice.main_cells(inputs, tier)
     cells = cells[(cells["claim"] == "solved") | cells["passes"].astype(bool)]
     solvers = [key for key in inputs.keys if key in set(cells["solver"])]
     if not solvers:

@@ -1,4 +1,4 @@
-"""What became of all problems: verified, falsely called solved, failed, excluded."""
+"""What became of all problems: verified, falsely called solved, below the tier, failed, excluded."""
 
 from matplotlib.patches import Patch
 
@@ -7,14 +7,15 @@ from ..inputs import Inputs
 from ..formats import power
 from . import canvas
 
-_COLUMNS = {"verified": "verified", "false success": "false_successes", "failed": "failed", "excluded": "excluded"}
+_COLUMNS = {"verified": "verified", "false success": "false_successes", "below the tier": "below_tier", "failed": "failed",
+            "excluded": "excluded"}
 
 
 def bars(inputs: Inputs):
     """A bar per solver, a panel per tier; false successes as numbers beside the bars; None without problems that
     count."""
     table = inputs.analysis.get("coverage")
-    table = None if table is None else choice.counted(table, inputs)
+    table = None if table is None else choice.counted(table)
     tiers = [] if table is None else [tier for tier in choice.shown_tiers(inputs) if (table["tier"] == tier).any()]
     if not tiers:
         return None
@@ -36,5 +37,5 @@ def bars(inputs: Inputs):
         canvas.name_axis(pane, solvers)
     handles = [Patch(color=canvas.VERDICTS[verdict], label=verdict) for verdict in _COLUMNS]
     handles[1].set_label("false success (and how many)")
-    canvas.legend_outside(figure, handles, 4)
+    canvas.legend_outside(figure, handles, 5)
     return figure

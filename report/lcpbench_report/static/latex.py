@@ -53,9 +53,12 @@ def count(value: float) -> str:
 
 def percent(part: float, whole: float) -> str:
     """Rounded down to a tenth, so that 100 are all."""
-    if not whole or math.isnan(part):
-        return DASH
-    return "100" if part == whole else f"{math.floor(1000 * part / whole) / 10:.1f}"
+    return share(part / whole) if whole and not math.isnan(part) else DASH
+
+
+def share(value: float) -> str:
+    """The same of a share."""
+    return DASH if math.isnan(value) else "100" if value >= 1 else f"{min(math.floor(1000 * value + 1e-9), 999) / 10:.1f}"
 
 
 def tabular(align: str, header: Iterable[str], rows: Iterable[Iterable[str]], size: str = "small") -> str:

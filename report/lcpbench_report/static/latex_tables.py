@@ -15,6 +15,7 @@ from .latex import count, escape, key, number, percent, power, scientific, spann
 from .sequences import ALL
 
 _PACKAGES = r"\usepackage{booktabs}" + "\n" + r"\usepackage{textcomp}"
+_MICROSECONDS = r"\textmu{}s"
 
 
 def tables(inputs: Inputs) -> Iterator[tuple[str, str]]:
@@ -40,33 +41,36 @@ def readme(files: list[str]) -> str:
                   "and stand in a table of your own, which has the caption:", "",
                   *("    " + line for line in (r"\begin{table*}", r"  \centering", rf"  \input{{tables/{tex[0]}}}",
                                                r"  \caption{...}", r"\end{table*}")), "",
-                  "`sequences.tex`: `solve` is the median of the solve alone, which is how other projects' solvers compare: "
-                  "their latency has no set-up.", "",
                   "The files are UTF-8 with LaTeX's own commands only. Wide ones fit the width of two columns; "
                   "`\\resizebox{\\linewidth}{!}{\\input{...}}` (graphicx) fits them to another."]
     return "\n".join(lines) + "\n"
 
 
 def _headline(inputs: Inputs) -> str | None:
-    """Median time (what is not verified took infinitely long) and share verified, per size class."""
+    """Median fresh time (what is not verified took infinitely long) and share verified, per size class."""
     found = headline(inputs) if len(inputs.cells) else None
-    if not found or not found.rows:
+    if not found or not found.solvers:
         return None
-    units = [_unit(entries[index].time_s for entries in found.rows.values() if entries[index])
-             for index in range(len(found.columns))]
+    entries = {solver: [row.entries.get(solver) for row in found.classes] for solver in found.solvers}
+    units = [_unit(mine[index].time_s for mine in entries.values() if mine[index]) for index in range(len(found.classes))]
     rows = []
-    for solver, entries in found.rows.items():
+    for solver, mine in entries.items():
         row = [key(solver)]
-        for (_, scale), entry in zip(units, entries):
-            if entry is None or entry.excluded == entry.problems:
+        for (_, scale), entry in zip(units, mine):
+            if entry is None or not entry.attempted:
                 row += [latex.DASH, latex.DASH]
                 continue
             text = number(entry.time_s / scale) if math.isfinite(entry.time_s) else latex.DASH
-            row += [rf"\textbf{{{text}}}" if entry.best else text, percent(entry.verified, entry.problems)]
+            row += [rf"\textbf{{{text}}}" if entry.best else text, latex.share(entry.share)]
         rows.append(row)
-    header = spanning([f"{escape(label)} rows" for label, _ in found.columns], 2)
+    header = spanning([_size(row.size_class) + " rows" for row in found.classes], 2)
     header.append(" & ".join(["solver", *(cell for name, _ in units for cell in (escape(name), r"\%"))]) + r" \\")
-    return tabular("l" + "rr" * len(units), header, rows, "footnotesize")
+    return tabular("l" + "rr" * len(units), header, rows, "scriptsize")
+
+
+def _size(size_class: str) -> str:
+    """1001-1e4 -> 1001--$10^{4}$"""
+    return "--".join(f"$10^{{{end[2:]}}}$" if end.startswith("1e") else end for end in size_class.split("-"))
 
 
 def _unit(times) -> tuple[str, float]:
@@ -77,7 +81,7 @@ def _unit(times) -> tuple[str, float]:
 def _per_tier(inputs: Inputs, name: str):
     """(rows of a table that count, tiers, solvers) or None"""
     table = inputs.analysis.get(name)
-    table = None if table is None else choice.counted(table, inputs)
+    table = None if table is None else choice.counted(table)
     tiers = [] if table is None else [tier for tier in choice.shown_tiers(inputs) if (table["tier"] == tier).any()]
     if not tiers:
         return None
@@ -92,15 +96,15 @@ def _rows(table: pd.DataFrame, tiers: list[float], solvers: list[str], cells) ->
 
 
 def _coverage(inputs: Inputs) -> str | None:
-    """Of all problems that count: per cent verified, per cent excluded, number of false successes."""
+    """Of all problems that count: per cent verified, numbers of false successes and of answers below the tier."""
     found = _per_tier(inputs, "coverage")
     if found is None:
         return None
     table, tiers, solvers = found
     rows = _rows(table, tiers, solvers, lambda of: [
-        percent(of["verified"], of["problems"]), percent(of["excluded"], of["problems"]), count(of["false_successes"])])
+        latex.share(of["verified_share"]), count(of["false_successes"]), count(of["below_tier"])])
     header = spanning([f"tier ${power(tier)}$" for tier in tiers], 3)
-    header.append(" & ".join(["solver", *[r"verified [\%]", r"excl. [\%]", "false"] * len(tiers)]) + r" \\")
+    header.append(" & ".join(["solver", *[r"verified [\%]", "false", "below"] * len(tiers)]) + r" \\")
     return tabular("l" + "rrr" * len(tiers), header, rows, "footnotesize")
 
 
@@ -112,11 +116,11 @@ def _means(inputs: Inputs) -> str | None:
     table, tiers, solvers = found
     table = table[table["unit"] == "s"]
     rows = _rows(table, tiers, solvers, lambda of: [
-        number(1e3 * of["mean"]), f"[{number(1e3 * of['mean_low'])}, {number(1e3 * of['mean_high'])}]",
+        number(1e6 * of["mean"]), f"[{number(1e6 * of['mean_low'])}, {number(1e6 * of['mean_high'])}]",
         number(of["over_best"])])
-    shift = f"{1e3 * float(table['shift'].iloc[0]):g}"
-    header = spanning([f"tier ${power(tier)}$, shift {shift} ms" for tier in tiers], 3)
-    header.append(" & ".join(["solver", *["mean [ms]", r"95\,\%", "ratio"] * len(tiers)]) + r" \\")
+    shifts = table.drop_duplicates("tier").set_index("tier")["shift"]
+    header = spanning([f"tier ${power(tier)}$, shift {number(1e6 * shifts[tier])} {_MICROSECONDS}" for tier in tiers], 3)
+    header.append(" & ".join(["solver", *[f"mean [{_MICROSECONDS}]", r"95\,\%", "ratio"] * len(tiers)]) + r" \\")
     return tabular("l" + "rrr" * len(tiers), header, rows, "footnotesize")
 
 
@@ -126,7 +130,7 @@ def _accuracy(inputs: Inputs) -> str | None:
     if table is None:
         return None
     tier = choice.main_tier(inputs)
-    table = choice.counted(table, inputs, tier)
+    table = choice.counted(table, tier)
     table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
     by = table[table["problems"] > 0].set_index(["solver", "metric"])
     solvers = [solver for solver in inputs.keys if (solver, "rho") in by.index]
@@ -150,7 +154,7 @@ def _scaling(inputs: Inputs) -> str | None:
     """Exponents of time ~ rows^exponent over the families."""
     table = inputs.analysis.get("scaling")
     tier = choice.main_tier(inputs)
-    table = None if table is None else choice.counted(table, inputs, tier)
+    table = None if table is None else choice.counted(table, tier)
     if table is None or not len(table):
         return None
     rows = []
@@ -167,14 +171,14 @@ def _scaling(inputs: Inputs) -> str | None:
 
 
 def _sequences(inputs: Inputs) -> str | None:
-    """Latency of a step over all sequences, cold and warm, and of its solve alone (peers have no set-up)."""
+    """Latency of a step over all sequences, cold and warm."""
     table = inputs.analysis.get("latency_by_solver")
     if table is None or not len(table):
         return None
     table = table[table["size"].astype(str) == ALL]
     table = table[table["tier"] == _nearest(table)]
     by = table.set_index(["solver", "mode"])
-    columns = ("verified", "p50", "p99", "max", "solve_p50")
+    columns = ("verified", "p50", "p99", "max")
     rows = []
     for solver in _in_order(inputs, table):
         row = [key(solver)]
@@ -186,11 +190,11 @@ def _sequences(inputs: Inputs) -> str | None:
         rows.append(row)
     if not rows:
         return None
-    unit = r"[\textmu{}s]"
+    unit = f"[{_MICROSECONDS}]"
     header = spanning(["cold start", "warm start"], len(columns))
     header[0] = header[0].replace(r" \\", r" & \\")
     header.append(" & ".join(["solver", *[r"verified [\%]", f"median {unit}", rf"99\,\% {unit}",
-                                          f"largest {unit}", f"solve {unit}"] * 2, "gain"]) + r" \\")
+                                          f"largest {unit}"] * 2, "gain"]) + r" \\")
     return tabular("l" + 2 * len(columns) * "r" + "r", header, rows, "footnotesize")
 
 

@@ -21,7 +21,7 @@ def _at_every_tier(cells: pd.DataFrame) -> pd.DataFrame:
     tiers = cells.groupby("problem")["tier"].transform("nunique")
     cells = cells[tiers == tiers.max()]
     run = cells[cells["verdict"] != EXCLUDED]
-    return run[run.groupby(["solver", "mode", "problem"])["tier"].transform("nunique") == run["tier"].nunique()]
+    return run[run.groupby(["solver", "problem"])["tier"].transform("nunique") == run["tier"].nunique()]
 
 
 def work_precision(inputs: Inputs):
@@ -30,7 +30,7 @@ def work_precision(inputs: Inputs):
     cells = _at_every_tier(inputs.cells)
     if cells["tier"].nunique() < _FEWEST_TIERS:
         return None
-    table = choice.counted(delivered_table(cells), inputs)
+    table = choice.counted(delivered_table(cells))
     styles = solver_styles(inputs.solvers)
     # Of what has a tolerance: the line of a direct method is a point.
     tolerant = {entry["key"] for entry in inputs.solvers if entry["uses_tolerance"]}

@@ -10,7 +10,7 @@ from . import canvas
 def profile(inputs: Inputs, tier: float):
     """Own solvers on the left, peers on the right, the others of each in grey; None where nothing was compared."""
     table = inputs.analysis.get("profiles")
-    table = None if table is None else choice.counted(table, inputs, tier)
+    table = None if table is None else choice.counted(table, tier)
     if table is None or table["solver"].nunique() < 2:
         return None
     styles = solver_styles(inputs.solvers)

@@ -7,7 +7,7 @@ from matplotlib.patches import Patch
 
 from .. import choice
 from ..inputs import Inputs
-from ..statistics.cells import EXCLUDED, FALSE_SUCCESS, VERIFIED
+from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
 from ..formats import power
 from . import canvas
 
@@ -15,7 +15,7 @@ from . import canvas
 _CHANGE = re.compile(r"-n\d+-s\d+-(?P<change>[a-z-]+?)-[-+.\de]+$")
 
 
-_WORDS = {VERIFIED: "verified", FALSE_SUCCESS: "false success", EXCLUDED: "excluded"}
+_WORDS = {VERIFIED: "verified", FALSE_SUCCESS: "false success", BELOW_TIER: "below the tier", EXCLUDED: "excluded"}
 
 
 def kind_of(problem: str, family: str) -> str:
@@ -42,7 +42,7 @@ def grids(inputs: Inputs):
 
 def _cells(inputs: Inputs) -> pd.DataFrame:
     cells = inputs.cells
-    return cells[(cells["mode"] == choice.main_mode(inputs)) & (cells["tier"] == choice.main_tier(inputs))]
+    return cells[cells["tier"] == choice.main_tier(inputs)]
 
 
 def _map(inputs: Inputs, cells: pd.DataFrame, kinds: list[str]):
@@ -76,5 +76,5 @@ def _map(inputs: Inputs, cells: pd.DataFrame, kinds: list[str]):
     pane.set_xlabel(f"kind of problem (number of problems), tier {power(choice.main_tier(inputs))}")
     shown = [verdict for verdict in canvas.VERDICTS if verdict in counts.columns]
     canvas.legend_outside(figure, [Patch(color=canvas.VERDICTS[verdict], label=verdict) for verdict in shown],
-                          5 if len(names) > 7 else 2)
+                          6 if len(names) > 7 else 2)
     return figure

@@ -15,7 +15,7 @@ def exponents(inputs: Inputs):
     """A band per solver, a point per family (in the same order, from above), the median as a bar; None without any."""
     tier = choice.main_tier(inputs)
     table = inputs.analysis.get("scaling")
-    table = None if table is None else choice.counted(table, inputs, tier)
+    table = None if table is None else choice.counted(table, tier)
     solvers = [] if table is None else [key for key in choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
                                         if (table["solver"] == key).any()]
     if not solvers:

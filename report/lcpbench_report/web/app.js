@@ -10,7 +10,7 @@ const nearest = (values, wanted) =>
 
 const view = {
   family: "*", low: 0, high: Infinity, tier: nearest(DATA.tiers.length ? DATA.tiers : [1e-6], 1e-6), metric: "time", norm: "none",
-  axis: "rows", size: "all", part: "step", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
+  axis: "rows", size: "all", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
   shown: SOLVERS.filter((solver) => solver.shown).map(({key}) => key),
 };
 
@@ -70,6 +70,9 @@ function changed() {
   for (const chip of document.querySelectorAll("#chips .chip")) chip.setAttribute("aria-pressed", view.shown.includes(chip.dataset.solver));
   document.getElementById("legend").replaceChildren(...SOLVERS.filter(({key}) => view.shown.includes(key)).map(chipOf));
   for (const other of document.querySelectorAll("select[data-choice]")) other.value = choiceOf(other.dataset.choice);
+  const picture = document.getElementById("picture");
+  picture.hidden = !DATA.pictures.includes(view.family);
+  picture.href = `#scene-${view.family}`;
   document.getElementById("chosen").textContent = `(${view.shown.length} of ${SOLVERS.length} shown)`;
 }
 
@@ -103,7 +106,6 @@ function fillControls() {
     axis: Object.entries(AXES).map(([key, {title}]) => [key, title]),
     size: [...new Set(DATA.latency.map((row) => String(row.size)))].sort((a, b) => (a === "all" ? -1 : b === "all" ? 1 : a - b))
       .map((size) => [size, size === "all" ? "all sizes" : `${size} rows`]),
-    part: Object.entries(STEP_PARTS).map(([key, {label}]) => [key, label]),
     scene: [...new Set(DATA.motion.map((curve) => `${curve.scene}@${curve.level}`))].map((scene) => [scene, scene.replace("@", ", level ")]),
   };
   if (CLASSES.length) {

@@ -11,7 +11,7 @@ const ZERO = -32767, INFINITE = 32767, UNKNOWN = -32768, NO_SPREAD = 255;
 const EXPLORED_SETS = PROBLEMS.sets.map((name) => name !== "pathological");
 
 const VERDICTS = {
-  v: "verified", r: "infeasible, with an accepted proof", f: "false success", q: "false claim of infeasibility", i: "iteration limit", t: "time limit",
+  v: "verified", b: "below the tier, which it was not asked for", h: "verified alone, not in a timed pass", r: "infeasible, with an accepted proof", f: "false success", q: "false claim of infeasibility", i: "iteration limit", t: "time limit",
   n: "numerical failure", u: "unsupported", c: "crashed", k: "killed at the limit", m: "out of memory",
   p: "claims infeasible, no proof", w: "solved, but not accepted", e: "other failure", x: "excluded by rule",
   ".": "not run",
@@ -33,6 +33,8 @@ function unpack(text) {
 }
 
 const ORACLE = unpack(PROBLEMS.oracle);
+const WEIGHTS = PROBLEMS.weight;  // of k variants of one base, 1/k each
+const weightOf = (picked) => picked.reduce((sum, i) => sum + WEIGHTS[i], 0);
 const unpacked = new Map();
 
 function numbersOf(packed, field) {
@@ -74,12 +76,8 @@ function bestTimes(solvers, tier) {
   return best;
 }
 
-/** Sizes are grouped by half decades. */
-const CLASSES = [[1, 3], [4, 10], [11, 30], [31, 100], [101, 300], [301, 1000], [1001, 3000], [3001, 10000],
-                 [10001, 100000], [100001, Infinity]]
-  .map(([low, high]) => ({low, high, count: PROBLEMS.rows.filter((n) => n >= low && n <= high).length,
-                          label: high === Infinity ? `> ${low - 1}` : `${low}–${high}`}))
-  .filter((found) => found.count > 0);
+/** Size classes of the campaign that have problems here. */
+const CLASSES = DATA.classes.map((of) => ({...of, high: of.high ?? Infinity})).filter(({low, high}) => PROBLEMS.rows.some((n) => n >= low && n <= high));
 
 /** Those of `picked` that every solver shown was run on, or is excluded from by rule: of a campaign that is not at its
  *  end the others would count as failures. Solvers without any cell at the tier do not matter. */

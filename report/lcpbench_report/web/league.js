@@ -1,8 +1,6 @@
 "use strict";
 // The table of the selection: who verifies what, how fast and how exactly.
 
-const SHIFT = 1e-3;  // [s], of the shifted geometric mean
-
 function leagueRows(view) {
   const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier), rows = [];
   for (const solver of SOLVERS.filter(({key}) => view.shown.includes(key))) {
@@ -10,18 +8,20 @@ function leagueRows(view) {
     if (!cells || !picked.length) continue;
     const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
     const good = picked.filter((i) => cells.verdicts[i] === "v");
-    const errors = sorted(good.map((i) => error[i]));
-    rows.push({solver: solver.key, verified: good.length / picked.length,
+    const errors = sorted(good.map((i) => error[i])), weights = good.map((i) => WEIGHTS[i]);
+    rows.push({solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
                lies: picked.filter((i) => "fq".includes(cells.verdicts[i])).length,
-               mean: good.length ? Math.exp(good.reduce((sum, i) => sum + Math.log(time[i] + SHIFT), 0) / good.length) - SHIFT : NaN,
-               ratio: median(good.map((i) => time[i] / best[i])), rho: median(good.map((i) => rho[i])), error: quantile(errors, 0.99)});
+               below: picked.filter((i) => cells.verdicts[i] === "b").length,
+               mean: geometricMean(good.map((i) => time[i]), weights, DATA.shift),
+               ratio: weightedMedian(good.map((i) => time[i] / best[i]), weights), rho: weightedMedian(good.map((i) => rho[i]), weights),
+               error: quantile(errors, 0.99)});
   }
   return {rows, count: picked.length, missing: leftOut(all, picked)};
 }
 
 const LEAGUE = [
-  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["lies", "false claims", String],
-  ["mean", "mean time of the verified", seconds], ["ratio", "median time / best shown", times], ["rho", "median ρ", residual],
+  ["solver", "solver", (value) => value], ["verified", "verified", percent], ["lies", "false claims", String], ["below", "below the tier", String],
+  ["mean", "mean fresh time of the verified", seconds], ["ratio", "median time / best shown", times], ["rho", "median ρ", residual],
   ["error", "99 % of w errors", residual],
 ];
 const leagueOrder = {by: "verified", down: true};
@@ -42,7 +42,7 @@ function leagueTable(view) {
     button.type = "button";
     button.textContent = title + (field === by ? (down ? " ↓" : " ↑") : "");
     button.addEventListener("click", () => {
-      leagueOrder.down = field === by ? !down : field === "verified" || field === "lies";
+      leagueOrder.down = field === by ? !down : ["verified", "lies", "below"].includes(field);
       leagueOrder.by = field;
       leagueTable(view);
     });
@@ -63,6 +63,6 @@ function leagueTable(view) {
       line.append(cell);
     }
   }
-  note("league", `${count} problems at ${tierName(view.tier)}. The mean is geometric, shifted by 1 ms, over each solver's own verified ` +
+  note("league", `${count} problems at ${tierName(view.tier)}. Each of k variants of one base weighs 1/k. The mean is geometric, shifted by ${seconds(DATA.shift)}, over each solver's own verified ` +
     "answers: compare it only between solvers that verify alike; the ratio compares problem by problem." + missing);
 }

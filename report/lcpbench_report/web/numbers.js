@@ -101,8 +101,23 @@ function quantile(values, share) {
 
 const median = (values) => quantile(sorted([...values]), 0.5);
 
-function geometricMean(values) {
-  return values.length ? Math.exp(values.reduce((sum, value) => sum + Math.log(value), 0) / values.length) : NaN;
+/** The least value with half of the weight at or below it; of two that share the middle their mean. */
+function weightedMedian(values, weights) {
+  const order = values.map((_, k) => k).filter((k) => !Number.isNaN(values[k])).sort((a, b) => values[a] - values[b]);
+  const half = order.reduce((sum, k) => sum + weights[k], 0) / 2;
+  let below = 0;
+  for (let k = 0; k < order.length; ++k) {
+    below += weights[order[k]];
+    if (below > half * (1 + 1e-9) || k === order.length - 1) return values[order[k]];
+    if (below > half * (1 - 1e-9)) return (values[order[k]] + values[order[k + 1]]) / 2;
+  }
+  return NaN;
+}
+
+/** exp(mean of log(x + shift)) - shift */
+function geometricMean(values, weights = values.map(() => 1), shift = 0) {
+  const whole = weights.reduce((sum, weight) => sum + weight, 0);
+  return values.length ? Math.exp(values.reduce((sum, value, k) => sum + weights[k] * Math.log(value + shift), 0) / whole) - shift : NaN;
 }
 
 /** How marks and lines of a solver look, everywhere. */

@@ -1,29 +1,33 @@
 """Puts the page together: data, tables and words into page.html.j2, with styles and scripts inline."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from .. import choice, decision, formats, motion, plotly_bundle, summary
-from ..fairness import latency_note, limitations
+from .. import ablation_table, choice, decision, formats, markdown_headline, motion, plotly_bundle, summary
+from ..fairness import limitations
+from ..headline_table import headline
 from ..inputs import Inputs
 from ..style import solver_styles
-from ..summary import pathological, size_words
+from ..summary import pathological, peers
 from . import payload
+from .gallery import Picture
 
 _HERE = Path(__file__).resolve().parent
 # In the order in which the page runs them.
 _SCRIPTS = ("data.js", "numbers.js", "times.js", "profile.js", "accuracy.js", "robustness.js", "sequences.js",
             "scaling.js", "league.js", "app.js")
 _ORIGINS = {"own": "ours", "peer": "another project's", "external": "named by the user"}
+_TOLERANCES = {"direct": "none (direct)", "follows": "the tier", "default": "its library's own"}
 # What is visible when the page opens: the usual names of engines, and the best of others.
 _WELL_KNOWN = ("auto", "dantzig", "lemke", "bpp", "pgs", "ipm", "nncg")
 _PEERS_SHOWN = 3
 
 
-def render(inputs: Inputs) -> str:
+def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     """The page as text; the same for the same results."""
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
@@ -32,8 +36,13 @@ def render(inputs: Inputs) -> str:
     environment.filters["tier"] = formats.power
     environment.filters["ratio"] = formats.ratio
     environment.filters["percent"] = formats.percent
+    environment.filters["plain"] = lambda text: text.replace("*", "")
+    environment.filters["share"] = formats.share_of
+    environment.filters["size_class"] = formats.size_class
+    environment.filters["interval"] = markdown_headline.ratio
     environment.filters["residual"] = formats.residual
     data = payload.build(inputs, solver_styles(inputs.solvers), shown(inputs))
+    data["pictures"] = [picture.family for picture in pictures]
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
         "plotly": Markup(plotly_bundle.minified()),
@@ -43,8 +52,9 @@ def render(inputs: Inputs) -> str:
         "tiers": inputs.tiers, "has": _has(inputs), "classes": _classes(inputs),
         "deadlines": decision.by_deadline(inputs), "warm": decision.by_warm_start(inputs, choice.main_tier(inputs)),
         "decision_tiers": choice.shown_tiers(inputs),
-        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "limitations": limitations(inputs), "latency_note": latency_note(inputs),
-        "notes": inputs.notes,
+        "motions": _motions(inputs), "settings": _settings(inputs), "environments": _environments(inputs), "commit": _commit(inputs),
+        "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
+        "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
 
@@ -77,6 +87,14 @@ def shown(inputs: Inputs) -> list[str]:
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
 
 
+def _headline(inputs: Inputs) -> dict:
+    if inputs.cells.empty:
+        return {"headline": None, "ablation": None}
+    found = headline(inputs)
+    return {"headline": found, "headline_words": peers(found), "caption": markdown_headline.caption(inputs, found),
+            "ablation": ablation_table.rows(inputs), "ablation_words": ablation_table.WORDS}
+
+
 def _has(inputs: Inputs) -> dict[str, bool]:
     analysis = inputs.analysis
     return {"cells": len(inputs.cells) > 0, "pathological": len(pathological(inputs)) > 0,
@@ -86,14 +104,14 @@ def _has(inputs: Inputs) -> dict[str, bool]:
 
 
 def _classes(inputs: Inputs) -> list[dict]:
-    """Rows of the decision table: size and redundancy, a cell per tier of the three that are judged by default."""
+    """Rows of the decision table: size class and redundancy, a cell per tier of the three that are judged by default."""
     rows: dict[tuple, dict] = {}
     tiers = choice.shown_tiers(inputs)
     for found in decision.by_class(inputs):
         if found.tier not in tiers:
             continue
-        row = rows.setdefault((found.rows, found.redundant), {
-            "size": size_words(*found.rows).replace(" rows", ""), "redundant": found.redundant,
+        row = rows.setdefault((found.size_class, found.redundant), {
+            "size": formats.size_class(found.size_class), "redundant": found.redundant,
             "problems": found.problems, "cells": {}})
         row["cells"][found.tier] = _cell(found)
     return list(rows.values())
@@ -130,7 +148,7 @@ def _settings(inputs: Inputs) -> list[dict]:
                      "version": entry.get("library_version", ""), "licence": entry.get("licence", ""),
                      "setting": _setting_words(entry), "settings": settings,
                      "limit": f"{limit['largest']} rows: {limit['reason']}" if limit else "",
-                     "tolerance": "the tier" if entry["uses_tolerance"] else "none (direct)"})
+                     "tolerance": _TOLERANCES[entry["tolerance"]]})
     return rows
 
 
@@ -140,6 +158,14 @@ def _setting_words(entry: dict) -> str:
     if entry["setting"] == "tuned" and entry["origin"] == "peer":
         return "stopping options chosen per tier by one rule"
     return "as committed" if entry["origin"] == "own" else "the library's own defaults"
+
+
+def _commit(inputs: Inputs) -> str:
+    return str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12]
+
+
+def _listed(value: object) -> str:
+    return (", ".join(map(str, value)) if isinstance(value, list) else str(value or "")) or "not recorded"
 
 
 def _environments(inputs: Inputs) -> list[dict]:
@@ -158,15 +184,15 @@ def _facts(info: dict) -> dict:
     commit = str(found.get("git_commit", "unknown")) + (" with uncommitted changes" if found.get("git_dirty") else "")
     machine = [("CPU", f"{found.get('cpu', 'unknown')}, {found.get('cores', '?')} cores, "
                        f"{formats.bytes_(found.get('memory_bytes', 0))}"),
-               ("System", found.get("os", "unknown")), ("Commit", commit),
+               ("Instruction sets", _listed(found.get("instruction_sets"))),
+               ("System", ", ".join(str(part) for part in (found.get("os", "unknown"), found.get("kernel")) if part)),
+               ("Hypervisor", found.get("hypervisor") or "none"), ("Commit", commit),
                ("Compiler", f"{found.get('compiler', 'unknown')}, {found.get('build_type', '')}"),
                ("Flags", f"{found.get('flags', '')}; solvers: {found.get('solver_flags', '') or 'no others'}"),
                ("Libraries", libraries or formats.DASH)]
     manifests = ", ".join(f"{m['name']} {m['version']} ({m['sha256'][:12]}…)" for m in info.get("manifests", []))
-    rounds = info.get("rounds", "?")
     campaign = [("Started", info.get("started", "not recorded")), ("Problems", manifests or formats.DASH),
                 ("Tiers", ", ".join(formats.power(t) for t in info["tiers"]) + " on ρ"),
-                ("Rounds", f"{rounds} to {info.get('most_rounds', rounds)}, {info.get('repetitions', '?')} repetitions "
-                           f"each; seed {info.get('seed', '?')}"),
+                ("Passes", f"at most {info.get('passes', '?')}, after the one that is judged; seed {info.get('seed', '?')}"),
                 ("Filter", info.get("filter") or "none")]
     return {"machine": machine, "campaign": campaign}

@@ -6,33 +6,36 @@ import numpy as np
 import pandas as pd
 
 from .. import motion
+from ..formats import size_class
 from ..inputs import Inputs
-from ..statistics.cells import EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
+from ..statistics.means import shift_of
 from ..style import SolverStyle
 from .encoding import pack, pack_shares
 
-MODE = "cold"
 # Verdict -> letter in the strings of verdicts; other failures are "e". app.js has the words.
-LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", EXCLUDED: "x", FAILED + "iteration_limit": "i",
+LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXCLUDED: "x", FAILED + "iteration_limit": "i",
            FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
 PROVED_INFEASIBLE, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "q", "e", "."
-# Key in the page -> column of statistics.cells; all packed as logarithms.
-NUMBERS = {"time": "solve_median", "setup": "setup_s", "first": "first_s", "iterations": "iterations", "rho": "rho",
-           "backward": "backward_error", "werror": "w_error"}
+# Key in the page -> column of statistics.cells; all packed as logarithms, as is `time`, the fresh time.
+NUMBERS = {"again": "again_s", "problem": "problem_s", "prepare": "prepare_s", "convert": "convert_s", "solve": "solve_s",
+           "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error"}
 _MOTION_POINTS = 120  # of a curve: more are not seen
 
 
 def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> dict:
     """@param shown  solvers that are visible when the page opens"""
-    names = list(inputs.problems)
+    # Of what fills up the streams there are thousands: it is in the tables, and would only stall the browser.
+    names = [name for name, about in inputs.problems.items() if not about["fill"]]
     index = {name: i for i, name in enumerate(names)}
-    cells = inputs.cells[inputs.cells["mode"] == MODE] if len(inputs.cells) else inputs.cells
+    cells = inputs.cells[~inputs.cells["fill"].astype(bool)] if len(inputs.cells) else inputs.cells
     return {
         "solvers": [_solver(entry, styles[entry["key"]], entry["key"] in shown)
                     for entry in inputs.solvers if entry["key"] in inputs.keys],
-        "tiers": inputs.tiers,
+        "tiers": inputs.tiers, "shift": _short(shift_of(cells)) if len(cells) else 0,
+        "classes": [{"label": size_class(of["key"]), "low": of["least"], "high": of["most"]} for of in inputs.size_classes],
         "problems": _problems(inputs, names),
         "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
         "latency": _records(inputs.analysis.get("latency_by_solver")),
@@ -57,7 +60,7 @@ def _problems(inputs: Inputs, names: list[str]) -> dict:
     found = {"name": names, "families": families, "family": [families.index(record["family"]) for record in about],
              "sets": sets, "set": [sets.index(record["set"]) for record in about],
              "counts": [int(record["counts"]) for record in about], "rows": [record["rows"] for record in about],
-             "oracle": pack(_column(about, "oracle_s"))}
+             "oracle": pack(_column(about, "oracle_s")), "weight": [record["weight"] for record in about]}
     for key in ("redundancy", "mass_ratio", "condition", "fraction_active"):
         found[key] = pack(_column(about, key))
     return found
@@ -76,7 +79,10 @@ def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
         letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"], of_tier["proved_infeasible"])]
         verdicts[tier] = "".join(letters)
         packed = {key: pack(_spread_out(of_tier[column], at, len(index))) for key, column in NUMBERS.items()}
-        half = (of_tier["solve_high"] - of_tier["solve_low"]) / 2 / of_tier["solve_median"]
+        # What failed has the time of the solve that was judged.
+        time = of_tier["time_s"].where(of_tier["passes"].astype(bool), of_tier["first_s"])
+        packed["time"] = pack(_spread_out(time, at, len(index)))
+        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
         packed["spread"] = pack_shares(_spread_out(half, at, len(index)))
         if packed not in numbers:
             numbers.append(packed)

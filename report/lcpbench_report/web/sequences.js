@@ -1,12 +1,7 @@
 "use strict";
 // Steps of recorded motions, and motions driven by each solver.
 
-// What of a step is timed: its title, and what the columns of its quantiles begin with.
-const STEP_PARTS = {step: {title: "latency of a step: set-up and solve", label: "set-up and solve", prefix: ""},
-                    solve: {title: "time of a step's solve alone", label: "solve alone", prefix: "solve_"}};
-
 function latencyFigure(view) {
-  const part = STEP_PARTS[view.part];
   const rows = DATA.latency.filter((row) => view.shown.includes(row.solver) && String(row.size) === view.size && !String(row.mode).startsWith("deadline"));
   const traces = [], all = [], solvers = SOLVERS.filter(({key}) => rows.some((row) => row.solver === key));
   for (const solver of solvers) {
@@ -14,17 +9,17 @@ function latencyFigure(view) {
       const mine = rows.filter((row) => row.solver === solver.key && row.mode === mode);
       if (!mine.length) continue;
       const row = mine.reduce((a, b) => Math.abs(Math.log(a.tier / view.tier)) <= Math.abs(Math.log(b.tier / view.tier)) ? a : b);
-      const x = ["p50", "p99", "max"].map((level) => row[part.prefix + level]).map((value) => value ?? NaN);
+      const x = ["p50", "p99", "max"].map((level) => row[level] ?? NaN);
       all.push(...x.filter(Number.isFinite));
-      const words = `<b>${solver.key}</b>, ${mode} starts, ${part.label}, asked for ${tierName(row.tier)}<br>p50 ${seconds(x[0])}, p99 ${seconds(x[1])}, ` +
+      const words = `<b>${solver.key}</b>, ${mode} starts, asked for ${tierName(row.tier)}<br>p50 ${seconds(x[0])}, p99 ${seconds(x[1])}, ` +
         `largest ${seconds(x[2])}<br>${percent(row.verified_share)} of ${row.steps} steps verified` +
-        (row.warm_gain && view.part === "step" ? `<br>a warm start gains ${plain(row.warm_gain)}×` : "");
+        (row.warm_gain ? `<br>a warm start gains ${plain(row.warm_gain)}×` : "");
       traces.push({type: "scatter", mode: "lines+markers", name: `${solver.key} ${mode}`, x, y: x.map(() => `${solver.key}, ${mode}`),
                    text: x.map(() => words), hoverinfo: "text", line: {...lineOf(solver), dash: mode === "cold" ? "dot" : "solid"},
                    marker: {color: solver.colour, symbol: ["circle", "diamond", "line-ns-open"], size: [9, 8, 12], line: {color: solver.colour, width: 2}}});
     }
   }
-  return {traces, layout: layoutOf(logAxis(part.title, "seconds", all),
+  return {traces, layout: layoutOf(logAxis("latency of a step", "seconds", all),
                                    linearAxis("", {type: "category", autorange: "reversed", showgrid: true})),
           height: 110 + 20 * Math.max(traces.length, 6)};
 }
@@ -47,7 +42,7 @@ function deadlineFigure(view) {
     .map((found, k) => found.length ? `${seconds(deadlines[k])}: ${found.map(({solver}) => solver).join(", ")}` : "").filter(Boolean);
   note("deadline", Number.isNaN(tier) ? "" : `Judged at ${tierName(tier)}; every step is given the best answer that was there in time. ` +
     (perfect.length ? `No step is missed within ${perfect.join("; ")}.` : ""));
-  return {traces, layout: layoutOf(linearAxis("deadline of a step, set-up included", {type: "category"}),
+  return {traces, layout: layoutOf(linearAxis("deadline of a step", {type: "category"}),
                                    logAxis("share of steps missed: late, or not verified", "share", [...all, 1]), {barmode: "group", bargap: 0.15})};
 }
 

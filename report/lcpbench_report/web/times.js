@@ -2,10 +2,12 @@
 // The explorer: any metric against any property of the problems; and who is the fastest where.
 
 const METRICS = {
-  time: {title: "solve time", kind: "seconds", time: true},
-  setup: {title: "set-up time", kind: "seconds", time: true},
-  total: {title: "set-up and solve time", kind: "seconds", time: true},
-  first: {title: "first solve after set-up", kind: "seconds", time: true},
+  time: {title: "fresh time", kind: "seconds", time: true},
+  again: {title: "time of the same matrix with another b", kind: "seconds", time: true},
+  problem: {title: "part of the time: checks, forms of A", kind: "seconds", time: true},
+  prepare: {title: "part of the time: preparation", kind: "seconds", time: true},
+  convert: {title: "part of the time: conversion for a library", kind: "seconds", time: true},
+  solve: {title: "part of the time: solve", kind: "seconds", time: true},
   iterations: {title: "iterations (each solver's own)", kind: "plain"},
   rho: {title: "scaled natural residual ρ", kind: "residual"},
   backward: {title: "largest backward error", kind: "residual"},
@@ -21,12 +23,6 @@ const AXES = {
 const MOST_POINTS = 4000;  // more single problems are not drawn: the browser would stall, and nothing be seen
 const LEAST_RESIDUAL = 1e-18;
 
-function metricValues(cells, metric) {
-  if (metric !== "total") return cells.get(metric);
-  const setup = cells.get("setup"), solve = cells.get("time");
-  return solve.map((value, i) => value + (Number.isNaN(setup[i]) ? 0 : setup[i]));
-}
-
 /** What a time is divided by, by problem, or null; and the words for it. */
 function normaliser(view) {
   if (!METRICS[view.metric].time || view.norm === "none") return null;
@@ -38,7 +34,7 @@ function normaliser(view) {
   const base = cellsOf(view.norm.slice("solver:".length), view.tier);
   const values = new Float64Array(COUNT).fill(NaN);
   if (base) base.get("time").forEach((value, i) => { if (base.verdicts[i] === "v") values[i] = value; });
-  return {by: values, title: ` / solve time of ${view.norm.slice("solver:".length)}`, kind: "ratio"};
+  return {by: values, title: ` / fresh time of ${view.norm.slice("solver:".length)}`, kind: "ratio"};
 }
 
 function timesFigure(view) {
@@ -50,7 +46,7 @@ function timesFigure(view) {
   for (const solver of solvers) {
     const cells = cellsOf(solver.key, view.tier);
     if (!cells) continue;
-    const raw = metricValues(cells, view.metric), spread = cells.get("spread");
+    const raw = cells.get(view.metric), spread = cells.get("spread");
     const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
     for (const i of picked) {
       let y = norm ? raw[i] / norm.by[i] : raw[i];
@@ -59,21 +55,22 @@ function timesFigure(view) {
       const verified = cells.verdicts[i] === "v", into = verified ? good : bad;
       into.x.push(across[i]);
       into.y.push(y);
-      const sure = metric.time && verified && !Number.isNaN(spread[i]) ? ` ± ${percent(spread[i])}` : "";
+      const sure = view.metric === "time" && verified && !Number.isNaN(spread[i]) ? ` ± ${percent(spread[i])}` : "";
       into.text.push(`<b>${solver.key}</b> on ${PROBLEMS.name[i]}<br>${VERDICTS[cells.verdicts[i]]} at ` +
         `${tierName(view.tier)}<br>${metric.title}: ${KINDS[metric.kind].words(raw[i])}${sure}` +
         (norm ? `<br>shown: ${KINDS[kind].words(y)}` : "") + `<br>n = ${PROBLEMS.rows[i]}`);
       if (!verified) continue;
       // Lines go through means of like problems: of one size, or of a third of a decade.
       const key = view.axis === "rows" && view.family !== "*" ? across[i] : Math.round(3 * Math.log10(across[i]));
-      if (!groups.has(key)) groups.set(key, {x: [], y: []});
+      if (!groups.has(key)) groups.set(key, {x: [], y: [], weights: []});
       groups.get(key).x.push(across[i]);
       groups.get(key).y.push(y);
+      groups.get(key).weights.push(WEIGHTS[i]);
     }
     const line = {x: [], y: [], text: []};
     for (const [, group] of [...groups].sort((a, b) => a[0] - b[0])) {
-      line.x.push(geometricMean(group.x));
-      line.y.push(geometricMean(group.y));
+      line.x.push(geometricMean(group.x, group.weights));
+      line.y.push(geometricMean(group.y, group.weights));
       line.text.push(`<b>${solver.key}</b><br>mean of ${group.y.length} verified: ` +
         `${KINDS[kind].words(line.y[line.y.length - 1])}<br>${axis.title}: ${plain(line.x[line.x.length - 1])}`);
     }
@@ -118,10 +115,11 @@ function winnersFigure(view) {
       const found = solvers.map((solver, s) => {
         const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
         const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
-        return {s, verified: good.length, mean: good.length ? geometricMean(good.map((i) => cells[s].get("time")[i])) : NaN};
+        return {s, verified: good.length, share: weightOf(good),
+                mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
       });
-      const most = Math.max(0, ...found.map((one) => one.verified));
-      const ranked = found.filter((one) => most && one.verified === most).sort((a, b) => a.mean - b.mean);
+      const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
+      const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
       row.push(ranked.length ? ranked[0].s : null);
       names.push(ranked.length ? solvers[ranked[0].s].key : "");
       hover.push(!problems.length ? "no problems" : !ranked.length ? "verified by none" :
