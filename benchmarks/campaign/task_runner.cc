@@ -105,11 +105,11 @@ const TaskRunner::Problem& TaskRunner::Get(const ProblemName& name) {
     throw InputError(name.manifest + ": expected a problem '" + name.id + "', found none");
   }
   LcpProblem problem = set.source.Get(*entry->second);
-  const std::optional<KnownAnswer> known = set.references.Find(problem);
-  LcpReference reference = known ? known->reference : LcpReference{};
+  std::optional<KnownAnswer> known = set.references.Find(problem);
   const bool is_large = problem.size() > kMostRowsKept;
   std::unique_ptr<Problem>& place = is_large ? large_ : kept_[name.id];
-  place = std::make_unique<Problem>(Problem{name.id, std::move(problem), std::move(reference)});
+  place = std::make_unique<Problem>(Problem{name.id, std::move(problem), {}});
+  if (known) place->reference = std::move(known->reference);
   return *place;
 }
 

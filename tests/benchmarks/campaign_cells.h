@@ -38,10 +38,17 @@ inline std::vector<nlohmann::json> CellsOf(const std::filesystem::path& folder) 
         for (const Json& exception : line["exceptions"]) exceptions[exception["at"].get<std::size_t>()] = exception;
       }
       for (std::size_t k = 0; k < count; ++k) {
-        Json cell = {{"problem", names.at(first + k)}, {"solver", line["solver"]},    {"tier", line["tier"]},
-                     {"excluded", line["excluded"]},   {"claim", "solved"},           {"passes", !excluded},
-                     {"at_floor", false},              {"false_success", false},      {"reason", ""},
-                     {"detail", ""},                   {"fresh_s", Json::array()}};
+        Json cell = {{"problem", names.at(first + k)},
+                     {"solver", line["solver"]},
+                     {"tier", line["tier"]},
+                     {"excluded", line["excluded"]},
+                     {"claim", "solved"},
+                     {"passes", !excluded},
+                     {"at_floor", false},
+                     {"false_success", false},
+                     {"reason", ""},
+                     {"detail", ""},
+                     {"fresh_s", Json::array()}};
         if (!excluded) {
           for (const char* field : {"rho", "backward_error", "w_error", "f_error", "iterations", "first_s",
                                     "factor_share", "allocations"}) {

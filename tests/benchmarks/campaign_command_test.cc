@@ -33,8 +33,8 @@ constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& lines) {
   std::vector<std::string> kept;
   for (nlohmann::json line : lines) {
-    for (const char* field : {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s", "group",
-                              "factor_share", "peak_bytes", "allocations", "disturbance", "environment"}) {
+    for (const char* field : {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s",
+                              "group", "factor_share", "peak_bytes", "allocations", "disturbance", "environment"}) {
       line.erase(field);
     }
     kept.push_back(line.dump());

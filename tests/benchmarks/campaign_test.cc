@@ -168,8 +168,7 @@ TEST_F(Campaign, StricterTiersAreNotTriedAfterTheTimeRanOut) {
 }
 
 TEST_F(Campaign, SolversThatAreNotInTheBuildAreNamedAndHaveNoCells) {
-  const CommandOutcome run =
-      Run(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --passes 1 -o " + Path("r"));
+  const CommandOutcome run = Run(Data("smoke") + " --filter disc-pile-n8- --tiers 1e-3 --passes 1 -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;
   std::set<std::string> with_cells;
   for (const Json& cell : Cells()) with_cells.insert(cell["solver"].get<std::string>());

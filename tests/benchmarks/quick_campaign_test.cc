@@ -111,10 +111,9 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   for (const Json& problem : Lines("problems.jsonl")) {
     set_and_counts[problem["problem"]] = {problem["set"].get<std::string>(), problem["counts"].get<bool>()};
   }
-  const std::map<std::string, std::pair<std::string, bool>> expected = {
-      {"disc-pile-n2-s1", {"engine", true}},
-      {"disc-pile-n10-s1", {"standard", true}},
-      {"idle-line-n40-s1", {"pathological", true}}};
+  const std::map<std::string, std::pair<std::string, bool>> expected = {{"disc-pile-n2-s1", {"engine", true}},
+                                                                        {"disc-pile-n10-s1", {"standard", true}},
+                                                                        {"idle-line-n40-s1", {"pathological", true}}};
   EXPECT_EQ(set_and_counts, expected);
   EXPECT_EQ(CellsOf(folder_ / "q").size(), 3U * 2 * 3);
   std::set<std::string> modes;

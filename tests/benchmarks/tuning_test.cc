@@ -76,8 +76,8 @@ TEST(TuningSpace, FirstValuesAreTheDefaults) {
 class TunedSettings : public CommandTest {
  protected:
   std::string Campaign(const std::string& folder, const std::string& more) const {
-    return std::string("run --suite ") + kManifest +
-           " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " + Path(folder) + " " + more;
+    return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " +
+           Path(folder) + " " + more;
   }
   std::map<std::string, nlohmann::json> SolversOf(const std::string& folder) const {
     const auto campaign = nlohmann::json::parse(ReadFile(folder_ / folder / "campaign.json"));
