@@ -19,9 +19,9 @@ constexpr const char* kLicence = "Apache-2.0";
 
 class Builder {
  public:
-  Builder(const Tier& tier, const ExamineOptions& options,
+  Builder(const Tier& tier, const ExamineOptions& options, const KnownTier* known,
           const std::function<void(int done, int all, const std::string& id)>& progress)
-      : tier_(tier), options_(options), progress_(progress) {
+      : tier_(tier), options_(options), known_(known), progress_(progress) {
     manifest_.name = tier.name;
     manifest_.version = kCollectionVersion;
     manifest_.purpose = tier.purpose;
@@ -52,13 +52,19 @@ class Builder {
     return Triviality(problem, *examined.answer);
   }
 
+  Examined ExamineOrRecall(const LcpProblem& problem) const {
+    std::optional<Examined> known;
+    if (known_ != nullptr) known = known_->Find(problem);
+    return known.has_value() ? *std::move(known) : Examine(problem, options_);
+  }
+
   void AddReference(const Examined& examined) {
     if (tier_.has_references && !examined.reference_line.empty()) built_.references += examined.reference_line + '\n';
   }
 
   // The entry, but for where its problem comes from; or nothing, and the refusal is noted.
   ManifestEntry* Take(const Instance& instance, const std::string& family) {
-    Examined examined = Examine(instance.problem, options_);
+    Examined examined = ExamineOrRecall(instance.problem);
     const std::string reason = WhyRefused(instance.problem, examined);
     if (!reason.empty()) {
       manifest_.refused.push_back({instance.problem.id(), reason});
@@ -187,6 +193,7 @@ class Builder {
 
   const Tier& tier_;
   const ExamineOptions& options_;
+  const KnownTier* known_;
   const std::function<void(int done, int all, const std::string& id)>& progress_;
   BuiltTier built_;
   Manifest& manifest_ = built_.manifest;
@@ -198,9 +205,20 @@ class Builder {
 
 }  // namespace
 
-BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
+KnownTier::KnownTier(Manifest manifest, const std::string& folder) : references_(manifest, folder) {
+  for (ManifestEntry& entry : manifest.problems) entries_[entry.id] = std::move(entry);
+}
+
+std::optional<Examined> KnownTier::Find(const LcpProblem& problem) const {
+  const auto entry = entries_.find(problem.id());
+  if (entry == entries_.end() || entry->second.sha256 != ContentHash(problem)) return std::nullopt;
+  const ManifestEntry& known = entry->second;
+  return Examined{known.properties, known.answer, known.reference, references_.Line(known.id), known.sha256};
+}
+
+BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,
                     const std::function<void(int done, int all, const std::string& id)>& progress) {
-  return Builder(tier, options, progress).Build();
+  return Builder(tier, options, known, progress).Build();
 }
 
 }  // namespace lcpbench

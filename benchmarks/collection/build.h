@@ -1,11 +1,14 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <optional>
 #include <string>
 
 #include "benchmarks/collection/examine.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
+#include "benchmarks/collection/references.h"
 
 namespace lcpbench {
 
@@ -19,12 +22,27 @@ struct BuiltTier {
 };
 inline constexpr const char* kMotionProblems = "problems/motion.jsonl.gz";
 
+/// A tier as an earlier build left it.
+class KnownTier {
+ public:
+  /// @param folder  of the manifest
+  KnownTier(Manifest manifest, const std::string& folder);
+
+  /// What is known of the problem, if it has the same id and content.
+  std::optional<Examined> Find(const LcpProblem& problem) const;
+
+ private:
+  References references_;
+  std::map<std::string, ManifestEntry> entries_;
+};
+
 /// Makes and examines every problem and sequence of a tier. Where the tier refuses, a candidate that is trivial
 /// (Triviality) or has no solution is noted as refused and tried again with other seeds, some times. Size classes whose
 /// stream has fewer problems are filled up, by turns of all planned scenes and sizes; a fill-up must have a certified
 /// answer and a content of its own, too.
 /// @param progress  called after every candidate with how many are done, of how many, and the last one's id
-BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options,
+/// @param known  of an earlier build: problems with the same id and content are not examined again. Or null.
+BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,
                     const std::function<void(int done, int all, const std::string& id)>& progress);
 
 /// How often a candidate is tried with another seed, and by what its seed is raised.

@@ -217,6 +217,54 @@ std::string ReadHash(const JsonField& field) {
   return hash;
 }
 
+std::string TextOr(const JsonField& field, const char* key) { return field.Has(key) ? field[key].String() : ""; }
+
+std::optional<double> NumberOrNothing(const JsonField& field, const char* key) {
+  return field.Has(key) ? field[key].NumberOrNull() : std::nullopt;
+}
+
+std::optional<Index> CountOrNothing(const JsonField& field, const char* key) {
+  return field.Has(key) && !field[key].IsNull() ? std::optional<Index>(field[key].Integer()) : std::nullopt;
+}
+
+std::optional<bool> TruthOrNothing(const JsonField& field, const char* key) {
+  return field.Has(key) && !field[key].IsNull() ? std::optional<bool>(field[key].Boolean()) : std::nullopt;
+}
+
+ProblemProperties ReadProperties(const JsonField& field) {
+  ProblemProperties p;
+  p.rows = field["rows"].Integer();
+  p.bilateral = CountOrNothing(field, "bilateral").value_or(0);
+  p.bodies = CountOrNothing(field, "bodies").value_or(0);
+  p.nonzeros_A = CountOrNothing(field, "nonzeros_A").value_or(0);
+  p.nonzeros_J = CountOrNothing(field, "nonzeros_J");
+  p.rank = {CountOrNothing(field, "rank"), TextOr(field, "rank_method")};
+  p.numerical_rank = CountOrNothing(field, "numerical_rank");
+  p.condition = {NumberOrNothing(field, "condition"), TextOr(field, "condition_method")};
+  p.redundancy = NumberOrNothing(field, "redundancy");
+  p.mass_ratio = NumberOrNothing(field, "mass_ratio");
+  if (field.Has("kinds")) {
+    for (const auto& [kind, count] : field["kinds"].Members()) p.kinds[kind] = count.Integer();
+  }
+  return p;
+}
+
+ReferenceSummary ReadReference(const JsonField& field) {
+  ReferenceSummary reference;
+  reference.kind = field["kind"].String();
+  reference.status = TextOr(field, "status");
+  reference.f_unique = TruthOrNothing(field, "f_unique");
+  reference.nullity_on_active = CountOrNothing(field, "nullity_on_active");
+  reference.strictly_complementary = TruthOrNothing(field, "strictly_complementary");
+  reference.proof = TextOr(field, "proof");
+  reference.energy_bound = NumberOrNothing(field, "energy_bound");
+  reference.energy_shift = NumberOrNothing(field, "energy_shift");
+  reference.w_bound = NumberOrNothing(field, "w_bound");
+  reference.f_bound = NumberOrNothing(field, "f_bound");
+  reference.detail = TextOr(field, "detail");
+  return reference;
+}
+
 ManifestEntry ReadEntry(const JsonField& field) {
   ManifestEntry entry;
   entry.id = field["id"].String();
@@ -234,10 +282,14 @@ ManifestEntry ReadEntry(const JsonField& field) {
     entry.source =
         FileSource{field["file"]["path"].String(), static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
   }
-  if (field.Has("grid")) entry.grid = field["grid"].String();
-  if (field.Has("purpose")) entry.purpose = field["purpose"].String();
-  entry.properties.rows = field["rows"].Integer();
-  if (field.Has("reference")) entry.reference.kind = field["reference"]["kind"].String();
+  entry.grid = TextOr(field, "grid");
+  entry.purpose = TextOr(field, "purpose");
+  entry.properties = ReadProperties(field);
+  const std::optional<double> active = NumberOrNothing(field, "fraction_active");
+  if (active.has_value()) entry.answer = {*active, CountOrNothing(field, "degenerate").value_or(0)};
+  if (field.Has("reference")) entry.reference = ReadReference(field["reference"]);
+  entry.provenance = TextOr(field, "provenance");
+  entry.licence = TextOr(field, "licence");
   entry.sha256 = ReadHash(field["sha256"]);
   return entry;
 }

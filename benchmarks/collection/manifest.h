@@ -114,7 +114,7 @@ ManifestEntry FillEntry(const Recipe& recipe);
 /// The text of a manifest file.
 std::string FormatManifest(const Manifest& manifest);
 
-/// Reads ids, families, sources and hashes; properties, answers and references are for readers of the file itself.
+/// Reads a manifest, but for its refusals and what sequences are like. Only what makes the problems must be there.
 /// @throws InputError naming file, place, what was expected and what was found
 Manifest ReadManifest(const std::string& path);
 

@@ -46,9 +46,9 @@ std::string FollowMotion(const Recipe& start, int steps, const std::function<boo
 
 /// When a motion's problems are taken: the first at the first step from kSettled on by which contacts have closed
 /// max(1, rows / 4) times, at kLatestStep at the latest; every further one kStepsBetween after the one before.
-inline constexpr int kSettled = 50;
-inline constexpr int kLatestStep = 200;
-inline constexpr int kStepsBetween = 100;
+inline constexpr int kSettled = 40;
+inline constexpr int kLatestStep = 100;
+inline constexpr int kStepsBetween = 40;
 /// Where a problem is refused, so many steps after it are tried.
 inline constexpr int kStepsTried = 5;
 /// Steps with fewer or more rows are refused.

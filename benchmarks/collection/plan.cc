@@ -49,13 +49,15 @@ void AddGrid(const char* property, const char* change, std::initializer_list<std
   }
 }
 
+void AddMotion(std::string_view scene, int rows, std::uint64_t seed, int steps, Tier* tier) {
+  tier->motions.push_back({{std::string(scene), rows, seed, {}}, steps});
+}
+
 // Steps of motions of every family.
 void AddMotions(std::initializer_list<int> sizes, std::uint64_t last_seed, int steps, Tier* tier) {
-  for (const SceneFamily& scene : AllScenes()) {
-    for (const int rows : sizes) {
-      for (std::uint64_t seed = 1; seed <= last_seed; ++seed) {
-        tier->motions.push_back({{std::string(scene.key), rows, seed, {}}, steps});
-      }
+  for (const int rows : sizes) {
+    for (const SceneFamily& scene : AllScenes()) {
+      for (std::uint64_t seed = 1; seed <= last_seed; ++seed) AddMotion(scene.key, rows, seed, steps, tier);
     }
   }
 }
@@ -113,9 +115,17 @@ Tier Standard() {
   AddGrid("curvature contrast", "curvature-contrast",
           {"disc-track", "rockers", "ovals-in-bowl", "gear-train", "cam-follower"}, {100, 400}, {3, 10, 30, 100, 1000},
           &tier);
-  AddMotions({45, 64, 100}, 2, 2, &tier);
+  AddMotions({45, 64}, 3, 2, &tier);
+  AddMotions({100}, 2, 2, &tier);
   AddMotions({160, 250, 400}, 2, 1, &tier);
-  AddMotions({640, 1000, 1800}, 1, 1, &tier);
+  AddMotions({640}, 1, 1, &tier);
+  for (const std::string_view scene : {"disc-pile", "disc-track", "boxes-and-discs", "cam-follower", "chain-of-links",
+                                       "ovals-in-bowl", "roller-bearing", "tall-stacks"}) {
+    AddMotion(scene, 1000, 1, 1, &tier);
+  }
+  for (const std::string_view scene : {"disc-pile", "chain-of-links", "ovals-in-bowl", "tall-stacks"}) {
+    AddMotion(scene, 1900, 1, 1, &tier);
+  }
   tier.fill = {{SizeClassOf(4), {4, 6}},         {SizeClassOf(10), {10}},        {SizeClassOf(16), {16, 25}},
                {SizeClassOf(40), {40, 64, 100}}, {SizeClassOf(160), {160, 250}}, {SizeClassOf(400), {400, 640, 1000}}};
   return tier;

@@ -57,6 +57,11 @@ References::References(const Manifest& manifest, const std::string& folder) {
   if (!gzip.error().empty()) throw InputError(name_ + ": " + gzip.error());
 }
 
+std::string References::Line(const std::string& id) const {
+  const auto line = lines_.find(id);
+  return line == lines_.end() ? "" : line->second;
+}
+
 std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
   const auto line = lines_.find(problem.id());
   if (line == lines_.end()) return std::nullopt;

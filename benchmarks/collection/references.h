@@ -25,6 +25,9 @@ class References {
   /// Nothing where the file has no answer. @throws InputError for a line that is no answer to this problem
   std::optional<KnownAnswer> Find(const LcpProblem& problem) const;
 
+  /// The file's line, "" where it has none.
+  std::string Line(const std::string& id) const;
+
  private:
   std::string name_;
   std::map<std::string, std::string> lines_;  // by id

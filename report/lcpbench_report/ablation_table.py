@@ -43,6 +43,19 @@ def markdown(inputs: Inputs) -> str:
     return "\n".join([*lines, *("| " + " | ".join(row.values()) + " |" for row in found)]) + "\n"
 
 
+def checks(inputs: Inputs) -> str:
+    """A sentence on what our own check changes, at the main tier, over all sizes; empty without such an ablation."""
+    table = inputs.analysis.get("ablation")
+    if table is None or table.empty:
+        return ""
+    table = choice.counted(table, choice.main_tier(inputs))
+    without = table[(table["ablation"] == "no-self-check") & (table["size_class"] == ALL)]
+    parts = [f"`{of['base']}` is then right on {formats.share_of(of['verified_share'])} instead of "
+             f"{formats.share_of(of['base_verified_share'])} and takes {formats.times(of['ratio'])} of the time"
+             for _, of in without.iterrows()]
+    return f"without it {'; '.join(parts)}." if parts else ""
+
+
 def section(inputs: Inputs) -> list[str]:
     """Of a summary in Markdown."""
     return ["## Ablations", "", markdown(inputs)] if rows(inputs) else []

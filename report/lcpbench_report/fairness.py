@@ -22,7 +22,7 @@ def limitations(inputs: Inputs) -> list[tuple[str, str]]:
 def _measure(inputs: Inputs) -> list:
     if inputs.cells.empty:
         return []
-    passes = formats.words([str(p) for p in dict.fromkeys(c.info["passes"] for c in inputs.campaigns if "passes" in c.info)])
+    passes = max(campaign.info.get("passes", 0) for campaign in inputs.campaigns)
     return [("Fresh times", "A time is one interval from the caller's arrays (J by rows, inverse masses, b, kinds of rows) "
              "to f: validation, forms of A, scaling, ordering, analysis, factorizations, fallbacks and the solver's own check "
              "are inside, for peers as for ours; making the arrays, workspace kept from earlier problems, transport between "

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import ablation_table, choice, formats, markdown_headline
+from . import ablation_table, formats, markdown_headline
 from .errors import ReportError
 from .headline_table import headline
 from .inputs import Inputs
@@ -91,13 +91,23 @@ def _tuning(source: Source) -> str:
             f"{formats.words(changed)}. The other {len(solvers) - len(changed)} keep it.")
 
 
+def _recommendation(source: Source) -> str:
+    """What data/recommendation.json says of families that its rules were not made of."""
+    tried = json.loads((source.root / "data/recommendation.json").read_text(encoding="utf-8"))["evaluation"]
+    shares = [of["families"]["share"] for of in tried["tiers"]]
+    passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
+    return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
+            f"to {100 * max(shares):.1f} % of the problems, by tier and measure, and in {passed} of {groups} cases (families "
+            f"by tiers and measures) on at least {100 * tried['least_share']:.0f} %.")
+
+
 BLOCKS: dict[str, Callable[[Source], str]] = {
     "headline": _headline,
     "ablation": lambda source: ablation_table.markdown(source.inputs),
+    "ablation-of-checks": lambda source: ablation_table.checks(source.inputs),
     "streams": _streams,
     "passes": lambda source: str(_info(source)["passes"]),
     "limits": _limits,
     "manifests": _manifests,
-    "tuning": _tuning,
-    "tier": lambda source: formats.power(choice.main_tier(source.inputs)),
+    "tuning": _tuning, "recommendation": _recommendation,
 }

@@ -10,10 +10,10 @@ import pandas as pd
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import decision, fairness, summary  # noqa: E402
+from lcpbench_report import ablation_table, decision, fairness, summary  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
-from synthetic_campaign import cells_of  # noqa: E402
+from synthetic_campaign import cells_of, fail, write_campaign  # noqa: E402
 from synthetic_report import whole_inputs, write_all  # noqa: E402
 from synthetic_steps import STEPS  # noqa: E402
 
@@ -64,7 +64,7 @@ class WholeReport(unittest.TestCase):
             self.assertNotIn("ode-dantzig", [found.solver for found in choice.own])
 
     def test_the_peer_is_no_contender_where_it_was_refuted(self):
-        strictest = [c for c in decision.by_class(self.inputs) if c.tier < 1e-8 and c.rows[1] == 1000]
+        strictest = [c for c in decision.by_class(self.inputs) if c.tier < 1e-8 and c.size_class == "301-1000"]
         self.assertEqual([found.solver for found in strictest[0].everyone], ["auto"])
 
     def test_of_equals_within_the_deadline_the_one_with_the_least_percentile(self):
@@ -80,7 +80,7 @@ class WholeReport(unittest.TestCase):
         self.assertAlmostEqual(gains["auto"], 2.0, places=6)
         self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
 
-    def test_ten_lines_at_most_with_the_figures_of_the_data(self):
+    def test_a_few_lines_with_the_figures_of_the_data(self):
         lines = summary.summary_lines(self.inputs)
         self.assertLessEqual(len(lines), summary.MOST_LINES)
         text = "\n".join(lines)
@@ -100,15 +100,38 @@ class WholeReport(unittest.TestCase):
         self.assertIn("-march=native", found["Compiler flags"])
         self.assertNotIn("Uncommitted changes", found)
         self.assertNotIn("Direct methods", found)
-        self.assertIn("no set-up", found["Latency of steps"])
+        self.assertIn("one interval from the caller's arrays", found["Fresh times"])
+        self.assertNotIn("External programs of protocol 1", found)
+        self.assertNotIn("Ablation", found)
 
-    def test_where_all_solvers_are_ours_nothing_is_said_of_the_latency_of_others(self):
-        of_peers = self.inputs.analysis["latency_by_solver"]
-        try:
-            self.inputs.analysis["latency_by_solver"] = of_peers[of_peers["solver"] != "ode-dantzig"]
-            self.assertEqual(fairness.latency_note(self.inputs), "")
-        finally:
-            self.inputs.analysis["latency_by_solver"] = of_peers
+
+class TwoFigures(unittest.TestCase):
+    def test_what_was_never_asked_is_below_the_tier_and_no_false_success(self):
+        with tempfile.TemporaryDirectory() as folder:
+            inputs = load_inputs([write_campaign(
+                Path(folder), {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
+                change=lambda record: record if record["solver"] == "auto" else fail(record, "solved"),
+                solvers={"clp": {"origin": "peer"}, "clp-default": {"origin": "peer", "tolerance": "default"}})])
+        text = summary.false_successes(inputs)
+        each = len(inputs.problems) * len(inputs.tiers)
+        self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
+        self.assertIn(f"end below it in {each} of {each} solves", text)
+
+
+class Ablations(unittest.TestCase):
+    def test_they_stand_in_their_own_table_and_nowhere_else(self):
+        entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
+        with tempfile.TemporaryDirectory() as folder:
+            inputs = load_inputs([write_campaign(
+                Path(folder), {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
+                change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
+                and record["problem"] == "piles-20-1" else record)])
+        found = [row for row in ablation_table.rows(inputs) if row["rows"] == "all"]
+        self.assertEqual(len(found), 1)
+        self.assertEqual((found[0]["solver"], found[0]["version"], found[0]["false"]), ("auto", "without its own check", "1, 0"))
+        self.assertRegex(found[0]["time"], r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
+        self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
+        self.assertRegex(ablation_table.checks(inputs), r"without it `auto` is then right on 95.% instead of 100.%")
 
 
 class Folders(unittest.TestCase):

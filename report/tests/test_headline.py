@@ -12,16 +12,17 @@ import unittest
 import xml.etree.ElementTree
 from pathlib import Path
 
+import pandas as pd
+
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import headline as script  # noqa: E402
-from lcpbench_report import choice, formats, markdown_headline, markdown_summary  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report import choice, formats, markdown_headline, markdown_summary, summary  # noqa: E402
 from lcpbench_report.headline_table import headline  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
-from report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, write_problems, write_steps  # noqa: E402
-from synthetic_campaign import exclude, fail  # noqa: E402
+from report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, PEERS, write_problems, write_steps  # noqa: E402
+from synthetic_campaign import exclude, fail, slower  # noqa: E402
 
 COLUMN = 2  # of problems with 31 to 100 rows
 
@@ -47,21 +48,18 @@ class Headline(unittest.TestCase):
             return inputs, headline(inputs)
 
     def best(self, found) -> list[set[str]]:
-        return [{solver for solver, entries in found.rows.items() if entries[k] and entries[k].best}
-                for k in range(len(found.columns))]
+        return [{solver for solver, entry in row.entries.items() if entry.best} for row in found.classes]
 
     def test_a_solver_that_fails_is_not_bold_though_it_is_the_fastest(self):
         _, found = self.of(lambda record: fail(record) if record["solver"] == FAILING
                            and record["problem"] == "piles-50-1" else record)
-        self.assertEqual(self.best(found), [{NEXT} if k == COLUMN else {FAILING} for k in range(len(found.columns))])
-        entry = found.rows[FAILING][COLUMN]
-        self.assertEqual(entry.problems - entry.verified, 1)
+        self.assertEqual(self.best(found), [{NEXT} if k == COLUMN else {FAILING} for k in range(len(found.classes))])
+        self.assertAlmostEqual(found.classes[COLUMN].entries[FAILING].share, 5 / 6)
 
     def test_false_successes_are_failures_too(self):
         _, found = self.of(lambda record: fail(record, "solved") if record["solver"] == FAILING
                            and record["problem"] == "piles-50-1" else record)
         self.assertEqual(self.best(found)[COLUMN], {NEXT})
-        self.assertEqual(found.rows[FAILING][COLUMN].false_successes, 1)
 
     def test_where_nobody_verifies_everything_the_fastest_of_those_that_verify_most_is_bold(self):
         def change(record):
@@ -72,6 +70,15 @@ class Headline(unittest.TestCase):
         _, found = self.of(change)
         self.assertEqual(self.best(found)[COLUMN], {NEXT})
 
+    def test_what_the_interval_of_the_ratio_does_not_tell_apart_is_tied(self):
+        def change(record):  # as fast as the fastest, but for some noise that goes both ways
+            if record["solver"] != NEXT:
+                return record
+            return slower(record, 0.5 / 0.6 * (1.1 if record["problem"].endswith("-1") else 1 / 1.1))
+
+        _, found = self.of(change)
+        self.assertEqual(self.best(found)[COLUMN], {FAILING, NEXT})
+
     def test_failing_on_hard_problems_does_not_make_a_solver_faster(self):
         _, complete = self.of(lambda record: record)
         for failures in (1, 2):
@@ -80,36 +87,71 @@ class Headline(unittest.TestCase):
                 return fail(record) if record["solver"] == "pgs" and record["problem"] in names else record
 
             _, found = self.of(change)
-            self.assertGreaterEqual(found.rows["pgs"][COLUMN].time_s, complete.rows["pgs"][COLUMN].time_s)
+            self.assertGreaterEqual(found.classes[COLUMN].entries["pgs"].time_s,
+                                    complete.classes[COLUMN].entries["pgs"].time_s)
 
     def test_a_solver_that_fails_on_half_has_no_time(self):
-        self.assertEqual(choice.median_time([1.0, 2.0, math.inf, math.inf]), math.inf)
-        self.assertEqual(choice.median_time([3.0, 1.0, math.inf]), 3.0)
-        self.assertEqual(choice.median_time([1.0, 2.0, 4.0, math.inf]), 3.0)
+        def of(times, weights=None):
+            return choice.median_time(pd.DataFrame({"time_s": times, "weight": weights or [1.0] * len(times)}))
+
+        self.assertEqual(of([1.0, 2.0, math.inf, math.inf]), math.inf)
+        self.assertEqual(of([3.0, 1.0, math.inf]), 3.0)
+        self.assertEqual(of([1.0, 2.0, 4.0, math.inf]), 3.0)
+        self.assertEqual(of([1.0, 2.0, 4.0, math.inf], [1.0, 0.1, 0.1, 0.1]), 1.0)
+
+    def test_ratios_are_ours_over_theirs_and_the_losses_are_told_first(self):
+        _, found = self.of(lambda record: record)
+        for row in found.classes:
+            self.assertEqual((row.own, row.peer), ("dantzig", "ode-lemke"))
+            self.assertAlmostEqual(row.to_peer.median, 0.5 / 0.6, delta=0.1)
+        text = summary.peers(found)
+        self.assertTrue(text.startswith("In no size class"), text)
+
+        def change(record):
+            return slower(record, 4) if record["solver"] == "dantzig" and "-50-" in record["problem"] or \
+                record["solver"] == "dantzig" and "-100-" in record["problem"] else record
+
+        _, found = self.of(change)
+        row = found.classes[COLUMN]
+        self.assertEqual((row.own, row.peer), ("auto", "ode-lemke"))
+        self.assertGreater(row.to_fastest.low, 1)
+        self.assertRegex(summary.peers(found), r"^Against the fastest peer of every single problem we lose at 31–100 rows \(1\.[67]")
+        self.assertEqual(self.best(found)[COLUMN], {"ode-lemke"})
+
+    def test_where_no_peer_is_right_the_class_has_no_best_one(self):
+        _, found = self.of(lambda record: fail(record) if record["solver"] in PEERS and record["problem"] == "piles-50-1"
+                           else record)
+        row = found.classes[COLUMN]
+        self.assertEqual((row.peer, row.to_peer), (None, None))
+        self.assertIsNotNone(row.to_fastest)
+        self.assertIn("none is right on 99", markdown_headline.classes(found))
 
     def test_excluded_columns_are_a_dash_and_never_bold(self):
         _, found = self.of(lambda record: exclude(record) if record["solver"] == FAILING and "-10-" in record["problem"]
                            else record)
-        self.assertEqual(markdown_headline.cell(found.rows[FAILING][0]), formats.DASH)
+        self.assertEqual(markdown_headline.cell(found.classes[0].entries[FAILING]), formats.DASH)
         self.assertNotIn(FAILING, self.best(found)[0])
 
-    def test_pathological_problems_and_islands_do_not_count(self):
+    def test_pathological_problems_do_not_count(self):
         standard = [about for about in self.inputs.problems.values() if about["set"] == "standard"]
-        self.assertEqual(sum(problems for _, problems in self.found.columns), len(standard))
+        self.assertEqual(sum(row.problems for row in self.found.classes), len(standard))
 
     def test_of_a_library_the_best_is_shown_and_where_it_is_excluded_another_one(self):
-        self.assertIn("ode-dantzig", self.found.rows)  # for the large problems
-        self.assertIn("ode-lemke", self.found.rows)
-        self.assertIn("clp", self.found.rows)
-        self.assertNotIn("clp-default", self.found.rows)
+        self.assertIn("ode-dantzig", self.found.solvers)  # for the large problems
+        self.assertIn("ode-lemke", self.found.solvers)
+        self.assertIn("clp", self.found.solvers)
+        self.assertNotIn("clp-default", self.found.solvers)
         self.assertEqual(self.found.left_out, ["clp-default"])
 
-    def test_there_is_a_row_for_every_solver_and_a_column_for_every_size_class(self):
-        rows = [line for line in self.text.splitlines() if line.startswith("|")]
+    def test_there_is_a_row_for_every_class_and_one_for_every_solver(self):
+        by_class, by_solver = markdown_headline.classes(self.found), markdown_headline.by_solver(self.found)
+        self.assertEqual([line.split("|")[1].strip() for line in by_class.splitlines()],
+                         ["rows", "---", "7–12", "13–30", "31–100", "101–300", "301–1000"])
         shown = [key for key in FACTORS if key != "clp-default"]
-        self.assertEqual([row.split("|")[1].strip(" `") for row in rows], ["solver", "---", *shown, "problems"])
-        for row in rows:
-            self.assertEqual(row.count("|"), len(self.found.columns) + 2)
+        self.assertEqual([line.split("|")[1].strip(" `") for line in by_solver.splitlines()], ["solver", "---", *shown])
+        for text in (by_class, by_solver):
+            self.assertIn(text, self.text)
+            self.assertEqual(len({line.count("|") for line in text.splitlines()}), 1)
 
     def test_machine_commit_and_date_are_named_where_they_are_known(self):
         for word in (ENVIRONMENT["cpu"], ENVIRONMENT["git_commit"][:12], "2026-01-02"):
@@ -124,32 +166,33 @@ class Headline(unittest.TestCase):
         self.assertEqual(formats.share(1000, 1000), "100\u202f%")
         self.assertEqual(formats.share(1, 1000), "<1\u202f%")
 
-    def test_update_replaces_what_stands_between_the_markers_and_draws_the_figure(self):
-        readme, figure = self.path / "README.md", self.path / "pictures" / "headline.svg"
-        readme.write_text(f"before\n{markdown_headline.BEGIN}\nstale text\n{markdown_headline.END}\nafter\n",
+    def test_update_writes_every_block_and_draws_the_figure(self):
+        readme, figure = self.path / "README.md", self.path / "report" / "reference" / "headline.svg"
+        readme.write_text("before\n<!-- numbers:headline -->\nstale text\n<!-- end -->\nat most "
+                          "<!-- numbers:passes -->99<!-- end --> passes, <!-- numbers:streams --><!-- end -->\n",
                           encoding="utf-8")
         seen = set()
         for _ in range(2):  # the second time changes nothing more
-            arguments = [str(self.folder), "--update", str(readme), "--figure", str(figure)]
-            self.assertEqual(script.main(arguments), 0)
+            self.assertEqual(script.main([str(self.folder), "--update", str(readme)]), 0)
             text = readme.read_text(encoding="utf-8")
-            self.assertTrue(text.startswith("before\n") and text.endswith("after\n"))
+            self.assertTrue(text.startswith("before\n"))
             self.assertIn(self.text, text)
-            self.assertIn("](pictures/headline.svg)", text)
+            self.assertIn("](report/reference/headline.svg)", text)
+            self.assertIn("at most <!-- numbers:passes -->5<!-- end --> passes", text)
+            self.assertIn("1000 problems up to 30 rows, 256 problems up to 100 rows and 64 problems up to 1000 rows", text)
             self.assertNotIn("stale text", text)
             xml.etree.ElementTree.parse(figure)
-            seen.add(figure.read_bytes())
+            seen.add((text, figure.read_bytes()))
         self.assertEqual(len(seen), 1)
 
-    def test_a_file_without_markers_is_refused_before_anything_is_written(self):
-        readme, figure = self.path / "bare.md", self.path / "never.svg"
-        readme.write_text("no markers", encoding="utf-8")
-        with contextlib.redirect_stderr(io.StringIO()) as error:
-            self.assertEqual(script.main([str(self.folder), "--update", str(readme), "--figure", str(figure)]), 2)
-        self.assertEqual(error.getvalue().count("\n"), 1)
-        self.assertFalse(figure.exists())
-        with self.assertRaises(ReportError):
-            markdown_headline.replace_between_markers("no markers", "", "x.md")
+    def test_a_file_without_blocks_or_with_an_unknown_one_is_refused_before_anything_is_written(self):
+        readme = self.path / "bare.md"
+        for text in ("no blocks", "<!-- numbers:nonsense -->1<!-- end -->"):
+            readme.write_text(text, encoding="utf-8")
+            with contextlib.redirect_stderr(io.StringIO()) as error:
+                self.assertEqual(script.main([str(self.folder), "--update", str(readme)]), 2)
+            self.assertEqual(error.getvalue().count("\n"), 1)
+            self.assertEqual(readme.read_text(encoding="utf-8"), text)
 
     def test_a_missing_folder_is_one_line_and_status_two(self):
         with contextlib.redirect_stderr(io.StringIO()) as error:
@@ -159,7 +202,7 @@ class Headline(unittest.TestCase):
     def test_the_summary_holds_its_lines_tables_and_how_to_compare(self):
         inputs = load_inputs([self.folder, write_steps(self.path / "sequences")])
         text = markdown_summary.render(inputs, ["A first finding.", "A second one."])
-        for part in ("- A first finding.\n- A second one.", markdown_headline.table(headline(inputs)),
+        for part in ("- A first finding.\n- A second one.", markdown_headline.classes(headline(inputs)),
                      "## Verified and false", "## Sequences of motions", ENVIRONMENT["cpu"],
                      "lcpbench compare OLD NEW"):
             self.assertIn(part, text)

@@ -77,7 +77,7 @@ class Page(unittest.TestCase):
 
     def test_verdicts_and_times_are_those_of_the_cells(self):
         names = self.data["problems"]["name"]
-        letters = {"verified": "v", "false success": "f", "excluded": "x", "failed:iteration_limit": "i"}
+        letters = {"verified": "v", "false success": "f", "excluded": "x", "below the tier": "b", "failed:iteration_limit": "i"}
         for row in self.inputs.cells.itertuples():
             of_solver = self.data["cells"][row.solver]
             tier = f"{row.tier:.0e}"
@@ -86,7 +86,7 @@ class Page(unittest.TestCase):
         of_solver = self.data["cells"]["pgs"]
         times = decoded(of_solver["numbers"][of_solver["places"]["1e-06"]]["time"])
         mine = self.inputs.cells[(self.inputs.cells["solver"] == "pgs") & (self.inputs.cells["tier"] == 1e-6)]
-        expected = mine.set_index("problem")["solve_median"].reindex(names)
+        expected = mine.set_index("problem")["time_s"].reindex(names)
         np.testing.assert_allclose(times, expected, rtol=1e-3)
 
     def test_text_of_the_data_is_escaped(self):
@@ -95,7 +95,7 @@ class Page(unittest.TestCase):
         self.assertNotIn("</script", json.dumps(self.data))
 
     def test_every_section_is_there(self):
-        for section in ("summary", "choose", "performance", "accuracy", "robustness", "sequences", "scaling", "scenes",
+        for section in ("summary", "headline", "choose", "performance", "accuracy", "robustness", "sequences", "scaling", "scenes",
                         "settings", "environment", "limitations"):
             self.assertEqual(self.text.count(f'<section id="{section}">'), 1, section)
             self.assertIn(f'href="#{section}"', self.text)
@@ -155,8 +155,8 @@ class Script(unittest.TestCase):
     def test_the_summary_tells_what_changed_since_an_earlier_run(self):
         slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
         with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
-            old = write_campaign(Path(folder) / "old", FACTORS, noise=Noise(repetitions=5, rounds=3))
-            new = write_campaign(Path(folder) / "new", slower, noise=Noise(repetitions=5, rounds=3), run=1)
+            old = write_campaign(Path(folder) / "old", FACTORS, noise=Noise(passes=5))
+            new = write_campaign(Path(folder) / "new", slower, noise=Noise(passes=5), run=1)
             out = Path(folder) / "out" / "index.html"
             self.assertEqual(generate.main([str(new), "--previous", str(old), "-o", str(out)]), 0)
             text = (out.parent / "summary.md").read_text(encoding="utf-8")

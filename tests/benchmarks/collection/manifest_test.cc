@@ -79,7 +79,7 @@ TEST(Manifest, IsReadAsItWasWritten) {
   tier.problems[1].grid = "mass ratio";
   tier.problems[2].purpose = "Nothing.";
   tier.sequences.push_back({{"rockers", 5, 3, {}}, 100});
-  const BuiltTier built = BuildTier(tier, {}, [](int, int, const std::string&) {});
+  const BuiltTier built = BuildTier(tier, {}, nullptr, [](int, int, const std::string&) {});
   ASSERT_EQ(built.manifest.problems.size(), 6U);
   const Manifest read = ReadManifest(WriteTemporary("round.json", FormatManifest(built.manifest)));
   EXPECT_EQ(read.name, "smoke");
