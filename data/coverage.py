@@ -91,6 +91,62 @@ def overview(manifests):
     return _table(["tier", "problems", "rows", "certified", "bounded", "no reference", "refused"], rows)
 
 
+def weights(problems):
+    """1 / k for each of the k problems that have a base in common."""
+    bases = [problem["base"] for problem in problems]
+    counts = {base: bases.count(base) for base in set(bases)}
+    return [1 / counts[base] for base in bases]
+
+
+def motion_share(problems):
+    """Of the problems' weight, the part of steps of motions."""
+    of_motions = [w for problem, w in zip(problems, weights(problems)) if problem["origin"] == "motion"]
+    return sum(of_motions) / sum(weights(problems))
+
+
+# Size classes of benchmarks/size_classes.h that the standard tier's motions are meant for.
+_MOTION_CLASSES = [("31–100", 31, 100), ("101–300", 101, 300), ("301–1000", 301, 1000), ("1001–10⁴", 1001, 10_000)]
+
+
+def motions(problems):
+    """How much of the standard tier's weight are steps of motions, by size class; fill-ups are not among them."""
+    rows = []
+    for label, least, most in [*_MOTION_CLASSES, ("all", 1, 10**9)]:
+        chosen = [problem for problem in problems if least <= problem["rows"] <= most]
+        steps = [problem for problem in chosen if problem["origin"] == "motion"]
+        row = [label, len(chosen), len({problem["base"] for problem in chosen}), len(steps)]
+        rows.append(row + [len({problem["base"] for problem in steps}), f"{100 * motion_share(chosen):.0f} %"])
+    return _table(["rows", "problems", "bases", "steps of motions", "motions", "their weight"], rows)
+
+
+def fill_ups(manifests):
+    """Size classes that are filled up."""
+    rows = []
+    for tier, manifest in manifests.items():
+        for entry in manifest.get("fill", []):
+            refused = ", ".join(f"{reason}: {count}" for reason, count in entry["refused_by_reason"].items())
+            rows.append([f"`{tier}`: {entry['size_class']} rows", entry["problems"], refused])
+    return _table(["fill-ups", "problems", "refused"], rows)
+
+
+def _answer_kind(problem):
+    if problem["fraction_active"] == 1 or problem["bilateral"] == problem["rows"]:
+        return "all rows active"
+    if problem["fraction_active"] > 0:
+        return "some"
+    return "no active contact" if problem["bilateral"] else "f = 0"
+
+
+def small_answers(problems):
+    """What the engine tier's answers are: nothing is refused there."""
+    kinds = ["f = 0", "no active contact", "all rows active", "some"]
+    rows = []
+    for size in (1, 2, 3):
+        found = [_answer_kind(problem) for problem in problems if problem["rows"] == size]
+        rows.append([size] + [found.count(kind) for kind in kinds])
+    return _table(["rows"] + [kind + " of the contacts active" if kind == "some" else kind for kind in kinds], rows)
+
+
 def references(manifests):
     """How references are proved, and how tight bounds are."""
     rows = {}
@@ -151,6 +207,12 @@ def text():
             references(manifests),
             "Candidates that were not taken:",
             refusals(manifests),
+            "Steps of motions in `standard`, by weight (each of k problems of one base 1/k; fill-ups are not among these):",
+            motions(manifests["standard"]["problems"]),
+            "Fill-ups:",
+            fill_ups(manifests),
+            "What few rows have as answer (`engine`, where nothing is refused):",
+            small_answers(manifests["engine"]["problems"]),
             "Sequences (rows: least / median / most; rows that came, went, became active, ceased to be; churn: all of "
             "these by rows, mean; still: problems without any):",
             sequences(entries),

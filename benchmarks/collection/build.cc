@@ -93,7 +93,6 @@ class Builder {
       if (entry == nullptr) continue;
       entry->source = recipe;
       entry->base = BaseOf(recipe);
-      entry->origin = "placed";
       entry->grid = candidate.grid;
       entry->purpose = candidate.purpose;
       if (tier_.has_files) built_.problems += FormatLcpRecord(instance.problem) + '\n';

@@ -82,7 +82,7 @@ Json Describe(const ManifestEntry& entry) {
     if (entry.remake.has_value()) json["recipe"] = Describe(*entry.remake);
     json["file"] = {{"path", file.path}, {"line", file.line}};
   }
-  json["base"] = entry.base;
+  json["base"] = entry.base.empty() ? entry.id : entry.base;
   json["origin"] = entry.origin;
   if (!entry.grid.empty()) json["grid"] = entry.grid;
   if (!entry.purpose.empty()) json["purpose"] = entry.purpose;
@@ -270,7 +270,6 @@ ManifestEntry ReadEntry(const JsonField& field) {
   entry.id = field["id"].String();
   entry.family = field["family"].String();
   entry.base = entry.id;
-  entry.origin = "placed";
   if (field.Has("recipe") || !field.Has("file")) {
     Recipe recipe = ReadRecipe(field["recipe"]);
     entry.base = BaseOf(recipe);
@@ -343,7 +342,6 @@ ManifestEntry FillEntry(const Recipe& recipe) {
   entry.family = recipe.scene;
   entry.source = recipe;
   entry.base = BaseOf(recipe);
-  entry.origin = "placed";
   entry.fill = true;
   entry.properties.rows = recipe.rows;
   entry.reference.kind = "certified";

@@ -41,12 +41,12 @@ struct ManifestEntry {
   std::string id;
   std::string family;  ///< scene, hard case, or the folder it was imported from
   std::variant<Recipe, FileSource> source;
-  std::optional<Recipe> remake;  ///< of a problem in a file that was generated: how it is made anew
-  std::string base;              ///< BaseOf its recipe; its own id where it has none
-  std::string origin;            ///< "placed", or "motion": a step of a scene's motion
-  bool fill = false;             ///< a fill-up (FillClass): `properties.rows` is all that is known of it
-  std::string grid;              ///< the property that the problem's neighbours differ in; "" outside grids
-  std::string purpose;           ///< of pathological ones: what it is meant to break
+  std::optional<Recipe> remake;   ///< of a problem in a file that was generated: how it is made anew
+  std::string base;               ///< BaseOf its recipe; its own id where it has none
+  std::string origin = "placed";  ///< or "motion": a step of a scene's motion
+  bool fill = false;              ///< a fill-up (FillClass): `properties.rows` is all that is known of it
+  std::string grid;               ///< the property that the problem's neighbours differ in; "" outside grids
+  std::string purpose;            ///< of pathological ones: what it is meant to break
   ProblemProperties properties;
   std::optional<AnswerProperties> answer;
   ReferenceSummary reference;

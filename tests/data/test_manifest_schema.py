@@ -11,6 +11,8 @@ import jsonschema
 from changed import REMOVED, changed
 
 _DATA = Path(__file__).resolve().parents[2] / "data"
+sys.path.insert(0, str(_DATA))
+import coverage  # noqa: E402
 _TIERS = ["smoke", "engine", "standard", "large", "sequences", "pathological"]
 
 # Changes of the smoke tier's manifest that must not pass.
@@ -33,6 +35,9 @@ _MALFORMED = [
     (("problems", 0, "fraction_active"), 1.5),
     (("problems", 0, "reference", "kind"), "believed"),
     (("problems", 0, "licence"), REMOVED),
+    (("problems", 0, "origin"), "imagined"),
+    (("problems", 0, "base"), ""),
+    (("fill",), [{"size_class": "1", "problems": 0}]),
     (("problems", 0, "sha256"), "0123"),
     (("problems", 0, "colour"), "red"),
 ]
@@ -90,11 +95,37 @@ class Collection(unittest.TestCase):
         for tier in ("smoke", "standard"):
             for problem in _manifest(tier)["problems"]:
                 self.assertLess(problem["fraction_active"], 1, problem["id"])
+                self.assertGreater(problem["fraction_active"], 0, problem["id"])
                 self.assertEqual(problem["reference"].get("status", "solved"), "solved", problem["id"])
 
     def test_pathological_problems_say_what_they_break(self):
         for problem in _manifest("pathological")["problems"]:
             self.assertTrue(problem.get("purpose", "").endswith("."), problem["id"])
+
+    def test_steps_of_motions_are_thirty_percent_of_the_weight(self):
+        problems = _manifest("standard")["problems"]
+        self.assertGreaterEqual(coverage.motion_share(problems), 0.3)
+        steps = [problem for problem in problems if problem["origin"] == "motion"]
+        self.assertGreaterEqual(min(problem["rows"] for problem in steps), 40)
+        self.assertLessEqual(max(problem["rows"] for problem in steps), 2000)
+        self.assertGreaterEqual(len({problem["family"] for problem in steps}), 12)
+
+    def test_problems_of_one_base_share_its_weight(self):
+        problems = [{"base": base} for base in ("a", "a", "b", "a", "c")]
+        self.assertEqual(coverage.weights(problems), [1 / 3, 1 / 3, 1, 1 / 3, 1])
+
+    def test_fill_ups_complete_the_streams(self):
+        streams = {"1": (1, 1, 1000), "2-3": (2, 3, 1000), "4-6": (4, 6, 1000), "7-12": (7, 12, 1000)}
+        streams |= {"13-30": (13, 30, 1000), "31-100": (31, 100, 256), "101-300": (101, 300, 64)}
+        streams |= {"301-1000": (301, 1000, 64)}
+        for size_class, (least, most, wanted) in streams.items():
+            found = 0
+            for tier in ("engine", "standard"):
+                manifest = _manifest(tier)
+                found += sum(least <= problem["rows"] <= most for problem in manifest["problems"])
+                for fill in manifest["fill"]:
+                    found += fill["problems"] if fill["size_class"] == size_class else 0
+            self.assertGreaterEqual(found, wanted, size_class)
 
     def test_rank_and_condition_are_there_up_to_2000_rows(self):
         for tier in ("smoke", "engine", "standard", "pathological"):

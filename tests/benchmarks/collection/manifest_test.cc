@@ -2,17 +2,22 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/plan.h"
+#include "benchmarks/collection/references.h"
 #include "benchmarks/collection/sequences.h"
 #include "benchmarks/gzip_input.h"
+#include "benchmarks/size_classes.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/json_lines.h"
@@ -101,6 +106,47 @@ TEST(Manifest, IsReadAsItWasWritten) {
   EXPECT_EQ(read.sequences[0].sha256, MeasureSequence(read.sequences[0].start, 100).sha256);
 }
 
+TEST(Manifest, HasStepsOfMotionsAndFillUpsAsTheyWereWritten) {
+  const std::string hash(64, 'a');
+  Manifest manifest;
+  manifest.name = "n";
+  manifest.version = "1";
+  Recipe step{"disc-pile", 45, 1, {}, 60};
+  for (const int number : {60, 100}) {
+    ManifestEntry& entry = manifest.problems.emplace_back();
+    step.motion_step = number;
+    entry.id = RecipeId(step);
+    entry.family = step.scene;
+    entry.remake = step;
+    entry.source = FileSource{"problems/motion.jsonl.gz", static_cast<size_t>(number)};
+    entry.base = BaseOf(step);
+    entry.origin = "motion";
+    entry.sha256 = hash;
+  }
+  EXPECT_EQ(manifest.problems[0].id, "disc-pile-n45-s1-motion-step60");
+  manifest.fill_classes = {{"4-6", 3, {{"f = 0", 2}}, hash}};
+  for (const Recipe& recipe : {Recipe{"rockers", 4, 7, {}}, Recipe{"rockers", 4, 9, {}}, Recipe{"rockers", 6, 7, {}}}) {
+    manifest.fill.push_back(FillEntry(recipe));
+  }
+  const Manifest read = ReadManifest(WriteTemporary("steps.json", FormatManifest(manifest)));
+  ASSERT_EQ(read.problems.size(), 2U);
+  EXPECT_EQ(read.problems[1].remake, manifest.problems[1].remake);
+  EXPECT_EQ(std::get<FileSource>(read.problems[1].source).line, 100U);
+  EXPECT_EQ(read.problems[1].origin, "motion");
+  EXPECT_EQ(read.problems[1].base, "disc-pile-n45-s1-motion");
+  ASSERT_EQ(read.fill_classes.size(), 1U);
+  EXPECT_EQ(read.fill_classes[0].sha256, hash);
+  ASSERT_EQ(read.fill.size(), 3U);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_EQ(std::get<Recipe>(read.fill[k].source), std::get<Recipe>(manifest.fill[k].source));
+    EXPECT_TRUE(read.fill[k].fill);
+    EXPECT_EQ(read.fill[k].base, read.fill[k].id);
+  }
+  const std::map<std::string, double> weights = WeightsByBase(read.problems);
+  EXPECT_EQ(weights.size(), 1U);
+  EXPECT_EQ(weights.at("disc-pile-n45-s1-motion"), 0.5);
+}
+
 TEST(Manifest, OfAnotherFormIsRefusedInOneLine) {
   const std::string hash(64, '0');
   const std::string problem =
@@ -165,40 +211,77 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
   }
 }
 
-// The files are for those who do not generate: the same problems, in the same order.
+// The files are for those who do not generate: the same problems, in the same order, steps of motions in another file.
 TEST_P(CollectionTier, HasFilesOfTheSameProblems) {
   const std::string path = LCPBENCH_SOURCE_DIR "/data/problems/" + GetParam() + ".jsonl.gz";
   ASSERT_EQ(std::filesystem::exists(path), PlanTier(GetParam()).has_files);
   if (!PlanTier(GetParam()).has_files) return;
   const Manifest manifest = ReadManifest(TierPath(GetParam()));
+  std::vector<const ManifestEntry*> placed;
+  for (const ManifestEntry& entry : manifest.problems) {
+    if (entry.origin == "placed") placed.push_back(&entry);
+  }
   std::ifstream file(path, std::ios::binary);
   GzipBuffer gzip(file);
   std::istream lines(&gzip);
   std::string line;
   size_t k = 0;
   while (std::getline(lines, line)) {
-    ASSERT_LT(k, manifest.problems.size());
-    const ManifestEntry& entry = manifest.problems[k++];
+    ASSERT_LT(k, placed.size());
+    const ManifestEntry& entry = *placed[k++];
     const LcpProblem problem = ParseLcpRecord(line, entry.id).problem;
     EXPECT_EQ(problem.id(), entry.id);
     EXPECT_EQ(ContentHash(problem), entry.sha256);
   }
-  EXPECT_EQ(k, manifest.problems.size());
+  EXPECT_EQ(k, placed.size());
+}
+
+TEST_P(CollectionTier, FillsStreamsUpWithProblemsThatItsHashesSay) {
+  const Manifest manifest = ReadManifest(TierPath(GetParam()));
+  const References references(manifest, LCPBENCH_SOURCE_DIR "/data");
+  ProblemSource source("");
+  size_t next = 0;
+  for (const FillClass& fill : manifest.fill_classes) {
+    SequenceHash hash;
+    for (size_t k = 0; k < fill.problems; ++k) {
+      const ManifestEntry& entry = manifest.fill[next++];
+      const LcpProblem problem = source.Get(entry);
+      hash.Add(problem);
+      EXPECT_EQ(SizeClassOf(problem.size()).key, fill.size_class) << entry.id;
+      EXPECT_EQ(problem.size(), entry.properties.rows) << entry.id;
+      EXPECT_TRUE(references.Find(problem).has_value()) << entry.id;
+    }
+    EXPECT_EQ(hash.Result(), fill.sha256) << fill.size_class;
+  }
+  EXPECT_EQ(next, manifest.fill.size());
+  for (const FillPlan& plan : PlanTier(GetParam()).fill) {
+    const auto count = [&](const std::vector<ManifestEntry>& entries) {
+      return std::count_if(entries.begin(), entries.end(), [&](const ManifestEntry& entry) {
+        return SizeClassOf(entry.properties.rows).key == plan.size_class.key;
+      });
+    };
+    EXPECT_GE(count(manifest.problems) + count(manifest.fill), plan.size_class.stream) << plan.size_class.key;
+  }
 }
 
 TEST_P(CollectionTier, IsWhatIsPlanned) {
   const Tier tier = PlanTier(GetParam());
   const Manifest manifest = ReadManifest(TierPath(GetParam()));
-  EXPECT_LE(manifest.problems.size(), tier.problems.size());
   // But for seeds, and for what was refused with every seed, in the planned order.
   size_t next = 0;
-  for (const Candidate& candidate : tier.problems) {
-    if (next == manifest.problems.size()) break;
-    Recipe recipe = std::get<Recipe>(manifest.problems[next].source);
-    const bool tried = recipe.seed >= candidate.recipe.seed && (recipe.seed - candidate.recipe.seed) % kSeedStep == 0;
-    recipe.seed = candidate.recipe.seed;
-    if (tried && recipe == candidate.recipe) ++next;
-  }
+  const auto follow = [&](const Recipe& planned, int most) {
+    for (int taken = 0; taken < most && next < manifest.problems.size(); ++taken) {
+      const ManifestEntry& entry = manifest.problems[next];
+      Recipe recipe = entry.remake ? *entry.remake : std::get<Recipe>(entry.source);
+      const bool tried = recipe.seed >= planned.seed && (recipe.seed - planned.seed) % kSeedStep == 0;
+      recipe.seed = planned.seed;
+      recipe.motion_step = 0;
+      if (!tried || !(recipe == planned)) return;
+      ++next;
+    }
+  };
+  for (const Candidate& candidate : tier.problems) follow(candidate.recipe, 1);
+  for (const MotionCandidate& candidate : tier.motions) follow(candidate.start, candidate.steps);
   EXPECT_EQ(next, manifest.problems.size());
   ASSERT_EQ(manifest.sequences.size(), tier.sequences.size());
   for (size_t k = 0; k < tier.sequences.size(); ++k) EXPECT_EQ(manifest.sequences[k].start, tier.sequences[k].start);
