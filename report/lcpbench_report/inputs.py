@@ -1,7 +1,7 @@
 """What a report is made of: one campaign's folder or several, whose problems do not overlap, and a study of motion."""
 
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 
 import pandas as pd
@@ -68,15 +68,13 @@ class Inputs:
         return sorted(set(self.cells["tier"]), reverse=True)
 
     @cached_property
-    def analysis(self) -> dict[str, pd.DataFrame]:
+    def analysis(self) -> tables.Tables:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
-        found = {}
-        if len(self.cells):
-            found = tables.tables_of(self.cells, self.ablated, self.solvers)
+        makers = tables.makers_of(self.cells, self.ablated, self.solvers) if len(self.cells) else {}
         stepped = [campaign for campaign in self.campaigns if campaign.passes]
-        for name, table in tables.STEP_TABLES.items() if stepped else ():
-            found[name] = pd.concat([table(campaign) for campaign in stepped], ignore_index=True)
-        return found
+        if stepped:
+            makers |= {name: partial(_of_steps, table, stepped) for name, table in tables.STEP_TABLES.items()}
+        return tables.Tables(makers)
 
 
 def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None) -> Inputs:
@@ -108,6 +106,10 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
                   table, notes, delivered)
+
+
+def _of_steps(table, campaigns: list[Campaign]) -> pd.DataFrame:
+    return pd.concat([table(campaign) for campaign in campaigns], ignore_index=True)
 
 
 def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:

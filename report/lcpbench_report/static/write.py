@@ -57,7 +57,7 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
     written = []
     studied = {} if inputs.motion is None else {"motion": inputs.motion}
-    for name, table in (inputs.analysis | studied).items():
+    for name, table in (dict(inputs.analysis) | studied).items():
         written.append(_write_csv(table, folder / f"{name}.csv"))
     for name, text in latex_tables.tables(inputs):
         written.append(folder / f"{name}.tex")

@@ -1,6 +1,7 @@
 """All tables of a campaign, and their files."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -35,16 +36,42 @@ TABLES = (*_OF_CELLS, "peer_ratio", "ablation")
 _DIGITS = "%.9g"
 
 
-def tables_of(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict]) -> dict[str, pd.DataFrame]:
-    """All of TABLES.
+class Tables(Mapping[str, pd.DataFrame]):
+    """Tables by name, each made when it is first asked for: some take minutes of a large campaign."""
+
+    def __init__(self, makers: Mapping[str, Callable[[], pd.DataFrame]]):
+        self._makers, self._made = makers, {}
+
+    def __getitem__(self, name: str) -> pd.DataFrame:
+        if name not in self._made:
+            self._made[name] = self._makers[name]()
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._makers
+
+    def get(self, name: str, default=None):
+        return self[name] if name in self._makers else default
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._makers)
+
+    def __len__(self) -> int:
+        return len(self._makers)
+
+
+def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
+              solvers: list[dict]) -> dict[str, Callable[[], pd.DataFrame]]:
+    """Of all of TABLES.
 
     @param cells    of cells.cell_table
     @param ablated  of cells.ablation_cells
     @param solvers  the entries of campaign.json
     """
     own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
-    return {name: table(cells) for name, table in _OF_CELLS.items()} | {
-        "peer_ratio": peer_ratio_table(cells, own), "ablation": ablation_table(cells, ablated, solvers)}
+    return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
+        "peer_ratio": partial(peer_ratio_table, cells, own),
+        "ablation": partial(ablation_table, cells, ablated, solvers)}
 
 
 def write_tables(campaign: Campaign, folder: Path) -> None:
@@ -52,7 +79,7 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
     if campaign.tasks or not campaign.passes:
-        found = tables_of(cell_table(campaign), ablation_cells(campaign), campaign.info["solvers"])
+        found = Tables(makers_of(cell_table(campaign), ablation_cells(campaign), campaign.info["solvers"]))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:
