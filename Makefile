@@ -12,8 +12,16 @@ PYTHON  ?= /usr/bin/python3
 MOTION_RESULTS ?= build/results/motion
 MOTION = --scenes gear-train,disc-pile,disc-track --size 16 --steps 100 --budget 0.5
 
+# Pictures of the scene families with their forces, for the report's gallery.
+PICTURES     ?= build/results/pictures
+PICTURE_SIZE ?= 24
+
+# The campaign `ablation` runs our solvers from this build, too, which is for the baseline instruction set.
+BASELINE := build/baseline
+OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
+
 # What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
-CAMPAIGNS          ?= report/reference/standard
+CAMPAIGNS          ?= report/reference/core
 CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
 
 # How long and with which new inputs `make fuzz` goes on.
@@ -25,20 +33,21 @@ FUZZ_FLAGS    = -max_total_time=$(FUZZ_SECONDS) -max_len=8192 -timeout=20 -rss_l
 
 # One solver under two names, and slowed by a tenth: what a campaign must find, and must not.
 CALIBRATION_RESULTS ?= build/results/calibration
-CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
+CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills --tiers 1e-6 --solvers bpp,bpp-again,bpp-slow,pgs,pgs-again,pgs-slow \
               --variant bpp-again=bpp --variant bpp-slow=bpp,slowdown=1.1 \
               --variant pgs-again=pgs --variant pgs-slow=pgs,slowdown=1.1
 
 # The campaigns and studies whose results are committed (report/reference/README.md).
-REFERENCE_RESULTS := $(addprefix report/reference/,standard pathological sequences large) \
-                     --motion report/reference/motion --precision report/reference/precision
+REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
+REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run recommendation calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
+	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make recommendation   rules of lcpbench recommend from campaigns (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
@@ -82,17 +91,29 @@ run: command
 	@$(if $(filter build/results/quick,$(RESULTS)),rm -rf build/results/quick)
 	@$(BUILD)/lcpbench run --suite $(SUITE) $(RUN_OPTIONS) --output $(RESULTS)
 
-report: run
+pictures: command
+	@mkdir -p $(PICTURES)
+	@for scene in $$($(BUILD)/lcpbench list scenes | cut -d' ' -f1); do \
+	  [ -s $(PICTURES)/$$scene.svg ] || $(BUILD)/lcpbench scene $$scene --size $(PICTURE_SIZE) -o $(PICTURES)/$$scene.svg || exit 1; \
+	done
+
+report: run pictures
 	@$(BUILD)/lcpbench motion $(MOTION) --output $(MOTION_RESULTS)
-	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --output build/report/index.html
+	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --pictures $(PICTURES) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html"
 
 # The report of the committed results; what of it is committed beside them is its summary, and README's headline.
-reference-report: deps
-	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) -o build/reference/index.html
+reference-report: pictures
+	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
 	@cp build/reference/summary.md report/reference/
-	@$(PYTHON) report/headline.py report/reference/standard --update README.md
+	@$(PYTHON) report/headline.py report/reference/core $(REFERENCE_ABLATION) --update README.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
+
+ablation: command
+	@cmake --preset baseline > build/configure-baseline.log 2>&1 || { cat build/configure-baseline.log; exit 1; }
+	@cmake --build --preset baseline -j $(JOBS)
+	@$(BUILD)/lcpbench run --suite ablation --ablations --resume --output build/results/ablation $(RUN_OPTIONS) \
+	  $(foreach key,$(OWN),--external "$(key)-baseline=$(CURDIR)/$(BASELINE)/lcpbench serve $(key)")
 
 recommendation: command
 	@rm -f build/features.jsonl

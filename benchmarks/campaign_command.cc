@@ -34,6 +34,7 @@ struct NamedCampaign {
   int passes = CampaignPlan{}.passes;
   TaskBudgets budgets = {};
   double most_s = CampaignPlan{}.most_s;
+  bool tuned = false;  // KEY-tuned besides, where `lcpbench tune` chose other settings than the default
 };
 
 // A first look, in about a minute with our solvers: one seed of all families from 2 to 160 rows, of some up to 1000,
@@ -63,10 +64,20 @@ const std::vector<NamedCampaign>& Campaigns() {
        .most_rows = 10'000,
        .tiers = {1e-6},
        .budgets = {.judge_s = 2, .timed_s = 1.5, .parts_s = 0.25, .again_s = 0.25},
-       .most_s = 1},
+       .most_s = 1,
+       .tuned = true},
+      // What checks and instruction sets are worth: with --ablations and --external KEY-baseline=...
+      {.name = "ablation",
+       .manifests = {"engine", "standard"},
+       .most_rows = 1000,
+       .fills = false,
+       .tiers = {1e-6},
+       .passes = 3,
+       .budgets = {.judge_s = 1, .timed_s = 0.5, .parts_s = 0, .again_s = 0},
+       .most_s = 0.5},
       {.name = "engine", .manifests = {"engine"}, .most_s = 0.5},
       {.name = "smoke", .manifests = {"smoke"}, .most_s = 0.5},
-      {.name = "standard", .manifests = {"engine", "standard"}},
+      {.name = "standard", .manifests = {"engine", "standard"}, .tuned = true},
       {.name = "pathological", .manifests = {"pathological"}},
       {.name = "large",
        .manifests = {"large"},
@@ -86,12 +97,13 @@ const std::vector<NamedCampaign>& Campaigns() {
 
 bool IsPath(const std::string& suite) { return suite.find('/') != std::string::npos || suite.ends_with(".json"); }
 
-std::string ManifestOf(const char* tier) {
+// A file of data/.
+std::string DataFile(const std::string& name) {
   for (const std::string& folder : {std::string("data"), std::string(kDataFolder)}) {
-    std::string path = folder + "/" + tier + ".json";
+    std::string path = folder + "/" + name + ".json";
     if (std::filesystem::exists(path)) return path;
   }
-  throw InputError(std::string("data/") + tier + ".json: not there, nor in " + kDataFolder);
+  throw InputError("data/" + name + ".json: not there, nor in " + kDataFolder);
 }
 
 // "k/N"
@@ -115,7 +127,7 @@ CampaignPlan CampaignOf(const std::string& suite) {
   for (const SolverEntry& entry : AllSolvers()) plan.solvers.push_back(entry.key);
   for (const NamedCampaign& campaign : Campaigns()) {
     if (suite != campaign.name) continue;
-    for (const char* manifest : campaign.manifests) plan.manifests.push_back(ManifestOf(manifest));
+    for (const char* manifest : campaign.manifests) plan.manifests.push_back(DataFile(manifest));
     plan.filter = campaign.filter;
     plan.most_rows = campaign.most_rows;
     plan.fills = campaign.fills;
@@ -175,11 +187,17 @@ std::string CampaignNames() {
 
 int RunCampaignCommand(CampaignArguments arguments) {
   CampaignPlan plan = PlanOf(arguments);
+  for (const NamedCampaign& campaign : Campaigns()) {
+    if (campaign.tuned && arguments.suite == campaign.name && arguments.tuned.empty()) {
+      arguments.tuned = DataFile("tuned");
+    }
+  }
   CampaignOptions options;
   options.folder = arguments.output.empty() ? "build/results/" + plan.name : arguments.output;
   options.resume = arguments.resume;
   options.cpu = arguments.cpu;
   if (!arguments.tuned.empty()) AddTunedVariants(arguments.tuned, &plan, &arguments.variants);
+  if (arguments.ablations) options.solver_arguments.emplace_back("--ablations");
   for (const std::string& external : arguments.externals) {
     options.solver_arguments.insert(options.solver_arguments.end(), {"--external", external});
   }
@@ -204,10 +222,13 @@ void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run) {
   worker->group("");  // of no use to people
   const auto externals = AddExternalOption(*worker);
   const auto variants = AddVariantOption(*worker);
-  worker->callback([externals, variants, &run] {
-    run = [externals, variants] {
+  const auto ablations = std::make_shared<bool>(false);
+  worker->add_flag("--ablations", *ablations);
+  worker->callback([externals, variants, ablations, &run] {
+    run = [externals, variants, ablations] {
       RegisterExternals(*externals);
       RegisterVariants(*variants);
+      if (*ablations) RegisterAblations();
       return ServeTasks();
     };
   });

@@ -18,6 +18,7 @@ struct CampaignArguments {
   int passes = 0;
   Index most_rows = 0;
   bool no_fills = false;
+  bool ablations = false;  ///< adds the solvers of RegisterAblations
   std::string filter;  ///< narrows the plan's own
   int cpu = -1;
   bool resume = false;

@@ -27,12 +27,16 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
                    "Timed passes over every stream of problems, at most [default: the campaign's]")
       ->take_last();
   command->add_option("--most-rows", arguments->most_rows, "No larger problems");
+  command->add_flag("--ablations", arguments->ablations,
+                    "Adds our solvers without their own check, and peers with one: for the ablation table");
   command->add_flag("--no-fills", arguments->no_fills, "Only the manifests' own problems, without further seeds");
   command->add_option("--cpu", arguments->cpu, "The processor that solves are kept on");
   command->add_option("--shard", arguments->shard, "k/N, the k-th of N parts; see lcpbench merge")
       ->capture_default_str();
-  command->add_option("--tuned", arguments->tuned,
-                      "Adds KEY-tuned for every solver that `lcpbench tune` chose settings for, data/tuned.json");
+  command->add_option(
+      "--tuned", arguments->tuned,
+      "Adds KEY-tuned for every solver that `lcpbench tune` chose settings for [default of core and standard: "
+      "data/tuned.json]");
   command->add_flag("--benchmark_list_tests", arguments->list,
                     "Prints the names of all that would be solved, and solves nothing");
   command->add_option("--benchmark_out", arguments->benchmark_json, "File for the times in Google Benchmark's JSON");
@@ -44,6 +48,7 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
     run = [arguments, externals, variants] {
       RegisterExternals(*externals);
       RegisterVariants(*variants);
+      if (arguments->ablations) RegisterAblations();
       arguments->externals = *externals;
       arguments->variants = *variants;
       return RunCampaignCommand(*arguments);

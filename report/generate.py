@@ -21,6 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folders of campaigns")
     parser.add_argument("--motion", type=Path, metavar="DIR", help="a folder written by `lcpbench motion`")
     parser.add_argument("--precision", type=Path, metavar="DIR", help="a campaign of `--suite precision`")
+    parser.add_argument("--ablation", type=Path, metavar="DIR", help="a campaign of `--suite ablation`")
     parser.add_argument("--pictures", type=Path, metavar="DIR", help="pictures of the scene families (make pictures)")
     parser.add_argument("--previous", type=Path, metavar="DIR", help="an earlier run of the first campaign: summary.md "
                         "tells what changed")
@@ -34,7 +35,7 @@ def main(arguments: list[str] | None = None) -> int:
         from lcpbench_report.web import gallery
         from lcpbench_report.web.page import render
 
-        inputs = load_inputs(options.campaigns, options.motion, options.precision)
+        inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation)
         for note in inputs.notes:
             print(f"generate.py: note: {note}", file=sys.stderr)
         folder = options.output.parent

@@ -19,6 +19,7 @@ from lcpbench_report import script  # noqa: E402
 def main(arguments: list[str] | None = None) -> int:
     parser = script.Parser(description="The headline of campaigns as Markdown, its figure, and README's numbers.")
     parser.add_argument("folders", nargs="+", type=Path, metavar="FOLDER", help="of a campaign")
+    parser.add_argument("--ablation", type=Path, metavar="DIR", help="a campaign of `--suite ablation`")
     parser.add_argument("--update", type=Path, metavar="FILE", help="write the blocks of numbers of FILE, and the figure "
                         "that it shows")
     options = parser.parse_args(arguments)
@@ -28,7 +29,7 @@ def main(arguments: list[str] | None = None) -> int:
         from lcpbench_report.headline_table import headline
         from lcpbench_report.inputs import load_inputs
 
-        inputs = load_inputs(options.folders)
+        inputs = load_inputs(options.folders, ablation=options.ablation)
         if options.update is None:
             print(markdown_headline.render(inputs, headline(inputs)), end="")
             return

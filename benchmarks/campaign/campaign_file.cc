@@ -77,6 +77,8 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                                {"settings", entry.settings},
                                {"origin", OriginKey(entry.origin)},
                                {"uses_tolerance", entry.uses_tolerance},
+                               {"tolerance", entry.tolerance()},
+                               {"ablation", entry.ablation},
                                {"available", entry.available},
                                {"licence", entry.licence},
                                {"library_version", entry.available ? WorkerVersion(entry.key) : ""}});

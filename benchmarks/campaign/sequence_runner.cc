@@ -122,6 +122,7 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
   const int all = static_cast<int>(steps_.size());
   const bool times_itself = entry.origin != SolverOrigin::kOwn;
   LcpSolver& solver = pool_.Get(entry);
+  solver.SetInSequence(true);
   Record record(request);
   Eigen::VectorXd taken_on;  // by the rows of the step before; empty: nothing
   double spent = 0;

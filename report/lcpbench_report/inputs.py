@@ -9,6 +9,7 @@ import pandas as pd
 from . import motion as motion_file
 from .errors import ReportError
 from .statistics import tables
+from .statistics.ablation import ablation_table
 from .statistics.cells import ablation_cells, cell_table
 from .statistics.load import Campaign, load_campaign
 from .statistics.precision import delivered_table
@@ -27,6 +28,7 @@ class Inputs:
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
     precision: pd.DataFrame | None = None  # statistics.precision's table `delivered` of a campaign over every decade
+    ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
     @cached_property
     def solvers(self) -> list[dict]:
@@ -71,15 +73,20 @@ class Inputs:
     def analysis(self) -> tables.Tables:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
         makers = tables.makers_of(self.cells, self.ablated, self.solvers) if len(self.cells) else {}
+        if self.ablation is not None:
+            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), ablation_cells(self.ablation),
+                                         self.ablation.info["solvers"])
         stepped = [campaign for campaign in self.campaigns if campaign.passes]
         if stepped:
             makers |= {name: partial(_of_steps, table, stepped) for name, table in tables.STEP_TABLES.items()}
         return tables.Tables(makers)
 
 
-def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None) -> Inputs:
+def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path | None = None,
+                ablation: Path | None = None) -> Inputs:
     """@param motion     a folder of `lcpbench motion`
     @param precision  a campaign that asks for every decade, `--suite precision`; its problems may be those of others
+    @param ablation   a campaign of `--suite ablation`; likewise
     @throws ReportError for the first thing that does not fit
     """
     campaigns = [load_campaign(folder) for folder in folders]
@@ -105,7 +112,7 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
-                  table, notes, delivered)
+                  table, notes, delivered, load_campaign(ablation) if ablation is not None else None)
 
 
 def _of_steps(table, campaigns: list[Campaign]) -> pd.DataFrame:
