@@ -111,7 +111,7 @@ def deadline_table(campaign: Campaign) -> pd.DataFrame:
             shared |= _quantiles(w_error[~np.isnan(w_error)], {"p99": 0.99, "max": 1.0}, "w_error_")
             for tier in sorted(rounds[0].verified, reverse=True):
                 verified = int(sum(r.verified[tier].sum() for r in rounds))
-                low, high = share_interval(verified, steps)
+                low, high = share_interval(verified / steps, steps)
                 rows.append(shared | {"tier": tier, "verified": verified, "verified_share": verified / steps,
                                       "verified_low": low, "verified_high": high})
     return pd.DataFrame(rows, columns=DEADLINE_COLUMNS)
