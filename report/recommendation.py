@@ -17,7 +17,7 @@ from lcpbench_report import script  # noqa: E402
 
 def main(arguments: list[str] | None = None) -> int:
     parser = script.Parser(description="Make the rules of `lcpbench recommend` of campaigns, and try them.")
-    parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folder of a campaign on problems")
+    parser.add_argument("campaigns", type=Path, nargs="+", metavar="DIR", help="folder of a campaign on problems, or on sequences")
     parser.add_argument("--features", type=Path, required=True, metavar="FILE",
                         help="of all problems, written by `lcpbench recommend --features`")
     parser.add_argument("--leave-out", default="", metavar="FAMILIES",
@@ -27,10 +27,11 @@ def main(arguments: list[str] | None = None) -> int:
 
     def act() -> None:
         from lcpbench_report.recommendation import evaluation, record
-        from lcpbench_report.recommendation.outcomes import read_outcomes
+        from lcpbench_report.recommendation.outcomes import read_outcomes, read_sequences
 
         outcomes = read_outcomes(options.campaigns, options.features)
-        made = record.make(outcomes, frozenset(filter(None, options.leave_out.split(","))))
+        made = record.make(outcomes, read_sequences(options.campaigns),
+                           frozenset(filter(None, options.leave_out.split(","))))
         record.write(made, options.output)
         if made["evaluation"]:
             print(evaluation.as_text(made["evaluation"]))

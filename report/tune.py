@@ -28,8 +28,7 @@ def _parser() -> script.Parser:
     parser.add_argument("--solvers", metavar="KEYS", help="only these, divided by commas [default: all of the build]")
     parser.add_argument("--sizes", default="150,600", help="rows of the scenes, besides the smoke tier")
     parser.add_argument("--problem-seed", type=int, default=21, help="of the scenes")
-    parser.add_argument("--rounds", type=int, default=2, help="how often every cell is visited")
-    parser.add_argument("--repetitions", type=int, default=5, help="of a round")
+    parser.add_argument("--passes", type=int, default=3, help="timed passes over every stream")
     parser.add_argument("--cpu", type=int, help="the processor that solves are kept on")
     parser.add_argument("--resume", action="store_true", help="go on with the campaign that the folder has")
     parser.add_argument("--folder", type=Path, default=Path("build/results/tuning"), help="of problems and campaign")
@@ -64,8 +63,8 @@ def main(arguments: list[str] | None = None) -> int:
                 campaign.make_problems(command, options.data, options.folder, sizes, options.problem_seed)
             others = campaign.require_disjoint(manifest, options.data)
             print("no tuning problem is in " + ", ".join(others))
-            folder = campaign.run_campaign(command, manifest, options.folder, tried, options.rounds,
-                                           options.repetitions, options.cpu, options.resume)
+            folder = campaign.run_campaign(command, manifest, options.folder, tried, options.passes,
+                                           options.cpu, options.resume)
         except campaign.CommandError as error:
             return error.status
         asked = record.Asked(options.budget, options.seed, space_file, sizes, options.problem_seed)

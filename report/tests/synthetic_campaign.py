@@ -13,7 +13,7 @@ TIERS = (1e-3, 1e-6, 1e-9)
 SIZES = (10, 20, 50, 100, 200, 500)
 CLASSES = (("1", 1, 1, 1000), ("2-3", 2, 3, 1000), ("4-6", 4, 6, 1000), ("7-12", 7, 12, 1000), ("13-30", 13, 30, 1000),
            ("31-100", 31, 100, 256), ("101-300", 101, 300, 64), ("301-1000", 301, 1000, 64),
-           ("1001-1e4", 1001, 10_000, 0), ("1e4-1e5", 10_001, 100_000, 0), ("1e5-1e6", 100_001, 10**9, 0))
+           ("1001-1e4", 1001, 10_000, 0), ("1e4-1e5", 10_001, 100_000, 0), ("1e5-1e6", 100_001, None, 0))
 FAMILIES = ("piles", "chains")
 COPIES = 4  # problems of one family and size
 ORACLE_PER_ROW = 1e-7  # [s]
@@ -37,7 +37,7 @@ class Noise:
 
 
 def size_class(rows: int) -> str:
-    return next(key for key, least, most, _ in CLASSES if least <= rows <= most)
+    return next(key for key, least, most, _ in CLASSES if least <= rows and (most is None or rows <= most))
 
 
 def times_of_passes(rng, median: float, noise: Noise) -> list[float]:
@@ -170,8 +170,8 @@ def slower(record: dict, factor: float) -> dict:
 
 def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[dict]:
     common = {"solver": solver, "size_class": size, "tier": tier, "first": task[0]["number"], "count": len(task),
-              "environment": "0"}
-    judge = common | {"kind": "judge", "pass": 0, "excluded": task[0]["excluded"]}
+              "excluded": task[0]["excluded"], "environment": "0"}
+    judge = common | {"kind": "judge", "pass": 0}
     if task[0]["excluded"]:
         return [judge]
     judge |= {"attempted": len(task), **{key: [cell[key] for cell in task] for key in JUDGED},
@@ -180,7 +180,7 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
         lines.append(common | {"kind": "fresh", "pass": index + 1, "fresh_s": [c["fresh_s"][index] for c in task],
-                               "group": 1, "changed": [], "failed": [],
+                               "group": 1, "failed": [],
                                "disturbance": {"probe_s": 1e-3, "cpu_share": 1.0, "switches": 0, "reruns": 0,
                                                "disturbed": any(index in c["disturbed"] for c in task)}})
     lines.append(common | {"kind": "parts", "pass": 1} | {

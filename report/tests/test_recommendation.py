@@ -14,12 +14,17 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import recommendation as command  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.recommendation import evaluation, lists, record, regions, rules  # noqa: E402
-from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes  # noqa: E402
+from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences  # noqa: E402
+from lcpbench_report.statistics.cells import cell_table  # noqa: E402
+from lcpbench_report.statistics.load import load_campaign  # noqa: E402
+import synthetic_campaign  # noqa: E402
+from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences  # noqa: E402
 
 EDGES = {"rows": [0, 50]}
 FAMILIES = ("arches", "boxes", "chains", "discs")
@@ -37,14 +42,14 @@ def outcomes_of(latency, families=FAMILIES, sizes=(10, 20, 100, 200), tiers=(1e-
                         time = latency(solver, family, size, tier)
                         rows.append({"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size,
                                      "seed": float(seed), "solver": solver, "tier": tier, "verified": time < math.inf,
-                                     "false_success": False, "excluded": False, "latency_s": time, "solve_s": time})
+                                     "false_success": False, "excluded": False, "weight": 1.0, "time_s": time})
     table = pd.DataFrame(rows)
     features = table.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
-    return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}])
+    return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}], EDGES)
 
 
 def candidates_by_region(outcomes: Outcomes, leave_out=frozenset()) -> dict:
-    found = rules.make_regions(outcomes, leave_out, EDGES)
+    found = rules.make_regions(outcomes, leave_out)
     return {(region["tier"], region["where"]["rows"][0]): region["candidates"] for region in found}
 
 
@@ -70,8 +75,9 @@ class ChooseTest(unittest.TestCase):
         self.assertEqual(self.choose({"a": [1.0, 1.0], "twin": [1.0, 1.0]}), ["a"])
 
     def test_families_weigh_the_same_however_many_problems_they_have(self):
-        weights = lists.family_weights(pd.Series(["large"] * 9 + ["small"]))
+        weights = lists.family_weights(pd.Series(["large"] * 9 + ["small"]), pd.Series([0.5] * 2 + [1.0] * 8))
         self.assertAlmostEqual(weights[:9].sum(), weights[9:].sum())
+        self.assertAlmostEqual(weights[0] / weights[2], 0.5)  # of one base
         ratios = pd.DataFrame({"of_nine": [1.0] * 9 + [3.0], "of_one": [1.2] * 9 + [1.0]})
         self.assertEqual(lists.choose(ratios, weights, set(), 1), ["of_one"])
         self.assertEqual(lists.choose(ratios, np.ones(10), set(), 1), ["of_nine"])
@@ -94,7 +100,8 @@ class RegionsTest(unittest.TestCase):
         made = outcomes_of(lambda solver, family, rows, tier: {"a": 2, "b": 1, "c": 3}[solver] if family == "arches"
                            else {"a": 1, "b": 2, "c": 3}[solver], sizes=(10,))
         made.features["spread"] = [1.0 if name.startswith("arches") else 0.0 for name in made.features.index]
-        found = rules.make_regions(made, frozenset(), EDGES | {"spread": [0, 1]})
+        made.edges = EDGES | {"spread": [0, 1]}
+        found = rules.make_regions(made)
         lone = [region for region in found if region["where"]["spread"][0] == 1]
         self.assertEqual([region["problems"] for region in lone], [4, 4])
         self.assertEqual([region["candidates"] for region in lone], [["a", "b"]] * 2)
@@ -102,17 +109,10 @@ class RegionsTest(unittest.TestCase):
     def test_solvers_are_ranked_by_how_often_they_are_near_the_best(self):
         made = outcomes_of(lambda solver, family, rows, tier:
                            {"a": math.inf if family == "discs" else 1, "b": 1.2, "c": 9}[solver])
-        self.assertEqual(rules.make_regions(made, frozenset(), EDGES)[0]["solvers"],
+        self.assertEqual(rules.make_regions(made)[0]["solvers"],
                          [{"solver": "b", "verified": 1.0, "within": 1.0},
                           {"solver": "a", "verified": 0.75, "within": 0.75},
                           {"solver": "c", "verified": 1.0, "within": 0.0}])
-
-
-class MeasuresTest(unittest.TestCase):
-    def test_a_list_has_who_is_best_with_set_up_and_who_is_best_without(self):
-        made = outcomes_of(lambda solver, family, rows, tier: {"a": 1.0, "b": 5.0, "c": 9.0}[solver])
-        made.table.loc[made.table.solver == "b", "solve_s"] = 0.1
-        self.assertEqual(set(candidates_by_region(made)[(1e-3, 0)]), {"a", "b"})
 
 
 class EvaluationTest(unittest.TestCase):
@@ -124,8 +124,7 @@ class EvaluationTest(unittest.TestCase):
 
     def rows_of(self, made: Outcomes) -> dict:
         table = rules.tier_tables(made)[0]
-        return {row["group"]: row for row in evaluation.held_out(made, table, table.families, EDGES)
-                if row["measure"] == "latency_s"}
+        return {row["group"]: row for row in evaluation.held_out(made, table, table.families, EDGES)}
 
     def test_a_family_that_needs_what_no_other_needs_does_not_pass(self):
         found = self.rows_of(outcomes_of(self.odd_one_out))
@@ -142,8 +141,8 @@ class EvaluationTest(unittest.TestCase):
         second = outcomes_of(lambda solver, family, rows, tier: 1e-9 if family == "discs" and solver == "b"
                              else self.odd_one_out(solver, family, rows, tier))
         leave_out = frozenset({"discs"})
-        self.assertEqual(rules.make_regions(first, leave_out, EDGES), rules.make_regions(second, leave_out, EDGES))
-        self.assertNotEqual(rules.make_regions(first, edges=EDGES), rules.make_regions(second, edges=EDGES))
+        self.assertEqual(rules.make_regions(first, leave_out), rules.make_regions(second, leave_out))
+        self.assertNotEqual(rules.make_regions(first), rules.make_regions(second))
 
     def test_nine_of_ten_problems_are_enough_and_eight_are_not(self):
         for wrong, passes in ((1, True), (2, False)):
@@ -151,8 +150,7 @@ class EvaluationTest(unittest.TestCase):
                                {"a": 1.0 if family != "discs" or rows > wrong else 9.0, "b": 5.0, "c": 1.0}[solver],
                                sizes=range(1, 11))
             # Only the family that is held out would want c.
-            made.table.loc[(made.table.solver == "c") & (made.table.family != "discs"),
-                               ["latency_s", "solve_s"]] = 9.0
+            made.table.loc[(made.table.solver == "c") & (made.table.family != "discs"), "time_s"] = 9.0
             row = self.rows_of(made)["discs"]
             self.assertEqual((row["problems"], row["right"], row["passes"]), (10, 10 - wrong, passes))
 
@@ -164,9 +162,9 @@ class EvaluationTest(unittest.TestCase):
 
     def test_seeds_are_held_out_as_families_are(self):
         made = outcomes_of(lambda solver, family, rows, tier: {"a": 1, "b": 2, "c": 3}[solver], seeds=(1, 2, 3))
-        found = evaluation.evaluate(made, EDGES)
+        found = evaluation.evaluate(made)
         self.assertEqual([(row["seed"], row["problems"]) for row in found["seeds"]
-                          if (row["tier"], row["measure"]) == (1e-3, "latency_s")],
+                          if row["tier"] == 1e-3],
                          [(1, 16), (2, 16), (3, 16)])
         self.assertEqual(found["tiers"][0]["seeds"],
                          {"groups": 3, "pass": 3, "problems": 48, "right": 48, "share": 1.0})
@@ -181,10 +179,10 @@ class EvaluationTest(unittest.TestCase):
         made = outcomes_of(latency, families, sizes=(1, 2, 3, 4, 5), tiers=(1e-3,),
                            solvers=[f"s{k}" for k in range(1, 7)])
         made.features["kind"] = [float(name.startswith("d")) for name in made.features.index]
-        found = {tuple(of["features"]): of for of in evaluation.compare_divisions(made, EDGES)}
-        self.assertEqual(found[("rows",)]["right"], 240)
-        self.assertEqual(found[("rows", "kind")]["right"], 280)
-        self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (48, 56))
+        found = {tuple(of["features"]): of for of in evaluation.compare_divisions(made)}
+        self.assertEqual(found[("rows",)]["right"], 120)
+        self.assertEqual(found[("rows", "kind")]["right"], 140)
+        self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (24, 28))
 
 
 class CommandTest(unittest.TestCase):
@@ -193,37 +191,21 @@ class CommandTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
-    def write_campaign(self, latency=1e-5) -> tuple[Path, Path]:
-        """A folder of two own solvers and a peer, and the features of its problems."""
+    def write_campaign(self) -> tuple[Path, Path]:
+        """A folder of three own solvers, one of them of an ablation, and a peer, and the features of its problems. A
+        fill-up has none."""
         folder = self.folder / "campaign"
-        folder.mkdir(exist_ok=True)
-        solvers = {"auto": "own", "pgs": "own", "peer": "peer"}
-        info = {"schema": "lcpbench-campaign/1", "name": "made-up", "tiers": [1e-6], "manifests": [],
-                "limits": {"time_per_row_s": 1e-3, "least_s": 0.2, "most_s": 2},
-                "environment": {"git_commit": "abc", "cpu": "none"},
-                "solvers": [{"key": key, "setting": "default", "origin": origin, "uses_tolerance": False,
-                             "available": True} for key, origin in solvers.items()]}
-        (folder / "campaign.json").write_text(json.dumps(info))
-        problems, cells, features = [], [], []
-        for family in FAMILIES:
-            for rows in (4, 40, 400):
-                name = f"{family}-n{rows}-s1"
-                problems.append({"problem": name, "set": "made-up", "family": family, "rows": rows,
-                                 "reference": "certified", "counts": True, "oracle_s": None, "floor": None})
-                features.append({"problem": name, "rows": rows, "redundancy": None})
-                for key, origin in solvers.items():
-                    cells.append({"problem": name, "solver": key, "tier": 1e-6, "round": 0, "mode": "cold",
-                                  "excluded": "", "claim": "solved", "passes": True, "best_tier": 1e-6,
-                                  "at_floor": False,
-                                  "false_success": False, "false_infeasible": False, "iterations": 1, "reason": "",
-                                  "metrics": {}, "time_limit_s": 1.0,
-                                  "setup_s": [3 * latency if key == "auto" else latency],
-                                  "solve_s": [latency], "convert_s": [latency] if origin == "peer" else None,
-                                  "peak_bytes": None})
-        for name, lines in (("problems", problems), ("cells", cells)):
-            (folder / f"{name}.jsonl").write_text("".join(json.dumps(line) + "\n" for line in lines))
+        synthetic_campaign.write_campaign(
+            folder, {"auto": 4.0, "pgs": 1.0, "bare": 0.1, "peer": 2.0}, tiers=(1e-6,), copies=2,
+            change_problem=lambda problem: problem | {"family": problem["family"] + problem["problem"][-1],
+                                                      "fill": problem["problem"] == "ragdoll"},
+            solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "auto"}})
+        info = json.loads((folder / "campaign.json").read_text())
+        (folder / "campaign.json").write_text(json.dumps(info | {"environment": {"git_commit": "abc"}}))
+        problems = [json.loads(line) for line in (folder / "problems.jsonl").read_text().splitlines()]
         path = self.folder / "features.jsonl"
-        path.write_text("".join(json.dumps(line) + "\n" for line in features))
+        path.write_text("".join(json.dumps({"problem": one["problem"], "rows": one["rows"], "redundancy": None}) + "\n"
+                                for one in problems if not one["fill"]))
         return folder, path
 
     def run_command(self, *arguments) -> tuple[int, str, str]:
@@ -235,17 +217,32 @@ class CommandTest(unittest.TestCase):
                 status = end.code
         return status, out.getvalue(), error.getvalue()
 
-    def test_set_up_counts_and_peers_are_told_apart(self):
+    def test_the_fresh_time_counts_and_peers_are_told_apart(self):
         folder, features = self.write_campaign()
         found = read_outcomes([folder], features)
-        self.assertEqual((found.own, found.peers), (["auto", "pgs"], ["peer"]))
-        latency = found.table.groupby("solver").latency_s.median()
-        self.assertAlmostEqual(latency["auto"], 4e-5)
-        self.assertAlmostEqual(latency["pgs"], 2e-5)
-        self.assertAlmostEqual(latency["peer"], 2e-5)
+        self.assertEqual((found.own, found.peers), (["auto", "pgs"], ["peer"]))  # nothing of ablations
+        self.assertEqual(found.edges["rows"][:4], [0, 2, 4, 7])
+        cells = cell_table(load_campaign(folder))
+        np.testing.assert_allclose(found.table.groupby("solver").time_s.median(),
+                                   cells.groupby("solver").fresh_s.median())
         made = record.make(found)
         self.assertEqual({tuple(region["candidates"]) for region in made["regions"]}, {("pgs",)})
         self.assertEqual({tuple(region["peers"]) for region in made["regions"]}, {("peer",)})
+        self.assertEqual(made["sequences"], [])
+
+    def test_sequences_have_lists_by_the_latency_of_warm_steps(self):
+        folder, features = self.write_campaign()
+        passes = [one_pass(name, solver, mode, [time * (1 if mode == "warm" else cold)] * STEPS,
+                           failed=range(5) if solver == "wrong" else ())
+                  for name, _ in SEQUENCES for mode in ("cold", "warm")
+                  for solver, time, cold in (("quick", 1e-5, 9), ("slow", 2e-5, 1), ("wrong", 1e-6, 1))]
+        write_sequences(self.folder / "sequences", passes, [(key, "own") for key in ("quick", "slow", "wrong")])
+        found = read_sequences([folder, self.folder / "sequences"])
+        self.assertEqual(found.table[found.table.solver == "quick"].time_s.tolist(), [1e-5] * len(SEQUENCES))
+        self.assertFalse(found.table[found.table.solver == "wrong"].verified.any())  # on 95 % of the steps
+        made = record.make(read_outcomes([folder], features), found)
+        self.assertEqual({tuple(region["candidates"]) for region in made["sequences"]}, {("quick",)})
+        self.assertIsNone(read_sequences([folder]))
 
     def test_the_file_says_where_it_comes_from_and_is_the_same_each_time(self):
         folder, features = self.write_campaign()
@@ -253,18 +250,17 @@ class CommandTest(unittest.TestCase):
         for output in outputs:
             status, text, error = self.run_command(folder, "--features", features, "-o", output)
             self.assertEqual((status, error), (0, ""))
-            self.assertIn("4 of 4 families pass", text)
+            self.assertIn("5 of 5 families pass", text)
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
         made = json.loads(outputs[0].read_text())
         self.assertEqual((made["schema"], made["campaigns"][0]["commit"]), ("lcpbench-recommendation/1", "abc"))
 
     def test_the_tables_of_a_campaign_without_its_cells_are_enough(self):
         from lcpbench_report.statistics import tables
-        from lcpbench_report.statistics.load import load_campaign
         folder, features = self.write_campaign()
         from_cells = read_outcomes([folder], features).table
         tables.write_tables(load_campaign(folder), folder / tables.FOLDER)
-        (folder / "cells.jsonl").unlink()
+        (folder / "streams.jsonl").unlink()
         written = folder / tables.FOLDER / "cells.csv"
         with gzip.open(f"{written}.gz", "wb") as archive:
             archive.write(written.read_bytes())
@@ -274,10 +270,10 @@ class CommandTest(unittest.TestCase):
     def test_families_can_be_left_out(self):
         folder, features = self.write_campaign()
         output = self.folder / "rules.json"
-        self.assertEqual(self.run_command(folder, "--features", features, "--leave-out", "discs", "-o", output)[0], 0)
+        self.assertEqual(self.run_command(folder, "--features", features, "--leave-out", "piles0", "-o", output)[0], 0)
         made = json.loads(output.read_text())
-        self.assertEqual((made["left_out"], made["evaluation"]), (["discs"], None))
-        self.assertEqual({region["families"] for region in made["regions"]}, {3})
+        self.assertEqual((made["left_out"], made["evaluation"]), (["piles0"], None))
+        self.assertLessEqual({region["families"] for region in made["regions"]}, {3, 4})
 
     def test_mistakes_are_one_line(self):
         folder, features = self.write_campaign()

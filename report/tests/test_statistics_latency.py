@@ -35,11 +35,11 @@ class StepTables(unittest.TestCase):
     def load(self, passes: list[dict]):
         return load_campaign(write_sequences(self.folder, passes))
 
-    def test_quantiles_of_a_pass_are_those_of_set_up_and_solve(self):
-        row = latency_table(self.load([one_pass("pile-12", "quick", "cold", RISING, setup_s=1e-6, failed=[7])])).iloc[0]
+    def test_quantiles_of_a_pass_are_those_of_its_one_interval(self):
+        row = latency_table(self.load([one_pass("pile-12", "quick", "cold", RISING, failed=[7])])).iloc[0]
         self.assertEqual((row["rows"], row["family"], row["steps"], row["verified"]), (12, "pile", STEPS, STEPS - 1))
-        np.testing.assert_allclose(row[["p50", "p99", "max", "raw_max"]].tolist(), [52e-6, 101e-6, 102e-6, 102e-6])
-        np.testing.assert_allclose(row[["setup_p50", "solve_p50"]].tolist(), [1e-6, 51e-6])
+        np.testing.assert_allclose(row[["p50", "p99", "max", "raw_max"]].tolist(), [51e-6, 100e-6, 101e-6, 101e-6])
+        np.testing.assert_allclose(row[["setup_p50", "solve_p50"]].tolist(), [51e-6 / 4, 3 * 51e-6 / 4])
 
     def test_of_every_step_the_median_over_rounds_counts_and_the_worst_is_told(self):
         disturbed = [1e-3, *RISING[1:]]
@@ -59,17 +59,14 @@ class StepTables(unittest.TestCase):
                 np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
                 self.assertEqual(row["preempted"], 1 - undisturbed)
 
-    def test_the_boundary_between_processes_is_no_latency(self):
-        line = one_pass("pile-12", "peer", "cold", RISING, setup_s=1.0, convert_s=5e-6)
+    def test_parts_explain_and_are_not_summed(self):
+        """Of a peer they may be unknown; its latency has its set-up inside, as everybody's."""
+        line = one_pass("pile-12", "peer", "cold", RISING, parts=False)
         row = latency_table(self.load([line])).iloc[0]
-        np.testing.assert_allclose(row[["p50", "max", "convert_p50"]].tolist(), [56e-6, 106e-6, 5e-6])
-
-    def test_the_solve_alone_compares_those_with_set_up_and_those_without(self):
-        for setup, convert, whole in ((2e-6, None, 53e-6), (1.0, 5e-6, 56e-6)):
-            row = latency_by_solver_table(self.load([one_pass("pile-12", "peer", "cold", RISING, setup_s=setup,
-                                                              convert_s=convert)])).iloc[0]
-            np.testing.assert_allclose(row[["p50", "solve_p50", "solve_p99", "solve_max"]].tolist(),
-                                       [whole, 51e-6, 100e-6, 101e-6])
+        np.testing.assert_allclose(row[["p50", "max"]].tolist(), [51e-6, 101e-6])
+        self.assertTrue(row[["setup_p50", "solve_p50", "convert_p50"]].isna().all())
+        row = latency_table(self.load([line | {"setup_s": [1.0] * STEPS}])).iloc[0]
+        np.testing.assert_allclose(row[["p50", "setup_p50"]].tolist(), [51e-6, 1.0])
 
     def test_steps_that_were_not_reached_take_for_ever(self):
         row = latency_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
@@ -130,7 +127,7 @@ class StepTables(unittest.TestCase):
         write_sequences(self.folder, [one_pass("pile-12", "quick", "warm", RISING)])
         for empty in (False, True):
             if empty:
-                for name in ("problems.jsonl", "cells.jsonl"):
+                for name in ("problems.jsonl", "streams.jsonl"):
                     (self.folder / name).touch()
             self.assertEqual(analyse.main([str(self.folder)]), 0)
             written = {path.stem for path in (self.folder / FOLDER).iterdir()}
@@ -172,8 +169,8 @@ class Refusals(unittest.TestCase):
 
     def test_values_that_do_not_fit_are_refused(self):
         for change, text in (({"sequence": "other"}, "sequence"), ({"solver": "absent"}, "solver"),
-                             ({"tier": 1e-4}, "tier"), ({"solve_s": RISING[1:]}, "solve_s"),
-                             ({"setup_s": [-1.0] * STEPS}, "setup_s"), ({"late": [STEPS]}, "late"),
+                             ({"tier": 1e-4}, "tier"), ({"latency_s": RISING[1:]}, "latency_s"),
+                             ({"latency_s": None}, "latency_s"), ({"setup_s": [-1.0] * STEPS}, "setup_s"), ({"late": [STEPS]}, "late"),
                              ({"rho": ["x"] * STEPS}, "rho"), ({"outcome": "fine"}, "outcome"),
                              ({"steps": 7}, "steps"), ({"verdicts": []}, "verdict")):
             self.assert_refused([self.line | change], text)

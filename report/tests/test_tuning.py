@@ -98,8 +98,24 @@ class Choice(unittest.TestCase):
         self.assertEqual([o.mean_s for o in found], [o.mean_s for o in expected])
         self.assertEqual(found[0].problems, 64)
 
+    def test_every_size_class_weighs_the_same(self):
+        """Fifty small problems say one thing, ten large ones, by as much, the opposite: that is no gain."""
+        rng = np.random.default_rng(5)
+        small, large = (median_times(rng, {"default": 1.0, "other": factor}, problems)
+                        for factor, problems in ((0.5, 50), (2.0, 10)))
+        cells = pd.concat([cells_of(small.rename(index=str)),
+                           cells_of(large.rename(index=lambda k: f"large-{k}"), size_class="301-1000")])
+        ratio = choice.judge(cells, ["default", "other"])[1].ratio
+        self.assertAlmostEqual(ratio, 1.0, delta=0.15)
+        self.assertLess(choice.judge(cells.assign(size_class="1"), ["default", "other"])[1].ratio, 0.75)
+
+    def test_an_answer_below_the_tier_is_as_bad_as_a_false_success(self):
+        cells = cells_of(self.times)
+        cells.loc[(cells["solver"] == "fast") & (cells["problem"] == 3), ["verdict", "time_s"]] = ["below the tier", math.inf]
+        outcome = choice.judge(cells, list(self.times.columns))[1]
+        self.assertEqual((outcome.false_successes, outcome.allowed), (1, False))
+
     def test_the_interval_of_the_gain_holds_the_gain(self):
-        # The shift makes less of a gain on short times: here it is far below all of them.
         outcome = choice.judge(cells_of(1e4 * self.times).assign(time_limit_s=math.inf), list(self.times.columns))[1]
         self.assertLess(outcome.ratio_low, outcome.ratio)
         self.assertLess(outcome.ratio, outcome.ratio_high)
@@ -200,7 +216,7 @@ class Record(unittest.TestCase):
     def test_says_what_was_tried_and_what_is_chosen(self):
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            noise = Noise(repetition=0.02, repetitions=5, rounds=2)
+            noise = Noise(problem=0.02)
             write_campaign(folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=noise)
             asked = record.Asked(8, 1, DATA / "tuning.json", [10], 21)
             said: list[str] = []

@@ -3,8 +3,7 @@
 For every family rules are made of all other families. On each of its problems the recommendation is the fastest of
 the candidates that is verified there, since that is what `lcpbench recommend` finds out by measuring them; it is right
 where its time is within WITHIN of the best measured solver. A family passes where the median of that ratio is at
-most WITHIN and it is right on LEAST_SHARE of the problems or more. That is judged by each measure (MEASURES); the lists
-are the same. The same with seeds in the place of families.
+most WITHIN and it is right on LEAST_SHARE of the problems or more. The same with seeds in the place of families.
 """
 
 import math
@@ -13,35 +12,35 @@ import numpy as np
 import pandas as pd
 
 from . import lists
-from .outcomes import MEASURES, Outcomes
-from .regions import EDGES, Edges
+from .outcomes import Outcomes
+from .regions import Edges
 from .rules import TierTable, choose_candidates, partition, tier_tables
 
 LEAST_SHARE = 0.9
 
 
-def evaluate(outcomes: Outcomes, edges: Edges = EDGES) -> dict:
+def evaluate(outcomes: Outcomes) -> dict:
     """The member `evaluation` (benchmarks/RESULTS.md)."""
-    tables = tier_tables(outcomes)
+    tables, edges = tier_tables(outcomes), outcomes.edges
     by_family = [row for table in tables for row in held_out(outcomes, table, table.families, edges)]
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]
     return {"within": lists.WITHIN, "least_share": LEAST_SHARE, "most_candidates": lists.MOST,
-            "divisions": compare_divisions(outcomes, edges),
-            "tiers": [_summary(table.tier, measure, by_family, by_seed) for table in tables for measure in MEASURES],
+            "divisions": compare_divisions(outcomes),
+            "tiers": [_summary(table.tier, by_family, by_seed) for table in tables],
             "families": [_plain(row, "family") for row in by_family], "seeds": [_plain(row, "seed") for row in by_seed]}
 
 
-def compare_divisions(outcomes: Outcomes, edges: Edges) -> list[dict]:
-    """What the regions of `edges` are worth for families that were held out, and those divided once more by each other
+def compare_divisions(outcomes: Outcomes) -> list[dict]:
+    """What the regions of the outcomes' edges are worth for families that were held out, and those divided once more by each other
     feature, at its median or, where that is its least value, above it: whether a feature helps."""
-    divisions = [edges]
+    divisions = [outcomes.edges]
     for name in outcomes.features.columns:
         values = outcomes.features[name].dropna()
-        if name in edges or values.nunique() < 2:
+        if name in outcomes.edges or values.nunique() < 2:
             continue
         least, middle = float(values.min()), float(values.median())
         above = middle if middle > least else float(values[values > least].min())
-        divisions.append(edges | {name: [least, above]})
+        divisions.append(outcomes.edges | {name: [least, above]})
     tables = tier_tables(outcomes)
     found = []
     for division in divisions:
@@ -53,7 +52,7 @@ def compare_divisions(outcomes: Outcomes, edges: Edges) -> list[dict]:
 
 
 def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edges) -> list[dict]:
-    """A row per group (of problems), held out in turn, and measure."""
+    """A row per group (of problems), held out in turn."""
     numbers, sizes = partition(outcomes, edges)
     own = [key for key in outcomes.own if key in table.verified]
     rows = []
@@ -64,13 +63,10 @@ def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edg
             continue
         # Of the table nothing but the training problems' rows is read.
         candidates = choose_candidates(table, numbers, sizes, own, training)
-        for measure, times in table.times.items():
-            of_region = numbers[problems]
-            found = pd.concat([
-                times.loc[problems[(of_region == number).to_numpy()], candidates.solvers[number]].min(axis=1)
-                for number in of_region.unique()])
-            rows.append({"group": group, "tier": table.tier, "measure": measure}
-                        | _judge(found[problems], times.loc[problems], own))
+        times, of_region = table.times, numbers[problems]
+        found = pd.concat([times.loc[problems[(of_region == number).to_numpy()], candidates.solvers[number]].min(axis=1)
+                           for number in of_region.unique()])
+        rows.append({"group": group, "tier": table.tier} | _judge(found[problems], times.loc[problems], own))
     return rows
 
 
@@ -91,10 +87,10 @@ def _median(ratio: pd.Series) -> float:
     return float(np.quantile(ratio, 0.5, method="lower")) if len(ratio) else math.nan
 
 
-def _summary(tier: float, measure: str, by_family: list[dict], by_seed: list[dict]) -> dict:
-    summary: dict = {"tier": tier, "measure": measure}
+def _summary(tier: float, by_family: list[dict], by_seed: list[dict]) -> dict:
+    summary: dict = {"tier": tier}
     for name, rows in (("families", by_family), ("seeds", by_seed)):
-        of_tier = [row for row in rows if (row["tier"], row["measure"]) == (tier, measure)]
+        of_tier = [row for row in rows if row["tier"] == tier]
         problems = sum(row["problems"] for row in of_tier)
         summary[name] = {"groups": len(of_tier), "pass": sum(row["passes"] for row in of_tier), "problems": problems,
                          "right": sum(row["right"] for row in of_tier),
@@ -114,13 +110,13 @@ def _digits(value: float) -> float | None:
 
 
 def as_text(evaluation: dict) -> str:
-    """A table per tier and measure."""
+    """A table per tier."""
     lines = []
     for summary in evaluation["tiers"]:
-        lines.append(f"tier {summary['tier']:g}, {summary['measure']}, rules made without the family: share of its "
+        lines.append(f"tier {summary['tier']:g}, rules made without the family: share of its "
                      f"problems within {evaluation['within']:g} x of the best own solver (of all solvers)")
         for row in evaluation["families"]:
-            if (row["tier"], row["measure"]) != (summary["tier"], summary["measure"]):
+            if row["tier"] != summary["tier"]:
                 continue
             median, worst = (f"{row[key]:.3g}" if row[key] is not None else "-" for key in ("median", "worst"))
             lines.append(f"  {row['family']:<18} {row['right']:>3} of {row['problems']:>3}  {row['share'] or 0:7.1%} "
@@ -130,7 +126,7 @@ def as_text(evaluation: dict) -> str:
             of = summary[name]
             lines.append(f"  {of['pass']} of {of['groups']} {name} pass; "
                          f"{of['share'] or 0:.1%} of {of['problems']} problems")
-    lines.append("regions by, all tiers and measures:")
+    lines.append("regions by, all tiers:")
     for of in evaluation["divisions"]:
         lines.append(f"  {', '.join(of['features']):<28} {of['pass']} of {of['families']} families pass; "
                      f"{of['right']} of {of['problems']} problems")

@@ -10,14 +10,14 @@ _WORST = 1e3  # a slower or failed answer is no worse than that
 _LOG_WEIGHT = 0.1  # of the logarithm of the ratio, where a problem is not near
 
 
-def family_weights(families: pd.Series) -> np.ndarray:
-    """Of every problem, so that all families weigh the same: they have different numbers of problems."""
-    return (1 / families.map(families.value_counts())).to_numpy()
+def family_weights(families: pd.Series, weights: pd.Series) -> np.ndarray:
+    """Of every problem, so that all families weigh the same, with what its problems weigh within each."""
+    return (weights / weights.groupby(families).transform("sum")).to_numpy()
 
 
-def ratios(latencies: pd.DataFrame, best: pd.Series) -> pd.DataFrame:
-    """Of every problem (row) and solver (column) the latency over the best one; 1e3 where it is more or failed."""
-    return latencies.div(best, axis=0).clip(upper=_WORST).fillna(_WORST)
+def ratios(times: pd.DataFrame, best: pd.Series) -> pd.DataFrame:
+    """Of every problem (row) and solver (column) the time over the best one; 1e3 where it is more or failed."""
+    return times.div(best, axis=0).clip(upper=_WORST).fillna(_WORST)
 
 
 def choose(of_region: pd.DataFrame, weights: np.ndarray, false_success: set[str], most: int = MOST) -> list[str]:

@@ -11,58 +11,93 @@ import pandas as pd
 
 from ..errors import ReportError
 from ..statistics.cells import cell_table
-from ..statistics.jsonl import read_lines
-from ..statistics.load import load_campaign
+from ..statistics.jsonl import is_there, read_lines
+from ..statistics.latency import latency_table
+from ..statistics.load import STREAMS_FILE, load_campaign
+from ..statistics.steps import FILE as STEPS_FILE
+from .regions import Edges
 
 _TABLES = ("cells.csv", "cells.csv.gz")  # of the folder analysis; the second as an archive has it
-_COLUMNS = ["problem", "family", "rows", "solver", "tier", "mode", "excluded", "passes", "false_success", "time_s",
-            "setup_s", "convert_s"]
-_MODE = "cold"
-# How a solver is timed: a new one with its set-up, and one that is set up already. One that an engine keeps from step
-# to step lies between them: its set-up finds workspace and what is known of the structure.
-MEASURES = ("latency_s", "solve_s")
+_COLUMNS = ["problem", "family", "weight", "fill", "rows", "solver", "tier", "excluded", "passes", "false_success",
+            "time_s"]
+_STEPS_RIGHT = 0.99  # of a sequence's steps: less counts as failed
+_WARM = "warm"
 
 
 @dataclass
 class Outcomes:
-    """`table` has the columns problem, family, rows, seed, solver, tier, verified, false_success, excluded, and
-    of MEASURES (infinite where the answer was not verified); `features` a row per problem, by its name."""
+    """`table` has the columns problem, family, weight, rows, seed, solver, tier, verified, false_success, excluded and
+    time_s (infinite where the answer was not verified): the fresh time, from the caller's arrays to f; of sequences the
+    median latency of a step from a warm start. `features`: a row per problem, by its name."""
 
     table: pd.DataFrame
     features: pd.DataFrame
     own: list[str]  # keys of solvers that can be linked
     peers: list[str]
     campaigns: list[dict]  # where the numbers come from
+    edges: Edges  # of the regions: the size classes
 
 
 def read_outcomes(folders: Iterable[Path], features: Path) -> Outcomes:
-    """The cells of campaigns' folders. The tables of `lcpbench analyse` are taken where they are newer than the cells,
-    which saves a minute.
-
-    A latency is set-up and solve; of solvers in processes of their own solve and conversion.
+    """The cells of campaigns' folders. The tables of `lcpbench analyse` are taken where they are newer than the streams,
+    which saves a minute. Solvers of ablations are left out.
 
     @param features  written by `lcpbench recommend --features`: JSON lines
     @throws ReportError for the first thing that does not fit
     """
-    tables, campaigns = [], []
-    origins: dict[str, str] = {}
-    for folder in folders:
-        info = _info(folder)
-        origins |= {solver["key"]: solver["origin"] for solver in info["solvers"] if solver["available"]}
-        campaigns.append(_provenance(info))
-        tables.append(_cells(folder))
-    cells = pd.concat(tables, ignore_index=True)
-    cells = cells[(cells["mode"] == _MODE) & cells.solver.isin(origins)]
+    infos = [_info(folder) for folder in folders]
+    origins = _origins(infos)
+    cells = pd.concat([_cells(folder) for folder in folders], ignore_index=True)
+    cells = cells[cells.solver.isin(origins)]
     twice = cells.duplicated(["problem", "solver", "tier"])
     if twice.any():
         raise ReportError("campaigns", f"problem {cells[twice].problem.iloc[0]!r} is in two", "every cell once")
     known = _features(features)
-    missing = sorted(set(cells.problem) - set(known.index))
+    problems = cells.drop_duplicates("problem").set_index("problem")
+    missing = sorted(set(problems.index[~problems["fill"].astype(bool)]) - set(known.index))
     if missing:
         raise ReportError(features.name, f"no line for problem {missing[0]!r}",
-                          "a line for every problem of the campaigns")
+                          "a line for every problem of the campaigns that is no fill-up")
+    known = known.reindex(problems.index)  # of what fills up a stream no more is known
+    known["rows"] = problems["rows"].astype(float)
     own = [key for key, origin in origins.items() if origin == "own"]
-    return Outcomes(_outcomes(cells, set(own)), known, own, [key for key in origins if key not in own], campaigns)
+    return Outcomes(_outcomes(cells), known, own, [key for key in origins if key not in own],
+                    [_provenance(info) for info in infos], _edges(infos))
+
+
+def read_sequences(folders: Iterable[Path]) -> Outcomes | None:
+    """Sequences take the place of problems; none where no campaign has passes over them."""
+    rows, infos = [], []
+    for folder in folders:
+        if not is_there(folder / STEPS_FILE):
+            continue
+        campaign = load_campaign(folder)
+        table = latency_table(campaign)
+        table = table[(table["mode"] == _WARM) & table["solver"].isin(_origins([campaign.info]))]
+        infos.append(campaign.info)
+        for one in table.to_dict("records"):
+            verified = not one["excluded"] and one["verified_share"] >= _STEPS_RIGHT
+            rows.append({"problem": one["sequence"], "weight": 1.0, "seed": math.nan, "verified": verified,
+                         "false_success": one["false_successes"] > 0, "excluded": one["excluded"] != "",
+                         "time_s": one["p50"] if verified else math.inf,
+                         **{key: one[key] for key in ("family", "rows", "solver", "tier")}})
+    if not rows:
+        return None
+    found, origins = pd.DataFrame(rows), _origins(infos)
+    features = found.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
+    own = [key for key, origin in origins.items() if origin == "own"]
+    return Outcomes(found, features, own, [key for key in origins if key not in own],
+                    [_provenance(info) for info in infos], _edges(infos))
+
+
+def _origins(infos: list[dict]) -> dict[str, str]:
+    return {solver["key"]: solver["origin"] for info in infos for solver in info["solvers"]
+            if solver["available"] and not solver["ablation"]}
+
+
+def _edges(infos: list[dict]) -> Edges:
+    """A problem without rows is in the first class."""
+    return {"rows": [0, *(of["least"] for of in infos[0]["size_classes"][1:])]}
 
 
 def _info(folder: Path) -> dict:
@@ -71,7 +106,7 @@ def _info(folder: Path) -> dict:
         raise ReportError(path.name, f"missing in {folder}", "the files of a campaign, benchmarks/RESULTS.md")
     try:
         info = json.loads(path.read_text("utf-8"))
-        return info | {"solvers": list(info["solvers"]), "manifests": list(info["manifests"])}
+        return info | {key: list(info[key]) for key in ("solvers", "manifests", "size_classes")}
     except (ValueError, KeyError, TypeError) as error:
         raise ReportError(str(path), str(error), "a campaign's description, benchmarks/RESULTS.md") from error
 
@@ -86,10 +121,10 @@ def _provenance(info: dict) -> dict:
 
 
 def _cells(folder: Path) -> pd.DataFrame:
-    cells = folder / "cells.jsonl"
+    streams = folder / STREAMS_FILE
     for table in (folder / "analysis" / name for name in _TABLES):
-        if table.is_file() and (not cells.is_file() or table.stat().st_mtime >= cells.stat().st_mtime):
-            return pd.read_csv(table, usecols=_COLUMNS, low_memory=False)
+        if table.is_file() and (not streams.is_file() or table.stat().st_mtime >= streams.stat().st_mtime):
+            return pd.read_csv(table, usecols=_COLUMNS, low_memory=False)[_COLUMNS]
     return cell_table(load_campaign(folder))[_COLUMNS]
 
 
@@ -102,15 +137,12 @@ def _features(path: Path) -> pd.DataFrame:
     return pd.DataFrame(lines).drop_duplicates("problem").set_index("problem").astype(float)
 
 
-def _outcomes(cells: pd.DataFrame, own: set[str]) -> pd.DataFrame:
-    beside = np.where(cells.solver.isin(own), cells.setup_s, cells.convert_s.fillna(0))
-    verified = cells.passes.astype(bool)
-    found = cells[["problem", "family", "rows", "solver", "tier"]].copy()
-    found["verified"] = verified
+def _outcomes(cells: pd.DataFrame) -> pd.DataFrame:
+    found = cells[["problem", "family", "weight", "rows", "solver", "tier"]].copy()
+    found["verified"] = cells.passes.astype(bool)
     found["false_success"] = cells.false_success.astype(bool)
     found["excluded"] = cells.excluded.notna() & (cells.excluded != "")
-    found["latency_s"] = np.where(verified, cells.time_s + beside, math.inf)
-    found["solve_s"] = np.where(verified, cells.time_s, math.inf)
+    found["time_s"] = np.where(found["verified"], cells.time_s, math.inf)
     # Names end in -sSEED; grids of one property have seeds from 101 on.
     found["seed"] = found.problem.str.extract(r"-s(\d+)$", expand=False).astype(float)
     return found.reset_index(drop=True)

@@ -6,23 +6,23 @@ from pathlib import Path
 from ..errors import ReportError
 from . import evaluation, lists
 from .outcomes import Outcomes
-from .regions import EDGES
 from .rules import make_regions
 
 SCHEMA = "lcpbench-recommendation/1"
 
 
-def make(outcomes: Outcomes, leave_out: frozenset[str] = frozenset()) -> dict:
-    """@param leave_out  families that the rules are made without; they are then not evaluated either"""
+def make(outcomes: Outcomes, sequences: Outcomes | None = None, leave_out: frozenset[str] = frozenset()) -> dict:
+    """@param sequences  what solvers did from step to step, if it was measured
+    @param leave_out  families that the rules are made without; they are then not evaluated either
+    """
     unknown = leave_out - set(outcomes.table.family)
     if unknown:
         raise ReportError("--leave-out", f"no problem of family {sorted(unknown)[0]!r}",
                           "one of " + ", ".join(sorted(set(outcomes.table.family))))
     return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
-            "measures": {"latency_s": "set-up and solve of a new solver, medians; of peers solve and conversion",
-                         "solve_s": "the solve alone"}, "near": lists.NEAR,
-            "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": EDGES,
+            "near": lists.NEAR, "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": outcomes.edges,
             "regions": make_regions(outcomes, leave_out),
+            "sequences": make_regions(sequences, leave_out) if sequences else [],
             "evaluation": None if leave_out else evaluation.evaluate(outcomes)}
 
 

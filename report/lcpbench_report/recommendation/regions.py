@@ -9,9 +9,6 @@ import pandas as pd
 # By feature the ends of its parts: each begins at one and ends before the next; the last one has no end.
 Edges = dict[str, list[float]]
 
-# Sizes by powers of four: small problems fit into a solver for small ones, large ones do not into caches.
-EDGES: Edges = {"rows": [0, 17, 65, 257, 1025]}
-
 
 def bounds(edges: Edges) -> list[dict[str, tuple[float, float]]]:
     """Of every region, in the order of region_of."""

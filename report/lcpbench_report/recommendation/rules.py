@@ -3,12 +3,11 @@
 import math
 from dataclasses import dataclass
 
-import numpy as np
 import pandas as pd
 
 from . import lists
-from .outcomes import MEASURES, Outcomes
-from .regions import EDGES, Edges, bounds, region_of
+from .outcomes import Outcomes
+from .regions import Edges, bounds, region_of
 
 _LEAST_FAMILIES = 3  # a region with problems of fewer ones takes the list of all problems of its size
 _PEERS = 2  # of a list
@@ -21,8 +20,9 @@ class TierTable:
     tier: float
     families: pd.Series
     seeds: pd.Series
-    # By measure [s], infinite where the answer was not verified; not a number where there was no cell.
-    times: dict[str, pd.DataFrame]
+    weights: pd.Series
+    # [s], infinite where the answer was not verified; not a number where there was no cell.
+    times: pd.DataFrame
     verified: pd.DataFrame
     false_success: pd.DataFrame
 
@@ -33,9 +33,9 @@ def tier_tables(outcomes: Outcomes) -> list[TierTable]:
     for tier in sorted(outcomes.table.tier.unique(), reverse=True):
         cells = outcomes.table[outcomes.table.tier == tier]
         wide = {name: cells.pivot(index="problem", columns="solver", values=name)
-                for name in (*MEASURES, "verified", "false_success")}
+                for name in ("time_s", "verified", "false_success")}
         of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(wide["verified"].index)
-        made.append(TierTable(float(tier), of_problem.family, of_problem.seed, {name: wide[name] for name in MEASURES},
+        made.append(TierTable(float(tier), of_problem.family, of_problem.seed, of_problem.weight, wide["time_s"],
                               wide["verified"].eq(True), wide["false_success"].eq(True)))
     return made
 
@@ -52,7 +52,7 @@ def choose_candidates(table: TierTable, numbers: pd.Series, sizes: pd.Series, so
                       most: int = lists.MOST) -> Candidates:
     """A list for every region that any problem lies in, made of the problems of `training` alone. One that has training
     problems of fewer than three families takes what all training problems of its part of the sizes say, and where there
-    are none of those all. Every problem counts once by each measure.
+    are none of those all.
 
     @param numbers  of every problem its region
     @param sizes    of every problem its part of the sizes
@@ -69,15 +69,14 @@ def choose_candidates(table: TierTable, numbers: pd.Series, sizes: pd.Series, so
         chosen = found.training[number]
         solved = chosen[table.verified.loc[chosen, columns].any(axis=1).to_numpy()]
         false = {key for key in columns if table.false_success.loc[chosen, key].any()}
-        ratios = pd.concat([ratios_of(table, measure, solved, columns) for measure in table.times])
-        weights = np.tile(lists.family_weights(table.families[solved]), len(table.times))
-        found.solvers[number] = lists.choose(ratios, weights, false, most)
+        weights = lists.family_weights(table.families[solved], table.weights[solved])
+        found.solvers[number] = lists.choose(ratios_of(table, solved, columns), weights, false, most)
     return found
 
 
-def ratios_of(table: TierTable, measure: str, problems: pd.Index, solvers: list[str]) -> pd.DataFrame:
+def ratios_of(table: TierTable, problems: pd.Index, solvers: list[str]) -> pd.DataFrame:
     """Of every problem and solver the time over the best of these solvers."""
-    times = table.times[measure].loc[problems, solvers]
+    times = table.times.loc[problems, solvers]
     return lists.ratios(times, times.min(axis=1))
 
 
@@ -86,8 +85,9 @@ def partition(outcomes: Outcomes, edges: Edges) -> tuple[pd.Series, pd.Series]:
     return region_of(outcomes.features, edges), region_of(outcomes.features, {"rows": edges["rows"]})
 
 
-def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset(), edges: Edges = EDGES) -> list[dict]:
+def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset()) -> list[dict]:
     """The member `regions` (benchmarks/RESULTS.md), of all families but some."""
+    edges = outcomes.edges
     numbers, sizes = partition(outcomes, edges)
     regions = []
     for table in tier_tables(outcomes):
@@ -107,8 +107,7 @@ def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset(), ed
                 "families": int(table.families[of_region].nunique()),
                 "candidates": own.solvers[number],
                 "peers": peers.solvers[number] if peers else [],
-                "solvers": lists.record(ratios_of(table, MEASURES[0], of_region, columns),
-                                        table.verified.loc[of_region],
-                                        lists.family_weights(table.families[of_region])),
+                "solvers": lists.record(ratios_of(table, of_region, columns), table.verified.loc[of_region],
+                                        lists.family_weights(table.families[of_region], table.weights[of_region])),
             })
     return regions

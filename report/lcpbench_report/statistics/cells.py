@@ -12,7 +12,7 @@ import pandas as pd
 from scipy import stats
 
 from .intervals import CONFIDENCE
-from .load import AGAIN, DEFAULT, EXCEPTION, FRESH, JUDGED, METRICS, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
+from .load import AGAIN, DEFAULT, FRESH, JUDGED, METRICS, OUT, PART_TIMES, PARTS, TASK_BUDGET, Campaign, Task
 
 VERIFIED = "verified"
 FALSE_SUCCESS = "false success"
@@ -99,10 +99,13 @@ def _judged(tasks: list[Task], places: list[slice], total: int) -> dict[str, np.
         columns["passes"][run] = True
         for key, values in task.judged.items():
             columns[key][run] = values
-        at = [place.start + one["at"] for one in task.exceptions]
-        for key in EXCEPTION if at else ():
-            if key in columns:
-                columns[key][at] = [one[key] for one in task.exceptions]
+        out, other = ([one for one in task.exceptions if (one["claim"] == OUT) == is_out] for is_out in (True, False))
+        at = [place.start + one["at"] for one in other]
+        for key in ("claim", *_FLAGS) if other else ():
+            columns[key][at] = [one[key] for one in other]
+        for one in out:
+            row = place.start + one["at"]
+            columns["excluded"][row], columns["claim"][row], columns["passes"][row] = one["reason"], "", False
     return columns
 
 

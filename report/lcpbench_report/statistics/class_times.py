@@ -62,9 +62,9 @@ def tied(rows: pd.DataFrame) -> pd.Series:
 
 def p99(cells: pd.DataFrame) -> float:
     """Of the fresh times of one solver's verified answers, where the class has problems enough; else NaN."""
-    timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
     if len(cells) < LEAST_FOR_P99:
         return math.nan
+    timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
     return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
 
 
@@ -73,7 +73,9 @@ def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
     verified = cells[cells["verdict"] == VERIFIED]
     row = coverage(cells) | {"median_s": weighted_median(cells["time_s"], cells["weight"]), "median_low": low,
                              "median_high": high, "p99_s": p99(cells)}
+    weights = verified["weight"].to_numpy(dtype=float)
     for key in _MEDIANS:
-        known = verified[verified[key].notna()]
-        row[key] = weighted_median(known[key], known["weight"])
+        times = verified[key].to_numpy(dtype=float)
+        known = ~np.isnan(times)
+        row[key] = weighted_median(times[known], weights[known])
     return row

@@ -5,6 +5,7 @@ has none; a claim of one that takes its library's own tolerance is an answer *be
 problems' weight, with Wilson's intervals (intervals.share_interval).
 """
 
+import numpy as np
 import pandas as pd
 
 from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
@@ -38,20 +39,21 @@ def coverage(cells: pd.DataFrame) -> dict:
     found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
              "weight": float(weights.sum())}
     for share, (part, whole) in SHARES.items():
-        among = kinds[whole].to_numpy()
-        value = weighted_share(kinds[part].to_numpy()[among], weights[among])
-        low, high = share_interval(value, weights[among].sum())
+        among = weights[kinds[whole]]
+        value = weighted_share(kinds[part][kinds[whole]], among)
+        low, high = share_interval(value, among.sum())
         found |= {share: value, f"{share}_low": low, f"{share}_high": high}
     return found
 
 
-def kinds_of(cells: pd.DataFrame) -> dict[str, pd.Series]:
+def kinds_of(cells: pd.DataFrame) -> dict[str, np.ndarray]:
     """Name of a count -> of every cell whether it counts there."""
-    verdict = cells["verdict"]
-    kinds = {"problems": verdict.notna(), "verified": verdict == VERIFIED,
-             "at_floor": cells["passes"].astype(bool) & cells["at_floor"].astype(bool),
-             "false_successes": verdict == FALSE_SUCCESS, "below_tier": verdict == BELOW_TIER,
-             "false_infeasible": cells["false_infeasible"].astype(bool), "excluded": verdict == EXCLUDED}
+    verdict = cells["verdict"].to_numpy()
+    flags = {name: cells[name].to_numpy().astype(bool) for name in ("passes", "at_floor", "false_infeasible")}
+    kinds = {"problems": np.ones(len(cells), dtype=bool), "verified": verdict == VERIFIED,
+             "at_floor": flags["passes"] & flags["at_floor"], "false_successes": verdict == FALSE_SUCCESS,
+             "below_tier": verdict == BELOW_TIER, "false_infeasible": flags["false_infeasible"],
+             "excluded": verdict == EXCLUDED}
     kinds["attempted"] = ~kinds["excluded"]
     kinds["wrong_claims"] = kinds["false_successes"] | kinds["below_tier"]
     kinds["claims"] = kinds["verified"] | kinds["wrong_claims"]

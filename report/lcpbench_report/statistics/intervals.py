@@ -15,8 +15,9 @@ SEED = 20240607  # of the bootstrap: the same tables from the same files
 MARGIN = 1.02
 _TAIL = (1 - CONFIDENCE) / 2
 _ROUNDING = 1e-5  # of sums of weights in single precision, relative
-_MIDDLE = (0.35, 0.65)  # of the weight: where the medians of resamples of many problems lie, nearly always
-_MANY = 1000
+_Z = float(stats.norm.ppf(1 - _TAIL))
+_MANY = 200  # values: of more only those are looked at where medians of resamples lie
+_ROOM = 0.03  # of the weight, on either side of them
 
 
 class Bootstrap:
@@ -85,17 +86,25 @@ class Bootstrap:
         return np.bincount(bases, values, len(self._drawn)).astype(np.float32) @ self._drawn
 
     def _medians(self, values: np.ndarray, weights: np.ndarray, bases: np.ndarray) -> np.ndarray:
-        """Of every resample; the values are sorted. Of many values those in the middle are looked at, if they do."""
+        """Of every resample; the values are sorted. Of many values those in the middle are looked at: what lies beyond
+        them, less than either tail, is taken for the last of them."""
         half = self._sums(bases, weights) / 2
         chosen = half > 0
-        share = np.cumsum(weights) / weights.sum()
-        for first, last in [np.searchsorted(share, _MIDDLE)] * (len(values) > _MANY) + [(0, len(values))]:
+        windows = [(0, len(values))]
+        if len(values) > _MANY:
+            share = np.cumsum(weights) / weights.sum()
+            middle = int(np.searchsorted(share, 0.5))
+            below = self._sums(bases[:middle], weights[:middle])[chosen] / half[chosen] / 2
+            reach = 1 - np.quantile(below, [1 - _TAIL, _TAIL]) + [-_ROOM, _ROOM]
+            windows.insert(0, tuple(np.searchsorted(share, reach)))
+        for first, last in windows:
             sums = self._drawn[bases[first:last]]
             sums *= weights[first:last, np.newaxis]
             np.cumsum(sums, axis=0, out=sums)
             before = self._sums(bases[:first], weights[:first])
             sums += before
-            if first == 0 or ((before < half * (1 - _ROUNDING)) & (sums[-1] > half * (1 + _ROUNDING)))[chosen].all():
+            beyond = [(before >= half)[chosen].mean(), (sums[-1] < half)[chosen].mean() if last < len(values) else 0]
+            if first == 0 or max(beyond) < _TAIL / 2:
                 break
         return _middle_values(values[first:last], sums[:, chosen], half[chosen])
 
@@ -106,9 +115,9 @@ def share_interval(share: float, weight: float) -> tuple[float, float]:
     """
     if not weight > 0:
         return math.nan, math.nan
-    z = stats.norm.ppf(1 - _TAIL)
-    centre, reach = share + z * z / (2 * weight), z * math.sqrt(share * (1 - share) / weight + (z / (2 * weight)) ** 2)
-    return max((centre - reach) / (1 + z * z / weight), 0.0), min((centre + reach) / (1 + z * z / weight), 1.0)
+    z, reach = _Z, _Z * math.sqrt(share * (1 - share) / weight + (_Z / (2 * weight)) ** 2)
+    centre, size = share + z * z / (2 * weight), 1 + z * z / weight
+    return max((centre - reach) / size, 0.0), min((centre + reach) / size, 1.0)
 
 
 def _draw(families: np.ndarray) -> np.ndarray:
@@ -137,4 +146,6 @@ def _percentiles(found: np.ndarray) -> tuple[float, float]:
     """Outwards to a value that was found: infinite ones have none between them."""
     if not len(found):
         return math.nan, math.nan
-    return (float(np.quantile(found, _TAIL, method="lower")), float(np.quantile(found, 1 - _TAIL, method="higher")))
+    low = int(_TAIL * (len(found) - 1))
+    ordered = np.partition(found, [low, len(found) - 1 - low])
+    return float(ordered[low]), float(ordered[len(found) - 1 - low])

@@ -21,7 +21,7 @@ def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, o
     with path.open("rb") if path.is_file() else lzma.open(packed(path), "rb") as file:
         for number, line in enumerate(_whole(file, path), start=1):
             try:
-                value = json.loads(line.decode("utf-8"), parse_constant=_refuse)
+                value = _DECODER.decode(line.decode("utf-8"))
             except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
                 if not line.endswith(b"\n"):
                     note(f"{path.name}:{number}: the last line is torn, and was ignored")
@@ -47,3 +47,6 @@ def is_there(path: Path) -> bool:
 
 def _refuse(word: str) -> float:
     raise ValueError(f"{word} is not JSON")
+
+
+_DECODER = json.JSONDecoder(parse_constant=_refuse)

@@ -29,7 +29,7 @@ _CAMPAIGN = {"schema": "name", "name": "text", "solvers": "list", "tiers": "list
 _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance": "boolean", "available": "boolean",
            "tolerance": "name", "ablation": "text"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
-_SIZE_CLASS = {"key": "name", "least": "count", "most": "count", "stream": "count"}
+_SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
 _PROBLEM = {"problem": "name", "set": "name", "family": "name", "base": "name", "weight": "positive", "origin": "name",
             "fill": "boolean", "size_class": "name", "rows": "count", "reference": "name", "counts": "boolean",
             "oracle_s": "positive?", "floor": "time?"}
@@ -43,6 +43,8 @@ JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor
 _SIGNED = ("gap_rel",)
 _JUDGE = {"excluded": "text"}
 _RUN = {"attempted": "count", "peak_bytes": "time?", "exceptions": "list"}
+OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
+_OUT = {"claim": "name", "passes": "boolean", "reason": "name"}
 EXCEPTION = {"claim": "name", "passes": "boolean", "at_floor": "boolean", "false_success": "boolean",
              "false_infeasible": "boolean", "proved_infeasible": "boolean", "reason": "text", "detail": "text"}
 PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
@@ -165,9 +167,8 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
         check_word(place, record, "origin", _ORIGINS)
         check_word(place, record, "size_class", classes)
         own = classes[record["size_class"]]
-        if not own["least"] <= record["rows"] <= own["most"]:
-            raise ReportError(place, f"key 'rows' is {record['rows']}", f"{own['least']} to {own['most']}, those of "
-                              f"size class {own['key']}")
+        if not own["least"] <= record["rows"] <= (math.inf if own["most"] is None else own["most"]):
+            raise ReportError(place, f"key 'rows' is {record['rows']}", f"a number of size class {own['key']}")
         if record["problem"] in problems:
             raise ReportError(place, f"problem {record['problem']!r} is there twice", "a line per problem")
         problems[record["problem"]] = record
@@ -226,7 +227,7 @@ def _judged(place: str, record: dict, task: Task) -> Task:
         task.judged[key] = check_numbers(place, record, key, task.attempted, "any" if key in _SIGNED else ">= 0")
     at = check_places(f"{place}: exceptions", [_place_of(place, one) for one in record["exceptions"]], task.attempted)
     for index, exception in zip(at, record["exceptions"]):
-        check_fields(f"{place}: exceptions at {index}", exception, EXCEPTION)
+        check_fields(f"{place}: exceptions at {index}", exception, _OUT if exception.get("claim") == OUT else EXCEPTION)
     task.exceptions = record["exceptions"]
     task.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
     # It may be the only time of a problem: ratios and logarithms are made of it.
@@ -259,8 +260,7 @@ def _add_pass(place: str, record: dict, task: Task) -> None:
     failed = check_places(f"{place}: failed", record["failed"], task.count)
     disturbed = False
     if kind == FRESH:
-        check_fields(place, record, {"group": "positive", "changed": "list", "disturbance": "object?"})
-        check_places(f"{place}: changed", record["changed"], task.count)
+        check_fields(place, record, {"group": "positive", "disturbance": "object?"})
         if record["disturbance"] is not None:
             disturbed = check_fields(f"{place}: disturbance", record["disturbance"], {"disturbed": "boolean"})["disturbed"]
     of_kind[number] = TimedPass(times, failed, disturbed)

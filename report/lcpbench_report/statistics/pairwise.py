@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 import pandas as pd
-from scipy import stats
+from scipy import special, stats
 
 from .cells import EXCLUDED
 from .groups import GROUP, Group, groups
@@ -43,7 +43,7 @@ def pair_shares(a, b, weights=None, taus=SHARE_TAUS) -> list[float]:
 def sign_test(differences: np.ndarray) -> float:
     """Two-sided p-value; NaN without a difference that is not 0."""
     above, below = int(np.sum(differences > 0)), int(np.sum(differences < 0))
-    return stats.binomtest(above, above + below).pvalue if above + below else math.nan
+    return min(2 * float(special.bdtr(min(above, below), above + below, 0.5)), 1.0) if above + below else math.nan
 
 
 def signed_rank_test(differences: np.ndarray) -> tuple[float, int]:
@@ -51,7 +51,7 @@ def signed_rank_test(differences: np.ndarray) -> tuple[float, int]:
     moved = differences[differences != 0]
     if not len(moved):
         return math.nan, 0
-    above = stats.wilcoxon(moved, alternative="greater").statistic  # the sum of the ranks of positive differences
+    above = stats.rankdata(abs(moved))[moved > 0].sum()
     return float(stats.wilcoxon(moved).pvalue), int(np.sign(above - len(moved) * (len(moved) + 1) / 4))
 
 

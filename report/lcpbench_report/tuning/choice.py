@@ -1,10 +1,11 @@
 """Which configuration of a solver is chosen, the same rule for every solver.
 
-Times are medians of verified answers; what was not verified enters with its time limit. A configuration may replace
-the default only if
+Times are fresh ones of verified answers; what was not verified enters with its time limit. Every size class weighs the
+same, within it problems as elsewhere. A configuration may replace the default only if
 
     its shifted geometric mean is smaller by more than MARGIN,
-    the signed-rank test of the paired times says so (two-sided, adjusted by Holm for all configurations of the solver),
+    the signed-rank test of the paired times of bases says so (two-sided, adjusted by Holm for all configurations of the
+    solver),
     and it fails on no more problems and has no more false successes than the default.
 
 Of those that may, the one with the least mean is chosen. Problems that a rule excludes are left out: nobody solved them.
@@ -15,15 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy import stats
 
-from ..statistics.cells import EXCLUDED, FALSE_SUCCESS
+from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS
 from ..statistics.holm import holm
-from ..statistics.intervals import CONFIDENCE, MARGIN, RESAMPLES, SEED
-from ..statistics.means import SHIFTS, penalised, shifted_geometric_mean
-from ..statistics.pairwise import LEVEL, compare_two
-
-SHIFT = SHIFTS["s"]
+from ..statistics.intervals import MARGIN
+from ..statistics.means import penalised, shift_of, shifted_geometric_mean
+from ..statistics.pairwise import LEVEL, bootstrap_of, compare_two
 
 
 @dataclass
@@ -34,6 +32,7 @@ class Outcome:
     problems: int
     verified: int
     false_successes: int
+    shift_s: float  # of the means: one for all configurations
     mean_s: float
     ratio: float
     ratio_low: float
@@ -43,23 +42,27 @@ class Outcome:
 
 
 def judge(cells: pd.DataFrame, keys: list[str]) -> list[Outcome]:
-    """@param cells  of one mode and tier, statistics.cells.COLUMNS
+    """@param cells  of one tier, statistics.cells.COLUMNS
     @param keys   the solver's configurations, the default first
     """
-    times, counts = _times(cells, keys)
-    default = times[keys[0]].to_numpy()
-    pairs = [compare_two(times, None, key, keys[0]) for key in keys[1:]]
+    times, about, counts = _times(cells, keys)
+    shift = shift_of(cells[cells["solver"].isin(keys)])
+    shift = 0.0 if math.isnan(shift) else shift  # none was verified: all are limits
+    weights, bootstrap = about["weight"].to_numpy(), bootstrap_of(about)
+    pairs = [compare_two(times, about, bootstrap, key, keys[0]) for key in keys[1:]]
     adjusted = [math.nan, *holm([pair["wilcoxon_p"] for pair in pairs])]
     directions = [0, *(pair["direction"] for pair in pairs)]
+    means = {key: shifted_geometric_mean(times[key], shift, weights) for key in keys}
+    logs = {key: np.log(times[key] + shift) for key in keys}
     outcomes = []
     for key, p, direction in zip(keys, adjusted, directions):
-        own = times[key].to_numpy()
-        ratio, low, high = _ratio(own, default)
+        low, high = bootstrap.ratio_of_means(times.index, logs[key], logs[keys[0]], weights,
+                                             lambda mean: np.exp(mean) - shift)
+        ratio = means[key] / means[keys[0]]
         faster = p < LEVEL and direction < 0 and ratio < 1 / MARGIN
         no_worse = all(counts[key][which] <= counts[keys[0]][which] for which in ("failures", "false_successes"))
-        outcomes.append(Outcome(key, len(own), len(own) - counts[key]["failures"], counts[key]["false_successes"],
-                                shifted_geometric_mean(own, SHIFT), ratio, low, high, float(p),
-                                bool(faster and no_worse)))
+        outcomes.append(Outcome(key, len(times), len(times) - counts[key]["failures"], counts[key]["false_successes"],
+                                shift, means[key], ratio, low, high, float(p), bool(faster and no_worse)))
     return outcomes
 
 
@@ -69,26 +72,19 @@ def choose(outcomes: list[Outcome]) -> int:
     return min(allowed, key=lambda index: outcomes[index].mean_s, default=0)
 
 
-def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, dict[str, dict[str, int]]]:
-    """Problems x configurations, failures with their limit, on problems that all of them have; and who failed."""
+def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, dict[str, int]]]:
+    """Problems x configurations, failures with their limit, on problems that all of them have; what is known of the
+    problems; and who failed. Of solvers that are never asked for the tier an answer below it is a false success here:
+    another setting may be better."""
     own = cells[cells["solver"].isin(keys) & (cells["verdict"] != EXCLUDED)]
-    own = own.assign(failed=~np.isfinite(own["time_s"]), false=own["verdict"] == FALSE_SUCCESS,
+    own = own.assign(failed=~np.isfinite(own["time_s"]), false=own["verdict"].isin((FALSE_SUCCESS, BELOW_TIER)),
                      counted_s=penalised(own["time_s"], own["time_limit_s"]))
     common = own.groupby("problem")["solver"].transform("nunique") == len(keys)
     own = own[common]
     counts = {key: {"failures": int(rows["failed"].sum()), "false_successes": int(rows["false"].sum())}
               for key, rows in ((key, own[own["solver"] == key]) for key in keys)}
-    return own.pivot(index="problem", columns="solver", values="counted_s").reindex(columns=keys), counts
-
-
-def _ratio(times: np.ndarray, default: np.ndarray) -> tuple[float, float, float]:
-    """Of the means, with a percentile bootstrap interval over the problems, both drawn together."""
-    def statistic(a, b, axis=-1):
-        return (np.exp(np.mean(np.log(a + SHIFT), axis)) - SHIFT) / (np.exp(np.mean(np.log(b + SHIFT), axis)) - SHIFT)
-
-    if len(times) < 2:
-        return math.nan, math.nan, math.nan
-    interval = stats.bootstrap((times, default), statistic, paired=True, n_resamples=RESAMPLES, vectorized=True,
-                               confidence_level=CONFIDENCE, method="percentile",
-                               random_state=np.random.default_rng(SEED)).confidence_interval
-    return float(statistic(times, default)), float(interval.low), float(interval.high)
+    times = own.pivot(index="problem", columns="solver", values="counted_s").reindex(columns=keys)
+    about = own.drop_duplicates("problem").set_index("problem").loc[times.index,
+                                                                    ["family", "base", "weight", "size_class"]]
+    about["weight"] /= about.groupby("size_class")["weight"].transform("sum")
+    return times, about, counts

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from ..statistics.cells import cell_table
@@ -40,10 +41,10 @@ def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list
     return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
             "date": date, "machine": {key: environment.get(key) for key in _MACHINE}, "budget": asked.budget,
             "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": file_hash(asked.space_file)},
-            "tier": TIER, "rounds": info["rounds"], "repetitions": info.get("repetitions"), "shift_s": choice.SHIFT,
+            "tier": TIER, "passes": info.get("passes"),
             "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,
                          "seed": asked.problem_seed, "not_in": disjoint_from},
-            "disturbed_share": _number(float((cells["rounds_disturbed"] > 0).mean())) if len(cells) else 0.0,
+            "disturbed_share": _number(float((cells["disturbed"] > 0).mean())) if len(cells) else 0.0,
             "solvers": [_solver(cells, spaces[solver], configurations, spent, say)
                         for solver, configurations in tried.items()]}
 
@@ -74,7 +75,7 @@ def _solver(cells: pd.DataFrame, space: Space, configurations: list[Configuratio
         (f"chosen {_words(configurations[index])}: {best.ratio:.3f} x the default's mean "
          f"({best.ratio_low:.3f} to {best.ratio_high:.3f})" if index else "the default stays"))
     return {"solver": space.solver, "space": space.size, "configurations": len(configurations),
-            "chosen": configurations[index],
+            "chosen": configurations[index], "shift_s": _number(best.shift_s),
             "gain": {"ratio": _number(best.ratio), "low": _number(best.ratio_low), "high": _number(best.ratio_high)}
             if index else None,
             "measured_s": _number(sum(spent.get(key, 0.0) for key in keys)),
@@ -90,13 +91,11 @@ def _outcome(outcome: choice.Outcome) -> dict:
 
 
 def _spent(campaign: Campaign) -> dict[str, float]:
-    """Solver -> seconds in set-ups, first solves and repetitions, each of which lasts `min_time_s` at least."""
-    least = campaign.info.get("min_time_s", 0.0)
+    """Solver -> seconds in solves, those of the problems that were judged and of the timed passes."""
     spent: dict[str, float] = {}
-    for (_, solver, _, _), runs in campaign.cells.items():
-        repetitions = sum(max(time, least) for times in runs.rounds.values() for time in times)
-        first = (runs.record.get("first_s") or 0.0) * len(runs.rounds)
-        spent[solver] = spent.get(solver, 0.0) + repetitions + first + sum(runs.setup_s)
+    for task in campaign.tasks:
+        times = [one.times[key] for of_kind in task.passes.values() for one in of_kind.values() for key in one.times]
+        spent[task.solver] = spent.get(task.solver, 0.0) + float(sum(map(np.nansum, [*times, task.judged.get("first_s", 0.0)])))
     return spent
 
 
