@@ -80,6 +80,7 @@ double SecondsWithSetup(const SolverEntry& entry, const LcpProblem* before, cons
                         const LcpOptions& options, LcpResult* result) {
   const LcpProblem copy = problem.CopyOfGivenForm();
   const std::unique_ptr<LcpSolver> solver = entry.make({});
+  solver->SetInSequence(true);
   if (before != nullptr) solver->Prepare(*before);
   const auto start = std::chrono::steady_clock::now();
   solver->Prepare(copy);

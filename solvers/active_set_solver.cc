@@ -21,6 +21,7 @@ ActiveSetOptions ActiveSetOptions::FromSettings(const Settings& settings) {
     options.newton = SemismoothNewtonOptions::FromSettings({{rows.key(), rows.mapped()}}, "active-set");
   }
   options.blocks = BppOptions::FromSettings(rest, "active-set");
+  options.newton.self_check = options.blocks.self_check;
   if (options.blocks.form == BppOptions::Form::kAuto) options.blocks.form = BppOptions::Form::kAny;
   return options;
 }

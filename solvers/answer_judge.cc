@@ -19,6 +19,11 @@ void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
   }
 }
 
+void AnswerJudge::SetB(const LcpProblem& problem) {
+  problem_ = problem;
+  estimate_.SetB(problem);
+}
+
 void AnswerJudge::Start(double tolerance) {
   tolerance_ = tolerance;
   tier_ = std::numeric_limits<double>::infinity();

@@ -19,6 +19,8 @@ class AnswerJudge {
 
   /// O(nnz of A). @param dense  the form of A that backward errors are measured with, DenseA() or SparseA()
   void Reset(const LcpProblem& problem, bool dense);
+  /// To be called before the first Start: b of the problem that was given to Reset, or of one that shares its matrix.
+  void SetB(const LcpProblem& problem);
   /// Forgets the best; for a solve at `tolerance`.
   void Start(double tolerance);
 

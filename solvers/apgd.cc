@@ -58,12 +58,15 @@ ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("apgd", settings);
   ApgdOptions options;
   options.form = ReadRowForm(&reader);
-  options.restart = reader.Choice("restart", "yes", {"yes", "no"}) == "yes";
+  options.restart = reader.YesOrNo("restart", options.restart);
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
-ApgdSolver::ApgdSolver(ApgdOptions options) : options_(options), work_(std::make_unique<Workspace>()) {}
+ApgdSolver::ApgdSolver(ApgdOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
+  work_->test.SetSelfCheck(options.self_check);
+}
 ApgdSolver::~ApgdSolver() = default;
 
 std::string ApgdSolver::WhyUnsupported(const LcpProblem& problem) const {
@@ -81,12 +84,12 @@ void ApgdSolver::DoPrepare(const LcpProblem& problem) {
   }
 }
 
-void ApgdSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+void ApgdSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   Workspace& work = *work_;
   RowWork& rows = work.rows;
-  rows.Start(options.initial_f);
+  rows.Start(problem, options.initial_f);
   PacedPasses passes(options, *rows.rows, rows.scaled.size);
-  bool over = work.test.Begin(options, kDefaultIterations, &rows, &passes, result);
+  bool over = work.test.Begin(problem, options, kDefaultIterations, &rows, &passes, result);
   work.before = rows.f;
   work.before_image = rows.image;
   // A has a unit diagonal: its largest eigenvalue is between 1 and the trace.

@@ -14,8 +14,9 @@ struct ApgdOptions {
   /// Give up the momentum where it points uphill. Without it the bound below holds for the iterates of one run, with it
   /// the iterates stop circling the solution: on the scenes a quarter to a tenth of the iterations.
   bool restart = true;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form` = auto | assembled | matrix-free and `restart` = yes | no.
+  /// Options `form` = auto | assembled | matrix-free `restart` = yes | no and `self_check`.
   static ApgdOptions FromSettings(const Settings& settings);
 };
 

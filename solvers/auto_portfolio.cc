@@ -47,16 +47,25 @@ constexpr bool kHasHybrid = false;
 constexpr std::int64_t kSweepsOfLarge = 0;
 #endif
 
-BppOptions EndWhenSingular() {
+BppOptions EndWhenSingular(bool self_check) {
   BppOptions options;
   options.end_when_singular = true;
+  options.self_check = self_check;
   return options;
 }
 
 template <typename Options>
-Options EndWhenHopeless() {
+Options EndWhenHopeless(bool self_check) {
   Options options;
   options.end_when_hopeless = true;
+  options.self_check = self_check;
+  return options;
+}
+
+template <typename Options>
+Options WithSelfCheck(bool self_check) {
+  Options options;
+  options.self_check = self_check;
   return options;
 }
 
@@ -115,11 +124,18 @@ double CirclesPerBody(const LcpProblem& problem) {
 
 }  // namespace
 
-AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations)
+AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
     : newton_factorisations_(newton_factorisations),
-      psor_(EndWhenHopeless<PsorOptions>()),
-      nncg_(EndWhenHopeless<NncgOptions>()),
-      bpp_(EndWhenSingular()) {}
+      self_check_(self_check),
+      psor_(EndWhenHopeless<PsorOptions>(self_check)),
+      nncg_(EndWhenHopeless<NncgOptions>(self_check)),
+      bpp_(EndWhenSingular(self_check)),
+      newton_(WithSelfCheck<SemismoothNewtonOptions>(self_check)),
+#ifdef LCPBENCH_WITH_SUITESPARSE
+      hybrid_(WithSelfCheck<HybridOptions>(self_check)),
+#endif
+      dantzig_(WithSelfCheck<DantzigOptions>(self_check)) {
+}
 
 // Up to which number of iterations nncg may go for the price of so many factorisations.
 std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) const {
@@ -193,7 +209,7 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
   if (!said.empty()) result->detail.append(": ").append(said);
   switch (result->status) {
     case LcpStatus::kSolved:
-      if (trust == Trust::kVerifiesItself) return true;
+      if (trust == Trust::kVerifiesItself || !self_check_) return true;
       test_.Reset(*problem_);
       if (test_.Meets(options_->tolerance, result->f)) return true;
       result->status = LcpStatus::kNumericalFailure;

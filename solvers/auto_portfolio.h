@@ -40,7 +40,7 @@ namespace lcpbench {
 /// arrives, the answer is the point of least rho that any of them ended at.
 class AutoPortfolio {
  public:
-  explicit AutoPortfolio(std::int64_t newton_factorisations);
+  AutoPortfolio(std::int64_t newton_factorisations, bool self_check);
 
   enum class Choice {
     kByCost,
@@ -78,6 +78,7 @@ class AutoPortfolio {
   bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
 
   std::int64_t newton_factorisations_;
+  bool self_check_;
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;

@@ -36,25 +36,24 @@ Known Judge(const SmallPivoting::Answer& answer, double tolerance) {
   return answer.rho + answer.rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
-SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) {
-  return {kMargin * std::sqrt(options.tolerance), options.initial_f, deadline};
-}
-
 }  // namespace
 
 struct AutoSolver::Parts {
-  explicit Parts(std::int64_t most_factorisations)
-      : newton_factorisations(most_factorisations), whole(most_factorisations) {}
+  explicit Parts(const AutoOptions& auto_options)
+      : own(auto_options), whole(auto_options.newton_factorisations, auto_options.self_check) {}
 
   void PrepareWhole(const LcpProblem& problem) {
     whole.Prepare(problem);
     whole_is_ready = true;
   }
+  SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
+    return {kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, own.self_check};
+  }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
   void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
-  std::int64_t newton_factorisations;
+  AutoOptions own;
   Index tableau_rows = 0;  // of the prepared problem
   SmallPivoting tableau;
   AutoPortfolio whole;  // for all rows
@@ -77,7 +76,10 @@ bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& 
                                    LcpResult* result) {
   const Known known = Judge(tableau.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance);
   if (known == Known::kWrong) return false;
-  if (known == Known::kUnclear && !test.Meets(options.tolerance, result->f)) return false;
+  if (known == Known::kUnclear) {
+    test.SetB(problem);
+    if (!test.Meets(options.tolerance, result->f)) return false;
+  }
   result->status = LcpStatus::kSolved;
   result->iterations = tableau.pivots();
   result->detail = "tableau";
@@ -88,7 +90,7 @@ bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& 
 bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
                                    LcpResult* result) {
   if (!divides) return false;
-  const Index idle = idle_rows.Find();
+  const Index idle = idle_rows.Find(problem);
   if (idle < few_idle_rows && !has_islands) return false;
   islands.Find(problem.SparseA(), idle_rows.keep());
   const double worth = kWorthDividing * static_cast<double>(problem.size());
@@ -121,7 +123,9 @@ bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& 
   result->status = LcpStatus::kSolved;
   if (!rest.empty()) SolveRest(problem, options, deadline, result);
   if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
+  if (!own.self_check) return true;
   // All parts passed; what joins them, and rows left out, have not been looked at.
+  judge.SetB(problem);
   judge.Start(options.tolerance);
   judge.candidate() = result->f;
   judge.Publish(result);
@@ -141,7 +145,7 @@ void AutoSolver::Parts::SolveRest(const LcpProblem& problem, const LcpOptions& o
     for (Index k = 0; k < m; ++k) rest_start[k] = (*options.initial_f)[rest[static_cast<size_t>(k)]];
     part_options.initial_f = &rest_start;
   }
-  AutoPortfolio portfolio(newton_factorisations);
+  AutoPortfolio portfolio(own.newton_factorisations, own.self_check);
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(m);
@@ -171,12 +175,12 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   read_rows("hard_tableau_rows", &options.hard_tableau_rows);
   options.newton_factorisations = static_cast<std::int64_t>(
       reader.Number("newton_factorisations", static_cast<double>(options.newton_factorisations), 1, 1e9));
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
-AutoSolver::AutoSolver(AutoOptions options)
-    : options_(options), parts_(std::make_unique<Parts>(options.newton_factorisations)) {
+AutoSolver::AutoSolver(AutoOptions options) : options_(options), parts_(std::make_unique<Parts>(options)) {
   if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
   for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
     if (rows < 0 || rows > SmallPivoting::kMaxRows) {

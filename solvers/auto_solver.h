@@ -17,8 +17,10 @@ struct AutoOptions {
   Index hard_tableau_rows = 128;
   /// Factorisations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
   std::int64_t newton_factorisations = 150;
+  /// SettingsReader::SelfCheck, of the backends too; without it a tableau's answer is taken as it is.
+  bool self_check = true;
 
-  /// Keys `tableau_rows`, `hard_tableau_rows` and `newton_factorisations`. @throws InputError for others
+  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorisations` and `self_check`. @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
 };
 

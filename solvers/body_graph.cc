@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
@@ -173,8 +174,10 @@ void BodyGraph::OrderAnew(const Graph& graph) {
       }
     }
   }
-  kept_.Keep({found_.begin(), found_.end()}, nodes, factor_->flops());
-  kept_pairs_ = PairsOf(graph, found_);
+  if (InSequence::on()) {
+    kept_.Keep({found_.begin(), found_.end()}, nodes, factor_->flops());
+    kept_pairs_ = PairsOf(graph, found_);
+  }
   TakeOrder(nodes);
 }
 
@@ -192,6 +195,11 @@ void BodyGraph::Prepare(const LcpProblem& problem, const std::vector<char>& taki
   analyses_ = 0;
   ReadRows(problem, taking_part);
   const bool small = problem.size() < KeptOrder::kLeastRows;
+  const bool in_sequence = InSequence::on();
+  if (!in_sequence) {
+    analysed_ = false;
+    kept_.Clear();
+  }
   if (small ? !analysed_ || ends_ != ends_before_ : !KeepAnalysis()) {
     analysed_ = false;  // until it has succeeded
     const Graph graph = NumberBodies();

@@ -15,11 +15,12 @@ namespace lcpbench {
 ///     K = I + J^T T J,   T diagonal,
 /// which has one 3 x 3 block per body and one per pair of bodies that share a row. [MODEL.md section 8]
 ///
-/// The order comes from the graph of bodies, a ninth of the entries of K, and is expanded by three. It outlasts the
-/// problem: where the next one joins pairs of bodies that are all in the pattern of K, pattern and analysis are kept,
-/// blocks of pairs that no longer meet are zero; where a few pairs are new, the order is kept and analysed anew; else,
-/// and where the work has grown too much, bodies are ordered anew. Problems of less than KeptOrder::kLeastRows keep
-/// what they have only where rows and pairs are the very same. Internal to solvers/.
+/// The order comes from the graph of bodies, a ninth of the entries of K, and is expanded by three. In a sequence
+/// (LcpSolver::SetInSequence) it outlasts the problem: where the next one joins pairs of bodies that are all in the
+/// pattern of K, pattern and analysis are kept, blocks of pairs that no longer meet are zero; where a few pairs are
+/// new, the order is kept and analysed anew; else, and where the work has grown too much, bodies are ordered anew.
+/// Problems of less than KeptOrder::kLeastRows keep what they have only where rows and pairs are the very same.
+/// Internal to solvers/.
 class BodyGraph {
  public:
   /// A row's two bodies by their places in the order, -1 for none, first < second; and where their common block begins

@@ -43,12 +43,14 @@ struct BppOptions {
   /// Ends with kNumericalFailure where blocks cycle, instead of raising the weight.
   bool end_when_cycling = false;
 
+  bool self_check = true;  ///< SettingsReader::SelfCheck; without it kSolved is claimed where no row is violated
+
   /// Larger problems are refused as unsupported where the dense form is used: two n x n arrays besides DenseA(). In [1,
   /// 100000].
   Index max_dense_rows = 10'000;
 
   /// Keys `form` (auto, dense, sparse, bodies), `proximal`, `largest_proximal`, `patience`, `end_when_singular` (yes,
-  /// no) and `max_dense_rows`. @throws InputError for others
+  /// no), `end_when_cycling` (yes, no), `self_check` and `max_dense_rows`. @throws InputError for others
   static BppOptions FromSettings(const Settings& settings, const char* key = "bpp");
 };
 

@@ -151,6 +151,7 @@ BppSolver::Engine::End BppSolver::Engine::Polish(LcpResult* result) {
     if (CorrectForces() == End::kTimeLimit || TimeIsUp()) return End::kTimeLimit;
     if (Publish(result)) return End::kDone;
     const Index count = FindViolated(false);
+    if (count == 0 && !options_.self_check) return End::kDone;
     if (count == 0 || count >= least) break;
     least = count;
     if (factorisations_ >= limit_) return End::kIterationLimit;

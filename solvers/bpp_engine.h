@@ -24,7 +24,7 @@ class BppSolver::Engine {
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return blocks_.StepTime(block_, f_.size()); }
   bool is_dense() const { return blocks_.is_dense(block_); }
-  void Solve(const LcpOptions& options, LcpResult* result);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
   enum class End { kDone, kInfeasible, kNotMet, kSingular, kCycling, kIterationLimit, kTimeLimit };
@@ -44,6 +44,8 @@ class BppSolver::Engine {
   Index FindViolated(bool of_shifted);
   void Exchange(bool least_only);
   bool ClaimRay(LcpResult* result);
+  void GiveForces(double least, Eigen::VectorXd* f) const;
+  double LargestForce() const;
   bool Publish(LcpResult* result);
 
   // A factorisation that the deadline ends leaves f_ meaningless, which TimeIsUp() then says, and judge_ would.

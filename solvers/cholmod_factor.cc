@@ -10,6 +10,7 @@
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/work_counts.h"
 #include "solvers/supernodal_factor.h"
 
 namespace lcpbench {
@@ -218,6 +219,7 @@ void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update
 }
 
 void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order) {
+  ++WorkCounts::OfThread().analyses;
   State& s = *state_;
   const SingleThread one(true);
   s.Free();

@@ -54,7 +54,8 @@ DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
     options.order = DantzigOrder::kMostNegative;
   }
-  options.block_start = reader.Choice("block_start", "yes", {"yes", "no"}) == "yes";
+  options.block_start = reader.YesOrNo("block_start", options.block_start);
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
@@ -75,8 +76,8 @@ void DantzigSolver::Reserve(Index max_rows) { engine_->Reserve(max_rows); }
 
 void DantzigSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 
-void DantzigSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(options, result);
+void DantzigSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(problem, options, result);
 }
 
 }  // namespace lcpbench

@@ -26,12 +26,14 @@ struct DantzigOptions {
   /// Before rows are driven one by one, blocks of rows enter and leave F at once: see below. Without them the method is
   /// the paper's.
   bool block_start = true;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Larger problems are refused as unsupported before anything is allocated: three n x n arrays take 2.4 GB at the
   /// default, and pivoting on them minutes. In [1, 100000].
   Index max_rows = 10'000;
 
-  /// Keys `rank_tolerance`, `order` (index, most-negative), `block_start` (yes, no) and `max_rows`. @throws InputError
+  /// Keys `rank_tolerance`, `order` (index, most-negative), `block_start` (yes, no), `max_rows` and
+  /// `self_check`. @throws InputError
   /// for others
   static DantzigOptions FromSettings(const Settings& settings);
 };

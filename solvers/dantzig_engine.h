@@ -14,7 +14,8 @@ namespace lcpbench {
 // and the waiting rows behind it, [q, open); then rows out of play: dependent bilateral rows and stuck ones.
 class DantzigSolver::Engine final : public PivotBase {
  public:
-  explicit Engine(DantzigOptions options) : PivotBase(options.rank_tolerance, options.block_start), options_(options) {}
+  explicit Engine(DantzigOptions options)
+      : PivotBase(options.rank_tolerance, options.block_start, options.self_check), options_(options) {}
 
   void Reserve(Index max_rows) override;
 

@@ -53,6 +53,9 @@ class GivenFormTest {
     }
   }
 
+  /// From here on with the b of a problem that shares the matrix of the one given to Reset.
+  void SetB(const LcpProblem& problem) { problem_ = problem; }
+
   /// rho at f.  O(nnz of the given form).
   long double Rho(const Eigen::VectorXd& f) {
     const LcpProblem& problem = *problem_;

@@ -28,13 +28,16 @@ HybridOptions HybridOptions::FromSettings(const Settings& settings) {
   constexpr double kMost = 100000;
   options.least_iterations = static_cast<int>(reader.Number("least-iterations", options.least_iterations, 0, kMost));
   options.most_iterations = static_cast<int>(reader.Number("most-iterations", options.most_iterations, 0, kMost));
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
 HybridSolver::HybridSolver(HybridOptions options)
     : options_(options),
-      sweeps_(NncgOptions{.end_when_hopeless = true, .least_iterations = options.least_iterations}) {}
+      sweeps_(NncgOptions{
+          .end_when_hopeless = true, .least_iterations = options.least_iterations, .self_check = options.self_check}),
+      interior_(IpmOptions{.self_check = options.self_check}) {}
 
 std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
 
@@ -94,6 +97,7 @@ void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options,
   };
 
   if (sweeps_first_ && options.initial_f != nullptr) {
+    start_test_.SetB(problem);
     const long double rho = start_test_.Rho(*options.initial_f);
     if (!(rho < kWorthTrying * start_test_.Rho(Eigen::VectorXd::Zero(problem.size())))) rest.initial_f = nullptr;
   }

@@ -18,8 +18,9 @@ struct HybridOptions {
   /// Iterations that they may take while their rate of convergence promises an answer within them, in [0, 100000]: at
   /// 10^5 rows of a pile about four factorisations. 0: the interior point at once.
   int most_iterations = 600;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Names: least-iterations, most-iterations.
+  /// Names: least-iterations, most-iterations, self_check.
   static HybridOptions FromSettings(const Settings& settings);
 };
 

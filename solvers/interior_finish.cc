@@ -33,7 +33,8 @@ double SweepsPerFactorization(const LcpProblem& problem, double flops, double fi
   return (kTimePerFlop * flops + kTimePerFactorEntry * fill) / sweep;
 }
 
-InteriorFinish::InteriorFinish() : sweeps_(NncgOptions{.end_when_hopeless = true}) {}
+InteriorFinish::InteriorFinish(bool self_check)
+    : sweeps_(NncgOptions{.end_when_hopeless = true, .self_check = self_check}) {}
 
 void InteriorFinish::Reserve(Index n, double factor_work) {
   may_sweep_ = factor_work > kWorthSweeps;

@@ -22,7 +22,8 @@ double SweepsPerFactorization(const LcpProblem& problem, double flops, double fi
 ///   in some 50 sweeps where redundant contacts leave many rows with f = w = 0. [nncg.h]
 class InteriorFinish {
  public:
-  InteriorFinish();
+  /// @param self_check  of the sweeps
+  explicit InteriorFinish(bool self_check);
 
   /// Set-up for a problem; the sweeps' own set-up waits until they are first needed.
   /// @param factor_work  of one factorisation [flop]: sweeps are for where that is much

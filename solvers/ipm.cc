@@ -77,13 +77,14 @@ IpmOptions IpmOptions::FromSettings(const Settings& settings) {
   if (space == "body") options.space = Space::kBody;
   options.proximal = reader.Number("proximal", options.proximal, 1e-13, 1e-6);
   options.correctors = static_cast<int>(reader.Number("correctors", options.correctors, 0, 10));
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
 class IpmSolver::Implementation {
  public:
-  explicit Implementation(const IpmOptions& options) : options_(options) {}
+  explicit Implementation(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
 
   void Prepare(const LcpProblem& problem) {
     statistics_ = {};
@@ -100,7 +101,8 @@ class IpmSolver::Implementation {
     statistics_.factor_flops = system_.flops();
   }
 
-  void Solve(const LcpOptions& options, LcpResult* result) {
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    system_.SetB(problem);
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
     IpmRun run(system_, options_, options, statistics_);
     result->status = SolveWithin(&run, result);
@@ -305,8 +307,8 @@ std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
 
 void IpmSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
 
-void IpmSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  implementation_->Solve(options, result);
+void IpmSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  implementation_->Solve(problem, options, result);
 }
 
 }  // namespace lcpbench

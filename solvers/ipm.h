@@ -24,8 +24,9 @@ struct IpmOptions {
   /// Centrality correctors per interior-point step, as long as they lengthen it; each costs one solve. 2 to 5 differ by
   /// 5 % in time over the scene families at 10^3 and 10^4 rows; from 10^5 redundant rows on 4 save a fifth.
   int correctors = 4;
+  bool self_check = true;  ///< SettingsReader::SelfCheck; without it rho alone, in scaled variables, decides
 
-  /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10].
+  /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10], self_check.
   static IpmOptions FromSettings(const Settings& settings);
 };
 
@@ -78,8 +79,9 @@ struct IpmStatistics {
 /// below 3 % of that of f = 0, else a cold start. Measured against a cold solve at 10^3 and 10^4 rows, all families:
 /// 0.04 to 0.7 where loads and masses have drifted by 1 %. May change the answer where f is not unique.
 ///
-/// Set-up: while rows join the same bodies in the same order as in the problem prepared before (contact space: while A
-/// has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are always new.
+/// Set-up, in a sequence: while rows join the same bodies in the same order as in the problem prepared before (contact
+/// space: while A has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are
+/// always new.
 class IpmSolver final : public LcpSolver {
  public:
   /// @param options  within their ranges, as FromSettings makes them

@@ -58,7 +58,8 @@ class IpmRun {
   /// one that meets the tier before all that do not.
   bool Accept(const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
     const double rho = system_.Rho(f, w);
-    const bool meets = system_.Meets(kMargin * options_.tolerance, f, w);
+    const double tolerance = kMargin * options_.tolerance;
+    const bool meets = own_.self_check ? system_.Meets(tolerance, f, w) : rho <= tolerance;
     if (meets == accepted_ ? rho < best_rho_ : meets) {
       best_f_ = f;
       best_rho_ = rho;

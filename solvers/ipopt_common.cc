@@ -41,6 +41,10 @@ double Largest(const Eigen::VectorXd& x) {
 
 ScaledLcp::ScaledLcp(const LcpProblem& problem) : problem_(problem) {
   inverse_root_ = problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1.0 : 1.0 / std::sqrt(std::abs(d)); });
+}
+
+void ScaledLcp::SetB(const LcpProblem& problem) {
+  problem_ = problem;
   b_ = problem.b().cwiseProduct(inverse_root_);
   long double squares = 0;  // its exponent range holds the square of every double
   for (const double value : b_) squares += static_cast<long double>(value) * value;
@@ -75,7 +79,7 @@ bool ScaledLcp::LiftedIsSparser() const {
 }
 
 struct Runner::State {
-  std::span<const Formulation> formulations;
+  std::span<Formulation> formulations;
   std::vector<std::unique_ptr<Engine>> engines;  // of each formulation; made when first needed
   std::optional<ScaledLcp> scaled;
   GivenFormTest given;
@@ -86,24 +90,35 @@ struct Runner::State {
   Eigen::VectorXd product;
   long double best_rho = kInfinity;
 
+  void TakeB(const Eigen::VectorXd& b);
   bool Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result);
   bool AcceptRay(const Eigen::VectorXd& direction, LcpResult* result);
   Start FirstPoint(const Formulation& formulation, const LcpOptions& options);
   Engine& EngineOf(std::size_t which);
-  bool Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  void Take(const Eigen::VectorXd& x);
+  bool Run(std::size_t which, const LcpOptions& options, bool self_check, const Deadline& deadline, LcpResult* result);
 };
 
 Runner::Runner() : state_(std::make_unique<State>()) {}
 Runner::~Runner() = default;
 
-void Runner::Prepare(const ScaledLcp& scaled, std::span<const Formulation> formulations) {
+void Runner::Prepare(const ScaledLcp& scaled, std::span<Formulation> formulations) {
   State& s = *state_;
   s.scaled.emplace(scaled);
   s.given.Reset(s.scaled->problem());
   s.formulations = formulations;
   s.engines.clear();
   s.engines.resize(formulations.size());
+  // What Ipopt builds for the first program does not depend on b.
+  s.TakeB(Eigen::VectorXd::Ones(s.scaled->size()));
   s.EngineOf(0);
+}
+
+void Runner::State::TakeB(const Eigen::VectorXd& b) {
+  for (Formulation& form : formulations) {
+    form.program.c.head(b.size()) = b;
+    if (form.has_gap_constraints) form.program.d.head(b.size()) = -b;
+  }
 }
 
 Engine& Runner::State::EngineOf(std::size_t which) {
@@ -112,8 +127,8 @@ Engine& Runner::State::EngineOf(std::size_t which) {
   return *engine;
 }
 
-// Whether x (scaled; its first n entries are f) meets the tier. Keeps the best f in the result.
-bool Runner::State::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
+// f of x (scaled; its first n entries), clipped, in the problem's units.
+void Runner::State::Take(const Eigen::VectorXd& x) {
   const LcpProblem& problem = scaled->problem();
   const Index n = problem.size();
   f = x.head(n);
@@ -121,6 +136,13 @@ bool Runner::State::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult
     if (!problem.is_bilateral(i)) f[i] = std::max(f[i], 0.0);
     f[i] *= scaled->ForceUnit()[i];
   }
+}
+
+// Whether x meets the tier. Keeps the best f in the result.
+bool Runner::State::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
+  const LcpProblem& problem = scaled->problem();
+  const Index n = problem.size();
+  Take(x);
   const long double rho = given.Rho(f);
   if (rho < best_rho) {
     best_rho = rho;
@@ -187,7 +209,8 @@ Start Runner::State::FirstPoint(const Formulation& formulation, const LcpOptions
 }
 
 // True when the solve is over: the next formulation need not be tried.
-bool Runner::State::Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
+bool Runner::State::Run(std::size_t which, const LcpOptions& options, bool self_check, const Deadline& deadline,
+                        LcpResult* result) {
   const Formulation& formulation = formulations[which];
   const Start start = FirstPoint(formulation, options);
   const bool symmetric = scaled->problem().IsNumericallySymmetric();
@@ -196,8 +219,9 @@ bool Runner::State::Run(std::size_t which, const LcpOptions& options, const Dead
   last_x.setZero(start.x.size());
   const auto on_iterate = [&](const Eigen::VectorXd& x) {
     if (x.size() > 0) {
-      over = Accept(x, options.tolerance, result);
-      if (!over && symmetric) {
+      over = self_check && Accept(x, options.tolerance, result);
+      if (!self_check) last_x = x;
+      if (!over && symmetric && self_check) {
         over = AcceptRay(x, result);
         last_x = x - last_x;
         over = over || AcceptRay(last_x, result);
@@ -211,8 +235,16 @@ bool Runner::State::Run(std::size_t which, const LcpOptions& options, const Dead
   const std::int64_t limit =
       options.max_iterations > 0 ? options.max_iterations - result->iterations : Runner::kDefaultIterations;
   const bool warm = options.initial_f != nullptr;
-  const Engine::Ending ending = EngineOf(which).Optimize(start, warm, limit, on_iterate);
+  Engine& engine = EngineOf(which);
+  const Engine::Ending ending =
+      engine.Optimize(start, warm, limit, self_check ? Engine::kNever : options.tolerance, on_iterate);
   result->iterations += ending.iterations;
+  if (!self_check && ending.converged) {
+    Take(last_x);
+    result->f = f;
+    result->status = LcpStatus::kSolved;
+    over = true;
+  }
 
   if (!result->detail.empty()) result->detail += "; ";
   result->detail += "Ipopt (" + std::string(formulation.name) + " form): " + std::string(ending.status);
@@ -225,16 +257,19 @@ bool Runner::State::Run(std::size_t which, const LcpOptions& options, const Dead
   return ending.iteration_limit && options.max_iterations > 0;
 }
 
-void Runner::Solve(const LcpOptions& options, LcpResult* result) {
+void Runner::Solve(const LcpProblem& problem, const LcpOptions& options, bool self_check, LcpResult* result) {
   State& s = *state_;
   const Deadline deadline(options);
+  s.scaled->SetB(problem);
+  s.given.SetB(problem);
+  s.TakeB(s.scaled->b());
   s.best_rho = kInfinity;
   // The start may be the answer already: an interior point method would walk away from it.
   Eigen::VectorXd first = Eigen::VectorXd::Zero(s.scaled->size());
   if (options.initial_f != nullptr) first = options.initial_f->cwiseQuotient(s.scaled->ForceUnit());
-  if (s.Accept(first, options.tolerance, result)) return;
+  if (self_check && s.Accept(first, options.tolerance, result)) return;
   for (std::size_t which = 0; which < s.formulations.size(); ++which) {
-    if (s.Run(which, options, deadline, result)) return;
+    if (s.Run(which, options, self_check, deadline, result)) return;
   }
 }
 

@@ -19,9 +19,12 @@ namespace lcpbench::ipopt {
 /// there. A = D^-1/2 A D^-1/2, b = D^-1/2 b / |D^-1/2 b|; D_ii = |A_ii|, and 1 where A_ii = 0.
 class ScaledLcp {
  public:
+  /// b is still to be given.
   explicit ScaledLcp(const LcpProblem& problem);
+  /// b and the units, of that problem or of one that shares its matrix.
+  void SetB(const LcpProblem& problem);
 
-  Index size() const { return b_.size(); }
+  Index size() const { return inverse_root_.size(); }
   const LcpProblem& problem() const { return problem_; }
   const Eigen::VectorXd& b() const { return b_; }
   /// f of the problem = ForceUnit * f of the scaled one, row by row; w likewise.
@@ -44,10 +47,11 @@ class ScaledLcp {
   Eigen::VectorXd gap_unit_;
 };
 
-/// One way to write the LCP as a program. The first n variables are the scaled f.
+/// One way to write the LCP as a program. The first n variables are the scaled f, the first n entries of c are b.
 struct Formulation {
   std::string_view name;
   QuadraticProgram program;
+  bool has_gap_constraints = false;  ///< the first n entries of d are -b
   /// A start with the given scaled f and w (both already off their bounds), primal and dual.
   std::function<Start(const Eigen::VectorXd& f, const Eigen::VectorXd& w)> start;
 };
@@ -64,9 +68,10 @@ class Runner {
   ~Runner();
 
   /// Builds Ipopt's objects for the first formulation; the others' are built when first tried.
-  /// @param formulations  at least one; not owned
-  void Prepare(const ScaledLcp& scaled, std::span<const Formulation> formulations);
-  void Solve(const LcpOptions& options, LcpResult* result);
+  /// @param formulations  at least one; not owned. Their c and d are filled where they depend on b.
+  void Prepare(const ScaledLcp& scaled, std::span<Formulation> formulations);
+  /// `problem` shares its matrix with the prepared one.
+  void Solve(const LcpProblem& problem, const LcpOptions& options, bool self_check, LcpResult* result);
 
  private:
   struct State;

@@ -15,6 +15,7 @@
 #include <string>
 
 #include "solvers/lcp/factor_clock.h"
+#include "solvers/lcp/work_counts.h"
 
 namespace lcpbench::ipopt {
 namespace {
@@ -51,9 +52,8 @@ void SetOptions(Ipopt::OptionsList* options) {
   // Silence: no iteration table, and no banner at the first solve of the process.
   integer("print_level", 0);
   text("sb", "yes");
-  // tol bounds the overall error and so dominates dual_inf_tol and constr_viol_tol; compl_inf_tol also floors mu.
-  number("tol", 1e-40);
-  number("compl_inf_tol", 1e-40);
+  // tol bounds the overall error and so dominates dual_inf_tol and constr_viol_tol, see Optimize; compl_inf_tol also
+  // floors mu.
   // The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6.
   number("mu_min", 1e-40);
   // "Acceptable" points are no answer here: only the tier test is.
@@ -263,6 +263,7 @@ struct Engine::State {
 };
 
 Engine::Engine(const QuadraticProgram& program) : state_(std::make_unique<State>()) {
+  ++WorkCounts::OfThread().analyses;
   State& s = *state_;
   s.nlp = new ProgramNlp;
   s.nlp->program = &program;
@@ -274,12 +275,12 @@ Engine::Engine(const QuadraticProgram& program) : state_(std::make_unique<State>
     SetOptions(Ipopt::GetRawPtr(s.application->Options()));
   }
   const auto go_on = [](const Eigen::VectorXd&) { return false; };
-  s.built = Optimize(Start::Zero(program), /*warm=*/false, /*max_iterations=*/0, go_on).iteration_limit;
+  s.built = Optimize(Start::Zero(program), /*warm=*/false, /*max_iterations=*/0, kNever, go_on).iteration_limit;
 }
 
 Engine::~Engine() = default;
 
-Engine::Ending Engine::Optimize(const Start& start, bool warm, std::int64_t max_iterations,
+Engine::Ending Engine::Optimize(const Start& start, bool warm, std::int64_t max_iterations, double tolerance,
                                 const OnIterate& on_iterate) {
   State& s = *state_;
   const std::lock_guard lock(LibraryMutex());
@@ -288,14 +289,17 @@ Engine::Ending Engine::Optimize(const Start& start, bool warm, std::int64_t max_
   Ipopt::OptionsList& options = *s.application->Options();
   constexpr std::int64_t kMost = std::numeric_limits<IpoptIndex>::max();
   options.SetIntegerValue("max_iter", static_cast<IpoptIndex>(std::min(max_iterations, kMost)));
+  for (const char* name : {"tol", "compl_inf_tol"}) options.SetNumericValue(name, tolerance);
   options.SetStringValue("warm_start_init_point", warm ? "yes" : "no");
   Ipopt::TNLP* const program = Ipopt::GetRawPtr(s.nlp);
   const Ipopt::ApplicationReturnStatus code =
       s.built ? s.application->ReOptimizeTNLP(program) : s.application->OptimizeTNLP(program);
   // Of MUMPS, Ipopt 3.11.9 times the symbolic analysis and the solves only.
   FactorClock::CannotTell();
+  ++WorkCounts::OfThread().factorizations;  // or more: it does not say
   Ending ending;
   ending.status = Name(code);
+  ending.converged = code == Ipopt::Solve_Succeeded;
   ending.iteration_limit = code == Ipopt::Maximum_Iterations_Exceeded;
   if (Ipopt::IsValid(s.application->Statistics())) ending.iterations = s.application->Statistics()->IterationCount();
   return ending;

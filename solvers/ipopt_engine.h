@@ -96,6 +96,7 @@ class Engine {
   struct Ending {
     std::string_view status;  ///< Ipopt's own name
     bool iteration_limit = false;
+    bool converged = false;  ///< by Ipopt's own tests
     std::int64_t iterations = 0;
   };
 
@@ -104,8 +105,12 @@ class Engine {
   explicit Engine(const QuadraticProgram& program);
   ~Engine();
 
+  static constexpr double kNever = 1e-40;  ///< a tolerance that Ipopt does not reach, so that on_iterate stops it
+
+  /// @param tolerance  Ipopt's `tol`
   /// @param warm  `start` is used as it is; else Ipopt moves x off its bounds and sets all multipliers
-  Ending Optimize(const Start& start, bool warm, std::int64_t max_iterations, const OnIterate& on_iterate);
+  Ending Optimize(const Start& start, bool warm, std::int64_t max_iterations, double tolerance,
+                  const OnIterate& on_iterate);
 
  private:
   struct State;

@@ -70,8 +70,8 @@ Formulation ContactForm(const ScaledLcp& scaled) {
   }
   std::vector<Index> rows = AddGaps(scaled, &program);
   program.c.setZero(static_cast<Index>(program.nonnegative.size()));
-  program.c.head(n) = scaled.b();
-  program.d = -scaled.b();
+  program.d.setZero(n);
+  form.has_gap_constraints = true;
   form.start = [rows = std::move(rows)](const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
     return StartWithGaps(f, w, Eigen::VectorXd(), rows);
   };
@@ -102,9 +102,8 @@ Formulation LiftedForm(const ScaledLcp& scaled) {
   }
   std::vector<Index> rows = AddGaps(scaled, &program);
   program.c.setZero(static_cast<Index>(program.nonnegative.size()));
-  program.c.head(n) = scaled.b();
   program.d.setZero(n + bodies);
-  program.d.head(n) = -scaled.b();
+  form.has_gap_constraints = true;
   form.start = [rows = std::move(rows), S](const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
     return StartWithGaps(f, w, S.transpose() * f, rows);
   };
@@ -124,6 +123,7 @@ IpoptNcpOptions IpoptNcpOptions::FromSettings(const Settings& settings) {
   const std::string form = reader.Choice("form", "auto", {"auto", "contact", "lifted"});
   if (form == "contact") options.form = Form::kContact;
   if (form == "lifted") options.form = Form::kLifted;
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
@@ -153,8 +153,8 @@ void IpoptNcpSolver::DoPrepare(const LcpProblem& problem) {
   work_->runner.Prepare(scaled, forms);
 }
 
-void IpoptNcpSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(options, result);
+void IpoptNcpSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  work_->runner.Solve(problem, options, options_.self_check, result);
 }
 
 }  // namespace lcpbench

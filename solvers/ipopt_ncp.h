@@ -16,8 +16,10 @@ struct IpoptNcpOptions {
     kLifted,   ///< variables f, w and body velocities, constraints with J; needs factors
   };
   Form form = Form::kAuto;  ///< see Form
+  /// SettingsReader::SelfCheck; without it Ipopt stops by its own tests, with the tolerance as its `tol`.
+  bool self_check = true;
 
-  /// Option `form` = auto | contact | lifted.
+  /// Options `form` = auto | contact | lifted and `self_check`.
   static IpoptNcpOptions FromSettings(const Settings& settings);
 };
 

@@ -26,8 +26,7 @@ Formulation ContactForm(const ScaledLcp& scaled) {
       program.hessian.Add(i, it.col(), it.value() * scaled.InverseRoot(i) * scaled.InverseRoot(it.col()));
     }
   }
-  program.c = scaled.b();
-  program.d.resize(0);
+  program.c.setZero(n);
   form.start = [](const Eigen::VectorXd& f, const Eigen::VectorXd& w) { return Start{f, w, Eigen::VectorXd()}; };
   return form;
 }
@@ -52,7 +51,6 @@ Formulation LiftedForm(const ScaledLcp& scaled) {
     program.hessian.Add(n + k, n + k, 1.0);
   }
   program.c.setZero(n + bodies);
-  program.c.head(n) = scaled.b();
   program.d.setZero(bodies);
   form.start = [S](const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
     const Index rows = f.size();
@@ -80,6 +78,7 @@ IpoptQpOptions IpoptQpOptions::FromSettings(const Settings& settings) {
   const std::string form = reader.Choice("form", "auto", {"auto", "contact", "lifted"});
   if (form == "contact") options.form = Form::kContact;
   if (form == "lifted") options.form = Form::kLifted;
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
@@ -113,8 +112,8 @@ void IpoptQpSolver::DoPrepare(const LcpProblem& problem) {
   work_->runner.Prepare(scaled, forms);
 }
 
-void IpoptQpSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(options, result);
+void IpoptQpSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  work_->runner.Solve(problem, options, options_.self_check, result);
 }
 
 }  // namespace lcpbench

@@ -16,8 +16,10 @@ struct IpoptQpOptions {
     kLifted,   ///< n + 3N variables, Hessian diag(0, I); needs factors
   };
   Form form = Form::kAuto;  ///< see Form
+  /// SettingsReader::SelfCheck; without it Ipopt stops by its own tests, with the tolerance as its `tol`.
+  bool self_check = true;
 
-  /// Option `form` = auto | contact | lifted.
+  /// Options `form` = auto | contact | lifted and `self_check`.
   static IpoptQpOptions FromSettings(const Settings& settings);
 };
 

@@ -25,7 +25,6 @@ std::vector<Index> RenumberBodies(const SparseMatrix& J, std::span<const Index> 
 }  // namespace
 
 void IdleRows::Prepare(const LcpProblem& problem) {
-  problem_ = problem;
   const SparseMatrix& A = problem.SparseA();
   const Eigen::VectorXd& d = problem.DiagonalA();
   const size_t n = At(problem.size());
@@ -41,13 +40,13 @@ void IdleRows::Prepare(const LcpProblem& problem) {
   }
 }
 
-bool IdleRows::IsIdle(Index i) const {
+bool IdleRows::IsIdle(const LcpProblem& problem, Index i) const {
   if (bilateral_[At(i)] != 0) return false;
-  const Eigen::VectorXd& b = problem_->b();
+  const Eigen::VectorXd& b = problem.b();
   bool pushed_down = b[i] < 0;
   if (pushed_down && has_twin_[At(i)] == 0) return false;
-  const Eigen::VectorXd& d = problem_->DiagonalA();
-  for (SparseMatrix::InnerIterator it(problem_->SparseA(), i); it; ++it) {
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
     const Index j = it.col();
     const double a = it.value();
     if (a == 0 || j == i || keep_[At(j)] == 0) continue;
@@ -61,13 +60,13 @@ bool IdleRows::IsIdle(Index i) const {
   return !pushed_down;
 }
 
-Index IdleRows::Find() {
+Index IdleRows::Find(const LcpProblem& problem) {
   std::fill(keep_.begin(), keep_.end(), 1);
   Index idle = 0;
   // One pass is enough: A is symmetric, so a row left out for having no negative entries was none in any other row, and
   // a row left out as a twin leaves its twin.
-  for (Index i = 0; i < problem_->size(); ++i) {
-    if (!IsIdle(i)) continue;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (!IsIdle(problem, i)) continue;
     keep_[At(i)] = 0;
     ++idle;
   }

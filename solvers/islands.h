@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -18,15 +17,15 @@ class IdleRows {
  public:
   /// Looks for equal rows; b is not read.  O(nnz A), allocates.
   void Prepare(const LcpProblem& problem);
-  /// Returns the number of idle rows of the prepared problem.  O(nnz A), much less where most b_i < 0.
-  Index Find();
+  /// Returns the number of idle rows of the prepared problem, or of one that shares its matrix.  O(nnz A), much less
+  /// where most b_i < 0.
+  Index Find(const LcpProblem& problem);
   /// By row: 0 if idle.
   const std::vector<char>& keep() const { return keep_; }
 
  private:
-  bool IsIdle(Index i) const;
+  bool IsIdle(const LcpProblem& problem, Index i) const;
 
-  std::optional<LcpProblem> problem_;  // a copy: what Prepare was given may be gone
   std::vector<char> bilateral_, has_twin_, keep_;
 };
 

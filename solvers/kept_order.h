@@ -12,8 +12,9 @@ namespace lcpbench {
 /// The elimination order of a graph, kept for a later graph that differs from it a little: as contacts come and go in
 /// motion, a few nodes and edges change. (warm_start_benchmark --with-setup --lost measures what that is worth.)
 ///
-/// Nodes go by names, which outlast their numbers: a body is named by its columns of J, a contact by its two bodies.
-/// Whoever uses a kept order asks afterwards, with the work that its analysis predicts, whether it still serves.
+/// For problems that are steps of a sequence (LcpSolver::SetInSequence). Nodes go by names, which outlast their
+/// numbers: a body is named by its columns of J, a contact by its two bodies. Whoever uses a kept order asks
+/// afterwards, with the work that its analysis predicts, whether it still serves.
 ///
 /// An answer then depends, in its rounding, on the problem before. Problems of less than kLeastRows are not worth that.
 /// Internal to solvers/; one object serves one thread at a time.

@@ -46,7 +46,8 @@ LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   options.rank_tolerance =
       reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
   options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
-  options.block_start = reader.Choice("block_start", "no", {"yes", "no"}) == "yes";
+  options.block_start = reader.YesOrNo("block_start", options.block_start);
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
@@ -67,8 +68,8 @@ void LemkeSolver::Reserve(Index max_rows) { engine_->Reserve(max_rows); }
 
 void LemkeSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 
-void LemkeSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(options, result);
+void LemkeSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(problem, options, result);
 }
 
 }  // namespace lcpbench

@@ -18,12 +18,13 @@ struct LemkeOptions {
   /// else at the bilateral rows alone, as in the book. A path to the solution is the shorter the nearer it starts: a
   /// quarter of the time at 100 rows.
   bool block_start = false;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Larger problems are refused as unsupported before anything is allocated: three n x n arrays take 2.4 GB at the
   /// default. In [1, 100000].
   Index max_rows = 10'000;
 
-  /// Keys `rank_tolerance`, `block_start` (yes, no) and `max_rows`. @throws InputError for others
+  /// Keys `rank_tolerance`, `block_start` (yes, no), `max_rows` and `self_check`. @throws InputError for others
   static LemkeOptions FromSettings(const Settings& settings);
 };
 

@@ -12,7 +12,7 @@ namespace lcpbench {
 /// path of falling z); no part of the interface.
 class LemkeSolver::Engine final : public PivotBase {
  public:
-  explicit Engine(LemkeOptions options) : PivotBase(options.rank_tolerance, options.block_start) {}
+  explicit Engine(LemkeOptions options) : PivotBase(options.rank_tolerance, options.block_start, options.self_check) {}
 
   void Reserve(Index max_rows) override;
 

@@ -183,15 +183,18 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
   if (reader.Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "fletcher-reeves") {
     options.direction = Direction::kFletcherReeves;
   }
-  options.end_when_hopeless = reader.Choice("end-when-hopeless", "no", {"yes", "no"}) == "yes";
+  options.end_when_hopeless = reader.YesOrNo("end-when-hopeless", options.end_when_hopeless);
   constexpr double kMost = 100000;
   options.least_iterations = static_cast<std::int64_t>(
       reader.Number("least-iterations", static_cast<double>(options.least_iterations), 0, kMost));
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
-NncgSolver::NncgSolver(NncgOptions options) : options_(options), work_(std::make_unique<Workspace>()) {}
+NncgSolver::NncgSolver(NncgOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
+  work_->test.SetSelfCheck(options.self_check);
+}
 NncgSolver::~NncgSolver() = default;
 
 std::string NncgSolver::WhyUnsupported(const LcpProblem& problem) const {
@@ -205,14 +208,14 @@ void NncgSolver::DoPrepare(const LcpProblem& problem) {
   for (Point* point : {&work_->x, &work_->previous, &work_->extra}) point->Reserve(work_->rows);
 }
 
-void NncgSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+void NncgSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   Workspace& work = *work_;
   RowWork& rows = work.rows;
-  rows.Start(options.initial_f);
+  rows.Start(problem, options.initial_f);
   work.has_previous = false;
   work.test.EndWhenHopeless(options_.end_when_hopeless, options_.least_iterations);
   PacedPasses passes(options, *rows.rows, rows.scaled.size);
-  bool over = work.test.Begin(options, kDefaultIterations, &rows, &passes, result);
+  bool over = work.test.Begin(problem, options, kDefaultIterations, &rows, &passes, result);
   while (!over) {
     work.x.f = rows.f;
     work.x.image = rows.image;

@@ -27,9 +27,10 @@ struct NncgOptions {
   bool end_when_hopeless = false;
   /// Iterations that end_when_hopeless waits before it looks at the rate, and leaves out of it, in [0, 100000].
   std::int64_t least_iterations = 0;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
-  /// coloured, `end-when-hopeless` = yes | no, `least-iterations`.
+  /// coloured, `end-when-hopeless` = yes | no, `least-iterations`, `self_check`.
   static NncgOptions FromSettings(const Settings& settings);
 };
 

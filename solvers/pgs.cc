@@ -23,12 +23,15 @@ PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   options.form = ReadRowForm(&reader);
   options.sweep = ReadSweepOrder(&reader);
   options.relaxation = reader.Number("relaxation", options.relaxation, 0.0, 2.0);
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   CheckRelaxation("pgs", "relaxation", options.relaxation);
   return options;
 }
 
 PgsSolver::PgsSolver(PgsOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
+  work_->test.SetSelfCheck(options.self_check);
+
   CheckRelaxation("pgs", "relaxation", options.relaxation);
 }
 PgsSolver::~PgsSolver() = default;
@@ -37,9 +40,9 @@ std::string PgsSolver::WhyUnsupported(const LcpProblem& problem) const { return 
 
 void PgsSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
 
-void PgsSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+void PgsSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   ConstantRelaxation relaxation{options_.relaxation};
-  work_->Solve(options_.sweep, options, kDefaultSweeps, &relaxation, result);
+  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
 }
 
 }  // namespace lcpbench

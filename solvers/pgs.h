@@ -19,8 +19,10 @@ struct PgsOptions {
   /// omega in (0, 2). 1 is Gauss-Seidel; no other constant is better on all problems: over-relaxation gains on long
   /// chains (there the best omega tends to 2) and loses on redundant contacts.
   double relaxation = 1.0;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, and `relaxation`.
+  /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation` and
+  /// `self_check`.
   static PgsOptions FromSettings(const Settings& settings);
 };
 

@@ -24,15 +24,17 @@ namespace lcpbench {
 class PivotBase {
  public:
   /// @param block_start  whether rows enter in blocks before the method takes over; after a warm start they always do
-  PivotBase(double rank_tolerance, bool block_start)
-      : first_rank_tolerance_(rank_tolerance), block_start_(block_start) {}
+  /// @param self_check   SettingsReader::SelfCheck; without it the first answer is the last
+  PivotBase(double rank_tolerance, bool block_start, bool self_check)
+      : first_rank_tolerance_(rank_tolerance), block_start_(block_start), self_check_(self_check) {}
   virtual ~PivotBase() = default;
 
   virtual void Reserve(Index max_rows);
   void Prepare(const LcpProblem& problem);
   /// Runs the method with the rank tolerance, then, where that met neither the tolerance nor a proof, with a finer and
   /// a coarser one, from nothing active and without blocks.
-  void Solve(const LcpOptions& options, LcpResult* result);
+  /// `problem` shares its matrix with the prepared one.
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  protected:
   static constexpr Index kNoRow = -1;
@@ -71,7 +73,7 @@ class PivotBase {
   /// -w_i / GapRoot(i), 0 where no row is violated.
   double ComputeGaps();
   void Release(Index p);
-  /// Judges f; true if it is good enough to stop.
+  /// Judges f; true if it is good enough to stop. Without self-check true, unjudged.
   bool Publish(LcpResult* result);
   /// For a search that came to no end: f, judged unless time is up. Then it stands if nothing was published before.
   void PublishUnfinished(End end, LcpResult* result);
@@ -128,6 +130,7 @@ class PivotBase {
 
   const double first_rank_tolerance_;
   const bool block_start_;
+  const bool self_check_;
   bool blocks_ = false;  // in this attempt
   bool out_of_time_ = false;
   std::int64_t solved_at_ = -1;  // pivots_ when SolveForces left F and f as they are; -1: not so

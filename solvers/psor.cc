@@ -65,13 +65,16 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   options.form = ReadRowForm(&reader);
   options.sweep = ReadSweepOrder(&reader);
   options.first_relaxation = reader.Number("first-relaxation", options.first_relaxation, 0.0, 2.0);
-  options.end_when_hopeless = reader.Choice("end-when-hopeless", "no", {"yes", "no"}) == "yes";
+  options.end_when_hopeless = reader.YesOrNo("end-when-hopeless", options.end_when_hopeless);
+  options.self_check = reader.SelfCheck();
   reader.Finish();
   CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
   return options;
 }
 
 PsorSolver::PsorSolver(PsorOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
+  work_->test.SetSelfCheck(options.self_check);
+
   CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
 }
 PsorSolver::~PsorSolver() = default;
@@ -80,10 +83,10 @@ std::string PsorSolver::WhyUnsupported(const LcpProblem& problem) const { return
 
 void PsorSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
 
-void PsorSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
+void PsorSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   AdaptiveRelaxation relaxation(options_.first_relaxation);
   work_->test.EndWhenHopeless(options_.end_when_hopeless);
-  work_->Solve(options_.sweep, options, kDefaultSweeps, &relaxation, result);
+  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
 }
 
 }  // namespace lcpbench

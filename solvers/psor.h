@@ -19,8 +19,9 @@ struct PsorOptions {
   double first_relaxation = 1.6;
   /// As in NncgOptions.
   bool end_when_hopeless = false;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
-  /// Options `form`, `sweep`, `first-relaxation` and `end-when-hopeless` = yes | no.
+  /// Options `form`, `sweep`, `first-relaxation` `end-when-hopeless` = yes | no and `self_check`.
   static PsorOptions FromSettings(const Settings& settings);
 };
 

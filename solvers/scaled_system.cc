@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 
 namespace lcpbench {
@@ -54,7 +55,6 @@ double MaxAbs(const Eigen::VectorXd& x) {
 void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
   problem_ = problem;
   analyses_ = 0;
-  estimate_ready_ = false;
   double contact_entries = 0;
   if (problem.has_factors()) {
     Eigen::VectorXd counts = Eigen::VectorXd::Zero(problem.J().cols());
@@ -89,13 +89,9 @@ void ScaledSystem::ScaleRows() {
   const Index n = problem.size();
   diagonal_ = problem.DiagonalA();
   root_.resize(n);
-  double sum = 0;
-  for (Index i = 0; i < n; ++i) {
-    root_[i] = diagonal_[i] > 0 ? std::sqrt(diagonal_[i]) : 1.0;
-    const double scaled = problem.b()[i] / root_[i];
-    sum += scaled * scaled;
-  }
-  b_norm_ = sum > 0 ? std::sqrt(sum) : 1.0;
+  for (Index i = 0; i < n; ++i) root_[i] = diagonal_[i] > 0 ? std::sqrt(diagonal_[i]) : 1.0;
+  bilateral_row_.assign(static_cast<size_t>(n), 0);
+  for (const Index i : problem.bilateral_rows()) bilateral_row_[static_cast<size_t>(i)] = 1;
 }
 
 void ScaledSystem::FindComponents() {
@@ -121,35 +117,42 @@ void ScaledSystem::FindComponents() {
     }
   }
 
-  // Number the components and find which of them f = 0 does not solve.
   std::vector<int> number(static_cast<size_t>(n), -1);
-  std::vector<double> beta;
-  std::vector<char> live;
   component_.assign(static_cast<size_t>(n), 0);
   component_count_ = 0;
   for (Index i = 0; i < n; ++i) {
     int& c = number[static_cast<size_t>(sets.Find(static_cast<int>(i)))];
-    if (c < 0) {
-      c = component_count_++;
-      beta.push_back(0);
-      live.push_back(0);
-    }
+    if (c < 0) c = component_count_++;
     component_[static_cast<size_t>(i)] = c;
-    const auto k = static_cast<size_t>(c);
-    beta[k] = std::max(beta[k], std::abs(problem.b()[i]) / root_[i]);
-    if (problem.is_bilateral(i) ? problem.b()[i] != 0 : problem.b()[i] < 0) live[k] = 1;
   }
+}
+
+void ScaledSystem::SetB(const LcpProblem& problem) {
+  problem_ = problem;
+  estimate_ready_ = false;
+  const Index n = size();
+  double sum = 0;
+  component_b_.assign(static_cast<size_t>(component_count_), 0);
+  component_is_live_.assign(static_cast<size_t>(component_count_), 0);  // where f = 0 is no solution
+  for (Index i = 0; i < n; ++i) {
+    const double scaled = problem.b()[i] / root_[i];
+    sum += scaled * scaled;
+    const auto k = static_cast<size_t>(component(i));
+    component_b_[k] = std::max(component_b_[k], std::abs(scaled));
+    const bool is_joint = bilateral_row_[static_cast<size_t>(i)] != 0;
+    if (is_joint ? problem.b()[i] != 0 : problem.b()[i] < 0) component_is_live_[k] = 1;
+  }
+  b_norm_ = sum > 0 ? std::sqrt(sum) : 1.0;
   kind_.assign(static_cast<size_t>(n), RowKind::kIdle);
-  bilateral_row_.assign(static_cast<size_t>(n), 0);
-  for (const Index i : problem.bilateral_rows()) bilateral_row_[static_cast<size_t>(i)] = 1;
   b_.resize(n);
   force_unit_.resize(n);
   gap_unit_.resize(n);
   for (Index i = 0; i < n; ++i) {
     const auto c = static_cast<size_t>(component(i));
-    const double unit = beta[c] > 0 ? beta[c] : 1.0;
-    if (live[c] != 0 && diagonal_[i] > 0) {
-      kind_[static_cast<size_t>(i)] = problem.is_bilateral(i) ? RowKind::kBilateral : RowKind::kUnilateral;
+    const double unit = component_b_[c] > 0 ? component_b_[c] : 1.0;
+    if (component_is_live_[c] != 0 && diagonal_[i] > 0) {
+      kind_[static_cast<size_t>(i)] =
+          bilateral_row_[static_cast<size_t>(i)] != 0 ? RowKind::kBilateral : RowKind::kUnilateral;
     }
     force_unit_[i] = unit / root_[i];
     gap_unit_[i] = unit * root_[i];
@@ -170,13 +173,14 @@ void ScaledSystem::BuildContactSpace() {
   const SparseMatrix upper = scaled_A_.triangularView<Eigen::Upper>();
   const Eigen::Map<const CholmodFactor::ColumnMatrix> lower(n, n, upper.nonZeros(), upper.outerIndexPtr(),
                                                             upper.innerIndexPtr(), upper.valuePtr());
-  if (!factor_.TakeValues(lower)) AnalyzeContactSpace(lower);
+  if (!InSequence::on() || !factor_.TakeValues(lower)) AnalyzeContactSpace(lower);
 }
 
 // Contacts come and go from problem to problem; the others keep their order while it serves.
 void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower) {
   constexpr auto kDefinite = CholmodFactor::Definiteness::kPositiveDefinite;
-  const std::vector<KeptOrder::Name> names = NamesOfRows(*problem_);
+  std::vector<KeptOrder::Name> names;
+  if (InSequence::on()) names = NamesOfRows(*problem_);
   const Eigen::VectorXi order = kept_.Find(names, lower.outerIndexPtr(), lower.innerIndexPtr());
   if (order.size() > 0) {
     ++analyses_;
@@ -193,9 +197,9 @@ void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower)
 }
 
 void ScaledSystem::BuildBodySpace() {
-  std::vector<char> live(kind_.size());
-  for (size_t i = 0; i < live.size(); ++i) live[i] = kind_[i] != RowKind::kIdle ? 1 : 0;
-  bodies_.Prepare(*problem_, root_, live);
+  std::vector<char> can_act(static_cast<size_t>(size()));
+  for (Index i = 0; i < size(); ++i) can_act[static_cast<size_t>(i)] = diagonal_[i] > 0 ? 1 : 0;
+  bodies_.Prepare(*problem_, root_, can_act);
   analyses_ += bodies_.analyses();
 }
 
@@ -257,7 +261,13 @@ void ScaledSystem::GapsExtended(const Eigen::VectorXd& f, bool with_b, Eigen::Ve
 }
 
 bool ScaledSystem::Factorize(const Eigen::VectorXd& theta) {
-  if (body_space_) return bodies_.Factorize(theta);
+  if (body_space_) {
+    pivots_ = theta;
+    for (Index i = 0; i < size(); ++i) {
+      if (idle(i)) pivots_[i] = kOut;
+    }
+    return bodies_.Factorize(pivots_);
+  }
   for (Index i = 0; i < size(); ++i) factor_.SetDiagonal(i, 1.0 + (idle(i) ? kOut : theta[i]));
   return factor_.Factorize();
 }
@@ -299,6 +309,7 @@ bool ScaledSystem::Meets(double tolerance, const Eigen::VectorXd& f, const Eigen
   if (!a_is_affordable_ || !std::isfinite(worst)) return false;
   if (!estimate_ready_) {
     estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense);
+    estimate_.SetB(*problem_);
     estimate_ready_ = true;
   }
   return estimate_.Meets(tolerance, f, w);

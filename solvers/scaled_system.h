@@ -35,11 +35,15 @@ class ScaledSystem {
 
   /// Scales, finds components, chooses the space and analyses. O(nnz) and the analysis.
   /// kBody needs BodySpace::Suits(problem); otherwise it means kContact.
+  /// Reads no b.
   void Prepare(const LcpProblem& problem, Space space);
+  /// b of the prepared problem, or of one that shares its matrix: scales b, finds idle rows. To be called before all
+  /// that follows.  O(n)
+  void SetB(const LcpProblem& problem);
 
-  /// The prepared problem (a copy that shares storage).
+  /// The problem of SetB (a copy that shares storage).
   const LcpProblem& problem() const { return *problem_; }
-  Index size() const { return static_cast<Index>(kind_.size()); }
+  Index size() const { return root_.size(); }
   RowKind kind(Index i) const { return kind_[static_cast<size_t>(i)]; }
   bool idle(Index i) const { return kind(i) == RowKind::kIdle; }
   bool unilateral(Index i) const { return kind(i) == RowKind::kUnilateral; }
@@ -72,8 +76,8 @@ class ScaledSystem {
   bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
   bool in_body_space() const { return body_space_; }
-  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept. Of a problem that differs
-  /// little the order is kept (BodyGraph, KeptOrder).
+  /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept. In a sequence
+  /// the order is kept for a problem that differs little (BodyGraph, KeptOrder).
   int analyses() const { return analyses_; }
   double fill() const { return factor().fill(); }
   double flops() const { return factor().flops(); }
@@ -95,6 +99,9 @@ class ScaledSystem {
   std::vector<RowKind> kind_;
   std::vector<char> bilateral_row_;  // of the problem, idle or not
   std::vector<int> component_;
+  std::vector<double> component_b_;  // max |D^-1/2 b|
+  std::vector<char> component_is_live_;
+  Eigen::VectorXd pivots_;  // theta, kOut at idle rows
   int component_count_ = 0;
   Eigen::VectorXd root_, diagonal_, b_, force_unit_, gap_unit_;
   double b_norm_ = 1;  // |D^-1/2 b|_2

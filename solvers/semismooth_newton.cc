@@ -57,8 +57,10 @@ void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   n_ = problem.size();
   block_ = blocks_.Analyze(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows});
-  test_.Reset(problem);
-  judge_.Reset(problem, blocks_.is_dense(block_));
+  if (options_.self_check) {
+    test_.Reset(problem);
+    judge_.Reset(problem, blocks_.is_dense(block_));
+  }
   judged_.f.setZero(n_);
   scaled_.Resize(n_);
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
@@ -196,7 +198,12 @@ void SemismoothNewtonSolver::Engine::RestartFromCenter() {
   w_ += scaled_.b;
 }
 
-void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult* result) {
+void SemismoothNewtonSolver::Engine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  problem_ = problem;
+  if (options_.self_check) {
+    test_.SetB(problem);
+    judge_.SetB(problem);
+  }
   tolerance_ = options.tolerance;
   deadline_.emplace(options);
   factors_ = 0;
@@ -257,7 +264,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     const double rho = Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale);
     if (rho < best_rho_) {
       f_ = c_;
-      Publish(result);
+      Publish(rho, result);
     }
     const bool is_answer = IsAnswer(result);
     if (is_answer || rho <= kWorthAnother * finished_rho) {
@@ -279,7 +286,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpOptions& options, LcpResult*
     if (end == End::kTimeLimit) {
       for (Index p = 0; p < n_; ++p) result->f[p] = scaled_.GivenForce(p, c_[p]);
     } else {
-      Publish(result);
+      Publish(RhoInDouble(), result);
     }
   }
   result->iterations = factors_;
@@ -317,6 +324,7 @@ SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& se
   options.first_weight = reader.Number("first_weight", options.first_weight, kLeastAllowedWeight, 1);
   options.weight_factor = reader.Number("weight_factor", options.weight_factor, kLeastAllowedWeight, 1);
   options.least_weight = reader.Number("least_weight", options.least_weight, kLeastAllowedWeight, 1);
+  options.self_check = reader.SelfCheck();
   options.continuation_rows =
       static_cast<Index>(reader.Number("continuation_rows", static_cast<double>(options.continuation_rows), 1, 1e9));
   reader.Finish();
@@ -341,8 +349,8 @@ double SemismoothNewtonSolver::StepTime() const { return engine_->StepTime(); }
 
 void SemismoothNewtonSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
 
-void SemismoothNewtonSolver::DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(options, result);
+void SemismoothNewtonSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(problem, options, result);
 }
 
 }  // namespace lcpbench

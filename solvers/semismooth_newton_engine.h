@@ -23,7 +23,7 @@ class SemismoothNewtonSolver::Engine {
 
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return blocks_.StepTime(block_, n_); }
-  void Solve(const LcpOptions& options, LcpResult* result);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
   static size_t At(Index i) { return static_cast<size_t>(i); }
@@ -43,7 +43,8 @@ class SemismoothNewtonSolver::Engine {
   End FinishFromStart(LcpResult* result);
   End Correct(double rho, LcpResult* result);
   Index FindWrongRows();
-  bool Publish(LcpResult* result);
+  void GiveForces(Eigen::VectorXd* f) const;
+  bool Publish(double rho_in_double, LcpResult* result);
   bool IsAnswer(LcpResult* result);
   bool RepairTinyRows(LcpResult* result);
   End TryRay(LcpResult* result);

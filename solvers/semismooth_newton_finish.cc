@@ -43,15 +43,25 @@ double SemismoothNewtonSolver::Engine::RhoInDouble() {
   return Residual(f_, residual_) / (scaled_.b_norm * scaled_.b_scale);
 }
 
-// Keeps f_ if it is the best so far. True if it is good enough to stop. What is good enough in double, rounding
-// included, is far below any tolerance; only what is not is looked at in extended precision.
-bool SemismoothNewtonSolver::Engine::Publish(LcpResult* result) {
-  if (deadline_->Expired()) return false;
-  Eigen::VectorXd& f = judge_.candidate();
+void SemismoothNewtonSolver::Engine::GiveForces(Eigen::VectorXd* f) const {
   for (Index p = 0; p < n_; ++p) {
     const double given = scaled_.GivenForce(p, f_[p]);
-    f[p] = is_joint(p) ? given : std::max(given, 0.0);
+    (*f)[p] = is_joint(p) ? given : std::max(given, 0.0);
   }
+}
+
+// Keeps f_ if it is the best so far. Without self-check by `rho`, which it has in double. True if it is good enough to
+// stop. What is good enough in double, rounding included, is far below any tolerance; only what is not is looked at in
+// extended precision.
+bool SemismoothNewtonSolver::Engine::Publish(double rho_in_double, LcpResult* result) {
+  if (deadline_->Expired()) return false;
+  if (!options_.self_check) {
+    if (!(rho_in_double < best_rho_)) return false;
+    best_rho_ = rho_in_double;
+    GiveForces(&result->f);
+    return best_rho_ <= kGoodEnough;
+  }
+  GiveForces(&judge_.candidate());
   judge_.Start(tolerance_);
   const bool good_enough = judge_.Publish(&judged_);  // the first candidate is the best, if it is a number
   if (!(judge_.tier() < kInfinity)) return false;
@@ -97,7 +107,8 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Correct(doub
     if (k > 0 && !(rho <= kFinishProgress * before)) break;
     if (deadline_->Expired()) return End::kTimeLimit;
   }
-  if (Publish(result)) return End::kDone;
+  if (Publish(rho, result)) return End::kDone;
+  if (!options_.self_check) return IsAnswer(result) ? End::kDone : End::kGoOn;
   // Once more with the residual of the given form in extended precision, if rounding is what is left.
   if (best_rho_ > std::sqrt(kGoodEnough)) return End::kGoOn;
   for (int k = 0; k < kFinishSteps; ++k) {
@@ -108,7 +119,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Correct(doub
     if (deadline_->Expired()) return End::kTimeLimit;
     block_->Solve(residual_.data());
     f_ -= residual_;
-    if (Publish(result)) return End::kDone;
+    if (Publish(rho, result)) return End::kDone;
     if (!(best_rho_ <= kFinishProgress * before)) break;
   }
   return IsAnswer(result) || RepairTinyRows(result) ? End::kDone : End::kGoOn;
@@ -171,7 +182,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromSt
 }
 
 bool SemismoothNewtonSolver::Engine::IsAnswer(LcpResult* result) {
-  return best_rho_ <= tolerance_ && test_.Meets(tolerance_, result->f);
+  return best_rho_ <= tolerance_ && (!options_.self_check || test_.Meets(tolerance_, result->f));
 }
 
 // For an f that meets rho but not the componentwise measure, which then fails in rows where all terms are tiny.

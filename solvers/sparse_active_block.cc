@@ -4,7 +4,9 @@
 #include <algorithm>
 
 #include "solvers/lcp/factor_clock.h"
+#include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/work_counts.h"
 
 namespace lcpbench {
 namespace {
@@ -25,10 +27,11 @@ bool SparseActiveBlock::HasPattern(const SparseMatrix& A) const {
 
 void SparseActiveBlock::Analyze(const LcpProblem& problem) {
   const SparseMatrix& A = problem.SparseA();
-  if (HasPattern(A)) return;
+  const bool in_sequence = InSequence::on();
+  if (in_sequence && HasPattern(A)) return;
   outer_.clear();  // until the analysis has succeeded
   n_ = static_cast<int>(A.rows());
-  const std::vector<KeptOrder::Name> names = NamesOfRows(problem);
+  const std::vector<KeptOrder::Name> names = in_sequence ? NamesOfRows(problem) : std::vector<KeptOrder::Name>();
   const Eigen::VectorXi found = kept_.Find(names, A.outerIndexPtr(), A.innerIndexPtr());
   bool serves = found.size() > 0;
   if (serves) {
@@ -87,6 +90,7 @@ void SparseActiveBlock::Permute(const SparseMatrix& A) {
 // The elimination tree [Liu 1986], then the pattern of each row of L: the nodes met on the way from its entries in A up
 // the tree to the row itself.
 void SparseActiveBlock::FindPatterns() {
+  ++WorkCounts::OfThread().analyses;
   parent_.assign(At(n_), kNone);
   std::vector<int> ancestor(At(n_), kNone);
   std::vector<int> seen(At(n_), kNone);

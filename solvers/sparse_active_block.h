@@ -14,7 +14,8 @@ namespace lcpbench {
 /// after a small change of F computes the changed rows and their ancestors anew and keeps the others. Columns of equal
 /// structure are handled up to four together, which shares the indices and the accumulator.
 ///
-/// The analysis is kept for a next problem of the same pattern, the order for one that differs little (KeptOrder).
+/// In a sequence the analysis is kept for a next problem of the same pattern, the order for one that differs little
+/// (KeptOrder).
 class SparseActiveBlock final : public ActiveBlock {
  public:
   void Analyze(const LcpProblem& problem) override;

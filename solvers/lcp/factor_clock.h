@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "solvers/lcp/solver.h"
+#include "solvers/lcp/work_counts.h"
 
 namespace lcpbench {
 
@@ -33,10 +34,13 @@ class FactorClock {
     bool is_outermost_;
   };
 
-  /// Around a factorisation. Of nested ones the outermost counts.
+  /// Around a factorisation, which WorkCounts counts, too. Of nested ones the outermost is timed.
   class Scope {
    public:
-    Scope() : counts_(on_ && !within_), start_(counts_ ? SteadyNow() : 0) { within_ = within_ || counts_; }
+    Scope() : counts_(on_ && !within_), start_(counts_ ? SteadyNow() : 0) {
+      within_ = within_ || counts_;
+      ++WorkCounts::OfThread().factorizations;
+    }
     ~Scope() {
       if (!counts_) return;
       within_ = false;

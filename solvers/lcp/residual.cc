@@ -12,19 +12,23 @@ void ResidualEstimate::Reset(const LcpProblem& problem, bool dense) {
   force_ = problem.DiagonalA();
   root_.resize(n);
   bilateral_.setConstant(n, false);
-  double sum = 0;
-  for (Index i = 0; i < n; ++i) {
-    root_[i] = force_[i] == 0 ? 1.0 : std::sqrt(std::abs(force_[i]));
-    const double scaled = problem.b()[i] / root_[i];
-    sum += scaled * scaled;
-  }
+  for (Index i = 0; i < n; ++i) root_[i] = force_[i] == 0 ? 1.0 : std::sqrt(std::abs(force_[i]));
   for (const Index i : problem.bilateral_rows()) bilateral_[i] = true;
-  b_norm_ = sum == 0 ? 1.0 : std::sqrt(sum);
   if (dense) {
     problem.DenseA();
   } else {
     problem.SparseA();
   }
+}
+
+void ResidualEstimate::SetB(const LcpProblem& problem) {
+  problem_ = problem;
+  double sum = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const double scaled = problem.b()[i] / root_[i];
+    sum += scaled * scaled;
+  }
+  b_norm_ = sum == 0 ? 1.0 : std::sqrt(sum);
 }
 
 double ResidualEstimate::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {

@@ -11,8 +11,11 @@ namespace lcpbench {
 /// but a working estimate: the verdict is always verify.h's. Allocates in Reset only.
 class ResidualEstimate {
  public:
-  /// O(nnz of A). Reads the form of A named by `dense` (so that a solver does not make a second form by asking).
+  /// Reads A and the bounds, not b. O(nnz of A). Reads the form of A named by `dense` (so that a solver does not make a
+  /// second form by asking).
   void Reset(const LcpProblem& problem, bool dense);
+  /// To be called before the others: b of the problem that was given to Reset, or of one that shares its matrix.  O(n)
+  void SetB(const LcpProblem& problem);
 
   /// rho at f with w = A f + b given.  O(n).
   double Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;

@@ -38,6 +38,10 @@ std::string SettingsReader::Choice(const std::string& name, std::string_view fal
   return found->second;
 }
 
+bool SettingsReader::YesOrNo(const std::string& name, bool fallback) {
+  return Choice(name, fallback ? "yes" : "no", {"yes", "no"}) == "yes";
+}
+
 void SettingsReader::Finish() const {
   for (const auto& [name, value] : settings_) {
     if (known_.contains(name)) continue;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "solvers/lcp/factor_clock.h"
+#include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
 
@@ -75,9 +76,10 @@ std::string LcpSolver::WhyUnsupported(const LcpProblem& /*problem*/) const { ret
 void LcpSolver::Reserve(Index /*max_rows*/) {}
 
 void LcpSolver::Prepare(const LcpProblem& problem) {
-  if (prepared_.has_value() && prepared_->SharesMatrixWith(problem) && &prepared_->b() == &problem.b()) return;
+  if (prepared_.has_value() && prepared_->SharesMatrixWith(problem)) return;
   prepared_.reset();
   if (problem.size() == 0 || !problem.has_standard_bounds() || !WhyUnsupported(problem).empty()) return;
+  const InSequence::Scope sequence(in_sequence_);
   DoPrepare(problem);
   prepared_ = problem;
 }
@@ -108,6 +110,7 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   result->status = LcpStatus::kNumericalFailure;
   try {
     Prepare(problem);
+    const InSequence::Scope sequence(in_sequence_);
     const FactorClock::Session clock(options.time_factorisations);
     DoSolve(problem, options, result);
     // What another process solves it factorises there.

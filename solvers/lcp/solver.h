@@ -91,13 +91,17 @@ class Deadline {
 };
 
 /// An LCP solver. One object serves one thread at a time; distinct objects are independent. Nothing carries over from
-/// one Solve to the next but workspace, so repeated solves of one problem with one LcpOptions are bitwise identical; a
-/// warm start is options.initial_f. A Prepare may keep what it knows of the structure of the problem before, which
-/// shows in rounding only.
+/// one problem to another but workspace, so that an object that has solved others does the same work as a new one and
+/// gives the same bits; a warm start is options.initial_f. Only SetInSequence lets more carry over.
 ///
-/// The life of a solve: Prepare(problem) does what depends on the problem's structure only and is timed as *set-up*
-/// (forms of A that the method reads, allocation, symbolic analysis); Solve is timed as *solve*. Solve prepares by
-/// itself where the caller did not.
+/// The life of a solve: Prepare(problem) does what depends on A and the bounds only, never on b (forms of A that the
+/// method reads, allocation, orders, symbolic analysis), and holds for every problem that shares the matrix
+/// (LcpProblem::WithB), as does what a Solve prepares besides: backends that are asked where others failed. Solve
+/// prepares by itself where the caller did not. A user with a new problem pays for both.
+///
+/// Own solvers that check their answer before they claim it do so by rho and backward error, the measures of the
+/// verifier (verify.h), mostly by code of their own (residual.h, given_form.h), rays by VerifyFarkasRay itself. The
+/// setting `self_check` = no, where a solver has it, leaves the check out.
 class LcpSolver {
  public:
   virtual ~LcpSolver() = default;
@@ -109,7 +113,11 @@ class LcpSolver {
   /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
   virtual void Reserve(Index max_rows);
 
-  /// Set-up for `problem`, see above. Idempotent for one problem: a second call with the same problem costs nothing.
+  /// Whether the problems to come are steps of a sequence, each much like the one before; off at first. On: orders and
+  /// symbolic analyses of the problem before are kept where they still serve, and some rounding depends on it then.
+  void SetInSequence(bool in_sequence) { in_sequence_ = in_sequence; }
+
+  /// Set-up for `problem`, see above. Idempotent: a second call with a problem of the same matrix costs nothing.
   void Prepare(const LcpProblem& problem);
 
   /// Solves. Never throws for a hard problem: that is a status. Exceptions of libraries below end as
@@ -118,14 +126,15 @@ class LcpSolver {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  protected:
-  /// n >= 1, bounds standard, WhyUnsupported() empty.
+  /// n >= 1, bounds standard, WhyUnsupported() empty. Must not read b.
   virtual void DoPrepare(const LcpProblem& problem) = 0;
-  /// As above, prepared, options checked; result->f has n zeros, iterations is 0, detail and ray are empty, status is
-  /// kNumericalFailure until the solver says otherwise.
+  /// As above, a problem of the same matrix prepared, options checked; result->f has n zeros, iterations is 0, detail
+  /// and ray are empty, status is kNumericalFailure until the solver says otherwise.
   virtual void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) = 0;
 
  private:
   std::optional<LcpProblem> prepared_;
+  bool in_sequence_ = false;
 };
 
 }  // namespace lcpbench

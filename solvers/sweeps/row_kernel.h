@@ -26,6 +26,9 @@ class RowKernel {
  public:
   virtual ~RowKernel() = default;
 
+  /// Takes the scaled problem's b, which has changed; to be called before any pass.
+  virtual void SetB() {}
+
   virtual std::size_t ImageSize() const = 0;
   /// True: image(d).image(e) = d.A e, and passes keep images. False: d.image(e) = d.A e, and they do not.
   virtual bool ImageIsRoot() const = 0;

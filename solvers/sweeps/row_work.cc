@@ -39,6 +39,12 @@ void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
   rows->StartImage(&image);
 }
 
+void RowWork::Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f) {
+  scaled.SetB(problem);
+  rows->SetB();
+  scaled.Start(initial_f, &f);
+}
+
 std::string WhyNoRows(const LcpProblem& problem, RowForm form) {
   if (problem.has_factors()) return {};
   if (form == RowForm::kMatrixFree) return "the matrix-free form needs a problem given by factors";

@@ -17,10 +17,11 @@ struct RowWork {
   Array f;
   Array image;  ///< of f; see RowKernel
 
+  /// All but b.
   /// @param coloured  order the rows by ColouredOrder
   void Prepare(const LcpProblem& problem, RowForm form, bool coloured);
-  /// f as ScaledProblem::Start, without its image.
-  void Start(const Eigen::VectorXd* initial_f) { scaled.Start(initial_f, &f); }
+  /// A solve of `problem`, which shares its matrix with the prepared one: f as ScaledProblem::Start, without its image.
+  void Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f);
 };
 
 /// "" if the rows can be laid out in this form, else the reason in words.

@@ -16,20 +16,10 @@ void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_orde
   unit.resize(n);
   inverse_root.resize(n);
   mixed = !problem.bilateral_rows().empty();
-  long double b_squared = 0;  // its exponent range holds the square of every double
   for (size_t k = 0; k < n; ++k) {
     const Index row = Given(static_cast<Index>(k));
     mixed = mixed || D[row] == 0;
     inverse_root[k] = D[row] == 0 ? 1.0 : 1.0 / std::sqrt(D[row]);
-    b[k] = problem.b()[row] * inverse_root[k];
-    b_squared += static_cast<long double>(b[k]) * b[k];
-  }
-  const long double norm = std::sqrt(b_squared);
-  const double scale = norm > 0 ? std::ldexp(1.0, std::ilogb(norm)) : 1.0;
-  b_norm = norm > 0 ? static_cast<double>(norm / scale) : 1.0;
-  for (size_t k = 0; k < n; ++k) {
-    b[k] /= scale;
-    unit[k] = inverse_root[k] * scale;
   }
   floor.clear();
   gain.clear();
@@ -40,6 +30,22 @@ void ScaledProblem::Reset(const LcpProblem& problem, std::vector<Index> new_orde
     const Index row = Given(static_cast<Index>(k));
     if (problem.is_bilateral(row)) floor[k] = -std::numeric_limits<double>::infinity();
     if (D[row] == 0) gain[k] = 0;
+  }
+}
+
+void ScaledProblem::SetB(const LcpProblem& problem) {
+  const auto n = static_cast<size_t>(size);
+  long double b_squared = 0;  // its exponent range holds the square of every double
+  for (size_t k = 0; k < n; ++k) {
+    b[k] = problem.b()[Given(static_cast<Index>(k))] * inverse_root[k];
+    b_squared += static_cast<long double>(b[k]) * b[k];
+  }
+  const long double norm = std::sqrt(b_squared);
+  const double scale = norm > 0 ? std::ldexp(1.0, std::ilogb(norm)) : 1.0;
+  b_norm = norm > 0 ? static_cast<double>(norm / scale) : 1.0;
+  for (size_t k = 0; k < n; ++k) {
+    b[k] /= scale;
+    unit[k] = inverse_root[k] * scale;
   }
 }
 

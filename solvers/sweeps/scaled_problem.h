@@ -25,8 +25,10 @@ struct ScaledProblem {
   Array floor;  ///< 0 or -infinity
   Array gain;   ///< 1 or 0
 
-  /// O(n) and the diagonal of A.
+  /// All but b and its units.  O(n) and the diagonal of A.
   void Reset(const LcpProblem& problem, std::vector<Index> order);
+  /// b, b_norm and unit, of the problem that was given to Reset, or of one that shares its matrix.  O(n)
+  void SetB(const LcpProblem& problem);
 
   Index Given(Index k) const { return order.empty() ? k : order[static_cast<size_t>(k)]; }
   bool IsFree(Index k) const { return mixed && floor[static_cast<size_t>(k)] != 0; }

@@ -24,6 +24,9 @@ class StoppingTest {
   static constexpr std::int64_t kCheckInterval = 32;
 
   void Prepare(const LcpProblem& problem);
+  /// From the next Begin on, see SettingsReader::SelfCheck. Without: rho of the scaled problem in double decides. On at
+  /// first.
+  void SetSelfCheck(bool self_check) { self_check_ = self_check; }
 
   /// From the next Begin on: whether a solve ends with kIterationLimit as soon as its rate of convergence, the mean
   /// since iteration `after` + 1, will not bring it to the tolerance within the limit. (The rate of the last iterations
@@ -33,10 +36,11 @@ class StoppingTest {
     hopeful_iterations_ = after;
   }
 
-  /// Begins a solve at work->f and checks it. All pointers are kept until the end of the solve.
+  /// Begins a solve of `problem` (the prepared one, or one that shares its matrix) at work->f and checks it. All
+  /// pointers are kept until the end of the solve.
   /// @return true when the solve is over already; its status is set
-  bool Begin(const LcpOptions& options, std::int64_t default_limit, RowWork* work, PacedPasses* passes,
-             LcpResult* result);
+  bool Begin(const LcpProblem& problem, const LcpOptions& options, std::int64_t default_limit, RowWork* work,
+             PacedPasses* passes, LcpResult* result);
   /// One iteration is done: counts it, and checks where that is due. True when the solve is over.
   /// @param residual  norm of the natural residuals that the iteration's pass saw
   bool Continue(double residual);
@@ -51,6 +55,7 @@ class StoppingTest {
   bool IsHopeless(double residual);
 
   GivenFormTest given_;
+  bool self_check_ = true;
   bool ends_when_hopeless_ = false;
   std::int64_t hopeful_iterations_ = 0;
   double first_log_residual_ = 0;

@@ -28,11 +28,11 @@ struct SweepWorkspace {
 
   /// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
   template <typename Relaxation>
-  void Solve(SweepOrder order, const LcpOptions& options, std::int64_t default_limit, Relaxation* relaxation,
-             LcpResult* result) {
-    work.Start(options.initial_f);
+  void Solve(const LcpProblem& problem, SweepOrder order, const LcpOptions& options, std::int64_t default_limit,
+             Relaxation* relaxation, LcpResult* result) {
+    work.Start(problem, options.initial_f);
     PacedPasses passes(options, *work.rows, work.scaled.size);
-    bool over = test.Begin(options, default_limit, &work, &passes, result);
+    bool over = test.Begin(problem, options, default_limit, &work, &passes, result);
     bool backward = false;
     while (!over) {
       StepSums sums;

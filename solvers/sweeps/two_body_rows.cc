@@ -130,7 +130,6 @@ TwoBodyRows::TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled)
       body[side] = block;
       s[kLanes * side + At(it.col() % 3)] = it.value() * std::sqrt(m) * scaled.inverse_root[At(k)];
     }
-    s[3] = scaled.b[At(k)];
     if (body[0] < 0) body[0] = bodies + k % kSpares;
     if (body[1] < 0) body[1] = bodies + (k + kSpares / 2) % kSpares;
     const Offsets offsets = {static_cast<int>(body[0]) * static_cast<int>(kLanes),
@@ -138,6 +137,10 @@ TwoBodyRows::TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled)
     std::memcpy(s + 7, &offsets, sizeof offsets);
   }
   FindSets();
+}
+
+void TwoBodyRows::SetB() {
+  for (size_t k = 0; k < rows_.size(); ++k) rows_[k].s[3] = scaled_.b[k];
 }
 
 void TwoBodyRows::FindSets() {

@@ -30,6 +30,7 @@ class TwoBodyRows final : public RowKernel {
   /// @param scaled  not owned
   TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled);
 
+  void SetB() override;
   std::size_t ImageSize() const override { return image_size_; }
   bool ImageIsRoot() const override { return true; }
   Index EntriesPerRow() const override;

@@ -216,6 +216,7 @@ TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
     for (const bool dense : {false, true}) {
       ResidualEstimate estimate;
       estimate.Reset(planted.problem, dense);
+      estimate.SetB(planted.problem);
       EXPECT_NEAR(estimate.Rho(f, w), m.rho, 1e-12 * (1 + m.rho));
       EXPECT_NEAR(estimate.BackwardError(f, w), m.backward_error, 1e-12);
     }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <random>
 
+#include "solvers/lcp/in_sequence.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -135,7 +136,8 @@ int AnalysesOf(const LcpProblem& problem, BodySpace* bodies) {
   return bodies->analyses();
 }
 
-TEST(BodySpace, KeepsWhatStillFitsOfTheProblemBefore) {
+TEST(BodySpace, InASequenceKeepsWhatStillFitsOfTheProblemBefore) {
+  const InSequence::Scope sequence(true);
   for (int bodies = 1200; bodies <= 1500; bodies += 100) {
     BodySpace space;
     EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 13), &space), 1);

@@ -352,11 +352,12 @@ LcpProblem WithANewPair(const LcpProblem& problem) {
   return LcpProblem::FromFactors("new pair", J, problem.inverse_mass(), problem.b());
 }
 
-TEST(Ipm, KeepsTheAnalysisWhileTheContactGraphIsTheSame) {
+TEST(Ipm, InASequenceKeepsTheAnalysisWhileTheContactGraphIsTheSame) {
   for (const Space space : {Space::kContact, Space::kBody}) {
     for (unsigned seed = 0; seed < 10; ++seed) {
       const LcpProblem before = DiscPile(200, seed);
       IpmSolver kept(InSpace(space));
+      kept.SetInSequence(true);
       SolveWith(&kept, before);
       for (const LcpProblem& problem : {OtherValues(before, seed), before}) {
         const LcpResult result = SolveWith(&kept, problem);
@@ -380,6 +381,7 @@ TEST(Ipm, ContactGraphsThatChangeALittleGiveTheSameGaps) {
       std::vector<Index> order(kRows);
       for (Index i = 0; i < kRows; ++i) order[static_cast<size_t>(i)] = (i * 77 + 5) % kRows;
       IpmSolver kept(InSpace(space));
+      kept.SetInSequence(true);
       SolveWith(&kept, before);
       const std::int64_t lost = space == Space::kBody ? 0 : 1;
       for (const LcpProblem& problem :

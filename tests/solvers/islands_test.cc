@@ -163,7 +163,7 @@ TEST(IdleRows, LeavingThemOutIsExact) {
         "idle", A, b, RowBounds::WithBilateralRows(n + 4, planted.bilateral_rows()), SymmetricPsd());
     IdleRows idle;
     idle.Prepare(problem);
-    const Index count = idle.Find();
+    const Index count = idle.Find(problem);
     std::vector<Index> rest;
     for (Index i = 0; i < problem.size(); ++i) {
       if (idle.keep()[static_cast<size_t>(i)] != 0) {
@@ -197,8 +197,9 @@ TEST(IdleRows, OfEqualRowsOneStays) {
   const MatrixXd A = MatrixXd::Constant(4, 4, 2.0);
   const VectorXd b = (VectorXd(4) << -1, -2, -2, -1).finished();
   IdleRows idle;
-  idle.Prepare(LcpProblem::FromDense("equal", A, b, {}, SymmetricPsd()));
-  EXPECT_EQ(idle.Find(), 3);
+  const LcpProblem problem = LcpProblem::FromDense("equal", A, b, {}, SymmetricPsd());
+  idle.Prepare(problem);
+  EXPECT_EQ(idle.Find(problem), 3);
   EXPECT_EQ(idle.keep(), (std::vector<char>{0, 1, 0, 0}));
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "solvers/lcp/in_sequence.h"
 #include "solvers/sparse_active_block.h"
 #include "tests/solvers/test_problems.h"
 
@@ -144,6 +145,7 @@ TEST(SparseActiveBlock, FactorsARelatedProblemAsAFreshOneDoes) {
     return LcpProblem::FromFactors("chain-" + std::to_string(missing), J, Eigen::VectorXd::Ones(3 * bodies),
                                    Eigen::VectorXd::Ones(rows));
   };
+  const InSequence::Scope sequence(true);
   SparseActiveBlock kept;
   for (const int missing : {0, 0, 40, 50, 0, 2, 90, 90, 40}) {
     const LcpProblem problem = chain(1500, missing);
