@@ -1,45 +1,44 @@
 #include "benchmarks/exclusion_rules.h"
 
-#include <array>
 #include <cstdio>
+#include <optional>
 
 namespace lcpbench {
 namespace {
 
-// Which solver is given how much is settled here, before any run: by what its method costs, not by how it fares.
-constexpr std::string_view kDensePivoting = "dense pivoting, O(n^3) and n^2 numbers";
-constexpr std::string_view kDenseMatrix = "works on the dense matrix, n^2 numbers";
-constexpr std::array kSizeLimits{
-    SizeLimit{"dantzig", 5000, kDensePivoting},
-    SizeLimit{"lemke", 2000, kDensePivoting},
-    SizeLimit{"bullet-dantzig", 1000, kDensePivoting},
-    SizeLimit{"bullet-lemke", 300, "dense tableau, O(n^2) a pivot"},
-    SizeLimit{"ode", 1000, kDensePivoting},
-    SizeLimit{"dart", 1000, kDenseMatrix},
-    SizeLimit{"siconos-lexicolemke", 300, kDensePivoting},
-    SizeLimit{"siconos-avi", 300, kDensePivoting},
-    SizeLimit{"siconos-newton-fb", 300, kDenseMatrix},
-    SizeLimit{"siconos-pgs", 300, kDenseMatrix},
-    SizeLimit{"cgal-qp", 30, "exact rational arithmetic"},
-    SizeLimit{"clp", 1000, "reduced gradients without a limit of their own"},
+struct ClassLimit {
+  int largest;  // rows
+  std::string_view reason;
 };
 
-// Is `solver` the key itself or a variant of it?
-bool Names(std::string_view key, std::string_view solver) {
-  return solver.starts_with(key) && (solver.size() == key.size() || solver[key.size()] == '-');
+// Settled here, before any run: by what a method costs, not by how it fares.
+std::optional<ClassLimit> LimitOf(MethodClass method_class) {
+  switch (method_class) {
+    case MethodClass::kDenseMatrix:
+      return ClassLimit{5000, "works on the dense matrix, n^2 numbers"};
+    case MethodClass::kExactArithmetic:
+      return ClassLimit{30, "exact rational arithmetic"};
+    case MethodClass::kAnySize:
+      break;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::span<const SizeLimit> SizeLimits() { return kSizeLimits; }
+std::vector<SizeLimit> SizeLimits() {
+  std::vector<SizeLimit> limits;
+  for (const SolverEntry& solver : AllSolvers()) {
+    const std::optional<ClassLimit> limit = LimitOf(solver.method_class);
+    if (limit) limits.push_back({solver.key, limit->largest, limit->reason});
+  }
+  return limits;
+}
 
 std::string SizeRefusal(const SolverEntry& solver, Index size) {
-  for (const SizeLimit& limit : kSizeLimits) {
-    if (size > limit.largest && Names(limit.solver, solver.base.empty() ? solver.key : solver.base)) {
-      return "not above n = " + std::to_string(limit.largest) + ": " + std::string(limit.reason);
-    }
-  }
-  return {};
+  const std::optional<ClassLimit> limit = LimitOf(solver.method_class);
+  if (!limit || size <= limit->largest) return {};
+  return "not above n = " + std::to_string(limit->largest) + ": " + std::string(limit->reason);
 }
 
 std::string OutOfTimeRule(double tier) {

@@ -87,18 +87,22 @@ const Factory kMakeHybrid = nullptr;
 const Factory kMakeIpm = nullptr;
 #endif
 
+SolverEntry Dense(SolverEntry entry) {
+  entry.method_class = MethodClass::kDenseMatrix;
+  return entry;
+}
+
 std::vector<SolverEntry> OwnSolvers() {
   return {
-      SolverEntry{"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4",
-                  true, false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>},
+      Dense({"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4", true,
+             false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>}),
       SolverEntry{"auto", "chooses among our own backends, checks the answer, asks the next",
                   "see solvers/auto_solver.h", true, true, &AnyPsd, &Make<AutoSolver, AutoOptions>},
       SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
                   "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
                   &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
-      SolverEntry{"lemke", "lexicographic Lemke on a dense updated factor, joints first",
-                  "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd,
-                  &Make<LemkeSolver, LemkeOptions>},
+      Dense({"lemke", "lexicographic Lemke on a dense updated factor, joints first",
+             "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd, &Make<LemkeSolver, LemkeOptions>}),
       SolverEntry{"bpp", "block principal pivoting, proximal, on sparse or dense factors",
                   "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
       SolverEntry{"active-set", "primal-dual active set on an updated sparse factor, through the bodies",
@@ -137,6 +141,8 @@ SolverEntry EntryOf(const PeerEntry& peer) {
                     {},
                     SolverOrigin::kPeer,
                     std::string(peer.licence)};
+  entry.method_class = peer.method_class;
+  entry.library_defaults = peer.has_library_defaults();
   if (peer.available) {
     entry.make = [&peer](const Settings& settings) { return MakePeer(peer, settings); };
   }
@@ -161,6 +167,11 @@ std::vector<SolverEntry>& Solvers() {
 }
 
 }  // namespace
+
+std::string_view SolverEntry::tolerance() const {
+  if (library_defaults) return "default";
+  return uses_tolerance ? "follows" : "direct";
+}
 
 std::span<const SolverEntry> AllSolvers() { return Solvers(); }
 
@@ -214,6 +225,17 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
   SolverEntry entry = FindSolver(base);
   // What is wrong with the settings is said now.
   MakeSolver(base, settings);
+  const auto is = [&](const char* name, const char* value) {
+    const auto setting = settings.find(name);
+    return setting != settings.end() && setting->second == value;
+  };
+  if (entry.origin == SolverOrigin::kOwn && is("self_check", "no")) entry.ablation = "no-self-check";
+  if (entry.origin == SolverOrigin::kPeer && is("check", "yes")) {
+    entry.ablation = "checked";
+    // Whether it solves once more depends on the tier.
+    entry.uses_tolerance = true;
+    entry.library_defaults = false;
+  }
   entry.base = entry.base.empty() ? entry.key : entry.base;
   entry.key = key;
   for (const auto& [name, value] : settings) entry.settings[name] = value;
@@ -223,6 +245,24 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
     return make(all);
   };
   RegisterSolver(std::move(entry));
+}
+
+void RegisterAblations() {
+  const std::vector<SolverEntry> bases(AllSolvers().begin(), AllSolvers().end());
+  const auto is_there = [&](const std::string& key) {
+    return std::any_of(bases.begin(), bases.end(), [&](const SolverEntry& entry) { return entry.key == key; });
+  };
+  for (const SolverEntry& base : bases) {
+    if (!base.available || !base.base.empty() || base.origin == SolverOrigin::kExternal) continue;
+    const bool is_own = base.origin == SolverOrigin::kOwn;
+    const std::string key = base.key + (is_own ? "-unchecked" : "-checked");
+    if (is_there(key)) continue;
+    try {
+      RegisterSolverVariant(key, base.key, is_own ? Settings{{"self_check", "no"}} : Settings{{"check", "yes"}});
+    } catch (const InputError&) {
+      if (!is_own) throw;  // own solvers without that setting have no check to leave out
+    }
+  }
 }
 
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {
@@ -236,6 +276,20 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
   entry.why_not_guaranteed = &NotOurs;
   entry.origin = SolverOrigin::kExternal;
   entry.licence = "unknown";
+  constexpr std::string_view kBaseline = "-baseline";
+  if (key.ends_with(kBaseline)) {
+    const std::string_view base = std::string_view(key).substr(0, key.size() - kBaseline.size());
+    const auto found = std::find_if(AllSolvers().begin(), AllSolvers().end(), [&](const SolverEntry& other) {
+      return other.key == base && other.origin == SolverOrigin::kOwn;
+    });
+    if (found != AllSolvers().end()) {
+      entry.method = found->method + ", of another build";
+      entry.uses_tolerance = found->uses_tolerance;
+      entry.method_class = found->method_class;
+      entry.base = found->key;
+      entry.ablation = "baseline";
+    }
+  }
   entry.make = [command](const Settings& settings) -> std::unique_ptr<LcpSolver> {
     ExternalSolverOptions options;
     options.command = command;

@@ -11,6 +11,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/method_class.h"
 
 namespace lcpbench {
 
@@ -23,11 +24,12 @@ enum class SolverOrigin {
 
 /// One backend. The key is the same in files, tests, benchmarks and the report.
 struct SolverEntry {
-  std::string key;              ///< "auto", "pgs", ...
-  std::string method;           ///< one line
-  std::string source;           ///< paper or library
-  bool available = false;       ///< false: not in this build (the row stays)
-  bool uses_tolerance = false;  ///< false: a direct method, one run stands for every tier
+  std::string key;         ///< "auto", "pgs", ...
+  std::string method;      ///< one line
+  std::string source;      ///< paper or library
+  bool available = false;  ///< false: not in this build (the row stays)
+  /// Whether the answer depends on the requested tolerance. False: one run stands for every tier.
+  bool uses_tolerance = false;
   /// "" where theory (and our tests) promise a solution at `tolerance` for this problem, else the reason in words.
   std::string (*why_not_guaranteed)(const LcpProblem& problem, double tolerance) = nullptr;
   /// Empty where not available. @throws InputError for unknown or impossible settings
@@ -36,6 +38,16 @@ struct SolverEntry {
   std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
   std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
   Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
+  MethodClass method_class = MethodClass::kAnySize;
+  /// A library's own options, never asked for the tier's tolerance.
+  bool library_defaults = false;
+  /// "", or why it stands in the ablation table only, never in a headline: "no-self-check" (an own solver without its
+  /// own check), "checked" (a peer with a check and one more solve, CheckedSolver), "baseline" (an own solver of
+  /// another build).
+  std::string ablation = {};
+
+  /// What the requested tolerance is to it: "follows", "direct" (the method has none) or "default" (library_defaults).
+  std::string_view tolerance() const;
 };
 
 /// Writes the key, for listings of tests.
@@ -59,11 +71,18 @@ std::string WorkerVersion(std::string_view key);
 /// @throws InputError unless the key is new and made of a-z, 0-9, '-', '_'
 void RegisterSolver(SolverEntry entry);
 
-/// Adds a solver that is another one with settings of its own, or with none: one solver under two names.
+/// Adds a solver that is another one with settings of its own, or with none: one solver under two names. A peer's
+/// with check=yes and an own one's with self_check=no are ablations.
 /// @throws InputError as RegisterSolver, and for an unknown base, one that is not in this build, or wrong settings
 void RegisterSolverVariant(const std::string& key, const std::string& base, const Settings& settings);
 
-/// Adds a solver that runs as a command of the user's (solvers/external/protocol.h).
+/// Adds the keys of the ablation table that this build can run: KEY-checked for every peer, KEY-unchecked for every own
+/// solver with the setting `self_check`. Those that are there already stay. Not counted: KEY-baseline, an external
+/// solver.
+void RegisterAblations();
+
+/// Adds a solver that runs as a command of the user's (solvers/external/protocol.h). KEY-baseline, where KEY is an own
+/// solver, stands for that one in another build, `lcpbench serve KEY`: an ablation with the facts of KEY.
 /// @param command  program and arguments
 /// @throws InputError as RegisterSolver, and for an empty command
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command);

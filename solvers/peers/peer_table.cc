@@ -48,27 +48,29 @@ constexpr bool kHaveClp = true;
 constexpr bool kHaveClp = false;
 #endif
 
+constexpr MethodClass kDense = MethodClass::kDenseMatrix;
+
 constexpr PeerEntry Bullet(std::string_view key, std::string_view method) {
-  return {key, method, "Bullet", "Zlib", "lcpbench-worker-bullet", kHaveBullet, false};
+  return {key, method, "Bullet", "Zlib", "lcpbench-worker-bullet", kHaveBullet, false, kDense};
 }
 constexpr PeerEntry Ode(std::string_view key, std::string_view method) {
-  return {key, method, "ODE", "LGPL-2.1-or-later OR BSD-3-Clause", "lcpbench-worker-ode", kHaveOde, false};
+  return {key, method, "ODE", "LGPL-2.1-or-later OR BSD-3-Clause", "lcpbench-worker-ode", kHaveOde, false, kDense};
 }
 constexpr PeerEntry Dart(std::string_view key, std::string_view method, bool uses_tolerance) {
   // Its Dantzig code is ODE's, with ODE's licence.
+  constexpr std::string_view kLicence = "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)";
+  return {key, method, "DART", kLicence, "lcpbench-worker-dart", kHaveDart, uses_tolerance, kDense};
+}
+constexpr PeerEntry Siconos(std::string_view key, std::string_view method, bool uses_tolerance,
+                            MethodClass method_class = kDense) {
+  return {key, method, "Siconos", "Apache-2.0", "lcpbench-worker-siconos", kHaveSiconos, uses_tolerance, method_class};
+}
+constexpr PeerEntry Petsc(std::string_view key, std::string_view method, bool uses_tolerance) {
   return {
-      key,       method,        "DART", "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)", "lcpbench-worker-dart",
-      kHaveDart, uses_tolerance};
+      key, method, "PETSc", "BSD-2-Clause", "lcpbench-worker-petsc", kHavePetsc, uses_tolerance, MethodClass::kAnySize};
 }
-constexpr PeerEntry Siconos(std::string_view key, std::string_view method, bool uses_tolerance) {
-  return {key, method, "Siconos", "Apache-2.0", "lcpbench-worker-siconos", kHaveSiconos, uses_tolerance};
-}
-constexpr PeerEntry Petsc(std::string_view key, std::string_view method) {
-  return {key, method, "PETSc", "BSD-2-Clause", "lcpbench-worker-petsc", kHavePetsc, true};
-}
-
-constexpr PeerEntry Clp(std::string_view key, std::string_view method) {
-  return {key, method, "Clp", "EPL-1.0", "lcpbench-worker-clp", kHaveClp, true};
+constexpr PeerEntry Clp(std::string_view key, std::string_view method, bool uses_tolerance) {
+  return {key, method, "Clp", "EPL-1.0", "lcpbench-worker-clp", kHaveClp, uses_tolerance, MethodClass::kAnySize};
 }
 
 constexpr std::array kPeers{
@@ -80,26 +82,26 @@ constexpr std::array kPeers{
     Dart("dart-dantzig", "Dantzig pivoting, after ODE's", false),
     Dart("dart-dantzig-cfm", "the same with the diagonal shift that engines use (cfm)", false),
     Dart("dart-pgs", "projected Gauss-Seidel", true),
-    Dart("dart-pgs-default", "the same with the library's own options", true),
+    Dart("dart-pgs-default", "the same with the library's own options", false),
     Siconos("siconos-lexicolemke", "lexicographic Lemke pivoting", false),
     Siconos("siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function", true),
-    Siconos("siconos-newton-fb-default", "the same with the library's own options", true),
+    Siconos("siconos-newton-fb-default", "the same with the library's own options", false),
     Siconos("siconos-pgs", "projected Gauss-Seidel", true),
-    Siconos("siconos-pgs-default", "the same with the library's own options", true),
-    Siconos("siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix", true),
+    Siconos("siconos-pgs-default", "the same with the library's own options", false),
+    Siconos("siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix", true, MethodClass::kAnySize),
     Siconos("siconos-avi", "pivoting on the affine variational inequality (Cao, Ferris)", false),
-    Petsc("petsc-rsls", "SNES reduced-space active-set Newton with line search"),
-    Petsc("petsc-rsls-default", "the same with the library's own options"),
-    Petsc("petsc-ssls", "SNES semismooth Newton with line search"),
-    Petsc("petsc-ssls-default", "the same with the library's own options"),
-    Petsc("tao-bntr", "TAO bounded Newton trust region on the QP"),
-    Petsc("tao-bntr-default", "the same with the library's own options"),
-    Petsc("tao-tron", "TAO trust-region Newton (TRON) on the QP"),
-    Petsc("tao-tron-default", "the same with the library's own options"),
+    Petsc("petsc-rsls", "SNES reduced-space active-set Newton with line search", true),
+    Petsc("petsc-rsls-default", "the same with the library's own options", false),
+    Petsc("petsc-ssls", "SNES semismooth Newton with line search", true),
+    Petsc("petsc-ssls-default", "the same with the library's own options", false),
+    Petsc("tao-bntr", "TAO bounded Newton trust region on the QP", true),
+    Petsc("tao-bntr-default", "the same with the library's own options", false),
+    Petsc("tao-tron", "TAO trust-region Newton (TRON) on the QP", true),
+    Petsc("tao-tron-default", "the same with the library's own options", false),
     PeerEntry{"cgal-qp", "exact rational QP simplex: a reference for small n", "CGAL", "GPL-3.0-or-later",
-              "lcpbench-worker-cgal", kHaveCgal, false},
-    Clp("clp", "COIN-OR simplex code with its QP extension"),
-    Clp("clp-default", "the same with the library's own options"),
+              "lcpbench-worker-cgal", kHaveCgal, false, MethodClass::kExactArithmetic},
+    Clp("clp", "COIN-OR simplex code with its QP extension", true),
+    Clp("clp-default", "the same with the library's own options", false),
 };
 
 }  // namespace

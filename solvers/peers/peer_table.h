@@ -7,6 +7,7 @@
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/method_class.h"
 
 namespace lcpbench {
 
@@ -19,7 +20,11 @@ struct PeerEntry {
   std::string_view licence;  ///< SPDX expression of the library as Debian ships it
   std::string_view worker;   ///< file name of the worker executable
   bool available;            ///< its worker is in this build
-  bool uses_tolerance;       ///< false: a direct method, one run stands for every tier
+  bool uses_tolerance;       ///< false: one run stands for every tier
+  MethodClass method_class;
+
+  /// The library's own options: the adapter passes no tolerance.
+  bool has_library_defaults() const { return key.ends_with("-default"); }
 };
 
 /// All peers, in the report's order.

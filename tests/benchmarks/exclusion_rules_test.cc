@@ -2,48 +2,53 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 namespace lcpbench {
 namespace {
 
-TEST(ExclusionRules, EveryLimitNamesASolverAndSaysWhy) {
-  for (const SizeLimit& limit : SizeLimits()) {
-    EXPECT_FALSE(limit.reason.empty()) << limit.solver;
-    EXPECT_GE(limit.largest, 10) << limit.solver;
-    bool named = false;
-    for (const SolverEntry& entry : AllSolvers()) named = named || entry.key.starts_with(limit.solver);
-    EXPECT_TRUE(named) << limit.solver;
+TEST(ExclusionRules, ALimitIsTheLargestSizeThatIsRunAndSaysWhy) {
+  const std::vector<SizeLimit> limits = SizeLimits();
+  EXPECT_FALSE(limits.empty());
+  for (const SizeLimit& limit : limits) {
+    SCOPED_TRACE(limit.solver);
+    const SolverEntry& entry = FindSolver(limit.solver);
+    EXPECT_FALSE(limit.reason.empty());
+    EXPECT_EQ(SizeRefusal(entry, limit.largest), "");
+    const std::string rule = SizeRefusal(entry, limit.largest + 1);
+    EXPECT_NE(rule.find("not above n = " + std::to_string(limit.largest)), std::string::npos) << rule;
+    EXPECT_NE(rule.find(limit.reason), std::string::npos) << rule;
   }
-  const std::string rule = SizeRefusal(FindSolver("dantzig"), 1'000'000);
-  EXPECT_NE(rule.find("not above n = "), std::string::npos) << rule;
-  EXPECT_NE(rule.find("dense"), std::string::npos) << rule;
 }
 
-TEST(ExclusionRules, ALimitIsTheLargestSizeThatIsRun) {
-  for (const SizeLimit& limit : SizeLimits()) {
-    for (const SolverEntry& entry : AllSolvers()) {
-      if (entry.key != limit.solver) continue;
-      EXPECT_EQ(SizeRefusal(entry, limit.largest), "") << entry.key;
-      EXPECT_NE(SizeRefusal(entry, limit.largest + 1), "") << entry.key;
+// Whoever wrote the solver.
+TEST(ExclusionRules, SolversOfOneClassAreGivenTheSameSizes) {
+  for (const SolverEntry& one : AllSolvers()) {
+    for (const SolverEntry& other : AllSolvers()) {
+      if (one.method_class != other.method_class) continue;
+      for (const Index size : {1, 30, 31, 1000, 5000, 5001, 1'000'000}) {
+        EXPECT_EQ(SizeRefusal(one, size), SizeRefusal(other, size)) << one.key << " " << other.key << " " << size;
+      }
     }
   }
 }
 
-TEST(ExclusionRules, AKeyStandsForItsVariantsAndNotForOthersThatBeginAlike) {
-  EXPECT_NE(SizeRefusal(FindSolver("clp-default"), 1'000'000), "");
-  EXPECT_EQ(SizeRefusal(FindSolver("pgs"), 1'000'000), "");
-  SolverEntry variant = FindSolver("pgs");
-  variant.key = "dantzigs";
-  EXPECT_EQ(SizeRefusal(variant, 1'000'000), "");
-  variant.key = "mine";
-  variant.base = "dantzig";
-  EXPECT_NE(SizeRefusal(variant, 1'000'000), "");
+TEST(ExclusionRules, DenseCodesStopAtFiveThousandRowsExactArithmeticAtThirty) {
+  for (const char* key : {"dantzig", "lemke", "ode-dantzig", "bullet-lemke", "dart-pgs-default", "siconos-avi"}) {
+    EXPECT_EQ(SizeRefusal(FindSolver(key), 5000), "") << key;
+    EXPECT_NE(SizeRefusal(FindSolver(key), 5001), "") << key;
+  }
+  EXPECT_EQ(SizeRefusal(FindSolver("cgal-qp"), 30), "");
+  EXPECT_NE(SizeRefusal(FindSolver("cgal-qp"), 31), "");
+  for (const char* key : {"auto", "pgs", "clp", "petsc-rsls", "siconos-nsgs-sbm"}) {
+    EXPECT_EQ(SizeRefusal(FindSolver(key), 1'000'000), "") << key;
+  }
 }
 
-TEST(ExclusionRules, OwnSolversAreGivenEverythingUpToAThousandRows) {
-  for (const SolverEntry& entry : AllSolvers()) {
-    if (entry.origin != SolverOrigin::kOwn) continue;
-    EXPECT_EQ(SizeRefusal(entry, 1000), "") << entry.key;
-  }
+TEST(ExclusionRules, AVariantIsOfItsBasesClass) {
+  RegisterSolverVariant("dantzig-for-exclusion", "dantzig", {});
+  EXPECT_NE(SizeRefusal(FindSolver("dantzig-for-exclusion"), 5001), "");
 }
 
 }  // namespace
