@@ -238,6 +238,7 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
   request.tolerance = options.tolerance;
   request.time_limit_s = options.time_limit_s;
   request.max_iterations = options.max_iterations;
+  request.time_parts = options.time_parts;
   if (options.initial_f != nullptr) request.start = *options.initial_f;
   const double limit = options.time_limit_s * (1 + options_.grace_factor) + options_.grace_s;
   try {

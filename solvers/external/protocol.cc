@@ -269,7 +269,11 @@ Bytes Encode(const SolveRequest& request, std::uint32_t version) {
   out.Put(request.tolerance);
   out.Put(request.time_limit_s);
   out.Put(request.max_iterations);
-  if (version == 1) out.Put(std::uint64_t{1});
+  if (version == 1) {
+    out.Put(std::uint64_t{1});
+  } else {
+    out.Put(static_cast<std::uint8_t>(request.time_parts));
+  }
   out.Put(static_cast<std::uint8_t>(request.start.has_value()));
   if (request.start) out.PutVector(*request.start);
   return out.Take();
@@ -281,7 +285,11 @@ SolveRequest DecodeSolve(const Bytes& payload, Index rows, std::uint32_t version
   request.tolerance = in.Get<double>("tolerance");
   request.time_limit_s = in.Get<double>("time limit");
   request.max_iterations = in.Get<std::int64_t>("iteration limit");
-  if (version == 1) in.Get<std::uint64_t>("one");
+  if (version == 1) {
+    in.Get<std::uint64_t>("one");
+  } else {
+    request.time_parts = in.Get<std::uint8_t>("parts wanted") != 0;
+  }
   if (in.Get<std::uint8_t>("has start") != 0) request.start = in.GetVector("start", static_cast<std::uint64_t>(rows));
   in.Finish();
   return request;

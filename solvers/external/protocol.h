@@ -32,7 +32,7 @@ namespace lcpbench {
 //   host    kOtherB    f64 b[n]: the problem sent last with another b; what is known of its matrix may be kept
 //   worker  kLoaded    empty: it holds what was sent, as plain arrays. The answer to kProblem, kOtherB and kStream
 //   host    kSolve     f64 tolerance on rho, f64 time limit [s] (may be infinite), i64 iteration limit (0: default),
-//                      u8 has_start, f64 start[n] if it has
+//                      u8 whether the two parts of the result are wanted, u8 has_start, f64 start[n] if it has
 //   worker  kResult    string status (keys of LcpStatus: "solved", "infeasible", "iteration_limit", ...),
 //                      i64 iterations, f64 seconds of the library's call alone (of everything where that is not known),
 //                      f64 seconds of conversions during the solve (negative: not known), f64 seconds from the arrays
@@ -55,7 +55,7 @@ namespace lcpbench {
 //   host    kProblem   without rank and uniqueness, in the form that the worker wants
 //   worker  kPrepared  f64 seconds spent on converting the problem, string why it is unsupported ("" if it is not): the
 //                      answer to kProblem
-//   host    kSolve     between iteration limit and start u64 1
+//   host    kSolve     between iteration limit and has_start u64 1
 //   worker  kResult    without the seconds from the arrays to f
 // The host forms A for it, and adds the time of that to the worker's.
 
@@ -102,6 +102,7 @@ struct SolveRequest {
   double tolerance = 1e-9;               ///< on rho
   double time_limit_s = 0;               ///< [s], may be infinite
   std::int64_t max_iterations = 0;       ///< 0: the worker's default
+  bool time_parts = false;               ///< as LcpOptions has it; version 1 always times them
   std::optional<Eigen::VectorXd> start;  ///< n values of a warm start
 };
 

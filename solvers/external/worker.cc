@@ -47,7 +47,11 @@ class Worker {
       case MessageType::kOtherB:
         if (!arrays_) return false;
         other_b_ = DecodeOtherB(payload, arrays_->rows);
-        if (!problem_) problem_ = LcpProblem::FromArrays(*arrays_);
+        if (!problem_) {
+          // As if it had just been solved.
+          problem_ = LcpProblem::FromArrays(*arrays_);
+          solver_->Prepare(*problem_);
+        }
         return Send(MessageType::kLoaded, {});
       case MessageType::kSolve:
         return arrays_ && Solve(DecodeSolve(payload, arrays_->rows));
@@ -70,11 +74,15 @@ class Worker {
     options.tolerance = request.tolerance;
     options.time_limit_s = request.time_limit_s;
     options.max_iterations = request.max_iterations;
+    options.time_parts = request.time_parts;
     if (request.start) options.initial_f = &*request.start;
     LcpResult result;
     const double start = SteadyNow();
-    problem_ = other_b_ ? problem_->WithB(*other_b_) : LcpProblem::FromArrays(*arrays_);
-    solver_->Solve(*problem_, options, &result);
+    if (other_b_) {
+      solver_->Solve(problem_->WithB(*other_b_), options, &result);
+    } else {
+      solver_->SolveArrays(*arrays_, options, &result);
+    }
     result.own_fresh_s = SteadyNow() - start;
     if (result.own_solve_s < 0) result.own_solve_s = result.own_fresh_s;
     return Send(MessageType::kResult, Encode(result));
@@ -83,7 +91,7 @@ class Worker {
   const SolverFactory& make_;
   std::unique_ptr<LcpSolver> solver_;
   Channel channel_;
-  // Of single solves: as sent, as last solved, and the b that takes the place of the one sent.
+  // Of single solves: as sent, the b that takes the place of the one sent, and the matrix that they share.
   std::optional<ProblemArrays> arrays_;
   std::optional<LcpProblem> problem_;
   std::optional<Eigen::VectorXd> other_b_;

@@ -23,6 +23,9 @@ struct FactorView {
 /// @param stride   >= rows
 void AssembleDenseA(const FactorView& factors, double* A, Index stride);
 
+/// As above from a problem that has factors, whose A is not formed by this.
+void AssembleDenseA(const LcpProblem& problem, double* A, Index stride);
+
 /// As above from a caller's arrays in any form, row after row: dense and sparse ones are copied.
 void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride);
 

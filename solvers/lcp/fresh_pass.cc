@@ -11,6 +11,7 @@ class Pass {
       : solver_(make()), problems_(problems), request_(request) {
     options_.tolerance = request.tolerance;
     options_.time_limit_s = request.time_limit_s;
+    options_.time_parts = request.kind == PassKind::kParts;
     results_.resize(std::max<std::size_t>(request.group, 1));
   }
 
@@ -39,7 +40,7 @@ class Pass {
 
  private:
   void SolveFresh(std::uint32_t index, LcpResult* result) {
-    solver_->Solve(LcpProblem::FromArrays(problems_[index]), options_, result);
+    solver_->SolveArrays(problems_[index], options_, result);
   }
 
   PassEntry EntryOf(const LcpResult& result, double seconds) const {

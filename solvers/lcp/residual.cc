@@ -63,4 +63,21 @@ bool ResidualEstimate::Meets(double tolerance, const Eigen::VectorXd& f, const E
   return Rho(f, w) <= tolerance && BackwardError(f, w) <= std::sqrt(tolerance);
 }
 
+double RhoByGivenForm(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Eigen::VectorXd& diagonal = problem.DiagonalA();
+  Eigen::VectorXd w;
+  problem.ComputeW(f, &w);
+  double defect = 0;
+  double scale = 0;
+  for (Index i = 0; i < f.size(); ++i) {
+    const double root = diagonal[i] == 0 ? 1.0 : std::sqrt(std::abs(diagonal[i]));
+    const double q = w[i] / root;
+    const double residual = problem.is_bilateral(i) ? q : std::min(root * f[i], q);
+    defect += residual * residual;
+    const double b = problem.b()[i] / root;
+    scale += b * b;
+  }
+  return std::sqrt(defect) / (scale == 0 ? 1.0 : std::sqrt(scale));
+}
+
 }  // namespace lcpbench

@@ -33,4 +33,7 @@ class ResidualEstimate {
   Eigen::Array<bool, Eigen::Dynamic, 1> bilateral_;
 };
 
+/// rho at f by the given form, for a single answer: no form of A is made.  O(nnz of the given form).
+double RhoByGivenForm(const LcpProblem& problem, const Eigen::VectorXd& f);
+
 }  // namespace lcpbench

@@ -10,6 +10,7 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/problem_arrays.h"
 
 namespace lcpbench {
 namespace {
@@ -44,6 +45,17 @@ void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
     }
     if (!options.initial_f->allFinite()) throw InputError("initial f must be finite");
   }
+}
+
+void StartResult(Index rows, LcpResult* result) {
+  result->f.setZero(rows);
+  result->iterations = 0;
+  result->detail.clear();
+  result->own_solve_s = -1;
+  result->own_convert_s = -1;
+  result->own_fresh_s = -1;
+  result->factor_s = -1;
+  result->farkas_ray.reset();
 }
 
 }  // namespace
@@ -84,14 +96,7 @@ void LcpSolver::Prepare(const LcpProblem& problem) {
 
 void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   CheckOptions(problem, options);
-  result->f.setZero(problem.size());
-  result->iterations = 0;
-  result->detail.clear();
-  result->own_solve_s = -1;
-  result->own_convert_s = -1;
-  result->own_fresh_s = -1;
-  result->factor_s = -1;
-  result->farkas_ray.reset();
+  StartResult(problem.size(), result);
   if (!problem.has_standard_bounds()) {
     result->status = LcpStatus::kUnsupported;
     result->detail = "rows with bounds other than (0, inf) and (-inf, inf) are not supported";
@@ -123,6 +128,24 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     result->detail = error.what();
     if (result->f.size() != problem.size()) result->f.setZero(problem.size());
   }
+}
+
+bool LcpSolver::DoSolveArrays(const ProblemArrays& /*arrays*/, const LcpOptions& /*options*/, LcpResult* /*result*/) {
+  return false;
+}
+
+void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
+  if (options.initial_f == nullptr && arrays.rows > 0) {
+    StartResult(arrays.rows, result);
+    result->status = LcpStatus::kNumericalFailure;
+    try {
+      if (DoSolveArrays(arrays, options, result)) return;
+    } catch (const std::exception& error) {
+      result->detail = error.what();
+      return;
+    }
+  }
+  Solve(LcpProblem::FromArrays(arrays), options, result);
 }
 
 }  // namespace lcpbench

@@ -47,6 +47,9 @@ struct LcpOptions {
   /// How often a solver that times itself in another process (LcpResult::own_solve_s) repeats the solve, >= 1; all
   /// others solve once.
   std::int64_t repetitions = 1;
+  /// Whether adapters of foreign code shall say own_solve_s and own_convert_s: clock reads around the library's call,
+  /// so not where the whole is timed.
+  bool time_parts = false;
   /// Whether LcpResult::factor_s is wanted: two clock reads a factorisation, so not where the solve itself is timed.
   bool time_factorisations = false;
   /// The clock that the time limit is read from; tests inject their own.
@@ -120,12 +123,20 @@ class LcpSolver {
   /// @throws InputError for options out of their range (tolerance, limits, initial_f's length or finiteness)
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
+  /// Solve of LcpProblem::FromArrays(arrays): all that a user with a new problem pays. An adapter of a code that takes
+  /// A as it is assembled goes there without an LcpProblem, as an engine does.
+  /// @param arrays  checked already, as LcpProblem::FromArrays does (the protocol's worker has, off the clock)
+  /// @throws InputError as Solve, and LcpProblem::FromArrays
+  void SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
+
  protected:
   /// n >= 1, bounds standard, WhyUnsupported() empty.
   virtual void DoPrepare(const LcpProblem& problem) = 0;
   /// As above, prepared, options checked; result->f has n zeros, iterations is 0, detail and ray are empty, status is
   /// kNumericalFailure until the solver says otherwise.
   virtual void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) = 0;
+  /// As DoSolve, for a cold start from arrays. False, with nothing done: by LcpProblem, please.
+  virtual bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  private:
   std::optional<LcpProblem> prepared_;

@@ -8,10 +8,12 @@
 #include <BulletDynamics/MLCPSolvers/btLemkeAlgorithm.h>
 #include <LinearMath/btScalar.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 
 #include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -46,11 +48,7 @@ class Lemke : public LcpSolver {
   void DoPrepare(const LcpProblem& problem) override {
     const auto n = static_cast<int>(problem.size());
     M_.resize(n, n);
-    q_.resize(n);
-    for (int i = 0; i < n; ++i) {
-      q_[i] = problem.b()[i];
-      for (int j = 0; j < n; ++j) M_.setElem(i, j, problem.DenseA()(i, j));
-    }
+    WriteDenseRows(problem, n, M_.getBufferPointerWritable());
   }
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     // Enough for every sequence of pivots that is not a cycle in practice; the class's own 100 ends most early.
@@ -59,9 +57,11 @@ class Lemke : public LcpSolver {
     const std::int64_t most = options.max_iterations > 0
                                   ? options.max_iterations
                                   : std::max<std::int64_t>(kFewestPivots, kPivotsPerRow * problem.size());
+    q_.resize(static_cast<int>(problem.size()));
+    std::copy(problem.b().begin(), problem.b().end(), q_.getBufferPointerWritable());
     btLemkeAlgorithm lemke(M_, q_);
     btVectorXu z;
-    TimeLibraryCall(result, [&] { z = lemke.solve(static_cast<unsigned int>(most)); });
+    TimeLibraryCall(options, result, [&] { z = lemke.solve(static_cast<unsigned int>(most)); });
     const bool solved = lemke.getInfo() == 0;
     // (w, z, z0): our f is its z, the second part.
     const auto n = static_cast<int>(problem.size());

@@ -6,8 +6,11 @@
 // is taken as it stands: one that is semidefinite but for rounding can mislead the method.
 //
 // An LCP without solution is an unbounded QP; CGAL's certificate, a direction y with A y = 0, b'y < 0, y_C >= 0, is the
-// Farkas ray. There is no tolerance, no iteration limit and no clock: the host's time limit ends it. Numbers grow with
-// the size of the basis, so that problems above kLargest rows are refused. An iteration is a pivot.
+// Farkas ray. There is no tolerance, no iteration limit and no clock: the host's time limit ends it. An iteration is a
+// pivot.
+//
+// Setting pricing: library (its own choice by size), dantzig, filtered-dantzig, partial-dantzig,
+// partial-filtered-dantzig, bland, the pricing strategies that CGAL documents.
 
 #include <CGAL/Gmpzf.h>
 #include <CGAL/QP_functions.h>
@@ -27,8 +30,6 @@ namespace {
 using Exact = CGAL::Gmpzf;
 using Program = CGAL::Quadratic_program<Exact>;
 using Solution = CGAL::Quadratic_program_solution<Exact>;
-
-constexpr Index kLargest = 200;
 
 // A quotient rounded to double: to far more than 53 bits, then once more.
 double Round(const Exact& numerator, const Exact& denominator) {
@@ -82,15 +83,15 @@ void SetMatrixFromEntries(const LcpProblem& problem, Program* program) {
 
 class ExactQp : public LcpSolver {
  public:
+  explicit ExactQp(CGAL::Quadratic_program_pricing_strategy pricing) { options_.set_pricing_strategy(pricing); }
+
   std::string WhyUnsupported(const LcpProblem& problem) const override {
-    if (problem.size() > kLargest) return "exact arithmetic: takes up to " + std::to_string(kLargest) + " rows";
     return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
   }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
     program_ = Program(CGAL::SMALLER, true, Exact(0), false, Exact(0));
-    for (int i = 0; i < static_cast<int>(problem.size()); ++i) program_.set_c(i, Exact(problem.b()[i]));
     for (const Index row : problem.bilateral_rows()) program_.set_l(static_cast<int>(row), false);
     if (problem.has_factors()) {
       SetMatrixFromFactors(problem, &program_);
@@ -99,11 +100,14 @@ class ExactQp : public LcpSolver {
     }
   }
 
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& /*options*/, LcpResult* result) override {
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    TimeConversion(options, result, [&] {
+      for (int i = 0; i < static_cast<int>(problem.size()); ++i) program_.set_c(i, Exact(problem.b()[i]));
+    });
     Solution solution;
-    TimeLibraryCall(result, [&] { solution = CGAL::solve_quadratic_program(program_, Exact()); });
+    TimeLibraryCall(options, result, [&] { solution = CGAL::solve_quadratic_program(program_, Exact(), options_); });
     result->iterations = solution.number_of_iterations();
-    TimeConversion(result, [&] { Take(solution, result); });
+    TimeConversion(options, result, [&] { Take(solution, result); });
   }
 
  private:
@@ -136,12 +140,23 @@ class ExactQp : public LcpSolver {
     return ray;
   }
 
+  CGAL::Quadratic_program_options options_;
   Program program_;
 };
 
 std::unique_ptr<LcpSolver> MakeExactQp(const Settings& settings) {
-  SettingsReader("cgal-qp", settings).Finish();
-  return std::make_unique<ExactQp>();
+  SettingsReader reader("cgal-qp", settings);
+  const std::string pricing =
+      reader.Choice("pricing", "library",
+                    {"library", "dantzig", "filtered-dantzig", "partial-dantzig", "partial-filtered-dantzig", "bland"});
+  reader.Finish();
+  auto strategy = CGAL::QP_CHOOSE_DEFAULT;
+  if (pricing == "dantzig") strategy = CGAL::QP_DANTZIG;
+  if (pricing == "filtered-dantzig") strategy = CGAL::QP_FILTERED_DANTZIG;
+  if (pricing == "partial-dantzig") strategy = CGAL::QP_PARTIAL_DANTZIG;
+  if (pricing == "partial-filtered-dantzig") strategy = CGAL::QP_PARTIAL_FILTERED_DANTZIG;
+  if (pricing == "bland") strategy = CGAL::QP_BLAND;
+  return std::make_unique<ExactQp>(strategy);
 }
 
 constexpr std::array kSolvers{PeerSolver{"cgal-qp", &MakeExactQp}};

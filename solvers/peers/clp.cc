@@ -8,15 +8,22 @@
 // or never returns, without reading its own time limit; the host's ends it. Below about 1e-12 an assertion of the
 // library fails. Its claims are passed on as they are; where it says "unbounded", its ray is passed on as the Farkas
 // ray. Iterations are Clp's.
+//
+// Settings of `clp` other than `tolerance`, the first is the library's own. pivot: switching, exact-devex, steepest,
+// partial-devex, partial-dantzig (modes 3, 0, 1, 2, 4 of ClpPrimalColumnSteepest), dantzig; perturbation: late (100),
+// yes (50), no (102). Presolve and scaling work on constraints, of which this problem has none.
 
 #include <ClpConfig.h>
 
+#include <ClpPrimalColumnDantzig.hpp>
+#include <ClpPrimalColumnSteepest.hpp>
 #include <ClpSimplex.hpp>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "solvers/peers/peer_library.h"
@@ -25,11 +32,17 @@
 namespace lcpbench {
 namespace {
 
+constexpr std::array<std::string_view, 5> kPivotModes{"exact-devex", "steepest", "partial-devex", "switching",
+                                                      "partial-dantzig"};
+constexpr std::size_t kUsualMode = 3;
+
 class Clp : public LcpSolver {
  public:
   struct Options {
     bool as_the_library_has_it = false;
     double tolerance = 0;  // 0: by the table of tier_settings.cc
+    std::string pivot;
+    int perturbation = 100;
   };
 
   explicit Clp(Options options) : options_(options) {}
@@ -64,13 +77,26 @@ class Clp : public LcpSolver {
       start.push_back(static_cast<CoinBigIndex>(column.size()));
     }
     model_->loadQuadraticObjective(n, start.data(), column.data(), value.data());
+    if (options_.as_the_library_has_it) return;
+    const auto* const mode = std::find(kPivotModes.begin(), kPivotModes.end(), options_.pivot);
+    if (mode != kPivotModes.end()) {
+      ClpPrimalColumnSteepest steepest(static_cast<int>(mode - kPivotModes.begin()));
+      model_->setPrimalColumnPivotAlgorithm(steepest);
+    } else {
+      ClpPrimalColumnDantzig dantzig;
+      model_->setPrimalColumnPivotAlgorithm(dantzig);
+    }
+    model_->setPerturbation(options_.perturbation);
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    std::unique_ptr<ClpSimplex> work;
     const Deadline deadline(options);
-    TimeConversion(result, [&] {
-      work = std::make_unique<ClpSimplex>(*model_);
+    std::unique_ptr<ClpSimplex> work;
+    TimeConversion(options, result, [&] {
+      // A model that has been solved is left as that solve ended it.
+      if (model_ == nullptr) DoPrepare(problem);
+      work = std::move(model_);
+      for (int i = 0; i < work->numberColumns(); ++i) work->setObjectiveCoefficient(i, problem.b()[i]);
       if (!options_.as_the_library_has_it) {
         const double tolerance =
             options_.tolerance > 0 ? options_.tolerance : TierValue("clp", "tolerance", options.tolerance);
@@ -85,7 +111,7 @@ class Clp : public LcpSolver {
         work->setMaximumSeconds(deadline.Remaining());
       }
     });
-    TimeLibraryCall(result, [&] { work->primal(); });
+    TimeLibraryCall(options, result, [&] { work->primal(); });
     const Eigen::Map<const Eigen::VectorXd> f(work->primalColumnSolution(), problem.size());
     result->f = f;
     result->iterations = work->numberIterations();
@@ -124,6 +150,12 @@ std::unique_ptr<LcpSolver> MakeClp(const Settings& settings) {
   SettingsReader reader("clp", settings);
   Clp::Options options;
   options.tolerance = reader.Number("tolerance", 0, 0, 1);
+  options.pivot =
+      reader.Choice("pivot", kPivotModes[kUsualMode],
+                    {kPivotModes[0], kPivotModes[1], kPivotModes[2], kPivotModes[3], kPivotModes[4], "dantzig"});
+  const std::string perturbation = reader.Choice("perturbation", "late", {"late", "yes", "no"});
+  if (perturbation == "yes") options.perturbation = 50;
+  if (perturbation == "no") options.perturbation = 102;
   reader.Finish();
   return std::make_unique<Clp>(options);
 }

@@ -24,13 +24,13 @@ struct DantzigProblem {
 };
 
 /// Adapter of such a code. Bilateral rows are boxes (-inf, inf). The codes have no tolerance, no limits and no way to
-/// stop: the host's time limit ends them. Each solve copies A first (timed as conversion), because it is destroyed.
-/// Dense: O(n^2) memory.
+/// stop: the host's time limit ends them. A is assembled into the memory that the code works on and destroys, as an
+/// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
 class DantzigPeer : public LcpSolver {
  public:
   struct Options {
     /// Constraint force mixing: what is added to the diagonal, relative to its largest entry. 0 is the plain code;
-    /// engines add about 1e-9 ... 1e-5, which makes redundant contacts nonsingular and forces slightly soft.
+    /// engines add about 1e-9 ... 1e-5, which makes redundant contacts nonsingular and forces slightly soft. In [0, 1].
     double cfm = 0;
     static Options FromSettings(const Settings& settings, std::string_view owner, double default_cfm);
   };
@@ -50,21 +50,25 @@ class DantzigPeer : public LcpSolver {
  protected:
   void DoPrepare(const LcpProblem& problem) override;
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+  bool DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) override;
 
  private:
   using Doubles = std::vector<double, Eigen::aligned_allocator<double>>;
 
+  Index MakeRoom(Index rows);
+  void Shift(Index rows);
+  void Assemble(const LcpProblem& problem);
+  /// On A_ as assembled. @param b  of ours  @param is_bilateral  by row
+  template <typename Predicate>
+  void Run(Index rows, const double* b, Predicate is_bilateral, const LcpOptions& options, LcpResult* result);
+
   Options options_;
   Code code_;
-  // As converted, and as handed over.
+  bool is_whole_ = false;  // A_, as assembled
   Doubles A_;
   Doubles b_;
   Doubles lower_;
   Doubles upper_;
-  Doubles work_A_;
-  Doubles work_b_;
-  Doubles work_lower_;
-  Doubles work_upper_;
   Doubles x_;
   Doubles w_;
   std::vector<int> findex_;

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "solvers/peers/dantzig_peer.h"
+#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 #include "solvers/peers/tier_settings.h"
 
@@ -64,27 +65,26 @@ class Pgs : public LcpSolver {
   struct Options {
     bool as_the_library_has_it = false;
     double relative_tolerance = 0;  // 0: by the table of tier_settings.cc
+    bool randomize = false;
+    double epsilon_for_division = 1e-9;
   };
 
   explicit Pgs(Options options) : options_(options) {}
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
-    rows_ = static_cast<int>(problem.size());
-    const Index stride = PadToFour(rows_);
-    A_.setZero(problem.size(), stride);
-    A_.leftCols(problem.size()) = problem.DenseA();
-    b_ = -problem.b();
+    Assemble(problem);
     lower_.setZero(problem.size());
     upper_.setConstant(problem.size(), std::numeric_limits<double>::infinity());
     for (const Index row : problem.bilateral_rows()) lower_[row] = -std::numeric_limits<double>::infinity();
     findex_.assign(static_cast<std::size_t>(rows_), -1);
   }
 
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) override {
-    TimeConversion(result, [&] {
-      work_A_ = A_;
-      work_b_ = b_;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    TimeConversion(options, result, [&] {
+      if (!is_whole_) Assemble(problem);
+      is_whole_ = false;
+      b_ = -problem.b();
       if (options.initial_f != nullptr) result->f = *options.initial_f;
     });
     PgsBoxedLcpSolver::Option option;
@@ -95,16 +95,25 @@ class Pgs : public LcpSolver {
       option.mRelativeDeltaXTolerance = options_.relative_tolerance > 0
                                             ? options_.relative_tolerance
                                             : TierValue("dart-pgs", "relative-tolerance", options.tolerance);
+      option.mRandomizeConstraintOrder = options_.randomize;
+      option.mEpsilonForDivision = options_.epsilon_for_division;
       most = static_cast<std::int64_t>(TierValue("dart-pgs", "sweeps", options.tolerance));
     }
     if (options.max_iterations > 0) most = options.max_iterations;
     const Deadline deadline(options);
-    TimeLibraryCall(result, [&] { Sweep(option, most, deadline, result); });
+    TimeLibraryCall(options, result, [&] { Sweep(option, most, deadline, result); });
   }
 
  private:
   // About 20 ms of work: short beside any time limit, long beside what the repeated first test costs.
   static constexpr double kPortion = 2e7;  // products
+
+  void Assemble(const LcpProblem& problem) {
+    rows_ = static_cast<int>(problem.size());
+    A_.resize(problem.size(), PadToFour(rows_));
+    WriteDenseRows(problem, PadToFour(rows_), A_.data());
+    is_whole_ = true;
+  }
 
   void Sweep(PgsBoxedLcpSolver::Option option, std::int64_t most, const Deadline& deadline, LcpResult* result) {
     const auto products = static_cast<double>(A_.size());
@@ -114,8 +123,8 @@ class Pgs : public LcpSolver {
       option.mMaxIteration = static_cast<int>(std::min(portion, most - result->iterations));
       solver_.setOption(option);
       result->iterations += option.mMaxIteration;
-      if (solver_.solve(rows_, work_A_.data(), result->f.data(), work_b_.data(), 0, lower_.data(), upper_.data(),
-                        findex_.data(), false)) {
+      if (solver_.solve(rows_, A_.data(), result->f.data(), b_.data(), 0, lower_.data(), upper_.data(), findex_.data(),
+                        false)) {
         result->status = LcpStatus::kSolved;
         return;
       }
@@ -132,19 +141,20 @@ class Pgs : public LcpSolver {
   Options options_;
   PgsBoxedLcpSolver solver_;
   int rows_ = 0;
+  bool is_whole_ = false;  // A_, as assembled
   RowMajor A_;
   Eigen::VectorXd b_;
   Eigen::VectorXd lower_;
   Eigen::VectorXd upper_;
   std::vector<int> findex_;
-  RowMajor work_A_;
-  Eigen::VectorXd work_b_;
 };
 
 std::unique_ptr<LcpSolver> MakePgs(const Settings& settings) {
   SettingsReader reader("dart-pgs", settings);
   Pgs::Options options;
   options.relative_tolerance = reader.Number("relative-tolerance", 0, 0, 1);
+  options.randomize = reader.Choice("randomize", "no", {"no", "yes"}) == "yes";
+  options.epsilon_for_division = reader.Number("epsilon-for-division", options.epsilon_for_division, 0, 1);
   reader.Finish();
   return std::make_unique<Pgs>(options);
 }

@@ -26,18 +26,20 @@ struct PeerLibrary {
 };
 PeerLibrary ThisPeerLibrary();
 
-/// Times `work`, the library's call alone, and notes it in the result: adapters put everything else (copies, padding,
-/// orderings) before or after.
+/// Runs `work`, the library's call alone, and notes its time in the result where parts are wanted: adapters put
+/// everything else (copies, padding, orderings) before or after.
 template <typename Work>
-void TimeLibraryCall(LcpResult* result, Work work) {
+void TimeLibraryCall(const LcpOptions& options, LcpResult* result, Work work) {
+  if (!options.time_parts) return work();
   const double start = SteadyNow();
   work();
   result->own_solve_s = SteadyNow() - start;
 }
 
-/// The same for what a solve has to convert each time, added up.
+/// The same for what a solve has to convert, added up.
 template <typename Work>
-void TimeConversion(LcpResult* result, Work work) {
+void TimeConversion(const LcpOptions& options, LcpResult* result, Work work) {
+  if (!options.time_parts) return work();
   const double start = SteadyNow();
   work();
   const double before = result->own_convert_s > 0 ? result->own_convert_s : 0;

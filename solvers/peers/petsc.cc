@@ -9,6 +9,16 @@
 // of infeasibility is made of that.
 //
 // Time is read at every outer and every Krylov iteration. Iterations are outer ones. TAO asks for a symmetric A.
+//
+// Settings, other than `tolerance` and of keys that do not end in -default; "library" is the library's own choice.
+//   SNES  linear-solver: library, lu, gmres-jacobi, bcgs-ilu, and for petsc-rsls, whose systems are symmetric,
+//   cholesky,
+//         cg-jacobi, cg-icc, minres-jacobi; shift: what the factorization (lu, cholesky, ilu, icc) adds to a pivot that
+//         is too small, as a share of the largest diagonal entry of A, 0 for none (-pc_factor_shift_type nonzero);
+//         line-search: library, bt, basic, l2, cp
+//   TAO   krylov: library, stcg, nash, gltr; preconditioner: library, none, jacobi, icc; and for tao-bntr radius:
+//         interpolation, step, direction (-tao_bnk_update_type), active-set: bertsekas, none (-tao_bnk_as_type), for
+//         tao-tron projections: gradient projections an iteration (-tao_tron_maxgpits, 3)
 
 #include <algorithm>
 #include <array>
@@ -68,20 +78,45 @@ int IterationLimit(const LcpOptions& options, double usual) {
   return static_cast<int>(std::min<double>(most, std::numeric_limits<int>::max()));
 }
 
+struct Tuning {
+  double tolerance = 0;  // 0: by the table of tier_settings.cc
+  // Empty: the library's own choice.
+  std::string krylov;
+  std::string preconditioner;
+  std::string line_search;
+  double shift = 0;
+  bool factors = false;  // the preconditioner is a factorization, with pivots to shift
+};
+
 /// What both families share: conversion, limits, and what a claim is worth.
 class PetscPeer : public LcpSolver {
  public:
-  PetscPeer(const Method& method, double tolerance) : method_(method), tolerance_(tolerance) {}
+  PetscPeer(const Method& method, Tuning tuning) : method_(method), tuning_(std::move(tuning)) {}
 
  protected:
-  void DoPrepare(const LcpProblem& problem) override { problem_.emplace(problem); }
+  void DoPrepare(const LcpProblem& problem) override {
+    problem_.emplace(problem);
+    if (tuning_.shift > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
+  }
 
   double Tolerance(const LcpOptions& options) const {
-    return tolerance_ > 0 ? tolerance_ : TierValue(method_.key, "tolerance", options.tolerance);
+    return tuning_.tolerance > 0 ? tuning_.tolerance : TierValue(method_.key, "tolerance", options.tolerance);
+  }
+
+  void SetUpLinearSolver(KSP krylov) const {
+    if (!tuning_.krylov.empty()) CheckPetsc(KSPSetType(krylov, tuning_.krylov.c_str()));
+    PC preconditioner = nullptr;
+    CheckPetsc(KSPGetPC(krylov, &preconditioner));
+    if (!tuning_.preconditioner.empty()) CheckPetsc(PCSetType(preconditioner, tuning_.preconditioner.c_str()));
+    if (tuning_.shift > 0 && tuning_.factors) {
+      CheckPetsc(PCFactorSetShiftType(preconditioner, MAT_SHIFT_NONZERO));
+      CheckPetsc(PCFactorSetShiftAmount(preconditioner, tuning_.shift * largest_diagonal_));
+    }
   }
 
   Method method_;
-  double tolerance_;  // 0: by the table of tier_settings.cc
+  Tuning tuning_;
+  double largest_diagonal_ = 0;
   std::optional<PetscProblem> problem_;
 };
 
@@ -90,18 +125,19 @@ class Snes : public PetscPeer {
   using PetscPeer::PetscPeer;
 
  protected:
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) override {
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     const Deadline deadline(options);
     Run run{*problem_, deadline};
     PetscHandle<SNES, &SNESDestroy> snes;
-    TimeConversion(result, [&] {
+    TimeConversion(options, result, [&] {
       SetUp(options, &run, &snes);
+      problem_->SetB(problem.b());
       problem_->SetStart(options.initial_f);
     });
     PetscErrorCode code = kPetscSuccess;
-    TimeLibraryCall(result, [&] { code = SNESSolve(snes.get(), nullptr, problem_->x()); });
+    TimeLibraryCall(options, result, [&] { code = SNESSolve(snes.get(), nullptr, problem_->x()); });
     CheckPetsc(code);
-    TimeConversion(result, [&] { problem_->GetIterate(&result->f); });
+    TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
     PetscInt iterations = 0;
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
     CheckPetsc(SNESGetIterationNumber(snes.get(), &iterations));
@@ -144,7 +180,13 @@ class Snes : public PetscPeer {
     CheckPetsc(SNESSetConvergenceTest(made, &Test, run, nullptr));
     KSP krylov = nullptr;
     CheckPetsc(SNESGetKSP(made, &krylov));
+    SetUpLinearSolver(krylov);
     WatchTime(krylov, run);
+    if (!tuning_.line_search.empty()) {
+      SNESLineSearch search = nullptr;
+      CheckPetsc(SNESGetLineSearch(made, &search));
+      CheckPetsc(SNESLineSearchSetType(search, tuning_.line_search.c_str()));
+    }
     if (!method_.as_the_library_has_it) {
       const int most = IterationLimit(options, TierValue(method_.key, "iterations", options.tolerance));
       CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, Tolerance(options), PETSC_DEFAULT, most,
@@ -165,18 +207,19 @@ class TaoPeer : public PetscPeer {
   }
 
  protected:
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) override {
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     const Deadline deadline(options);
     Run run{*problem_, deadline};
     PetscHandle<Tao, &TaoDestroy> tao;
-    TimeConversion(result, [&] {
+    TimeConversion(options, result, [&] {
       SetUp(options, &run, &tao);
+      problem_->SetB(problem.b());
       problem_->SetStart(options.initial_f);
     });
     PetscErrorCode code = kPetscSuccess;
-    TimeLibraryCall(result, [&] { code = TaoSolve(tao.get()); });
+    TimeLibraryCall(options, result, [&] { code = TaoSolve(tao.get()); });
     CheckPetsc(code);
-    TimeConversion(result, [&] { problem_->GetIterate(&result->f); });
+    TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
     PetscInt iterations = 0;
     TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
     CheckPetsc(TaoGetIterationNumber(tao.get(), &iterations));
@@ -223,7 +266,10 @@ class TaoPeer : public PetscPeer {
     CheckPetsc(TaoSetConvergenceTest(made, &Test, run));
     KSP krylov = nullptr;
     CheckPetsc(TaoGetKSP(made, &krylov));
-    if (krylov != nullptr) WatchTime(krylov, run);
+    if (krylov != nullptr) {
+      SetUpLinearSolver(krylov);
+      WatchTime(krylov, run);
+    }
     if (!method_.as_the_library_has_it) {
       // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start.
       CheckPetsc(TaoSetTolerances(made, 0, 0, Tolerance(options)));
@@ -245,12 +291,58 @@ constexpr Method kBntrDefault{"tao-bntr-default", TAOBNTR, true};
 constexpr Method kTron{"tao-tron", TAOTRON};
 constexpr Method kTronDefault{"tao-tron-default", TAOTRON, true};
 
+// "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
+void SetLinearSolver(const std::string& choice, Tuning* tuning) {
+  tuning->factors = true;  // the library's own ILU(0), too
+  if (choice == "library") return;
+  const auto dash = choice.find('-');
+  tuning->krylov = dash == std::string::npos ? KSPPREONLY : choice.substr(0, dash);
+  tuning->preconditioner = dash == std::string::npos ? choice : choice.substr(dash + 1);
+  tuning->factors = tuning->preconditioner != PCJACOBI;
+}
+
+std::string OrEmpty(std::string choice) { return choice == "library" ? std::string() : std::move(choice); }
+
+// Some options of TAO have no function, only a name, once for the process.
+void SetByName(const Settings& settings, const std::string& setting, const char* option, const std::string& value) {
+  if (settings.contains(setting)) CheckPetsc(PetscOptionsSetValue(nullptr, option, value.c_str()));
+}
+
+void ReadSettings(const Method& method, const Settings& settings, SettingsReader* reader, Tuning* tuning) {
+  tuning->tolerance = reader->Number("tolerance", 0, 0, 1);
+  const std::string_view type = method.type;
+  if (type == SNESVINEWTONRSLS || type == SNESVINEWTONSSLS) {
+    SetLinearSolver(type == SNESVINEWTONRSLS
+                        ? reader->Choice("linear-solver", "library",
+                                         {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi",
+                                          "cg-icc", "minres-jacobi"})
+                        : reader->Choice("linear-solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"}),
+                    tuning);
+    tuning->shift = reader->Number("shift", 0, 0, 1);
+    if (tuning->shift > 0 && tuning->preconditioner.empty()) tuning->preconditioner = PCILU;  // the library's own
+    tuning->line_search = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
+    return;
+  }
+  tuning->krylov = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
+  tuning->preconditioner = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
+  if (type == TAOBNTR) {
+    const std::string radius = reader->Choice("radius", "interpolation", {"interpolation", "step", "direction"});
+    SetByName(settings, "radius", "-tao_bnk_update_type", radius);
+    const std::string active_set = reader->Choice("active-set", "bertsekas", {"bertsekas", "none"});
+    SetByName(settings, "active-set", "-tao_bnk_as_type", active_set);
+  } else {
+    const int projections = static_cast<int>(reader->Number("projections", 3, 1, 1000));
+    SetByName(settings, "projections", "-tao_tron_maxgpits", std::to_string(projections));
+  }
+}
+
 template <typename Solver, const Method& kMethod>
 std::unique_ptr<LcpSolver> Make(const Settings& settings) {
   SettingsReader reader(kMethod.key, settings);
-  const double tolerance = kMethod.as_the_library_has_it ? 0 : reader.Number("tolerance", 0, 0, 1);
+  Tuning tuning;
+  if (!kMethod.as_the_library_has_it) ReadSettings(kMethod, settings, &reader, &tuning);
   reader.Finish();
-  return std::make_unique<Solver>(kMethod, tolerance);
+  return std::make_unique<Solver>(kMethod, std::move(tuning));
 }
 
 template <typename Solver, const Method& kMethod>

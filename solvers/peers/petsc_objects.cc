@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdlib>
 #include <stdexcept>
+#include <type_traits>
 
 namespace lcpbench {
 namespace {
@@ -63,25 +64,28 @@ std::string PetscVersion() {
   return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
 }
 
-PetscProblem::PetscProblem(const LcpProblem& problem) {
+PetscProblem::PetscProblem(const LcpProblem& problem) : problem_(problem) {
   const auto n = static_cast<PetscInt>(problem.size());
   const SparseMatrix& A = problem.SparseA();
-  row_starts_.assign(A.outerIndexPtr(), A.outerIndexPtr() + n + 1);
-  columns_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-  values_.assign(A.valuePtr(), A.valuePtr() + A.nonZeros());
-  CheckPetsc(
-      MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, row_starts_.data(), columns_.data(), values_.data(), A_.out()));
+  // PETSc takes arrays that it could write to.
+  const auto writable = [](const auto* values) {
+    return const_cast<std::remove_const_t<std::remove_pointer_t<decltype(values)>>*>(values);  // NOLINT
+  };
+  static_assert(std::is_same_v<PetscInt, int>);
+  CheckPetsc(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, writable(A.outerIndexPtr()), writable(A.innerIndexPtr()),
+                                       writable(A.valuePtr()), A_.out()));
   if (problem.IsNumericallySymmetric()) CheckPetsc(MatSetOption(A_.get(), MAT_SYMMETRIC, PETSC_TRUE));
   CheckPetsc(MatDuplicate(A_.get(), MAT_COPY_VALUES, jacobian_.out()));
   for (PetscVector* vector : {&b_, &lower_, &upper_, &x_, &w_}) {
     CheckPetsc(VecCreateSeq(PETSC_COMM_SELF, n, vector->out()));
   }
-  Fill(b_.get(), problem.b());
   Eigen::VectorXd lower = Eigen::VectorXd::Zero(n);
   for (const Index row : problem.bilateral_rows()) lower[row] = PETSC_NINFINITY;
   Fill(lower_.get(), lower);
   CheckPetsc(VecSet(upper_.get(), PETSC_INFINITY));
 }
+
+void PetscProblem::SetB(const Eigen::VectorXd& b) { Fill(b_.get(), b); }
 
 PetscErrorCode PetscProblem::EvaluateW(Vec x, Vec w) const {
   PetscFunctionBegin;

@@ -4,7 +4,6 @@
 #include <petsctao.h>
 
 #include <string>
-#include <vector>
 
 #include "solvers/lcp/problem.h"
 
@@ -43,11 +42,14 @@ class PetscHandle {
 using PetscMatrix = PetscHandle<Mat, &MatDestroy>;
 using PetscVector = PetscHandle<Vec, &VecDestroy>;
 
-/// w = A x + b with bounds: lower 0, or minus infinity for bilateral rows, upper infinity. A is kept as compressed
-/// rows. Methods write into the matrix they are given, so that each evaluation of the Jacobian copies A anew.
+/// w = A x + b with bounds: lower 0, or minus infinity for bilateral rows, upper infinity. A is the problem's own in
+/// compressed rows, which nobody writes to. Methods write into the matrix they are given, so that each evaluation of
+/// the Jacobian copies A anew.
 class PetscProblem {
  public:
   explicit PetscProblem(const LcpProblem& problem);
+  /// b, of a problem with the same matrix.
+  void SetB(const Eigen::VectorXd& b);
 
   Vec lower() const { return lower_.get(); }
   Vec upper() const { return upper_.get(); }
@@ -67,9 +69,7 @@ class PetscProblem {
   void GetIterate(Eigen::VectorXd* f) const;
 
  private:
-  std::vector<PetscInt> row_starts_;
-  std::vector<PetscInt> columns_;
-  std::vector<PetscScalar> values_;
+  LcpProblem problem_;  // keeps the entries of A_
   PetscMatrix A_;
   PetscMatrix jacobian_;
   PetscVector b_;

@@ -13,11 +13,22 @@
 // each call; with the library's pivoting codes it passed fewer of the tuning problems, because they fail on blocks that
 // redundant rows make singular, and a block that fails ends the sweep. Iterations are pivots, sweeps or Newton steps;
 // the block method does not tell its sweeps: those asked for are counted, at most twice as many and kFewest as made.
+//
+// Settings, other than `tolerance` and of keys that do not end in -default, as the library's documentation of its LCP
+// solvers has them; the first is the library's own.
+//   siconos-lexicolemke  rule: lexico, lemke, bard, murty: the pivoting code (SICONOS_LCP_LEMKE, _PIVOT, _BARD, _MURTY)
+//   siconos-newton-fb    direction: fischer-burmeister, min; search: armijo, goldstein; reference: monotone, max, mean
+//                        (of the last ten merit values)
+//   siconos-pgs          regularization: 0, or as a share of the largest diagonal entry: the regularized code (_RPGS)
+//   siconos-nsgs-sbm     local: pgs, rpgs, lemke, newton-fb, the solver of a block; local-iterations: 0, its own limit,
+//                        or another; block-rows: rows of a block at most
 
+#include <Newton_methods.h>
 #include <NonSmoothDrivers.h>
 #include <SolverOptions.h>
 #include <fcntl.h>
 #include <lcp_cst.h>
+#include <line_search.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -77,19 +88,38 @@ struct Method {
   bool as_the_library_has_it = false;
 };
 
+// What the settings make of a method.
+struct Tuning {
+  LCP_SOLVER solver = SICONOS_LCP_LEMKE;
+  double tolerance = 0;  // 0: by the table of tier_settings.cc
+  // Newton.
+  LSA_ALGO search = SICONOS_LSA_ARMIJO;
+  int reference = NM_LS_DISABLE;
+  // Sweeps.
+  double regularization = 0;
+  // Blocks.
+  LCP_SOLVER local = SICONOS_LCP_PGS;
+  int local_iterations = 0;
+  std::size_t block_rows = SiconosProblem::kLargestBlock;
+};
+
 class Siconos : public LcpSolver {
  public:
-  Siconos(const Method& method, double tolerance) : method_(method), tolerance_(tolerance) {}
+  Siconos(const Method& method, const Tuning& tuning) : method_(method), tuning_(tuning) {}
 
  protected:
-  void DoPrepare(const LcpProblem& problem) override { problem_.emplace(problem, method_.storage); }
+  void DoPrepare(const LcpProblem& problem) override {
+    problem_.emplace(problem, method_.storage, tuning_.block_rows);
+    if (tuning_.regularization > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
+  }
 
-  void DoSolve(const LcpProblem& /*problem*/, const LcpOptions& options, LcpResult* result) override {
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     OptionsPointer own(nullptr, &solver_options_delete);
     Eigen::VectorXd z;
     Eigen::VectorXd w;
-    TimeConversion(result, [&] {
+    TimeConversion(options, result, [&] {
       own = MakeOptions(options);
+      problem_->SetB(problem.b());
       z = options.initial_f != nullptr ? problem_->VariablesOf(*options.initial_f)
                                        : Eigen::VectorXd(Eigen::VectorXd::Zero(problem_->size()));
       w.setZero(problem_->size());
@@ -97,9 +127,9 @@ class Siconos : public LcpSolver {
     const Deadline deadline(options);
     {
       const Silence silence;
-      TimeLibraryCall(result, [&] { Run(*own, deadline, &z, &w, result); });
+      TimeLibraryCall(options, result, [&] { Run(*own, deadline, &z, &w, result); });
     }
-    TimeConversion(result, [&] { problem_->SetForces(z, &result->f); });
+    TimeConversion(options, result, [&] { problem_->SetForces(z, &result->f); });
   }
 
  private:
@@ -109,12 +139,23 @@ class Siconos : public LcpSolver {
   static constexpr std::int64_t kFewest = 16;  // sweeps, of a method that does not tell how many it made
 
   OptionsPointer MakeOptions(const LcpOptions& options) const {
-    OptionsPointer own(solver_options_create(method_.solver), &solver_options_delete);
-    if (method_.solver == SICONOS_LCP_NSGS_SBM) solver_options_update_internal(own.get(), 0, SICONOS_LCP_PGS);
+    OptionsPointer own(solver_options_create(tuning_.solver), &solver_options_delete);
+    if (method_.solver == SICONOS_LCP_NSGS_SBM) {
+      solver_options_update_internal(own.get(), 0, tuning_.local);
+      SolverOptions& local = *own->internalSolvers[0];
+      if (tuning_.local_iterations > 0) local.iparam[SICONOS_IPARAM_MAX_ITER] = tuning_.local_iterations;
+    }
+    if (method_.solver == SICONOS_LCP_NEWTON_FB_FBLSA) {
+      constexpr int kRemembered = 10;
+      own->iparam[SICONOS_IPARAM_LSA_SEARCH_CRITERION] = tuning_.search;
+      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS] = tuning_.reference;
+      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS_M] = tuning_.reference == NM_LS_DISABLE ? 0 : kRemembered;
+    }
+    if (tuning_.regularization > 0) own->dparam[SICONOS_LCP_DPARAM_RHO] = tuning_.regularization * largest_diagonal_;
     std::int64_t most = own->iparam[SICONOS_IPARAM_MAX_ITER];
     if (!method_.as_the_library_has_it && method_.cost_power > 0) {
       own->dparam[SICONOS_DPARAM_TOL] =
-          tolerance_ > 0 ? tolerance_ : TierValue(method_.key, "tolerance", options.tolerance);
+          tuning_.tolerance > 0 ? tuning_.tolerance : TierValue(method_.key, "tolerance", options.tolerance);
       most = static_cast<std::int64_t>(TierValue(method_.key, "iterations", options.tolerance));
     }
     if (options.max_iterations > 0) most = options.max_iterations;
@@ -172,7 +213,8 @@ class Siconos : public LcpSolver {
   }
 
   Method method_;
-  double tolerance_;  // 0: by the table of tier_settings.cc
+  Tuning tuning_;
+  double largest_diagonal_ = 0;
   std::optional<SiconosProblem> problem_;
 };
 
@@ -186,13 +228,64 @@ constexpr Method kPgsDefault{"siconos-pgs-default", SICONOS_LCP_PGS, kDense, 2, 
 constexpr Method kBlockGaussSeidel{"siconos-nsgs-sbm", SICONOS_LCP_NSGS_SBM, kBlocks, 2};
 constexpr Method kAvi{"siconos-avi", SICONOS_LCP_AVI_CAOFERRIS};
 
+void ReadPivoting(SettingsReader* reader, Tuning* tuning) {
+  const std::string rule = reader->Choice("rule", "lexico", {"lexico", "lemke", "bard", "murty"});
+  if (rule == "lemke") tuning->solver = SICONOS_LCP_PIVOT;
+  if (rule == "bard") tuning->solver = SICONOS_LCP_BARD;
+  if (rule == "murty") tuning->solver = SICONOS_LCP_MURTY;
+}
+
+void ReadNewton(SettingsReader* reader, Tuning* tuning) {
+  const std::string direction = reader->Choice("direction", "fischer-burmeister", {"fischer-burmeister", "min"});
+  const std::string search = reader->Choice("search", "armijo", {"armijo", "goldstein"});
+  const std::string reference = reader->Choice("reference", "monotone", {"monotone", "max", "mean"});
+  if (direction == "min") tuning->solver = SICONOS_LCP_NEWTON_MIN_FBLSA;
+  if (search == "goldstein") tuning->search = SICONOS_LSA_GOLDSTEIN;
+  if (reference == "max") tuning->reference = NM_LS_MAX;
+  if (reference == "mean") tuning->reference = NM_LS_MEAN;
+}
+
+void ReadSweeps(SettingsReader* reader, Tuning* tuning) {
+  tuning->regularization = reader->Number("regularization", 0, 0, 10);
+  if (tuning->regularization > 0) tuning->solver = SICONOS_LCP_RPGS;
+}
+
+void ReadBlocks(SettingsReader* reader, Tuning* tuning) {
+  const std::string local = reader->Choice("local", "pgs", {"pgs", "rpgs", "lemke", "newton-fb"});
+  if (local == "rpgs") tuning->local = SICONOS_LCP_RPGS;
+  if (local == "lemke") tuning->local = SICONOS_LCP_LEMKE;
+  if (local == "newton-fb") tuning->local = SICONOS_LCP_NEWTON_FB_FBLSA;
+  tuning->local_iterations = static_cast<int>(reader->Number("local-iterations", 0, 0, 1e6));
+  tuning->block_rows =
+      static_cast<std::size_t>(reader->Number("block-rows", static_cast<double>(tuning->block_rows), 1, 1000));
+}
+
 template <const Method& kMethod>
 std::unique_ptr<LcpSolver> Make(const Settings& settings) {
   SettingsReader reader(kMethod.key, settings);
-  double tolerance = 0;
-  if (!kMethod.as_the_library_has_it && kMethod.cost_power > 0) tolerance = reader.Number("tolerance", 0, 0, 1);
+  Tuning tuning;
+  tuning.solver = kMethod.solver;
+  if (!kMethod.as_the_library_has_it) {
+    if (kMethod.cost_power > 0) tuning.tolerance = reader.Number("tolerance", 0, 0, 1);
+    switch (kMethod.solver) {
+      case SICONOS_LCP_LEMKE:
+        ReadPivoting(&reader, &tuning);
+        break;
+      case SICONOS_LCP_NEWTON_FB_FBLSA:
+        ReadNewton(&reader, &tuning);
+        break;
+      case SICONOS_LCP_PGS:
+        ReadSweeps(&reader, &tuning);
+        break;
+      case SICONOS_LCP_NSGS_SBM:
+        ReadBlocks(&reader, &tuning);
+        break;
+      default:
+        break;
+    }
+  }
   reader.Finish();
-  return std::make_unique<Siconos>(kMethod, tolerance);
+  return std::make_unique<Siconos>(kMethod, tuning);
 }
 
 template <const Method& kMethod>

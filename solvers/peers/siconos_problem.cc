@@ -5,6 +5,8 @@
 #include <cstdlib>
 #include <map>
 
+#include "solvers/peers/given_matrix.h"
+
 namespace lcpbench {
 namespace {
 
@@ -32,16 +34,17 @@ Bodies BodiesOf(const LcpProblem& problem, Index row) {
 
 }  // namespace
 
-SiconosProblem::SiconosProblem(const LcpProblem& problem, Storage storage) : matrix_(NM_new(), &FreeShell) {
+SiconosProblem::SiconosProblem(const LcpProblem& problem, Storage storage, std::size_t largest_block)
+    : matrix_(NM_new(), &FreeShell) {
   const bool dense = storage == Storage::kDense;
   if (dense) {
     OrderByRows(problem);
     FillDense(problem);
   } else {
-    OrderByBlocks(problem);
+    OrderByBlocks(problem, largest_block);
     FillBlocks(problem);
   }
-  for (const Variable& variable : variables_) q_.push_back(variable.sign * problem.b()[variable.row]);
+  q_.resize(variables_.size());
   const auto n = static_cast<int>(variables_.size());
   void* data = dense ? static_cast<void*>(values_.data()) : static_cast<void*>(&sparse_);
   NM_fill(matrix_.get(), dense ? NM_DENSE : NM_SPARSE_BLOCK, n, n, data);
@@ -52,6 +55,10 @@ SiconosProblem::SiconosProblem(const LcpProblem& problem, Storage storage) : mat
 
 SiconosProblem::~SiconosProblem() {
   std::free(sparse_.diagonal_blocks);  // NOLINT(cppcoreguidelines-no-malloc): Siconos notes them there on first use
+}
+
+void SiconosProblem::SetB(const Eigen::VectorXd& b) {
+  for (std::size_t i = 0; i < q_.size(); ++i) q_[i] = variables_[i].sign * b[variables_[i].row];
 }
 
 Eigen::VectorXd SiconosProblem::VariablesOf(const Eigen::VectorXd& f) const {
@@ -76,14 +83,14 @@ void SiconosProblem::OrderByRows(const LcpProblem& problem) {
   for (const Index row : problem.bilateral_rows()) variables_.push_back({row, -1});
 }
 
-void SiconosProblem::OrderByBlocks(const LcpProblem& problem) {
+void SiconosProblem::OrderByBlocks(const LcpProblem& problem, std::size_t largest_block) {
   std::vector<std::vector<Index>> groups;
   std::map<Bodies, std::size_t> group_of;
   for (Index row = 0; row < problem.size(); ++row) {
     std::size_t group = groups.size();
     if (problem.has_two_body_rows()) {
       auto [found, is_new] = group_of.try_emplace(BodiesOf(problem, row), group);
-      if (!is_new && groups[found->second].size() >= kLargestBlock) found->second = group;
+      if (!is_new && groups[found->second].size() >= largest_block) found->second = group;
       group = found->second;
     }
     if (group == groups.size()) groups.emplace_back();
@@ -99,10 +106,20 @@ void SiconosProblem::OrderByBlocks(const LcpProblem& problem) {
 }
 
 void SiconosProblem::FillDense(const LcpProblem& problem) {
-  const Eigen::MatrixXd& A = problem.DenseA();
-  values_.reserve(variables_.size() * variables_.size());
-  for (const Variable& column : variables_) {
-    for (const Variable& row : variables_) values_.push_back(row.sign * column.sign * A(row.row, column.row));
+  const auto n = static_cast<std::size_t>(problem.size());
+  const std::size_t size = variables_.size();
+  values_.resize(size * size);
+  WriteDenseColumns(problem, static_cast<Index>(size), values_.data());
+  // The mirrored rows, then the mirrored columns.
+  for (std::size_t mirror = n; mirror < size; ++mirror) {
+    const auto row = static_cast<std::size_t>(variables_[mirror].row);
+    for (std::size_t column = 0; column < n; ++column) {
+      values_[column * size + mirror] = -values_[column * size + row];
+    }
+  }
+  for (std::size_t mirror = n; mirror < size; ++mirror) {
+    const auto column = static_cast<std::size_t>(variables_[mirror].row);
+    for (std::size_t i = 0; i < size; ++i) values_[mirror * size + i] = -values_[column * size + i];
   }
 }
 

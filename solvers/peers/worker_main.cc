@@ -2,10 +2,13 @@
 
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "solvers/external/worker.h"
 #include "solvers/lcp/input_error.h"
+#include "solvers/peers/checked_solver.h"
 #include "solvers/peers/peer_library.h"
 
 namespace {
@@ -23,6 +26,21 @@ lcpbench::Settings ParseSettings(int argc, char** argv) {
   return settings;
 }
 
+// Settings of every peer: check=yes (default no) with check-shift, see CheckedSolver.
+std::unique_ptr<lcpbench::LcpSolver> Make(const lcpbench::PeerSolver& solver, const lcpbench::Settings& settings) {
+  using lcpbench::CheckedSolver;
+  lcpbench::Settings own = settings;
+  lcpbench::Settings checks;
+  for (const char* name : {"check", "check-shift"}) {
+    if (auto setting = own.extract(name)) checks.insert(std::move(setting));
+  }
+  lcpbench::SettingsReader reader(solver.key, checks);
+  const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
+  const double shift = reader.Number("check-shift", CheckedSolver::kShift, 0, 1);
+  auto made = solver.make(own);
+  return is_checked ? std::make_unique<CheckedSolver>(std::move(made), shift) : std::move(made);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -33,7 +51,7 @@ int main(int argc, char** argv) {
     std::string known;
     for (const PeerSolver& solver : library.solvers) {
       if (argc > 1 && solver.key == argv[1]) {
-        const auto make = [&solver, settings = ParseSettings(argc, argv)] { return solver.make(settings); };
+        const auto make = [&solver, settings = ParseSettings(argc, argv)] { return Make(solver, settings); };
         make();  // what is wrong with the settings is said now
         Hello hello;
         hello.name = solver.key;

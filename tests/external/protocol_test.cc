@@ -119,11 +119,12 @@ TEST(Protocol, AnswersComeBackBitForBit) {
   EXPECT_EQ(back.own_fresh_s, result.own_fresh_s);
   EXPECT_EQ(DecodeResult(Encode(result, 1), 3, 1).own_fresh_s, -1);
 
-  const SolveRequest request{1e-6, 2.5, 7, Eigen::VectorXd::Ones(3)};
+  const SolveRequest request{1e-6, 2.5, 7, true, Eigen::VectorXd::Ones(3)};
   const SolveRequest asked = DecodeSolve(Encode(request), 3);
   EXPECT_EQ(asked.tolerance, request.tolerance);
   EXPECT_EQ(asked.time_limit_s, request.time_limit_s);
   EXPECT_EQ(asked.max_iterations, request.max_iterations);
+  EXPECT_EQ(asked.time_parts, request.time_parts);
   EXPECT_EQ(asked.start, request.start);
 }
 
