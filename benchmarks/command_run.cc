@@ -4,6 +4,7 @@
 #include "benchmarks/commands.h"
 #include "benchmarks/external_option.h"
 #include "benchmarks/variant_option.h"
+#include "solvers/registry.h"
 
 namespace lcpbench {
 
