@@ -179,7 +179,8 @@ void Journal::WriteJudged(const Task& task, const std::string& size_class, const
       const TierVerdict* verdict = VerdictAt(reply, tier);
       return verdict != nullptr && verdict->best_tier ? Json(*verdict->best_tier) : Json(nullptr);
     });
-    column("iterations", [](const JudgeReply& reply) { return Json(reply.iterations); });
+    column("iterations",
+           [](const JudgeReply& reply) { return reply.iterations < 0 ? Json(nullptr) : Json(reply.iterations); });
     column("first_s", [](const JudgeReply& reply) { return Rounded(reply.fresh_s); });
     column("factor_share", [](const JudgeReply& reply) { return Rounded(reply.factor_share); });
     column("allocations",
