@@ -29,7 +29,6 @@ class Entry:
     share: float  # verified, by weight
     time_s: float  # median of the weight; inf where half or more were not verified
     p99_s: float  # NaN where there are few problems
-    asked: bool  # for the tier; or its method has no tolerance
     best: bool = False  # of all, or tied with it
 
 
@@ -78,7 +77,7 @@ def headline(inputs: Inputs) -> Headline:
 
 
 def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
-    entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s, of.asked)
+    entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s)
                for of in times.itertuples()}
     own = best({solver: entry for solver, entry in entries.items() if solver in inputs.own})
     entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}

@@ -17,7 +17,7 @@ from lcpbench_report.statistics.holm import holm  # noqa: E402
 from synthetic_campaign import Noise, cells_of, median_times  # noqa: E402
 
 INF = math.inf
-SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 100, 300
+SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 60, 150
 
 
 def pair(table: pd.DataFrame, a: str, b: str) -> pd.Series:
@@ -92,6 +92,33 @@ class Example(unittest.TestCase):
         self.assertEqual(row["a_only"], 30)
 
 
+class Bases(unittest.TestCase):
+    def test_variants_of_one_base_are_one_witness(self):
+        """Forty variants of one base on which a is faster, and three other bases on which b is."""
+        times = pd.DataFrame({"a": [1.0] * 40 + [4.0] * 3, "b": [2.0] * 40 + [1.0] * 3})
+        about = pairwise.independent(times.index).assign(base=["one"] * 40 + ["x", "y", "z"],
+                                                         weight=[1 / 40] * 40 + [1.0] * 3)
+        row = pair(pairwise.compare_pairs(times, about), "a", "b")
+        self.assertEqual((row["both"], row["bases"], row["ratio"]), (43, 4, 4.0))
+        self.assertAlmostEqual(row["share_1"], 1 / 4)
+        self.assertAlmostEqual(row["sign_p"], 10 / 16)  # one against three
+        blind = pair(pairwise.compare_pairs(times), "a", "b")
+        self.assertEqual(blind["verdict"], pairwise.A_FASTER)
+        self.assertEqual(row["verdict"], pairwise.NO_DIFFERENCE)
+
+    def test_the_same_solver_on_many_variants_is_no_difference(self):
+        """Each base has a difference of its own, none on average, which all of its variants share."""
+        alarms = 0
+        for seed in range(SAME_SEEDS // 2):
+            rng = np.random.default_rng([13, seed])
+            bases = np.repeat(np.arange(20), 8)
+            times = pd.DataFrame({"a": np.exp(rng.normal(0, 1, 160))})
+            times["b"] = times["a"] * np.exp(rng.normal(0, 0.3, 20)[bases] + rng.normal(0, 0.02, 160))
+            about = pairwise.independent(times.index).assign(base=bases.astype(str), weight=1 / 8)
+            alarms += pair(pairwise.compare_pairs(times, about), "a", "b")["verdict"] != pairwise.NO_DIFFERENCE
+        self.assertLessEqual(alarms / (SAME_SEEDS // 2), 0.06)
+
+
 class Holm(unittest.TestCase):
     def test_by_hand(self):
         np.testing.assert_allclose(holm([0.01, 0.04, 0.03, 0.005]), [0.03, 0.06, 0.06, 0.02])
@@ -123,8 +150,8 @@ class Truth(unittest.TestCase):
             alarms = self._claims(dict.fromkeys("abcdef", 1.0), SAME_SEEDS // 4, problems=40)
         self.assertLessEqual(sum(alarm > 0 for alarm in alarms) / len(alarms), 0.08)
 
-    def test_nor_where_the_noise_comes_in_rounds(self):
-        noise = Noise(repetition=0.02, round=0.05, rounds=3, repetitions=5)
+    def test_nor_where_the_noise_comes_in_passes(self):
+        noise = Noise(problem=0.02, level=0.05, passes=3)
         with mock.patch.object(pairwise, "MARGIN", 1.0):
             alarms = self._claims({"first": 1.0, "second": 1.0}, SAME_SEEDS // 2, noise=noise)
         self.assertLessEqual(sum(alarms) / len(alarms), 0.06)

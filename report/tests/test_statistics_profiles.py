@@ -13,6 +13,7 @@ import pandas as pd  # noqa: E402
 
 from lcpbench_report.statistics import means  # noqa: E402
 from lcpbench_report.statistics.coverage import coverage_table  # noqa: E402
+from lcpbench_report.statistics.intervals import share_interval  # noqa: E402
 from lcpbench_report.statistics.pairwise import pair_shares  # noqa: E402
 from lcpbench_report.statistics.profiles import TAUS, profile, profile_table  # noqa: E402
 from synthetic_campaign import TIME_LIMIT, cells_of  # noqa: E402
@@ -71,6 +72,11 @@ class Profiles(unittest.TestCase):
         last = table[table["tau"] == TAUS[-1]].set_index("solver")["share"]
         self.assertEqual(last.to_dict(), {"a": 0.5, "b": 0.5})
 
+    def test_variants_share_the_weight_of_their_base(self):
+        shares = profile(EXAMPLE, taus=[1, 3], weights=[1, 0.5, 0.5])
+        np.testing.assert_allclose(shares["a"], [2 / 4, 3 / 4])
+        np.testing.assert_allclose(shares["b"], [1 / 4, 1 / 4])
+
     def test_problems_that_do_not_count_do_not(self):
         self.assertTrue(profile_table(cells_of(EXAMPLE, counts=False)).empty)
 
@@ -79,12 +85,22 @@ class Means(unittest.TestCase):
     def test_the_formula_by_hand(self):
         self.assertAlmostEqual(means.shifted_geometric_mean([1.0, 7.0], 1.0), 3.0)  # sqrt(2 * 8) - 1
         self.assertAlmostEqual(means.shifted_geometric_mean([2.0, 8.0], 0.0), 4.0)
+        self.assertAlmostEqual(means.shifted_geometric_mean([2.0, 8.0, 8.0], 0.0, [1, 0.5, 0.5]), 4.0)
         self.assertTrue(math.isnan(means.shifted_geometric_mean([], 1.0)))
+
+    def test_the_shift_lies_below_the_smallest_median(self):
+        for size in (3e-8, 2e-7, 1e-3, 0.5):
+            cells = cells_of(size * pd.DataFrame({"a": [1.0, 2.0, INF], "b": [50.0, 60.0, 70.0]}))
+            shift = means.shift_of(cells)  # of a's median, 1.5
+            self.assertAlmostEqual(math.log10(shift), round(math.log10(shift)))
+            self.assertTrue(0.15 * size / 4 < shift < 0.15 * size * 4)
+        self.assertTrue(math.isnan(means.shift_of(cells_of(pd.DataFrame({"a": [INF]})))))
 
     def test_failures_enter_with_the_limit(self):
         table = means.mean_table(cells_of(EXAMPLE))
         rows = table[table["unit"] == "s"].set_index("solver")
-        shift = means.SHIFTS["s"]
+        shift = rows["shift"].iloc[0]
+        self.assertEqual(shift, 0.1)  # the medians of what is finite are 3.5 and 3
         for solver, times in {"a": (1.0, 6.0, TIME_LIMIT), "b": (4.0, 2.0, TIME_LIMIT)}.items():
             expected = math.prod(t + shift for t in times) ** (1 / 3) - shift
             self.assertAlmostEqual(rows.loc[solver, "mean"], expected)
@@ -92,11 +108,11 @@ class Means(unittest.TestCase):
         self.assertEqual(rows.loc["a", "over_best"], 1)
         self.assertGreater(rows.loc["b", "over_best"], 1)
 
-    def test_the_mean_lies_in_its_interval_between_smallest_and_largest(self):
-        for seed in range(20):
-            times = np.exp(np.random.default_rng(seed).normal(-5, 2, 40))
-            low, high = means.shifted_mean_interval(times, 1e-3)
-            self.assertTrue(times.min() < low < means.shifted_geometric_mean(times, 1e-3) < high < times.max())
+    def test_the_mean_lies_in_its_interval(self):
+        for seed in range(10):
+            times = np.exp(np.random.default_rng(seed).normal(-5, 2, (40, 1)))
+            row = means.mean_table(cells_of(pd.DataFrame(times, columns=["a"]))).iloc[0]
+            self.assertTrue(times.min() < row["mean_low"] < row["mean"] < row["mean_high"] < times.max())
 
     def test_oracle_units_leave_out_problems_without_an_oracle(self):
         cells = cells_of(EXAMPLE)
@@ -104,7 +120,8 @@ class Means(unittest.TestCase):
         rows = means.mean_table(cells)
         rows = rows[rows["unit"] == "oracle"].set_index("solver")
         self.assertEqual(set(rows["problems"]), {2})
-        shift = means.SHIFTS["oracle"]
+        shift = rows["shift"].iloc[0]
+        self.assertEqual(shift, 100)  # in these units a takes 1000
         expected = math.sqrt((1.0 / 1e-3 + shift) * (TIME_LIMIT / 1e-3 + shift)) - shift
         self.assertAlmostEqual(rows.loc["a", "mean"], expected)
 
@@ -124,9 +141,28 @@ class Coverage(unittest.TestCase):
         self.assertEqual(table["at_floor"].sum(), 5)
         self.assertEqual(table["verified"].sum(), cells["passes"].sum())
 
+    def test_wrong_claims_of_who_was_not_asked_are_a_figure_of_their_own(self):
+        cells = cells_of(pd.DataFrame({"asked": [1.0, 1.0, INF, INF], "default": [1.0, INF, INF, INF]}))
+        wrong = ~cells["passes"]
+        cells.loc[wrong, "false_success"] = True
+        cells["asked"] = cells["solver"] == "asked"
+        cells.loc[wrong, "verdict"] = np.where(cells["asked"][wrong], "false success", "below the tier")
+        table = coverage_table(cells).set_index("solver")
+        self.assertEqual(list(table["false_successes"]), [2, 0])
+        self.assertEqual(list(table["below_tier"]), [0, 3])
+        self.assertEqual(list(table["false_share"]), [0.5, 0])
+        self.assertEqual(list(table["below_tier_share"]), [0, 0.75])
+        self.assertEqual(list(table["false_of_claims"]), [0.5, 0.75])
+
+    def test_shares_are_of_the_weight_and_bases_are_what_is_observed(self):
+        cells = cells_of(pd.DataFrame({"a": [1.0, 1.0, INF]})).assign(weight=[0.5, 0.5, 1.0])
+        row = coverage_table(cells).iloc[0]
+        self.assertEqual((row["verified"], row["problems"], row["verified_share"]), (2, 3, 0.5))
+        self.assertEqual((row["verified_share_low"], row["verified_share_high"]), share_interval(0.5, 2))
+
     def test_shares_lie_in_their_intervals(self):
         table = coverage_table(cells_of(random_times(7)))
-        for share in ("verified_share", "verified_of_attempted", "false_share", "false_of_claims"):
+        for share in ("verified_share", "verified_of_attempted", "false_share", "false_of_claims", "attempted_share"):
             self.assertTrue((table[f"{share}_low"] <= table[share]).all())
             self.assertTrue((table[share] <= table[f"{share}_high"]).all())
         self.assertTrue((table["false_share_high"] > 0).all())  # none seen is not none

@@ -20,7 +20,7 @@ from lcpbench_report.statistics import accuracy, means, precision, scaling  # no
 from lcpbench_report.statistics.cells import cell_table  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
 from lcpbench_report.statistics.tables import FOLDER, TABLES  # noqa: E402
-from synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, SIZES, TIERS, exclude, fail,  # noqa: E402
+from synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, PARTS, SIZES, TIERS, exclude, fail,  # noqa: E402
                                 write_campaign)
 
 FACTORS = {"quick": 1.0, "same": 1.0, "slow": 1.1, "liar": 2.0, "limited": 3.0}
@@ -60,24 +60,24 @@ class Tables(unittest.TestCase):
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
         for name, table in self.tables.items():
-            self.assertFalse(table.empty, name)
+            self.assertEqual(table.empty, name == "ablation", name)
 
     def test_a_cell_is_a_row(self):
         cells = self.tables["cells"]
         self.assertEqual(len(cells), (COUNTED + 1) * len(FACTORS) * len(TIERS))
-        self.assertFalse(cells.duplicated(["problem", "solver", "tier", "mode"]).any())
-        run = cells[cells["verdict"] != "excluded"]
-        self.assertEqual(set(run["repetitions"]), {10})  # of two rounds
-        ordered = run[["solve_min", "solve_p25", "solve_median", "solve_p75", "solve_p90", "solve_p99", "solve_max"]]
+        self.assertFalse(cells.duplicated(["problem", "solver", "tier"]).any())
+        run = cells[cells["verdict"] == "verified"]
+        self.assertEqual(set(run["timed"]), {5})
+        ordered = run[["fresh_min", "fresh_s", "fresh_high"]]
         self.assertTrue((ordered.diff(axis=1).iloc[:, 1:] >= 0).all().all())
-        self.assertTrue((run["solve_low"] <= run["solve_median"]).all())
-        self.assertTrue((run["solve_median"] <= run["solve_high"]).all())
-        self.assertEqual(set(run["setup_s"]), {2e-6})
+        self.assertTrue((run["fresh_low"] <= run["fresh_s"]).all())
+        np.testing.assert_allclose(run["prepare_s"] / run["problem_s"], PARTS["prepare_s"] / PARTS["problem_s"])
+        self.assertTrue((run["again_s"] < run["fresh_s"]).all())
 
     def test_only_what_is_verified_has_a_time(self):
         cells = self.tables["cells"]
         verified = cells["verdict"] == "verified"
-        self.assertTrue((cells.loc[verified, "time_s"] == cells.loc[verified, "solve_median"]).all())
+        self.assertTrue((cells.loc[verified, "time_s"] == cells.loc[verified, "fresh_s"]).all())
         self.assertTrue(np.isinf(cells.loc[~verified, "time_s"]).all())
         self.assertEqual(set(cells["verdict"]), {"verified", "false success", "failed:time_limit", "excluded"})
 
@@ -157,6 +157,72 @@ class Tables(unittest.TestCase):
             self.assertEqual(path.read_bytes(), before[path.name], path.name)
 
 
+class Verdicts(unittest.TestCase):
+    """From lines to the verdict and the time that counts, one thing at a time."""
+
+    def cells(self, change=lambda record: record, edit=lambda line: line, **arguments) -> pd.DataFrame:
+        with tempfile.TemporaryDirectory() as name:
+            folder = write_campaign(Path(name), {"a": 1.0}, tiers=TIERS[:1], copies=2, change=change, **arguments)
+            path = folder / "streams.jsonl"
+            lines = [edit(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+            path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
+            return cell_table(load_campaign(folder)).set_index("problem")
+
+    def test_the_time_is_the_median_of_the_passes_that_were_not_disturbed(self):
+        times = [5e-3, 1e-3, 3e-3, 2e-3, 9e-3]
+        found = self.cells(lambda r: r | {"fresh_s": times, "disturbed": [4]})
+        self.assertEqual(set(found["time_s"]), {2.5e-3})
+        self.assertEqual(set(found["fresh_min"]), {1e-3})
+        self.assertEqual((set(found["timed"]), set(found["disturbed"])), ({5}, {1}))
+        found = self.cells(lambda r: r | {"fresh_s": times, "disturbed": range(5)})
+        self.assertEqual(set(found["time_s"]), {3e-3})  # there are no others
+
+    def test_a_pass_without_a_time_is_none(self):
+        found = self.cells(lambda r: r | {"fresh_s": [None, 4e-3, None, 2e-3]})
+        self.assertEqual((set(found["time_s"]), set(found["timed"])), ({3e-3}, {2}))
+
+    def test_verified_and_not_timed_has_the_time_of_the_solve_that_was_judged(self):
+        found = self.cells(lambda r: r | {"fresh_s": [None] * 5, "first_s": 7e-3})
+        self.assertTrue(found["fresh_s"].isna().all())
+        self.assertEqual(set(found["time_s"]), {7e-3})
+
+    def test_what_had_no_turn_is_excluded_by_the_budget(self):
+        def edit(line):
+            if line["kind"] != "judge" or line["size_class"] != "31-100":
+                return line
+            arrays = {key: value[:3] for key, value in line.items() if isinstance(value, list)}
+            return line | arrays | {"attempted": 3}
+        found = self.cells(edit=edit)
+        self.assertEqual(dict(found["excluded"].value_counts())["task budget"], 6)  # eight and the engine's problem
+        self.assertTrue(np.isinf(found.loc[found["excluded"] == "task budget", "time_s"]).all())
+
+    def test_a_rule_may_exclude_one_problem_of_a_task(self):
+        def edit(line):
+            out = {"at": 1, "claim": "excluded", "passes": False, "reason": "out of time at 1e-3"}
+            return line | {"exceptions": [out]} if line["kind"] == "judge" and line["size_class"] == "7-12" else line
+        row = self.cells(edit=edit).loc["piles-10-1"]
+        self.assertEqual((row["verdict"], row["excluded"], row["claim"]), ("excluded", "out of time at 1e-3", ""))
+
+    def test_an_answer_that_changed_and_is_wrong_in_a_timed_pass_has_failed(self):
+        def edit(line):
+            return line | {"failed": [1]} if line["kind"] == "fresh" and line["pass"] == 2 else line
+        row = self.cells(edit=edit).loc["piles-10-1"]
+        self.assertEqual((row["verdict"], row["passes"], row["claim"]), ("failed:changed", False, "solved"))
+        self.assertTrue(np.isinf(row["time_s"]))
+
+    def test_another_b_that_is_not_solved_takes_for_ever(self):
+        found = self.cells(edit=lambda line: line | {"failed": [0]} if line["kind"] == "again" else line)
+        self.assertTrue(np.isinf(found.loc["piles-10-0", "again_s"]))
+        self.assertEqual(found.loc["piles-10-0", "verdict"], "verified")
+
+    def test_who_was_not_asked_for_the_tier_answers_below_it(self):
+        found = self.cells(lambda r: fail(r, "solved"), solvers={"a": {"tolerance": "default"}})
+        self.assertEqual(set(found["verdict"]), {"below the tier"})
+        self.assertEqual((set(found["asked"]), set(found["false_success"])), ({False}, {True}))
+        found = self.cells(lambda r: fail(r, "solved"), solvers={"a": {"tolerance": "direct"}})
+        self.assertEqual((set(found["asked"]), set(found["verdict"])), ({True}, {"false success"}))
+
+
 class Exponents(unittest.TestCase):
     def test_the_interval_holds_the_true_exponent(self):
         rows, held, robust, seeds = np.repeat(SIZES, 3), 0, 0, 300
@@ -175,92 +241,109 @@ class Files(unittest.TestCase):
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        self.folder = write_campaign(Path(folder.name), {"a": 1.0, "b": 2.0}, tiers=TIERS[:1], copies=1)
+        self.folder = Path(folder.name)
+        self._write()
 
     def test_a_torn_last_line_is_passed_over_with_a_note(self):
         whole = cell_table(load_campaign(self.folder))
-        cells = self.folder / "cells.jsonl"
-        text = cells.read_bytes()
+        streams = self.folder / "streams.jsonl"
+        text = streams.read_bytes()
         last = text.rstrip(b"\n").rsplit(b"\n", 1)[1]
         for cut in (1, len(last) // 2, len(last) - 1):
-            cells.write_bytes(text + last[:cut])
+            streams.write_bytes(text + last[:cut])
             campaign = load_campaign(self.folder)
             self.assertEqual(len(campaign.notes), 1)
-            self.assertIn(f"cells.jsonl:{text.count(10) + 1}:", campaign.notes[0])
+            self.assertIn(f"streams.jsonl:{text.count(10) + 1}:", campaign.notes[0])
             pd.testing.assert_frame_equal(cell_table(campaign), whole)
-        status, error = _run(self.folder)
-        self.assertEqual((status, error.count("\n")), (0, 1))
 
     def test_a_last_line_that_only_lacks_its_break_counts(self):
-        cells = self.folder / "cells.jsonl"
+        streams = self.folder / "streams.jsonl"
         whole = cell_table(load_campaign(self.folder))
-        cells.write_bytes(cells.read_bytes().rstrip(b"\n"))
+        streams.write_bytes(streams.read_bytes().rstrip(b"\n"))
         campaign = load_campaign(self.folder)
         self.assertEqual(campaign.notes, [])
         pd.testing.assert_frame_equal(cell_table(campaign), whole)
 
+    def test_lines_may_come_in_any_order(self):
+        whole = cell_table(load_campaign(self.folder))
+        self._set_lines(self._lines("streams.jsonl")[::-1])
+        again = cell_table(load_campaign(self.folder))
+        key = ["problem", "solver"]
+        pd.testing.assert_frame_equal(again.sort_values(key, ignore_index=True), whole.sort_values(key, ignore_index=True))
+
     def test_anything_else_that_is_not_json_is_refused(self):
-        self._edit_line("cells.jsonl", 2, lambda line: line[:-9])
-        self._expect_refused("cells.jsonl:3")
-        self._edit_line("cells.jsonl", 2, lambda line: '{"tier": NaN}')
-        self._expect_refused("cells.jsonl:3", "NaN")
-        self._edit_line("cells.jsonl", 2, lambda line: "[1, 2]")
-        self._expect_refused("cells.jsonl:3", "an object")
+        for edit, word in ((lambda line: line[:-9], ""), (lambda line: '{"tier": NaN}', "NaN"),
+                           (lambda line: "[1, 2]", "an object")):
+            self._write()
+            self._edit_line("streams.jsonl", 2, edit)
+            self._expect_refused("streams.jsonl:3", word)
 
-    def test_what_is_not_known_is_refused(self):
-        for key, value in (("problem", "elsewhere"), ("solver", "nobody"), ("solver", "absent"), ("tier", 1e-4),
-                           ("mode", "lukewarm"), ("round", -1), ("round", 0.5)):
-            with self.subTest(key=key, value=value):
-                self._with_cell(**{key: value})
-                self._expect_refused("cells.jsonl:1", key)
-
-    def test_values_that_do_not_fit_are_refused(self):
-        for key, value in (("passes", 1), ("passes", "true"), ("solve_s", []), ("solve_s", [1e-3, 0.0]),
-                           ("solve_s", [-1e-3]), ("solve_s", 1e-3), ("metrics", {"rho": "small"}), ("time_limit_s", 0),
-                           ("claim", None), ("excluded", None)):
-            with self.subTest(key=key, value=value):
-                self._with_cell(**{key: value})
-                self._expect_refused("cells.jsonl:1")
+    def test_what_does_not_fit_is_refused_with_its_line_and_key(self):
+        for index, key, value in (
+                (0, "solver", "nobody"), (0, "solver", "absent"), (0, "size_class", "2-4"), (0, "tier", 1e-4),
+                (0, "kind", "warm"), (0, "pass", 1), (1, "pass", 0), (0, "pass", 0.5), (0, "count", 9), (0, "first", 1),
+                (0, "attempted", 3), (0, "excluded", None), (0, "rho", [1.0]), (0, "rho", [1.0, "x"]),
+                (0, "rho", [1.0, True]), (0, "rho", [1.0, 1e999]), (0, "rho", [1.0, -1.0]), (0, "first_s", [0.0, 1.0]),
+                (0, "first_s", [None, 1.0]), (0, "exceptions", None), (0, "exceptions", [{"at": 2}]),
+                (0, "exceptions", [{"at": 0}]), (0, "peak_bytes", "much"), (1, "fresh_s", [0.0, 1.0]),
+                (1, "fresh_s", [1.0]), (1, "failed", [2]), (1, "failed", [0, 0]), (1, "group", 0),
+                (1, "disturbance", {"disturbed": 1}), (6, "solve_s", [-1.0, 1.0]), (7, "again_s", None)):
+            with self.subTest(index=index, key=key, value=value):
+                self._write()
+                self._edit_line("streams.jsonl", index, lambda line: json.dumps(json.loads(line) | {key: value}))
+                self._expect_refused(f"streams.jsonl:{index + 1}", key if key != "tier" else "tier")
 
     def test_every_key_is_missed(self):
-        record = json.loads(self._lines("cells.jsonl")[0])
-        for key in set(record) - {"detail", "environment"}:
-            with self.subTest(key=key):
-                self._edit_line("cells.jsonl", 0, lambda line: json.dumps({k: record[k] for k in record if k != key}))
-                self._expect_refused("cells.jsonl:1", f"'{key}'")
-                self._edit_line("cells.jsonl", 0, lambda line: json.dumps(record))
+        for index in (0, 1, 6, 7):  # judge, fresh, parts, again
+            record = json.loads(self._lines("streams.jsonl")[index])
+            unread = {"excluded"} if index else set()
+            for key in set(record) - unread - ({"failed"} if index == 6 else set()):
+                with self.subTest(kind=record["kind"], key=key):
+                    self._edit_line("streams.jsonl", index,
+                                    lambda line: json.dumps({k: record[k] for k in record if k != key}))
+                    self._expect_refused(f"streams.jsonl:{index + 1}", f"'{key}'")
+                    self._edit_line("streams.jsonl", index, lambda line: json.dumps(record))
+
+    def test_problems_that_do_not_fit_are_refused(self):
+        record = json.loads(self._lines("problems.jsonl")[0])
+        for key, value in (("weight", 0), ("weight", None), ("base", ""), ("origin", "found"), ("fill", 1),
+                           ("size_class", "9"), ("rows", 13), ("reference", "good"), ("oracle_s", 0)):
+            with self.subTest(key=key, value=value):
+                self._edit_line("problems.jsonl", 0, lambda line: json.dumps(record | {key: value}))
+                self._expect_refused("problems.jsonl:1", key)
 
     def test_lines_that_say_the_same_thing_twice_are_refused(self):
-        for name, words in (("cells.jsonl", "round 0"), ("problems.jsonl", "twice")):
+        for name, index, words in (("streams.jsonl", 0, "judged twice"), ("streams.jsonl", 1, "pass 1"),
+                                   ("problems.jsonl", 0, "twice")):
             with self.subTest(name=name):
+                self._write()
                 lines = self._lines(name)
-                (self.folder / name).write_text("\n".join([*lines, lines[0]]) + "\n", encoding="utf-8")
+                (self.folder / name).write_text("\n".join([*lines, lines[index]]) + "\n", encoding="utf-8")
                 self._expect_refused(f"{name}:{len(lines) + 1}", words)
-                (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
-    def test_a_cell_without_a_first_round_is_refused(self):
-        lines = self._lines("cells.jsonl")
-        (self.folder / "cells.jsonl").write_text("\n".join(lines[1:]) + "\n", encoding="utf-8")
-        self._expect_refused("round 0")
+    def test_a_pass_of_a_task_that_is_not_judged_is_refused(self):
+        self._set_lines(self._lines("streams.jsonl")[1:])
+        self._expect_refused("streams.jsonl:1", "judge")
 
     def test_missing_files_and_other_schemas_are_refused(self):
         info = json.loads((self.folder / "campaign.json").read_text(encoding="utf-8"))
-        for text in (json.dumps(info | {"schema": "lcpbench-campaign/2"}), "{", "[]", "\x00"):
+        solver = info["solvers"][0]
+        for text, word in ((json.dumps(info | {"schema": "lcpbench-campaign/1"}), "schema"), ("{", ""), ("[]", ""),
+                           ("\x00", ""), (json.dumps(info | {"solvers": info["solvers"] * 2}), "'a'"),
+                           (json.dumps(info | {"solvers": [solver | {"tolerance": "own"}]}), "tolerance"),
+                           (json.dumps(info | {"solvers": [solver | {"ablation": "all"}]}), "ablation"),
+                           (json.dumps(info | {"solvers": [solver | {"ablation": "checked", "base": ""}]}), "base"),
+                           (json.dumps(info | {"size_classes": info["size_classes"] * 2}), "size class")):
             (self.folder / "campaign.json").write_text(text, encoding="utf-8")
-            self._expect_refused("campaign.json")
-        (self.folder / "campaign.json").write_text(json.dumps(info | {"solvers": info["solvers"] * 2}),
-                                                   encoding="utf-8")
-        self._expect_refused("'a'")
+            self._expect_refused("campaign.json", word)
         (self.folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
-        for name in ("cells.jsonl", "problems.jsonl", "campaign.json"):
+        for name in ("streams.jsonl", "problems.jsonl", "campaign.json"):
             (self.folder / name).unlink()
             self._expect_refused(name)
-        status, error = _run(self.folder / "nowhere")
-        self.assertEqual((status, error.count("\n")), (2, 1))
+        self.assertEqual(_run(self.folder / "nowhere")[0], 2)
 
     def test_where_nothing_is_verified_the_tables_are_there(self):
-        lines = [json.dumps(fail(json.loads(line))) for line in self._lines("cells.jsonl")]
-        (self.folder / "cells.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        self._write(change=fail)
         self._expect_headers()
         for name in ("scaling", "precision", "oracle"):
             self.assertTrue(pd.read_csv(self.folder / FOLDER / f"{name}.csv").empty, name)
@@ -268,37 +351,18 @@ class Files(unittest.TestCase):
         self.assertEqual(set(profiles["share"]), {0})
 
     def test_so_they_are_where_nothing_was_run(self):
-        excluded = [json.dumps(exclude(json.loads(line))) for line in self._lines("cells.jsonl")]
-        for lines in (excluded, []):
-            (self.folder / "cells.jsonl").write_text("".join(line + "\n" for line in lines), encoding="utf-8")
-            self._expect_headers()
+        self._write(change=exclude)
+        self._expect_headers()
+        self._set_lines([])
+        self._expect_headers()
 
     def test_excluded_cells_are_penalised_by_the_rule_for_the_limit(self):
-        lines = [json.dumps(exclude(json.loads(line))) for line in self._lines("cells.jsonl")]
-        (self.folder / "cells.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+        self._write(change=exclude)
         cells = cell_table(load_campaign(self.folder)).set_index("rows")["time_limit_s"]
         self.assertEqual(set(cells.loc[10]), {1.0})  # the least
         self.assertEqual(set(cells.loc[200]), {2.0})
         self.assertEqual(set(means.mean_table(cell_table(load_campaign(self.folder)))["penalised"]),
                          {len(FAMILIES) * len(SIZES)})
-
-    def test_a_round_with_another_verdict_lends_no_times(self):
-        record = json.loads(self._lines("cells.jsonl")[1])  # round 1 of the first cell
-        self.assertEqual(record["round"], 1)
-        self._edit_line("cells.jsonl", 1, lambda line: json.dumps(fail(record) | {"solve_s": [0.0] * 50}))
-        row = cell_table(load_campaign(self.folder)).iloc[0]
-        self.assertEqual((row["verdict"], row["rounds"], row["rounds_changed"], row["repetitions"]),
-                         ("verified", 2, 1, 5))
-        self.assertGreater(row["solve_min"], 0)
-
-    def test_warm_and_cold_are_never_mixed(self):
-        lines = self._lines("cells.jsonl")
-        warm = [json.dumps(json.loads(line) | {"mode": "warm", "solve_s": [1e-9] * 5}) for line in lines]
-        (self.folder / "cells.jsonl").write_text("\n".join(lines + warm) + "\n", encoding="utf-8")
-        table = means.mean_table(cell_table(load_campaign(self.folder)))
-        seconds = table[table["unit"] == "s"].set_index(["mode", "solver"])["mean"]
-        self.assertAlmostEqual(seconds["warm", "a"], 1e-9, delta=1e-12)
-        self.assertGreater(seconds["cold", "a"], 1e-6)
 
     def test_answers_against_bounded_references_are_apart(self):
         problem = json.loads(self._lines("problems.jsonl")[0]) | {"reference": "bounded"}
@@ -306,17 +370,17 @@ class Files(unittest.TestCase):
         table = accuracy.accuracy_table(cell_table(load_campaign(self.folder)))
         self.assertEqual(set(table.loc[table["reference"] == "bounded", "problems"]), {1})
 
-    def test_repetitions_of_a_cell_are_at_hand(self):
-        campaign = load_campaign(self.folder)
-        key = next(iter(campaign.cells))
-        self.assertEqual([len(times) for times in campaign.repetitions(*key)], [5, 5])
-        self.assertEqual(campaign.repetitions("elsewhere", "a", 1e-3), [])
-
     def test_a_solver_that_solves_nothing_strictly_keeps_its_looser_curves(self):
         cells = cell_table(load_campaign(write_campaign(self.folder, {"a": 1.0}, copies=1, change=lambda r: fail(r)
                                                         if r["tier"] == TIERS[1] else r)))
         table = precision.precision_table(cells)
         self.assertEqual(set(table["strictest"]), {TIERS[0]})
+
+    def _write(self, **arguments) -> None:
+        write_campaign(self.folder, {"a": 1.0, "b": 2.0}, tiers=TIERS[:1], copies=1, **arguments)
+
+    def _set_lines(self, lines: list[str]) -> None:
+        (self.folder / "streams.jsonl").write_text("".join(line + "\n" for line in lines), encoding="utf-8")
 
     def _lines(self, name: str) -> list[str]:
         return (self.folder / name).read_text(encoding="utf-8").splitlines()
@@ -325,12 +389,6 @@ class Files(unittest.TestCase):
         lines = self._lines(name)
         lines[index] = edit(lines[index])
         (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-    def _with_cell(self, **values) -> None:
-        """Changes the first cell from what it was in the beginning."""
-        if not hasattr(self, "_first"):
-            self._first = json.loads(self._lines("cells.jsonl")[0])
-        self._edit_line("cells.jsonl", 0, lambda line: json.dumps(self._first | values))
 
     def _expect_refused(self, *words: str) -> None:
         status, error = _run(self.folder)

@@ -139,6 +139,7 @@ def _features(path: Path) -> pd.DataFrame:
 
 def _outcomes(cells: pd.DataFrame) -> pd.DataFrame:
     found = cells[["problem", "family", "weight", "rows", "solver", "tier"]].copy()
+    found["weight"] = found["weight"].astype(float)
     found["verified"] = cells.passes.astype(bool)
     found["false_success"] = cells.false_success.astype(bool)
     found["excluded"] = cells.excluded.notna() & (cells.excluded != "")

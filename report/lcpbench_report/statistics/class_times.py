@@ -1,7 +1,9 @@
 """What a user pays, by size class: every solver's fresh time, how much it solves, and who is as good as the best.
 
-Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. In a class two solvers
-are *tied* where their intervals overlap (intervals.Bootstrap: families, then bases).
+Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. In a class a solver is
+*tied* with the best where their intervals overlap (intervals.Bootstrap: families, then bases). Problems of a class take
+very different times, so that intervals are wide; `over_best`, the median over problems of its time over the best's, is
+the sharper figure: what is common to both cancels.
 """
 
 import math
@@ -21,22 +23,24 @@ ALL = "all"  # the value of `size_class` for all problems
 LEAST_FOR_P99 = 1000  # problems of a class
 _SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted")
            for end in ("", "_low", "_high")]
+_OVER_BEST = ["over_best", "over_best_low", "over_best_high"]
 _MEDIANS = ["again_s", "first_s", *PART_TIMES]
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "attempted", "verified", "false_successes",
-           "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS, "tied"]
+           "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS, "tied", *_OVER_BEST]
 
 
 def class_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group, size class (and `all`) and solver; problems that count only. `p99_s` and the medians of the second
-    measure (`again_s`), of the solve that was judged and of the parts are of verified answers that were timed. `tied`:
-    with the best of all solvers that were asked."""
+    measure (`again_s`), of the solve that was judged and of the parts are of verified answers that were timed. `tied` and
+    `over_best`: with the best of all solvers that were asked."""
     tables = []
     for label, of_class in classes(cells):
         bootstrap = Bootstrap(of_class)
         rows = [label | {"solver": solver} | _row(own, bootstrap)
                 for solver, own in of_class.groupby("solver", sort=False)]
         table = pd.DataFrame(rows)
-        tables.append(table.assign(tied=tied(table[table["asked"]]).reindex(table.index, fill_value=False)))
+        table["tied"] = tied(table[table["asked"]]).reindex(table.index, fill_value=False)
+        tables.append(table.join(_over_best(table, of_class, bootstrap)))
     return pd.concat(tables, ignore_index=True)[COLUMNS] if tables else pd.DataFrame(columns=COLUMNS)
 
 
@@ -66,6 +70,22 @@ def p99(cells: pd.DataFrame) -> float:
         return math.nan
     timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
     return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
+
+
+def _over_best(rows: pd.DataFrame, cells: pd.DataFrame, bootstrap: Bootstrap) -> pd.DataFrame:
+    """On the problems that the best one solves; a failure is infinitely slower."""
+    finite = rows[rows["asked"] & np.isfinite(rows["median_s"])]
+    if finite.empty:
+        return pd.DataFrame(math.nan, rows.index, _OVER_BEST)
+    best = cells[cells["solver"] == finite.loc[finite["median_s"].idxmin(), "solver"]].set_index("problem")["time_s"]
+    best = best[np.isfinite(best)]
+    found = []
+    for solver in rows["solver"]:
+        own = cells[(cells["solver"] == solver) & cells["problem"].isin(best.index)]
+        ratios = own["time_s"].to_numpy() / best[own["problem"]].to_numpy()
+        found.append([weighted_median(ratios, own["weight"]),
+                      *bootstrap.median(own["problem"], ratios, own["weight"])])
+    return pd.DataFrame(found, rows.index, _OVER_BEST)
 
 
 def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:

@@ -83,7 +83,8 @@ class Bootstrap:
                 self._base_of.loc[np.asarray(problems)].to_numpy())
 
     def _sums(self, bases: np.ndarray, values: np.ndarray) -> np.ndarray:
-        return np.bincount(bases, values, len(self._drawn)).astype(np.float32) @ self._drawn
+        # Not by BLAS, whose threads wait for each other longer than this takes.
+        return np.einsum("b,br->r", np.bincount(bases, values, len(self._drawn)).astype(np.float32), self._drawn)
 
     def _medians(self, values: np.ndarray, weights: np.ndarray, bases: np.ndarray) -> np.ndarray:
         """Of every resample; the values are sorted. Of many values those in the middle are looked at: what lies beyond
@@ -117,7 +118,7 @@ def share_interval(share: float, weight: float) -> tuple[float, float]:
         return math.nan, math.nan
     z, reach = _Z, _Z * math.sqrt(share * (1 - share) / weight + (_Z / (2 * weight)) ** 2)
     centre, size = share + z * z / (2 * weight), 1 + z * z / weight
-    return max((centre - reach) / size, 0.0), min((centre + reach) / size, 1.0)
+    return (centre - reach) / size if share > 0 else 0.0, (centre + reach) / size if share < 1 else 1.0
 
 
 def _draw(families: np.ndarray) -> np.ndarray:

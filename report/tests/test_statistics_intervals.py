@@ -1,0 +1,155 @@
+"""Weights and intervals: of medians of clustered problems, of a cell's time, of shares."""
+
+import math
+import sys
+import unittest
+import unittest.mock
+from pathlib import Path
+
+_REPORT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
+
+import numpy as np  # noqa: E402
+import pandas as pd  # noqa: E402
+
+from lcpbench_report.statistics import intervals  # noqa: E402
+from lcpbench_report.statistics.cells import median_of_passes, time_interval  # noqa: E402
+from lcpbench_report.statistics.intervals import Bootstrap, share_interval  # noqa: E402
+from lcpbench_report.statistics.weighted import quantiles, weighted_median, weighted_quantile  # noqa: E402
+
+INF, NAN = math.inf, math.nan
+
+
+def problems_of(families: list[int], bases: list[int]) -> pd.DataFrame:
+    return pd.DataFrame({"problem": range(len(families)), "family": families, "base": bases})
+
+
+class Weights(unittest.TestCase):
+    def test_equal_weights_give_the_usual_median(self):
+        for count in (1, 2, 5, 30, 31):
+            values = np.random.default_rng(count).normal(size=count)
+            self.assertAlmostEqual(weighted_median(values, np.full(count, 1 / 3)), np.median(values))
+
+    def test_k_variants_of_a_base_weigh_what_one_does(self):
+        self.assertEqual(weighted_median([1, 2, 9, 9, 9, 9], [1, 1, 0.25, 0.25, 0.25, 0.25]), 2)
+        self.assertEqual(weighted_median([1, 9, 9, 9, 9], [1, 0.25, 0.25, 0.25, 0.25]), 5)  # exactly half on each side
+
+    def test_failures_are_infinite_and_not_left_out(self):
+        self.assertEqual(weighted_median([1, 2, INF], [1, 1, 1]), 2)
+        self.assertEqual(weighted_median([1, INF], [1, 1]), INF)
+        self.assertEqual(weighted_median([1, INF], [1.01, 1]), 1)
+
+    def test_quantiles_by_hand(self):
+        found = quantiles([5.0, 1.0, NAN, 3.0, 2.0, 4.0])
+        self.assertEqual([found[k] for k in ("min", "p25", "median", "p75", "max")], [1, 2, 3, 4, 5])
+        self.assertEqual(weighted_quantile(range(1, 1001), np.ones(1000), 0.99), 990.5)
+        self.assertEqual(quantiles([1, 2, 3], weights=[1, 1, 8])["p25"], 3)
+        self.assertTrue(all(map(math.isnan, quantiles([NAN]).values())))
+
+
+class Clusters(unittest.TestCase):
+    def test_the_interval_holds_the_median_where_families_differ(self):
+        """Ten families of fifteen bases, of which some have four variants: to take problems for independent ones would
+        give intervals that are far too short."""
+        held = naive = 0
+        runs = 150
+        for seed in range(runs):
+            rng = np.random.default_rng([40, seed])
+            families, bases, values, weights = [], [], [], []
+            for family in range(10):
+                level = rng.normal(0, 1)
+                for base in range(15):
+                    variants = 4 if base % 3 == 0 else 1
+                    value = level + rng.normal(0, 1)
+                    families += [family] * variants
+                    bases += [base] * variants
+                    values += list(value + rng.normal(0, 0.1, variants))
+                    weights += [1 / variants] * variants
+            for clustered in (True, False):
+                about = problems_of(families, bases) if clustered else problems_of([0] * len(values),
+                                                                                  list(range(len(values))))
+                low, high = Bootstrap(about).median(range(len(values)), values, weights)
+                held += clustered and low <= 0 <= high
+                naive += not clustered and low <= 0 <= high
+        self.assertTrue(0.86 <= held / runs <= 0.99, held / runs)  # ten families are few
+        self.assertLess(naive / runs, 0.7)
+
+    def test_so_it_does_where_they_do_not(self):
+        runs = 200
+        for families in (1, 8):
+            held = 0
+            for seed in range(runs):
+                values = np.random.default_rng([41, seed]).normal(0, 1, 96)
+                about = problems_of([k % families for k in range(96)], list(range(96)))
+                low, high = Bootstrap(about).median(range(96), values, np.ones(96))
+                held += low <= 0 <= high
+            # Two stages draw what differs within families twice: never too short.
+            self.assertGreaterEqual(held / runs, 0.91, families)
+            self.assertLessEqual(held / runs, 1.0)
+
+    def test_what_only_the_middle_is_looked_at_for_is_the_same(self):
+        rng = np.random.default_rng(7)
+        about = problems_of([k % 7 for k in range(700)], [k // 14 for k in range(700)])
+        values, weights = np.exp(rng.normal(0, 2, 700)), rng.choice([0.25, 1.0], 700)
+        quick = Bootstrap(about).median(range(700), values, weights)
+        with unittest.mock.patch.object(intervals, "_MANY", 10**9):
+            self.assertEqual(Bootstrap(about).median(range(700), values, weights), quick)
+
+    def test_the_mean_has_the_interval_of_its_standard_error(self):
+        values = np.random.default_rng(8).normal(3, 1, 400)
+        low, high = Bootstrap(problems_of([0] * 400, list(range(400)))).mean(range(400), values, np.ones(400))
+        self.assertAlmostEqual((high - low) / 2, 1.96 * values.std() / 20, delta=0.02)
+        self.assertAlmostEqual((high + low) / 2, values.mean(), delta=0.02)
+
+    def test_drawn_together_what_is_common_cancels(self):
+        values = np.random.default_rng(9).normal(0, 3, 50)
+        low, high = Bootstrap(problems_of([0] * 50, list(range(50)))).ratio_of_means(
+            range(50), values + math.log(0.8), values, np.ones(50), np.exp)
+        self.assertAlmostEqual(low, 0.8, delta=1e-4)
+        self.assertAlmostEqual(high, 0.8, delta=1e-4)
+
+    def test_it_is_the_same_every_time_and_one_base_has_none(self):
+        about = problems_of([0, 0, 1], [0, 1, 0])
+        self.assertEqual(Bootstrap(about).median([0, 1, 2], [1.0, 2.0, 3.0], [1, 1, 1]),
+                         Bootstrap(about).median([0, 1, 2], [1.0, 2.0, 3.0], [1, 1, 1]))
+        self.assertEqual(Bootstrap(about).median([0, 2], [2.0, 2.0], [1, 1]), (2.0, 2.0))
+        self.assertTrue(all(map(math.isnan, Bootstrap(about).median([0], [1.0], [1]))))
+        same = problems_of([0, 0], [5, 5])
+        self.assertTrue(all(map(math.isnan, Bootstrap(same).median([0, 1], [1.0, 2.0], [1, 1]))))
+
+
+class Shares(unittest.TestCase):
+    def test_a_share_of_nothing_is_unknown_and_none_of_many_is_not_none(self):
+        self.assertTrue(all(map(math.isnan, share_interval(NAN, 0))))
+        low, high = share_interval(0, 100)
+        self.assertEqual(low, 0)
+        self.assertAlmostEqual(high, 1.96**2 / (100 + 1.96**2), places=4)  # Wilson's bound where none was seen
+
+    def test_it_is_wilsons(self):
+        low, high = share_interval(0.3, 50)
+        self.assertAlmostEqual(low, 0.1910, places=3)
+        self.assertAlmostEqual(high, 0.4375, places=3)
+
+
+class Passes(unittest.TestCase):
+    def test_the_median_is_of_what_is_there(self):
+        times = np.array([[1, NAN, 4, 1], [3, NAN, NAN, 2], [2, NAN, 6, NAN]])
+        np.testing.assert_array_equal(median_of_passes(times), [2, NAN, 5, 1.5])
+        self.assertTrue(np.isnan(median_of_passes(np.empty((0, 3)))).all())
+
+    def test_the_interval_of_a_time_holds_it(self):
+        times = np.exp(np.random.default_rng(11).normal(0, 0.05, (5, 3000)))
+        low, high = time_interval(times)
+        held = float(((low <= 1) & (1 <= high)).mean())
+        self.assertTrue(0.94 <= held <= 0.975, held)
+        median = median_of_passes(times)
+        self.assertTrue(((low <= median) & (median <= high)).all())
+
+    def test_two_passes_are_too_few_for_more_than_their_ends(self):
+        low, high = time_interval(np.array([[2.0, NAN, NAN], [1.0, 3.0, NAN], [NAN, NAN, NAN]]))
+        np.testing.assert_array_equal(low, [1, 3, NAN])
+        np.testing.assert_array_equal(high, [2, 3, NAN])
+
+
+if __name__ == "__main__":
+    unittest.main()
