@@ -2,8 +2,10 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <numeric>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "benchmarks/allocation_count.h"
@@ -155,6 +157,22 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const std::function<void
   return reply;
 }
 
+const std::vector<bool>& TaskRunner::Passes(const Problem& given, const Eigen::VectorXd& f,
+                                            const std::vector<double>& judged) {
+  const auto bytes = [](const double* values, std::size_t count) {
+    return std::string_view(reinterpret_cast<const char*>(values), count * sizeof(double));
+  };
+  std::string key = given.id;
+  key += bytes(judged.data(), judged.size());
+  key += bytes(f.data(), static_cast<std::size_t>(f.size()));
+  std::vector<bool>& passes = judged_[std::hash<std::string>()(key)];
+  if (passes.empty()) {
+    const Metrics metrics = ComputeMetrics(given.problem, f, &given.reference);
+    for (const double tier : judged) passes.push_back(PassesTier(metrics, tier));
+  }
+  return passes;
+}
+
 PassReply TaskRunner::RunOwnOrForeign(const TimedRequest& request, const std::function<void()>& begin) {
   const SolverEntry& entry = FindSolver(request.solver);
   if (entry.origin == SolverOrigin::kOwn) {
@@ -223,11 +241,15 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void
       reply.solve_s[place] = entry.solve_s;
     }
     const Problem& given = problem(place);
-    const bool again = request.pass.kind == PassKind::kAgain;
-    const Metrics metrics = again ? ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), entry.f)
-                                  : ComputeMetrics(given.problem, entry.f, &given.reference);
-    for (std::size_t tier = 0; tier < request.judged.size(); ++tier) {
-      if (!PassesTier(metrics, request.judged[tier])) reply.failed[tier].push_back(place);
+    std::vector<bool> passes;
+    if (request.pass.kind == PassKind::kAgain) {
+      const Metrics metrics = ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), entry.f);
+      for (const double tier : request.judged) passes.push_back(PassesTier(metrics, tier));
+    } else {
+      passes = Passes(given, entry.f, request.judged);
+    }
+    for (std::size_t tier = 0; tier < passes.size(); ++tier) {
+      if (!passes[tier]) reply.failed[tier].push_back(place);
     }
   }
   return reply;

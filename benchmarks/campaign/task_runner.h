@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "benchmarks/campaign/task_messages.h"
@@ -32,11 +33,15 @@ class TaskRunner {
   struct Problem;
   const Problem& Get(const ProblemName& name);
   Set& Load(const std::string& manifest);
+  // By tier of `judged`, whether f is verified. An answer that was judged before is known by a hash of its bits: a
+  // solver that gives the same bits in every pass is judged once.
+  const std::vector<bool>& Passes(const Problem& given, const Eigen::VectorXd& f, const std::vector<double>& judged);
   PassReply RunOwnOrForeign(const TimedRequest& request, const std::function<void()>& begin);
 
   std::map<std::string, std::unique_ptr<Set>> sets_;
   std::map<std::string, std::unique_ptr<Problem>> kept_;  // of streams, by id
   std::unique_ptr<Problem> large_;                        // the last one that is too large to be kept
+  std::unordered_map<std::size_t, std::vector<bool>> judged_;
   SolverPool pool_;
   // The stream that arrays_ hold, by its names joined, and the one that a worker of another process was given last.
   std::string stream_;
