@@ -30,9 +30,8 @@ void AddServeCommand(CLI::App& app, CommandRun& run) {
       "serve", "Serves a solver of this build on standard input and output, for --external of another build");
   serve->add_option("KEY", *solver, "Solver key (lcpbench list solvers)")->required();
   serve->add_option("NAME=VALUE", *settings, "Options of the solver itself");
-  serve->callback([solver, settings, &run] {
-    run = [solver, settings] { return Serve(*solver, ParseSettings(*settings)); };
-  });
+  serve->callback(
+      [solver, settings, &run] { run = [solver, settings] { return Serve(*solver, ParseSettings(*settings)); }; });
 }
 
 }  // namespace lcpbench
