@@ -17,23 +17,22 @@ import numpy as np  # noqa: E402
 import compare  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics import changes, pairwise  # noqa: E402
-from lcpbench_report.statistics import compare as single_cells  # noqa: E402
 from lcpbench_report.statistics.holm import holm  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, write_campaign  # noqa: E402
+from synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, slower, write_campaign  # noqa: E402
 
 FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
-# Rounds have levels of their own, as on real machines.
-NOISE = Noise(repetition=0.02, round=0.02, rounds=3, repetitions=5)
-SAME_SEEDS, SLOWER_SEEDS = 40, 16
+# Passes have levels of their own, as on real machines.
+NOISE = Noise(problem=0.02, level=0.02, passes=3)
+SAME_SEEDS, SLOWER_SEEDS = 20, 8
 TIER = TIERS[1]
+CLASSES = 5  # of the problems that count
 VICTIM = "piles-50-0"  # a problem
 
 
 def _slower(factor: float, chosen=lambda record: True):
     """What makes the chosen cells take `factor` times as long."""
-    return lambda record: record | {"solve_s": [factor * time for time in record["solve_s"]]} \
-        if chosen(record) else record
+    return lambda record: slower(record, factor) if chosen(record) else record
 
 
 def _only(solver: str, problem: str, change):
@@ -47,38 +46,57 @@ class Truth(unittest.TestCase):
     def test_two_runs_of_one_binary_are_silent(self):
         found = self._many(SAME_SEEDS, copies=2)
         self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 1)
-        self.assertLessEqual(sum(len(c.single) > 0 for c in found), 3)
 
     def test_so_they_are_without_the_margin(self):
         """The margin hides no fault of the tests or of Holm's correction."""
-        with mock.patch.object(pairwise, "MARGIN", 1.0), mock.patch.object(single_cells, "MARGIN", 1.0):
+        with mock.patch.object(pairwise, "MARGIN", 1.0):
             found = self._many(SAME_SEEDS, copies=2)
         self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 0.1 * SAME_SEEDS)
-        self.assertLessEqual(sum(len(c.single) > 0 for c in found), 0.12 * SAME_SEEDS)
 
     def test_what_the_machine_does_meanwhile_is_no_regression(self):
-        """A neighbour during two of three rounds, seen on a real machine: the medians of all problems move alike."""
-        found = self._many(SLOWER_SEEDS // 2, _slower(1.35, lambda record: record["solver"] == "b"
-                                                      and record["round"] > 0))
+        """A neighbour during two of three passes, seen on a real machine: the medians of all problems move alike."""
+        def change(record):
+            if record["solver"] != "b":
+                return record
+            quiet, *busy = record["fresh_s"]
+            return record | {"fresh_s": [quiet, *(1.35 * time for time in busy)]}
+
+        found = self._many(SLOWER_SEEDS // 2, change)
         for c in found:
-            row = c.speeds[(c.speeds["solver"] == "b") & (c.speeds["family"] == changes.ALL_FAMILIES)].iloc[0]
+            row = c.speeds[(c.speeds["solver"] == "b") & (c.speeds["family"] == changes.ALL)
+                           & (c.speeds["size_class"] == changes.ALL)].iloc[0]
             self.assertGreater(row["ratio_low"], 1.1)  # the medians alone would tell of a regression
             self.assertFalse(c.regressed)
 
-    def test_all_comparisons_and_all_cells_are_adjusted_together(self):
+    def test_all_comparisons_are_adjusted_together(self):
         families = []
         with mock.patch.object(changes, "holm", side_effect=lambda p: families.append(p) or holm(p)):
             found = self._many(1)[0]
-        cells = 49 * len(FACTORS)
-        comparisons = len(FACTORS) * (1 + len(FAMILIES) + 1)  # all, by family, and the engine's problem, which is one
-        self.assertEqual([len(p) for p in families], [cells, comparisons, comparisons])
-        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families],
-                         [cells, comparisons - len(FACTORS), comparisons - len(FACTORS)])
-        self.assertEqual((found.tested, len(found.speeds)), (cells, comparisons))
+        # All, by class, by family, and the engine's problem, which is one.
+        comparisons = len(FACTORS) * (1 + CLASSES + len(FAMILIES) + 1)
+        self.assertEqual([len(p) for p in families], [comparisons] * 2)
+        self.assertEqual([np.count_nonzero(~np.isnan(p)) for p in families], [comparisons - len(FACTORS)] * 2)
+        self.assertEqual(len(found.speeds), comparisons)
+
+    def test_variants_of_a_base_weigh_what_one_does(self):
+        """Nine of ten problems are variants of one base that became faster: all others tell."""
+        def change_problem(problem):
+            return problem | ({"base": "one", "weight": 1 / 40} if problem["family"] == "piles" else {})
+
+        def change(record):
+            return slower(record, 0.5 if record["problem"].startswith("piles") else 1.5)
+        with tempfile.TemporaryDirectory() as folder:
+            old, new = (load_campaign(write_campaign(Path(folder), {"a": 1.0}, 1, (TIER,), NOISE, run=run, change=made,
+                                                     change_problem=change_problem))
+                        for run, made in enumerate((lambda record: record, change)))
+        row = changes.compare_campaigns(old, new).speeds.iloc[0]
+        self.assertEqual((row["size_class"], row["family"], row["verdict"]), (changes.ALL, changes.ALL, changes.SLOWER))
+        self.assertAlmostEqual(row["ratio"], 1.5, delta=0.05)
 
     def test_ten_per_cent_more_time_of_one_solver_are_found(self):
         found = self._many(SLOWER_SEEDS, _slower(1.1, lambda record: record["solver"] == "b"))
-        hits = [c for c in found if ("b", changes.ALL_FAMILIES) in zip(c.slower["solver"], c.slower["family"])]
+        hits = [c for c in found if ("b", changes.ALL, changes.ALL) in
+                zip(c.slower["solver"], c.slower["family"], c.slower["size_class"])]
         self.assertGreaterEqual(len(hits), 0.95 * SLOWER_SEEDS)
         self.assertTrue(all(c.regressed for c in hits))
         self.assertLessEqual(sum(set(c.slower["solver"]) > {"b"} for c in found), 1)
@@ -99,12 +117,12 @@ class Truth(unittest.TestCase):
             self.assertIn(("c", "chains"), set(zip(c.slower["solver"], c.slower["family"])))
             self.assertNotIn("piles", set(c.slower["family"]))
 
-    def test_a_single_slow_cell_is_told_and_is_no_regression(self):
-        told = 0
-        for c in self._many(SLOWER_SEEDS // 2, _only("a", VICTIM, _slower(4.0)), Noise(0.005, 0.002, 6, 5)):
-            told += list(c.single["problem"]) == [VICTIM] and list(c.single["verdict"]) == [changes.SLOWER]
-            self.assertFalse(c.regressed)
-        self.assertGreaterEqual(told, 0.9 * (SLOWER_SEEDS // 2))
+    def test_what_is_slow_on_one_size_class_is_found_there(self):
+        found = self._many(SLOWER_SEEDS // 2, _slower(1.3, lambda record: record["solver"] == "c"
+                                                      and record["problem"].split("-")[1] in ("50", "100")))
+        for c in found:
+            self.assertIn(("c", "31-100"), set(zip(c.slower["solver"], c.slower["size_class"])))
+            self.assertNotIn("301-1000", set(c.slower["size_class"]))
 
     def _many(self, seeds: int, change=lambda record: record, noise: Noise = NOISE,
               copies: int = COPIES) -> list[changes.Changes]:
@@ -144,7 +162,7 @@ class Summary(unittest.TestCase):
                 status, text, _ = self._run()
                 self.assertEqual(status, 1)
                 self.assertIn("1 new false success", text)
-                self.assertIn(f"`solve/{VICTIM}/b/1e-06 (cold)`", text)
+                self.assertIn(f"`solve/{VICTIM}/b/1e-06`", text)
         self.old = self._write("old", change=_only("b", VICTIM, lambda record: fail(record, "solved")))
         self.assertEqual(self._run()[0], 0)  # it lied before
 
@@ -169,7 +187,7 @@ class Summary(unittest.TestCase):
         self.new = self._write("new", change=_slower(1.5, lambda record: record["solver"] == "c"))
         status, text, _ = self._run()
         self.assertEqual(status, 1)
-        self.assertRegex(text, r"\| `c` \| all \|  \| cold \| 1e-6 \| 48 \| 1\.[45]\d\d \[1\.[^|]*\| 1\.[45]\d\d \|")
+        self.assertRegex(text, r"\| `c` \| all \| all \|  \| 1e-6 \| 48 \| 1\.[45]\d\d \[1\.[^|]*\| 1\.[45]\d\d \|")
 
     def test_agreement_is_the_share_of_overlapping_intervals(self):
         def agreement(change):
@@ -184,12 +202,12 @@ class Summary(unittest.TestCase):
 
     def test_what_only_one_has_is_told_and_judged_by_nothing(self):
         self._drop(self.new, lambda record: record["solver"] == "c")
-        self._drop(self.old, lambda record: record["problem"] == VICTIM and record["solver"] == "a")
+        self._drop(self.old, lambda record: record["size_class"] == "7-12" and record["solver"] == "a")
         status, text, _ = self._run()
         self.assertEqual(status, 0)
         self.assertIn("| `c` | OLD | 49 |", text)
-        self.assertIn("| `a` | NEW | 1 |", text)
-        self.assertIn("in 97 cells", text)
+        self.assertIn("| `a` | NEW | 8 |", text)
+        self.assertIn("in 90 cells", text)
 
     def test_other_builds_of_one_plan_are_compared_and_named(self):
         info = self._info(self.new)
@@ -211,13 +229,13 @@ class Summary(unittest.TestCase):
     def test_mixed_plans_are_refused_in_one_line(self):
         info = self._info(self.new)
         solvers = [info["solvers"][0] | {"base": "b", "settings": {"sweep": "forward"}}, *info["solvers"][1:]]
-        for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"repetitions": 3},
+        for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"passes": 7},
                        {"limits": info["limits"] | {"most_s": 1.0}}, {"seed": 9}, {"solvers": solvers}):
             with self.subTest(values=values):
                 self._set_info(self.new, info | values)
                 self._expect_refused("campaign.json", "'a'" if "solvers" in values else f"'{next(iter(values))}'")
         self._set_info(self.new, info)
-        lines = (self.new / "problems.jsonl").read_text(encoding="utf-8").replace('"rows": 50', '"rows": 51')
+        lines = (self.new / "problems.jsonl").read_text(encoding="utf-8").replace('"rows": 50,', '"rows": 51,')
         (self.new / "problems.jsonl").write_text(lines, encoding="utf-8")
         self._expect_refused("problems.jsonl", "rows 50")
 
@@ -230,11 +248,11 @@ class Summary(unittest.TestCase):
         self.new = self.folder / "nowhere"
         self._expect_refused("nowhere")
 
-    def test_one_round_has_no_test_of_single_cells(self):
-        self.old, self.new = (self._write(name, noise=Noise(repetitions=30), run=run)
-                              for run, name in enumerate(("old", "new")))
-        found = changes.compare_campaigns(load_campaign(self.old), load_campaign(self.new))
-        self.assertEqual((found.tested, len(found.single)), (0, 0))
+    def test_what_had_no_turn_within_the_budget_is_judged_by_nothing(self):
+        self.new = self._write("new", change=_only("b", VICTIM, lambda record: exclude(record, "task budget")))
+        status, text, _ = self._run()
+        self.assertEqual(status, 0)
+        self.assertIn("| `b` | OLD | 1 |", text)
 
     def test_long_tables_are_cut_and_counted(self):
         self.new = self._write("new", change=lambda record: fail(record) if record["solver"] == "a" else record)
@@ -272,9 +290,10 @@ class Summary(unittest.TestCase):
         (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
 
     def _drop(self, folder: Path, gone) -> None:
-        lines = (folder / "cells.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
-        (folder / "cells.jsonl").write_text("".join(line for line in lines if not gone(json.loads(line))),
-                                            encoding="utf-8")
+        """Whole tasks."""
+        lines = (folder / "streams.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
+        (folder / "streams.jsonl").write_text("".join(line for line in lines if not gone(json.loads(line))),
+                                              encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -283,7 +283,7 @@ class Files(unittest.TestCase):
                 (0, "solver", "nobody"), (0, "solver", "absent"), (0, "size_class", "2-4"), (0, "tier", 1e-4),
                 (0, "kind", "warm"), (0, "pass", 1), (1, "pass", 0), (0, "pass", 0.5), (0, "count", 9), (0, "first", 1),
                 (0, "attempted", 3), (0, "excluded", None), (0, "rho", [1.0]), (0, "rho", [1.0, "x"]),
-                (0, "rho", [1.0, True]), (0, "rho", [1.0, 1e999]), (0, "rho", [1.0, -1.0]), (0, "first_s", [0.0, 1.0]),
+                (0, "rho", [1.0, True]), (0, "rho", [1.0, -1.0]), (0, "first_s", [0.0, 1.0]),
                 (0, "first_s", [None, 1.0]), (0, "exceptions", None), (0, "exceptions", [{"at": 2}]),
                 (0, "exceptions", [{"at": 0}]), (0, "peak_bytes", "much"), (1, "fresh_s", [0.0, 1.0]),
                 (1, "fresh_s", [1.0]), (1, "failed", [2]), (1, "failed", [0, 0]), (1, "group", 0),
@@ -291,7 +291,7 @@ class Files(unittest.TestCase):
             with self.subTest(index=index, key=key, value=value):
                 self._write()
                 self._edit_line("streams.jsonl", index, lambda line: json.dumps(json.loads(line) | {key: value}))
-                self._expect_refused(f"streams.jsonl:{index + 1}", key if key != "tier" else "tier")
+                self._expect_refused(f"streams.jsonl:{index + 1}", key)
 
     def test_every_key_is_missed(self):
         for index in (0, 1, 6, 7):  # judge, fresh, parts, again

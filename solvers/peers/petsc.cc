@@ -11,14 +11,14 @@
 // Time is read at every outer and every Krylov iteration. Iterations are outer ones. TAO asks for a symmetric A.
 //
 // Settings, other than `tolerance` and of keys that do not end in -default; "library" is the library's own choice.
-//   SNES  linear-solver: library, lu, gmres-jacobi, bcgs-ilu, and for petsc-rsls, whose systems are symmetric,
-//   cholesky,
+//   SNES  linear-solver: library, lu, gmres-jacobi, bcgs-ilu, and for petsc-rsls, with symmetric systems, cholesky,
 //         cg-jacobi, cg-icc, minres-jacobi; shift: what the factorization (lu, cholesky, ilu, icc) adds to a pivot that
 //         is too small, as a share of the largest diagonal entry of A, 0 for none (-pc_factor_shift_type nonzero);
 //         line-search: library, bt, basic, l2, cp
-//   TAO   krylov: library, stcg, nash, gltr; preconditioner: library, none, jacobi, icc; and for tao-bntr radius:
-//         interpolation, step, direction (-tao_bnk_update_type), active-set: bertsekas, none (-tao_bnk_as_type), for
-//         tao-tron projections: gradient projections an iteration (-tao_tron_maxgpits, 3)
+//   TAO   krylov: library, stcg, nash, gltr; preconditioner: library, none, jacobi, icc; and for tao-bntr first-radius:
+//         interpolation, constant, direction (-tao_bnk_init_type), radius: reduction, interpolation
+//         (-tao_bnk_update_type), active-set: bertsekas, none (-tao_bnk_as_type), for tao-tron projections: gradient
+//         projections an iteration (-tao_tron_maxgpits)
 
 #include <algorithm>
 #include <array>
@@ -326,7 +326,10 @@ void ReadSettings(const Method& method, const Settings& settings, SettingsReader
   tuning->krylov = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
   tuning->preconditioner = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
   if (type == TAOBNTR) {
-    const std::string radius = reader->Choice("radius", "interpolation", {"interpolation", "step", "direction"});
+    const std::string first =
+        reader->Choice("first-radius", "interpolation", {"interpolation", "constant", "direction"});
+    SetByName(settings, "first-radius", "-tao_bnk_init_type", first);
+    const std::string radius = reader->Choice("radius", "reduction", {"reduction", "interpolation"});
     SetByName(settings, "radius", "-tao_bnk_update_type", radius);
     const std::string active_set = reader->Choice("active-set", "bertsekas", {"bertsekas", "none"});
     SetByName(settings, "active-set", "-tao_bnk_as_type", active_set);
