@@ -166,6 +166,12 @@ CampaignPlan PlanOf(const CampaignArguments& arguments) {
   if (!arguments.tiers.empty()) plan.tiers = arguments.tiers;
   if (arguments.time_limit_s != 0) plan.least_s = plan.most_s = arguments.time_limit_s;
   if (arguments.passes != 0) plan.passes = arguments.passes;
+  if (arguments.task_budget_s != 0) {
+    // Parts and "again" explain; the other two decide.
+    constexpr double kLess = 0.25;
+    const double budget = arguments.task_budget_s;
+    plan.budgets = {budget, budget, kLess * budget, kLess * budget};
+  }
   if (arguments.most_rows != 0) plan.most_rows = arguments.most_rows;
   if (arguments.no_fills) plan.fills = false;
   return plan;

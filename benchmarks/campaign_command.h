@@ -16,6 +16,7 @@ struct CampaignArguments {
   std::vector<double> tiers;
   double time_limit_s = 0;
   int passes = 0;
+  double task_budget_s = 0;
   Index most_rows = 0;
   bool no_fills = false;
   bool ablations = false;  ///< adds the solvers of RegisterAblations

@@ -27,6 +27,8 @@ void AddRunCommand(CLI::App& app, CommandRun& run) {
       ->add_option("--passes,--benchmark_repetitions", arguments->passes,
                    "Timed passes over every stream of problems, at most [default: the campaign's]")
       ->take_last();
+  command->add_option("--task-budget", arguments->task_budget_s,
+                      "Seconds that a solver has for judging a size class at a tier, and as many for timing it");
   command->add_option("--most-rows", arguments->most_rows, "No larger problems");
   command->add_flag("--ablations", arguments->ablations,
                     "Adds our solvers without their own check, and peers with one: for the ablation table");
