@@ -247,7 +247,7 @@ TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
       work.Prepare(test.problem, form, true);
-      work.scaled.SetB(test.problem);
+      work.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
       // The scaled problem's energy is the given one's over the square of the scale of b.
@@ -276,7 +276,7 @@ TEST(Sweeps, ImagesGiveTheProductsOfA) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
       work.Prepare(test.problem, form, true);
-      work.scaled.SetB(test.problem);
+      work.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       for (double& value : work.f) value = uniform(random);
       work.rows->StartImage(&work.image);
