@@ -4,9 +4,9 @@
 
 and the median of the problems' weight, by size class and over all, with a bootstrap interval over families and bases.
 Where the own solver is not verified r_p is infinite; where no peer is, there is no r_p (`no_peer` counts them). Peers
-are those that were asked for the tier. The fastest peer is another one from problem to problem, which no user can know
-beforehand; so beside it stands the ratio to the best single peer: of those that are right on RIGHT of the class's weight
-the one with the least median. The ratio over all classes depends on how many problems each has.
+are all keys of other projects: one that was not asked for the tier and is right all the same is a rival. The fastest peer
+is another one from problem to problem, which no user can know beforehand; so beside it stands the ratio to the best
+single peer: of those that are right on RIGHT of the class's weight the one with the least median. The ratio over all classes depends on how many problems each has.
 """
 
 import math
@@ -44,8 +44,7 @@ def _rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
     problems = cells.drop_duplicates("problem").set_index("problem")["weight"]
     times = cells.pivot(index="problem", columns="solver", values="time_s").reindex(problems.index)
     mine = [key for key in dict.fromkeys(cells["solver"]) if key in own]
-    asked = cells.loc[cells["asked"].astype(bool), "solver"].unique()
-    peers = times[[key for key in asked if key not in own]].fillna(math.inf)
+    peers = times[[key for key in dict.fromkeys(cells["solver"]) if key not in own]].fillna(math.inf)
     fastest = peers.min(axis=1) if len(peers.columns) else pd.Series(math.inf, index=times.index)
     by_solver = dict(tuple(cells.groupby("solver", sort=False)))
     best = _best(peers, problems)
