@@ -93,9 +93,10 @@ run: command
 
 pictures: command
 	@mkdir -p $(PICTURES)
-	@for scene in $$($(BUILD)/lcpbench list scenes | cut -d' ' -f1); do \
-	  [ -s $(PICTURES)/$$scene.svg ] || $(BUILD)/lcpbench scene $$scene --size $(PICTURE_SIZE) -o $(PICTURES)/$$scene.svg || exit 1; \
-	done
+	@$(BUILD)/lcpbench list scenes > $(PICTURES)/scenes.txt
+	@while read -r scene words; do \
+	  $(BUILD)/lcpbench scene $$scene --size $(PICTURE_SIZE) -o $(PICTURES)/$$scene.svg || exit 1; \
+	done < $(PICTURES)/scenes.txt
 
 report: run pictures
 	@$(BUILD)/lcpbench motion $(MOTION) --output $(MOTION_RESULTS)

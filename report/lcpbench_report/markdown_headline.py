@@ -19,7 +19,6 @@ def caption(inputs: Inputs, found: Headline) -> str:
             "1/k; an answer that is not verified counts as infinitely slow. *Right*: share verified. The best are the "
             f"fastest of those that are right on {percent(RIGHT)}; **bold**: the fastest of all, and what is tied with it: "
             "the 95 % interval of the ratio of their times reaches 1. Ratios are our time over theirs, problem by problem, "
-            "theirs of peers that were asked for the tier; "
             f"intervals by bootstrap over families and bases{_where(inputs)}.")
 
 
