@@ -3,7 +3,7 @@
 Verdicts, cell by cell. Times, per solver over all problems, per size class and per family, by the paired statistics of
 pairwise.py (weights, bases, families): ratios NEW / OLD of fresh times on the problems that both verified, adjusted by
 Holm over all these comparisons together. That is done twice, and both must say the same: once with the median of the
-passes, once with the quickest pass. What else a machine does lasts for many problems and some passes, so that problems
+passes, once with the quickest pass of every task. What else a machine does lasts for many problems and some passes, so that problems
 are not independent; but it only adds time, and the quickest passes had least of it (Chen & Revels 2016).
 
 A regression is a solver, or a solver on a class or family, that is slower by that; a cell that was verified and is not
@@ -108,7 +108,7 @@ def compare_campaigns(old: Campaign, new: Campaign) -> Changes:
 
 def _speeds(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per solver and group, and per size class and family of it where there are several."""
-    cells = cells.assign(**{f"quickest_{when}": cells[f"fresh_min_{when}"].fillna(cells[f"time_s_{when}"])
+    cells = cells.assign(**{f"quickest_{when}": cells[f"quickest_s_{when}"].fillna(cells[f"time_s_{when}"])
                             .where(cells[f"verdict_{when}"] == VERIFIED, math.inf) for when in (_OLD, _NEW)})
     parts = []  # (label, cells, bootstrap)
     for group, of_group in cells.groupby(GROUP, sort=False):
