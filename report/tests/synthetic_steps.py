@@ -41,8 +41,6 @@ def one_pass(sequence: str, solver: str, mode: str, latency_s: list[float], tier
             "verdicts": [{"tier": judge, "passed": STEPS - len(missed), "failed": len(missed), "false_successes": 0,
                           "failed_steps": missed} for judge in judged or [tier]],
             "late": list(late), "preempted": list(preempted), "latency_s": latency_s,
-            "setup_s": [time / 4 for time in latency_s] if parts else None,
-            "solve_s": [3 * time / 4 for time in latency_s] if parts else None, "convert_s": None,
             "iterations": [3] * reached,
             "rho": [None if k in late else value for k, value in enumerate(rho)],
             "backward_error": [None] * reached, "w_error": [None if k in late else 2e-9 for k in range(reached)],

@@ -27,6 +27,8 @@
 namespace lcpbench {
 namespace {
 
+// So many passes that signals come in the midst of them.
+constexpr const char* kLong = "--passes 60 ";
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
 // What must not depend on when and where something was run, sorted.
@@ -168,29 +170,29 @@ TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
 }
 
 TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
-  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
   std::mt19937 random(3);
   int kills = 0;
   for (int trial = 0; trial < 40; ++trial) {
     const int milliseconds = 20 + static_cast<int>(random() % 80);
-    if (!RunAndKill(Campaign("killed", trial == 0 ? "" : "--resume"), milliseconds)) break;
+    if (!RunAndKill(Campaign("killed", std::string(kLong) + (trial == 0 ? "" : "--resume")), milliseconds)) break;
     ++kills;
     // What a crash of the machine could leave.
     if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "streams.jsonl", std::ios::app) << "{\"solver\":\"torn";
   }
   EXPECT_GE(kills, 3);
-  const CommandOutcome rest = Run(Campaign("killed", "--resume"));
+  const CommandOutcome rest = Run(Campaign("killed", std::string(kLong) + "--resume"));
   ASSERT_EQ(rest.status, 0) << rest.error;
   EXPECT_EQ(WithoutTimes(Lines("killed")), WithoutTimes(Lines("whole")));
 }
 
 // As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
 TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
-  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
   std::mt19937 random(4);
   int interrupted = 0;
   for (int trial = 0; trial < 40; ++trial) {
-    const pid_t child = Start(Campaign("ended", trial == 0 ? "" : "--resume"));
+    const pid_t child = Start(Campaign("ended", std::string(kLong) + (trial == 0 ? "" : "--resume")));
     std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 80));
     kill(-child, trial % 2 == 0 ? SIGTERM : SIGINT);
     int status = 0;
@@ -199,7 +201,7 @@ TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
     ++interrupted;
   }
   EXPECT_GE(interrupted, 3);
-  const CommandOutcome rest = Run(Campaign("ended", "--resume"));
+  const CommandOutcome rest = Run(Campaign("ended", std::string(kLong) + "--resume"));
   ASSERT_EQ(rest.status, 0) << rest.error;
   EXPECT_EQ(WithoutTimes(Lines("ended")), WithoutTimes(Lines("whole")));
 }

@@ -121,7 +121,7 @@ TEST_F(Command, MisuseIsOneLineAndStatusTwo) {
   ExpectMisuse("generate disc-pile --size 0", "0");
   ExpectMisuse("generate disc-pile --size -5", "-5");
   ExpectMisuse("run --suite huge", "huge");
-  ExpectMisuse("run --suite default", "expected one of quick, engine");
+  ExpectMisuse("run --suite default", "expected one of quick, core");
   ExpectMisuse("run --suite quick --solvers simplex -o " + Path("r"), "simplex");
   ExpectMisuse("run --filter ')|(' -o " + Path("r"), "--filter: expected a regular expression");
   for (const char* option : {"--nonsense", "--scenes disc-pile", "--sizes 10", "--seeds 1", "--benchmark_color=true"}) {

@@ -103,7 +103,7 @@ TEST_F(LargeBenchmark, ComparesMassesSpreadOverARatioWithTheirOwn) {
 
 // Nothing is left out: not what a rule excludes, nor what dies.
 TEST_F(LargeBenchmark, TellsInARowWhatARuleExcludes) {
-  const CommandOutcome excluded = Run("--scenes disc-pile --sizes 3000 --solvers lemke --csv " + Path("excluded.csv"));
+  const CommandOutcome excluded = Run("--scenes disc-pile --sizes 6000 --solvers lemke --csv " + Path("excluded.csv"));
   ASSERT_EQ(excluded.status, 0) << excluded.error;
   const std::vector<CsvRow> rows = ReadCsv(Path("excluded.csv"));
   ASSERT_EQ(rows.size(), 1U);

@@ -24,8 +24,7 @@ ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
 _VERIFIED = ["verified", "verified_share"]
 LATENCY_COLUMNS = ["set", "sequence", "family", "rows", "solver", "tier", "mode", "excluded", "outcome", "rounds",
-                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "setup_p50", "solve_p50",
-                   "convert_p50", "iterations_p50"]
+                   "steps", *_VERIFIED, "false_successes", *_LEVELS, "raw_max", "preempted", "iterations_p50"]
 SOLVER_COLUMNS = ["solver", "tier", "mode", "size", "sequences", "excluded", "steps", *_VERIFIED, "false_successes",
                   *_LEVELS, "raw_max", "preempted", "warm_gain", "warm_gain_low", "warm_gain_high"]
 DEADLINE_COLUMNS = ["solver", "deadline_s", "size", "sequences", "steps", "in_time", "in_time_share", "tier",
@@ -134,12 +133,9 @@ def _latency_row(one: JudgedPass) -> dict:
         return row
     row |= {"outcome": one.rounds[0].outcome} | _verdicts([one]) | _quantiles(one.latency(), _LEVELS)
     row |= {"raw_max": _raw_max(one), "preempted": int(one.preempted().sum())}
-    for name in ("setup_s", "solve_s", "convert_s", "iterations"):
-        found = [getattr(r, name) for r in one.rounds if getattr(r, name) is not None]
-        known = np.concatenate(found) if found else np.empty(0)
-        known = known[~np.isnan(known)]
-        row[name.removesuffix("_s") + "_p50"] = float(np.median(known)) if len(known) else math.nan
-    return row
+    iterations = np.concatenate([r.iterations for r in one.rounds])
+    known = iterations[~np.isnan(iterations)]
+    return row | {"iterations_p50": float(np.median(known)) if len(known) else math.nan}
 
 
 def _verdicts(passes: list[JudgedPass]) -> dict:

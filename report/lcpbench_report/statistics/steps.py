@@ -23,9 +23,8 @@ _RUN = {"outcome": "name", "detail": "text", "steps": "count", "reached": "count
         "verdicts": "list", "late": "list", "preempted": "list"}
 _VERDICT = {"tier": "positive", "passed": "count", "failed": "count", "false_successes": "count",
             "failed_steps": "list"}
-# Of every step that was reached; the parts of the latency only of some solvers.
+# Of every step that was reached.
 _BY_STEP = ("latency_s", "iterations", "rho", "backward_error", "w_error")
-_PARTS = ("setup_s", "solve_s", "convert_s")
 
 # (sequence, solver, tier asked for, mode)
 PassKey = tuple[str, str, float, str]
@@ -43,10 +42,6 @@ class Round:
     late: np.ndarray
     preempted: np.ndarray  # the solver lost the processor to something else
     latency_s: np.ndarray  # what each step takes: one interval from the caller's arrays to f
-    # Parts of it, for explanation; None: not known.
-    setup_s: np.ndarray | None
-    solve_s: np.ndarray | None
-    convert_s: np.ndarray | None
     iterations: np.ndarray
     rho: np.ndarray  # NaN: none, for it came late or is not finite
     w_error: np.ndarray
@@ -111,10 +106,6 @@ def _round(place: str, record: dict, steps: int, tiers: Tiers) -> Round:
     if record["steps"] != steps or reached > steps:
         raise ReportError(place, f"{reached} of {record['steps']} steps", f"the {steps} steps of campaign.json")
     arrays = {key: _padded(check_numbers(place, record, key, reached, ">= 0"), steps) for key in _BY_STEP}
-    check_fields(place, record, dict.fromkeys(_PARTS, "list?"))
-    for key in _PARTS:
-        if record[key] is not None:
-            arrays[key] = _padded(check_numbers(place, record, key, reached, ">= 0"), steps)
     verified, false_successes = {}, {}
     for verdict in record["verdicts"]:
         check_fields(f"{place}: verdicts", verdict, _VERDICT)
@@ -129,7 +120,7 @@ def _round(place: str, record: dict, steps: int, tiers: Tiers) -> Round:
     return Round(record["outcome"], reached, record["claims"], verified, false_successes,
                  _marked(f"{place}: late", record["late"], steps),
                  _marked(f"{place}: preempted", record["preempted"], steps), arrays["latency_s"],
-                 *map(arrays.get, _PARTS), arrays["iterations"], arrays["rho"], arrays["w_error"])
+                 arrays["iterations"], arrays["rho"], arrays["w_error"])
 
 
 def _padded(values: np.ndarray, steps: int) -> np.ndarray:
