@@ -44,13 +44,13 @@ def write_cells(folder: Path) -> Path:
 
 
 def write_steps(folder: Path) -> Path:
-    """`auto` gains by warm starts, `pgs` misses a step of the deadline; of the peer no parts are known."""
+    """`auto` gains by warm starts, `pgs` misses a step of the deadline."""
     passes = []
     for name, _ in SEQUENCES:
         for solver, cold, warm in (("auto", 2e-5, 1e-5), ("pgs", 8e-5, 6e-5)):
             passes += [one_pass(name, solver, "cold", [cold] * STEPS), one_pass(name, solver, "warm", [warm] * STEPS),
                        one_pass(name, solver, "deadline-1ms", [warm] * STEPS, failed=[3] if solver == "pgs" else [])]
-        passes += [one_pass(name, "ode-dantzig", mode, [3e-5] * STEPS, parts=False)
+        passes += [one_pass(name, "ode-dantzig", mode, [3e-5] * STEPS)
                    for mode in ("cold", "warm")]
     return write_sequences(folder, passes, solvers=(("auto", "own"), ("pgs", "own"), ("ode-dantzig", "peer")))
 

@@ -26,11 +26,8 @@ def write_sequences(folder: Path, passes: list[dict], solvers=(("quick", "own"),
 
 
 def one_pass(sequence: str, solver: str, mode: str, latency_s: list[float], tier: float = 1e-6, index: int = 0,
-             failed=(), late=(), parts=True, rho=None, judged=None, preempted=()) -> dict:
-    """A line of steps.jsonl. Steps beyond those that have a time were not reached.
-
-    @param parts  whether those of the latency are known: a quarter is set-up
-    """
+             failed=(), late=(), rho=None, judged=None, preempted=()) -> dict:
+    """A line of steps.jsonl. Steps beyond those that have a time were not reached."""
     reached = len(latency_s)
     rho = [tier / 2] * reached if rho is None else rho
     missed = sorted({*failed, *late, *range(reached, STEPS)})

@@ -39,7 +39,6 @@ class StepTables(unittest.TestCase):
         row = latency_table(self.load([one_pass("pile-12", "quick", "cold", RISING, failed=[7])])).iloc[0]
         self.assertEqual((row["rows"], row["family"], row["steps"], row["verified"]), (12, "pile", STEPS, STEPS - 1))
         np.testing.assert_allclose(row[["p50", "p99", "max", "raw_max"]].tolist(), [51e-6, 100e-6, 101e-6, 101e-6])
-        np.testing.assert_allclose(row[["setup_p50", "solve_p50"]].tolist(), [51e-6 / 4, 3 * 51e-6 / 4])
 
     def test_of_every_step_the_median_over_rounds_counts_and_the_worst_is_told(self):
         disturbed = [1e-3, *RISING[1:]]
@@ -58,15 +57,6 @@ class StepTables(unittest.TestCase):
             for row in (latency_table(campaign).iloc[0], latency_by_solver_table(campaign).iloc[0]):
                 np.testing.assert_allclose(row[["max", "raw_max"]].tolist(), [worst, 4e-3])
                 self.assertEqual(row["preempted"], 1 - undisturbed)
-
-    def test_parts_explain_and_are_not_summed(self):
-        """Of a peer they may be unknown; its latency has its set-up inside, as everybody's."""
-        line = one_pass("pile-12", "peer", "cold", RISING, parts=False)
-        row = latency_table(self.load([line])).iloc[0]
-        np.testing.assert_allclose(row[["p50", "max"]].tolist(), [51e-6, 101e-6])
-        self.assertTrue(row[["setup_p50", "solve_p50", "convert_p50"]].isna().all())
-        row = latency_table(self.load([line | {"setup_s": [1.0] * STEPS}])).iloc[0]
-        np.testing.assert_allclose(row[["p50", "setup_p50"]].tolist(), [51e-6, 1.0])
 
     def test_steps_that_were_not_reached_take_for_ever(self):
         row = latency_table(self.load([one_pass("pile-12", "quick", "warm", RISING[:60])])).iloc[0]
