@@ -20,7 +20,7 @@ struct CampaignArguments {
   Index most_rows = 0;
   bool no_fills = false;
   bool ablations = false;  ///< adds the solvers of RegisterAblations
-  std::string filter;  ///< narrows the plan's own
+  std::string filter;      ///< narrows the plan's own
   int cpu = -1;
   bool resume = false;
   std::string shard = "1/1";

@@ -44,9 +44,9 @@ void AssembleDenseA(const FactorView& factors, double* A, Index stride) {
 
 void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
   const SparseMatrix& J = problem.J();
-  AssembleDenseA(FactorView{J.rows(), J.cols(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(),
-                            problem.inverse_mass().data()},
-                 A, stride);
+  AssembleDenseA(
+      FactorView{J.rows(), J.cols(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(), problem.inverse_mass().data()},
+      A, stride);
 }
 
 void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride) {
