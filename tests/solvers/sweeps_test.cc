@@ -154,7 +154,9 @@ TEST(Sweeps, CuttingAPassChangesNothing) {
       RowWork whole;
       RowWork cut;
       whole.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      whole.Start(test.problem, nullptr);
       cut.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      cut.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       for (int sweep = 0; sweep < 4; ++sweep) {
         const bool backward = sweep % 2 == 1;
@@ -207,7 +209,9 @@ TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
       RowWork together;
       RowWork alone;
       together.Prepare(problem, RowForm::kMatrixFree, true);
+      together.Start(problem, nullptr);
       alone.Prepare(problem, RowForm::kMatrixFree, true);
+      alone.Start(problem, nullptr);
       const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
       for (const bool backward : {false, true, false}) {
         StepSums sums;
@@ -247,6 +251,7 @@ TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
       work.Prepare(test.problem, form, true);
+      work.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
       // The scaled problem's energy is the given one's over the square of the scale of b.
@@ -275,6 +280,7 @@ TEST(Sweeps, ImagesGiveTheProductsOfA) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
       work.Prepare(test.problem, form, true);
+      work.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       for (double& value : work.f) value = uniform(random);
       work.rows->StartImage(&work.image);
