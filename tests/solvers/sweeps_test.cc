@@ -154,7 +154,9 @@ TEST(Sweeps, CuttingAPassChangesNothing) {
       RowWork whole;
       RowWork cut;
       whole.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      whole.Start(test.problem, nullptr);
       cut.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      cut.Start(test.problem, nullptr);
       const Index n = test.problem.size();
       for (int sweep = 0; sweep < 4; ++sweep) {
         const bool backward = sweep % 2 == 1;
@@ -207,7 +209,9 @@ TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
       RowWork together;
       RowWork alone;
       together.Prepare(problem, RowForm::kMatrixFree, true);
+      together.Start(problem, nullptr);
       alone.Prepare(problem, RowForm::kMatrixFree, true);
+      alone.Start(problem, nullptr);
       const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
       for (const bool backward : {false, true, false}) {
         StepSums sums;
