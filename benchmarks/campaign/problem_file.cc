@@ -89,8 +89,10 @@ void WriteProblems(const std::string& path, const std::vector<Manifest>& manifes
     nlohmann::json known;
   };
   std::vector<std::unique_ptr<Set>> sets;
+  sets.reserve(manifests.size());
   for (std::size_t m = 0; m < manifests.size(); ++m) sets.push_back(std::make_unique<Set>(manifests[m], paths[m]));
   std::vector<ManifestEntry> entries;
+  entries.reserve(problems.size());
   for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
   const std::map<std::string, double> weights = WeightsByBase(entries);
   ProgressBar bar("problems", static_cast<double>(problems.size() - done.size()));

@@ -168,6 +168,7 @@ const std::vector<bool>& TaskRunner::Passes(const Problem& given, const Eigen::V
   std::vector<bool>& passes = judged_[std::hash<std::string>()(key)];
   if (passes.empty()) {
     const Metrics metrics = ComputeMetrics(given.problem, f, &given.reference);
+    passes.reserve(judged.size());
     for (const double tier : judged) passes.push_back(PassesTier(metrics, tier));
   }
   return passes;
@@ -198,6 +199,7 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void
   const auto problem = [&](std::uint32_t place) -> const Problem& { return Get(request.stream.at(place)); };
   if (names != stream_) {
     arrays_.clear();
+    arrays_.reserve(request.stream.size());
     for (const ProblemName& name : request.stream) arrays_.push_back(ProblemArrays::Of(Get(name).problem));
     stream_ = std::move(names);
   }
@@ -244,6 +246,7 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void
     std::vector<bool> passes;
     if (request.pass.kind == PassKind::kAgain) {
       const Metrics metrics = ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), entry.f);
+      passes.reserve(request.judged.size());
       for (const double tier : request.judged) passes.push_back(PassesTier(metrics, tier));
     } else {
       passes = Passes(given, entry.f, request.judged);
