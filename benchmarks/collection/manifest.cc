@@ -163,6 +163,7 @@ std::string Lines(const std::vector<Json>& items) {
 template <typename Item>
 std::vector<Json> DescribeAll(const std::vector<Item>& items) {
   std::vector<Json> described;
+  described.reserve(items.size());
   for (const Item& item : items) described.push_back(Describe(item));
   return described;
 }

@@ -160,7 +160,7 @@ class Refusals(unittest.TestCase):
     def test_values_that_do_not_fit_are_refused(self):
         for change, text in (({"sequence": "other"}, "sequence"), ({"solver": "absent"}, "solver"),
                              ({"tier": 1e-4}, "tier"), ({"latency_s": RISING[1:]}, "latency_s"),
-                             ({"latency_s": None}, "latency_s"), ({"setup_s": [-1.0] * STEPS}, "setup_s"), ({"late": [STEPS]}, "late"),
+                             ({"latency_s": None}, "latency_s"), ({"latency_s": [-1.0] * STEPS}, "latency_s"), ({"late": [STEPS]}, "late"),
                              ({"rho": ["x"] * STEPS}, "rho"), ({"outcome": "fine"}, "outcome"),
                              ({"steps": 7}, "steps"), ({"verdicts": []}, "verdict")):
             self.assert_refused([self.line | change], text)

@@ -1,4 +1,4 @@
-"""Tables of what a campaign observes besides: calibration by variants, delivered precision, single repetitions."""
+"""Tables of what a campaign observes besides: calibration by variants, delivered precision."""
 
 import json
 import sys
@@ -9,14 +9,11 @@ from pathlib import Path
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import pandas as pd  # noqa: E402
-
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics.calibration import calibration_table  # noqa: E402
 from lcpbench_report.statistics.cells import cell_table  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
 from lcpbench_report.statistics.precision import delivered_table  # noqa: E402
-from lcpbench_report.statistics.repetitions import COLUMNS, write_repetitions  # noqa: E402
 from synthetic_campaign import Noise, write_campaign  # noqa: E402
 
 VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
@@ -29,7 +26,7 @@ class Calibration(unittest.TestCase):
 
     def campaign(self, factors: dict[str, float]):
         folder = write_campaign(Path(self._folder.name) / "c", factors, tiers=(1e-6,),
-                                noise=Noise(repetition=0.03, repetitions=10, rounds=3))
+                                noise=Noise())
         path = folder / "campaign.json"
         info = json.loads(path.read_text(encoding="utf-8"))
         for solver in info["solvers"]:
@@ -63,13 +60,12 @@ class Delivered(unittest.TestCase):
 
         def spoil(record):
             if next(wrong) % 3 == 0:
-                record |= {"passes": False, "claim": "iteration_limit"}
-                record["metrics"] = record["metrics"] | {"rho": 0.5}
+                record |= {"passes": False, "claim": "iteration_limit", "rho": 0.5}
             return record
 
         with tempfile.TemporaryDirectory() as folder:
             cells = cell_table(load_campaign(write_campaign(Path(folder) / "c", {"a": 1.0}, tiers=(1e-3, 1e-6),
-                                                            noise=Noise(repetitions=3, rounds=1), change=spoil)))
+                                                            change=spoil)))
         table = delivered_table(cells[cells["counts"]])
         self.assertEqual(len(table), 2)
         for row in table.itertuples():
@@ -79,25 +75,6 @@ class Delivered(unittest.TestCase):
             self.assertLess(row.verified_share, 1)
             self.assertEqual(row.rho_max, 0.5)
             self.assertGreater(row.mean_s, 0)
-
-
-class Repetitions(unittest.TestCase):
-    def test_every_repetition_is_a_row_and_the_bytes_are_the_same(self):
-        with tempfile.TemporaryDirectory() as name:
-            campaign = load_campaign(write_campaign(Path(name) / "c", {"a": 1.0, "b": 2.0},
-                                                    noise=Noise(repetitions=4, rounds=2)))
-            first, second = Path(name) / "first.csv.gz", Path(name) / "second.csv.gz"
-            rows = write_repetitions(campaign, first)
-            write_repetitions(campaign, second)
-            self.assertEqual(first.read_bytes(), second.read_bytes())
-            table = pd.read_csv(first)
-            self.assertEqual(list(table.columns), COLUMNS)
-            self.assertEqual(len(table), rows)
-            self.assertEqual(rows, len(campaign.cells) * 4 * 2)
-            self.assertFalse(table.duplicated(["problem", "solver", "tier", "mode", "round", "repetition"]).any())
-            medians = table.groupby(["problem", "solver", "tier"])["solve_s"].median()
-            cells = cell_table(campaign).set_index(["problem", "solver", "tier"])["solve_median"]
-            self.assertLess((medians / cells - 1).abs().max(), 1e-8)
 
 
 if __name__ == "__main__":
