@@ -17,14 +17,14 @@ from . import choice
 from .inputs import Inputs
 from .statistics.class_times import ALL
 from .statistics.intervals import Bootstrap
-from .statistics.peer_ratio import RIGHT
+from .statistics.peer_ratio import LEAST_TURNS, RIGHT
 
 
 @dataclass(frozen=True)
 class Entry:
     """One solver on the problems of one size class."""
 
-    problems: int
+    problems: int  # that had their turn within the solver's budget for the class
     attempted: int  # the others were not given to the solver, by a rule that was declared before
     share: float  # verified, by weight
     time_s: float  # median of the weight; inf where half or more were not verified
@@ -80,8 +80,8 @@ def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFr
     entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s)
                for of in times.itertuples()}
     own = best({solver: entry for solver, entry in entries.items() if solver in inputs.own})
-    entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
     problems = cells["problem"].nunique()
+    entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
     if own is None:
         return ClassRow(size_class, problems, None, None, entries, None, None)
     of = ratios.loc[(size_class, own)]
@@ -101,9 +101,11 @@ def best(entries: dict[str, Entry]) -> str | None:
 
 
 def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
-    """Median times of those that can be the best."""
-    least = min(RIGHT, max((entry.share for entry in entries.values()), default=0))
-    return {solver: entry.time_s for solver, entry in entries.items()
+    """Median times of those that can be the best: a few problems say little."""
+    most = max((entry.problems for entry in entries.values()), default=0)
+    sampled = {solver: entry for solver, entry in entries.items() if entry.problems >= min(LEAST_TURNS, most)}
+    least = min(RIGHT, max((entry.share for entry in sampled.values()), default=0))
+    return {solver: entry.time_s for solver, entry in sampled.items()
             if entry.share >= least and math.isfinite(entry.time_s)}
 
 

@@ -74,18 +74,20 @@ def by_solver(found: Headline) -> str:
     lines = ["| solver | " + " | ".join(size_class(row.size_class) for row in found.classes) + " |",
              "| --- |" + " ---: |" * len(found.classes)]
     for solver in found.solvers:
-        lines.append(f"| `{solver}` | " + " | ".join(cell(row.entries.get(solver)) for row in found.classes) + " |")
+        lines.append(f"| `{solver}` | " + " | ".join(cell(row.entries.get(solver), row.problems) for row in found.classes) + " |")
     return "\n".join(lines) + "\n"
 
 
-def cell(entry: Entry | None) -> str:
+def cell(entry: Entry | None, problems: int) -> str:
+    """@param problems  of the class"""
     if entry is None or not entry.attempted:
         return DASH
     verified = share_of(entry.share)
+    sample = f" of {entry.problems}" if entry.problems < problems else ""
     if not math.isfinite(entry.time_s):
-        return f"✗ {verified}"
+        return f"✗ {verified}{sample}"
     time = f"**{seconds(entry.time_s)}**" if entry.best else seconds(entry.time_s)
-    return time if entry.share == 1 else f"{time} · {verified}"
+    return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
 
 
 def render(inputs: Inputs, found: Headline) -> str:
@@ -93,7 +95,8 @@ def render(inputs: Inputs, found: Headline) -> str:
     lines = [caption(inputs, found), "", classes(found), peers(found), "",
              f"The 99 % quantile is given where there are {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
              f"Own solvers, then the best of each peer library, and of its others where that one is not given larger "
-             "problems; columns are rows. After a time the share verified, where that is not all; ✗: half or more failed; "
+             "problems; columns are rows. After a time the share verified, where that is not all, and of how many problems, where "
+             "the solver's budget ended before all had their turn (their order is drawn by lot); ✗: half or more failed; "
              f"{DASH}: not run at that size, by a rule declared before.", "", by_solver(found)]
     if found.left_out:
         lines.append(f"{plural(len(found.left_out), 'other solver or setting', 'other solvers and settings')} are in the report.\n")

@@ -29,6 +29,8 @@ def choose(of_region: pd.DataFrame, weights: np.ndarray, false_success: set[str]
     @param of_region  ratios, a row per problem, a column per solver
     """
     columns = [key for key in of_region.columns if key not in false_success]
+    if not columns:
+        return []
     values = of_region[columns].to_numpy()
     current = np.full(len(values), _WORST)
     chosen: list[str] = []

@@ -40,7 +40,7 @@ class Outcomes:
 
 def read_outcomes(folders: Iterable[Path], features: Path) -> Outcomes:
     """The cells of campaigns' folders. The tables of `lcpbench analyse` are taken where they are newer than the streams,
-    which saves a minute. Solvers of ablations are left out.
+    which saves a minute. Solvers of ablations and variants are left out.
 
     @param features  written by `lcpbench recommend --features`: JSON lines
     @throws ReportError for the first thing that does not fit
@@ -91,8 +91,9 @@ def read_sequences(folders: Iterable[Path]) -> Outcomes | None:
 
 
 def _origins(infos: list[dict]) -> dict[str, str]:
+    """Of what the registry of a build knows by its key: no ablations, no variants."""
     return {solver["key"]: solver["origin"] for info in infos for solver in info["solvers"]
-            if solver["available"] and not solver["ablation"]}
+            if solver["available"] and not solver["ablation"] and not solver.get("base")}
 
 
 def _edges(infos: list[dict]) -> Edges:

@@ -16,7 +16,7 @@ from .cells import VERIFIED
 from .coverage import coverage
 from .groups import GROUP, groups
 from .intervals import Bootstrap
-from .load import PART_TIMES
+from .load import PART_TIMES, TASK_BUDGET
 from .weighted import weighted_median, weighted_quantile
 
 ALL = "all"  # the value of `size_class` for all problems
@@ -46,12 +46,14 @@ def class_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 def classes(cells: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
     """Label and cells of every group of problems that count, by size class, and of all together: smallest class first,
-    `all` last."""
+    `all` last. Problems that had no turn within a task's budget are left out: their order is drawn by lot, so that the
+    others are a fair sample, and a solver that takes long is not thereby wrong."""
     for group in groups(cells, counted_only=True):
-        order = group.cells.groupby("size_class")["rows"].min().sort_values().index
+        cells = group.cells[group.cells["excluded"] != TASK_BUDGET]
+        order = cells.groupby("size_class")["rows"].min().sort_values().index
         for size_class in order:
-            yield {**group.label, "size_class": size_class}, group.cells[group.cells["size_class"] == size_class]
-        yield {**group.label, "size_class": ALL}, group.cells
+            yield {**group.label, "size_class": size_class}, cells[cells["size_class"] == size_class]
+        yield {**group.label, "size_class": ALL}, cells
 
 
 def tied(rows: pd.DataFrame) -> pd.Series:

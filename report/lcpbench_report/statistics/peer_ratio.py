@@ -21,6 +21,7 @@ from .intervals import Bootstrap, share_interval
 from .weighted import weighted_median, weighted_share
 
 RIGHT = 0.99
+LEAST_TURNS = 20  # problems of a class that a solver must have had its turn at to be called the best
 _RATIO = ["ratio", "ratio_low", "ratio_high"]
 COLUMNS = [*GROUP, "size_class", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high",
            "median_s", "p99_s", "no_peer", *_RATIO, "peer", "peer_share", "peer_low", "peer_high", "peer_median_s",
@@ -44,14 +45,16 @@ def _rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
     problems = cells.drop_duplicates("problem").set_index("problem")["weight"]
     times = cells.pivot(index="problem", columns="solver", values="time_s").reindex(problems.index)
     mine = [key for key in dict.fromkeys(cells["solver"]) if key in own]
-    peers = times[[key for key in dict.fromkeys(cells["solver"]) if key not in own]].fillna(math.inf)
-    fastest = peers.min(axis=1) if len(peers.columns) else pd.Series(math.inf, index=times.index)
+    peers = times[[key for key in dict.fromkeys(cells["solver"]) if key not in own]]  # NaN: had no turn
+    fastest = peers.min(axis=1).fillna(math.inf) if len(peers.columns) else pd.Series(math.inf, index=times.index)
     by_solver = dict(tuple(cells.groupby("solver", sort=False)))
     best = _best(peers, problems)
     beside = {"peer": best}
     if best:
-        beside |= {"peer_median_s": weighted_median(peers[best], problems), "peer_p99_s": p99(by_solver[best])}
-        beside |= _share(peers[best], problems, "peer_share", "peer")
+        turns = peers[best].dropna()
+        weights = problems[turns.index]
+        beside |= {"peer_median_s": weighted_median(turns, weights), "peer_p99_s": p99(by_solver[best])}
+        beside |= _share(turns, weights, "peer_share", "peer")
     rows = []
     for solver in mine:
         taken = times[solver].dropna()  # problems on which it has a cell
@@ -67,8 +70,13 @@ def _rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
 
 
 def _best(peers: pd.DataFrame, weights: pd.Series) -> str:
-    right = [key for key in peers if weighted_share(np.isfinite(peers[key]), weights) >= RIGHT]
-    return min(right, key=lambda key: weighted_median(peers[key], weights), default="")
+    medians = {}
+    for key in peers:
+        turns = peers[key].dropna()
+        own = weights[turns.index]
+        if len(turns) >= min(LEAST_TURNS, len(peers)) and weighted_share(np.isfinite(turns), own) >= RIGHT:
+            medians[key] = weighted_median(turns, own)
+    return min(medians, key=medians.get, default="")
 
 
 def _share(times: pd.Series, weights: pd.Series, name: str, prefix: str) -> dict:
