@@ -15,6 +15,7 @@ from lcpbench_report.statistics.load import SCHEMA  # noqa: E402
 
 _README = _REPORT.parent / "README.md"
 _CORE = _REPORT / "reference" / "core"
+_ABLATION = _REPORT / "reference" / "ablation"
 _HELP = "make reference-report writes them"
 
 
@@ -39,7 +40,7 @@ class Readme(unittest.TestCase):
 
     @unittest.skipIf(_reason(), _reason())
     def test_the_blocks_are_those_of_the_committed_results(self):
-        filled = readme_blocks.fill(self.text, readme_blocks.Source(load_inputs([_CORE]), _README.parent), _README.name)
+        filled = readme_blocks.fill(self.text, readme_blocks.Source(load_inputs([_CORE], ablation=_ABLATION), _README.parent), _README.name)
         self.assertEqual(self.text.splitlines(), filled.splitlines(), _HELP)
 
 
