@@ -38,7 +38,7 @@ LcpProblem Shifted(const LcpProblem& problem, double shift) {
     case MatrixForm::kSparse: {
       SparseMatrix A = problem.SparseA();  // has every diagonal entry
       for (Index row = 0; row < problem.size(); ++row) A.coeffRef(row, row) += s;
-      return LcpProblem::FromSparse(problem.id(), std::move(A), problem.b(), std::move(bounds), problem.facts());
+      return LcpProblem::FromSparse(problem.id(), A, problem.b(), std::move(bounds), problem.facts());
     }
     case MatrixForm::kDense:
       break;

@@ -24,6 +24,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "solvers/peers/peer_library.h"
@@ -45,7 +46,7 @@ class Clp : public LcpSolver {
     int perturbation = 100;
   };
 
-  explicit Clp(Options options) : options_(options) {}
+  explicit Clp(Options options) : options_(std::move(options)) {}
 
   std::string WhyUnsupported(const LcpProblem& problem) const override {
     return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";

@@ -21,9 +21,17 @@ def make(outcomes: Outcomes, sequences: Outcomes | None = None, leave_out: froze
                           "one of " + ", ".join(sorted(set(outcomes.table.family))))
     return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
             "near": lists.NEAR, "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": outcomes.edges,
-            "regions": make_regions(outcomes, leave_out),
-            "sequences": make_regions(sequences, leave_out) if sequences else [],
+            "regions": _without_end(make_regions(outcomes, leave_out)),
+            "sequences": _without_end(make_regions(sequences, leave_out)) if sequences else [],
             "evaluation": None if leave_out else evaluation.evaluate(outcomes)}
+
+
+def _without_end(regions: list[dict]) -> list[dict]:
+    """The largest size that was measured stands for all above it, at every tier."""
+    for tier in {region["tier"] for region in regions}:
+        last = max((region for region in regions if region["tier"] == tier), key=lambda region: region["where"]["rows"][0])
+        last["where"]["rows"][1] = None
+    return regions
 
 
 def write(made: dict, path: Path) -> None:
