@@ -25,7 +25,7 @@ LcpProblem ShiftedFactors(const LcpProblem& problem, double s, RowBounds bounds)
   J.finalize();
   Eigen::VectorXd inverse_mass(columns + n);
   inverse_mass << problem.inverse_mass(), Eigen::VectorXd::Constant(n, s);
-  return LcpProblem::FromFactors(problem.id(), std::move(J), std::move(inverse_mass), problem.b(), std::move(bounds),
+  return LcpProblem::FromFactors(problem.id(), J, std::move(inverse_mass), problem.b(), std::move(bounds),
                                  problem.facts());
 }
 
