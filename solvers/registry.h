@@ -38,6 +38,7 @@ struct SolverEntry {
   std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
   std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
   Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
+  /// What limits its size (exclusion_rules.h).
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.
   bool library_defaults = false;

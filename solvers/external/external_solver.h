@@ -30,13 +30,16 @@ struct ExternalSolverOptions {
 /// What became of a worker that was to load a stream or run a pass: it is gone, and the next use starts another.
 class WorkerFailure : public std::runtime_error {
  public:
+  /// How the worker ended.
   enum class How {
     kNotStarted,  ///< or did not greet
     kTimeLimit,   ///< no answer in time: it was killed
     kEnded,       ///< by itself: a crash, an exit
     kBroken,      ///< sent what is no message of the protocol, and was killed
   };
+  /// @param what  the reason in words
   WorkerFailure(How how, const std::string& what) : std::runtime_error(what), how_(how) {}
+  /// How the worker ended.
   How how() const { return how_; }
 
  private:

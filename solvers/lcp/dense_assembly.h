@@ -7,11 +7,17 @@ namespace lcpbench {
 
 /// J in compressed rows and the inverse masses, as they lie in somebody's memory.
 struct FactorView {
+  /// n.
   Index rows = 0;
+  /// Of J.
   Index columns = 0;
+  /// n + 1 numbers.
   const int* row_start = nullptr;
+  /// Ascending within a row.
   const int* column = nullptr;
+  /// Of J, by rows.
   const double* value = nullptr;
+  /// A number per column, >= 0.
   const double* inverse_mass = nullptr;
 };
 

@@ -39,9 +39,7 @@ class Pass {
   }
 
  private:
-  void SolveFresh(std::uint32_t index, LcpResult* result) {
-    solver_->SolveArrays(problems_[index], options_, result);
-  }
+  void SolveFresh(std::uint32_t index, LcpResult* result) { solver_->SolveArrays(problems_[index], options_, result); }
 
   PassEntry EntryOf(const LcpResult& result, double seconds) const {
     PassEntry entry;

@@ -27,7 +27,9 @@ enum class PassKind : std::uint8_t {
 
 /// One pass: problems are named by their index in the stream.
 struct PassRequest {
+  /// What is timed.
   PassKind kind = PassKind::kFresh;
+  /// On rho, LcpOptions::tolerance.
   double tolerance = 1e-9;
   double time_limit_s = 0;  ///< of one solve [s]
   /// Solved first and not timed, so that the solver object has its workspace and the processor knows the code.
@@ -50,7 +52,9 @@ struct PassEntry {
   double prepare_s = 0;  ///< LcpSolver::Prepare
   double convert_s = 0;  ///< of a foreign library's adapter: conversions inside the solve; else 0
   double solve_s = 0;    ///< LcpSolver::Solve without convert_s
+  /// The solver's claim.
   LcpStatus status = LcpStatus::kNotRun;
+  /// n.
   Eigen::VectorXd f;
 };
 

@@ -11,6 +11,7 @@ class InSequence {
   /// stays on.
   class Scope {
    public:
+    /// Until it goes, the thread solves steps of a sequence, or not.
     explicit Scope(bool on) : before_(on_) { on_ = on_ || on; }
     ~Scope() { on_ = before_; }
     Scope(const Scope&) = delete;
@@ -20,6 +21,7 @@ class InSequence {
     bool before_;
   };
 
+  /// Whether the thread solves steps of a sequence.
   static bool on() { return on_; }
 
  private:

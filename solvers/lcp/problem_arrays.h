@@ -14,12 +14,17 @@ namespace lcpbench {
 /// kFactors those of J and the inverse masses, A = J M^-1 J^T. Compressed rows: row_start has n + 1 numbers, `column`
 /// and `value` row_start[n], columns ascending within a row.
 struct ProblemArrays {
+  /// A name for files and error texts.
   std::string id;
+  /// Which of the arrays below are used.
   MatrixForm form = MatrixForm::kFactors;
   Index rows = 0;     ///< n
   Index columns = 0;  ///< of J; n in the other forms
+  /// n + 1 numbers.
   std::vector<int> row_start;
+  /// Ascending within a row.
   std::vector<int> column;
+  /// Of J, or of A.
   std::vector<double> value;
   std::vector<double> inverse_mass;      ///< of kFactors, a number per column of J, >= 0
   std::vector<double> b;                 ///< n

@@ -21,6 +21,7 @@ struct PeerEntry {
   std::string_view worker;   ///< file name of the worker executable
   bool available;            ///< its worker is in this build
   bool uses_tolerance;       ///< false: one run stands for every tier
+  /// What limits its size.
   MethodClass method_class;
 
   /// The library's own options: the adapter passes no tolerance.
