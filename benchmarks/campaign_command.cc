@@ -63,7 +63,7 @@ const std::vector<NamedCampaign>& Campaigns() {
        .manifests = {"engine", "standard"},
        .most_rows = 10'000,
        .tiers = {1e-6},
-       .budgets = {.judge_s = 1.2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
+       .budgets = {.judge_s = 2, .timed_s = 1, .parts_s = 0.2, .again_s = 0.2},
        .most_s = 1,
        .tuned = true},
       // What checks and instruction sets are worth: with --ablations and --external KEY-baseline=...
@@ -79,7 +79,7 @@ const std::vector<NamedCampaign>& Campaigns() {
       {.name = "smoke", .manifests = {"smoke"}, .most_s = 0.5},
       {.name = "standard",
        .manifests = {"engine", "standard"},
-       .budgets = {.judge_s = 4, .timed_s = 2, .parts_s = 0.5, .again_s = 0.5},
+       .budgets = {.judge_s = 3, .timed_s = 1.5, .parts_s = 0.3, .again_s = 0.3},
        .tuned = true},
       {.name = "pathological", .manifests = {"pathological"}},
       {.name = "large",

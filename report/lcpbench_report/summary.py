@@ -138,20 +138,23 @@ def peers(found: Headline) -> str:
     else:
         parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
     if tied:
-        parts.append(f"Not decided, for the interval reaches 1: {formats.words(tied)} rows.")
+        parts.append(f"Not decided, for the interval reaches 1: {_rows(tied)}.")
     if won:
         parts.append(f"We win at {formats.words([_won(row) for row in won])}.")
     return " ".join(parts)
 
 
+def _rows(size_classes: list[str]) -> str:
+    return formats.words(size_classes) + (" row" if size_classes[-1:] == ["1"] else " rows")
+
+
 def _lost(row: ClassRow) -> str:
-    known = "" if row.to_peer is None else f"; of those that are right, `{row.peer}` is the best: {formats.times(row.to_peer.median)}×"
-    return f"{formats.size_class(row.size_class)} rows ({formats.times(row.to_fastest.median)}× the time{known})"
+    return f"{_rows([formats.size_class(row.size_class)])} ({formats.times(row.to_fastest.median)} times its time)"
 
 
 def _won(row: ClassRow) -> str:
-    faster = f"{formats.times(1 / row.to_fastest.median)}× as fast" if row.to_fastest.median else "no peer is right on half"
-    return f"{formats.size_class(row.size_class)} rows ({faster})"
+    share = f"{formats.times(row.to_fastest.median)} of its time" if row.to_fastest.median else "no peer is right on half"
+    return f"{_rows([formats.size_class(row.size_class)])} ({share})"
 
 
 def _accuracy(inputs: Inputs) -> str:

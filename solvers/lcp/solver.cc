@@ -36,9 +36,6 @@ void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
   if (options.max_iterations < 0) {
     throw InputError("iteration limit must be >= 0, found " + std::to_string(options.max_iterations));
   }
-  if (options.repetitions < 1) {
-    throw InputError("repetitions must be >= 1, found " + std::to_string(options.repetitions));
-  }
   if (options.initial_f != nullptr) {
     if (options.initial_f->size() != problem.size()) {
       throw InputError("initial f must have " + std::to_string(problem.size()) + " entries, found " +

@@ -36,7 +36,7 @@ double SteadyNow();
 
 /// What every solver understands. Options of one method are typed structs given to its constructor.
 struct LcpOptions {
-  /// Requested bound on the scaled natural residual rho (metrics.h), dimensionless, in (0, 1).
+  /// Requested bound on the scaled natural residual rho (verify.h), dimensionless, in (0, 1).
   double tolerance = 1e-9;
   /// In the solver's own unit (pivots, sweeps, Newton steps); 0 means the solver's documented default.
   std::int64_t max_iterations = 0;
@@ -44,9 +44,6 @@ struct LcpOptions {
   double time_limit_s = std::numeric_limits<double>::infinity();
   /// Warm start: n values, finite; nullptr is a cold start. Not owned; must outlive the call.
   const Eigen::VectorXd* initial_f = nullptr;
-  /// How often a solver that times itself in another process (LcpResult::own_solve_s) repeats the solve, >= 1; all
-  /// others solve once.
-  std::int64_t repetitions = 1;
   /// Whether adapters of foreign code shall say own_solve_s and own_convert_s: clock reads around the library's call,
   /// so not where the whole is timed.
   bool time_parts = false;

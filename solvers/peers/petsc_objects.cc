@@ -39,6 +39,8 @@ void StartPetsc() {
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
   setenv("OMPI_MCA_pml", "ob1", 1);
   setenv("OMPI_MCA_btl", "self", 1);
+  // Nor does it need its folder in /tmp, which workers that start at the same time would make and remove for each other.
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 1);
   unsetenv("PETSC_OPTIONS");
   // Standard output belongs to the protocol.
   const int out = dup(STDOUT_FILENO);
