@@ -1,5 +1,7 @@
 #include "solvers/peers/petsc_objects.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -20,8 +22,24 @@ void Fill(Vec vector, const Eigen::VectorXd& values) {
   CheckPetsc(VecRestoreArrayWrite(vector, &data));
 }
 
+// Without a launcher every process takes the same folder in /tmp, makes it at its start and removes it at its end:
+// workers do so one at a time. The lock is on the program's own file, and ends with the process.
+class StartLock {
+ public:
+  StartLock() : file_(open("/proc/self/exe", O_RDONLY | O_CLOEXEC)) { flock(file_, LOCK_EX); }
+  ~StartLock() { close(file_); }
+  StartLock(const StartLock&) = delete;
+  StartLock& operator=(const StartLock&) = delete;
+
+ private:
+  int file_;
+};
+
 struct Ending {
-  ~Ending() { PetscFinalize(); }
+  ~Ending() {
+    const StartLock lock;
+    PetscFinalize();
+  }
 };
 
 }  // namespace
@@ -39,8 +57,6 @@ void StartPetsc() {
   setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
   setenv("OMPI_MCA_pml", "ob1", 1);
   setenv("OMPI_MCA_btl", "self", 1);
-  // Nor does it need its folder in /tmp, which workers that start at the same time would make and remove for each other.
-  setenv("OMPI_MCA_orte_create_session_dirs", "0", 1);
   unsetenv("PETSC_OPTIONS");
   // Standard output belongs to the protocol.
   const int out = dup(STDOUT_FILENO);
@@ -50,7 +66,10 @@ void StartPetsc() {
   int count = static_cast<int>(words.size());
   char** list = arguments.data();
   PetscErrorPrintf = &PrintNothing;
-  const PetscErrorCode code = PetscInitialize(&count, &list, nullptr, nullptr);
+  const PetscErrorCode code = [&] {
+    const StartLock lock;
+    return PetscInitialize(&count, &list, nullptr, nullptr);
+  }();
   dup2(out, STDOUT_FILENO);
   close(out);
   CheckPetsc(code);
