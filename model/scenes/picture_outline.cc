@@ -139,7 +139,7 @@ std::string OutlinePath(const Outline& outline, const PageMap& map) {
       path += PiecePath(piece, map, move);
       move = "L";
     }
-    path += "Z";
+    path += 'Z';
   }
   return path;
 }

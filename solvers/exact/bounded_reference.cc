@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "solvers/exact/active_factor.h"
 #include "solvers/exact/dyadic_lcp.h"
@@ -199,7 +200,7 @@ class Refinement {
       }
       if (shift == 0 || !ProximalStep(Exponent(shift))) break;
     }
-    f_ = best;
+    f_ = std::move(best);
   }
 
   // Which rows of a set of dependent ones are active as their doubles say it; false where that comes to no end.
