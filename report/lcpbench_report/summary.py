@@ -117,7 +117,7 @@ def _by_size(inputs: Inputs) -> str:
     for of in choice.size_classes(inputs, cells):
         ranked = decision.contenders(cells[cells["size_class"] == of["key"]], list(inputs.own))
         if ranked:
-            parts.append(f"{formats.size_class(of['key'])} rows `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
+            parts.append(f"{_rows([formats.size_class(of['key'])])} `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
     return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
 
 
