@@ -21,7 +21,7 @@ BASELINE := build/baseline
 OWN       = dantzig auto semismooth-newton lemke bpp active-set pgs psor nncg apgd ipopt-qp ipopt-ncp ipm hybrid
 
 # What the rules of `lcpbench recommend` are made of: folders of campaigns, and the manifests that have their problems.
-CAMPAIGNS          ?= report/reference/core
+CAMPAIGNS          ?= build/results/standard build/results/sequences
 CAMPAIGN_MANIFESTS ?= data/engine.json data/standard.json
 
 # How long and with which new inputs `make fuzz` goes on.
