@@ -41,19 +41,18 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
 REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
 REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate geometry-benchmark scene-benchmark large-benchmark slurm-try doc reference-report check format fuzz install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate geometry-benchmark scene-benchmark slurm-try doc reference-report check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard and sequences (CAMPAIGNS=folders; a minute)"
+	@echo "make recommendation   rules of lcpbench recommend from campaigns (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
-	@echo "make large-benchmark      large problems in units of one factorisation, 10^3 to 10^5 rows (an hour; OPTIONS=...)"
-	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, README's headline"
+	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
 	@echo "make doc      reference of the public headers, build/doc/html/index.html"
@@ -103,11 +102,11 @@ report: run pictures
 	@$(BUILD)/lcpbench report $(RESULTS) --motion $(MOTION_RESULTS) --pictures $(PICTURES) --output build/report/index.html
 	@echo "report: $(CURDIR)/build/report/index.html"
 
-# The report of the committed results; what of it is committed beside them is its summary, and README's headline.
+# The report of the committed results. What is committed of it: its summary, and the numbers in README.md and docs/.
 reference-report: pictures
 	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
 	@cp build/reference/summary.md report/reference/
-	@$(PYTHON) report/headline.py report/reference/core $(REFERENCE_ABLATION) --update README.md
+	@$(PYTHON) report/headline.py report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 ablation: command
@@ -127,7 +126,7 @@ calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
 	@$(PYTHON) report/calibrate.py $(CALIBRATION_RESULTS)
 
-geometry-benchmark scene-benchmark large-benchmark: configure
+geometry-benchmark scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 

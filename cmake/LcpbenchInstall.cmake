@@ -5,7 +5,7 @@ include(CMakePackageConfigHelpers)
 set(LCPBENCH_INSTALL_INCLUDEDIR "${CMAKE_INSTALL_INCLUDEDIR}/lcpbench")
 set(LCPBENCH_INSTALL_CMAKEDIR "${CMAKE_INSTALL_LIBDIR}/cmake/lcpbench")
 
-install(TARGETS lcpbench_lcp lcpbench_external lcpbench_model lcpbench_solvers
+install(TARGETS lcpbench_support lcpbench_lcp lcpbench_io lcpbench_external lcpbench_model lcpbench_solvers
   EXPORT lcpbench_targets
   ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}"
   FILE_SET HEADERS DESTINATION "${LCPBENCH_INSTALL_INCLUDEDIR}")

@@ -4,26 +4,26 @@
 #include <map>
 #include <utility>
 
-#include "solvers/active_set_solver.h"
-#include "solvers/apgd.h"
-#include "solvers/auto_solver.h"
-#include "solvers/bpp.h"
-#include "solvers/dantzig.h"
-#include "solvers/external/external_solver.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lemke.h"
-#include "solvers/nncg.h"
+#include "solvers/active_set/active_set_solver.h"
+#include "solvers/active_set/bpp.h"
+#include "solvers/active_set/semismooth_newton.h"
+#include "solvers/auto/auto_solver.h"
+#include "solvers/first_order/apgd.h"
+#include "solvers/first_order/nncg.h"
+#include "solvers/first_order/pgs.h"
+#include "solvers/first_order/psor.h"
 #include "solvers/peers/peer_table.h"
-#include "solvers/pgs.h"
-#include "solvers/psor.h"
-#include "solvers/semismooth_newton.h"
+#include "solvers/peers/protocol/external_solver.h"
+#include "solvers/pivoting/dantzig.h"
+#include "solvers/pivoting/lemke.h"
+#include "support/input_error.h"
 #ifdef LCPBENCH_WITH_IPOPT
-#include "solvers/ipopt_ncp.h"
-#include "solvers/ipopt_qp.h"
+#include "solvers/ipopt/ipopt_ncp.h"
+#include "solvers/ipopt/ipopt_qp.h"
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-#include "solvers/hybrid.h"
-#include "solvers/ipm.h"
+#include "solvers/interior_point/hybrid.h"
+#include "solvers/interior_point/ipm.h"
 #endif
 
 namespace lcpbench {
@@ -97,7 +97,7 @@ std::vector<SolverEntry> OwnSolvers() {
       Dense({"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4", true,
              false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>}),
       SolverEntry{"auto", "chooses among our own backends, checks the answer, asks the next",
-                  "see solvers/auto_solver.h", true, true, &AnyPsd, &Make<AutoSolver, AutoOptions>},
+                  "see solvers/auto/auto_solver.h", true, true, &AnyPsd, &Make<AutoSolver, AutoOptions>},
       SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
                   "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
                   &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
@@ -123,7 +123,7 @@ std::vector<SolverEntry> OwnSolvers() {
       SolverEntry{"ipm", "interior point on sparse CHOLMOD, proximal, finished by an active set",
                   "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeIpm},
       SolverEntry{"hybrid", "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
-                  "see solvers/hybrid.h", kHaveSuitesparse, true, &AnyPsd, kMakeHybrid},
+                  "see solvers/interior_point/hybrid.h", kHaveSuitesparse, true, &AnyPsd, kMakeHybrid},
   };
 }
 

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/lcp/method_class.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/method_class.h"
 
 namespace lcpbench {
 
@@ -82,8 +82,8 @@ void RegisterSolverVariant(const std::string& key, const std::string& base, cons
 /// solver.
 void RegisterAblations();
 
-/// Adds a solver that runs as a command of the user's (solvers/external/protocol.h). KEY-baseline, where KEY is an own
-/// solver, stands for that one in another build, `lcpbench serve KEY`: an ablation with the facts of KEY.
+/// Adds a solver that runs as a command of the user's (solvers/peers/protocol/protocol.h). KEY-baseline, where KEY is
+/// an own solver, stands for that one in another build, `lcpbench serve KEY`: an ablation with the facts of KEY.
 /// @param command  program and arguments
 /// @throws InputError as RegisterSolver, and for an empty command
 void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command);

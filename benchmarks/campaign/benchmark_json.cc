@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

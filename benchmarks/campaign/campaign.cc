@@ -14,16 +14,16 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_file.h"
+#include "benchmarks/campaign/exclusion_rules.h"
 #include "benchmarks/campaign/journal.h"
 #include "benchmarks/campaign/problem_file.h"
-#include "benchmarks/campaign/sequence_campaign.h"
-#include "benchmarks/campaign/sequence_plan.h"
+#include "benchmarks/campaign/sequences/sequence_campaign.h"
+#include "benchmarks/campaign/sequences/sequence_plan.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/exclusion_rules.h"
-#include "benchmarks/interrupt.h"
-#include "benchmarks/progress.h"
-#include "solvers/lcp/input_error.h"
+#include "benchmarks/measure/interrupt.h"
+#include "benchmarks/measure/progress.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

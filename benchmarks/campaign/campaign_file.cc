@@ -7,14 +7,14 @@
 #include <fstream>
 #include <system_error>
 
-#include "benchmarks/campaign/sequence_campaign.h"
+#include "benchmarks/campaign/exclusion_rules.h"
+#include "benchmarks/campaign/sequences/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/environment.h"
-#include "benchmarks/exclusion_rules.h"
-#include "benchmarks/hardware_counters.h"
-#include "solvers/lcp/input_error.h"
+#include "benchmarks/measure/environment.h"
+#include "benchmarks/measure/hardware_counters.h"
 #include "solvers/peers/tier_settings.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -9,10 +9,10 @@
 #include <tuple>
 #include <utility>
 
-#include "benchmarks/exclusion_rules.h"
+#include "benchmarks/campaign/exclusion_rules.h"
 #include "model/scenes/random.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

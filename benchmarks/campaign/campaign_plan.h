@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/size_classes.h"
-#include "benchmarks/speed_probe.h"
+#include "benchmarks/collection/size_classes.h"
+#include "benchmarks/measure/speed_probe.h"
 
 namespace lcpbench {
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "benchmarks/campaign/median_interval.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/append_only_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/task_messages.h"
+#include "support/append_only_file.h"
 
 namespace lcpbench {
 

@@ -9,9 +9,9 @@
 #include <set>
 
 #include "benchmarks/collection/references.h"
-#include "benchmarks/oracle.h"
-#include "benchmarks/progress.h"
-#include "solvers/lcp/input_error.h"
+#include "benchmarks/measure/oracle.h"
+#include "benchmarks/measure/progress.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

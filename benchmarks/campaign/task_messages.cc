@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 // Of std::optional, as null or a value.
 template <typename Value>

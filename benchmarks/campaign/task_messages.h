@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/speed_probe.h"
+#include "benchmarks/measure/speed_probe.h"
 #include "solvers/lcp/fresh_pass.h"
 
 namespace lcpbench {

@@ -8,16 +8,16 @@
 #include <string_view>
 #include <utility>
 
-#include "benchmarks/allocation_count.h"
-#include "benchmarks/collection/another_b.h"
 #include "benchmarks/collection/manifest.h"
+#include "benchmarks/collection/recipes/another_b.h"
 #include "benchmarks/collection/references.h"
-#include "benchmarks/peak_memory.h"
-#include "benchmarks/size_classes.h"
-#include "solvers/external/external_solver.h"
-#include "solvers/lcp/input_error.h"
+#include "benchmarks/collection/size_classes.h"
+#include "benchmarks/measure/allocation_count.h"
+#include "benchmarks/measure/peak_memory.h"
 #include "solvers/lcp/metric_table.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/peers/protocol/external_solver.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 

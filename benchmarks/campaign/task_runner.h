@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/task_messages.h"
-#include "benchmarks/solver_pool.h"
+#include "benchmarks/measure/solver_pool.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/lcp/problem.h"
 

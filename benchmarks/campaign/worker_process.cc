@@ -19,10 +19,10 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "benchmarks/campaign/sequence_runner.h"
+#include "benchmarks/campaign/sequences/sequence_runner.h"
 #include "benchmarks/campaign/task_runner.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/sequence_cell.h"
+#include "benchmarks/campaign/sequences/sequence_cell.h"
 #include "benchmarks/campaign/task_messages.h"
 
 namespace lcpbench {

@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/motion_steps.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/sequences.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
 
 namespace lcpbench {
 namespace {

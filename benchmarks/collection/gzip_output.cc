@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 

@@ -11,11 +11,11 @@
 #include <utility>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/gzip_input.h"
-#include "benchmarks/problem_formats.h"
-#include "model/json_field.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
+#include "benchmarks/collection/gzip_input.h"
+#include "benchmarks/collection/problem_formats.h"
+#include "solvers/io/json_lines.h"
+#include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {

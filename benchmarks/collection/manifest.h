@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "benchmarks/collection/properties.h"
-#include "benchmarks/collection/recipe.h"
+#include "benchmarks/collection/recipes/recipe.h"
 
 namespace lcpbench {
 

@@ -3,9 +3,9 @@
 #include <initializer_list>
 #include <utility>
 
-#include "benchmarks/collection/hard_cases.h"
+#include "benchmarks/collection/recipes/hard_cases.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-#include "benchmarks/collection/recipe.h"
-#include "benchmarks/size_classes.h"
+#include "benchmarks/collection/recipes/recipe.h"
+#include "benchmarks/collection/size_classes.h"
 
 namespace lcpbench {
 

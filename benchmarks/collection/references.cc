@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/gzip_input.h"
-#include "solvers/lcp/input_error.h"
+#include "benchmarks/collection/gzip_input.h"
 #include "solvers/lcp/rounding_floor.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

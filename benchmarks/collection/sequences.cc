@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/instance.h"
-#include "benchmarks/scene_source.h"
-#include "benchmarks/sequence.h"
+#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/motions/scene_source.h"
+#include "benchmarks/motions/sequence.h"
 #include "solvers/exact/exact_solver.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 std::string SequenceId(const Recipe& start) { return RecipeId(start) + "-motion"; }

@@ -9,11 +9,11 @@
 #include <stdexcept>
 
 #include "benchmarks/campaign/median_interval.h"
-#include "benchmarks/campaign/sequence_cell.h"
+#include "benchmarks/campaign/reference_floor.h"
+#include "benchmarks/campaign/sequences/sequence_cell.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/progress.h"
-#include "benchmarks/reference_floor.h"
-#include "benchmarks/speed_probe.h"
+#include "benchmarks/measure/progress.h"
+#include "benchmarks/measure/speed_probe.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 

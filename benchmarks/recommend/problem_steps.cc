@@ -6,14 +6,14 @@
 #include <optional>
 #include <utility>
 
-#include "benchmarks/input_files.h"
-#include "benchmarks/problem_formats.h"
-#include "benchmarks/scene_source.h"
-#include "model/assembly.h"
+#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/problem_formats.h"
+#include "benchmarks/motions/scene_source.h"
+#include "model/contact/assembly.h"
 #include "model/motion/row_matching.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

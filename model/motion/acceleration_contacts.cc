@@ -5,12 +5,12 @@
 #include <cmath>
 #include <variant>
 
-#include "model/closest_points.h"
-#include "model/connector_row.h"
-#include "model/contact_row.h"
-#include "model/detection.h"
-#include "model/overloaded.h"
-#include "model/trig.h"
+#include "model/contact/closest_points.h"
+#include "model/contact/connector_row.h"
+#include "model/contact/contact_row.h"
+#include "model/detection/detection.h"
+#include "model/geometry/overloaded.h"
+#include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {

@@ -4,12 +4,12 @@
 #include <utility>
 #include <vector>
 
-#include "model/body.h"
+#include "model/contact/body.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/detection/normal_span.h"
+#include "model/geometry/vec2.h"
 #include "model/motion/contact_finder.h"
-#include "model/normal_span.h"
-#include "model/system.h"
-#include "model/vec2.h"
-#include "model/world.h"
 
 namespace lcpbench {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -3,7 +3,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <utility>
 
-#include "model/loads.h"
+#include "model/contact/loads.h"
 #include "model/motion/projection.h"
 
 namespace lcpbench {

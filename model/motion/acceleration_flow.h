@@ -3,10 +3,10 @@
 #include <memory>
 #include <vector>
 
-#include "model/assembly.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
 #include "model/motion/acceleration_solver.h"
-#include "model/system.h"
-#include "model/world.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {

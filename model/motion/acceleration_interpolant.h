@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "model/body.h"
+#include "model/contact/body.h"
 #include "model/motion/acceleration_flow.h"
 
 namespace lcpbench {

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "model/loads.h"
+#include "model/contact/loads.h"
 #include "model/motion/path_joints.h"
 #include "model/motion/projection.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -4,10 +4,10 @@
 #include <utility>
 #include <vector>
 
-#include "model/detection.h"
-#include "model/outline.h"
-#include "model/system.h"
-#include "model/world.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/detection/detection.h"
+#include "model/shape/outline.h"
 
 namespace lcpbench {
 

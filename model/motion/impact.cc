@@ -5,7 +5,7 @@
 #include <string>
 
 #include "model/motion/projection.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

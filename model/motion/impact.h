@@ -3,8 +3,8 @@
 #include <functional>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/system.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <utility>
 
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 

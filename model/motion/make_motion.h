@@ -3,10 +3,10 @@
 #include <memory>
 #include <string_view>
 
+#include "model/contact/world.h"
 #include "model/motion/acceleration_motion.h"
 #include "model/motion/motion.h"
 #include "model/motion/velocity_motion.h"
-#include "model/world.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {

@@ -5,19 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/system.h"
-#include "model/world.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/motion/motion_level.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
-
-/// The mechanics that a world moves by.
-enum class MotionLevel {
-  kAcceleration,  ///< forces from the contact LCP at every evaluation, events located, impacts simultaneous
-  kVelocity,      ///< time stepping: one LCP of impulses a step, no events [Anitescu, Potra 1997]
-};
 
 /// What an LCP met on the way stands for. [MODEL.md sections 8, 9]
 enum class MotionProblemKind {

@@ -2,8 +2,8 @@
 
 #include <variant>
 
-#include "model/closest_points.h"
-#include "model/trig.h"
+#include "model/contact/closest_points.h"
+#include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {

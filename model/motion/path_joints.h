@@ -2,8 +2,8 @@
 
 #include <span>
 
-#include "model/body.h"
-#include "model/system.h"
+#include "model/contact/body.h"
+#include "model/contact/system.h"
 
 namespace lcpbench {
 

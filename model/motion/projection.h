@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/body.h"
-#include "model/system.h"
+#include "model/contact/assembly.h"
+#include "model/contact/body.h"
+#include "model/contact/system.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 

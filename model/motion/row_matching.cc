@@ -7,7 +7,7 @@
 #include <utility>
 #include <variant>
 
-#include "model/overloaded.h"
+#include "model/geometry/overloaded.h"
 
 namespace lcpbench {
 namespace {

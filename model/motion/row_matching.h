@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/system.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
 
 namespace lcpbench {
 

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "model/loads.h"
+#include "model/contact/loads.h"
+#include "model/detection/narrow_phase.h"
 #include "model/motion/path_joints.h"
-#include "model/narrow_phase.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 #include <variant>
 
+#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "model/body.h"
-#include "model/json_field.h"
+#include "model/contact/body.h"
 #include "model/scene_file/shape_reader.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

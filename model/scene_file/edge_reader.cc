@@ -5,9 +5,9 @@
 #include <numbers>
 #include <string>
 
-#include "model/angle.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "model/json_field.h"
-#include "model/outline_piece.h"
+#include "model/shape/outline_piece.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

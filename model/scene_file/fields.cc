@@ -28,7 +28,7 @@ double ReadNonNegative(const JsonField& field) {
 }
 
 Vec2 ReadVector(const JsonField& field) {
-  const Vec2 vector = field.Vector();
+  const Vec2 vector = field.Pair<Vec2>();
   if (!(std::abs(vector.x) <= kLargestNumber && std::abs(vector.y) <= kLargestNumber)) {
     field.Fail("expected numbers within -1e30..1e30, found " + Text(vector));
   }

@@ -3,9 +3,9 @@
 #include <initializer_list>
 #include <string>
 
-#include "model/json_field.h"
-#include "model/vec2.h"
-#include "solvers/lcp/input_error.h"
+#include "model/geometry/vec2.h"
+#include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

@@ -3,9 +3,9 @@
 #include <string>
 #include <variant>
 
+#include "model/geometry/trig.h"
 #include "model/scene_file/edge_reader.h"
 #include "model/scene_file/fields.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {

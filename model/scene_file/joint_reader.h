@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "model/json_field.h"
+#include "model/contact/system.h"
 #include "model/scene_file/body_reader.h"
-#include "model/system.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

@@ -3,8 +3,8 @@
 #include <set>
 #include <vector>
 
-#include "model/json_field.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "model/json_field.h"
-#include "model/loads.h"
+#include "model/contact/loads.h"
 #include "model/scene_file/body_reader.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

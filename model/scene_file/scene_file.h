@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "model/contact/world.h"
 #include "model/motion/motion.h"
-#include "model/world.h"
 
 namespace lcpbench {
 

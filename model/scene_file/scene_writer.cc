@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "model/detection.h"
-#include "model/outline_checks.h"
-#include "model/overloaded.h"
+#include "model/detection/detection.h"
+#include "model/geometry/overloaded.h"
 #include "model/scene_file/scene_file.h"
+#include "model/shape/outline_checks.h"
 
 namespace lcpbench {
 namespace {

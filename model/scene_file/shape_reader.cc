@@ -6,10 +6,10 @@
 #include <tuple>
 #include <utility>
 
-#include "model/outline_checks.h"
 #include "model/scene_file/edge_reader.h"
 #include "model/scene_file/fields.h"
-#include "model/shapes.h"
+#include "model/shape/outline_checks.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {

@@ -2,9 +2,9 @@
 
 #include <string>
 
-#include "model/json_field.h"
-#include "model/mass_properties.h"
-#include "model/outline.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/outline.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 

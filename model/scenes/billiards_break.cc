@@ -19,8 +19,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -112,11 +112,9 @@ Rack MakeRack(int rows, std::uint64_t seed) {
   return rack;
 }
 
-}  // namespace
+ContactSystem Generate(int rows, std::uint64_t seed) { return MakeRack(rows, seed).system; }
 
-ContactSystem GenerateBilliardsBreak(int rows, std::uint64_t seed) { return MakeRack(rows, seed).system; }
-
-World StartBilliardsBreak(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   const Rack rack = MakeRack(rows, seed);
   World world = WorldUnderGravity(rack.system, {});
   for (const int cue : rack.cues) {
@@ -127,5 +125,18 @@ World StartBilliardsBreak(int rows, std::uint64_t seed) {
   }
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kBilliardsBreak{
+    "billiards-break",
+    "Rack of discs pressed, or broken, by a cue ball",
+    "Equal masses and nothing fixed: the redundancy of a lattice alone. Its sequence is a series of "
+    "simultaneous impacts.",
+    &Generate,
+    &Start,
+    MotionLevel::kAcceleration,
+    2e-3,
+    0.95};
 
 }  // namespace lcpbench

@@ -17,8 +17,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -179,9 +179,7 @@ class Wall {
   std::vector<int> steps_;  ///< end bricks of the course before
 };
 
-}  // namespace
-
-ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("boxes-and-discs", rows, seed);
   Wall wall(&system, rows, &random);
@@ -190,10 +188,22 @@ ContactSystem GenerateBoxesAndDiscs(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartBoxesAndDiscs(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(GenerateBoxesAndDiscs(rows, seed), {0, -kGravity});
+World Start(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
   Stir(&world, kStir, seed);
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kBoxesAndDiscs{
+    "boxes-and-discs",
+    "Brick wall in running bond with discs in joints and on steps",
+    "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
+    "to translation - the everyday, highly redundant load of a physics engine.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

@@ -24,13 +24,13 @@
 #include <utility>
 #include <vector>
 
-#include "model/mass_properties.h"
-#include "model/scenes/families.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/shapes.h"
-#include "model/trig.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -339,9 +339,7 @@ class CamRow {
   std::vector<Spring> springs_;
 };
 
-}  // namespace
-
-ContactSystem GenerateCamFollower(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("cam-follower", rows, seed);
   const CamRow cams(&system, rows, &random);
@@ -351,7 +349,7 @@ ContactSystem GenerateCamFollower(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartCamFollower(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("cam-follower", rows, seed);
   const CamRow cams(&system, rows, &random);
@@ -360,5 +358,17 @@ World StartCamFollower(int rows, std::uint64_t seed) {
   loads.springs = cams.springs();
   return SetInMotion(std::move(system), std::move(loads));
 }
+
+}  // namespace
+
+extern const SceneFamily kCamFollower{
+    "cam-follower",
+    "Row of coupled cams with spring-loaded followers in guides",
+    "Pins, coupling rods and path joints around few contacts of arcs, flanks and ellipses; the rods couple "
+    "the whole row, which tells methods that use a band from those that fill a dense matrix.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

@@ -21,14 +21,14 @@
 #include <utility>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/mass_properties.h"
-#include "model/scenes/families.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/shapes.h"
-#include "model/trig.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -152,9 +152,7 @@ class Chain {
   Link last_;
 };
 
-}  // namespace
-
-ContactSystem GenerateChainOfLinks(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("chain-of-links", rows, seed);
   const Chain chain(&system, rows, &random);
@@ -164,11 +162,23 @@ ContactSystem GenerateChainOfLinks(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartChainOfLinks(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("chain-of-links", rows, seed);
   const Chain chain(&system, rows, &random);
   return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
+
+}  // namespace
+
+extern const SceneFamily kChainOfLinks{
+    "chain-of-links",
+    "Chain of pinned links lying over a turning drum",
+    "Two pin rows for every contact, and a tension that sums up along the chain: stiff along, loose "
+    "across, which tells direct methods from those that pass forces on link by link.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

@@ -19,8 +19,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -286,9 +286,7 @@ class PileScene {
   std::vector<double> radii_;
 };
 
-}  // namespace
-
-ContactSystem GenerateDiscPile(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("disc-pile", rows, seed);
   const int count = rows / 2;
@@ -330,10 +328,22 @@ ContactSystem GenerateDiscPile(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartDiscPile(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(GenerateDiscPile(rows, seed), {0, -kGravity});
+World Start(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
   Stir(&world, kStir, seed);
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kDiscPile{
+    "disc-pile",
+    "Pile of discs of many sizes and masses in a box",
+    "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
+    "methods whose speed depends on conditioning from direct ones.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

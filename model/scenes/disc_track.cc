@@ -17,10 +17,10 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {
@@ -66,9 +66,7 @@ EccentricDisc MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Ran
   return disc;
 }
 
-}  // namespace
-
-ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("disc-track", rows, seed);
   const int chain = (rows + 1) / 2;
@@ -117,8 +115,18 @@ ContactSystem GenerateDiscTrack(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartDiscTrack(int rows, std::uint64_t seed) {
-  return WorldUnderGravity(GenerateDiscTrack(rows, seed), {0, -kPlane * kGravity});
-}
+World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kPlane * kGravity}); }
+
+}  // namespace
+
+extern const SceneFamily kDiscTrack{
+    "disc-track",
+    "Chain of spinning discs sliding inside a concave track",
+    "Convex arcs in a concave one with centripetal terms; A is nonsingular and narrowly banded, which tells "
+    "methods that use sparsity from those that fill a dense matrix.",
+    &Generate,
+    &Start,
+    MotionLevel::kAcceleration,
+    1e-2};
 
 }  // namespace lcpbench

@@ -17,8 +17,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -89,9 +89,7 @@ int AddCradled(Wedge* wedge, int layer, int i, const std::vector<int>& below) {
   return disc;
 }
 
-}  // namespace
-
-ContactSystem GenerateDiscsInV(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   ContactSystem system = EmptyScene("discs-in-v", rows, seed);
   Wedge wedge(&system);
   std::vector<int> below;
@@ -135,10 +133,22 @@ ContactSystem GenerateDiscsInV(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartDiscsInV(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(GenerateDiscsInV(rows, seed), {0, -kGravity});
+World Start(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
   Stir(&world, kStir, seed);
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kDiscsInV{
+    "discs-in-v",
+    "Equal discs stacked in a V of two walls",
+    "Redundant contacts and force paths as long as the stack is high: A is rank deficient and f not unique, "
+    "which tells methods that cope with singular A from those that need pivots of full rank.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

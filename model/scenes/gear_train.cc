@@ -26,14 +26,14 @@
 #include <utility>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/mass_properties.h"
-#include "model/scenes/families.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/shapes.h"
-#include "model/trig.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -319,9 +319,7 @@ class GearTrain {
   double pitch_speed_ = 0;
 };
 
-}  // namespace
-
-ContactSystem GenerateGearTrain(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("gear-train", rows, seed);
   const GearTrain train(&system, rows, &random);
@@ -330,7 +328,7 @@ ContactSystem GenerateGearTrain(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartGearTrain(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("gear-train", rows, seed);
   GearTrain train(&system, rows, &random);
@@ -339,5 +337,17 @@ World StartGearTrain(int rows, std::uint64_t seed) {
   loads.wrenches = train.Brakes();
   return SetInMotion(std::move(system), std::move(loads));
 }
+
+}  // namespace
+
+extern const SceneFamily kGearTrain{
+    "gear-train",
+    "Train of gears on pins driven by a motor",
+    "Two bilateral rows for every tooth contact, on flanks at random: tells methods that eliminate joints "
+    "from those that carry them along, with gamma from turning arcs in every row.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

@@ -5,10 +5,10 @@
 #include <variant>
 #include <vector>
 
-#include "model/closest_points.h"
-#include "model/connector_row.h"
+#include "model/contact/closest_points.h"
+#include "model/contact/connector_row.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <optional>
 
-#include "model/contact_row.h"
-#include "model/outline.h"
-#include "model/system.h"
-#include "model/vec2.h"
+#include "model/contact/contact_row.h"
+#include "model/contact/system.h"
+#include "model/geometry/vec2.h"
+#include "model/shape/outline.h"
 
 namespace lcpbench {
 

@@ -22,11 +22,11 @@
 #include <utility>
 #include <vector>
 
-#include "model/scenes/families.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {
@@ -93,9 +93,7 @@ void DrawBeam(Body* beam, double left, double right) {
                    WholeEdge({left, corner.y}, {left, 0})};
 }
 
-}  // namespace
-
-ContactSystem GenerateNewtonsCradle(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("newtons-cradle", rows, seed);
   const Counts counts = CountsFor(rows);
@@ -130,7 +128,7 @@ ContactSystem GenerateNewtonsCradle(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartNewtonsCradle(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("newtons-cradle", rows, seed);
   const Counts counts = CountsFor(rows);
@@ -149,5 +147,18 @@ World StartNewtonsCradle(int rows, std::uint64_t seed) {
            (counts.balls - 1) * spacing + 2 * kMaxRadius);
   return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
+
+}  // namespace
+
+extern const SceneFamily kNewtonsCradle{
+    "newtons-cradle",
+    "Row of touching pendulums on rods, ropes and arms",
+    "Squeezed balls form blocks as long as the row, and ropes go slack: tells methods that pass pushes on "
+    "one neighbour a sweep from those that solve at once.",
+    &Generate,
+    &Start,
+    MotionLevel::kAcceleration,
+    1e-2,
+    1};
 
 }  // namespace lcpbench

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/vec2.h"
+#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 

@@ -20,15 +20,15 @@
 #include <utility>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/mass_properties.h"
-#include "model/outline_piece.h"
-#include "model/scenes/families.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/shapes.h"
-#include "model/trig.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/outline_piece.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -259,9 +259,7 @@ class Train {
   double speed_ = 0;
 };
 
-}  // namespace
-
-ContactSystem GenerateOvalTrain(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("oval-train", rows, seed);
   const Train train(&system, rows, &random);
@@ -270,7 +268,7 @@ ContactSystem GenerateOvalTrain(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartOvalTrain(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("oval-train", rows, seed);
   const Train train(&system, rows, &random);
@@ -284,5 +282,17 @@ World StartOvalTrain(int rows, std::uint64_t seed) {
   }
   return SetInMotion(std::move(system), std::move(loads));
 }
+
+}  // namespace
+
+extern const SceneFamily kOvalTrain{
+    "oval-train",
+    "Train on a closed oval track, coupled by ropes and buffers",
+    "Two path joints a car on an ellipse or superellipse, couplings that only pull or only push: the "
+    "active set is a matter of the loads along the whole train.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

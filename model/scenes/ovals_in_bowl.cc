@@ -19,12 +19,12 @@
 #include <string>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/scenes/families.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/oval_front.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {
@@ -186,9 +186,7 @@ class OvalScene {
   std::vector<bool> bears_;  ///< whether anything rests on it
 };
 
-}  // namespace
-
-ContactSystem GenerateOvalsInBowl(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("ovals-in-bowl", rows, seed);
   OvalScene scene(&system, rows, &random);
@@ -197,8 +195,18 @@ ContactSystem GenerateOvalsInBowl(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartOvalsInBowl(int rows, std::uint64_t seed) {
-  return WorldUnderGravity(GenerateOvalsInBowl(rows, seed), {0, -kGravity});
-}
+World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kGravity}); }
+
+}  // namespace
+
+extern const SceneFamily kOvalsInBowl{
+    "ovals-in-bowl",
+    "Pile of ellipses in a round bowl",
+    "General curves whose contact points must be searched, normals that miss the centres of mass, b that "
+    "depends on curvature; nonsingular, with every force depending on the whole pile above.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

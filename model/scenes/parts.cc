@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/trig.h"
+#include "model/geometry/trig.h"
 
 namespace lcpbench {
 

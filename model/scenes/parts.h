@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
+#include "model/contact/system.h"
 #include "model/scenes/random.h"
-#include "model/system.h"
 
 namespace lcpbench {
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "model/vec2.h"
+#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 

@@ -17,10 +17,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/scenes/families.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {
@@ -280,9 +280,7 @@ class RockerRow {
   Rocker previous_;
 };
 
-}  // namespace
-
-ContactSystem GenerateRockers(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("rockers", rows, seed);
   RockerRow(&system, rows, &random).Build();
@@ -290,8 +288,8 @@ ContactSystem GenerateRockers(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartRockers(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(GenerateRockers(rows, seed), {0, -kGravity});
+World Start(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
   // Gap rates are linear in the velocities: they stay 0.
   for (Body& body : world.bodies) {
     body.v = kCalm * body.v;
@@ -299,5 +297,17 @@ World StartRockers(int rows, std::uint64_t seed) {
   }
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kRockers{
+    "rockers",
+    "Row of rocking bodies carrying discs, boxes and poles",
+    "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
+    "moderate sizes that most methods should solve, with b that depends on curvature.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

@@ -20,10 +20,10 @@
 #include <iterator>
 #include <vector>
 
-#include "model/scenes/families.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/trig.h"
 
 namespace lcpbench {
 namespace {
@@ -216,9 +216,7 @@ class Bearings {
   std::vector<int> rings_;  ///< outer ones
 };
 
-}  // namespace
-
-ContactSystem GenerateRollerBearing(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("roller-bearing", rows, seed);
   Bearings bearings(&system, rows, &random);
@@ -227,8 +225,8 @@ ContactSystem GenerateRollerBearing(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartRollerBearing(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(GenerateRollerBearing(rows, seed), {0, -kGravity});
+World Start(int rows, std::uint64_t seed) {
+  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
   for (std::size_t i = 0; i < world.bodies.size(); ++i) {
     const Body& body = world.bodies[i];
     if (!body.name.starts_with("shaft")) continue;
@@ -236,5 +234,17 @@ World StartRollerBearing(int rows, std::uint64_t seed) {
   }
   return world;
 }
+
+}  // namespace
+
+extern const SceneFamily kRollerBearing{
+    "roller-bearing",
+    "Rollers between concentric races",
+    "Convex arcs in concave ones, highly redundant, with rings that touch hundreds of rollers: dense "
+    "blocks in A, which tell methods that form A from those that work with J.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

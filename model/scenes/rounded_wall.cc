@@ -21,8 +21,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -161,9 +161,7 @@ class RoundedWall {
   int courses_ = 0;  ///< complete ones
 };
 
-}  // namespace
-
-ContactSystem GenerateRoundedWall(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("rounded-wall", rows, seed);
   RoundedWall wall(&system, rows, &random);
@@ -172,9 +170,21 @@ ContactSystem GenerateRoundedWall(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartRoundedWall(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   const Vec2 down{kLean, -std::sqrt(1 - kLean * kLean)};
-  return WorldUnderGravity(GenerateRoundedWall(rows, seed), kGravity * down);
+  return WorldUnderGravity(Generate(rows, seed), kGravity * down);
 }
+
+}  // namespace
+
+extern const SceneFamily kRoundedWall{
+    "rounded-wall",
+    "Wall of bricks with rounded corners",
+    "Flat contacts through corner arcs, up to six rows a brick against three degrees of freedom: the most "
+    "redundant wall, with A far from full rank.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

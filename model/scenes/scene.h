@@ -4,9 +4,9 @@
 #include <span>
 #include <string_view>
 
-#include "model/motion/motion.h"
-#include "model/system.h"
-#include "model/world.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/motion/motion_level.h"
 
 namespace lcpbench {
 

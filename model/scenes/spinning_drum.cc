@@ -20,14 +20,14 @@
 #include <utility>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/mass_properties.h"
-#include "model/scenes/families.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
-#include "model/shapes.h"
-#include "model/trig.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -266,9 +266,7 @@ class Drum {
   std::vector<Vec2> baffles_;
 };
 
-}  // namespace
-
-ContactSystem GenerateSpinningDrum(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("spinning-drum", rows, seed);
   const Drum drum(&system, rows, &random);
@@ -277,7 +275,7 @@ ContactSystem GenerateSpinningDrum(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartSpinningDrum(int rows, std::uint64_t seed) {
+World Start(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("spinning-drum", rows, seed);
   const Drum drum(&system, rows, &random);
@@ -285,5 +283,17 @@ World StartSpinningDrum(int rows, std::uint64_t seed) {
   for (Body& body : system.bodies) body.alpha = 0;
   return WorldUnderGravity(std::move(system), {0, -kGravity});
 }
+
+}  // namespace
+
+extern const SceneFamily kSpinningDrum{
+    "spinning-drum",
+    "Balls and ovals between the baffles of a turning drum",
+    "A kinematic body whose motion and acceleration enter b, and independent sectors of balls and general "
+    "curves: tells methods that use blocks from those whose cost grows with the whole.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

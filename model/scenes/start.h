@@ -2,10 +2,10 @@
 
 #include <cstdint>
 
-#include "model/loads.h"
-#include "model/system.h"
-#include "model/vec2.h"
-#include "model/world.h"
+#include "model/contact/loads.h"
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 

@@ -23,8 +23,8 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/families.h"
 #include "model/scenes/packing_parts.h"
+#include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 
 namespace lcpbench {
@@ -246,9 +246,7 @@ class Stacks {
   std::vector<int> lifted_;
 };
 
-}  // namespace
-
-ContactSystem GenerateTallStacks(int rows, std::uint64_t seed) {
+ContactSystem Generate(int rows, std::uint64_t seed) {
   Random random(seed);
   ContactSystem system = EmptyScene("tall-stacks", rows, seed);
   Stacks stacks(&system, rows, &random);
@@ -261,8 +259,18 @@ ContactSystem GenerateTallStacks(int rows, std::uint64_t seed) {
   return system;
 }
 
-World StartTallStacks(int rows, std::uint64_t seed) {
-  return WorldUnderGravity(GenerateTallStacks(rows, seed), {0, -kGravity});
-}
+World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kGravity}); }
+
+}  // namespace
+
+extern const SceneFamily kTallStacks{
+    "tall-stacks",
+    "Stacks with mass ratios up to a million",
+    "Heavy bodies on light ones: forces and the eigenvalues of A spread over as many orders of magnitude, "
+    "which tells direct methods from those that sweep locally, and relative from absolute tolerances.",
+    &Generate,
+    &Start,
+    MotionLevel::kVelocity,
+    1e-3};
 
 }  // namespace lcpbench

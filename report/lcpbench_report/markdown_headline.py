@@ -1,4 +1,4 @@
-"""The headline as Markdown, for README.md and summaries."""
+"""The headline as Markdown: in short for README.md, in full for docs/results.md and summaries."""
 
 import math
 
@@ -12,14 +12,23 @@ from .summary import false_successes, peers
 
 def caption(inputs: Inputs, found: Headline) -> str:
     """What a cell says, by which rule it is bold, and where it was measured."""
-    return (f"Fresh times at tier {power(found.tier)}: one interval from the caller's arrays (J by rows, inverse masses, b, "
-            "kinds of rows) to f, with validation, forms of A, ordering, factorizations, fallbacks and the solver's own "
-            "check inside, by a solver object that has solved other problems and never this one; peers the same, in "
-            "processes of their own. Of a class the median over its problems, each of k variants of one base with weight "
-            "1/k; an answer that is not verified counts as infinitely slow. *Right*: share verified. The best are the "
-            f"fastest of those that are right on {percent(RIGHT)}; **bold**: the fastest of all, and what is tied with it: "
-            "the 95 % interval of the ratio of their times reaches 1. Ratios are our time over theirs, problem by problem, "
-            f"intervals by bootstrap over families and bases{_where(inputs)}.")
+    return (f"Fresh times at tier {power(found.tier)}. A fresh time is one interval from the caller's arrays (J by rows, "
+            "inverse masses, b, kinds of rows) to f. Validation, forms of A, ordering, factorizations, fallbacks and the "
+            "solver's own check are inside. The solver object has solved other problems before, but never this one. Peers "
+            "are timed in the same way, each in a process of its own. The time of a class is the median over its problems; "
+            "each of k variants of one base has weight 1/k, and an answer that is not verified counts as infinitely slow. "
+            f"*Right*: share verified. The best are the fastest of those that are right on {percent(RIGHT)}. **Bold**: the "
+            "fastest of all, and every solver tied with it: the 95 % interval of the ratio of their times contains 1. "
+            "Ratios are our time over theirs, problem by problem, with intervals by bootstrap over families and "
+            f"bases{_where(inputs)}.")
+
+
+def short_caption(inputs: Inputs, found: Headline) -> str:
+    """The same in two sentences, for the front page."""
+    return (f"Median time from the caller's arrays to f at tier {power(found.tier)}, everything inside, on problems that the "
+            "solver object has not seen before; an answer that is not verified counts as infinitely slow"
+            f"{_where(inputs)}. Best: the fastest of those that are right on {percent(RIGHT)} (**bold**: the fastest of all, and "
+            "what the 95 % interval does not tell apart from it); ratios are our time over theirs, so above 1 we lose.")
 
 
 def _where(inputs: Inputs) -> str:
@@ -90,17 +99,22 @@ def cell(entry: Entry | None, problems: int) -> str:
     return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
 
 
-def render(inputs: Inputs, found: Headline) -> str:
-    """Caption, both tables, and what is said about them."""
-    lines = [caption(inputs, found), "", classes(found), peers(found), "",
-             f"The 99 % quantile is given where there are {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
-             f"Own solvers, then the best of each peer library, and of its others where that one is not given larger "
-             "problems; columns are rows. After a time the share verified, where that is not all, and of how many problems, where "
-             "the solver's budget ended before all had their turn (their order is drawn by lot); ✗: half or more failed; "
-             f"{DASH}: not run at that size, by a rule declared before.", "", by_solver(found)]
+def details(inputs: Inputs, found: Headline) -> str:
+    """False successes, and the table of all solvers."""
+    lines = [f"The 99 % quantile is given for classes with at least {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
+             "Own solvers first, then the best solver of each peer library, with a second one where the best is not run on "
+             "larger problems. The columns are numbers of rows. After a time stands the share verified, where that is not all, "
+             "and of how many problems, where the solver's budget ended before every problem had its turn (their order is "
+             f"drawn at random). ✗: half or more failed. {DASH}: not run at that size, by a rule declared before the run.", "",
+             by_solver(found)]
     if found.left_out:
         lines.append(f"{plural(len(found.left_out), 'other solver or setting', 'other solvers and settings')} are in the report.\n")
     absent = [entry["key"] for entry in inputs.solvers if not entry["available"]]
     if absent:
         lines.append("Not in this build: " + ", ".join(f"`{key}`" for key in absent) + ".\n")
     return "\n".join(lines)
+
+
+def render(inputs: Inputs, found: Headline) -> str:
+    """Caption, both tables, and what is said about them."""
+    return "\n".join([caption(inputs, found), "", classes(found), peers(found), "", details(inputs, found)])

@@ -1,4 +1,4 @@
-"""What README says that a result file holds: its text stands between markers, and is written here.
+"""What README.md and docs/ say that a result file holds: its text stands between markers, and is written here.
 
     <!-- numbers:NAME -->...<!-- end -->
 
@@ -6,81 +6,103 @@ A block of lines has its markers on lines of their own; a number within a senten
 """
 
 import json
+import os
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import ablation_table, formats, markdown_headline
+from . import ablation_table, formats, markdown_headline, summary
 from .errors import ReportError
-from .headline_table import headline
+from .headline_table import Headline
 from .inputs import Inputs
 
 _BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
-FIGURE = Path("report/reference/headline.svg")  # below the folder of README
+FIGURE = Path("report/reference/headline.svg")  # below the repository
 _ALT = "Median fresh time against the number of rows: own solvers, the best of each peer library, and the oracle"
 
 
 @dataclass(frozen=True)
 class Source:
     inputs: Inputs
-    root: Path  # README's folder: what is committed beside it
+    found: Headline  # of the inputs
+    root: Path  # of the repository: what is committed there, and the figure
 
 
-def fill(text: str, source: Source, name: str) -> str:
+@dataclass(frozen=True)
+class Page:
+    source: Source
+    path: Path  # of the Markdown file: its links are relative to its folder
+
+    def link(self, target: Path) -> str:
+        """@param target  below the repository"""
+        return Path(os.path.relpath((self.source.root / target).resolve(), self.path.resolve().parent)).as_posix()
+
+
+def has_blocks(text: str) -> bool:
+    return bool(_BLOCK.search(text))
+
+
+def fill(text: str, page: Page) -> str:
     """@returns `text` with every block written anew
-    @throws ReportError for a block that is not known, or without any
+    @throws ReportError for a block that is not known
     """
-    if not _BLOCK.search(text):
-        raise ReportError(name, "has no block of numbers", "'<!-- numbers:NAME -->' and, after it, '<!-- end -->'")
     written: dict[str, str] = {}
 
     def write(found: re.Match) -> str:
         block = found[1]
         if block not in BLOCKS:
-            raise ReportError(name, f"block 'numbers:{block}'", "one of " + ", ".join(BLOCKS))
+            raise ReportError(str(page.path), f"block 'numbers:{block}'", "one of " + ", ".join(BLOCKS))
         if block not in written:
-            written[block] = BLOCKS[block](source)
+            written[block] = BLOCKS[block](page)
         new = f"\n\n{written[block].strip()}\n\n" if found[2].startswith("\n") else written[block].strip()
         return f"<!-- numbers:{block} -->{new}<!-- end -->"
 
     return _BLOCK.sub(write, text)
 
 
-def _headline(source: Source) -> str:
-    found = headline(source.inputs)
-    return markdown_headline.render(source.inputs, found) + f"\n![{_ALT}]({FIGURE.as_posix()})"
+def _headline(page: Page) -> str:
+    """What README shows: caption, table by size class, where we lose, figure."""
+    inputs, found = page.source.inputs, page.source.found
+    return "\n".join([markdown_headline.short_caption(inputs, found), "", markdown_headline.classes(found), summary.peers(found),
+                      "", f"![{_ALT}]({page.link(FIGURE)})"])
 
 
-def _info(source: Source) -> dict:
+def _headline_details(page: Page) -> str:
+    """The conventions, false successes, and the table of all solvers."""
+    inputs, found = page.source.inputs, page.source.found
+    return markdown_headline.caption(inputs, found) + "\n\n" + markdown_headline.details(inputs, found)
+
+
+def _info(page: Page) -> dict:
     """campaign.json of the first campaign."""
-    return source.inputs.campaigns[0].info
+    return page.source.inputs.campaigns[0].info
 
 
-def _streams(source: Source) -> str:
+def _streams(page: Page) -> str:
     """1000 problems up to 30 rows, 256 up to 100 rows"""
     largest: dict[int, int] = {}
-    for of in _info(source)["size_classes"]:
+    for of in _info(page)["size_classes"]:
         if of["stream"]:
             largest[of["stream"]] = of["most"]
     return formats.words([f"{least} problems up to {rows} rows" for least, rows in largest.items()])
 
 
-def _limits(source: Source) -> str:
+def _limits(page: Page) -> str:
     """Rules of size and whom they leave out."""
     rules: dict[tuple, list[str]] = {}
-    for limit in _info(source).get("size_limits", []):
+    for limit in _info(page).get("size_limits", []):
         rules.setdefault((limit["reason"], limit["largest"]), []).append(f"`{limit['solver']}`")
     return "; ".join(f"{reason}: to {largest} rows ({', '.join(who)})" for (reason, largest), who in rules.items())
 
 
-def _manifests(source: Source) -> str:
-    return formats.words([f"`{of['name']}` {of['version']}" for of in _info(source).get("manifests", [])])
+def _manifests(page: Page) -> str:
+    return formats.words([f"`{of['name']}` {of['version']}" for of in _info(page).get("manifests", [])])
 
 
-def _tuning(source: Source) -> str:
+def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
-    tuned = json.loads((source.root / "data/tuned.json").read_text(encoding="utf-8"))
+    tuned = json.loads((page.source.root / "data/tuned.json").read_text(encoding="utf-8"))
     solvers = tuned["solvers"]
     tried = [len(solver["tried"]) for solver in solvers]
     changed = [f"`{solver['solver']}`" for solver in solvers if solver["chosen"]]
@@ -91,9 +113,9 @@ def _tuning(source: Source) -> str:
             f"{formats.words(changed)}. The other {len(solvers) - len(changed)} keep it.")
 
 
-def _recommendation(source: Source) -> str:
+def _recommendation(page: Page) -> str:
     """What data/recommendation.json says of families that its rules were not made of."""
-    tried = json.loads((source.root / "data/recommendation.json").read_text(encoding="utf-8"))["evaluation"]
+    tried = json.loads((page.source.root / "data/recommendation.json").read_text(encoding="utf-8"))["evaluation"]
     shares = [of["families"]["share"] for of in tried["tiers"]]
     passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
     return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
@@ -101,13 +123,57 @@ def _recommendation(source: Source) -> str:
             f"by tiers and measures) on at least {100 * tried['least_share']:.0f} %.")
 
 
-BLOCKS: dict[str, Callable[[Source], str]] = {
+def _solvers(page: Page, origin: str) -> list[dict]:
+    """Of the campaign, without other settings of the same solver."""
+    return [of for of in _info(page)["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
+
+
+def _keys(keys: list[str]) -> str:
+    return ", ".join(f"`{key}`" for key in keys)
+
+
+def _scene_keys(page: Page) -> str:
+    return _keys(sorted({about["family"] for about in page.source.inputs.problems.values()}))
+
+
+def _settings(page: Page) -> dict[str, str]:
+    """Solver -> its settings that data/tuning.json declares, each with its values."""
+    declared = json.loads((page.source.root / "data/tuning.json").read_text(encoding="utf-8"))["solvers"]
+    return {of["solver"]: "; ".join(f"`{name}` {', '.join(values)}" for name, values in of["settings"].items()) or formats.DASH
+            for of in declared}
+
+
+def _own_solvers(page: Page) -> str:
+    """Key, method, whether the tolerance matters, settings."""
+    settings = _settings(page)
+    lines = ["| key | method | tolerance | settings |", "| --- | --- | --- | --- |"]
+    lines += [f"| `{of['key']}` | {of['method']} | {of['tolerance']} | {settings.get(of['key'], formats.DASH)} |"
+              for of in _solvers(page, "own")]
+    return "\n".join(lines)
+
+
+def _peer_solvers(page: Page) -> str:
+    """The same of peers, with the library's version and licence."""
+    settings = _settings(page)
+    lines = ["| key | method | tolerance | settings | version | licence |", "| --- | --- | --- | --- | --- | --- |"]
+    lines += [f"| `{of['key']}` | {of['method']} | {of['tolerance']} | {settings.get(of['key'], formats.DASH)} "
+              f"| {of['library_version']} | {of['licence']} |" for of in _solvers(page, "peer")]
+    return "\n".join(lines)
+
+
+BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
-    "ablation": lambda source: ablation_table.markdown(source.inputs),
-    "ablation-of-checks": lambda source: ablation_table.checks(source.inputs),
+    "headline-details": _headline_details,
+    "ablation": lambda page: ablation_table.markdown(page.source.inputs),
+    "ablation-of-checks": lambda page: ablation_table.checks(page.source.inputs),
     "streams": _streams,
-    "passes": lambda source: str(_info(source)["passes"]),
+    "passes": lambda page: str(_info(page)["passes"]),
     "limits": _limits,
     "manifests": _manifests,
     "tuning": _tuning, "recommendation": _recommendation,
+    "own-keys": lambda page: _keys([of["key"] for of in _solvers(page, "own")]),
+    "peer-keys": lambda page: _keys([of["key"] for of in _solvers(page, "peer")]),
+    "scene-keys": _scene_keys,
+    "own-solvers": _own_solvers,
+    "peer-solvers": _peer_solvers,
 }

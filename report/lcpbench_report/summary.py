@@ -138,7 +138,7 @@ def peers(found: Headline) -> str:
     else:
         parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
     if tied:
-        parts.append(f"Not decided, for the interval reaches 1: {_rows(tied)}.")
+        parts.append(f"Not decided, because the interval contains 1: {_rows(tied)}.")
     if won:
         parts.append(f"We win at {formats.words([_won(row) for row in won])}.")
     return " ".join(parts)

@@ -166,33 +166,58 @@ class Headline(unittest.TestCase):
         self.assertEqual(formats.share(1000, 1000), "100\u202f%")
         self.assertEqual(formats.share(1, 1000), "<1\u202f%")
 
-    def test_update_writes_every_block_and_draws_the_figure(self):
+    def update(self, *files) -> int:
+        return script.main([str(self.folder), "--root", str(self.path), "--update", *(str(file) for file in files)])
+
+    def test_update_writes_the_blocks_of_all_files_and_draws_the_figure(self):
         readme, figure = self.path / "README.md", self.path / "report" / "reference" / "headline.svg"
+        page, bare = self.path / "docs" / "results.md", self.path / "docs" / "bare.md"
+        page.parent.mkdir()
+        bare.write_text("no blocks\n", encoding="utf-8")
         readme.write_text("before\n<!-- numbers:headline -->\nstale text\n<!-- end -->\nat most "
                           "<!-- numbers:passes -->99<!-- end --> passes, <!-- numbers:streams --><!-- end -->\n",
                           encoding="utf-8")
+        page.write_text("<!-- numbers:headline -->\nstale text\n<!-- end -->\n\n<!-- numbers:headline-details -->\n<!-- end -->\n",
+                        encoding="utf-8")
         seen = set()
         for _ in range(2):  # the second time changes nothing more
-            self.assertEqual(script.main([str(self.folder), "--update", str(readme)]), 0)
-            text = readme.read_text(encoding="utf-8")
+            self.assertEqual(self.update(readme, page, bare), 0)
+            text, more = readme.read_text(encoding="utf-8"), page.read_text(encoding="utf-8")
             self.assertTrue(text.startswith("before\n"))
-            self.assertIn(self.text, text)
             self.assertIn("](report/reference/headline.svg)", text)
+            self.assertIn("](../report/reference/headline.svg)", more)
             self.assertIn("at most <!-- numbers:passes -->5<!-- end --> passes", text)
             self.assertIn("1000 problems up to 30 rows, 256 problems up to 100 rows and 64 problems up to 1000 rows", text)
-            self.assertNotIn("stale text", text)
+            self.assertNotIn("stale text", text + more)
+            self.assertEqual(bare.read_text(encoding="utf-8"), "no blocks\n")
             xml.etree.ElementTree.parse(figure)
-            seen.add((text, figure.read_bytes()))
+            seen.add((text, more, figure.read_bytes()))
         self.assertEqual(len(seen), 1)
 
-    def test_a_file_without_blocks_or_with_an_unknown_one_is_refused_before_anything_is_written(self):
-        readme = self.path / "bare.md"
-        for text in ("no blocks", "<!-- numbers:nonsense -->1<!-- end -->"):
-            readme.write_text(text, encoding="utf-8")
+    def test_the_short_headline_and_the_details_are_all_of_the_long_one(self):
+        by_class, by_solver = markdown_headline.classes(self.found), markdown_headline.by_solver(self.found)
+        readme = self.path / "short.md"
+        readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
+        self.assertEqual(self.update(readme), 0)
+        short, details = readme.read_text(encoding="utf-8"), markdown_headline.details(self.inputs, self.found)
+        self.assertIn(by_class + "\n" + summary.peers(self.found), short)  # what we lose stands directly below the table
+        self.assertNotIn(by_solver, short)
+        self.assertIn(by_solver, details)
+        self.assertIn("False successes", details)
+        for part in (by_class, details, markdown_headline.caption(self.inputs, self.found)):
+            self.assertIn(part, self.text)
+
+    def test_files_without_blocks_or_with_an_unknown_one_are_refused_before_anything_is_written(self):
+        good, bad = self.path / "good.md", self.path / "bad.md"
+        stale = "<!-- numbers:passes -->99<!-- end -->"
+        good.write_text(stale, encoding="utf-8")
+        for text, files in (("no blocks", [bad]), ("<!-- numbers:nonsense -->1<!-- end -->", [good, bad])):
+            bad.write_text(text, encoding="utf-8")
             with contextlib.redirect_stderr(io.StringIO()) as error:
-                self.assertEqual(script.main([str(self.folder), "--update", str(readme)]), 2)
+                self.assertEqual(self.update(*files), 2)
             self.assertEqual(error.getvalue().count("\n"), 1)
-            self.assertEqual(readme.read_text(encoding="utf-8"), text)
+            self.assertEqual(bad.read_text(encoding="utf-8"), text)
+        self.assertEqual(good.read_text(encoding="utf-8"), stale)
 
     def test_a_missing_folder_is_one_line_and_status_two(self):
         with contextlib.redirect_stderr(io.StringIO()) as error:

@@ -1,4 +1,4 @@
-"""README's blocks of numbers are what the committed results give."""
+"""The blocks of numbers of README.md and docs/ are what the committed results give, and links among the pages resolve."""
 
 import json
 import re
@@ -10,13 +10,18 @@ _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 from lcpbench_report import readme_blocks  # noqa: E402
+from lcpbench_report.headline_table import headline  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
 from lcpbench_report.statistics.load import SCHEMA  # noqa: E402
 
-_README = _REPORT.parent / "README.md"
+_ROOT = _REPORT.parent
+_PAGES = {path: path.read_text(encoding="utf-8") for path in [*sorted(_ROOT.glob("*.md")), *sorted(_ROOT.glob("docs/*.md"))]}
 _CORE = _REPORT / "reference" / "core"
 _ABLATION = _REPORT / "reference" / "ablation"
+_INCLUDES = _ROOT / "docs" / "includes.svg"  # generated, and shown where it is there
 _HELP = "make reference-report writes them"
+# A link or an image.
+_LINK = re.compile(r"(!?)\[[^\]]*\]\(([^)\s]+)\)")
 
 
 def _reason() -> str:
@@ -28,20 +33,58 @@ def _reason() -> str:
     return "" if found == SCHEMA else f"{info} has schema {found}, this report reads {SCHEMA}"
 
 
-class Readme(unittest.TestCase):
-    def setUp(self):
-        self.text = _README.read_text(encoding="utf-8")
+def _name(path: Path) -> str:
+    return path.relative_to(_ROOT).as_posix()
 
+
+def _words(text: str) -> str:
+    """Without code."""
+    lines = [line for line in text.splitlines() if not line.startswith("    ")]
+    return re.sub(r"`[^`]*`", "", "\n".join(lines))
+
+
+def _anchor(heading: str) -> str:
+    """As GitHub makes it."""
+    return re.sub(r"[^\w\- ]", "", heading.replace("`", "").strip().lower()).replace(" ", "-")
+
+
+class Readme(unittest.TestCase):
     def test_every_block_is_one_that_the_generator_writes(self):
-        names = re.findall(r"<!-- numbers:(\S*) -->", self.text)
-        self.assertIn("headline", names)
-        self.assertLessEqual(set(names), set(readme_blocks.BLOCKS))
-        self.assertEqual(self.text.count("<!-- end -->"), len(names))
+        names = {path: re.findall(r"<!-- numbers:(\S*) -->", text) for path, text in _PAGES.items()}
+        self.assertIn("headline", names[_ROOT / "README.md"])
+        used = {block for blocks in names.values() for block in blocks}
+        self.assertEqual(used, set(readme_blocks.BLOCKS))
+        for path, blocks in names.items():
+            self.assertEqual(_PAGES[path].count("<!-- end -->"), len(blocks), _name(path))
 
     @unittest.skipIf(_reason(), _reason())
     def test_the_blocks_are_those_of_the_committed_results(self):
-        filled = readme_blocks.fill(self.text, readme_blocks.Source(load_inputs([_CORE], ablation=_ABLATION), _README.parent), _README.name)
-        self.assertEqual(self.text.splitlines(), filled.splitlines(), _HELP)
+        inputs = load_inputs([_CORE], ablation=_ABLATION)
+        source = readme_blocks.Source(inputs, headline(inputs), _ROOT)
+        for path, text in _PAGES.items():
+            with self.subTest(_name(path)):
+                filled = readme_blocks.fill(text, readme_blocks.Page(source, path))
+                self.assertEqual(text.splitlines(), filled.splitlines(), _HELP)
+
+    def test_links_lead_to_files_and_headings_that_are_there(self):
+        for path, text in _PAGES.items():
+            for image, link in _LINK.findall(_words(text)):
+                if link.startswith("http") or image and (path.parent / link).name == _INCLUDES.name and not _INCLUDES.exists():
+                    continue
+                with self.subTest(f"{_name(path)}: {link}"):
+                    file, _, anchor = link.partition("#")
+                    target = (path.parent / file).resolve() if file else path
+                    self.assertTrue(target.exists(), "no such file")
+                    if anchor:
+                        headings = re.findall(r"^#+ (.*)$", target.read_text(encoding="utf-8"), re.MULTILINE)
+                        self.assertIn(anchor, [_anchor(heading) for heading in headings])
+
+    def test_every_solver_and_scene_is_spoken_of_on_its_page(self):
+        readme = _PAGES[_ROOT / "README.md"]
+        for block, page in (("own-keys", "solvers"), ("peer-keys", "peers"), ("scene-keys", "scenes")):
+            keys = re.search(rf"<!-- numbers:{block} -->(.*?)<!-- end -->", readme, re.DOTALL)[1]
+            text = _PAGES[_ROOT / "docs" / f"{page}.md"]
+            self.assertEqual([key for key in keys.strip().split(", ") if key not in text], [], page)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -9,13 +9,14 @@
 
 #include "solvers/batch/instructions.h"
 #include "solvers/batch/worker_pool.h"
-#include "solvers/given_form.h"
-#include "solvers/lcp/input_error.h"
+#include "solvers/lcp/given_form.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// See solvers/auto_solver.cc: a lane of a larger rho counts as failed, and the margin of backward errors in double.
+// See solvers/auto/auto_solver.cc: a lane of a larger rho counts as failed, and the margin of backward errors in
+// double.
 constexpr double kLaneRho = 1e-9;
 constexpr double kMargin = 0.1;
 // Groups that a thread takes at a time.

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "solvers/auto_solver.h"
+#include "solvers/auto/auto_solver.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 

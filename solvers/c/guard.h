@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "solvers/c/lcpbench.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 

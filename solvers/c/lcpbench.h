@@ -200,7 +200,8 @@ LCPBENCH_API lcpbench_error lcpbench_solver_count(size_t* count);
 LCPBENCH_API lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info, size_t size);
 
 /// An option of one method by name: {"relaxation", "1.3"}. Names and values are those of `lcpbench solve --set`, and
-/// are documented in the solver's C++ header (solvers/pgs.h, say). Numbers are in C notation, whatever the locale.
+/// are documented in the solver's C++ header (solvers/first_order/pgs.h, say). Numbers are in C notation, whatever the
+/// locale.
 typedef struct lcpbench_setting {
   const char* name;   ///< not NULL
   const char* value;  ///< not NULL

@@ -7,7 +7,7 @@
 #include "solvers/c/guard.h"
 #include "solvers/c/handles.h"
 #include "solvers/c/lcpbench.h"
-#include "solvers/library_threads.h"
+#include "solvers/linear_algebra/library_threads.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

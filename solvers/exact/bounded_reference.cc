@@ -10,8 +10,8 @@
 #include "solvers/exact/dyadic_refinement.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/exact/vertex_search.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/solver.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
 #include "solvers/exact/exact_lcp.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

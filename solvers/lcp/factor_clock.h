@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "solvers/lcp/solver.h"
 #include "solvers/lcp/work_counts.h"
+#include "support/clock.h"
 
 namespace lcpbench {
 

@@ -11,9 +11,9 @@
 #include <utility>
 
 #include "solvers/lcp/dense_assembly.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem_arrays.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

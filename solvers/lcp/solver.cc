@@ -9,9 +9,9 @@
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/in_sequence.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/problem_arrays.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -70,10 +70,6 @@ LcpStatus LcpStatusFromString(std::string_view key) {
     if (name == key) return value;
   }
   throw InputError("unknown status '" + std::string(key) + "'");
-}
-
-double SteadyNow() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 Deadline::Deadline(const LcpOptions& options) : now_(options.now), start_(now_()), limit_(options.time_limit_s) {}

@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "solvers/lcp/problem.h"
+#include "support/clock.h"
 
 namespace lcpbench {
 
@@ -30,9 +31,6 @@ std::string_view ToString(LcpStatus status);
 inline std::ostream& operator<<(std::ostream& out, LcpStatus status) { return out << ToString(status); }
 /// @throws InputError for an unknown key
 LcpStatus LcpStatusFromString(std::string_view key);
-
-/// Seconds of a monotonic clock.
-double SteadyNow();
 
 /// What every solver understands. Options of one method are typed structs given to its constructor.
 struct LcpOptions {

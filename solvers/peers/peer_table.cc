@@ -6,8 +6,8 @@
 #include <cstdlib>
 #include <utility>
 
-#include "solvers/external/external_solver.h"
-#include "solvers/lcp/input_error.h"
+#include "solvers/peers/protocol/external_solver.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

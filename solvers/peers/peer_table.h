@@ -5,14 +5,14 @@
 #include <string>
 #include <string_view>
 
+#include "solvers/lcp/method_class.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/method_class.h"
 
 namespace lcpbench {
 
-/// A solver of another project, run in a worker process of its own (solvers/external/): these libraries clash in one
-/// process, keep global state, or crash.
+/// A solver of another project, run in a worker process of its own (solvers/peers/protocol/): these libraries clash in
+/// one process, keep global state, or crash.
 struct PeerEntry {
   std::string_view key;      ///< as in the registry
   std::string_view method;   ///< one line

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "solvers/external/worker.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/peers/checked_solver.h"
 #include "solvers/peers/peer_library.h"
+#include "solvers/peers/protocol/worker.h"
+#include "support/input_error.h"
 
 namespace {
 

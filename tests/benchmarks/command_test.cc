@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "model/scenes/scene.h"
-#include "solvers/external/external_solver.h"
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
-#include "tests/lcp/stacked_column.h"
+#include "tests/solvers/lcp/stacked_column.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {

@@ -5,10 +5,10 @@
 #include <utility>
 #include <vector>
 
-#include "model/loads.h"
+#include "model/contact/loads.h"
+#include "model/contact/world.h"
 #include "model/motion/motion.h"
 #include "model/scenes/parts.h"
-#include "model/world.h"
 
 namespace lcpbench {
 

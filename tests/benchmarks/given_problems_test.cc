@@ -12,11 +12,11 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/gzip_input.h"
-#include "model/assembly.h"
+#include "benchmarks/collection/gzip_input.h"
+#include "model/contact/assembly.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 

@@ -18,9 +18,9 @@
 #include <variant>
 #include <vector>
 
-#include "benchmarks/gzip_input.h"
-#include "model/replay.h"
-#include "model/replay_record.h"
+#include "benchmarks/collection/gzip_input.h"
+#include "model/records/replay.h"
+#include "model/records/replay_record.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {

@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
 #include "tests/solvers_under_test.h"

@@ -1,4 +1,4 @@
-#include "model/assembly.h"
+#include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

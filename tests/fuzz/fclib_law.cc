@@ -9,10 +9,10 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "solvers/lcp/fclib_file.h"
-#include "solvers/lcp/input_error.h"
+#include "solvers/io/fclib_file.h"
+#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
-#include "tests/lcp/same_problem.h"
+#include "tests/solvers/lcp/same_problem.h"
 
 namespace lcpbench {
 namespace {

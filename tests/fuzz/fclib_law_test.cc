@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/lcp/fclib_file.h"
+#include "solvers/io/fclib_file.h"
 #include "tests/fuzz/hdf5_mutation.h"
 
 namespace lcpbench {

@@ -2,12 +2,12 @@
 
 #include <sstream>
 
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
-#include "solvers/lcp/matrix_market.h"
-#include "solvers/lcp/siconos_text.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/io/matrix_market.h"
+#include "solvers/io/siconos_text.h"
+#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
-#include "tests/lcp/same_problem.h"
+#include "tests/solvers/lcp/same_problem.h"
 
 namespace lcpbench {
 namespace {

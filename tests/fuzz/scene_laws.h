@@ -4,12 +4,12 @@
 #include <string>
 #include <string_view>
 
-#include "model/assembly.h"
+#include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
-#include "model/outline_checks.h"
-#include "model/outline_piece.h"
 #include "model/scene_file/scene_file.h"
-#include "solvers/lcp/input_error.h"
+#include "model/shape/outline_checks.h"
+#include "model/shape/outline_piece.h"
+#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
 
 namespace lcpbench {

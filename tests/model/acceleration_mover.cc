@@ -9,8 +9,8 @@
 #include <iostream>
 #include <utility>
 
-#include "model/loads.h"
-#include "model/mass_properties.h"
+#include "model/contact/loads.h"
+#include "model/shape/mass_properties.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

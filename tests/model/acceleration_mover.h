@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
+#include "model/contact/world.h"
 #include "model/motion/acceleration_motion.h"
-#include "model/outline.h"
-#include "model/world.h"
+#include "model/shape/outline.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/detection.h"
-#include "model/shapes.h"
-#include "model/trig.h"
-#include "solvers/lcp/input_error.h"
+#include "model/contact/assembly.h"
+#include "model/detection/detection.h"
+#include "model/geometry/trig.h"
+#include "model/shape/shapes.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/curve.h"
-#include "model/outline.h"
-#include "model/trig.h"
+#include "model/geometry/curve.h"
+#include "model/geometry/trig.h"
+#include "model/shape/outline.h"
 #include "tests/model/random_outlines.h"
 
 namespace lcpbench::testing {

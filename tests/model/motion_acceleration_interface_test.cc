@@ -9,11 +9,11 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
+#include "model/contact/assembly.h"
 #include "model/scenes/random.h"
-#include "model/shapes.h"
-#include "solvers/lcp/input_error.h"
+#include "model/shape/shapes.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 #include "tests/model/acceleration_mover.h"
 #include "tests/solvers_under_test.h"
 

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
-#include "model/loads.h"
-#include "model/mass_properties.h"
+#include "model/contact/loads.h"
 #include "model/scenes/random.h"
-#include "model/shapes.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 #include "tests/model/acceleration_mover.h"
 
 namespace lcpbench {

@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
-#include "model/mass_properties.h"
+#include "model/geometry/trig.h"
 #include "model/motion/velocity_motion.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/shapes.h"
-#include "model/trig.h"
-#include "solvers/lcp/input_error.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {

@@ -13,14 +13,14 @@
 #include <variant>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/body.h"
-#include "model/closest_points.h"
-#include "model/curve.h"
-#include "model/feature.h"
-#include "model/system.h"
-#include "model/trig.h"
-#include "solvers/lcp/input_error.h"
+#include "model/contact/assembly.h"
+#include "model/contact/body.h"
+#include "model/contact/closest_points.h"
+#include "model/contact/system.h"
+#include "model/geometry/curve.h"
+#include "model/geometry/feature.h"
+#include "model/geometry/trig.h"
+#include "support/input_error.h"
 
 namespace lcpbench::testing {
 

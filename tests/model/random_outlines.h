@@ -7,10 +7,10 @@
 #include <variant>
 #include <vector>
 
-#include "model/angle.h"
-#include "model/outline.h"
-#include "model/outline_piece.h"
-#include "model/trig.h"
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
+#include "model/shape/outline.h"
+#include "model/shape/outline_piece.h"
 #include "tests/model/random_contacts.h"
 
 namespace lcpbench::testing {

@@ -1,4 +1,4 @@
-#include "model/replay.h"
+#include "model/records/replay.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <variant>
 #include <vector>
 
-#include "model/replay_record.h"
-#include "model/replay_summary.h"
-#include "solvers/lcp/input_error.h"
+#include "model/records/replay_record.h"
+#include "model/records/replay_summary.h"
+#include "support/input_error.h"
 #include "tests/model/random_contacts.h"
 
 namespace lcpbench::testing {

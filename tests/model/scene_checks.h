@@ -11,13 +11,13 @@
 #include <variant>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/detection.h"
-#include "model/outline.h"
-#include "model/outline_piece.h"
-#include "model/system.h"
-#include "model/trig.h"
-#include "solvers/lcp/json_lines.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
+#include "model/detection/detection.h"
+#include "model/geometry/trig.h"
+#include "model/shape/outline.h"
+#include "model/shape/outline_piece.h"
+#include "solvers/io/json_lines.h"
 
 namespace lcpbench::testing {
 

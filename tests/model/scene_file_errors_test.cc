@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "model/scene_file/scene_file.h"
-#include "solvers/lcp/input_error.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

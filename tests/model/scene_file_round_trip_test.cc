@@ -9,14 +9,14 @@
 #include <variant>
 #include <vector>
 
-#include "model/assembly.h"
-#include "model/mass_properties.h"
+#include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/shapes.h"
-#include "solvers/lcp/input_error.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

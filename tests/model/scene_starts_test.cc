@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "model/assembly.h"
+#include "model/contact/assembly.h"
 #include "model/motion/contact_finder.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"

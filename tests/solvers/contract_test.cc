@@ -13,10 +13,10 @@
 #include <string>
 #include <utility>
 
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "tests/lcp/stacked_column.h"
+#include "support/input_error.h"
+#include "tests/solvers/lcp/stacked_column.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 

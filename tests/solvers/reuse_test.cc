@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/allocation_count.h"
+#include "benchmarks/measure/allocation_count.h"
 #include "solvers/lcp/problem_arrays.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/lcp/work_counts.h"

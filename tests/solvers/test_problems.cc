@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-#include "solvers/lcp/json_lines.h"
+#include "solvers/io/json_lines.h"
 
 namespace lcpbench {
 namespace {

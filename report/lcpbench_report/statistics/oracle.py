@@ -1,5 +1,5 @@
 """Times in units of the oracle: one sparse factorisation and solve on the rows that are active in the answer, known in
-advance (benchmarks/oracle.h). No method that factors can know less and be faster; 1 is a bound, not a rival."""
+advance (benchmarks/measure/oracle.h). No method that factors can know less and be faster; 1 is a bound, not a rival."""
 
 import numpy as np
 import pandas as pd

@@ -1,10 +1,10 @@
-#include "benchmarks/collection/another_b.h"
+#include "benchmarks/collection/recipes/another_b.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "benchmarks/collection/recipe.h"
+#include "benchmarks/collection/recipes/recipe.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

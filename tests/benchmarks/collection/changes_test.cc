@@ -7,16 +7,16 @@
 #include <limits>
 #include <utility>
 
-#include "benchmarks/collection/curvature_changes.h"
 #include "benchmarks/collection/properties.h"
-#include "benchmarks/collection/recipe.h"
-#include "benchmarks/collection/row_changes.h"
-#include "benchmarks/portable_power.h"
+#include "benchmarks/collection/recipes/curvature_changes.h"
+#include "benchmarks/collection/recipes/portable_power.h"
+#include "benchmarks/collection/recipes/recipe.h"
+#include "benchmarks/collection/recipes/row_changes.h"
 #include "model/scenes/scene.h"
 #include "solvers/exact/sparse_rank.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

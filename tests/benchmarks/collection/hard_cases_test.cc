@@ -1,13 +1,13 @@
 // What is said of hard cases holds exactly, by rational arithmetic.
 
-#include "benchmarks/collection/hard_cases.h"
+#include "benchmarks/collection/recipes/hard_cases.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "benchmarks/collection/instance.h"
-#include "benchmarks/collection/recipe.h"
+#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/recipe.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/sparse_rank.h"
 

@@ -13,15 +13,15 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
+#include "benchmarks/collection/gzip_input.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/sequences.h"
-#include "benchmarks/gzip_input.h"
-#include "benchmarks/size_classes.h"
+#include "benchmarks/collection/size_classes.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
-#include "solvers/lcp/json_lines.h"
-#include "solvers/lcp/matrix_market.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/io/matrix_market.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

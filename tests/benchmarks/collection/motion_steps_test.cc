@@ -1,4 +1,4 @@
-#include "benchmarks/collection/motion_steps.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/input_error.h"
 #include "solvers/lcp/verify.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

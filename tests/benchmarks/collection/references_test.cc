@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "benchmarks/collection/gzip_input.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
-#include "benchmarks/gzip_input.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 

@@ -1,0 +1,43 @@
+#include "benchmarks/campaign/reference_floor.h"
+
+#include <array>
+#include <memory>
+#include <string_view>
+
+#include "benchmarks/campaign/exclusion_rules.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+// By expected cost. The answers of an interior point, of pivoting and of descent from 0 lie apart where f is not
+// unique: their floors differ by up to 50 on redundant packings.
+constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "suitesparse", "nncg", "dantzig"};
+
+}  // namespace
+
+ReferenceFloor FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {
+  ReferenceFloor found;
+  LcpOptions options;
+  options.tolerance = tolerance;
+  options.time_limit_s = time_limit_s;
+  for (const std::string_view key : kReferenceSolvers) {
+    const SolverEntry& entry = FindSolver(key);
+    if (!entry.available || !SizeRefusal(entry, problem.size()).empty()) continue;
+    LcpResult result;
+    entry.make({})->Solve(problem, options, &result);
+    LcpReference own;
+    own.floor = RoundingFloor(problem, result.f);
+    if (!Verify(problem, result, tolerance, &own).passes) continue;
+    if (!found.reference.floor.has_value() || *own.floor < *found.reference.floor) {
+      found.reference.floor = own.floor;
+      found.solver = std::string(key);
+    }
+    if (*found.reference.floor <= tolerance) break;
+  }
+  return found;
+}
+
+}  // namespace lcpbench

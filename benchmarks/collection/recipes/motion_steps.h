@@ -1,0 +1,66 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/recipe.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+// Problems of scenes in motion: the LCP of a time step of VelocityMotion, whatever the family's own level, h and e
+// being the family's. The motion is driven by SweepSolver, as engines drive theirs, so that it can be followed at any
+// size and has the same bits on every machine.
+
+/// Projected Gauss-Seidel sweeps over J and M^-1, forwards and backwards in turn, started warm: until no force changes
+/// by more than kChange of the largest load, at most kMostSweeps. Scalar arithmetic in a fixed order, compiled as the
+/// model is: the same bits on every x86-64 machine. What is left over is what engines leave, undone by the next steps'
+/// depth terms.
+class SweepSolver final : public LcpSolver {
+ public:
+  static constexpr double kChange = 1e-8;
+  static constexpr int kMostSweeps = 200;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+
+ protected:
+  void DoPrepare(const LcpProblem&) override {}
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+};
+
+/// One time step of a motion.
+struct MotionStep {
+  int number = 0;  ///< from 1
+  /// Unilateral rows with a force whose contact had none in the step before, or was not there, since the start: how
+  /// often contacts have closed.
+  std::int64_t closings = 0;
+  Instance instance;  ///< its id is that of the recipe with this step
+};
+
+/// Lets a scene move until `handle` returns false, and at most `steps` time steps.
+/// @param start  neither changes nor a step
+/// @return "" or why the motion ended before its time
+/// @throws InputError as StartScene
+std::string FollowMotion(const Recipe& start, int steps, const std::function<bool(const MotionStep& step)>& handle);
+
+/// When a motion's problems are taken: the first at the first step from kSettled on by which contacts have closed
+/// max(1, rows / 4) times, at kLatestStep at the latest; every further one kStepsBetween after the one before.
+inline constexpr int kSettled = 40;
+inline constexpr int kLatestStep = 100;
+inline constexpr int kStepsBetween = 40;
+/// Where a problem is refused, so many steps after it are tried.
+inline constexpr int kStepsTried = 5;
+/// Steps with fewer or more rows are refused.
+inline constexpr Index kLeastMotionRows = 40;
+inline constexpr Index kMostMotionRows = 2000;
+
+/// Takes `count` problems of a motion, by the rule above.
+/// @param accept  called with every candidate, refuses by returning false
+void TakeSteps(const Recipe& start, int count, const std::function<bool(const MotionStep& step)>& accept);
+
+/// The problem of recipe.motion_step.
+/// @throws InputError where the motion ends before, and as above
+Instance MakeMotionStep(const Recipe& recipe);
+
+}  // namespace lcpbench

@@ -1,0 +1,83 @@
+#include <exception>
+#include <iostream>
+
+#include "benchmarks/command/commands.h"
+#include "build_info.h"
+#include "solvers/linear_algebra/library_threads.h"
+#include "support/input_error.h"
+
+namespace {
+
+// CLI11 would only say that a subcommand is missing, for `lcpbench frobnicate` and `lcpbench list frobnicate` alike.
+void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
+  const CLI::App* current = &app;
+  for (int i = 1; i < argc && argv[i][0] != '-'; ++i) {
+    const auto commands = current->get_subcommands([](const CLI::App*) { return true; });
+    if (commands.empty()) return;
+    std::string names;
+    const CLI::App* found = nullptr;
+    for (const CLI::App* command : commands) {
+      if (command->check_name(argv[i])) found = command;
+      // Without a group: of no use to people.
+      if (!command->get_group().empty()) names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    if (found == nullptr) {
+      throw lcpbench::InputError(std::string("unknown command '") + argv[i] + "', expected one of " + names);
+    }
+    current = found;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace lcpbench;
+  CLI::App app("Compares solvers of the linear complementarity problem of rigid bodies touching along curved edges");
+  app.name("lcpbench");
+  app.set_version_flag("--version", std::string("lcpbench ") + kVersion);
+  app.require_subcommand(1);
+  // One line per mistake, as everywhere else.
+  app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
+    return failed->get_name() + ": " + error.what() + " (see --help)\n";
+  });
+
+  // One solve, one thread: for every backend alike.
+  LimitLibraryThreads(1);
+
+  CommandRun run;
+  AddListCommand(app, run);
+  AddGenerateCommand(app, run);
+  AddSceneCommand(app, run);
+  AddSolveCommand(app, run);
+  AddServeCommand(app, run);
+  AddCertifyCommand(app, run);
+  AddConvertCommand(app, run);
+  AddCollectionCommand(app, run);
+  AddImportCommand(app, run);
+  AddAssembleCommand(app, run);
+  AddReplayCommand(app, run);
+  AddRunCommand(app, run);
+  AddMergeCommand(app, run);
+  AddCampaignWorkerCommand(app, run);
+  AddReportCommand(app, run);
+  AddAnalyseCommand(app, run);
+  AddCompareCommand(app, run);
+  AddTuneCommand(app, run);
+  AddRecommendCommand(app, run);
+  AddSequenceCommand(app, run);
+  AddMotionCommand(app, run);
+
+  try {
+    RequireKnownCommand(app, argc, argv);
+    app.parse(argc, argv);
+    return run();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kMisuse;
+  } catch (const InputError& error) {
+    std::cerr << "lcpbench: " << error.what() << std::endl;
+    return kMisuse;
+  } catch (const std::exception& error) {
+    std::cerr << "lcpbench: internal error: " << error.what() << std::endl;
+    return 1;
+  }
+}

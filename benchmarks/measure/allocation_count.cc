@@ -1,0 +1,73 @@
+#include "benchmarks/measure/allocation_count.h"
+
+#include <atomic>
+#include <cerrno>
+#include <cstdlib>
+
+#if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define LCPBENCH_COUNTS_ALLOCATIONS
+namespace {
+bool is_counting = false;
+std::atomic<long> allocations = 0;
+std::atomic<long> bytes = 0;
+void Count(std::size_t size) {
+  if (!is_counting) return;
+  allocations.fetch_add(1, std::memory_order_relaxed);
+  bytes.fetch_add(static_cast<long>(size), std::memory_order_relaxed);
+}
+}  // namespace
+#ifdef __clang__
+// These are the C library's own names.
+#pragma clang diagnostic ignored "-Wreserved-identifier"
+#endif
+extern "C" {
+void* __libc_malloc(std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
+void* __libc_realloc(void* old, std::size_t size);
+void* __libc_memalign(std::size_t alignment, std::size_t size);
+
+void* malloc(std::size_t size) noexcept {
+  Count(size);
+  return __libc_malloc(size);
+}
+void* calloc(std::size_t count, std::size_t size) noexcept {
+  Count(count * size);
+  return __libc_calloc(count, size);
+}
+void* realloc(void* old, std::size_t size) noexcept {
+  Count(size);
+  return __libc_realloc(old, size);
+}
+void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
+  Count(size);
+  return __libc_memalign(alignment, size);
+}
+void* memalign(std::size_t alignment, std::size_t size) noexcept {
+  Count(size);
+  return __libc_memalign(alignment, size);
+}
+int posix_memalign(void** result, std::size_t alignment, std::size_t size) noexcept {
+  Count(size);
+  void* memory = __libc_memalign(alignment, size);
+  if (memory == nullptr) return ENOMEM;
+  *result = memory;
+  return 0;
+}
+}
+#endif
+
+namespace lcpbench {
+
+#ifdef LCPBENCH_COUNTS_ALLOCATIONS
+bool AllocationsAreCounted() { return true; }
+long AllocationCount() { return allocations; }
+long AllocatedBytes() { return bytes; }
+void CountAllocations(bool on) { is_counting = on; }
+#else
+bool AllocationsAreCounted() { return false; }
+long AllocationCount() { return 0; }
+long AllocatedBytes() { return 0; }
+void CountAllocations(bool /*on*/) {}
+#endif
+
+}  // namespace lcpbench

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "benchmarks/motions/scene_source.h"
+
+namespace lcpbench {
+
+/// Every solver drives the same scenes: what its error does to the motion.
+struct MotionStudy {
+  std::vector<MovingScene> scenes;
+  std::vector<std::string> solvers;  ///< registry keys
+  std::vector<double> tolerances;    ///< direct methods run at the least one only
+  int size = 0;                      ///< rows at the start, as told to the scenes; for the files only
+  std::uint64_t seed = 0;
+  int steps = 0;  ///< of MovingScene::step each
+  double budget_s =
+      10;  ///< wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference
+};
+
+/// Figures that were not measured.
+inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+
+/// One scene driven by one solver at one tolerance, from the start to `time`. kNotMeasured where there was nothing to
+/// measure: no step to the end, no step in common with the reference, no row of the kind.
+struct MotionOutcome {
+  std::string scene;
+  MotionLevel level = MotionLevel::kVelocity;
+  std::string solver;
+  double tolerance = 0;
+  int steps = 0;    ///< of MovingScene::step, done
+  double time = 0;  ///< [s]
+  /// E(end) - E(start) over the scale; physical impacts take energy, too.
+  double energy_drift = kNotMeasured;
+  /// Largest |E - E_ref| at equal times over the scale, the largest kinetic energy of the reference motion.
+  double energy_error = kNotMeasured;
+  double penetration = kNotMeasured;  ///< deepest of all contacts [m]
+  double joint_error = kNotMeasured;  ///< largest [m]
+  /// Largest |x - x_ref| of a centre of mass at equal times [m].
+  double distance = kNotMeasured;
+  double rho = kNotMeasured;  ///< worst of all answers; infinite where one was not finite
+  double solve_time_s = 0;    ///< inside the solver
+  std::int64_t solves = 0;
+  std::int64_t failed = 0;           ///< not claimed solved
+  std::int64_t not_passed = 0;       ///< answers seen by the observer that Verify does not pass at `tolerance`
+  std::int64_t false_successes = 0;  ///< of these, claimed solved
+  std::string stopped;               ///< why the motion ended before its time; empty otherwise
+};
+
+/// The reference motion: the same scene at the same level and step, driven by this solver at this tolerance, so that
+/// the differences are the solver's and not those of the discretisation.
+inline constexpr const char* kReferenceSolver = "dantzig";
+inline constexpr double kReferenceTolerance = 1e-12;
+
+/// Runs the study and writes `folder`/motion.csv (RESULTS.md) as it goes. Stops early, with what there is, when an
+/// Interruption is requested.
+/// @throws InputError for unknown solvers, impossible numbers, and a folder that cannot be written
+std::vector<MotionOutcome> RunMotionStudy(const MotionStudy& study, const std::string& folder);
+
+/// An aligned table, a block per scene, for reading; "-" for what was not measured.
+std::string FormatMotionTable(const std::vector<MotionOutcome>& outcomes);
+
+}  // namespace lcpbench

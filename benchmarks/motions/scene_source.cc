@@ -1,0 +1,67 @@
+#include "benchmarks/motions/scene_source.h"
+
+#include <utility>
+#include <vector>
+
+#include "benchmarks/drawing/picture_layout.h"
+#include "model/motion/contact_finder.h"
+#include "model/scene_file/scene_file.h"
+#include "model/scenes/scene.h"
+
+namespace lcpbench {
+namespace {
+
+bool IsPath(const std::string& name) { return name.find('/') != std::string::npos || name.ends_with(".json"); }
+
+}  // namespace
+
+MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t seed) {
+  if (!IsPath(name_or_file)) {
+    const SceneFamily& family = FindScene(name_or_file);
+    return {name_or_file, StartScene(name_or_file, size, seed), family.level, family.step, family.restitution};
+  }
+  SceneFile file = ReadSceneFile(name_or_file);
+  MovingScene scene;
+  scene.name = file.world.name;
+  scene.world = std::move(file.world);
+  scene.level = file.level.value_or(scene.level);
+  scene.step = file.step.value_or(scene.step);
+  scene.restitution = file.restitution.value_or(scene.restitution);
+  return scene;
+}
+
+ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed) {
+  if (!IsPath(name_or_file)) return GenerateScene(name_or_file, size, seed);
+  return InstantWithContacts(ReadSceneFile(name_or_file).world);
+}
+
+ContactSystem InstantWithContacts(const World& world) {
+  std::vector<Bounds> bounds;
+  bounds.reserve(world.bodies.size());
+  for (const Body& body : world.bodies) bounds.push_back(BoundsOf(body));
+  const double median = MedianExtent(world.bodies, bounds);
+  const double size = median > 0 ? median : 1;
+  return InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
+}
+
+std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver) {
+  MotionOptions options;
+  options.velocity.step = scene.step;
+  options.velocity.restitution = scene.restitution;
+  options.velocity.lcp = lcp;
+  ImpactOptions& impact = options.acceleration.impact;
+  impact.restitution = scene.restitution;
+  // Where nothing bounces, a body that is stopped by one contact leaves others slowly and falls back onto them a few
+  // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
+  // that are slower than what counts as rest anyway need no impact.
+  if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
+  options.acceleration.lcp_tolerance = lcp.tolerance;
+  options.acceleration.lcp_time_limit_s = lcp.time_limit_s;
+  return MakeMotion(scene.level, scene.world, options, solver);
+}
+
+std::string FormatMovingScene(const MovingScene& scene) {
+  return FormatScene({scene.world, scene.level, scene.step, scene.restitution});
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "model/contact/system.h"
+#include "model/contact/world.h"
+#include "model/motion/make_motion.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+// What the command line means by a scene: a family's key with size and seed, or a scene file (a name with a '/', or
+// ending in .json).
+
+/// A world that is about to move, and how it is meant to.
+struct MovingScene {
+  std::string name;  ///< of the family or world
+  World world;
+  MotionLevel level = MotionLevel::kVelocity;  ///< copes with any scene
+  double step = 1e-3;      ///< time between two problems of its sequence, and the velocity level's time step [s]
+  double restitution = 0;  ///< of impacts, in [0, 1]
+};
+
+/// The sequence form of a family, or a scene file with what it wishes for.
+/// @param size, seed  of families, size >= 1; files have neither
+/// @throws InputError naming the known families, or the file and what is wrong with it
+MovingScene LoadScene(const std::string& name_or_file, int size, std::uint64_t seed);
+
+/// One instant: a family's problem as the benchmark solves it, its contacts listed; of a file its joints and the
+/// contacts found (InstantWithContacts).
+/// @throws InputError as LoadScene, DetectContacts
+ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64_t seed);
+
+/// One instant of a world: its joints, and the contacts found between its outlines within kFoundGap.
+/// @throws InputError as DetectContacts
+ContactSystem InstantWithContacts(const World& world);
+
+/// The scene's world, ready to move as the scene says under `solver`, which must outlive it. Of `lcp` both levels take
+/// tolerance and time limit.
+/// @throws InputError as MakeMotion
+std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver);
+
+/// The scene as a file that LoadScene reads back as the same scene (FormatScene).
+/// @throws InputError as FormatScene
+std::string FormatMovingScene(const MovingScene& scene);
+
+// In units of the median extent of the movable bodies: what counts as touching, and the deepest overlap that a motion
+// may have left.
+inline constexpr double kFoundGap = 1e-5;
+inline constexpr double kFoundDepth = 0.02;
+
+}  // namespace lcpbench

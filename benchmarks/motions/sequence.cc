@@ -1,0 +1,101 @@
+#include "benchmarks/motions/sequence.h"
+
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "model/motion/make_motion.h"
+#include "solvers/io/json_lines.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json Describe(const Verdict& verdict) {
+  Json judged;
+  judged["passes"] = verdict.passes;
+  judged["best_tier"] = verdict.best_tier > 0 ? Json(verdict.best_tier) : Json(nullptr);
+  judged["rho"] = FiniteOrNull(verdict.metrics.rho);
+  judged["backward_error"] = FiniteOrNull(verdict.metrics.backward_error);
+  judged["false_success"] = verdict.false_success;
+  judged["reason"] = verdict.reason;
+  if (verdict.farkas) judged["ray_accepted"] = verdict.farkas->accepted;
+  return judged;
+}
+
+}  // namespace
+
+ActiveSetChange ActiveSetHistory::Follow(const MotionProblem& met, const Eigen::VectorXd& w) {
+  const std::vector<std::optional<int>> previous = matching_.Follow(met.system, met.rows);
+  const Eigen::VectorXd& D = met.problem.DiagonalA();
+  ActiveSetChange change;
+  std::vector<bool> active;
+  std::vector<bool> stays(active_.size(), false);
+  for (std::size_t k = 0; k < met.rows.size(); ++k) {
+    const auto i = static_cast<Index>(k);
+    const int row = static_cast<int>(k);
+    active.push_back(met.problem.is_bilateral(i) || (D[i] > 0 ? D[i] : 1.0) * met.result.f[i] > w[i]);
+    if (!previous[k]) {
+      change.entered.push_back(row);
+      continue;
+    }
+    const auto before = static_cast<std::size_t>(*previous[k]);
+    stays[before] = true;
+    if (active[k] && !active_[before]) change.activated.push_back(row);
+    if (!active[k] && active_[before]) change.deactivated.push_back(row);
+  }
+  for (std::size_t k = 0; k < stays.size(); ++k) {
+    if (!stays[k]) change.left.push_back(static_cast<int>(k));
+  }
+  active_ = std::move(active);
+  return change;
+}
+
+SequenceWriter::SequenceWriter(std::ostream& out, std::string name, std::string solver, double tolerance,
+                               bool with_matrix)
+    : out_(out), name_(std::move(name)), solver_(std::move(solver)), tolerance_(tolerance), with_matrix_(with_matrix) {}
+
+void SequenceWriter::BeginStep(int step) {
+  step_ = step;
+  acceleration_written_ = false;
+}
+
+void SequenceWriter::Write(const MotionProblem& met) {
+  if (met.kind == MotionProblemKind::kAcceleration) {
+    if (acceleration_written_) return;
+    acceleration_written_ = true;
+  }
+  const Verdict verdict = Verify(met.problem, met.result, tolerance_);
+  counts_.rows.push_back(met.problem.size());
+  if (met.result.status != LcpStatus::kSolved) ++counts_.failed;
+  if (!verdict.passes) ++counts_.not_passed;
+  if (verdict.false_success) ++counts_.false_successes;
+
+  const ActiveSetChange change = history_.Follow(met, verdict.metrics.w);
+  Json motion;
+  motion["step"] = step_;
+  motion["time"] = met.time;
+  motion["kind"] = ToString(met.kind);
+  motion["entered"] = change.entered;
+  motion["left"] = change.left;
+  motion["activated"] = change.activated;
+  motion["deactivated"] = change.deactivated;
+  motion["solver"] = solver_;
+  motion["tolerance"] = tolerance_;
+  motion["claim"] = ToString(met.result.status);
+  motion["iterations"] = met.result.iterations;
+  motion["verdict"] = Describe(verdict);
+  motion["detail"] = met.result.detail;
+
+  std::string line = FormatLcpRecord(met.problem, with_matrix_);
+  line.pop_back();  // the closing brace
+  // A library's message may hold any bytes; the line must stay valid JSON.
+  line += ",\"motion\":" + motion.dump(-1, ' ', false, Json::error_handler_t::replace) + "}";
+  out_ << line << '\n' << std::flush;
+  if (!out_) throw InputError(name_ + ": writing failed");
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,148 @@
+// Times one matrix-free pass over two-body rows against the bandwidth floor: a pass that reads every row, and reads and
+// writes every f and every number of the bodies, once each and in order, and computes nothing else.
+//
+// Rows: the scene disc-pile at 10^3 to 10^6 contacts. The table after Google Benchmark's own output has nanoseconds per
+// contact and the ratio to the floor of the same size; the least of all repetitions counts.
+// Takes the options of Google Benchmark (--benchmark_filter=coloured, --benchmark_repetitions=5, ...).
+
+#include <benchmark/benchmark.h>
+
+#include <array>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "benchmarks/studies/growth_report.h"
+#include "model/contact/assembly.h"
+#include "model/scenes/scene.h"
+#include "solvers/first_order/sweeps/row_work.h"
+#include "solvers/first_order/sweeps/vector_ops.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::array kSizes = {1'000, 10'000, 100'000, 1'000'000};
+constexpr std::uint64_t kSeed = 1;
+constexpr std::string_view kScene = "disc-pile";
+constexpr const char* kFloor = "floor";
+constexpr size_t kRowDoubles = 8;
+
+// One size, with its rows in the given and in a coloured order.
+struct Workload {
+  Index size;
+  RowWork given;
+  RowWork coloured;
+  Array rows;  // as many bytes as either's rows
+  Array next;
+  Array next_image;
+
+  explicit Workload(int contacts) {
+    const LcpProblem problem = AssembleContactLcp(GenerateScene(kScene, contacts, kSeed)).problem;
+    size = problem.size();
+    given.Prepare(problem, RowForm::kMatrixFree, false);
+    coloured.Prepare(problem, RowForm::kMatrixFree, true);
+    rows.assign(static_cast<size_t>(size) * kRowDoubles, 1.0);
+    next = coloured.f;
+    next_image = coloured.image;
+  }
+};
+
+KeptWorkload<Workload> kept;
+
+void AddToAll(Array* values) {
+  for (size_t i = 0; i + kLanes <= values->size(); i += kLanes) {
+    Store(&(*values)[i], Load(&(*values)[i]) + Broadcast(1.0));
+  }
+}
+
+void Floor(Workload* work) {
+  std::array<Lanes, 4> sums{};
+  const double* from = work->rows.data();
+  for (size_t i = 0; i + 4 * kLanes <= work->rows.size(); i += 4 * kLanes) {
+    for (size_t k = 0; k < sums.size(); ++k) sums[k] += Load(from + i + k * kLanes);
+  }
+  double total = Sum((sums[0] + sums[1]) + (sums[2] + sums[3]));
+  benchmark::DoNotOptimize(total);
+  AddToAll(&work->next);
+  AddToAll(&work->next_image);
+  benchmark::ClobberMemory();
+}
+
+void Sweep(RowWork* rows, Index size, bool backward) {
+  StepSums sums;
+  rows->rows->Sweep(0, size, backward, 1.0, &rows->f, &rows->image, &sums);
+  benchmark::DoNotOptimize(sums.residual);
+}
+void Forward(Workload* work) { Sweep(&work->given, work->size, false); }
+void Coloured(Workload* work) { Sweep(&work->coloured, work->size, false); }
+void ColouredBackward(Workload* work) { Sweep(&work->coloured, work->size, true); }
+
+void Gradient(Workload* work) {
+  RowWork& rows = work->coloured;
+  StepSums sums;
+  rows.rows->StartImage(&work->next_image);
+  rows.rows->GradientStep(0, work->size, 0.1, rows.f, rows.image, &work->next, &work->next_image, &sums);
+  benchmark::DoNotOptimize(sums.residual);
+}
+
+struct Pass {
+  const char* name;
+  void (*run)(Workload* work);
+};
+
+constexpr std::array kPasses = {
+    Pass{kFloor, Floor},
+    Pass{"forward", Forward},                     // Gauss-Seidel in the given order
+    Pass{"coloured", Coloured},                   // in blocks, colour by colour
+    Pass{"coloured-backward", ColouredBackward},  // the other half of a symmetric sweep
+    Pass{"gradient", Gradient},                   // the pass of apgd
+};
+
+// A row per size, a column per pass.
+void PrintTable(const std::vector<SizeSeries>& series) {
+  std::printf("\nNanoseconds per contact and pass (ratio to the floor)\n%-20s", "contacts");
+  for (const Pass& pass : kPasses) std::printf("%20s", pass.name);
+  std::printf("\n");
+  std::map<double, std::map<std::string, double>> ns;
+  for (const SizeSeries& pass : series) {
+    for (const SizePoint& point : pass.points) ns[point.size][pass.name] = 1e9 * point.seconds / point.size;
+  }
+  for (const auto& [size, passes] : ns) {
+    std::printf("%-20.0f", size);
+    const auto floor = passes.find(kFloor);
+    for (const Pass& pass : kPasses) {
+      const auto it = passes.find(pass.name);
+      if (it == passes.end() || floor == passes.end()) {
+        std::printf("%20s", "-");
+      } else {
+        std::printf("%12.2f (%5.2f)", it->second, it->second / floor->second);
+      }
+    }
+    std::printf("\n");
+  }
+}
+
+// By size before pass, so that a workload is made once.
+void RegisterAll() {
+  for (const int size : kSizes) {
+    for (const Pass& pass : kPasses) {
+      const std::string name = std::string(pass.name) + "/" + std::to_string(size);
+      const auto time = [size, &pass](benchmark::State& state) {
+        Workload& work = kept.Get(std::to_string(size), [&] { return std::make_unique<Workload>(size); });
+        for (auto _ : state) pass.run(&work);
+        state.counters[kSizeCounter] = static_cast<double>(work.size);
+      };
+      benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMicrosecond);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  return lcpbench::RunBenchmarks(argc, argv, &lcpbench::RegisterAll, &lcpbench::PrintTable);
+}

@@ -1,0 +1,339 @@
+#!/usr/bin/python3
+"""Draws which folders include which as docs/includes.svg, lower layers below. Run it when tests/house_test.py says that
+the drawing is out of date; a new folder needs a place in _BOXES first."""
+
+import html
+import os
+import re
+import subprocess
+from collections import Counter
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+DRAWING = ROOT / "docs" / "includes.svg"
+_INCLUDE = re.compile(r'\s*#\s*include\s*(["<])([^">]+)[">]')
+
+
+class Include(NamedTuple):
+    source: str  # the file that includes, from the root
+    line: int
+    target: str  # as it is written
+    is_quoted: bool
+
+    def __str__(self):
+        return f"{self.source}:{self.line} includes {self.target}"
+
+
+def tracked_files(root=ROOT):
+    """Paths from the root; without a git repository, every file outside build folders."""
+    if (root / ".git").exists():
+        listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, check=False)
+        if listed.returncode == 0 and listed.stdout:
+            return sorted(path for path in listed.stdout.decode().split("\0") if path and (root / path).is_file())
+    found = []
+    for folder, inner, names in os.walk(root):
+        inner[:] = [name for name in inner if name not in (".git", "build", "__pycache__")]
+        found += [(Path(folder) / name).relative_to(root).as_posix() for name in names]
+    return sorted(found)
+
+
+def includes(files, root=ROOT):
+    """Every include of every C and C++ file, templates (*.in) too."""
+    found = []
+    for path in files:
+        if re.search(r"\.(h|cc|c)(\.in)?$", path):
+            lines = (root / path).read_text(encoding="utf-8").splitlines()
+            matches = ((number, _INCLUDE.match(line)) for number, line in enumerate(lines, 1))
+            found += [Include(path, number, match[2], match[1] == '"') for number, match in matches if match]
+    return found
+
+
+def folder_of(path):
+    return path.rpartition("/")[0]
+
+
+def box_of(path):
+    """The box that a file is drawn in, or None."""
+    folder = folder_of(path)
+    top = folder.partition("/")[0]
+    if top == "benchmarks":
+        return top
+    if re.match(r"solvers/peers/(?!protocol$)", folder):
+        return "solvers/peers/<library>"
+    return folder if top in ("support", "solvers", "model") else None
+
+
+def drawn(found):
+    """(boxes, {(from, to): number of includes}), an arrow only where no way over other boxes leads from one to the
+    other: the transitive reduction, without which most boxes would point to support and solvers/lcp."""
+    arrows = Counter()
+    boxes = set()
+    for include in found:
+        source, target = box_of(include.source), box_of(include.target)
+        boxes.update({source, target} - {None})
+        if source and target and source != target:
+            arrows[source, target] += 1
+    below = {box: {target for source, target in arrows if source == box} for box in boxes}
+
+    def reachable(box, seen):
+        for other in below[box] - seen:
+            seen.add(other)
+            reachable(other, seen)
+        return seen
+
+    implied = {(box, far) for box in boxes for near in below[box] for far in reachable(near, set())}
+    return boxes, {arrow: number for arrow, number in arrows.items() if arrow not in implied}
+
+
+class Box(NamedTuple):
+    row: int  # from below; arrows point to lower rows
+    left: int
+    right: int
+    text: tuple  # what the folder holds, a line each
+
+
+_LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
+_WIDTH = 114
+
+
+def _at(row, column, *text, span=0):
+    left = _LEFT[int(column)] + (column % 1) * 132
+    return Box(row, round(left), round(left + _WIDTH + span), text)
+
+
+_BOXES = {
+    "benchmarks": Box(8, 14, 986, ("the command lcpbench, problem collection, campaigns, studies, advice, pictures",)),
+    "solvers/c": _at(7, 0, "the interface", "for C programs"),
+    "solvers": _at(6, 1, "the registry: makes", "solvers by key"),
+    "solvers/batch": _at(6, 2.5, "small problems,", "many at once"),
+    "solvers/auto": _at(5, 2, "chooses a method,", "then asks another"),
+    "solvers/ipopt": _at(5, 0, "ipopt-qp, ipopt-ncp"),
+    "solvers/interior_point": _at(4, 3, "ipm, hybrid"),
+    "solvers/peers/<library>": _at(4, 0, "Bullet, ODE, DART…"),
+    "solvers/peers": _at(3, 0, "other projects'", "solvers"),
+    "solvers/pivoting": _at(3, 1, "dantzig, lemke"),
+    "solvers/active_set": _at(3, 2, "bpp, active-set,", "semismooth-newton"),
+    "solvers/first_order": _at(3, 3, "pgs, psor, apgd,", "nncg"),
+    "solvers/exact": _at(3, 4, "answers in rational", "numbers, proofs"),
+    "solvers/peers/protocol": _at(2, 0, "worker processes"),
+    "solvers/linear_algebra": _at(2, 1, "factors of", "active rows"),
+    "solvers/answers": _at(2, 2, "judges candidates,", "keeps the best"),
+    "solvers/first_order/sweeps": _at(2, 3, "passes over rows"),
+    "solvers/io": _at(2, 4, "files of problems", "and answers"),
+    "solvers/lcp": Box(1, 30, 672, ("the problem, the interface of solvers, the verifier that judges every answer",)),
+    "model/scenes": _at(6, 5, "families of scenes,", "by size and seed"),
+    "model/scene_file": _at(6, 6, "scenes as JSON"),
+    "model/motion": _at(5, 5, "time steps, impacts"),
+    "model/detection": _at(4, 5, "which bodies touch,", "and where"),
+    "model/shape": _at(3, 5, "outlines and", "their masses"),
+    "model/records": _at(3, 6, "contacts from", "other programs"),
+    "model/contact": _at(2, 5.5, "bodies, rows of J,", "the LCP's A and b"),
+    "model/geometry": _at(1, 5, "vectors, edges, curves, bounding boxes", span=128),
+    "support": Box(0, 14, 986, ("clock, files, JSON fields, child processes, errors: nothing of LCPs",)),
+}
+_PANELS = {"solvers": (14, 688, 568), "model": (712, 986, 751)}  # behind a top folder's boxes: left, right, its name
+_PANEL_TOP_ROW = 7
+_COLOURS = {  # panel, box, lines
+    "support": ("#ffffff", "#eceff1", "#455a64"),
+    "solvers": ("#eff5fc", "#ffffff", "#1f5f9f"),
+    "model": ("#eef7ee", "#ffffff", "#2e7d32"),
+    "benchmarks": ("#ffffff", "#fdf0dc", "#a65b00"),
+}
+_SUBTITLE = (
+    "A folder includes only what is below it. "
+    "solvers/ knows no bodies and model/ no methods; what they share is solvers/lcp."
+)
+_CAPTION = (
+    "An arrow: files of the upper folder include headers of the lower one; thin: 1 or 2 includes, thicker: 3 to 8, "
+    "9 and more.",
+    "Arrows that others imply are left out: solvers/pivoting also includes solvers/lcp directly, and most folders "
+    "include support.",
+    "benchmarks/ and solvers/peers/<library> stand for the folders in them. Drawn by docs/draw_includes.py; "
+    "a test compares it with the tree.",
+)
+_PITCH, _HEIGHT, _HEADING = 88, 50, 66
+_ROWS = 9
+_WIDEST = [(9, 3.4), (3, 2.2), (1, 1.2)]  # from so many includes on, the width of an arrow
+_HEAD = 7  # length of an arrow's head
+
+
+def _top(row):
+    return _HEADING + (_ROWS - 1 - row) * _PITCH
+
+
+def _bottom(row):
+    return _top(row) + _HEIGHT
+
+
+def _middle(box):
+    return (box.left + box.right) / 2
+
+
+def _gap(row, wanted, taken):
+    """The x nearest to `wanted` where an arrow may pass the row: between boxes, 9 off other arrows."""
+    boxes = [box for box in _BOXES.values() if box.row == row]
+    free = [
+        x
+        for x in range(18, 983)
+        if all(not box.left - 6 < x < box.right + 6 for box in boxes) and all(abs(x - other) >= 9 for other in taken)
+    ]
+    return min(free, key=lambda x: (abs(x - wanted), x))
+
+
+def _is_wide(box):
+    return box.right - box.left > 3 * _WIDTH
+
+
+def _opposite(box, other):
+    """Where an arrow from or to `box` would best meet `other`."""
+    if not _is_wide(other):
+        return _middle(other)
+    if _is_wide(box):  # below or above the middle of the shorter one
+        return _middle(min(box, other, key=lambda b: b.right - b.left))
+    return min(max(_middle(box), other.left + 16), other.right - 16)
+
+
+def _spread(ends, box):
+    """{arrow: x} of the arrows at one side of a box; ends = [(x where it comes from, arrow)]."""
+    if _is_wide(box):
+        return {arrow: min(max(x, box.left + 16), box.right - 16) for x, arrow in ends}
+    step = min(22, (box.right - box.left - 28) / max(len(ends) - 1, 1))
+    first = _middle(box) - step * (len(ends) - 1) / 2
+    return {arrow: first + step * i for i, (_, arrow) in enumerate(sorted(ends))}
+
+
+def _gaps(arrows):
+    """{arrow: [(x, row), ...]}: where it passes the rows between its boxes."""
+    gaps, taken = {}, {row: [] for row in range(_ROWS)}
+    for arrow in sorted(arrows, key=lambda a: (_BOXES[a[0]].row - _BOXES[a[1]].row, a)):
+        source, target = (_BOXES[box] for box in arrow)
+        if source.row <= target.row:
+            raise ValueError(f"{arrow[0]} includes {arrow[1]} and must be drawn above it: change its row in _BOXES")
+        rows = range(target.row + 1, source.row)
+        begin, end = _opposite(target, source), _opposite(source, target)
+        passed = []
+        for row in rows:  # from below
+            straight = end + (begin - end) * (row - target.row) / (source.row - target.row)
+            x = _gap(row, passed[-1][0] if passed and _is_wide(source) else straight, taken[row])
+            taken[row].append(x)
+            passed.append((x, row))
+        gaps[arrow] = passed[::-1]
+    return gaps
+
+
+def _routes(arrows):
+    """{arrow: [(x, y), ...]}: from the bottom of a box by the gaps of the rows between to the top of another."""
+    gaps = _gaps(arrows)
+    starts, ends = {}, {}
+    for name, box in sorted(_BOXES.items()):
+        into = [(gaps[a][-1][0] if gaps[a] else _opposite(box, _BOXES[a[0]]), a) for a in arrows if a[1] == name]
+        ends.update(_spread(into, box))
+    for arrow in arrows:  # upright from a wide box
+        if _is_wide(_BOXES[arrow[0]]):
+            gaps[arrow] = [(ends[arrow] if x == _middle(_BOXES[arrow[1]]) else x, row) for x, row in gaps[arrow]]
+    for name, box in sorted(_BOXES.items()):
+        out = [(gaps[a][0][0] if gaps[a] else _opposite(box, _BOXES[a[1]]), a) for a in arrows if a[0] == name]
+        starts.update(_spread(out, box))
+    routes = {}
+    for arrow in arrows:
+        route = [(starts[arrow], _bottom(_BOXES[arrow[0]].row))]
+        for x, row in gaps[arrow]:
+            route += [(x, _top(row) - 4), (x, _bottom(row) + 4)]
+        routes[arrow] = [*route, (ends[arrow], _top(_BOXES[arrow[1]].row) - _HEAD)]
+    return routes
+
+
+def _curve(route):
+    """Between rows curves that begin and end upright, along a row straight down."""
+    parts = [f"M{route[0][0]:.1f},{route[0][1]}"]
+    for (x0, y0), (x1, y1) in zip(route, route[1:]):
+        middle = (y0 + y1) / 2
+        parts.append(f"L{x1:.1f},{y1}" if x0 == x1 else f"C{x0:.1f},{middle:.1f} {x1:.1f},{middle:.1f} {x1:.1f},{y1}")
+    return " ".join(parts)
+
+
+def _text(x, y, size, words, extra="", anchor="middle"):
+    return f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}"{extra}>{html.escape(words)}</text>'
+
+
+def _name_lines(folder):
+    """(what stands small above the name, the name)."""
+    if folder == "solvers":
+        return "", "solvers/*.h"
+    name = folder.partition("/")[2] or folder + "/"
+    above, _, last = name.rpartition("/")
+    return (above + "/", last) if above and last else ("", name)
+
+
+def _box(folder, box):
+    top = folder.partition("/")[0]
+    _, fill, line = _COLOURS[top]
+    y, middle = _top(box.row), _middle(box)
+    parts = [
+        f'<g data-folder="{html.escape(folder)}">',
+        f'<rect x="{box.left}" y="{y}" width="{box.right - box.left}" height="{_HEIGHT}" rx="6" fill="{fill}" '
+        f'stroke="{line}"/>',
+    ]
+    above, name = _name_lines(folder)
+    lines = ([(9.5, above, f' fill="{line}"')] if above else []) + [(12.5, name, f' font-weight="bold" fill="{line}"')]
+    lines += [(10, text, "") for text in box.text]
+    for size, text, _ in lines:
+        if len(text) * size * 0.6 > box.right - box.left + 6:
+            raise ValueError(f"too long for its box: {text}")
+    heights = [size + 2.5 for size, _, _ in lines]
+    baseline = y + (_HEIGHT - sum(heights)) / 2 - 2.5
+    for height, (size, text, extra) in zip(heights, lines):
+        baseline += height
+        parts.append(_text(middle, baseline, size, text, extra))
+    return [*parts, "</g>"]
+
+
+def drawing(boxes, arrows):
+    if boxes != set(_BOXES):
+        lacks, needless = sorted(boxes - set(_BOXES)), sorted(set(_BOXES) - boxes)
+        raise ValueError(f"_BOXES lacks {lacks} and has without need {needless}")
+    height = _bottom(0) + 84
+    parts = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1000 {height}" width="1000" height="{height}" '
+        'font-family="Helvetica, Arial, sans-serif" fill="#263238">',
+        "<title>Who includes whom</title>",
+        f'<rect width="1000" height="{height}" fill="#ffffff"/>',
+        _text(14, 30, 19, "Who includes whom", ' font-weight="bold"', "start"),
+        _text(14, 49, 11.5, _SUBTITLE, "", "start"),
+    ]
+    for top, (left, right, name) in _PANELS.items():
+        fill, _, line = _COLOURS[top]
+        y = _top(_PANEL_TOP_ROW) - 12
+        parts.append(
+            f'<rect x="{left}" y="{y}" width="{right - left}" height="{_bottom(1) + 14 - y}" rx="10" '
+            f'fill="{fill}" stroke="{line}" stroke-opacity="0.25"/>'
+        )
+        parts.append(_text(name, y + 26, 15, f"{top}/", f' font-weight="bold" fill="{line}"'))
+    for arrow, route in sorted(_routes(arrows).items()):
+        colour = _COLOURS[arrow[0].partition("/")[0]][2]
+        width = next(width for least, width in _WIDEST if arrows[arrow] >= least)
+        x, y = route[-1]
+        half = 3 + width / 2
+        parts.append(
+            f'<g data-from="{html.escape(arrow[0])}" data-to="{html.escape(arrow[1])}">'
+            f'<path d="{_curve(route)}" fill="none" stroke="{colour}" stroke-width="{width}" stroke-opacity="0.75"/>'
+            f'<path d="M{x - half:.1f},{y - 1} L{x + half:.1f},{y - 1} L{x:.1f},{y + _HEAD} Z" fill="{colour}"/></g>'
+        )
+    for folder in sorted(_BOXES):
+        parts += _box(folder, _BOXES[folder])
+    parts += [_text(14, _bottom(0) + 28 + 17 * i, 11.5, line, "", "start") for i, line in enumerate(_CAPTION)]
+    return "\n".join([*parts, "</svg>", ""])
+
+
+def read_drawing(text):
+    """(boxes, arrows) that a drawing shows."""
+    boxes = {html.unescape(folder) for folder in re.findall(r'data-folder="(.*?)"', text)}
+    arrows = {tuple(map(html.unescape, pair)) for pair in re.findall(r'data-from="(.*?)" data-to="(.*?)"', text)}
+    return boxes, arrows
+
+
+if __name__ == "__main__":
+    files = tracked_files()
+    own = set(files)
+    DRAWING.write_text(drawing(*drawn(i for i in includes(files) if i.target in own)), encoding="utf-8")

@@ -1,0 +1,283 @@
+#include "model/contact/assembly.h"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "model/contact/closest_points.h"
+#include "model/contact/connector_row.h"
+#include "model/contact/contact_row.h"
+#include "model/geometry/trig.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+std::string BodyText(const ContactSystem& system, size_t i) {
+  const std::string& name = system.bodies[i].name;
+  return "body " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
+}
+
+std::string SystemText(const ContactSystem& system) {
+  return system.name.empty() ? "" : "system '" + system.name + "', ";
+}
+
+const char* TypeText(ConstraintType type) {
+  switch (type) {
+    case ConstraintType::kContact:
+      return "contact";
+    case ConstraintType::kPathJoint:
+      return "path joint";
+    case ConstraintType::kPin:
+      return "pin";
+    case ConstraintType::kRod:
+      return "rod";
+    case ConstraintType::kRope:
+      return "rope";
+  }
+  return "constraint";
+}
+
+// Why a body cannot be assembled; null where it can.
+const char* WhyInvalid(const Body& body) {
+  if (!(IsFinite(body.x) && std::isfinite(body.theta))) return "the position is not finite";
+  if (!(IsFinite(body.v) && std::isfinite(body.omega))) return "the velocity is not finite";
+  if (body.fixed) {
+    const bool finite = IsFinite(body.acceleration) && std::isfinite(body.alpha);
+    return finite ? nullptr : "the prescribed acceleration is not finite";
+  }
+  if (!(IsFinite(body.force) && std::isfinite(body.torque))) return "the applied force or torque is not finite";
+  const auto valid = [](double value) { return value > 0 && std::isfinite(value) && std::isfinite(1 / value); };
+  if (!valid(body.mass)) return "the mass of a movable body must be finite and > 0";
+  if (!valid(body.inertia)) return "the inertia of a movable body must be finite and > 0";
+  return nullptr;
+}
+
+// Row-major arrays of J, with six entries in every row whatever their values.
+struct RowStore {
+  std::vector<int> column;
+  std::vector<double> value;
+
+  void Add(size_t body1, size_t body2, const std::array<double, 6>& J) {
+    const std::array<size_t, 2> bodies = {body1, body2};
+    const size_t first = body1 < body2 ? 0 : 1;
+    for (const size_t side : {first, 1 - first}) {
+      for (size_t k = 0; k < 3; ++k) {
+        column.push_back(static_cast<int>(3 * bodies[side] + k));
+        value.push_back(J[3 * side + k]);
+      }
+    }
+  }
+};
+
+class Assembler {
+ public:
+  explicit Assembler(const ContactSystem& system) : system_(system) {
+    const size_t bodies = system.bodies.size();
+    rotation_.resize(bodies);
+    inverse_mass_ = Eigen::VectorXd::Zero(static_cast<Index>(3 * bodies));
+    acceleration_.resize(bodies);
+    for (size_t i = 0; i < bodies; ++i) {
+      const Body& body = system.bodies[i];
+      if (const char* reason = WhyInvalid(body))
+        throw InputError(SystemText(system) + BodyText(system, i) + ": " + reason);
+      rotation_[i] = SinCos(body.theta);
+      if (body.fixed) {
+        acceleration_[i] = {body.acceleration.x, body.acceleration.y, body.alpha};
+        continue;
+      }
+      const double by_mass = 1 / body.mass;
+      const double by_inertia = 1 / body.inertia;
+      const auto k = static_cast<Index>(3 * i);
+      inverse_mass_[k] = by_mass;
+      inverse_mass_[k + 1] = by_mass;
+      inverse_mass_[k + 2] = by_inertia;
+      acceleration_[i] = {by_mass * body.force.x, by_mass * body.force.y, by_inertia * body.torque};
+    }
+    rows_.reserve(system.constraints.size());
+    b_.reserve(system.constraints.size());
+    store_.column.reserve(6 * system.constraints.size());
+    store_.value.reserve(6 * system.constraints.size());
+  }
+
+  AssembledLcp Run() {
+    for (size_t i = 0; i < system_.constraints.size(); ++i) AddConstraint(i);
+    const auto n = static_cast<Index>(rows_.size());
+    std::vector<int> outer(rows_.size() + 1);
+    for (size_t i = 0; i < outer.size(); ++i) outer[i] = static_cast<int>(6 * i);
+    SparseMatrix J = Eigen::Map<const SparseMatrix>(n, inverse_mass_.size(), 6 * n, outer.data(), store_.column.data(),
+                                                    store_.value.data());
+    Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(b_.data(), n);
+    return {std::move(rows_), LcpProblem::FromFactors(system_.name, J, std::move(inverse_mass_), std::move(b),
+                                                      RowBounds::WithBilateralRows(n, bilateral_))};
+  }
+
+ private:
+  void AddConstraint(size_t i) {
+    const Constraint& constraint = system_.constraints[i];
+    RequireBodies(i);
+    try {
+      switch (constraint.type) {
+        case ConstraintType::kContact:
+          AddNormalRow(i, Regularity::kLocalMinimum);
+          break;
+        case ConstraintType::kPathJoint:
+          if (std::holds_alternative<Vertex>(constraint.feature1) ==
+              std::holds_alternative<Vertex>(constraint.feature2)) {
+            throw InputError("a path joint needs one vertex and one edge; feature 1: " + Describe(constraint.feature1) +
+                             "; feature 2: " + Describe(constraint.feature2));
+          }
+          AddNormalRow(i, Regularity::kNonzeroD);
+          break;
+        case ConstraintType::kPin:
+          AddPinRows(i);
+          break;
+        case ConstraintType::kRod:
+        case ConstraintType::kRope:
+          AddConnectorRow(i);
+          break;
+      }
+    } catch (const InputError& error) {
+      throw InputError(ConstraintText(i) + " between " + BodyText(system_, Body1(i)) + " and " +
+                       BodyText(system_, Body2(i)) + ": " + error.what());
+    }
+  }
+
+  void RequireBodies(size_t i) const {
+    const Constraint& constraint = system_.constraints[i];
+    const auto count = static_cast<std::ptrdiff_t>(system_.bodies.size());
+    for (const int body : {constraint.body1, constraint.body2}) {
+      if (body < 0 || body >= count) {
+        throw InputError(ConstraintText(i) + ": body index " + std::to_string(body) + " is outside [0, " +
+                         std::to_string(count) + ")");
+      }
+    }
+    if (constraint.body1 == constraint.body2) {
+      throw InputError(ConstraintText(i) + ": the two bodies must differ, both are " + BodyText(system_, Body1(i)));
+    }
+  }
+
+  void AddNormalRow(size_t i, Regularity required) {
+    const Constraint& constraint = system_.constraints[i];
+    const Body& body1 = system_.bodies[Body1(i)];
+    const Body& body2 = system_.bodies[Body2(i)];
+    const ClosestPoints closest = FindClosestPoints({constraint.feature1, body1.x, rotation_[Body1(i)], body1.theta},
+                                                    {constraint.feature2, body2.x, rotation_[Body2(i)], body2.theta},
+                                                    {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
+    const ContactRow row = ComputeContactRow(closest, body1, body2);
+    RowInfo info;
+    info.constraint = static_cast<int>(i);
+    info.axis = 'n';
+    info.bilateral = constraint.type != ConstraintType::kContact;
+    info.p1 = body1.x + closest.R1;
+    info.p2 = body2.x + closest.R2;
+    info.n = closest.n;
+    info.d = closest.d;
+    info.d_dot = row.d_dot;
+    info.gamma = row.gamma;
+    AddRow(i, info, row.J);
+  }
+
+  // The attachment points of a constraint between two vertices.
+  std::array<Vec2, 2> RequireVertices(const Constraint& constraint) const {
+    const auto* vertex1 = std::get_if<Vertex>(&constraint.feature1);
+    const auto* vertex2 = std::get_if<Vertex>(&constraint.feature2);
+    if (vertex1 == nullptr || vertex2 == nullptr) {
+      throw InputError("a " + std::string(TypeText(constraint.type)) + " needs two vertices; feature 1: " +
+                       Describe(constraint.feature1) + "; feature 2: " + Describe(constraint.feature2));
+    }
+    RequireValid(constraint.feature1);
+    RequireValid(constraint.feature2);
+    return {vertex1->p, vertex2->p};
+  }
+
+  // A rope's gap is L - |p1 - p2|, so its whole row is that of a rod negated.
+  void AddConnectorRow(size_t i) {
+    const Constraint& constraint = system_.constraints[i];
+    const auto [vertex1, vertex2] = RequireVertices(constraint);
+    const Body& body1 = system_.bodies[Body1(i)];
+    const Body& body2 = system_.bodies[Body2(i)];
+    const auto [points, row] = ComputeConnectorRow(vertex1, rotation_[Body1(i)], body1, vertex2, rotation_[Body2(i)],
+                                                   body2, constraint.length);
+    const bool rod = constraint.type == ConstraintType::kRod;
+    const double sign = rod ? 1 : -1;
+    RowInfo info;
+    info.constraint = static_cast<int>(i);
+    info.axis = 'n';
+    info.bilateral = rod;
+    info.p1 = body1.x + points.R1;
+    info.p2 = body2.x + points.R2;
+    info.n = sign * points.n;
+    info.d = sign * (points.d - constraint.length);
+    info.d_dot = sign * row.d_dot;
+    info.gamma = sign * row.gamma;
+    std::array<double, 6> J = row.J;
+    for (double& entry : J) entry *= sign;
+    AddRow(i, info, J);
+  }
+
+  void AddPinRows(size_t i) {
+    const Constraint& constraint = system_.constraints[i];
+    const auto [vertex1, vertex2] = RequireVertices(constraint);
+    const Body& body1 = system_.bodies[Body1(i)];
+    const Body& body2 = system_.bodies[Body2(i)];
+    const PinRows pin = ComputePinRows(vertex1, rotation_[Body1(i)], body1, vertex2, rotation_[Body2(i)], body2);
+    for (const size_t axis : {size_t{0}, size_t{1}}) {
+      RowInfo info;
+      info.constraint = static_cast<int>(i);
+      info.axis = axis == 0 ? 'x' : 'y';
+      info.bilateral = true;
+      info.p1 = body1.x + pin.R1;
+      info.p2 = body2.x + pin.R2;
+      info.n = axis == 0 ? Vec2{1, 0} : Vec2{0, 1};
+      info.d = pin.g[axis];
+      info.d_dot = pin.g_dot[axis];
+      info.gamma = pin.gamma[axis];
+      AddRow(i, info, pin.J[axis]);
+    }
+  }
+
+  void AddRow(size_t i, const RowInfo& info, const std::array<double, 6>& J) {
+    const std::array<double, 3>& a1 = acceleration_[Body1(i)];
+    const std::array<double, 3>& a2 = acceleration_[Body2(i)];
+    double b = 0;
+    for (size_t k = 0; k < 3; ++k) b += J[k] * a1[k] + J[k + 3] * a2[k];
+    b += info.gamma;
+    // Finite inputs leave only overflow. J's other entries are components of n.
+    if (!(std::isfinite(b) && std::isfinite(info.gamma) && std::isfinite(info.d) && std::isfinite(info.d_dot) &&
+          std::isfinite(J[2]) && std::isfinite(J[5]) && IsFinite(info.n) && IsFinite(info.p1) && IsFinite(info.p2))) {
+      const Constraint& constraint = system_.constraints[i];
+      throw InputError("the numbers overflow: the row is not finite; feature 1: " + Describe(constraint.feature1) +
+                       "; feature 2: " + Describe(constraint.feature2));
+    }
+    if (info.bilateral) bilateral_.push_back(static_cast<Index>(rows_.size()));
+    rows_.push_back(info);
+    b_.push_back(b);
+    store_.Add(Body1(i), Body2(i), J);
+  }
+
+  size_t Body1(size_t i) const { return static_cast<size_t>(system_.constraints[i].body1); }
+  size_t Body2(size_t i) const { return static_cast<size_t>(system_.constraints[i].body2); }
+  std::string ConstraintText(size_t i) const {
+    return SystemText(system_) + TypeText(system_.constraints[i].type) + " " + std::to_string(i);
+  }
+
+  const ContactSystem& system_;
+  std::vector<Rotation> rotation_;
+  Eigen::VectorXd inverse_mass_;
+  std::vector<std::array<double, 3>> acceleration_;
+  std::vector<RowInfo> rows_;
+  std::vector<double> b_;
+  std::vector<Index> bilateral_;
+  RowStore store_;
+};
+
+}  // namespace
+
+AssembledLcp AssembleContactLcp(const ContactSystem& system) { return Assembler(system).Run(); }
+
+}  // namespace lcpbench

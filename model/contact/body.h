@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/geometry/feature.h"
+#include "model/geometry/vec2.h"
+
+namespace lcpbench {
+
+/// A rigid body's inertia, state and load. World frame, z out of the page, angles counter-clockwise, SI units.
+/// The body frame's origin is the centre of mass: a body-frame point c is at x + R(theta) c. [MODEL.md section 1]
+struct Body {
+  std::string name;
+  double mass = 1;     ///< [kg] > 0
+  double inertia = 1;  ///< [kg m^2] about the centre of mass, > 0
+  /// Inverse mass and inertia are 0; the velocity may still be non-zero (kinematic body).
+  bool fixed = false;
+  Vec2 x;             ///< centre of mass [m]
+  double theta = 0;   ///< [rad]
+  Vec2 v;             ///< [m/s]
+  double omega = 0;   ///< [rad/s]
+  Vec2 force;         ///< applied at the centre of mass [N]
+  double torque = 0;  ///< [N m]
+  /// Prescribed acceleration of a fixed body [m/s^2], [rad/s^2]; enters b through J. Ignored for movable bodies.
+  Vec2 acceleration;
+  double alpha = 0;
+  /// What the body looks like, for pictures; assembly reads the constraints' features only.
+  std::vector<OutlineEdge> outline;
+};
+
+}  // namespace lcpbench

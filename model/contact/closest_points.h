@@ -1,0 +1,88 @@
+#pragma once
+
+#include <optional>
+
+#include "model/geometry/curve.h"
+#include "model/geometry/placed_feature.h"
+#include "model/geometry/vec2.h"
+
+namespace lcpbench {
+
+/// Which of a pair's stationary points is meant. A search along general curves starts at s1, s2 where they are given;
+/// otherwise it takes the local minimum (of a path joint: any stationary point with D != 0) whose gap is closest to
+/// nominal_gap. Circles and lines have one local minimum at most and closed forms that need neither. A Bezier curve's
+/// start is held to its neighbourhood.
+struct SearchStart {
+  std::optional<double> s1;
+  std::optional<double> s2;
+  double nominal_gap = 0;  ///< [m]
+};
+
+/// The closest points of two features. World frame; 1 and 2 are the bodies.
+struct ClosestPoints {
+  Vec2 n;        ///< unit normal, ALWAYS from body 2 to body 1; t = Perp(n)
+  double d = 0;  ///< signed gap [m]: p1 - p2 = d n, d < 0 penetrating
+  Vec2 R1;       ///< contact arm p1 - x1 [m], from the centre of mass
+  Vec2 R2;       ///< contact arm p2 - x2 [m]
+  /// R1 x n and R2 x n [m], the columns of J. Taken with the arm to the centre of curvature where that is shorter (the
+  /// row is the same), so that a disc about its centre of mass gets an exact zero.
+  double moment1 = 0;
+  double moment2 = 0;
+  CurvaturePair curvature1;
+  CurvaturePair curvature2;
+  /// Where a general curve can be flat, what counts as curved [1/m]; joins |kappa1| + |kappa2| in the test of D.
+  double curvature_floor = 0;
+  /// The body whose edge defines n: of two curved edges body 2, by convention, but of an arc and a general curve the
+  /// curve's. Never changes n.
+  int owner = 2;
+  /// Curve parameters of p1, p2 (feature.h); none for a vertex. For information and as the next search's start: no row
+  /// depends on them, and angles (in (-pi, pi]) come from the library's atan2.
+  std::optional<double> s1;
+  std::optional<double> s2;
+
+  /// D = r1 s2 + s1 r2 + d s1 s2: the curvature of the distance along the edges, > 0 at a local minimum.
+  double D() const {
+    return curvature1.r * curvature2.s + curvature1.s * curvature2.r + d * (curvature1.s * curvature2.s);
+  }
+};
+
+/// What a pair of features must satisfy to give a row.
+enum class Regularity {
+  kLocalMinimum,  ///< contact: D > 0, above rounding
+  kNonzeroD,      ///< path joint: D != 0, beyond rounding; either side of the edge
+};
+
+/// D counts as zero up to this: times |kappa1| + |kappa2| (+ curvature_floor) for two edges, as it is for vertex and
+/// edge.
+inline constexpr double kSingularD = 1e-10;
+
+/// The closest points of two features.  [MODEL.md section 2]
+///   vertex or arc / straight (q on the edge's line):   d = n.(c - q) - rho,   n the edge's normal
+///   vertex or arc / vertex or arc:                     d = sigma |c1 - c2| - (rho1 + rho2),
+///                                                      n = sigma (c1 - c2) / |c1 - c2|,  sigma = sign(rho1 + rho2)
+///   anything / ellipse, superellipse, Bezier curve:    SearchStationaryPoints (closest_search.h)
+/// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex. A general
+/// curve enters by its 2-jet at the closest point, its osculating circle there, and so must be searched anew at every
+/// configuration. [MODEL.md section 4]
+///
+/// The first two are closed forms, O(1), evaluated in double. Where an arc is nearly straight, its radius or its
+/// centre's arm more than kFarCenter times the contact arms and the gap, they are evaluated in DoubleDouble: the gap is
+/// then a difference of lengths that a double cannot hold. And where the edges nearly match, so that turning one of
+/// them by e moves the contact point by more than kFarCenter e times the arms, cos theta and sin theta are taken to 32
+/// digits too, of arcs and general curves alike.
+/// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
+/// errata 2, 5, 11]
+/// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two curved edges.
+/// @throws InputError naming the condition and both features, for invalid geometry (RequireValid), vertex/vertex,
+///         straight/straight, equal radii of a convex and a concave arc, a search that does not converge or leaves a
+///         Bezier curve, and wherever `required` does not hold
+ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
+                                const SearchStart& start = {}, Regularity required = Regularity::kLocalMinimum);
+
+/// The same closest points with bodies 1 and 2 exchanged.
+ClosestPoints Swapped(const ClosestPoints& c);
+
+/// A double keeps 16 digits of a length; beyond this ratio the closed forms would lose more than one of them.
+inline constexpr double kFarCenter = 16;
+
+}  // namespace lcpbench

@@ -1,0 +1,52 @@
+#include "model/contact/contact_row.h"
+
+namespace lcpbench {
+
+ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {
+  const Vec2 n = closest.n;
+  const Vec2 t = Perp(n);
+  const double w1 = body1.omega;
+  const double w2 = body2.omega;
+  const auto [r1, s1] = closest.curvature1;
+  const auto [r2, s2] = closest.curvature2;
+  const double d = closest.d;
+  const double D = closest.D();
+  const double n_R1 = Dot(n, closest.R1);
+  const double n_R2 = Dot(n, closest.R2);
+  // Differences of velocity first: then a boost of the whole world costs no accuracy.
+  const Vec2 dv = body1.v - body2.v;
+  const double dw = w1 - w2;
+
+  ContactRow row;
+  row.J = {n.x, n.y, closest.moment1, -n.x, -n.y, -closest.moment2};
+  row.d_dot = Dot(n, dv) + (w1 * closest.moment1 - w2 * closest.moment2);
+  // t.(omega z x R) = omega n.R
+  const double u = Dot(t, dv) + (w1 * n_R1 - w2 * n_R2);
+  row.slip = u;
+  const double turning = r1 * s2 * w1 + s1 * r2 * w2;
+  const double turning_squared = r1 * s2 * (w1 * w1) + s1 * r2 * (w2 * w2);
+  row.omega_n = (s1 * s2 * u + turning) / D;
+  const double curved = s1 * s2 * (u * u) + 2 * u * turning - r1 * r2 * (dw * dw) - d * turning_squared;
+  row.gamma = (w2 * w2) * n_R2 - (w1 * w1) * n_R1 + curved / D;
+  return row;
+}
+
+PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
+                       const Rotation& rotation2, const Body& body2) {
+  PinRows pin;
+  pin.R1 = Rotate(rotation1, vertex1);
+  pin.R2 = Rotate(rotation2, vertex2);
+  const double w1 = body1.omega;
+  const double w2 = body2.omega;
+  const Vec2 g = (body1.x - body2.x) + (pin.R1 - pin.R2);
+  const Vec2 g_dot = (body1.v - body2.v) + (w1 * Perp(pin.R1) - w2 * Perp(pin.R2));
+  const Vec2 gamma = (w2 * w2) * pin.R2 - (w1 * w1) * pin.R1;
+  pin.J[0] = {1, 0, -pin.R1.y, -1, 0, pin.R2.y};
+  pin.J[1] = {0, 1, pin.R1.x, 0, -1, -pin.R2.x};
+  pin.g = {g.x, g.y};
+  pin.g_dot = {g_dot.x, g_dot.y};
+  pin.gamma = {gamma.x, gamma.y};
+  return pin;
+}
+
+}  // namespace lcpbench

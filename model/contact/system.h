@@ -1,0 +1,45 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/contact/body.h"
+#include "model/geometry/feature.h"
+
+namespace lcpbench {
+
+/// What a constraint demands, and how many rows it has.
+enum class ConstraintType {
+  kContact,    ///< unilateral: gap >= 0, f >= 0; one row
+  kPathJoint,  ///< bilateral: a vertex kept on an edge; one row
+  kPin,        ///< bilateral: two vertices kept together; two rows, world x then y
+  kRod,        ///< bilateral: two vertices kept at distance `length`, d = |p1 - p2| - length; one row
+  kRope,       ///< unilateral: two vertices at most `length` apart, d = length - |p1 - p2|, f >= 0 pulls; one row
+};
+
+/// A constraint between two features of two bodies (indices into ContactSystem::bodies, different).
+/// The normal points from body 2 to body 1, whichever body owns the edge that defines it. [MODEL.md sections 1, 2]
+struct Constraint {
+  ConstraintType type = ConstraintType::kContact;
+  int body1 = 0;
+  int body2 = 1;
+  Feature feature1;
+  Feature feature2;
+  /// Start values for the closest-point search (curve parameters); absent where the feature has none or none is known.
+  std::optional<double> s1;
+  std::optional<double> s2;
+  /// Without start values, the local minimum whose gap is closest to this is meant [m].
+  double nominal_gap = 0;
+  /// Of a rod or rope [m], > 0; ignored by all others.
+  double length = 0;
+};
+
+/// Bodies and the constraints between them at one instant: what assembly turns into an LCP.
+struct ContactSystem {
+  std::string name;
+  std::vector<Body> bodies;
+  std::vector<Constraint> constraints;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,66 @@
+#include "model/contact/world.h"
+
+#include <cmath>
+#include <utility>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+void RequireValidBody(const Body& body, const std::string& where) {
+  const bool finite = IsFinite(body.x) && IsFinite(body.v) && IsFinite(body.acceleration) &&
+                      std::isfinite(body.theta) && std::isfinite(body.omega) && std::isfinite(body.alpha);
+  if (!finite) throw InputError(where + ": position, velocity and acceleration must be finite");
+  if (body.fixed) return;
+  if (!(std::isfinite(body.mass) && body.mass > 0)) throw InputError(where + ": the mass must be finite and > 0");
+  if (!(std::isfinite(body.inertia) && body.inertia > 0)) {
+    throw InputError(where + ": the inertia must be finite and > 0");
+  }
+}
+
+}  // namespace
+
+World WorldOf(const ContactSystem& system) {
+  World world;
+  world.name = system.name;
+  world.bodies = system.bodies;
+  for (const Constraint& constraint : system.constraints) {
+    if (constraint.type != ConstraintType::kContact) world.joints.push_back(constraint);
+  }
+  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+    const Body& body = world.bodies[i];
+    if (body.fixed || (body.force.x == 0 && body.force.y == 0 && body.torque == 0)) continue;
+    world.loads.wrenches.push_back({{static_cast<int>(i), {}}, body.force, body.torque});
+  }
+  return world;
+}
+
+ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts) {
+  ContactSystem system{world.name, world.bodies, world.joints};
+  SetLoads(world.loads, system.bodies);
+  system.constraints.insert(system.constraints.end(), std::make_move_iterator(contacts.begin()),
+                            std::make_move_iterator(contacts.end()));
+  return system;
+}
+
+void RequireValid(const World& world) {
+  const std::string where = "world '" + world.name + "'";
+  const int count = static_cast<int>(world.bodies.size());
+  for (int i = 0; i < count; ++i) {
+    const Body& body = world.bodies[static_cast<std::size_t>(i)];
+    RequireValidBody(body, where + ", body " + std::to_string(i) + " '" + body.name + "'");
+  }
+  for (std::size_t k = 0; k < world.joints.size(); ++k) {
+    const Constraint& joint = world.joints[k];
+    const std::string name = where + ", joint " + std::to_string(k);
+    if (joint.type == ConstraintType::kContact) throw InputError(name + ": contacts are found, not listed");
+    const bool known = joint.body1 >= 0 && joint.body1 < count && joint.body2 >= 0 && joint.body2 < count;
+    if (!known || joint.body1 == joint.body2) throw InputError(name + ": expected the indices of two different bodies");
+  }
+  // The loads check themselves, with their own names.
+  std::vector<Body> bodies = world.bodies;
+  SetLoads(world.loads, bodies);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/contact/body.h"
+#include "model/contact/loads.h"
+#include "model/contact/system.h"
+
+namespace lcpbench {
+
+/// A mechanical system that can move: where a sequence of contact problems starts. Its contacts are not listed but
+/// found from the bodies' outlines (detection.h) at every instant.
+struct World {
+  std::string name;
+  /// Body::outline is the body's surface, its pieces valid as RequireValidPiece demands; no outline, no contact. Fixed
+  /// bodies move as prescribed (kinematic): v and omega now, acceleration and alpha constant.
+  std::vector<Body> bodies;
+  /// Pins, path joints, rods and ropes; never kContact. Two bodies that share one do not touch each other.
+  std::vector<Constraint> joints;
+  Loads loads;
+};
+
+/// The world of which `system` is one instant: its bodies, its constraints other than contacts, and as loads the
+/// forces and torques on its movable bodies, constant in the world's directions.
+World WorldOf(const ContactSystem& system);
+
+/// One instant of `world`: its bodies under its loads, its joints, and the given contacts after them.
+ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts);
+
+/// @throws InputError naming the world and the body, joint or load: a mass or inertia that is not > 0, numbers that are
+///         not finite, indices that are not those of two different bodies, a contact among the joints
+void RequireValid(const World& world);
+
+}  // namespace lcpbench

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "model/contact/system.h"
+#include "model/shape/outline.h"
+
+namespace lcpbench {
+
+/// What counts as a contact.
+struct DetectionOptions {
+  /// Largest gap that is a contact [m], > 0; what bodies' positions are known to, small against their size. In units of
+  /// the system's lengths: there is no default that fits all.
+  double tolerance = 0;
+  /// Deepest penetration that is a contact [m], >= 0. Deeper overlaps are left out: they are errors of the positions.
+  double penetration = 0;
+  /// Pairs (body1 < body2), sorted, that have no contacts with each other, such as bodies that a joint holds together.
+  std::span<const std::pair<int, int>> excluded = {};
+};
+
+/// The contacts of bodies with outlines: every local minimum of the gap between two bodies' outlines within
+/// -penetration <= d <= tolerance, as kContact constraints with the features of the two edges (or edge and vertex), and
+/// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts, and excluded pairs none. Of convex
+/// corners the vertices are features; vertex against vertex is not reported [MODEL.md section 2]. At joins of edges a
+/// contact is reported for one of the two (narrow_phase.h). Straight edges that lie on each other, tilted by up to
+/// about 0.6 degrees, give the contacts at both ends of their overlap if both gaps are contacts: a body at rest on its
+/// flat side keeps two contacts while it tilts within the tolerance, whether its side ends in corners or goes over
+/// smoothly into arcs or curves. A superellipse of m > 2 that stands on a straight edge on a point of zero curvature is
+/// a curvature match, D = 0 [MODEL.md section 5], and refused where D is zero to rounding: tilted by less than 2e-16 (m
+/// = 4) to 2e-12 rad, m <= 100. Tilted more it has its one contact, with a small D and so a large velocity-product
+/// term. Broad phase by FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a
+/// feature. O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2, features
+/// along the outlines), whatever the order of the search.
+/// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); null for none.
+///                  Pieces valid as RequireValidPiece demands, which is checked; loops may be open chains
+/// @throws InputError for invalid options or pieces, and for a curvature match, naming the bodies and both features
+std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline* const> outlines,
+                                       const DetectionOptions& options);
+
+inline constexpr int kManySpans = 32;
+
+/// The outline that Body::outline draws, its edges chained into loops where each begins at the end of the one before.
+Outline OutlineOf(const Body& body);
+
+}  // namespace lcpbench

@@ -1,0 +1,203 @@
+#include "model/shape/shapes.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "model/geometry/angle.h"
+#include "model/geometry/trig.h"
+#include "model/shape/outline_checks.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void Require(bool holds, const char* shape, const char* condition) {
+  if (!holds) throw InputError(std::string(shape) + ": " + condition);
+}
+
+void RequirePositive(double value, const char* shape, const char* parameter) {
+  if (!(value > 0) || !std::isfinite(value)) {
+    throw InputError(std::string(shape) + ": " + parameter + " must be finite and > 0");
+  }
+}
+
+OutlinePiece Straight(Vec2 a, Vec2 b) { return {StraightEdge{a, b}, 0, 1}; }
+
+OutlinePiece ConvexArc(Vec2 center, double radius, double s_begin, double s_end) {
+  return {ArcEdge{center, radius, Side::kConvex}, s_begin, s_end};
+}
+
+OutlinePiece ConcaveArc(Vec2 center, double radius, double s_begin, double s_end) {
+  return {ArcEdge{center, radius, Side::kConcave}, s_begin, s_end};
+}
+
+Vec2 Polar(double radius, double angle) {
+  const Rotation u = SinCos(angle);
+  return {radius * u.cos, radius * u.sin};
+}
+
+// Parameters that are allowed one by one may still ask for too much together.
+Outline Checked(Outline outline) {
+  RequireValid(outline);
+  return outline;
+}
+
+// The convex arc from p to q, less than a half circle.
+OutlinePiece ArcThrough(Vec2 p, Vec2 q, double radius) {
+  const Vec2 half = 0.5 * (q - p);
+  const double height = std::sqrt(radius * radius - Dot(half, half));
+  const Vec2 center = p + half + (height / Norm(half)) * Perp(half);
+  const double s_begin = AngleOf(p - center);
+  double s_end = AngleOf(q - center);
+  if (s_end < s_begin) s_end += 2 * kPi;
+  return ConvexArc(center, radius, s_begin, s_end);
+}
+
+}  // namespace
+
+Outline Disc(double radius) {
+  RequirePositive(radius, "disc", "the radius");
+  return Checked({"disc", {{ConvexArc({}, radius, 0, 2 * kPi)}}});
+}
+
+Outline Box(double width, double height) {
+  RequirePositive(width, "box", "the width");
+  RequirePositive(height, "box", "the height");
+  const double x = width / 2;
+  const double y = height / 2;
+  return Checked({"box",
+                  {{Straight({-x, -y}, {x, -y}), Straight({x, -y}, {x, y}), Straight({x, y}, {-x, y}),
+                    Straight({-x, y}, {-x, -y})}}});
+}
+
+Outline RoundedBox(double width, double height, double corner_radius) {
+  RequirePositive(width, "rounded box", "the width");
+  RequirePositive(height, "rounded box", "the height");
+  RequirePositive(corner_radius, "rounded box", "the corner radius");
+  const double r = corner_radius;
+  const double x = width / 2;
+  const double y = height / 2;
+  Require(r < x && r < y, "rounded box", "twice the corner radius must be below width and height");
+  const double cx = x - r;
+  const double cy = y - r;
+  return Checked(
+      {"rounded box",
+       {{Straight({-cx, -y}, {cx, -y}), ConvexArc({cx, -cy}, r, -kPi / 2, 0), Straight({x, -cy}, {x, cy}),
+         ConvexArc({cx, cy}, r, 0, kPi / 2), Straight({cx, y}, {-cx, y}), ConvexArc({-cx, cy}, r, kPi / 2, kPi),
+         Straight({-x, cy}, {-x, -cy}), ConvexArc({-cx, -cy}, r, kPi, 3 * kPi / 2)}}});
+}
+
+Outline Capsule(double length, double radius) {
+  RequirePositive(length, "capsule", "the length");
+  RequirePositive(radius, "capsule", "the radius");
+  const double x = length / 2;
+  const double r = radius;
+  return Checked({"capsule",
+                  {{Straight({-x, -r}, {x, -r}), ConvexArc({x, 0}, r, -kPi / 2, kPi / 2), Straight({x, r}, {-x, r}),
+                    ConvexArc({-x, 0}, r, kPi / 2, 3 * kPi / 2)}}});
+}
+
+Outline HalfDisc(double radius) {
+  RequirePositive(radius, "half disc", "the radius");
+  return Checked({"half disc", {{Straight({-radius, 0}, {radius, 0}), ConvexArc({}, radius, 0, kPi)}}});
+}
+
+Outline DShape(double straight, double radius) {
+  RequirePositive(straight, "D-shape", "the straight part");
+  RequirePositive(radius, "D-shape", "the radius");
+  const double x = -straight;
+  const double r = radius;
+  return Checked({"D-shape",
+                  {{Straight({x, -r}, {0, -r}), ConvexArc({}, r, -kPi / 2, kPi / 2), Straight({0, r}, {x, r}),
+                    Straight({x, r}, {x, -r})}}});
+}
+
+Outline Ring(double outer_radius, double inner_radius) {
+  RequirePositive(outer_radius, "ring", "the outer radius");
+  RequirePositive(inner_radius, "ring", "the inner radius");
+  Require(inner_radius < outer_radius, "ring", "the inner radius must be below the outer");
+  return Checked({"ring", {{ConvexArc({}, outer_radius, 0, 2 * kPi)}, {ConcaveArc({}, inner_radius, 2 * kPi, 0)}}});
+}
+
+Outline Ellipse(double a, double b) {
+  RequirePositive(a, "ellipse", "the semi-axis a");
+  RequirePositive(b, "ellipse", "the semi-axis b");
+  return Checked({"ellipse", {{OutlinePiece{EllipseEdge{{}, a, b, 0, Side::kConvex}, 0, 2 * kPi}}}});
+}
+
+Outline Superellipse(double a, double b, int m) {
+  RequirePositive(a, "superellipse", "the semi-axis a");
+  RequirePositive(b, "superellipse", "the semi-axis b");
+  return Checked({"superellipse", {{OutlinePiece{SuperellipseEdge{{}, a, b, m, 0, Side::kConvex}, 0, 2 * kPi}}}});
+}
+
+Outline Gear(const GearShape& shape) {
+  constexpr int kMinTeeth = 3;
+  Require(shape.teeth >= kMinTeeth, "gear", "expected at least 3 teeth");
+  RequirePositive(shape.root_radius, "gear", "the root radius");
+  RequirePositive(shape.tip_radius, "gear", "the tip radius");
+  RequirePositive(shape.flank_radius, "gear", "the flank radius");
+  Require(shape.root_radius < shape.tip_radius, "gear", "the root radius must be below the tip radius");
+  Require(shape.tip_share > 0 && shape.tip_share <= shape.foot_share && shape.foot_share < 1, "gear",
+          "expected 0 < tip share <= foot share < 1");
+  const double pitch = 2 * kPi / shape.teeth;
+  const double tip = shape.tip_share * pitch / 2;
+  const double foot = shape.foot_share * pitch / 2;
+  const double chord = Norm(Polar(shape.tip_radius, tip) - Polar(shape.root_radius, foot));
+  Require(chord <= shape.flank_radius, "gear", "the flank radius must be at least the length of the flank's chord");
+  Outline gear{"gear", {{}}};
+  for (int tooth = 0; tooth < shape.teeth; ++tooth) {
+    const double middle = tooth * pitch;
+    const double next = (tooth + 1) * pitch;
+    const auto root_point = [&](double angle) { return Polar(shape.root_radius, angle); };
+    const auto tip_point = [&](double angle) { return Polar(shape.tip_radius, angle); };
+    gear.loops[0].push_back(ArcThrough(root_point(middle - foot), tip_point(middle - tip), shape.flank_radius));
+    gear.loops[0].push_back(ConvexArc({}, shape.tip_radius, middle - tip, middle + tip));
+    gear.loops[0].push_back(ArcThrough(tip_point(middle + tip), root_point(middle + foot), shape.flank_radius));
+    gear.loops[0].push_back(ConvexArc({}, shape.root_radius, middle + foot, next - foot));
+  }
+  return Checked(gear);
+}
+
+Outline Cam(double base_radius, double nose_radius, double distance) {
+  RequirePositive(base_radius, "cam", "the base radius");
+  RequirePositive(nose_radius, "cam", "the nose radius");
+  RequirePositive(distance, "cam", "the distance");
+  Require(nose_radius <= base_radius, "cam", "the nose radius must not exceed the base radius");
+  const double c = (base_radius - nose_radius) / distance;
+  Require(c < 1, "cam", "the distance must exceed the difference of the radii");
+  // The normal shared by both circles where the upper tangent touches them.
+  const double s = std::sqrt((1 - c) * (1 + c));
+  const double angle = AngleOf({c, s});
+  const Vec2 nose{distance, 0};
+  const Vec2 upper{c, s};
+  const Vec2 lower{c, -s};
+  return Checked(
+      {"cam",
+       {{ConvexArc(nose, nose_radius, -angle, angle), Straight(nose + nose_radius * upper, base_radius * upper),
+         ConvexArc({}, base_radius, angle, 2 * kPi - angle),
+         Straight(base_radius * lower, nose + nose_radius * lower)}}});
+}
+
+Outline Bowl(double outer_radius, double inner_radius, double half_opening) {
+  RequirePositive(outer_radius, "bowl", "the outer radius");
+  RequirePositive(inner_radius, "bowl", "the inner radius");
+  RequirePositive(half_opening, "bowl", "half the opening angle");
+  Require(inner_radius < outer_radius, "bowl", "the inner radius must be below the outer");
+  Require(half_opening < kPi, "bowl", "half the opening angle must be below pi");
+  const double lip = outer_radius / 2 - inner_radius / 2;
+  const double middle = inner_radius + lip;
+  Require(half_opening > kPi / 2 || SinCos(half_opening).sin * middle > lip, "bowl",
+          "the opening must be wider than the lips");
+  const double left = kPi / 2 + half_opening;
+  const double right = 5 * kPi / 2 - half_opening;
+  return Checked(
+      {"bowl",
+       {{ConvexArc({}, outer_radius, left, right), ConvexArc(Polar(middle, right), lip, right, right + kPi),
+         ConcaveArc({}, inner_radius, right, left), ConvexArc(Polar(middle, left), lip, left + kPi, left + 2 * kPi)}}});
+}
+
+}  // namespace lcpbench

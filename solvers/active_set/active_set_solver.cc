@@ -1,0 +1,65 @@
+#include "solvers/active_set/active_set_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+BppOptions Impatient(BppOptions options) {
+  options.end_when_cycling = true;
+  return options;
+}
+
+}  // namespace
+
+ActiveSetOptions ActiveSetOptions::FromSettings(const Settings& settings) {
+  ActiveSetOptions options;
+  Settings rest = settings;
+  if (const auto rows = rest.extract("continuation_rows"); !rows.empty()) {
+    options.newton = SemismoothNewtonOptions::FromSettings({{rows.key(), rows.mapped()}}, "active-set");
+  }
+  options.blocks = BppOptions::FromSettings(rest, "active-set");
+  options.newton.self_check = options.blocks.self_check;
+  if (options.blocks.form == BppOptions::Form::kAuto) options.blocks.form = BppOptions::Form::kAny;
+  return options;
+}
+
+ActiveSetSolver::ActiveSetSolver(const ActiveSetOptions& options)
+    : continuation_rows_(options.newton.continuation_rows),
+      patient_(options.blocks),
+      impatient_(Impatient(options.blocks)),
+      newton_(options.newton) {}
+
+void ActiveSetSolver::DoPrepare(const LcpProblem& problem) {
+  newton_is_prepared_ = false;
+  (IsLarge(problem) ? impatient_ : patient_).Prepare(problem);
+}
+
+void ActiveSetSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  if (!IsLarge(problem)) return patient_.Solve(problem, options, result);
+  const Deadline deadline(options);
+  impatient_.Solve(problem, options, result);
+  if (result->status != LcpStatus::kNumericalFailure) return;
+  if (!deadline.Expired() && !std::exchange(newton_is_prepared_, true)) newton_.Prepare(problem);
+  LcpOptions rest = options;
+  if (options.max_iterations > 0) rest.max_iterations = options.max_iterations - result->iterations;
+  if (options.max_iterations > 0 && rest.max_iterations <= 0) {
+    result->status = LcpStatus::kIterationLimit;
+    return;
+  }
+  if (std::isfinite(options.time_limit_s)) {
+    rest.time_limit_s = deadline.Remaining();
+    if (rest.time_limit_s <= 0) {
+      result->status = LcpStatus::kTimeLimit;
+      return;
+    }
+  }
+  LcpResult second;
+  newton_.Solve(problem, rest, &second);
+  second.iterations += result->iterations;
+  *result = std::move(second);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,312 @@
+#include "solvers/auto/auto_portfolio.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+// Nanoseconds of an nncg iteration, by row of the matrix-free form and by entry of A in the assembled one: measured
+// together with ActiveBlockChoice::StepTime, and compared with it only.
+constexpr double kNncgTimePerRow = 8;
+constexpr double kNncgTimePerEntry = 1.5;
+// What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
+// well, and half of what the Newton method needs on redundant rows.
+constexpr double kFactorisationsOfBpp = 6;
+constexpr double kFactorisationsOfNewton = 12;
+// The same for psor, which is asked only where it is the cheapest; and its sweep, in nncg iterations.
+constexpr double kFactorisationsForPsor = 4;
+constexpr double kPsorTime = 0.5;
+// nncg goes before block pivoting if a factorisation costs as much as so many of its iterations.
+constexpr double kProbeRatio = 6;
+constexpr std::int64_t kLeastNncgIterations = 16;
+// Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
+constexpr std::int64_t kMostFactorisationsOfBpp = 24;
+
+// Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
+// before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
+constexpr double kFewCircles = 0.25;
+// Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
+constexpr Index kLeastRowsOfSweepsAlone = 5000;
+// A dense A of 0.2 GB, and minutes.
+constexpr Index kMostRowsOfDantzig = 5000;
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+constexpr bool kHasHybrid = true;
+// What the sweeps of large packings may take: before hybrid as within it.
+constexpr std::int64_t kSweepsOfLarge = HybridOptions{}.most_iterations;
+#else
+constexpr bool kHasHybrid = false;
+constexpr std::int64_t kSweepsOfLarge = 0;
+#endif
+
+BppOptions EndWhenSingular(bool self_check) {
+  BppOptions options;
+  options.end_when_singular = true;
+  options.self_check = self_check;
+  return options;
+}
+
+template <typename Options>
+Options EndWhenHopeless(bool self_check) {
+  Options options;
+  options.end_when_hopeless = true;
+  options.self_check = self_check;
+  return options;
+}
+
+template <typename Options>
+Options WithSelfCheck(bool self_check) {
+  Options options;
+  options.self_check = self_check;
+  return options;
+}
+
+// More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
+bool RowsOutnumberFreedoms(const LcpProblem& problem) {
+  if (problem.facts().rank.has_value()) return *problem.facts().rank < problem.size();
+  if (!problem.has_factors()) return false;
+  const SparseMatrix& J = problem.J();
+  std::vector<char> is_free(static_cast<size_t>(J.cols()), 0);
+  Index freedoms = 0;
+  for (Index i = 0; i < J.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      char& seen = is_free[static_cast<size_t>(it.col())];
+      if (seen != 0 || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      seen = 1;
+      ++freedoms;
+    }
+  }
+  return problem.size() > freedoms;
+}
+
+// Circles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
+// about 1 in a packing of discs. Rows of one body, or of one pair more, make no circle. O(nnz J log)
+double CirclesPerBody(const LcpProblem& problem) {
+  constexpr Index kAxes = 3;
+  const SparseMatrix& J = problem.J();
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index i = 0; i < J.rows(); ++i) {
+    Index first = -1, second = -1;
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      const Index body = it.col() / kAxes;
+      (first < 0 || first == body ? first : second) = body;
+    }
+    if (second >= 0) pairs.emplace_back(std::min(first, second), std::max(first, second));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  std::vector<Index> parent(static_cast<size_t>(J.cols() / kAxes + 1));
+  std::iota(parent.begin(), parent.end(), Index{0});
+  const auto root = [&](Index i) {
+    while (parent[static_cast<size_t>(i)] != i) {
+      parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
+      i = parent[static_cast<size_t>(i)];
+    }
+    return i;
+  };
+  Index circles = 0;
+  for (const auto& [first, second] : pairs) {
+    const Index a = root(first), b = root(second);
+    if (a == b) ++circles;
+    parent[static_cast<size_t>(a)] = b;
+  }
+  return static_cast<double>(circles) / static_cast<double>(parent.size());
+}
+
+}  // namespace
+
+AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
+    : newton_factorisations_(newton_factorisations),
+      self_check_(self_check),
+      psor_(EndWhenHopeless<PsorOptions>(self_check)),
+      nncg_(EndWhenHopeless<NncgOptions>(self_check)),
+      bpp_(EndWhenSingular(self_check)),
+      newton_(WithSelfCheck<SemismoothNewtonOptions>(self_check)),
+#ifdef LCPBENCH_WITH_SUITESPARSE
+      hybrid_(WithSelfCheck<HybridOptions>(self_check)),
+#endif
+      dantzig_(WithSelfCheck<DantzigOptions>(self_check)) {
+}
+
+// Up to which number of iterations nncg may go for the price of so many factorisations.
+std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) const {
+  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
+}
+
+bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
+  try {
+    bpp_.Prepare(problem);
+    has_bpp_ = true;
+  } catch (const MemoryRefusal&) {
+    // Others need less.
+  }
+  return has_bpp_;
+}
+
+bool AutoPortfolio::IsLarge(const LcpProblem& problem) {
+  return kHasHybrid && problem.size() > kSmallRows && problem.given_form() != MatrixForm::kDense;
+}
+
+void AutoPortfolio::Classify(const LcpProblem& problem) {
+  is_redundant_ = RowsOutnumberFreedoms(problem);
+  is_large_ = IsLarge(problem);
+  suits_tableau_ = is_redundant_;
+}
+
+void AutoPortfolio::Prepare(const LcpProblem& problem) {
+  Classify(problem);
+  nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
+                   ? kNncgTimePerRow * static_cast<double>(problem.size())
+                   : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
+  nncg_limit_ = 0;
+  psor_limit_ = 0;
+  has_bpp_ = false;
+  if (is_redundant_ && is_large_) {
+    // Sweeps and their limits are hybrid's own.
+  } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
+             problem.has_two_body_rows() && CirclesPerBody(problem) > kFewCircles) {
+    nncg_limit_ = kSweepsOfLarge;
+  } else if (is_redundant_) {
+    newton_.Prepare(problem);
+    nncg_limit_ = NncgLimit(kFactorisationsOfNewton, newton_.StepTime());
+  } else if (PrepareBpp(problem)) {
+    suits_tableau_ = bpp_.is_dense();
+    if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
+      nncg_limit_ = NncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
+      psor_limit_ = static_cast<std::int64_t>(kFactorisationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
+      psor_.Prepare(problem);
+    }
+  }
+  if (nncg_limit_ > 0) nncg_.Prepare(problem);
+  start_.setZero(problem.size());
+}
+
+// True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
+bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result) {
+  LcpOptions rest = *options_;
+  rest.time_limit_s = deadline_->Remaining();
+  if (limit > 0) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
+  if (has_start_) rest.initial_f = &start_;
+  if (!(rest.time_limit_s > 0)) {
+    result->status = LcpStatus::kTimeLimit;
+    return true;
+  }
+  const std::string before = std::move(result->detail);
+  solver->Solve(*problem_, rest, result);
+  const std::string said = std::move(result->detail);
+  result->detail = before;
+  if (!before.empty()) result->detail += "; ";
+  result->detail += name;
+  if (!said.empty()) result->detail.append(": ").append(said);
+  switch (result->status) {
+    case LcpStatus::kSolved:
+      if (trust == Trust::kVerifiesItself || !self_check_) return true;
+      test_.Reset(*problem_);
+      if (test_.Meets(options_->tolerance, result->f)) return true;
+      result->status = LcpStatus::kNumericalFailure;
+      break;
+    case LcpStatus::kInfeasible:
+      if (result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted) return true;
+      result->farkas_ray.reset();
+      result->status = LcpStatus::kNumericalFailure;
+      break;
+    case LcpStatus::kTimeLimit:
+      return true;
+    default:
+      break;
+  }
+  Remember(result->f);
+  return false;
+}
+
+void AutoPortfolio::Remember(const Eigen::VectorXd& f) {
+  if (reached_count_ == reached_.size()) reached_.emplace_back();
+  reached_[reached_count_++] = f;
+}
+
+// Residuals are taken here and not where points are remembered: mostly the next backend arrives.
+void AutoPortfolio::TakeTheBest(LcpResult* result) {
+  test_.Reset(*problem_, GivenFormTest::Columns::kWhenNeeded);
+  long double least = test_.Rho(result->f);
+  for (std::size_t k = 0; k < reached_count_; ++k) {
+    const long double rho = test_.Rho(reached_[k]);
+    if (!(rho < least) && !std::isnan(least)) continue;
+    least = rho;
+    result->f = reached_[k];
+  }
+}
+
+// Psor or nncg. What they leave is where the next ones start.
+bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
+  if (Try(solver, name, Trust::kVerifiesItself, limit, result)) return true;
+  if (result->f.allFinite()) {
+    start_ = result->f;
+    has_start_ = true;
+  }
+  return false;
+}
+
+bool AutoPortfolio::TryBpp(LcpResult* result) {
+  if (Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return true;
+  // What it has when it runs out of factorisations is mostly right but for a few rows.
+  if (is_large_ && result->iterations > 1 && result->f.allFinite()) {
+    start_ = result->f;
+    has_start_ = true;
+  }
+  const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
+  // A sweep over a dense A costs too much of its factorisation; hybrid has sweeps of its own.
+  if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense() || is_large_) return false;
+  return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorisationsOfNewton, bpp_.StepTime()), result);
+}
+
+void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
+                          LcpResult* result) {
+  problem_ = &problem;
+  options_ = &options;
+  deadline_ = &deadline;
+  has_start_ = options.initial_f != nullptr;
+  if (has_start_) start_ = *options.initial_f;
+  reached_count_ = 0;
+  if (!result->f.isZero(0)) Remember(result->f);
+  AskAll(choice, result);
+  const bool arrived = result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible;
+  if (!arrived && reached_count_ > 0) TakeTheBest(result);
+}
+
+void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
+  if (choice == Choice::kByCost) {
+    if (psor_limit_ > 0 && TrySweeps(&psor_, "psor", psor_limit_, result)) return;
+    if (nncg_limit_ > 0 && TrySweeps(&nncg_, "nncg", nncg_limit_, result)) return;
+    if (has_bpp_ && TryBpp(result)) return;
+  }
+  const bool begins_with_hybrid = choice == Choice::kByCost && is_large_;
+  if (begins_with_hybrid ? TryHybrid(result) : TryNewton(result)) return;
+  has_start_ = options_->initial_f != nullptr;
+  if (has_start_) start_ = *options_->initial_f;
+  if (begins_with_hybrid ? TryNewton(result) : TryHybrid(result)) return;
+  if (problem_->size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
+}
+
+bool AutoPortfolio::TryNewton(LcpResult* result) {
+  return Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result);
+}
+
+bool AutoPortfolio::TryHybrid(LcpResult* result) {
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  return Try(&hybrid_, "hybrid", Trust::kVerify, 0, result);
+#else
+  static_cast<void>(result);
+  return false;
+#endif
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "solvers/active_set/bpp.h"
+#include "solvers/active_set/semismooth_newton.h"
+#include "solvers/first_order/nncg.h"
+#include "solvers/first_order/psor.h"
+#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/pivoting/dantzig.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/interior_point/hybrid.h"
+#endif
+
+namespace lcpbench {
+
+/// What AutoSolver asks for problems that are too large for a tableau: backends in the order of what they are predicted
+/// to cost, each one starting from what the one before it reached. Internal to solvers/.
+///
+/// Predictions come from the structure: what a factorisation takes (fill), what an nncg iteration takes (rows), and
+/// whether rows outnumber the degrees of freedom of the bodies, which makes A singular.
+///
+/// - Rows outnumber freedoms, or the first factor of block pivoting shows that many rows depend on others: block
+///   pivoting would cycle. nncg first, for as long as its own rate of convergence promises less than the Newton method
+///   costs; not where A is dense, of which a sweep costs too much.
+/// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
+///   packings, psor and nncg go first in the same way, and often arrive: psor where its rate promises to cost even
+///   less, which eight sweeps tell. What they leave is a good guess of the active set. From 5000 rows on
+///   packings get sweeps, then `hybrid`, and A is never formed.
+/// - Then, up to kSmallRows rows, the semismooth Newton method; above, `hybrid`: it needs 10 to 40 factorisations where
+///   that one needs a hundred or does not arrive (discs-in-v, boxes-and-discs, rounded-wall, billiards-break). Large
+///   problems with redundant rows begin there.
+/// - Then the others of the two, and Dantzig pivoting where a dense A is small. They have hardly ever been needed.
+///
+/// A backend that would need more memory than there is refuses (MemoryRefusal), and the next one is asked. Where none
+/// arrives, the answer is the point of least rho that any of them ended at.
+class AutoPortfolio {
+ public:
+  AutoPortfolio(std::int64_t newton_factorisations, bool self_check);
+
+  enum class Choice {
+    kByCost,
+    kRobust,  ///< the Newton method at once: something has shown that the problem is not an easy one
+  };
+
+  /// Above kSmallRows, and not given as a dense matrix.
+  static bool IsLarge(const LcpProblem& problem);
+  /// What suits_tableau tells before any set-up.  O(nnz J)
+  void Classify(const LcpProblem& problem);
+  /// Set-up of the backends that come first; not needed for Choice::kRobust. `problem` has at least one row.
+  void Prepare(const LcpProblem& problem);
+  /// As LcpSolver::DoSolve; `deadline` began with the solve, and options.time_limit_s is not looked at. Appends to
+  /// result->detail. result->f holds what was reached before, or 0: it stays where nothing better is found.
+  void Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
+             LcpResult* result);
+  /// From here on `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
+  static constexpr Index kSmallRows = 900;
+
+  /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
+  /// larger sizes.
+  bool suits_tableau() const { return suits_tableau_; }
+
+ private:
+  enum class Trust { kVerifiesItself, kVerify };
+  bool PrepareBpp(const LcpProblem& problem);
+  void AskAll(Choice choice, LcpResult* result);
+  void Remember(const Eigen::VectorXd& f);
+  void TakeTheBest(LcpResult* result);
+  std::int64_t NncgLimit(double factorisations, double step_time) const;
+  bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
+  bool TryBpp(LcpResult* result);
+  bool TryNewton(LcpResult* result);
+  bool TryHybrid(LcpResult* result);
+  bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
+
+  std::int64_t newton_factorisations_;
+  bool self_check_;
+  bool is_redundant_ = false;
+  bool is_large_ = false;
+  bool has_bpp_ = false;
+  bool suits_tableau_ = false;
+  double nncg_time_ = 1;         // of an iteration, nanoseconds
+  std::int64_t nncg_limit_ = 0;  // 0: not worth a try
+  std::int64_t psor_limit_ = 0;
+
+  PsorSolver psor_;
+  NncgSolver nncg_;
+  BppSolver bpp_;
+  SemismoothNewtonSolver newton_;
+#ifdef LCPBENCH_WITH_SUITESPARSE
+  HybridSolver hybrid_;
+#endif
+  DantzigSolver dantzig_;
+  GivenFormTest test_;
+
+  // One call.
+  const LcpProblem* problem_ = nullptr;
+  const LcpOptions* options_ = nullptr;
+  const Deadline* deadline_ = nullptr;
+  Eigen::VectorXd start_;  // where the next backend starts
+  bool has_start_ = false;
+  // Where backends ended that did not arrive: the first `reached_count_`.
+  std::vector<Eigen::VectorXd> reached_;
+  std::size_t reached_count_ = 0;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "solvers/first_order/sweeps/aligned_array.h"
+#include "solvers/lcp/problem.h"
+
+/// Internal to solvers/: the passes over rows that all first-order solvers are made of.
+namespace lcpbench {
+
+/// What a pass over rows adds up as it goes.
+struct StepSums {
+  double residual = 0;  ///< of r_k^2, r_k the natural residual of row k at the moment of its step
+  double change = 0;    ///< of (change of f_k)^2
+  /// Of the change of the energy f.A f / 2 + b.f, step by step (sweeps only): exact to rounding of the change, where
+  /// the difference of two energies would be exact to rounding of the energy.
+  double energy = 0;
+};
+
+/// The rows of a ScaledProblem in one layout. Every pass takes a range [begin, end) of rows, so that a caller can read
+/// a clock in between; cutting a pass into ranges does not change its result.
+///
+/// The *image* of a vector f is what a layout keeps of A f, linear in f. Layouts over bodies keep y = S^T f with A = S
+/// S^T (body velocities) and the passes keep the image of f up to date as they change f. The assembled layout keeps A
+/// f; its sweeps neither need nor update it. Rounding makes an image drift over many sweeps: StartImage and AddToImage
+/// make it afresh.
+class RowKernel {
+ public:
+  virtual ~RowKernel() = default;
+
+  /// Takes the scaled problem's b, which has changed; to be called before any pass.
+  virtual void SetB() {}
+
+  virtual std::size_t ImageSize() const = 0;
+  /// True: image(d).image(e) = d.A e, and passes keep images. False: d.image(e) = d.A e, and they do not.
+  virtual bool ImageIsRoot() const = 0;
+  /// Multiply-adds per row of a sweep, for pacing; >= 1.
+  virtual Index EntriesPerRow() const = 0;
+
+  /// image = that of f = 0. (Not all zeros: a layout may keep constants in it, which cancel in differences of images.)
+  virtual void StartImage(Array* image) const = 0;
+  /// After StartImage and AddToImage over all rows, `image` is that of f.
+  virtual void AddToImage(Index begin, Index end, const Array& f, Array* image) const = 0;
+  /// image += change of the image when f_row grows by `df`; A must be symmetric.
+  virtual void AddRowToImage(Index row, double df, Array* image) const = 0;
+
+  /// w_row = (A f + b)_row; needs the image of f where ImageIsRoot.
+  virtual double W(Index row, const Array& f, const Array& image) const = 0;
+  /// Gauss-Seidel: for every row in turn, f_k <- max(floor, f_k - omega w_k) with the newest f.
+  virtual void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
+                     StepSums* sums) const = 0;
+  /// Projected gradient: next_k = max(floor, y_k - step w_k(y)); needs the image of y. Where ImageIsRoot, next_image
+  /// (from StartImage on) becomes that of `next`.
+  virtual void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
+                            Array* next_image, StepSums* sums) const = 0;
+  /// Sum of r_k^2; needs the image of f.
+  virtual double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const = 0;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,58 @@
+#include "solvers/first_order/sweeps/row_work.h"
+
+#include <vector>
+
+#include "solvers/first_order/sweeps/assembled_rows.h"
+#include "solvers/first_order/sweeps/colouring.h"
+#include "solvers/first_order/sweeps/factor_rows.h"
+#include "solvers/first_order/sweeps/two_body_rows.h"
+#include "solvers/lcp/given_form.h"
+
+namespace lcpbench {
+namespace {
+
+// Entries of A per row (as BoundEntriesOfA counts them) up to which a sweep over A is at least as fast as one over J:
+// measured, 0.6 ns per entry of A against 5 to 6 ns per two-body row in the given order and 1.5 to 2 ns in a coloured
+// one.
+constexpr Index kAssembledRowLimit = 14;
+constexpr Index kAssembledRowLimitColoured = 4;
+
+bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
+  if (form != RowForm::kAuto) return form == RowForm::kMatrixFree;
+  const Index limit = coloured ? kAssembledRowLimitColoured : kAssembledRowLimit;
+  return problem.has_two_body_rows() && BoundEntriesOfA(problem) > limit * problem.size();
+}
+
+}  // namespace
+
+void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
+  const bool factors = UsesFactors(problem, form, coloured);
+  scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
+  if (!factors) {
+    rows = std::make_unique<AssembledRows>(problem, scaled);
+  } else if (problem.has_two_body_rows()) {
+    rows = std::make_unique<TwoBodyRows>(problem, scaled);
+  } else {
+    rows = std::make_unique<FactorRows>(problem, scaled);
+  }
+  f.assign(static_cast<size_t>(scaled.size), 0.0);
+  rows->StartImage(&image);
+}
+
+void RowWork::Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f) {
+  scaled.SetB(problem);
+  rows->SetB();
+  scaled.Start(initial_f, &f);
+}
+
+std::string WhyNoRows(const LcpProblem& problem, RowForm form) {
+  if (problem.has_factors()) return {};
+  if (form == RowForm::kMatrixFree) return "the matrix-free form needs a problem given by factors";
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  for (Index i = 0; i < D.size(); ++i) {
+    if (D[i] < 0) return "A has a negative diagonal entry in row " + std::to_string(i);
+  }
+  return {};
+}
+
+}  // namespace lcpbench

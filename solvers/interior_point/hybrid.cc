@@ -1,0 +1,117 @@
+#include "solvers/interior_point/hybrid.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "solvers/interior_point/interior_finish.h"
+
+namespace lcpbench {
+namespace {
+
+// Below, a factorisation takes no longer than a few sweeps, and its answers have more digits.
+constexpr Index kLeastRows = 500;
+// Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
+constexpr Index kMostRowsAnalysed = 20000;
+// Of a warm start: the active set is tried before the sweeps where a factorisation takes no longer than so many, with
+// pivots that take no longer than so many together.
+constexpr double kCheapFactorization = 17;
+constexpr double kGuessWork = 90;
+// A start is used where its rho is below this share of that of f = 0.
+constexpr double kWorthTrying = 0.5;
+
+}  // namespace
+
+HybridOptions HybridOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("hybrid", settings);
+  HybridOptions options;
+  constexpr double kMost = 100000;
+  options.least_iterations = static_cast<int>(reader.Number("least-iterations", options.least_iterations, 0, kMost));
+  options.most_iterations = static_cast<int>(reader.Number("most-iterations", options.most_iterations, 0, kMost));
+  options.self_check = reader.SelfCheck();
+  reader.Finish();
+  return options;
+}
+
+HybridSolver::HybridSolver(HybridOptions options)
+    : options_(options),
+      sweeps_(NncgOptions{
+          .end_when_hopeless = true, .least_iterations = options.least_iterations, .self_check = options.self_check}),
+      interior_(IpmOptions{.self_check = options.self_check}) {}
+
+std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
+
+void HybridSolver::DoPrepare(const LcpProblem& problem) {
+  sweeps_per_factorization_ = 0;
+  sweeps_first_ = options_.most_iterations > 0 && problem.size() >= kLeastRows;
+  if (!sweeps_first_) {
+    interior_.Prepare(problem);
+    return;
+  }
+  sweeps_.Prepare(problem);
+  start_test_.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
+  if (problem.size() > kMostRowsAnalysed) return;
+  interior_.Prepare(problem);
+  const IpmStatistics& factor = interior_.statistics();
+  sweeps_per_factorization_ = SweepsPerFactorization(problem, factor.factor_flops, factor.fill);
+}
+
+void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  const Deadline deadline(options);
+  LcpOptions rest = options;
+  Eigen::VectorXd start;  // where the next method goes on
+  std::int64_t done = 0;
+  std::string detail;
+  // The limits that are left, at most `wanted` iterations (0: any number). False where none are.
+  const auto limit = [&](std::int64_t wanted) {
+    rest.max_iterations = wanted;
+    if (options.max_iterations > 0) {
+      const std::int64_t left = options.max_iterations - done;
+      if (left <= 0) {
+        result->status = LcpStatus::kIterationLimit;
+        return false;
+      }
+      rest.max_iterations = wanted > 0 ? std::min(wanted, left) : left;
+    }
+    rest.time_limit_s = deadline.Remaining();
+    if (rest.time_limit_s > 0) return true;
+    result->status = LcpStatus::kTimeLimit;
+    return false;
+  };
+  // Runs one of the methods from where the one before has stopped. True if it is the last one.
+  const auto run = [&](LcpSolver* solver, const char* name) {
+    solver->Solve(problem, rest, result);
+    done += result->iterations;
+    result->iterations = done;
+    if (detail.find(name) == std::string::npos) detail += (detail.empty() ? "" : "; ") + std::string(name);
+    result->detail = detail + (result->detail.empty() ? "" : ": " + result->detail);
+    if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible ||
+        result->status == LcpStatus::kTimeLimit) {
+      return true;
+    }
+    if (result->f.allFinite()) {
+      start = result->f;
+      rest.initial_f = &start;
+    }
+    return false;
+  };
+
+  if (sweeps_first_ && options.initial_f != nullptr) {
+    start_test_.SetB(problem);
+    const long double rho = start_test_.Rho(*options.initial_f);
+    if (!(rho < kWorthTrying * start_test_.Rho(Eigen::VectorXd::Zero(problem.size())))) rest.initial_f = nullptr;
+  }
+  if (sweeps_per_factorization_ > 0 && rest.initial_f != nullptr && sweeps_per_factorization_ <= kCheapFactorization) {
+    if (!limit(static_cast<std::int64_t>(kGuessWork / sweeps_per_factorization_))) return;
+    interior_.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
+    if (run(&interior_, "ipm")) return;
+  }
+  if (sweeps_first_) {
+    if (!limit(std::max(options_.least_iterations, options_.most_iterations)) || run(&sweeps_, "nncg")) return;
+  }
+  if (!limit(0)) return;
+  interior_.UseWarmStart(sweeps_first_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
+  run(&interior_, "ipm");
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,314 @@
+#include "solvers/interior_point/ipm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "solvers/interior_point/interior_finish.h"
+#include "solvers/interior_point/interior_guess.h"
+#include "solvers/interior_point/interior_point.h"
+#include "solvers/interior_point/ipm_run.h"
+#include "solvers/interior_point/proximal_pivoting.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/scaled_system.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr int kInteriorSteps = 80;        // far above the 10 to 30 that are normal
+constexpr double kFirstFinish = 1e-4;     // mu from which every iterate may be the last one ...
+constexpr double kFinishResidual = 1e-4;  // ... if the linear residual is this small too
+constexpr double kFewWrongRows =
+    0.02;  // with at most this fraction of rows wrong, pivots from the active set are tried
+constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend what is local
+constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
+constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnates, while their rate promises an answer
+constexpr int kMostRecentred = 3;
+constexpr double kRecentredMu = 10;     // a row that blocks every step is off centre by more than that
+constexpr double kLeastMu = 1e-22;      // nothing is to be learnt below
+constexpr int kGuessPivots = 10;        // of one guessed active set, as long as every pivot leaves ...
+constexpr double kGuessProgress = 0.5;  // ... at most this fraction of the wrong rows
+constexpr int kFallbackPivots = 300;
+// Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
+// interior point starts from it rather than cold.
+constexpr double kWorthTrying = 0.5;
+// mu of a warm start, in its mean residual. What sweeps leave undone on redundant rows is smooth and small, and the
+// active set behind it far from right: from a larger mu 10^5 rows of a wall need 40 steps instead of 100.
+constexpr double kWarmMu = 0.1;
+constexpr double kSweptMu = 40;
+constexpr double kCloseEnough = 3e-2;
+// A warm start whose first steps are as short as this is too close to the boundary for what has changed: its mu is
+// lifted, and if that does not help either, the start is cold. (Measured with 0.5 % of
+// the contacts lost and others gained: without this a start can cost several cold solves, and fail.)
+constexpr int kTrialSteps = 6;
+constexpr double kBlockedStep = 0.3;
+constexpr double kLift = 100;
+constexpr int kMostLifts = 2;
+constexpr double kLeastWarmSweeps = 60;
+constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
+constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
+
+// Weight of the proximal term for pivots from an interior-point iterate: its distance from the solution is of the order
+// of sqrt(mu) where rows are degenerate. The first guess of all takes the light weight: if F is right, it is exact.
+constexpr double kTame = 10;
+constexpr double kHeaviest = 1e-2;
+double TameWeight(double mu) { return std::min(kHeaviest, kTame * std::sqrt(mu)); }
+
+ScaledSystem::Space SystemSpace(IpmOptions::Space space) {
+  switch (space) {
+    case IpmOptions::Space::kContact:
+      return ScaledSystem::Space::kContact;
+    case IpmOptions::Space::kBody:
+      return ScaledSystem::Space::kBody;
+    case IpmOptions::Space::kAutomatic:
+      break;
+  }
+  return ScaledSystem::Space::kAutomatic;
+}
+
+}  // namespace
+
+IpmOptions IpmOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("ipm", settings);
+  IpmOptions options;
+  const std::string space = reader.Choice("space", "auto", {"auto", "contact", "body"});
+  if (space == "contact") options.space = Space::kContact;
+  if (space == "body") options.space = Space::kBody;
+  options.proximal = reader.Number("proximal", options.proximal, 1e-13, 1e-6);
+  options.correctors = static_cast<int>(reader.Number("correctors", options.correctors, 0, 10));
+  options.self_check = reader.SelfCheck();
+  reader.Finish();
+  return options;
+}
+
+class IpmSolver::Implementation {
+ public:
+  explicit Implementation(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
+
+  void Prepare(const LcpProblem& problem) {
+    statistics_ = {};
+    system_.Prepare(problem, SystemSpace(options_.space));
+    interior_.Reserve(problem.size());
+    finish_.Reserve(problem.size(), system_.flops());
+    guess_.Reserve(problem.size());
+    warm_sweeps_ = static_cast<std::int64_t>(
+        std::max(kLeastWarmSweeps, kWarmSweepWork * SweepsPerFactorization(problem, system_.flops(), system_.fill())));
+    pivoting_.Reserve(problem.size());
+    statistics_.analyses = system_.analyses();
+    statistics_.body_space = system_.in_body_space();
+    statistics_.fill = system_.fill();
+    statistics_.factor_flops = system_.flops();
+  }
+
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    system_.SetB(problem);
+    statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
+    IpmRun run(system_, options_, options, statistics_);
+    result->status = SolveWithin(&run, result);
+    if (run.accepted()) result->status = LcpStatus::kSolved;
+    result->iterations = statistics_.factorizations;
+    if (result->status == LcpStatus::kInfeasible && !result->farkas_ray.has_value()) {
+      result->farkas_ray = pivoting_.ray();
+    }
+    result->f = run.best_f();
+  }
+
+  const IpmStatistics& statistics() const { return statistics_; }
+  void UseWarmStart(WarmStart use) { use_ = use; }
+
+ private:
+  using Outcome = ProximalPivoting::Outcome;
+  using Progress = InteriorPoint::Progress;
+
+  // Rows with A_ii = 0 have w_i = b_i whatever f is.
+  bool HasImpossibleRow(LcpResult* result) {
+    const LcpProblem& problem = system_.problem();
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (problem.DiagonalA()[i] != 0) continue;
+      const double b = problem.b()[i];
+      if (problem.is_bilateral(i) ? b == 0 : b >= 0) continue;
+      Eigen::VectorXd y = Eigen::VectorXd::Zero(problem.size());
+      y[i] = b < 0 ? 1.0 : -1.0;
+      if (!VerifyFarkasRay(problem, y).accepted) continue;
+      result->farkas_ray = std::move(y);
+      result->detail = "row " + std::to_string(i) + " has A_ii = 0 and a gap acceleration that no force can change";
+      return true;
+    }
+    return false;
+  }
+
+  LcpStatus SolveWithin(IpmRun* run, LcpResult* result) {
+    const LcpProblem& problem = system_.problem();
+    const Index n = problem.size();
+    if (HasImpossibleRow(result)) return LcpStatus::kInfeasible;
+
+    bool live = false;
+    bool contacts = false;
+    for (Index i = 0; i < n; ++i) {
+      live = live || !system_.idle(i);
+      contacts = contacts || system_.unilateral(i);
+    }
+    Eigen::VectorXd gaps = problem.b();
+    if (run->Accept(Eigen::VectorXd::Zero(n), gaps)) return LcpStatus::kSolved;
+    if (!live) {
+      result->detail = "a row with A_ii = 0 has a gap acceleration that no force can change";
+      return LcpStatus::kNumericalFailure;
+    }
+    Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+    Eigen::VectorXd w = f;
+    if (!contacts) return Finish(run, f, w, 0.0, result);
+
+    finish_.Restart();
+    bool warm = false;
+    if (run->options().initial_f != nullptr) {
+      const double rho_of_zero = run->best_rho();
+      if (TryStart(run, rho_of_zero)) return LcpStatus::kSolved;
+      if (run->limit_hit()) return Ended(run, Outcome::kStopped, result);
+      if (use_ == WarmStart::kGuessOnly) return LcpStatus::kIterationLimit;
+      warm = run->best_rho() <= kCloseEnough * rho_of_zero;
+    }
+    if (warm) {
+      f = run->best_f().cwiseQuotient(system_.force_unit());
+      interior_.StartWarm(run, f, use_ == WarmStart::kAfterSweeps ? kSweptMu : kWarmMu);
+    } else if (interior_.StartCold(run) == Progress::kStopped) {
+      return Ended(run, run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp, result);
+    }
+
+    double guess_below = kFirstFinish;
+    int guesses = 0;
+    int recentred = 0;
+    int lifted = 0;
+    const double few_wrong = finish_.may_sweep() ? kFewWrongRowsOfMany : kFewWrongRows;
+    Progress progress = Progress::kGood;
+    for (int k = 0; k < kInteriorSteps && progress == Progress::kGood && interior_.mu() > kLeastMu; ++k) {
+      progress = interior_.Step(run);
+      const bool stagnant = progress == Progress::kStagnant;
+      // What sweeps have left is worth its short steps: they are as short from elsewhere.
+      const bool doubtful = warm && use_ != WarmStart::kAfterSweeps;
+      const bool blocked =
+          progress == Progress::kGood && doubtful && k < kTrialSteps && interior_.step() < kBlockedStep;
+      if (stagnant && recentred++ < kMostRecentred) {
+        interior_.Recentre(run, kRecentredMu);
+        progress = Progress::kGood;
+        continue;
+      }
+      if (blocked && lifted++ < kMostLifts) {
+        interior_.Recentre(run, kLift);
+        k = -1;
+        continue;
+      }
+      if (blocked || (stagnant && doubtful)) {
+        warm = false;
+        progress = interior_.StartCold(run);
+        k = -1;
+        recentred = guesses = 0;
+        guess_below = kFirstFinish;
+        continue;
+      }
+      if (progress != Progress::kGood) break;
+      if (interior_.mu() > kFirstFinish || interior_.residual() > kFinishResidual) continue;
+      if (finish_.Try(run, interior_.f(), interior_.w())) return LcpStatus::kSolved;
+      if (interior_.mu() > guess_below || finish_.wrong_rows() > few_wrong) continue;
+      guess_below = kNextGuess * interior_.mu();
+      const Outcome outcome = pivoting_.Run(run, interior_.f(), interior_.w(), kGuessPivots, kGuessProgress,
+                                            guesses++ == 0 ? 0.0 : TameWeight(interior_.mu()));
+      if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
+    }
+    if (run->limit_hit()) {
+      Remember(run);
+      return Ended(run, Outcome::kStopped, result);
+    }
+    if (progress == Progress::kDiverged) {
+      if (pivoting_.TryRay(run, interior_.f())) return Ended(run, Outcome::kInfeasible, result);
+      f.setZero();
+      w = interior_.w();
+      for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
+      return Finish(run, f, w, 0.0, result);
+    }
+    if (finish_.may_sweep()) {
+      Remember(run);
+      if (finish_.SweepFromBest(run, kLastSweeps)) return LcpStatus::kSolved;
+    }
+    return Finish(run, interior_.f(), interior_.w(), TameWeight(interior_.mu()), result);
+  }
+
+  // All of a warm start that comes before the interior point; what it finds is run->best_f(). True if that is it.
+  bool TryStart(IpmRun* run, double rho_of_zero) {
+    const Eigen::VectorXd& start = *run->options().initial_f;
+    const Eigen::VectorXd f = start.cwiseQuotient(system_.force_unit());
+    Eigen::VectorXd w;
+    if (guess_.Judge(run, f, &w)) return true;
+    if (!(run->best_rho() <= kWorthTrying * rho_of_zero)) return false;
+    if (guess_.Try(run, f, w)) return true;
+    if (run->limit_hit() || use_ != WarmStart::kFull) return false;
+    return finish_.SweepFromBest(run, warm_sweeps_);
+  }
+
+  LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
+    return Ended(run, pivoting_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
+  }
+
+  LcpStatus Ended(IpmRun* run, Outcome outcome, LcpResult* result) {
+    switch (outcome) {
+      case Outcome::kSolved:
+        return LcpStatus::kSolved;
+      case Outcome::kInfeasible:
+        return LcpStatus::kInfeasible;
+      case Outcome::kStopped:
+        return run->limit_status();
+      case Outcome::kGaveUp:
+        break;
+    }
+    result->detail = "the active-set method ended above the tolerance";
+    if (!system_.why().empty()) result->detail += "; " + system_.why();
+    return LcpStatus::kNumericalFailure;
+  }
+
+  void Remember(IpmRun* run) {
+    Eigen::VectorXd f = interior_.f().cwiseProduct(system_.force_unit());
+    Eigen::VectorXd w;
+    system_.GapsExtended(f, true, &w);
+    run->Accept(f, w);
+  }
+
+  IpmOptions options_;
+  WarmStart use_ = WarmStart::kFull;
+  std::int64_t warm_sweeps_ = 0;
+  IpmStatistics statistics_;
+  ScaledSystem system_;
+  InteriorPoint interior_;
+  InteriorFinish finish_;
+  InteriorGuess guess_;
+  ProximalPivoting pivoting_;
+};
+
+IpmSolver::IpmSolver(IpmOptions options) : implementation_(std::make_unique<Implementation>(options)) {}
+IpmSolver::~IpmSolver() = default;
+
+const IpmStatistics& IpmSolver::statistics() const { return implementation_->statistics(); }
+
+void IpmSolver::UseWarmStart(WarmStart use) { implementation_->UseWarmStart(use); }
+
+std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
+  if (!problem.IsNumericallySymmetric()) return "A is not symmetric";
+  const Eigen::VectorXd& diagonal = problem.DiagonalA();
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (diagonal[i] > 0) continue;
+    const std::string row = std::to_string(i);
+    if (diagonal[i] < 0) return "A is not positive semidefinite: its diagonal entry " + row + " is negative";
+    if (problem.has_factors()) continue;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+      if (it.value() != 0) return "A is not positive semidefinite: row " + row + " is nonzero beside a zero diagonal";
+    }
+  }
+  return {};
+}
+
+void IpmSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
+
+void IpmSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  implementation_->Solve(problem, options, result);
+}
+
+}  // namespace lcpbench

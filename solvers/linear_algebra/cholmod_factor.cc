@@ -1,0 +1,359 @@
+#include "solvers/linear_algebra/cholmod_factor.h"
+
+#include <cholmod.h>
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <stdexcept>
+
+#include "solvers/lcp/factor_clock.h"
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/work_counts.h"
+#include "solvers/linear_algebra/supernodal_factor.h"
+
+namespace lcpbench {
+namespace {
+
+// Thread counts of the libraries below CHOLMOD, found at run time: which BLAS is loaded is the system's choice.
+struct ThreadControls {
+  using Setter = void (*)(int);
+  using Getter = int (*)();
+  Setter set_blas_threads = nullptr;
+  Getter get_blas_threads = nullptr;
+  Setter set_omp_levels = nullptr;
+  Getter get_omp_levels = nullptr;
+
+  static const ThreadControls& Get() {
+    static const ThreadControls controls = [] {
+      ThreadControls found;
+      found.set_blas_threads = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+      found.get_blas_threads = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
+      found.set_omp_levels = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
+      found.get_omp_levels = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
+      return found;
+    }();
+    return controls;
+  }
+};
+
+// Flops per entry of L from which supernodes are faster than columns. CHOLMOD's own numeric phase breaks even at 40,
+// its default. Measured at 1000 to 3000 rows: 10 to 20 are alike, 20 % less time than 40; without a limit, chains take
+// twice as long.
+constexpr double kWorthSupernodes = 20;
+
+// One thread for its lifetime. With no active parallel level allowed, OpenMP makes every team a team of one, also where
+// the code asks for a number of threads. The settings are the process's, so lifetimes on several threads are counted:
+// the first one changes them and the last one puts them back.
+class SingleThread {
+ public:
+  explicit SingleThread(bool needed) : needed_(needed) {
+    if (!needed_) return;
+    Shared& shared = Shared::Get();
+    const std::lock_guard<std::mutex> lock(shared.mutex);
+    if (shared.users++ > 0) return;
+    const ThreadControls& controls = ThreadControls::Get();
+    shared.blas_threads = 0;
+    shared.omp_levels = 0;
+    if (controls.get_blas_threads != nullptr && controls.set_blas_threads != nullptr) {
+      shared.blas_threads = controls.get_blas_threads();
+      if (shared.blas_threads > 1) controls.set_blas_threads(1);
+    }
+    if (controls.get_omp_levels != nullptr && controls.set_omp_levels != nullptr) {
+      shared.omp_levels = controls.get_omp_levels();
+      if (shared.omp_levels > 0) controls.set_omp_levels(0);
+    }
+  }
+  ~SingleThread() {
+    if (!needed_) return;
+    Shared& shared = Shared::Get();
+    const std::lock_guard<std::mutex> lock(shared.mutex);
+    if (--shared.users > 0) return;
+    const ThreadControls& controls = ThreadControls::Get();
+    if (shared.blas_threads > 1) controls.set_blas_threads(shared.blas_threads);
+    if (shared.omp_levels > 0) controls.set_omp_levels(shared.omp_levels);
+  }
+  SingleThread(const SingleThread&) = delete;
+  SingleThread& operator=(const SingleThread&) = delete;
+
+ private:
+  struct Shared {
+    std::mutex mutex;
+    int users = 0;
+    int blas_threads = 0;  // before the first user
+    int omp_levels = 0;
+
+    static Shared& Get() {
+      static Shared shared;
+      return shared;
+    }
+  };
+
+  const bool needed_;
+};
+
+std::string StatusText(int status) {
+  const std::string code = " (CHOLMOD status " + std::to_string(status) + ")";
+  switch (status) {
+    case CHOLMOD_OK:
+      return "no error" + code;
+    case CHOLMOD_NOT_POSDEF:
+      return "a pivot is not positive" + code;
+    case CHOLMOD_DSMALL:
+      return "a pivot is tiny" + code;
+    case CHOLMOD_OUT_OF_MEMORY:
+      return "out of memory" + code;
+    case CHOLMOD_TOO_LARGE:
+      return "the factor has more entries than an int can count" + code;
+    case CHOLMOD_INVALID:
+      return "invalid input" + code;
+    case CHOLMOD_NOT_INSTALLED:
+      return "the method is not in this CHOLMOD" + code;
+    default:
+      return "unknown error" + code;
+  }
+}
+
+cholmod_dense Wrap(Eigen::Index n, double* values) {
+  cholmod_dense dense{};
+  dense.nrow = static_cast<size_t>(n);
+  dense.ncol = 1;
+  dense.nzmax = dense.nrow;
+  dense.d = dense.nrow;
+  dense.x = values;
+  dense.xtype = CHOLMOD_REAL;
+  dense.dtype = CHOLMOD_DOUBLE;
+  return dense;
+}
+
+}  // namespace
+
+struct CholmodFactor::State {
+  cholmod_common common{};
+  ColumnMatrix lower;
+  cholmod_sparse view{};  // of `lower`
+  Eigen::VectorXi diagonal;
+  cholmod_factor* factor = nullptr;    // where supernodal and not to be updated, its structure only
+  SupernodalFactor panels;             // and these are its numbers
+  cholmod_factor* analysis = nullptr;  // a copy of `factor` before its first numbers, for after an update
+  bool updated = false;
+  cholmod_dense* solution = nullptr;
+  cholmod_dense* y_workspace = nullptr;
+  cholmod_dense* e_workspace = nullptr;
+  Eigen::VectorXd right_side;
+  double flops = 0;
+  double fill = 0;
+  bool positive_definite = true;
+  std::string why;
+
+  State() { cholmod_start(&common); }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State() {
+    Free();
+    cholmod_finish(&common);
+  }
+  void Free() {
+    cholmod_free_dense(&solution, &common);
+    cholmod_free_dense(&y_workspace, &common);
+    cholmod_free_dense(&e_workspace, &common);
+    cholmod_free_factor(&factor, &common);
+    cholmod_free_factor(&analysis, &common);
+    updated = false;
+    panels.Clear();
+  }
+  void PreparePanels() {
+    SupernodalFactor::Structure structure;
+    structure.n = static_cast<int>(factor->n);
+    structure.supernodes = static_cast<int>(factor->nsuper);
+    structure.first_column = static_cast<const int*>(factor->super);
+    structure.row_start = static_cast<const int*>(factor->pi);
+    structure.value_start = static_cast<const int*>(factor->px);
+    structure.rows = static_cast<const int*>(factor->s);
+    structure.values = factor->xsize;
+    structure.largest_update = factor->maxcsize;
+    structure.order = static_cast<const int*>(factor->Perm);
+    panels.Prepare(structure, lower.outerIndexPtr(), lower.innerIndexPtr());
+  }
+};
+
+CholmodFactor::CholmodFactor() : state_(std::make_unique<State>()) {
+  cholmod_common& common = state_->common;
+  common.print = 0;  // an error is a status, never a line on the terminal
+  common.error_handler = nullptr;
+  // One ordering method, which Analyze chooses, keeps the set-up cheap and independent of how CHOLMOD was built (METIS
+  // or not).
+  common.nmethods = 1;
+  common.postorder = 1;
+  common.quick_return_if_not_posdef = 1;
+  common.supernodal_switch = kWorthSupernodes;
+  // Supernodes of up to these columns may take in zeros: twice CHOLMOD's own numbers, as the factors of contact
+  // problems in the plane have narrow supernodes. 10 to 25 % less time at 10^5 rows.
+  common.nrelax[0] = 8;
+  common.nrelax[1] = 32;
+  common.nrelax[2] = 96;
+}
+
+CholmodFactor::~CholmodFactor() = default;
+
+void CholmodFactor::Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order) {
+  const bool given = order.size() > 0;
+  if (given && order.size() != lower.cols()) {
+    throw std::runtime_error("symbolic analysis: " + StatusText(CHOLMOD_INVALID));
+  }
+  state_->common.method[0].ordering = given ? CHOLMOD_GIVEN : CHOLMOD_AMD;
+  state_->common.postorder = 1;
+  // CHOLMOD takes the order as non-const and only reads it.
+  AnalyzeBy(definiteness, lower, given ? const_cast<int*>(order.data()) : nullptr);
+}
+
+void CholmodFactor::AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update) {
+  State& s = *state_;
+  s.common.method[0].ordering = CHOLMOD_NATURAL;
+  s.common.postorder = 0;
+  AnalyzeBy(Definiteness::kPositiveDefinite, lower, nullptr);
+  if (!will_update) return;
+  s.analysis = cholmod_copy_factor(s.factor, &s.common);
+  if (s.analysis == nullptr) throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
+}
+
+void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order) {
+  ++WorkCounts::OfThread().analyses;
+  State& s = *state_;
+  const SingleThread one(true);
+  s.Free();
+  s.lower = lower;
+  s.lower.makeCompressed();
+  const Eigen::Index n = s.lower.cols();
+  s.diagonal.resize(n);
+  for (Eigen::Index j = 0; j < n; ++j) s.diagonal[j] = s.lower.outerIndexPtr()[j];
+  s.view = {};
+  s.view.nrow = s.view.ncol = static_cast<size_t>(n);
+  s.view.nzmax = static_cast<size_t>(s.lower.nonZeros());
+  s.view.p = s.lower.outerIndexPtr();
+  s.view.i = s.lower.innerIndexPtr();
+  s.view.x = s.lower.valuePtr();
+  s.view.stype = -1;
+  s.view.itype = CHOLMOD_INT;
+  s.view.xtype = CHOLMOD_REAL;
+  s.view.dtype = CHOLMOD_DOUBLE;
+  s.view.sorted = 1;
+  s.view.packed = 1;
+  s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
+  s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
+  s.factor = cholmod_analyze_p(&s.view, order, nullptr, 0, &s.common);
+  if (s.factor == nullptr || s.common.status < CHOLMOD_OK) {
+    throw std::runtime_error("symbolic analysis: " + StatusText(s.common.status));
+  }
+  s.flops = s.common.fl;
+  s.fill = s.common.lnz;
+  // Supernodes hold numbers only, a factor by columns has an index beside each. Factorize holds no more for long.
+  const double entry = s.factor->is_super != 0 ? sizeof(double) : sizeof(double) + sizeof(int);
+  const double entries = s.factor->is_super != 0 ? static_cast<double>(s.factor->xsize) : s.fill;
+  RequireMemory(entries * entry, "the factor");
+  s.right_side.resize(n);
+}
+
+bool CholmodFactor::TakeValues(const ColumnMatrix& lower) {
+  State& s = *state_;
+  const Eigen::Index columns = lower.cols();
+  if (s.factor == nullptr || !lower.isCompressed() || columns != s.lower.cols() ||
+      lower.nonZeros() != s.lower.nonZeros() ||
+      !std::equal(lower.outerIndexPtr(), lower.outerIndexPtr() + columns + 1, s.lower.outerIndexPtr()) ||
+      !std::equal(lower.innerIndexPtr(), lower.innerIndexPtr() + lower.nonZeros(), s.lower.innerIndexPtr())) {
+    return false;
+  }
+  std::copy(lower.valuePtr(), lower.valuePtr() + lower.nonZeros(), s.lower.valuePtr());
+  return true;
+}
+
+Eigen::Index CholmodFactor::size() const { return state_->lower.cols(); }
+Eigen::VectorXi CholmodFactor::order() const {
+  return Eigen::Map<const Eigen::VectorXi>(static_cast<const int*>(state_->factor->Perm), size());
+}
+double CholmodFactor::flops() const { return state_->flops; }
+double CholmodFactor::fill() const { return state_->fill; }
+const std::string& CholmodFactor::why() const { return state_->why; }
+
+void CholmodFactor::SetDiagonal(Eigen::Index i, double value) { state_->lower.valuePtr()[state_->diagonal[i]] = value; }
+
+const int* CholmodFactor::column_starts() const { return state_->lower.outerIndexPtr(); }
+const int* CholmodFactor::row_indices() const { return state_->lower.innerIndexPtr(); }
+double* CholmodFactor::values() { return state_->lower.valuePtr(); }
+
+bool CholmodFactor::Factorize() {
+  const FactorClock::Scope clock;
+  State& s = *state_;
+  if (s.factor->is_super != 0 && s.analysis == nullptr) {
+    const SingleThread one(true);
+    if (!s.panels.ready()) s.PreparePanels();
+    if (s.panels.Factorize(s.lower.valuePtr())) return true;
+    s.why = "numeric factorisation: " + StatusText(CHOLMOD_NOT_POSDEF);
+    return false;
+  }
+  if (s.updated) {
+    cholmod_free_factor(&s.factor, &s.common);
+    s.factor = cholmod_copy_factor(s.analysis, &s.common);
+    s.updated = false;
+    if (s.factor == nullptr) throw std::runtime_error("numeric factorisation: " + StatusText(s.common.status));
+  }
+  const SingleThread one(s.factor->is_super != 0);
+  s.common.status = CHOLMOD_OK;
+  const int done = cholmod_factorize(&s.view, s.factor, &s.common);
+  if (done != 0 && s.common.status == CHOLMOD_OK && s.factor->minor == s.factor->n) return true;
+  s.why = "numeric factorisation: " + StatusText(s.common.status);
+  return false;
+}
+
+bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
+  const FactorClock::Scope clock;
+  State& s = *state_;
+  s.common.status = CHOLMOD_OK;
+  if (!s.updated) {
+    if (s.analysis == nullptr) throw std::logic_error("CholmodFactor::Update without will_update");
+    s.updated = true;
+    if (cholmod_change_factor(CHOLMOD_REAL, /*to_ll=*/0, /*to_super=*/0, /*to_packed=*/1, /*to_monotonic=*/1, s.factor,
+                              &s.common) == 0) {
+      throw std::runtime_error("update: " + StatusText(s.common.status));
+    }
+  }
+  // CHOLMOD takes the columns as non-const and only reads them.
+  cholmod_sparse view{};
+  view.nrow = static_cast<size_t>(columns.rows());
+  view.ncol = static_cast<size_t>(columns.cols());
+  view.nzmax = static_cast<size_t>(columns.nonZeros());
+  view.p = const_cast<int*>(columns.outerIndexPtr());
+  view.i = const_cast<int*>(columns.innerIndexPtr());
+  view.x = const_cast<double*>(columns.valuePtr());
+  view.itype = CHOLMOD_INT;
+  view.xtype = CHOLMOD_REAL;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  const int done = cholmod_updown(add ? 1 : 0, &view, s.factor, &s.common);
+  if (done != 0 && s.common.status == CHOLMOD_OK) return true;
+  s.why = "update: " + StatusText(s.common.status);
+  return false;
+}
+
+const int* CholmodFactor::column_counts() const { return static_cast<const int*>(state_->factor->ColCount); }
+bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0; }
+
+void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
+  State& s = *state_;
+  if (s.panels.ready()) {
+    const SingleThread one(true);
+    *x = r;
+    s.panels.Solve(x->data());
+    return;
+  }
+  s.right_side = r;
+  cholmod_dense right_side = Wrap(s.right_side.size(), s.right_side.data());
+  const int done = cholmod_solve2(CHOLMOD_A, s.factor, &right_side, nullptr, &s.solution, nullptr, &s.y_workspace,
+                                  &s.e_workspace, &s.common);
+  if (done == 0) throw std::runtime_error("triangular solve: " + StatusText(s.common.status));
+  *x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(s.solution->x), s.right_side.size());
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,305 @@
+#include "solvers/linear_algebra/sparse_active_block.h"
+
+#include <Eigen/OrderingMethods>
+#include <algorithm>
+
+#include "solvers/lcp/factor_clock.h"
+#include "solvers/lcp/in_sequence.h"
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/work_counts.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr int kNone = -1;
+constexpr int kLongestChain = 4;
+
+size_t At(int i) { return static_cast<size_t>(i); }
+
+}  // namespace
+
+bool SparseActiveBlock::HasPattern(const SparseMatrix& A) const {
+  const int* outer = A.outerIndexPtr();
+  const int* inner = A.innerIndexPtr();
+  return std::equal(outer, outer + A.rows() + 1, outer_.begin(), outer_.end()) &&
+         std::equal(inner, inner + outer[A.rows()], inner_.begin(), inner_.end());
+}
+
+void SparseActiveBlock::Analyze(const LcpProblem& problem) {
+  const SparseMatrix& A = problem.SparseA();
+  const bool in_sequence = InSequence::on();
+  if (in_sequence && HasPattern(A)) return;
+  outer_.clear();  // until the analysis has succeeded
+  n_ = static_cast<int>(A.rows());
+  const std::vector<KeptOrder::Name> names = in_sequence ? NamesOfRows(problem) : std::vector<KeptOrder::Name>();
+  const Eigen::VectorXi found = kept_.Find(names, A.outerIndexPtr(), A.innerIndexPtr());
+  bool serves = found.size() > 0;
+  if (serves) {
+    order_.assign(found.begin(), found.end());
+    Permute(A);
+    try {
+      FindPatterns();
+      serves = kept_.Serves(factor_work_);
+    } catch (const MemoryRefusal&) {
+      serves = false;  // an order anew may need less
+    }
+  }
+  if (!serves) {
+    kept_.Clear();
+    OrderAnew(A);
+    Permute(A);
+    FindPatterns();
+    kept_.Keep(names, Eigen::Map<const Eigen::VectorXi>(order_.data(), n_), factor_work_);
+  }
+  values_.assign(column_.size(), 0);
+  lower_.assign(rows_.size(), 0);
+  for (std::vector<double>* v : {&diagonal_, &pivots_, &y_, &in_, &out_}) v->assign(At(n_), 0);
+  active_.assign(At(n_), 0);
+  dirty_.assign(At(n_), 0);
+  outer_.assign(A.outerIndexPtr(), A.outerIndexPtr() + n_ + 1);
+  inner_.assign(A.innerIndexPtr(), A.innerIndexPtr() + outer_.back());
+}
+
+void SparseActiveBlock::OrderAnew(const SparseMatrix& A) {
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation;
+  const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = A;
+  Eigen::AMDOrdering<int>()(columns, permutation);
+  order_.assign(permutation.indices().data(), permutation.indices().data() + n_);
+}
+
+void SparseActiveBlock::Permute(const SparseMatrix& A) {
+  std::vector<int> place(At(n_));
+  for (int k = 0; k < n_; ++k) place[At(order_[At(k)])] = k;
+  start_.assign(1, 0);
+  column_.clear();
+  source_.clear();
+  diagonal_source_.assign(At(n_), 0);
+  for (int r = 0; r < n_; ++r) {
+    const int i = order_[At(r)];
+    for (int s = A.outerIndexPtr()[i]; s < A.outerIndexPtr()[i + 1]; ++s) {
+      const int c = place[At(A.innerIndexPtr()[s])];
+      if (c == r) diagonal_source_[At(r)] = s;
+      if (c >= r) continue;
+      column_.push_back(c);
+      source_.push_back(s);
+    }
+    start_.push_back(static_cast<int>(column_.size()));
+  }
+}
+
+// The elimination tree [Liu 1986], then the pattern of each row of L: the nodes met on the way from its entries in A up
+// the tree to the row itself.
+void SparseActiveBlock::FindPatterns() {
+  ++WorkCounts::OfThread().analyses;
+  parent_.assign(At(n_), kNone);
+  std::vector<int> ancestor(At(n_), kNone);
+  std::vector<int> seen(At(n_), kNone);
+  std::vector<int> count(At(n_), 0);
+  row_start_.assign(1, 0);
+  row_columns_.clear();
+  for (int r = 0; r < n_; ++r) {
+    for (int s = start_[At(r)]; s < start_[At(r + 1)]; ++s) {
+      for (int k = column_[At(s)]; k != kNone && k < r;) {
+        const int next = ancestor[At(k)];
+        ancestor[At(k)] = r;
+        if (next == kNone) parent_[At(k)] = r;
+        k = next;
+      }
+    }
+    seen[At(r)] = r;
+    const size_t begin = row_columns_.size();
+    for (int s = start_[At(r)]; s < start_[At(r + 1)]; ++s) {
+      for (int k = column_[At(s)]; seen[At(k)] != r; k = parent_[At(k)]) {
+        seen[At(k)] = r;
+        row_columns_.push_back(k);
+        ++count[At(k)];
+      }
+    }
+    std::sort(row_columns_.begin() + static_cast<std::ptrdiff_t>(begin), row_columns_.end());
+    row_start_.push_back(static_cast<int>(row_columns_.size()));
+  }
+  column_start_.assign(1, 0);
+  factor_work_ = 0;
+  for (int k = 0; k < n_; ++k) {
+    column_start_.push_back(column_start_.back() + count[At(k)]);
+    factor_work_ += 0.5 * count[At(k)] * (count[At(k)] + 1.0);
+  }
+  RequireMemory(static_cast<double>(row_columns_.size()) * (sizeof(double) + 3 * sizeof(int)), "the factor");
+  rows_.assign(row_columns_.size(), 0);
+  row_places_.assign(row_columns_.size(), 0);
+  std::vector<int> next(column_start_.begin(), column_start_.end() - 1);
+  for (int r = 0; r < n_; ++r) {
+    for (int t = row_start_[At(r)]; t < row_start_[At(r + 1)]; ++t) {
+      const int place = next[At(row_columns_[At(t)])]++;
+      row_places_[At(t)] = place;
+      rows_[At(place)] = r;
+    }
+  }
+  // Column k + 1 continues k if it is its parent and one shorter: the rest of the two structures is the same.
+  chain_.assign(At(n_), 1);
+  for (int k = n_ - 2; k >= 0; --k) {
+    if (parent_[At(k)] == k + 1 && count[At(k)] == count[At(k + 1)] + 1) {
+      chain_[At(k)] = std::min(chain_[At(k + 1)] + 1, kLongestChain);
+    }
+  }
+}
+
+double SparseActiveBlock::factor_time() const {
+  constexpr double kMultiplyAdd = 0.4;
+  return kMultiplyAdd * factor_work_;
+}
+
+Index SparseActiveBlock::CountDependentRows() const {
+  Index count = 0;
+  for (int r = 0; r < n_; ++r) {
+    if (active_[At(r)] != 0 && pivots_[At(r)] <= kDependentPivot * shift_ * diagonal_[At(r)]) ++count;
+  }
+  return count;
+}
+
+void SparseActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
+  const double* given = problem.SparseA().valuePtr();
+  for (int r = 0; r < n_; ++r) {
+    const double s = scale[order_[At(r)]];
+    diagonal_[At(r)] = (given[diagonal_source_[At(r)]] * s) * s;
+    for (int t = start_[At(r)]; t < start_[At(r + 1)]; ++t) {
+      values_[At(t)] = (given[source_[At(t)]] * s) * scale[order_[At(column_[At(t)])]];
+    }
+  }
+  shift_ = 0;
+}
+
+void SparseActiveBlock::ComputeRow(int r) {
+  const int begin = row_start_[At(r)];
+  const int end = row_start_[At(r + 1)];
+  if (active_[At(r)] == 0) {
+    for (int t = begin; t < end; ++t) lower_[At(row_places_[At(t)])] = 0;
+    return;
+  }
+  double* __restrict y = y_.data();  // zero outside this call
+  const double* __restrict L = lower_.data();
+  const int* __restrict rows = rows_.data();
+  for (int s = start_[At(r)]; s < start_[At(r + 1)]; ++s) {
+    const int c = column_[At(s)];
+    if (active_[At(c)] != 0) y[c] = values_[At(s)];
+  }
+  double pivot = diagonal_[At(r)] * (1 + shift_);
+  const auto finish = [&](int t, double value) {
+    const double l = value / pivots_[At(row_columns_[At(t)])];
+    lower_[At(row_places_[At(t)])] = l;
+    pivot -= l * value;
+  };
+  for (int t = begin; t < end;) {
+    const int k = row_columns_[At(t)];
+    const int place = row_places_[At(t)];
+    const int first = column_start_[At(k)];
+    const double y0 = y[k];
+    y[k] = 0;
+    // A chain in the pattern of row r is there to its end: the columns between are ancestors of the first.
+    const int length = std::min(chain_[At(k)], end - t);
+    if (length < kLongestChain) {
+      lower_[At(place)] = 0;
+      if (y0 != 0) {
+        for (int p = first; p < place; ++p) y[rows[p]] -= L[p] * y0;
+        finish(t, y0);
+      }
+      ++t;
+      continue;
+    }
+    const int first1 = column_start_[At(k + 1)];
+    const int first2 = column_start_[At(k + 2)];
+    const int first3 = column_start_[At(k + 3)];
+    const double y1 = y[k + 1] - L[first] * y0;
+    const double y2 = y[k + 2] - L[first + 1] * y0 - L[first1] * y1;
+    const double y3 = y[k + 3] - L[first + 2] * y0 - L[first1 + 1] * y1 - L[first2] * y2;
+    y[k + 1] = y[k + 2] = y[k + 3] = 0;
+    const int shared = place - (first + 3);
+    const double* __restrict l0 = L + first + 3;
+    const double* __restrict l1 = L + first1 + 2;
+    const double* __restrict l2 = L + first2 + 1;
+    const double* __restrict l3 = L + first3;
+    const int* __restrict target = rows + first3;
+    if (y0 != 0 || y1 != 0 || y2 != 0 || y3 != 0) {
+      for (int p = 0; p < shared; ++p) y[target[p]] -= (l0[p] * y0 + l1[p] * y1) + (l2[p] * y2 + l3[p] * y3);
+    }
+    finish(t, y0);
+    finish(t + 1, y1);
+    finish(t + 2, y2);
+    finish(t + 3, y3);
+    t += kLongestChain;
+  }
+  pivots_[At(r)] = std::max(pivot, shift_ * diagonal_[At(r)]);
+}
+
+bool SparseActiveBlock::Factor(const std::vector<char>& active, double shift, const Deadline* deadline) {
+  const FactorClock::Scope clock;
+  const bool all = shift != shift_;
+  shift_ = shift;
+  std::fill(dirty_.begin(), dirty_.end(), 0);
+  double work = 0;
+  for (int r = 0; r < n_; ++r) {
+    const char now = active[At(order_[At(r)])];
+    const bool changed = now != active_[At(r)];
+    if (!all && !changed && dirty_[At(r)] == 0) continue;
+    if (parent_[At(r)] != kNone) dirty_[At(parent_[At(r)])] = 1;
+    const bool was_zero = active_[At(r)] == 0;
+    active_[At(r)] = now;
+    if (now == 0) pivots_[At(r)] = 1;
+    if (now == 0 && was_zero && !all) continue;
+    ComputeRow(r);
+    if (deadline == nullptr) continue;
+    const double entries = row_start_[At(r + 1)] - row_start_[At(r)];
+    work += 0.5 * entries * entries + 1;
+    if (work < kWorkPerClockRead) continue;
+    work = 0;
+    if (deadline->Expired()) {
+      shift_ = 0;
+      return false;
+    }
+  }
+  return true;
+}
+
+void SparseActiveBlock::Solve(double* x) {
+  double* __restrict y = in_.data();
+  const double* __restrict L = lower_.data();
+  const int* __restrict rows = rows_.data();
+  for (int r = 0; r < n_; ++r) y[r] = active_[At(r)] != 0 ? x[order_[At(r)]] : 0.0;
+  for (int k = 0; k < n_; ++k) {
+    const double yk = y[k];
+    if (yk == 0) continue;
+    const int end = column_start_[At(k + 1)];
+    for (int p = column_start_[At(k)]; p < end; ++p) y[rows[p]] -= L[p] * yk;
+  }
+  for (int k = n_ - 1; k >= 0; --k) {
+    if (active_[At(k)] == 0) {
+      x[order_[At(k)]] = 0;
+      continue;
+    }
+    double sum = y[k] / pivots_[At(k)];
+    const int end = column_start_[At(k + 1)];
+    for (int p = column_start_[At(k)]; p < end; ++p) sum -= L[p] * y[rows[p]];
+    y[k] = sum;
+    x[order_[At(k)]] = sum;
+  }
+}
+
+void SparseActiveBlock::Multiply(const double* x, double* y) const {
+  for (int r = 0; r < n_; ++r) {
+    in_[At(r)] = x[order_[At(r)]];
+    out_[At(r)] = diagonal_[At(r)] * in_[At(r)];
+  }
+  for (int r = 0; r < n_; ++r) {
+    double sum = 0;
+    const double xr = in_[At(r)];
+    for (int s = start_[At(r)]; s < start_[At(r + 1)]; ++s) {
+      const int c = column_[At(s)];
+      sum += values_[At(s)] * in_[At(c)];
+      out_[At(c)] += values_[At(s)] * xr;
+    }
+    out_[At(r)] += sum;
+  }
+  for (int r = 0; r < n_; ++r) y[order_[At(r)]] = out_[At(r)];
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,13 @@
+lcpbench_peer_option(CGAL CGAL libcgal-dev)
+if(LCPBENCH_WITH_CGAL)
+  # Headers only, with GMP and MPFR, which this project needs itself.
+  find_path(CGAL_INCLUDE_DIR NAMES CGAL/QP_functions.h)
+  mark_as_advanced(CGAL_INCLUDE_DIR)
+  if(CGAL_INCLUDE_DIR)
+    lcpbench_add_peer(cgal SOURCES cgal/cgal.cc LIBRARIES MPFR::MPFR Boost::headers)
+    target_include_directories(lcpbench_worker_cgal SYSTEM PRIVATE "${CGAL_INCLUDE_DIR}")
+    target_compile_definitions(lcpbench_worker_cgal PRIVATE CGAL_USE_GMP=1 CGAL_USE_MPFR=1)
+  else()
+    lcpbench_peer_missing(CGAL CGAL libcgal-dev)
+  endif()
+endif()

@@ -1,0 +1,13 @@
+lcpbench_peer_option(ODE ODE libode-dev)
+if(LCPBENCH_WITH_ODE)
+  find_package(PkgConfig QUIET)
+  if(PkgConfig_FOUND)
+    # The adapter declares what the library exports but no header does: other versions may differ.
+    pkg_check_modules(ode QUIET IMPORTED_TARGET ode=0.16.2)
+  endif()
+  if(TARGET PkgConfig::ode)
+    lcpbench_add_peer(ode SOURCES ode/ode.cc dantzig_peer.cc LIBRARIES PkgConfig::ode)
+  else()
+    lcpbench_peer_missing(ODE "ODE 0.16.2" libode-dev)
+  endif()
+endif()

@@ -1,0 +1,114 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/solver.h"
+#include "solvers/peers/protocol/protocol.h"
+
+namespace lcpbench {
+
+/// The worker and its limits.
+struct ExternalSolverOptions {
+  /// Program (looked up in PATH unless it holds a slash) and its arguments.
+  std::vector<std::string> command;
+  /// Address space that the worker may use [bytes]; 0 for no limit of our own.
+  std::uint64_t memory_limit = std::uint64_t{8} << 30U;
+  /// For the worker to say hello, and to take over a problem [s]. Interpreters start slowly.
+  double start_limit_s = 60;
+  double prepare_limit_s = 120;  ///< to take over a problem [s]
+  /// What a solve may take beyond its own time limit before the worker is killed: grace_factor times it + grace_s.
+  double grace_factor = 0.5;
+  double grace_s = 1;  ///< [s], see grace_factor
+};
+
+/// What became of a worker that was to load a stream or run a pass: it is gone, and the next use starts another.
+class WorkerFailure : public std::runtime_error {
+ public:
+  /// How the worker ended.
+  enum class How {
+    kNotStarted,  ///< or did not greet
+    kTimeLimit,   ///< no answer in time: it was killed
+    kEnded,       ///< by itself: a crash, an exit
+    kBroken,      ///< sent what is no message of the protocol, and was killed
+  };
+  /// @param what  the reason in words
+  WorkerFailure(How how, const std::string& what) : std::runtime_error(what), how_(how) {}
+  /// How the worker ended.
+  How how() const { return how_; }
+
+ private:
+  How how_;
+};
+
+/// A solver in a process of its own, behind the protocol of protocol.h: code that crashes, hangs, exhausts memory,
+/// prints, or does not live in one process with other libraries.
+///
+/// Method, guarantees, options: the worker's. The problem is sent in its given form; the worker forms and converts what
+/// its library takes on its own clock, result.own_fresh_s, so that pipes are not part of it. After LcpProblem::WithB
+/// only b is sent.
+/// What a failure leaves: a worker that ends or breaks the protocol is kNumericalFailure with the way it ended in
+/// detail; one that does not stop at its time limit is killed and kTimeLimit; f is zero then. The next solve starts a
+/// new worker. A worker's claims are verified like everyone's.
+/// The worker starts with the first problem and ends with this object.
+///
+/// For a worker of version 1, A is formed here, anew for every problem and every b; own_fresh_s is the sum of that and
+/// of what the worker says of its conversions and its solve.
+class ExternalSolver : public LcpSolver {
+ public:
+  /// @throws InputError for an empty command or limits that are not > 0
+  explicit ExternalSolver(ExternalSolverOptions options);
+  ~ExternalSolver() override;
+  ExternalSolver(const ExternalSolver&) = delete;
+  ExternalSolver& operator=(const ExternalSolver&) = delete;
+
+  /// What the worker says of itself; starts it.
+  /// @throws InputError if it cannot be started or does not greet as the protocol prescribes
+  const Hello& Greet();
+  /// Starts it. @throws InputError as Greet
+  bool is_version_1() { return Greet().version == 1; }
+  /// Of the last solve, what forming A for a worker of version 1 took here [s]; else 0.
+  double formed_on_host_s() const { return formed_on_host_s_; }
+
+  /// The stream that passes are about; a worker started later gets it by itself.
+  /// @throws WorkerFailure
+  void LoadStream(std::span<const ProblemArrays> stream);
+  /// As lcpbench::RunPass, in the worker. With a worker of version 1 every problem is a solve of its own by one and the
+  /// same worker, PassEntry::problem_s is what forming A took here, whatever the kind, and nothing is known "again".
+  /// @param limit_s  for the whole pass [s]
+  /// @throws WorkerFailure
+  PassReply RunPass(const PassRequest& request, double limit_s);
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+ private:
+  class Process;
+
+  void Load(const LcpProblem& problem);
+  void SendStream();
+  LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
+  PassReply RunPassByProblems(const PassRequest& request, double limit_s);
+  void Drop();
+
+  ExternalSolverOptions options_;
+  std::unique_ptr<Process> process_;
+  Hello hello_;
+  std::string failure_;  // of the last DoPrepare
+  // What the worker holds.
+  std::optional<LcpProblem> loaded_;
+  bool has_stream_ = false;
+
+  std::vector<ProblemArrays> stream_;
+  // Version 1.
+  Prepared prepared_;
+  double formed_on_host_s_ = 0;
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,116 @@
+#include "solvers/peers/protocol/worker.h"
+
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "solvers/peers/protocol/channel.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+class Worker {
+ public:
+  Worker(const SolverFactory& make, Channel channel) : make_(make), solver_(make()), channel_(channel) {}
+
+  int Run(const Hello& hello) {
+    if (!Send(MessageType::kHello, Encode(hello))) return 1;
+    MessageType type{};
+    Bytes payload;
+    for (;;) {
+      const Channel::Outcome outcome = channel_.Read(&type, &payload, kForever);
+      if (outcome == Channel::Outcome::kClosed) return 0;
+      if (outcome != Channel::Outcome::kDone) return 1;
+      if (type == MessageType::kQuit) return 0;
+      if (!Answer(type, payload)) return 1;
+    }
+  }
+
+ private:
+  // False where the host broke the protocol or is gone.
+  bool Answer(MessageType type, const Bytes& payload) {
+    switch (type) {
+      case MessageType::kProblem:
+        arrays_ = DecodeProblem(payload);
+        problem_.reset();
+        other_b_.reset();
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kOtherB:
+        if (!arrays_) return false;
+        other_b_ = DecodeOtherB(payload, arrays_->rows);
+        if (!problem_) {
+          // As if it had just been solved.
+          problem_ = LcpProblem::FromArrays(*arrays_);
+          solver_->Prepare(*problem_);
+        }
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kSolve:
+        return arrays_ && Solve(DecodeSolve(payload, arrays_->rows));
+      case MessageType::kStream:
+        stream_ = DecodeStream(payload);
+        return Send(MessageType::kLoaded, {});
+      case MessageType::kPass:
+        return Send(MessageType::kPassReply, Encode(RunPass(make_, stream_, DecodePass(payload, stream_))));
+      default:
+        return false;
+    }
+  }
+
+  bool Send(MessageType type, const Bytes& payload) {
+    return channel_.Write(type, payload, kForever) == Channel::Outcome::kDone;
+  }
+
+  bool Solve(const SolveRequest& request) {
+    LcpOptions options;
+    options.tolerance = request.tolerance;
+    options.time_limit_s = request.time_limit_s;
+    options.max_iterations = request.max_iterations;
+    options.time_parts = request.time_parts;
+    if (request.start) options.initial_f = &*request.start;
+    LcpResult result;
+    const double start = SteadyNow();
+    if (other_b_) {
+      solver_->Solve(problem_->WithB(*other_b_), options, &result);
+    } else {
+      solver_->SolveArrays(*arrays_, options, &result);
+    }
+    result.own_fresh_s = SteadyNow() - start;
+    if (result.own_solve_s < 0) result.own_solve_s = result.own_fresh_s;
+    return Send(MessageType::kResult, Encode(result));
+  }
+
+  const SolverFactory& make_;
+  std::unique_ptr<LcpSolver> solver_;
+  Channel channel_;
+  // Of single solves: as sent, the b that takes the place of the one sent, and the matrix that they share.
+  std::optional<ProblemArrays> arrays_;
+  std::optional<LcpProblem> problem_;
+  std::optional<Eigen::VectorXd> other_b_;
+  std::vector<ProblemArrays> stream_;
+};
+
+}  // namespace
+
+int RunWorker(const Hello& hello, const SolverFactory& make) {
+  // Nobody would wait for the answer of a worker whose host was killed.
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const int out = dup(STDOUT_FILENO);
+  if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
+  try {
+    return Worker(make, Channel(STDIN_FILENO, out)).Run(hello);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "worker: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,152 @@
+#include "solvers/pivoting/active_set.h"
+
+#include <algorithm>
+
+namespace lcpbench {
+
+void ActiveSet::Reserve(Index max_rows) {
+  if (max_rows <= df_.size()) return;
+  lcp.Reserve(max_rows);
+  ldlt_.Reserve(max_rows);
+  for (Eigen::VectorXd* v : {&df_, &z_, &z_other_, &x_}) v->setZero(max_rows);
+  order_.resize(static_cast<size_t>(max_rows));
+  slot_.resize(static_cast<size_t>(max_rows));
+  dropped_.reserve(static_cast<size_t>(max_rows));
+}
+
+void ActiveSet::Reset() {
+  ldlt_.Reset(lcp.n);
+  m_ = 0;
+}
+
+bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
+  constexpr Index kLanes = DenseLdlt::kLanes;
+  m_ = 0;
+  dropped_.clear();
+  constexpr Index kWorkPerClockRead = 1 << 14;  // entries, some 10 us
+  Index work = 0;
+  for (Index k = 0; k < rows; ++k) {
+    work += rows - k;
+    if (deadline != nullptr && work > kWorkPerClockRead) {
+      work = 0;
+      if (deadline->Expired()) return false;
+    }
+    const double* from = lcp.column(k);
+    double* to = ldlt_.column(k);
+    Index i = k / kLanes * kLanes;
+    for (; i + kLanes <= rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
+    if (i == rows) continue;
+    std::copy(from + i, from + rows, to + i);
+    std::fill(to + rows, to + i + kLanes, 0.0);
+  }
+  if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) return false;
+  Index k = 0;
+  auto gap = dropped_.begin();
+  for (Index p = 0; p < rows; ++p) {
+    if (gap != dropped_.end() && *gap == p) {
+      ++gap;
+      continue;
+    }
+    order_[static_cast<size_t>(k)] = p;
+    slot_[static_cast<size_t>(p)] = k++;
+  }
+  m_ = rows;
+  for (auto p = dropped_.rbegin(); p != dropped_.rend(); ++p) {
+    if (*p == --m_) continue;
+    const Index last = slot_[static_cast<size_t>(m_)];
+    slot_[static_cast<size_t>(*p)] = last;
+    order_[static_cast<size_t>(last)] = *p;
+    lcp.Swap(*p, m_);
+  }
+  return true;
+}
+
+void ActiveSet::Gather(Index p, double* z) const {
+  const double* c = lcp.column(p);
+  for (Index k = 0; k < m_; ++k) z[k] = c[order_[static_cast<size_t>(k)]];
+}
+
+double ActiveSet::SetDriven(Index d) {
+  Gather(d, z_.data());
+  ldlt_.ForwardSolve(z_.data());
+  return ldlt_.PivotOf(z_.data(), lcp.diagonal[d]);
+}
+
+double ActiveSet::Direction(Index d) {
+  for (Index k = 0; k < m_; ++k) x_[k] = z_[k] * ldlt_.inverse_pivot(k);
+  ldlt_.BackSolve(x_.data());
+  double norm2 = lcp.diagonal[d];
+  for (Index k = 0; k < m_; ++k) {
+    const Index p = order_[static_cast<size_t>(k)];
+    df_[p] = -x_[k];
+    norm2 += lcp.diagonal[p] * x_[k] * x_[k];
+  }
+  return norm2;
+}
+
+void ActiveSet::Append(Index p, const double* z, double pivot) {
+  ldlt_.Append(z, pivot);
+  lcp.Swap(p, m_);
+  order_[static_cast<size_t>(m_)] = m_;
+  slot_[static_cast<size_t>(m_)] = m_;
+  ++m_;
+}
+
+void ActiveSet::EnterDriven(Index d, double s) { Append(d, z_.data(), s); }
+
+double ActiveSet::PivotOf(Index p) {
+  Gather(p, z_other_.data());
+  ldlt_.ForwardSolve(z_other_.data());
+  return ldlt_.PivotOf(z_other_.data(), lcp.diagonal[p]);
+}
+
+double ActiveSet::Enter(Index p, double pivot, Index d) {
+  // One more step of the forward substitution for the driven row.
+  double z_new = lcp.column(d)[p];
+  for (Index k = 0; k < m_; ++k) z_new -= z_other_[k] * z_[k] * ldlt_.inverse_pivot(k);
+  z_[m_] = z_new;
+  Append(p, z_other_.data(), pivot);
+  return ldlt_.PivotOf(z_.data(), lcp.diagonal[d]);
+}
+
+void ActiveSet::Leave(Index p) {
+  const Index k = slot_[static_cast<size_t>(p)];
+  ldlt_.Remove(k);
+  for (Index j = k; j + 1 < m_; ++j) {
+    order_[static_cast<size_t>(j)] = order_[static_cast<size_t>(j + 1)];
+    slot_[static_cast<size_t>(order_[static_cast<size_t>(j)])] = j;
+  }
+  const Index last = m_ - 1;
+  if (p != last) {
+    slot_[static_cast<size_t>(p)] = slot_[static_cast<size_t>(last)];
+    order_[static_cast<size_t>(slot_[static_cast<size_t>(p)])] = p;
+    lcp.Swap(p, last);
+  }
+  --m_;
+}
+
+double ActiveSet::SolveForces() {
+  for (Index k = 0; k < m_; ++k) x_[k] = -lcp.b[order_[static_cast<size_t>(k)]];
+  ldlt_.Solve(x_.data());
+  double largest = 0;
+  for (Index k = 0; k < m_; ++k) {
+    const Index p = order_[static_cast<size_t>(k)];
+    lcp.f[p] = x_[k];
+    largest = std::max(largest, lcp.diagonal[p] * x_[k] * x_[k]);
+  }
+  return largest;
+}
+
+void ActiveSet::CorrectForces() {
+  for (Index k = 0; k < m_; ++k) x_[k] = lcp.w[order_[static_cast<size_t>(k)]];
+  ldlt_.Solve(x_.data());
+  for (Index k = 0; k < m_; ++k) lcp.f[order_[static_cast<size_t>(k)]] -= x_[k];
+}
+
+void ActiveSet::SolveSystem(double* x) {
+  for (Index k = 0; k < m_; ++k) x_[k] = x[order_[static_cast<size_t>(k)]];
+  ldlt_.Solve(x_.data());
+  for (Index k = 0; k < m_; ++k) x[order_[static_cast<size_t>(k)]] = x_[k];
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,313 @@
+#include "solvers/pivoting/lemke.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "solvers/pivoting/pivot_base.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// A negative component of a would-be ray below this part of |D^1/2 y| may be the error of solving for y. The ray is put
+// to the proof before the component may block.
+constexpr double kSmallComponent = 1e-8;
+// First-order terms of tied rows are equal within this part of the largest: then the next column decides.
+constexpr double kEqualOrder = 1e-10;
+
+// In [1, 2), generic but fixed: a Weyl sequence on the golden ratio.
+double Generic(Index i) {
+  constexpr double kGolden = 0.6180339887498949;
+  const double x = static_cast<double>(i + 1) * kGolden;
+  return 1 + (x - std::floor(x));
+}
+
+// Paths after the first are repairs; each must improve the residual.
+constexpr int kMaxPaths = 10;
+
+}  // namespace
+
+class LemkeSolver::Engine final : public PivotBase {
+ public:
+  explicit Engine(LemkeOptions options) : PivotBase(options.rank_tolerance, options.block_start, options.self_check) {}
+
+  void Reserve(Index max_rows) override;
+
+ private:
+  End Run(LcpResult* result) override;
+
+  // From z = 1 to z = 0, starting at F with f_F >= 0 and gaps no less than -violation sqrt(A_ii).
+  End FollowPath(double violation, LcpResult* result);
+  void SetCover(double violation);
+  void SetPerturbation();
+  double ComputeRates();
+  double Noise(Index p) const;
+  bool IsRounding(Index p, double rate, double size) const;
+  Index NextEvent(double size, double* step);
+  Index NextLeaving(Index entering, double norm2, double* step);
+  Index BreakTie(const Eigen::VectorXd& rate, Index event);
+  void ComputePerturbation(Index k);
+  End EnterOrExchange(Index p, LcpResult* result);
+
+  double z_ = 0;
+  double largest_force_ = 0;      // D^1/2 f, over the path so far
+  Eigen::VectorXd cover_;         // d, by row of the problem
+  Eigen::VectorXd perturbation_;  // g, by row of the problem
+  Eigen::VectorXd rate_;          // by position, per unit of falling z: of f in F, of w outside
+  Eigen::VectorXd y_;             // by position, the direction of an exchange in F
+  Eigen::VectorXd first_order_;   // by position: what one column of the perturbation does to f in F and w outside
+  Eigen::VectorXd work_;
+  std::vector<Index> ties_;  // positions
+};
+
+void LemkeSolver::Engine::SetCover(double violation) {
+  cover_.head(lcp_.n).setZero();
+  for (Index p = m(); p < open_; ++p) {
+    const double d = violation * GapRoot(p);
+    cover_[RowAt(p)] = d;
+    lcp_.w[p] = std::max(lcp_.w[p] + d, 0.0);
+  }
+}
+
+// g = h_w - A h_f for h_w, h_f > 0, so that the point at z = 1 has f_F + e h_f, w + e h_w > 0.
+void LemkeSolver::Engine::SetPerturbation() {
+  for (Index p = 0; p < joints_; ++p) work_[p] = 0;
+  for (Index p = joints_; p < m(); ++p) work_[p] = -Generic(RowAt(p)) / ForceRoot(p);
+  first_order_.head(open_).setZero();
+  lcp_.AddColumns(0, open_, m(), work_.data(), first_order_.data());
+  for (Index p = m(); p < open_; ++p) first_order_[p] += Generic(RowAt(p)) * GapRoot(p);
+  for (Index p = 0; p < open_; ++p) perturbation_[RowAt(p)] = first_order_[p];
+}
+
+// Returns s + |D^1/2 f_F'|_1, which times D^1/2 bounds the terms that w_p' is the sum of.
+double LemkeSolver::Engine::ComputeRates() {
+  double size = 0;
+  bool covered = false;
+  for (Index p = 0; p < m(); ++p) {
+    rate_[p] = cover_[RowAt(p)];
+    covered = covered || rate_[p] != 0;
+  }
+  if (covered) active_.SolveSystem(rate_.data());
+  for (Index p = 0; p < m(); ++p) size += std::abs(rate_[p]) * ForceRoot(p);
+  double largest_cover = 0;
+  for (Index p = m(); p < open_; ++p) {
+    const double d = cover_[RowAt(p)];
+    largest_cover = std::max(largest_cover, d / GapRoot(p));
+    rate_[p] = -d;
+  }
+  if (covered) lcp_.AddColumns(m(), open_, m(), rate_.data(), rate_.data());
+  return size + largest_cover;
+}
+
+// f_p or w_p below this is 0 but for rounding.
+double LemkeSolver::Engine::Noise(Index p) const {
+  return kNoise * (p < m() ? largest_force_ / ForceRoot(p) : largest_force_ * GapRoot(p));
+}
+
+bool LemkeSolver::Engine::IsRounding(Index p, double rate, double size) const {
+  if (p < m()) return std::abs(rate) * ForceRoot(p) <= kNoise * size;
+  if (std::abs(rate) > kNoise * size * GapRoot(p)) return false;
+  const double* a = lcp_.column(p);
+  double magnitude = cover_[RowAt(p)];
+  for (Index j = 0; j < m(); ++j) magnitude += std::abs(a[j] * rate_[j]);
+  return std::abs(rate) <= kNoise * magnitude;
+}
+
+// What column k of the perturbation (0: g, k: the unit vector of row k - 1) does to f_F and w, by position.
+void LemkeSolver::Engine::ComputePerturbation(Index k) {
+  for (Index p = 0; p < open_; ++p) {
+    work_[p] = k == 0 ? perturbation_[RowAt(p)] : static_cast<double>(RowAt(p) == k - 1);
+  }
+  first_order_.head(m()) = -work_.head(m());
+  active_.SolveSystem(first_order_.data());
+  first_order_.segment(m(), open_ - m()) = work_.segment(m(), open_ - m());
+  lcp_.AddColumns(m(), open_, m(), first_order_.data(), first_order_.data());
+}
+
+// Of the rows in ties_, which reach 0 together, the one that reaches it first in the perturbed problem. `event` < 0:
+// they move by rate_. Otherwise by `rate` along the direction of an exchange, at the z of the event.
+Index LemkeSolver::Engine::BreakTie(const Eigen::VectorXd& rate, Index event) {
+  for (Index k = 0; k <= lcp_.n && ties_.size() > 1; ++k) {
+    ComputePerturbation(k);
+    const double lag = event < 0 ? 0.0 : first_order_[event] / -rate_[event];
+    const auto order = [&](Index p) { return (first_order_[p] + (event < 0 ? 0.0 : lag * rate_[p])) / -rate[p]; };
+    double least = kInfinity;
+    double largest = 0;
+    for (const Index p : ties_) {
+      least = std::min(least, order(p));
+      largest = std::max(largest, std::abs(order(p)));
+    }
+    std::erase_if(ties_, [&](Index p) { return order(p) > least + kEqualOrder * largest; });
+  }
+  return ties_.front();
+}
+
+// The row that reaches 0 first as z falls, kNoRow if z does.
+Index LemkeSolver::Engine::NextEvent(double size, double* step) {
+  double bound = z_;
+  ties_.clear();
+  const auto steps = [&](Index p) { return (p < m() ? lcp_.f[p] : lcp_.w[p]) / -rate_[p]; };
+  for (Index p = joints_; p < open_; ++p) {
+    if (rate_[p] >= 0 || IsRounding(p, rate_[p], size)) continue;
+    const double latest = steps(p) + Noise(p) / -rate_[p];
+    if (steps(p) > bound) continue;
+    bound = std::min(bound, latest);
+    ties_.push_back(p);
+  }
+  *step = z_;
+  if (bound >= z_) return kNoRow;
+  std::erase_if(ties_, [&](Index p) { return steps(p) > bound; });
+  const Index p = BreakTie(rate_, kNoRow);
+  *step = steps(p);
+  return p;
+}
+
+// The contact of F whose force reaches 0 first along y_.
+Index LemkeSolver::Engine::NextLeaving(Index entering, double norm2, double* step) {
+  double bound = kInfinity;
+  ties_.clear();
+  const auto steps = [&](Index p) { return lcp_.f[p] / -y_[p]; };
+  for (Index p = joints_; p < m(); ++p) {
+    if (y_[p] >= 0 || y_[p] * y_[p] * lcp_.diagonal[p] <= kNoise * kNoise * norm2) continue;
+    if (steps(p) > bound) continue;
+    bound = std::min(bound, steps(p) + Noise(p) / -y_[p]);
+    ties_.push_back(p);
+  }
+  if (ties_.empty()) return kNoRow;
+  std::erase_if(ties_, [&](Index p) { return steps(p) > bound; });
+  const Index p = BreakTie(y_, entering);
+  *step = steps(p);
+  return p;
+}
+
+// Row p, outside F with w_p = 0, enters F, or takes the place of a row that it depends on.
+PivotBase::End LemkeSolver::Engine::EnterOrExchange(Index p, LcpResult* result) {
+  for (Index event = p;; event = kNoRow) {  // more than once only where rounding spoils the pivot of an exchange
+    const double pivot = active_.SetDriven(p);
+    const double norm2 = active_.Direction(p);
+    if (pivot > rank_tolerance_ * norm2) {
+      active_.EnterDriven(p, pivot);
+      return End::kDone;
+    }
+    std::copy(active_.df(), active_.df() + m(), y_.data());
+    double step = 0;
+    const Index leaving = NextLeaving(event, norm2, &step);
+    bool set_aside = leaving == kNoRow;
+    if (set_aside || y_[leaving] * y_[leaving] * lcp_.diagonal[leaving] <= kSmallComponent * kSmallComponent * norm2) {
+      // y.w = y.b + z y.d is 0 here, so y.b = -z y.d. Where that is next to nothing, so would be the use of a long step
+      // that ends at a component which may be rounding.
+      const bool matters = event != kNoRow && lcp_.ResidualShare(p, z_ * rate_[p]) > proof_tolerance_;
+      if (matters && ClaimRay(p, 1, result)) return End::kInfeasible;
+      set_aside = set_aside || !matters;
+    }
+    if (set_aside) {
+      lcp_.f[p] = 0;
+      lcp_.Swap(p, --open_);  // the final check decides
+      return End::kDone;
+    }
+    if (pivots_ >= pivot_limit_) return End::kIterationLimit;
+    ++pivots_;
+    for (Index j = 0; j < joints_; ++j) lcp_.f[j] += step * y_[j];
+    for (Index j = joints_; j < m(); ++j) lcp_.f[j] = std::max(lcp_.f[j] + step * y_[j], 0.0);
+    lcp_.f[p] += step;
+    Release(leaving);  // which moves rows of F and the first one outside only, not p
+  }
+}
+
+PivotBase::End LemkeSolver::Engine::FollowPath(double violation, LcpResult* result) {
+  SetCover(violation);
+  SetPerturbation();
+  z_ = 1;
+  largest_force_ = violation;
+  while (z_ > 0) {
+    if (pivots_ >= pivot_limit_) return End::kIterationLimit;
+    if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
+    ++pivots_;
+    const double size = ComputeRates();
+    double step = 0;
+    const Index p = NextEvent(size, &step);
+    step = std::max(step, 0.0);
+    for (Index j = 0; j < m(); ++j) {
+      lcp_.f[j] += step * rate_[j];
+      if (j >= joints_) lcp_.f[j] = std::max(lcp_.f[j], 0.0);
+      largest_force_ = std::max(largest_force_, std::abs(lcp_.f[j]) * ForceRoot(j));
+    }
+    for (Index j = m(); j < open_; ++j) lcp_.w[j] = std::max(lcp_.w[j] + step * rate_[j], 0.0);
+    z_ = p == kNoRow ? 0.0 : z_ - step;
+    if (p == kNoRow) break;
+    if (p < m()) {
+      Release(p);
+    } else {
+      lcp_.w[p] = 0;
+      const End end = EnterOrExchange(p, result);
+      if (end != End::kDone) return end;
+    }
+  }
+  return End::kDone;
+}
+
+void LemkeSolver::Engine::Reserve(Index max_rows) {
+  if (max_rows <= rate_.size()) return;
+  PivotBase::Reserve(max_rows);
+  for (Eigen::VectorXd* v : {&cover_, &perturbation_, &rate_, &y_, &first_order_, &work_}) v->setZero(max_rows);
+  ties_.reserve(static_cast<size_t>(max_rows));
+}
+
+PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
+  End end = EnterStart(result);
+  const Index in_play = open_;
+  for (int path = 0; path < kMaxPaths && end == End::kDone; ++path) {
+    open_ = in_play;
+    const double violation = ComputeGaps();
+    if (path > 0 && violation == 0) break;
+    if (violation > 0) end = FollowPath(violation, result);
+    if (end != End::kDone) break;
+    SolveForces(path == 0 ? Leaving::kAll : Leaving::kOneByOne);
+    const double tier_before = judge_.tier();
+    if (Publish(result)) break;
+    if (path > 0 && !(judge_.tier() < tier_before)) break;
+    Refine();
+    if (Publish(result)) break;
+    SolveForces(Leaving::kOneByOne);
+  }
+  if (end != End::kDone) PublishUnfinished(end, result);
+  return Conclude(end);
+}
+
+LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
+  SettingsReader reader("lemke", settings);
+  LemkeOptions options;
+  options.rank_tolerance =
+      reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
+  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
+  options.block_start = reader.YesOrNo("block_start", options.block_start);
+  options.self_check = reader.SelfCheck();
+  reader.Finish();
+  return options;
+}
+
+LemkeSolver::LemkeSolver(LemkeOptions options)
+    : max_rows_(options.max_rows), engine_(std::make_unique<Engine>(options)) {}
+LemkeSolver::~LemkeSolver() = default;
+
+std::string LemkeSolver::WhyUnsupported(const LcpProblem& problem) const {
+  if (problem.size() > max_rows_) {
+    return std::to_string(problem.size()) + " rows are more than max_rows = " + std::to_string(max_rows_) +
+           " of this dense solver";
+  }
+  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
+}
+
+void LemkeSolver::Reserve(Index max_rows) { engine_->Reserve(max_rows); }
+
+void LemkeSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
+
+void LemkeSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(problem, options, result);
+}
+
+}  // namespace lcpbench

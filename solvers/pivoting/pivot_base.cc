@@ -1,0 +1,404 @@
+#include "solvers/pivoting/pivot_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include "solvers/answers/zero_row_ray.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Forces below this multiple of the largest D^1/2 f are looked at more closely: are they rounding only?
+constexpr double kSmallForce = 1e-10;
+// A guessed row enters without a closer look if its pivot is above this multiple of rank_tolerance A_ii.
+constexpr double kGuessedPivot = 1e3;
+// Blocks enter while more than this many rows are violated, and at most this part of those before.
+constexpr Index kFewViolated = 2;
+constexpr double kBlockProgress = 0.8;
+// So many rows, and one for each kRowsPerUpdate of F, leave by updates of the factor; more by a new one.
+constexpr Index kFewUpdates = 2;
+constexpr Index kRowsPerUpdate = 8;
+// Infeasibility is reported where the residual is above this, or above the tolerance if that is less: a proof holds at
+// every tolerance, but a problem that is infeasible by rounding only shall be solved.
+constexpr double kProofTolerance = 1e-9;
+// Where an answer fails in single rows, forces up to these parts of the largest D^1/2 f are tried as zeros.
+constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
+constexpr int kRayRefinements = 3;
+// Factors on rank_tolerance for the first attempt and the restarts.
+constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
+constexpr std::int64_t kPivotsPerRow = 50;
+constexpr std::int64_t kExtraPivots = 1000;
+// Multiply-adds between two looks at the clock (some 10 us), and what a pivot costs besides them.
+constexpr Index kWorkPerClockRead = 16384;
+constexpr Index kWorkPerPivot = 256;
+
+}  // namespace
+
+void PivotBase::Reserve(Index max_rows) {
+  active_.Reserve(max_rows);
+  surplus_.reserve(static_cast<size_t>(max_rows));
+}
+
+void PivotBase::Prepare(const LcpProblem& problem) {
+  problem_ = problem;
+  Reserve(problem.size());
+  if (self_check_) judge_.Reset(problem, true);
+}
+
+void PivotBase::Start(const LcpOptions& options) {
+  tolerance_ = options.tolerance;
+  proof_tolerance_ = std::min(tolerance_, kProofTolerance);
+  deadline_.reset();
+  if (std::isfinite(options.time_limit_s)) deadline_.emplace(options);
+  work_left_ = 0;
+  out_of_time_ = false;
+  pivots_ = 0;
+  pivot_limit_ = options.max_iterations > 0 ? options.max_iterations : kPivotsPerRow * problem_->size() + kExtraPivots;
+  judge_.Start(tolerance_);
+}
+
+bool PivotBase::TimeIsUp(Index work) {
+  if (!deadline_.has_value()) return false;
+  if (out_of_time_) return true;
+  work_left_ -= work + kWorkPerPivot;
+  if (work_left_ >= 0) return false;
+  work_left_ = kWorkPerClockRead;
+  return deadline_->Expired();
+}
+
+PermutedLcp::Loaded PivotBase::Load(const PermutedLcp::Guess& guess) {
+  const PermutedLcp::Loaded loaded = lcp_.Load(*problem_, guess, deadline());
+  if (loaded != PermutedLcp::Loaded::kDone) return loaded;
+  active_.Reset();
+  solved_at_ = -1;
+  joints_ = 0;
+  open_ = lcp_.nonzero;
+  unit_ = lcp_.nonzero > 0 ? lcp_.diagonal[0] : 1.0;
+  return loaded;
+}
+
+void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  problem_ = problem;
+  if (self_check_) judge_.SetB(problem);
+  Start(options);
+  End end = End::kNotMet;
+  char text[160];
+  for (const double factor : kAttempts) {
+    if (end != End::kNotMet) break;
+    rank_tolerance_ = first_rank_tolerance_ * factor;
+    const bool first = factor == kAttempts[0];
+    blocks_ = first && (block_start_ || options.initial_f != nullptr);
+    guess_ = {first ? options.initial_f : nullptr, blocks_};
+    const PermutedLcp::Loaded loaded = Load(guess_);
+    if (loaded == PermutedLcp::Loaded::kOutOfTime) {
+      end = End::kTimeLimit;
+      break;
+    }
+    if (loaded == PermutedLcp::Loaded::kNegativeDiagonal) {
+      result->status = LcpStatus::kUnsupported;
+      result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
+      return;
+    }
+    result->farkas_ray = FindZeroRowRay(*problem_, proof_tolerance_ * lcp_.b_norm);
+    if (result->farkas_ray.has_value()) {
+      result->status = LcpStatus::kInfeasible;
+      return;
+    }
+    end = Run(result);
+    if (end == End::kNotMet) end = DropTinyForces(result);
+    if (factor != kAttempts[0] && end == End::kDone) {
+      std::snprintf(text, sizeof text, "solved after a restart with rank tolerance %.0e", rank_tolerance_);
+      result->detail = text;
+    }
+  }
+  result->iterations = pivots_;
+  switch (end) {
+    case End::kDone:
+      result->status = LcpStatus::kSolved;
+      result->farkas_ray.reset();
+      break;
+    case End::kInfeasible:
+      result->status = LcpStatus::kInfeasible;
+      break;
+    case End::kIterationLimit:
+      result->status = LcpStatus::kIterationLimit;
+      break;
+    case End::kTimeLimit:
+      result->status = LcpStatus::kTimeLimit;
+      break;
+    case End::kStuck:
+    case End::kNotMet:
+      result->status = LcpStatus::kNumericalFailure;
+      std::snprintf(text, sizeof text,
+                    "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
+                    judge_.tier(), first_rank_tolerance_, first_rank_tolerance_ * kAttempts[1],
+                    first_rank_tolerance_ * kAttempts[2]);
+      result->detail = text;
+      break;
+  }
+}
+
+PivotBase::End PivotBase::Conclude(End end) const {
+  if (!self_check_) return end;
+  if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
+  return end == End::kDone ? End::kNotMet : end;
+}
+
+PivotBase::End PivotBase::EnterJoints(LcpResult* result) {
+  Index end = lcp_.bilateral;
+  while (m() < end) {
+    if (TimeIsUp(m() * m())) return End::kTimeLimit;
+    const Index p = m();
+    const double pivot = active_.SetDriven(p);
+    if (pivot > rank_tolerance_ * active_.Direction(p)) {
+      active_.EnterDriven(p, pivot);
+    } else {
+      lcp_.Swap(p, --end);
+    }
+  }
+  joints_ = m();
+  solved_at_ = -1;
+  if (m() > 0) active_.SolveForces();
+  for (Index p = m(); p < lcp_.bilateral; ++p) {
+    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
+    if (std::abs(w.value) <= kNoise * w.magnitude || lcp_.ResidualShare(p, w.value) <= proof_tolerance_) continue;
+    active_.SetDriven(p);
+    active_.Direction(p);
+    if (ClaimRay(p, w.value < 0 ? 1 : -1, result)) return End::kInfeasible;
+  }
+  for (Index p = lcp_.bilateral; p > m();) lcp_.Swap(--p, --open_);
+  return End::kDone;
+}
+
+PivotBase::End PivotBase::EnterStart(LcpResult* result) {
+  const double least_pivot = kGuessedPivot * rank_tolerance_;
+  const Index rows = lcp_.bilateral + lcp_.guessed;
+  if (rows > 0) {
+    if (TimeIsUp(rows * rows) || !active_.Factor(rows, least_pivot, deadline())) return End::kTimeLimit;
+    joints_ = lcp_.bilateral;
+    // Joints stay, so the rank rule itself decides where there is any doubt.
+    const double doubtful = std::sqrt(rank_tolerance_);
+    bool clear = active_.first_left_out(rows) >= joints_;
+    for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
+    if (!clear) {
+      if (Load(guess_) != PermutedLcp::Loaded::kDone) return End::kTimeLimit;  // the order as it was
+      End end = EnterJoints(result);
+      if (end == End::kDone) end = EnterOneByOne(least_pivot);
+      if (end != End::kDone) return end;
+    }
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+  violated_ = m();
+  return blocks_ ? EnterBlocks(least_pivot) : End::kDone;
+}
+
+// The guessed rows, where the factor of the joints must stay.
+PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
+  if (guess_.forces == nullptr) return End::kDone;
+  for (Index p = m(); p < open_; ++p) {
+    if (!((*guess_.forces)[RowAt(p)] > 0)) continue;
+    if (TimeIsUp(m() * m())) return End::kTimeLimit;
+    const double pivot = active_.SetDriven(p);
+    if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
+  }
+  return End::kDone;
+}
+
+PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
+  for (Index most = open_;;) {
+    violated_ = SetViolatedApart();
+    if (out_of_time_) return End::kTimeLimit;
+    const Index count = open_ - violated_;
+    if (count <= kFewViolated || count > most) return End::kDone;
+    most = static_cast<Index>(kBlockProgress * static_cast<double>(count));
+    if (pivots_ >= pivot_limit_) return End::kIterationLimit;
+    if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
+    ++pivots_;
+    for (Index k = 0; k < count && m() + k < violated_; ++k) {
+      if (TimeIsUp(lcp_.n)) return End::kTimeLimit;
+      lcp_.Swap(m() + k, open_ - 1 - k);
+    }
+    if (!active_.Factor(m() + count, least_pivot, deadline())) return End::kTimeLimit;
+    SolveForces(Leaving::kAll);
+    if (out_of_time_) return End::kTimeLimit;
+  }
+}
+
+Index PivotBase::SetViolatedApart() {
+  Index q = open_;
+  for (Index p = m(); p < q;) {
+    if (TimeIsUp(m() + lcp_.n)) {
+      out_of_time_ = true;
+      return open_;
+    }
+    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
+    lcp_.f[p] = 0;
+    lcp_.w[p] = w.value;
+    if (w.value >= -kNoise * w.magnitude) {
+      lcp_.w[p] = std::max(w.value, 0.0);
+      ++p;
+    } else {
+      lcp_.Swap(p, --q);
+    }
+  }
+  return q;
+}
+
+// Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
+PivotBase::Surplus PivotBase::FindSurplus(Index p, double largest, bool judge_by_size) const {
+  const double f = lcp_.f[p];
+  if (f < 0) return Surplus::kNegative;
+  const double size = lcp_.diagonal[p] * f * f;
+  if (size > kSmallForce * kSmallForce * largest) return Surplus::kNone;
+  if (judge_by_size && size <= kNoise * kNoise * largest) return Surplus::kTiny;
+  return lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude ? Surplus::kNone : Surplus::kRounding;
+}
+
+bool PivotBase::SolveForces(Leaving leaving) {
+  bool dropped_by_size = false;
+  for (;;) {
+    if (solved_at_ != pivots_) largest_ = active_.SolveForces();
+    solved_at_ = pivots_;
+    surplus_.clear();
+    double least = kInfinity;
+    for (Index p = m() - 1; p >= joints_; --p) {
+      const Surplus surplus = FindSurplus(p, largest_, leaving == Leaving::kAllAndTiny);
+      if (surplus == Surplus::kNone) continue;
+      if (leaving == Leaving::kOneByOne) {
+        const double size = lcp_.f[p] * ForceRoot(p);
+        if (size >= least) continue;
+        least = size;
+        surplus_.clear();
+      }
+      dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
+      surplus_.push_back(p);
+    }
+    if (surplus_.empty()) return dropped_by_size;
+    ReleaseAll();
+    if (out_of_time_) return false;
+  }
+}
+
+// The rows in surplus_.
+void PivotBase::ReleaseAll() {
+  solved_at_ = -1;
+  const auto count = static_cast<Index>(surplus_.size());
+  if (count <= kFewUpdates + m() / kRowsPerUpdate) {
+    for (const Index p : surplus_) Release(p);
+    return;
+  }
+  Index rest = m();
+  for (const Index p : surplus_) {
+    lcp_.f[p] = 0;
+    lcp_.w[p] = 0;
+    lcp_.Swap(p, --rest);
+  }
+  if (active_.Factor(rest, 0.0, deadline())) return;
+  out_of_time_ = true;
+  lcp_.f.head(lcp_.nonzero).setZero();
+}
+
+void PivotBase::Release(Index p) {
+  lcp_.f[p] = 0;
+  lcp_.w[p] = 0;
+  active_.Leave(p);
+}
+
+double PivotBase::ComputeGaps() {
+  double worst = 0;
+  for (Index p = 0; p < m(); ++p) lcp_.w[p] = 0;
+  for (Index p = m(); p < open_; ++p) {
+    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
+    lcp_.f[p] = 0;
+    lcp_.w[p] = w.value;
+    if (std::abs(w.value) <= kNoise * w.magnitude) {
+      lcp_.w[p] = 0;
+    } else if (w.value < 0) {
+      worst = std::max(worst, -w.value / GapRoot(p));
+    }
+  }
+  return worst;
+}
+
+bool PivotBase::Publish(LcpResult* result) {
+  if (!self_check_) {
+    GiveForces(&result->f);
+    return true;
+  }
+  GiveForces(&judge_.candidate());
+  return judge_.Publish(result);
+}
+
+void PivotBase::PublishUnfinished(End end, LcpResult* result) {
+  if (end != End::kTimeLimit) {
+    Publish(result);
+  } else if (!std::isfinite(judge_.tier())) {
+    GiveForces(&result->f);
+  }
+}
+
+void PivotBase::GiveForces(Eigen::VectorXd* f) const {
+  f->setZero();
+  for (Index p = 0; p < lcp_.nonzero; ++p) (*f)[RowAt(p)] = lcp_.GivenForce(p);
+}
+
+// Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward
+// error is rounding over rounding then.
+PivotBase::End PivotBase::DropTinyForces(LcpResult* result) {
+  double largest = 0;
+  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, std::abs(lcp_.f[p]) * ForceRoot(p));
+  for (const double tiny : kTinyForces) {
+    for (Index p = 0; p < lcp_.nonzero; ++p) {
+      if (std::abs(lcp_.f[p]) * ForceRoot(p) <= tiny * largest) lcp_.f[p] = 0;
+    }
+    Publish(result);
+    if (Conclude(End::kNotMet) == End::kDone) return End::kDone;
+  }
+  return End::kNotMet;
+}
+
+void PivotBase::Refine() {
+  for (Index p = 0; p < m(); ++p) lcp_.w[p] = lcp_.ScaledW(p, judge_.w()[RowAt(p)]);
+  active_.CorrectForces();
+  solved_at_ = -1;
+  for (Index p = joints_; p < m(); ++p) lcp_.f[p] = std::max(lcp_.f[p], 0.0);
+}
+
+bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
+  const auto count = static_cast<size_t>(m());
+  std::vector<long double> y(active_.df(), active_.df() + m());
+  std::vector<long double> residual(count);
+  std::vector<double> correction(count);
+  Eigen::VectorXd ray(lcp_.n);
+  for (int pass = 0;; ++pass) {
+    ray.setZero();
+    const auto set = [&](Index p, double value) { ray[RowAt(p)] = sign * value * lcp_.scale[RowAt(p)]; };
+    for (Index p = 0; p < m(); ++p) {
+      const auto value = static_cast<double>(y[static_cast<size_t>(p)]);
+      set(p, p < joints_ ? value : std::max(value, 0.0));
+    }
+    set(d, 1);
+    if (VerifyFarkasRay(*problem_, ray).accepted) {
+      result->farkas_ray = std::move(ray);
+      return true;
+    }
+    if (pass == kRayRefinements) return false;
+    std::copy(lcp_.column(d), lcp_.column(d) + m(), residual.begin());
+    for (size_t j = 0; j < count; ++j) {
+      const double* c = lcp_.column(static_cast<Index>(j));
+      for (size_t p = 0; p < count; ++p) residual[p] += c[p] * y[j];
+    }
+    correction.assign(residual.begin(), residual.end());
+    active_.SolveSystem(correction.data());
+    for (size_t p = 0; p < count; ++p) y[p] -= correction[p];
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,576 @@
+#include "solvers/pivoting/small_pivoting.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+#include "solvers/linear_algebra/power_of_two.h"
+#include "solvers/linear_algebra/vector_register.h"
+
+namespace lcpbench {
+namespace {
+
+using Index = Eigen::Index;
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Violations below this part of the largest force or gap are rounding.
+constexpr double kNoise = 1e-14;
+// rho up to which the point needs no refinement.
+constexpr double kGoodEnough = 1e-14;
+// Some microseconds of them.
+constexpr int kPivotsPerClockRead = 8;
+
+// rows += factor * p with factor = row[r], for rows of `count` registers; column r is set to factor * p[r].
+template <int count>
+void Eliminate(double* tableau, Index n, Index r, const double* pivot_row) {
+  Register p[count];
+  IntegerRegister is_r[count];
+  for (int v = 0; v < count; ++v) {
+    p[v] = AsRegisters(pivot_row)[v];
+    is_r[v] = kFirstRows + kRegister * v == r;
+  }
+  for (Index i = 0; i < n; ++i) {
+    double* row = tableau + i * count * kRegister;
+    const double factor = row[r];
+    // With two registers a row the work is cheaper than a wrong guess of the branch.
+    if (count > 2 && factor == 0) continue;
+    for (int v = 0; v < count; ++v) {
+      const Register others = is_r[v] ? Register{} : AsRegisters(row)[v];
+      AsRegisters(row)[v] = others + factor * p[v];
+    }
+  }
+}
+
+void EliminateLong(double* tableau, Index n, Index r, Index stride, const double* pivot_row) {
+  for (Index i = 0; i < n; ++i) {
+    double* __restrict row = tableau + i * stride;
+    const double factor = row[r];
+    if (factor == 0) continue;
+    for (Index j = 0; j < stride; ++j) row[j] += factor * pivot_row[j];
+    row[r] = factor * pivot_row[r];
+  }
+}
+
+// Active sets that are tried before the tableau: the guess, and what its violated rows make of it.
+constexpr int kMaxGuesses = 2;
+
+}  // namespace
+
+void SmallPivoting::Reserve(Index max_rows, Index problem_rows) {
+  if (static_cast<Index>(local_.size()) < problem_rows) local_.resize(At(problem_rows), 0);
+  const Index stride = (max_rows + kRegister - 1) / kRegister * kRegister;
+  if (stride <= q_.size()) return;
+  for (Eigen::VectorXd* v : {&matrix_, &tableau_}) v->setZero(stride * stride);
+  joints_.reserve(At(stride));
+  guess_.reserve(At(stride));
+  for (Eigen::VectorXd* v : {&diagonal_, &b_, &q_, &scale_, &root_, &inverse_root_, &weight_, &sign_, &least_force_,
+                             &force_, &w_, &pivot_row_, &correction_, &blocked_weight_}) {
+    v->setZero(stride);
+  }
+}
+
+// Exchanges f_r and w_r. False if rounding is all that the pivot is made of.
+template <int count>
+bool SmallPivoting::Pivot(Index r) {
+  double* row = tableau_.data() + r * stride_;
+  const double pivot = row[r];
+  const double least = sign_[r] < 0 ? kLeastPivot * root_[r] * root_[r] : 0;
+  if (!(pivot > least)) return false;
+  ++pivots_;
+  const double inverse = 1 / pivot;
+  const Index registers = Registers<count>();
+  const double q = -q_[r] * inverse;
+  double* p = pivot_row_.data();
+  const double sign = sign_[r];
+  const double weight = weight_[r] == 0 ? 0.0 : sign < 0 ? root_[r] : inverse_root_[r];
+  // Column r is row r but for the signs of a principal transform: skew between rows in F and others, else symmetric.
+  // Entry r is set within its register: a register that is read soon after one of its doubles was written has to wait.
+  IntegerRegister at = kFirstRows;
+  for (Index v = 0; v < registers; ++v) {
+    const IntegerRegister is_r = at == r;
+    const Register t = AsRegisters(row)[v];
+    const Register signs = AsRegisters(sign_.data())[v];
+    const Register q_new = AsRegisters(q_.data())[v] + (sign * q) * (t * signs);
+    AsRegisters(p)[v] = is_r ? Register{} + inverse : -inverse * t;
+    AsRegisters(q_.data())[v] = is_r ? Register{} + q : q_new;
+    AsRegisters(sign_.data())[v] = is_r ? -signs : signs;
+    AsRegisters(weight_.data())[v] = is_r ? Register{} + weight : AsRegisters(weight_.data())[v];
+    at += kRegister;
+  }
+  double* tableau = tableau_.data();
+  if constexpr (count > 0) {
+    Eliminate<count>(tableau, n_, r, p);
+  } else {
+    EliminateLong(tableau, n_, r, stride_, p);
+  }
+  for (Index v = 0; v < registers; ++v) AsRegisters(row)[v] = AsRegisters(p)[v];
+  return true;
+}
+
+// -1 if there is none.
+template <int count>
+Index SmallPivoting::MostViolated() const {
+  // The last bits of a double carry the row, so that one minimum finds both; a violation is not needed to 1e-13. Of
+  // equal ones, which negative numbers order by larger bits, the least row wins.
+  constexpr std::int64_t kRowBits = kMaxRows - 1;
+  IntegerRegister row = {kRowBits,     kRowBits - 1, kRowBits - 2, kRowBits - 3,
+                         kRowBits - 4, kRowBits - 5, kRowBits - 6, kRowBits - 7};
+  Register least = {};
+  for (Index v = 0; v < Registers<count>(); ++v) {
+    Register marked = AsRegisters(q_.data())[v] * AsRegisters(weight_.data())[v];
+    IntegerRegister& bits = reinterpret_cast<IntegerRegister&>(marked);
+    bits = (bits & ~kRowBits) | row;
+    least = marked < least ? marked : least;
+    row -= kRegister;
+  }
+  const double worst = Least(&least);
+  if (!(worst < -noise_)) return -1;
+  return kRowBits - static_cast<Index>(std::bit_cast<std::int64_t>(worst) & kRowBits);
+}
+
+Index SmallPivoting::FirstViolated() const {
+  for (Index i = 0; i < n_; ++i) {
+    if (violated(i)) return i;
+  }
+  return -1;
+}
+
+void SmallPivoting::FindForces() {
+  for (Index v = 0; v < stride_ / kRegister; ++v) {
+    const Register f = AsRegisters(sign_.data())[v] > 0 ? AsRegisters(q_.data())[v] : Register{};
+    const Register least = AsRegisters(least_force_.data())[v];
+    AsRegisters(force_.data())[v] = f > least ? f : least;
+  }
+}
+
+// rho of force_. Leaves w.
+double SmallPivoting::Rho() {
+  const Index registers = stride_ / kRegister;
+  for (Index v = 0; v < registers; ++v) AsRegisters(w_.data())[v] = AsRegisters(b_.data())[v];
+  for (Index v = 0; v < registers; v += 2) {
+    // Two registers of w at a time, over all forces: w stays where it is computed.
+    const Index second = v + 1 < registers ? v + 1 : v;
+    Register w0 = {};
+    Register w1 = {};
+    for (Index j = 0; j < n_; ++j) {
+      const double* row = matrix_.data() + j * stride_;
+      const double f = force_[j];
+      w0 += f * AsRegisters(row)[v];
+      w1 += f * AsRegisters(row)[second];
+    }
+    AsRegisters(w_.data())[v] += w0;
+    if (second != v) AsRegisters(w_.data())[second] += w1;
+  }
+  Register sum = {};
+  for (Index v = 0; v < registers; ++v) {
+    const Register gap = AsRegisters(w_.data())[v] * AsRegisters(inverse_root_.data())[v];
+    const Register force =
+        (AsRegisters(force_.data())[v] - AsRegisters(least_force_.data())[v]) * AsRegisters(root_.data())[v];
+    const Register residual = gap < force ? gap : force;
+    sum += residual * residual;
+  }
+  return std::sqrt(Sum(&sum)) / b_norm_;
+}
+
+// f_F -= A_FF^-1 w_F.
+void SmallPivoting::Refine() {
+  const Index registers = stride_ / kRegister;
+  for (Index v = 0; v < registers; ++v)
+    AsRegisters(w_.data())[v] = AsRegisters(sign_.data())[v] > 0 ? AsRegisters(w_.data())[v] : Register{};
+  for (Index i = 0; i < n_; ++i) {
+    const double* row = tableau_.data() + i * stride_;
+    Register sum = {};
+    for (Index v = 0; v < registers; ++v) sum += AsRegisters(row)[v] * AsRegisters(w_.data())[v];
+    correction_[i] = sign_[i] > 0 ? Sum(&sum) : 0;
+  }
+  for (Index i = 0; i < n_; ++i) q_[i] -= correction_[i];
+}
+
+bool SmallPivoting::RowsMeet(double limit) const {
+  for (Index i = 0; i < n_; ++i) {
+    const double* row = matrix_.data() + i * stride_;
+    const double force = row[i] * force_[i];
+    const double defect = std::abs(least_force_[i] < 0 ? w_[i] : std::min(w_[i], force));
+    // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
+    if (defect <= limit * (std::max(std::abs(w_[i] - b_[i]), std::abs(force)) + std::abs(b_[i]))) continue;
+    double size = std::abs(b_[i]);
+    for (Index j = 0; j < n_; ++j) size += std::abs(row[j] * force_[j]);
+    if (!(defect <= limit * size)) return false;
+  }
+  return true;
+}
+
+SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
+  pivots_ = 0;
+  if (!LoadDense(problem)) return {kInfinity, kInfinity, false};
+  guess_.clear();
+  if (request.initial_f != nullptr) {
+    for (Index i = 0; i < n_; ++i) {
+      if (IsGuessed(i, (*request.initial_f)[i])) guess_.push_back(i);
+    }
+  }
+  const Answer answer = Finish(request);
+  for (Index i = 0; i < n_; ++i) (*f)[i] = GivenForce(i);
+  return answer;
+}
+
+SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
+                                               const Request& request, Eigen::VectorXd* f) {
+  pivots_ = 0;
+  if (!LoadPart(problem, rows)) return {kInfinity, kInfinity, false};
+  guess_.clear();
+  if (request.initial_f != nullptr) {
+    for (Index i = 0; i < n_; ++i) {
+      if (IsGuessed(i, (*request.initial_f)[rows[At(i)]])) guess_.push_back(i);
+    }
+  }
+  const Answer answer = Finish(request);
+  for (Index i = 0; i < n_; ++i) (*f)[rows[At(i)]] = GivenForce(i);
+  return answer;
+}
+
+SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
+  if (!request.self_check) {
+    if (n_ <= 2 && SolveInClosedForm()) return {0, 0, true};
+    const bool found = FindActiveSet(request.deadline);
+    FindForces();
+    return {found ? 0 : kInfinity, 0, found};
+  }
+  Answer answer{Run(request.deadline), kInfinity, false};
+  if (answer.rho == kInfinity) return answer;
+  double size = 0;
+  for (Index i = 0; i < n_; ++i) size += std::abs(force_[i]) * root_[i];
+  const auto rows = static_cast<double>(n_);
+  answer.rounding = 2 * (rows + 8) * std::numeric_limits<double>::epsilon() * std::sqrt(rows) * size / b_norm_;
+  answer.rows_meet = RowsMeet(request.row_limit);
+  if (answer.rows_meet) return answer;
+  // Where all forces around a row should be 0, its backward error is rounding over rounding.
+  double largest = 0;
+  for (Index i = 0; i < n_; ++i) largest = std::max(largest, std::abs(force_[i]) * root_[i]);
+  for (Index i = 0; i < n_; ++i) {
+    if (std::abs(force_[i]) * root_[i] <= kNoise * largest) force_[i] = 0;
+  }
+  answer.rho = Rho();
+  answer.rows_meet = RowsMeet(request.row_limit);
+  return answer;
+}
+
+// False if the limit of pivots or the deadline came first.
+template <int count>
+bool SmallPivoting::DrivePivots(const Deadline* deadline) {
+  noise_ = kNoise;
+  for (const Index r : joints_) Pivot<count>(r);
+  for (const Index r : guess_) {
+    if (sign_[r] < 0) Pivot<count>(r);
+  }
+  const int greedy = static_cast<int>(2 * n_);
+  const int limit = static_cast<int>(6 * n_) + 20;
+  for (bool any_blocked = false;;) {
+    const Index r = pivots_ > greedy ? FirstViolated() : MostViolated<count>();
+    if (r < 0) return true;
+    const bool is_late =
+        deadline != nullptr && n_ > kRowsWithoutClock && pivots_ % kPivotsPerClockRead == 0 && deadline->Expired();
+    if (pivots_ >= limit || is_late) return false;
+    if (!Pivot<count>(r)) {
+      std::swap(weight_[r], blocked_weight_[r]);
+      any_blocked = true;
+      continue;
+    }
+    if (any_blocked) {  // F has changed, and what depends on it
+      for (Index i = 0; i < n_; ++i) weight_[i] += blocked_weight_[i];
+      blocked_weight_.setZero();
+      any_blocked = false;
+    }
+    noise_ = std::max(noise_, kNoise * std::abs(q_[r]));
+  }
+}
+
+bool SmallPivoting::FindActiveSet(const Deadline* deadline) {
+  switch (stride_ / kRegister) {
+    case 1:
+      return DrivePivots<1>(deadline);
+    case 2:
+      return DrivePivots<2>(deadline);
+    case 3:
+      return DrivePivots<3>(deadline);
+    case 4:
+      return DrivePivots<4>(deadline);
+    case 5:
+      return DrivePivots<5>(deadline);
+    case 6:
+      return DrivePivots<6>(deadline);
+    case 7:
+      return DrivePivots<7>(deadline);
+    case 8:
+      return DrivePivots<8>(deadline);
+    default:
+      return DrivePivots<0>(deadline);
+  }
+}
+
+double SmallPivoting::Run(const Deadline* deadline) {
+  if (n_ <= 2 && SolveInClosedForm()) {
+    const double rho = Rho();
+    if (rho <= kGoodEnough) return rho;
+  }
+  if (!guess_.empty()) {
+    const double rho = TryGuess();
+    if (rho <= kRightRho) return rho;
+    std::copy(b_.data(), b_.data() + stride_, q_.data());
+    std::copy(matrix_.data(), matrix_.data() + n_ * stride_, tableau_.data());
+  }
+  if (!FindActiveSet(deadline)) {
+    FindForces();
+    return kInfinity;
+  }
+  FindForces();
+  double rho = Rho();
+  if (rho > kGoodEnough) {
+    const double before = rho;
+    Refine();
+    FindForces();
+    rho = Rho();
+    if (!(rho <= before)) {
+      // Refinement in the same precision may lose the last digit.
+      for (Index i = 0; i < n_; ++i) q_[i] += correction_[i];
+      FindForces();
+      rho = Rho();
+    }
+  }
+  return rho;
+}
+
+bool SmallPivoting::LoadDense(const LcpProblem& problem) {
+  SetSize(problem.size());
+  diagonal_.head(n_) = problem.DiagonalA();
+  b_.head(n_) = problem.b();
+  for (const Index i : problem.bilateral_rows()) joints_.push_back(i);
+  if (!Scale()) return false;
+  // A is symmetric, so its columns serve as rows. What a register reads beyond a row's end is multiplied by 0; beyond
+  // the last row there is nothing to read.
+  const double* A = problem.DenseA().data();
+  const Index registers = stride_ / kRegister;
+  for (Index i = 0; i < n_; ++i) {
+    const double* from = A + i * n_;
+    const double s = scale_[i];
+    double* to = matrix_.data() + i * stride_;
+    double* to_tableau = tableau_.data() + i * stride_;
+    if (i * n_ + stride_ <= n_ * n_) {
+      for (Index v = 0; v < registers; ++v) {
+        const Register row = AsRegisters(from)[v] * s * AsRegisters(scale_.data())[v];
+        AsRegisters(to)[v] = row;
+        AsRegisters(to_tableau)[v] = row;
+      }
+    } else {
+      for (Index j = 0; j < n_; ++j) to[j] = to_tableau[j] = from[j] * s * scale_[j];
+      for (Index j = n_; j < stride_; ++j) to[j] = to_tableau[j] = 0;
+    }
+  }
+  return true;
+}
+
+bool SmallPivoting::LoadPart(const LcpProblem& problem, std::span<const Index> rows) {
+  SetSize(static_cast<Index>(rows.size()));
+  for (Index i = 0; i < n_; ++i) {
+    const Index given = rows[At(i)];
+    diagonal_[i] = problem.DiagonalA()[given];
+    b_[i] = problem.b()[given];
+    local_[At(given)] = static_cast<int>(i);
+    if (problem.is_bilateral(given)) joints_.push_back(i);
+  }
+  if (!Scale()) return false;
+  std::fill(matrix_.data(), matrix_.data() + n_ * stride_, 0.0);
+  for (Index i = 0; i < n_; ++i) {
+    double* to = matrix_.data() + i * stride_;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), rows[At(i)]); it; ++it) {
+      // Rows that are no part of this island are left out of it: they carry no force.
+      const auto j = static_cast<Index>(local_[At(it.col())]);
+      if (j < n_ && rows[At(j)] == it.col()) to[j] = it.value() * scale_[i] * scale_[j];
+    }
+  }
+  std::copy(matrix_.data(), matrix_.data() + n_ * stride_, tableau_.data());
+  return true;
+}
+
+void SmallPivoting::SetSize(Index n) {
+  n_ = n;
+  stride_ = (n + kRegister - 1) / kRegister * kRegister;
+  joints_.clear();
+}
+
+// diagonal_ and b_ are the given ones here and scaled ones afterwards; the rest follows from them. False unless all of
+// the diagonal is positive.
+bool SmallPivoting::Scale() {
+  for (Index i = n_; i < stride_; ++i) {
+    diagonal_[i] = 1;
+    b_[i] = 0;
+  }
+  Register largest = {};
+  Register squared = {};
+  IntegerRegister at = kFirstRows;
+  IntegerRegister is_wrong = {};
+  const Index registers = stride_ / kRegister;
+  for (Index v = 0; v < registers; ++v) {
+    const Register d = AsRegisters(diagonal_.data())[v];
+    is_wrong |= !(d > 0);
+    // ScaleOfDiagonal of eight rows at once; 0 where there is no row.
+    const IntegerRegister exponent = (reinterpret_cast<const IntegerRegister&>(d) >> kMantissaBits) - kExponentBias;
+    const IntegerRegister bits = (kExponentBias - (exponent >> 1)) << kMantissaBits;
+    const Register scale = at < n_ ? reinterpret_cast<const Register&>(bits) : Register{};
+    const Register one = d * scale * scale;
+    Register root;
+    Eigen::Map<Eigen::Array<double, kRegister, 1>>(reinterpret_cast<double*>(&root)) =
+        Eigen::Map<const Eigen::Array<double, kRegister, 1>>(reinterpret_cast<const double*>(&one)).sqrt();
+    const Register inverse = at < n_ ? 1 / root : Register{};
+    const Register b = AsRegisters(b_.data())[v] * scale;
+    AsRegisters(scale_.data())[v] = scale;
+    AsRegisters(root_.data())[v] = root;
+    AsRegisters(inverse_root_.data())[v] = inverse;
+    AsRegisters(b_.data())[v] = b;
+    const Register size = b < 0 ? -b : b;
+    largest = size > largest ? size : largest;
+    const Register relative = b * inverse;
+    squared += relative * relative;
+    at += kRegister;
+  }
+  largest = -largest;
+  b_scale_ = ScaleOfLargest(-Least(&largest));
+  inverse_b_scale_ = 1 / b_scale_;
+  const double norm = Sum(&squared);
+  b_norm_ = norm == 0 ? 1.0 : std::sqrt(norm) * b_scale_;
+  for (Index v = 0; v < registers; ++v) {
+    const Register b = AsRegisters(b_.data())[v] * b_scale_;
+    AsRegisters(b_.data())[v] = b;
+    AsRegisters(q_.data())[v] = b;
+    AsRegisters(weight_.data())[v] = AsRegisters(inverse_root_.data())[v];
+    AsRegisters(sign_.data())[v] = Register{} - 1.0;
+    AsRegisters(least_force_.data())[v] = Register{};
+    AsRegisters(blocked_weight_.data())[v] = Register{};
+  }
+  for (const Index i : joints_) {
+    weight_[i] = 0;
+    least_force_[i] = -kInfinity;
+  }
+  for (Index k = 0; k < kRegister; ++k) {
+    if (is_wrong[k] != 0) return false;
+  }
+  return true;
+}
+
+// force_ for one or two rows: the first active set, of none, one or both rows, whose forces and gaps have their signs.
+// False if rounding leaves none.
+bool SmallPivoting::SolveInClosedForm() {
+  for (Index v = 0; v < stride_ / kRegister; ++v) AsRegisters(force_.data())[v] = Register{};
+  const double* A = matrix_.data();
+  const auto may_rest = [&](Index i, double gap) { return least_force_[i] == 0 && gap >= 0; };
+  const auto may_push = [&](Index i, double force) { return force >= least_force_[i]; };
+  const double f0 = -b_[0] / A[0];
+  if (n_ == 1) {
+    force_[0] = may_rest(0, b_[0]) ? 0.0 : f0;
+    return true;
+  }
+  const double a11 = A[stride_ + 1];
+  const double f1 = -b_[1] / a11;
+  if (may_rest(0, b_[0]) && may_rest(1, b_[1])) return true;
+  if (may_push(0, f0) && may_rest(1, b_[1] + A[1] * f0)) {
+    force_[0] = f0;
+    return true;
+  }
+  if (may_push(1, f1) && may_rest(0, b_[0] + A[1] * f1)) {
+    force_[1] = f1;
+    return true;
+  }
+  const double determinant = A[0] * a11 - A[1] * A[1];
+  if (!(determinant > kLeastPivot * A[0] * a11)) return false;
+  force_[0] = (A[1] * b_[1] - a11 * b_[0]) / determinant;
+  force_[1] = (A[1] * b_[0] - A[0] * b_[1]) / determinant;
+  return may_push(0, force_[0]) && may_push(1, force_[1]);
+}
+
+// force_ := -A_FF^-1 b_F by L D L^T, the tableau serving as workspace. Rows that depend on others leave F.
+void SmallPivoting::SolveGuess() {
+  const Index registers = stride_ / kRegister;
+  double* tableau = tableau_.data();
+  Register* y = AsRegisters(q_.data());
+  for (Index v = 0; v < registers; ++v) {
+    y[v] = -AsRegisters(b_.data())[v];
+    AsRegisters(force_.data())[v] = Register{};
+  }
+  for (const Index i : guess_) {
+    for (Index v = 0; v < registers; ++v) {
+      AsRegisters(tableau + i * stride_)[v] = AsRegisters(matrix_.data() + i * stride_)[v];
+    }
+  }
+  // Forward. Row i > r ends up with L_ir left of its diagonal and D_i L_ji from there on; what the whole-register steps
+  // do to y left of r is never read again.
+  size_t kept = 0;
+  for (size_t k = 0; k < guess_.size(); ++k) {
+    const Index r = guess_[k];
+    const double* row = tableau + r * stride_;
+    const double pivot = row[r];
+    if (!(pivot > kLeastPivot * root_[r] * root_[r])) continue;
+    guess_[kept++] = r;
+    const double inverse = 1 / pivot;
+    const double y_r = q_[r] * inverse;
+    correction_[r] = y_r;
+    const Index first = r / kRegister;
+    const IntegerRegister is_r = kFirstRows == r % kRegister;
+    const IntegerRegister is_after = kFirstRows > r % kRegister;
+    for (Index v = first; v < registers; ++v) y[v] -= y_r * AsRegisters(row)[v];
+    for (size_t m = k + 1; m < guess_.size(); ++m) {
+      const Index i = guess_[m];
+      const double factor = row[i] * inverse;
+      if (factor == 0) continue;  // row i has zeros left of its diagonal where it had no L_ir yet
+      Register* to = AsRegisters(tableau + i * stride_);
+      const Register before = is_r ? Register{} + factor : to[first];
+      const Register after = before - factor * AsRegisters(row)[first];
+      to[first] = is_after ? after : before;
+      for (Index v = first + 1; v < registers; ++v) to[v] -= factor * AsRegisters(row)[v];
+    }
+  }
+  guess_.resize(kept);
+  // Backward, each force subtracted from all rows before it at once.
+  for (size_t k = kept; k-- > 0;) {
+    const Index r = guess_[k];
+    const double f = correction_[r];
+    force_[r] = f;
+    const double* row = tableau + r * stride_;
+    for (Index v = 0; v <= r / kRegister; ++v) AsRegisters(correction_.data())[v] -= f * AsRegisters(row)[v];
+  }
+}
+
+// Block principal pivoting from the guess, a few steps of it. Returns the last rho, with force_ and w_ of it. Spoils q_
+// and the tableau.
+double SmallPivoting::TryGuess() {
+  const double limit = kRightRho * b_norm_;
+  for (int round = 1;; ++round) {
+    ++pivots_;
+    SolveGuess();
+    const double rho = Rho();
+    if (rho <= kRightRho || round == kMaxGuesses) {
+      IntegerRegister is_negative = {};
+      for (Index v = 0; v < stride_ / kRegister; ++v) {
+        const Register f = AsRegisters(force_.data())[v];
+        const Register least = AsRegisters(least_force_.data())[v];
+        is_negative |= f < least;
+        AsRegisters(force_.data())[v] = f > least ? f : least;
+      }
+      // Forces that are rounding only may be all that a row has: its gap is then another without them.
+      bool any_is_negative = false;
+      for (Index k = 0; k < kRegister; ++k) any_is_negative = any_is_negative || is_negative[k] != 0;
+      return any_is_negative ? Rho() : rho;
+    }
+    guess_.clear();
+    for (Index i = 0; i < n_; ++i) {
+      const double f = force_[i] * root_[i];
+      const bool enters = f != 0 ? f >= -limit : w_[i] * inverse_root_[i] < -limit;
+      if (least_force_[i] < 0 || enters) guess_.push_back(i);
+    }
+  }
+}
+
+}  // namespace lcpbench

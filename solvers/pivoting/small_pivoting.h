@@ -1,0 +1,125 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/linear_algebra/vector_register.h"
+
+namespace lcpbench {
+
+/// Principal pivoting on a dense tableau, for problems of a few dozen rows, where every other method spends its time on
+/// bookkeeping.
+///
+/// The tableau is the principal transform of (A, b) for the active set F [Tucker 1963; Cottle, Pang, Stone, sec. 4.1]:
+/// its last column holds f_F and w_N of the basic point, its F block A_FF^-1. One pivot moves one row into or out of F
+/// and is a rank-one update of the rows that it reaches: zeros in the pivot's column, plenty in contact problems, cost
+/// nothing once rows are long enough for the question to pay. Bilateral rows enter first and stay. Then the row with
+/// the most negative f A_ii^1/2 or w / A_ii^1/2 is moved, until there is none; after `2 n` moves the violated row of
+/// least index is [Murty 1974], which is finite for positive definite A.
+///
+/// One and two rows have closed forms, which are tried first.
+///
+/// All vectors and rows are padded to whole vector registers by zeros, in a scaling by powers of two that brings A_ii
+/// into [1, 4) and the largest |b_i| into [1, 2), so that no unit matters and nothing is rounded by it.
+///
+/// Not robust by itself, and it knows: rows that depend on F are not moved, Gauss-Jordan transforms are less stable
+/// than factors, and on singular A there is no guarantee. The caller checks the answer and has others to ask.
+///
+/// Cost: O(n^2) per pivot at most, 0.7 n to n pivots typically. Only Reserve allocates.
+class SmallPivoting {
+ public:
+  using Index = Eigen::Index;
+  static constexpr Index kMaxRows = 128;
+  /// Up to this many rows no clock is read: 6 n + 20 pivots, the most there are, take some ten microseconds.
+  static constexpr Index kRowsWithoutClock = 24;
+
+  /// For up to `max_rows` <= kMaxRows rows at a time; for SolvePart also the rows of the whole problem.
+  void Reserve(Index max_rows, Index problem_rows = 0);
+
+  struct Request {
+    /// What every row's backward error shall be at most; forces that are nothing but rounding are set to 0 for it.
+    double row_limit = 1e-6;
+    /// nullptr, or forces whose positive ones tell the active set: if A_FF f_F = -b_F gives the answer for it, or after
+    /// changing sides of violated rows once, there is no tableau.
+    const Eigen::VectorXd* initial_f = nullptr;
+    /// nullptr for none; Solve gives up when it has expired. Not read up to kRowsWithoutClock.
+    const Deadline* deadline = nullptr;
+    /// false: the basic point is the answer, neither measured nor refined, and rho is 0 unless it gave up.
+    bool self_check = true;
+  };
+  struct Answer {
+    double rho;  ///< in double; infinity if it gave up
+    /// What rounding can hide of the rho of the given form: w_i / A_ii^1/2 is off by at most 2 (n + 8) epsilon
+    /// |D^1/2 f|_1, also where A_ij is a rounded sum, because (|J| M^-1 |J|^T)_ij <= (A_ii A_jj)^1/2.
+    double rounding;
+    bool rows_meet;  ///< row_limit, in double
+  };
+
+  /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
+  /// units, f_C >= 0). Reads DenseA() and DiagonalA().
+  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f);
+
+  /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
+  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f);
+
+  /// Pivots of the last Solve; guessed active sets that were tried count as one each.
+  int pivots() const { return pivots_; }
+
+ private:
+  // A pivot below this part of the row's diagonal entry (or of the inverse's scale) is rounding: the row depends on F.
+  static constexpr double kLeastPivot = 1e-11;
+  // rho up to which a guess of the active set counts as right.
+  static constexpr double kRightRho = 1e-13;
+
+  bool LoadDense(const LcpProblem& problem);
+  bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
+  void SetSize(Index n);
+  bool Scale();
+  bool IsGuessed(Index i, double initial_f) const { return least_force_[i] < 0 || initial_f > 0; }
+  Answer Finish(const Request& request);
+  double Run(const Deadline* deadline);
+  bool RowsMeet(double limit) const;
+  bool SolveInClosedForm();
+  double TryGuess();
+  void SolveGuess();
+  bool FindActiveSet(const Deadline* deadline);
+  // Loops over `count` registers a row are unrolled; 0: any number.
+  template <int count>
+  bool DrivePivots(const Deadline* deadline);
+  template <int count>
+  bool Pivot(Index r);
+  template <int count>
+  Index MostViolated() const;
+  template <int count>
+  Index Registers() const {
+    return count > 0 ? count : stride_ / kRegister;
+  }
+  Index FirstViolated() const;
+  void FindForces();
+  double Rho();
+  void Refine();
+  double GivenForce(Index i) const { return force_[i] * (scale_[i] * inverse_b_scale_); }
+  bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
+
+  Index n_ = 0;
+  Index stride_ = 0;  // n in whole registers
+  int pivots_ = 0;
+  double b_scale_ = 1;
+  double inverse_b_scale_ = 1;
+  double b_norm_ = 1;
+  double noise_ = 0;                             // violations below this are rounding
+  Eigen::VectorXd matrix_, tableau_;             // row i from i * stride_
+  Eigen::VectorXd diagonal_, b_, q_;             // q: last column of the tableau
+  Eigen::VectorXd scale_, root_, inverse_root_;  // root: A_ii^1/2
+  // By row: what q is compared in, 0 where it may have any sign; +1 in F and -1 outside; the least force.
+  Eigen::VectorXd weight_, sign_, least_force_;
+  Eigen::VectorXd force_, w_, pivot_row_, correction_;
+  Eigen::VectorXd blocked_weight_;     // the weight of a row that may not be moved for now, else 0
+  std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
+  std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
+};
+
+}  // namespace lcpbench

@@ -1,0 +1,69 @@
+#include "support/append_only_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+
+#include "support/clock.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Some disks take longer for one than most solves do.
+constexpr double kSecondsBetweenSynchronisations = 2;
+
+}  // namespace
+
+AppendOnlyFile::AppendOnlyFile(const std::string& path, const std::string& expected,
+                               const std::function<void(const nlohmann::json& line)>& take)
+    : path_(path) {
+  std::uintmax_t whole = 0;
+  {
+    std::ifstream lines(path);
+    std::string line;
+    std::size_t number = 0;
+    while (std::getline(lines, line)) {
+      if (lines.eof()) break;  // without its line feed: torn
+      ++number;
+      try {
+        take(nlohmann::json::parse(line));
+      } catch (const nlohmann::json::exception&) {
+        throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found another line");
+      }
+      whole += line.size() + 1;
+    }
+  }
+  std::error_code error;
+  if (std::filesystem::exists(path) && std::filesystem::file_size(path) > whole) {
+    std::filesystem::resize_file(path, whole, error);
+  }
+  file_ = open(path.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  if (file_ < 0 || error) throw InputError(path + ": cannot be written: " + std::strerror(errno));
+}
+
+AppendOnlyFile::~AppendOnlyFile() {
+  if (file_ >= 0) close(file_);
+}
+
+void AppendOnlyFile::Append(const std::vector<Json>& lines) {
+  std::string text;
+  for (const Json& line : lines) text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  // One call: what a killed campaign leaves is whole lines, and at most a torn one at the end.
+  const ssize_t written = write(file_, text.data(), text.size());
+  if (written != static_cast<ssize_t>(text.size()))
+    throw InputError(path_ + ": writing failed: " + std::strerror(errno));
+  const double now = SteadyNow();
+  if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
+    fdatasync(file_);
+    synchronised_ = now;
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace lcpbench {
+
+/// Seconds of a monotonic clock.
+double SteadyNow();
+
+}  // namespace lcpbench

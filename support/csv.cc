@@ -1,0 +1,42 @@
+#include "support/csv.h"
+
+#include <charconv>
+#include <stdexcept>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+std::string Quoted(const std::string& cell) {
+  if (cell.find_first_of(",\"\n\r") == std::string::npos) return cell;
+  std::string quoted = "\"";
+  for (const char c : cell) {
+    if (c == '"') quoted += '"';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+CsvWriter::CsvWriter(const std::string& path, const std::vector<std::string>& columns)
+    : path_(path), file_(path), columns_(columns.size()) {
+  if (!file_) throw InputError(path + ": cannot be opened for writing");
+  Row(columns);
+}
+
+void CsvWriter::Row(const std::vector<std::string>& cells) {
+  if (cells.size() != columns_) throw std::logic_error("CsvWriter: a row must have as many cells as columns");
+  for (std::size_t i = 0; i < cells.size(); ++i) file_ << (i == 0 ? "" : ",") << Quoted(cells[i]);
+  file_ << '\n' << std::flush;
+  if (!file_) throw InputError(path_ + ": writing failed");
+}
+
+std::string CsvWriter::Cell(double value) {
+  char text[32];
+  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
+  return error == std::errc() ? std::string(text, end) : "nan";
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,164 @@
+#include "support/json_field.h"
+
+#include <limits>
+#include <utility>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+
+using Json = nlohmann::json;
+
+namespace {
+
+// What operator[] refers to where there is no member: a value of no JSON type, which every accessor refuses.
+const Json& Missing() {
+  static const Json missing(Json::value_t::discarded);
+  return missing;
+}
+
+// A string of the document's author, printed in one line of ASCII and cut off where it is long.
+std::string Excerpt(const Json& value) {
+  constexpr size_t kLongest = 60;
+  std::string text = value.dump(-1, ' ', /*ensure_ascii=*/true);
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+}  // namespace
+
+JsonField::JsonField(const Json& value, const std::string& where, std::string path)
+    : value_(value), where_(where), path_(std::move(path)) {}
+
+JsonField JsonField::operator[](const char* key) const {
+  if (!value_.is_object()) Mismatch("an object");
+  const auto it = value_.find(key);
+  return {it == value_.end() ? Missing() : *it, where_, path_ + "/" + key};
+}
+
+void JsonField::RequireOnlyKeys(std::initializer_list<const char*> known) const {
+  if (!value_.is_object()) Mismatch("an object");
+  for (const auto& [key, value] : value_.items()) {
+    std::string names;
+    bool found = false;
+    for (const char* name : known) {
+      found = found || key == name;
+      names += (names.empty() ? "" : ", ") + std::string(name);
+    }
+    if (!found)
+      throw InputError(where_ + ": " + Path() + ": unknown key " + Excerpt(key) + ", expected one of " + names);
+  }
+}
+
+std::vector<JsonField> JsonField::Items(std::optional<size_t> size) const {
+  const std::string expected = size ? "an array of " + std::to_string(*size) : "an array";
+  if (!value_.is_array() || (size && value_.size() != *size)) Mismatch(expected);
+  std::vector<JsonField> items;
+  items.reserve(value_.size());
+  for (size_t i = 0; i < value_.size(); ++i) items.emplace_back(value_[i], where_, path_ + "/" + std::to_string(i));
+  return items;
+}
+
+double JsonField::Number() const {
+  if (!value_.is_number()) Mismatch("a number");
+  return value_.get<double>();
+}
+
+std::optional<double> JsonField::NumberOrNull() const {
+  if (value_.is_null()) return std::nullopt;
+  if (!value_.is_number()) Mismatch("a number or null");
+  return value_.get<double>();
+}
+
+std::vector<std::pair<std::string, JsonField>> JsonField::Members() const {
+  if (!value_.is_object()) Mismatch("an object");
+  std::vector<std::pair<std::string, JsonField>> members;
+  members.reserve(value_.size());
+  for (const auto& [key, value] : value_.items()) {
+    members.emplace_back(key, JsonField(value, where_, path_ + "/" + PointerToken(key)));
+  }
+  return members;
+}
+
+bool JsonField::Boolean() const {
+  if (!value_.is_boolean()) Mismatch("true or false");
+  return value_.get<bool>();
+}
+
+std::string JsonField::String() const {
+  if (!value_.is_string()) Mismatch("a string");
+  return value_.get<std::string>();
+}
+
+int JsonField::Integer() const {
+  constexpr long long kLeast = std::numeric_limits<int>::min();
+  constexpr long long kMost = std::numeric_limits<int>::max();
+  // An unsigned number can be too large for a signed one, and would come out negative.
+  const bool fits = !value_.is_number_unsigned() || value_.get<unsigned long long>() <= kMost;
+  if (value_.is_number_integer() && fits) {
+    const auto number = value_.get<long long>();
+    if (kLeast <= number && number <= kMost) return static_cast<int>(number);
+  }
+  Mismatch("an integer");
+}
+
+int JsonField::IndexBelow(size_t end) const {
+  // A non-negative integer literal is stored unsigned.
+  if (value_.is_number_unsigned() && value_.get<size_t>() < end) return value_.get<int>();
+  Mismatch("an integer in [0, " + std::to_string(end) + ")");
+}
+
+std::vector<double> JsonField::TwoNumbers() const {
+  if (!value_.is_array() || value_.size() != 2) Mismatch("an array of two numbers");
+  return Numbers(2);
+}
+
+std::vector<double> JsonField::Numbers(size_t size) const {
+  std::vector<double> numbers;
+  numbers.reserve(size);
+  for (const JsonField& item : Items(size)) numbers.push_back(item.Number());
+  return numbers;
+}
+
+void JsonField::Mismatch(const std::string& expected) const {
+  if (value_.is_discarded()) throw InputError(where_ + ": " + Path() + ": missing field, expected " + expected);
+  // A nested value is only named: printing it could be long, and as deep as its author liked.
+  const std::string found = value_.is_structured()
+                                ? std::string("an ") + value_.type_name() + " of " + std::to_string(value_.size())
+                                : Excerpt(value_);
+  throw InputError(where_ + ": " + Path() + ": expected " + expected + ", found " + found);
+}
+
+void JsonField::Fail(const std::string& problem) const { throw InputError(where_ + ": " + Path() + ": " + problem); }
+
+std::string PointerToken(std::string_view key) {
+  constexpr size_t kLongest = 60;
+  // Printed as a JSON string without its quotes.
+  const std::string text = Json(key).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
+  std::string token;
+  for (const char c : text.substr(1, text.size() - 2)) {
+    if (c == '~') {
+      token += "~0";
+    } else if (c == '/') {
+      token += "~1";
+    } else {
+      token += c;
+    }
+  }
+  if (token.size() > kLongest) token = token.substr(0, kLongest) + "...";
+  return token;
+}
+
+Json ParseJsonObject(std::string_view line, const std::string& where) {
+  try {
+    Json json = Json::parse(line);
+    if (!json.is_object()) JsonField(json, where).Mismatch("an object");
+    return json;
+  } catch (const Json::parse_error& error) {
+    throw InputError(where + ": not valid JSON, at byte " + std::to_string(error.byte));
+  } catch (const Json::out_of_range&) {
+    throw InputError(where + ": not valid JSON, a number is out of the range of double");
+  }
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,98 @@
+#include "benchmarks/campaign/reference_floor.h"
+
+#include <gtest/gtest.h>
+
+#include "model/contact/assembly.h"
+#include "model/scenes/scene.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/lcp/stacked_column.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kStrictest = 1e-9;
+constexpr double kTimeLimit = 20;
+
+TEST(ReferenceFloor, IsKnownOnEveryFamilyAndBelowEveryTier) {
+  for (const SceneFamily& scene : AllScenes()) {
+    for (const std::uint64_t seed : {1U, 2U}) {
+      const LcpProblem problem = AssembleContactLcp(GenerateScene(std::string(scene.key), 40, seed)).problem;
+      const ReferenceFloor found = FindReferenceFloor(problem, kStrictest, kTimeLimit);
+      ASSERT_TRUE(found.reference.floor.has_value()) << scene.key;
+      EXPECT_GT(*found.reference.floor, 0);
+      EXPECT_LT(*found.reference.floor, 1e-11) << scene.key;
+      EXPECT_EQ(found.solver, "auto");
+      // Nothing but the floor: w and f of a solver are no reference.
+      EXPECT_EQ(found.reference.status, LcpReference::Status::kUnknown);
+      EXPECT_FALSE(found.reference.w.has_value() || found.reference.f.has_value());
+    }
+  }
+}
+
+// What the exact answer rounds to passes, and so does what solvers reach.
+TEST(ReferenceFloor, MakesHonestAnswersPassWhereMassesDifferByAMillion) {
+  for (const double ratio : {1e4, 1e6}) {
+    const StackedColumn column = MakeStackedColumn(500, ratio);
+    const ReferenceFloor found = FindReferenceFloor(column.problem, kStrictest, kTimeLimit);
+    ASSERT_TRUE(found.reference.floor.has_value());
+    EXPECT_GT(*found.reference.floor, kStrictest);
+
+    LcpResult exact;
+    exact.status = LcpStatus::kSolved;
+    exact.f.resize(500);
+    for (Index i = 0; i < 500; ++i) exact.f[i] = static_cast<double>(column.f[static_cast<size_t>(i)]);
+    EXPECT_NEAR(*found.reference.floor, RoundingFloor(column.problem, exact.f), 1e-3 * *found.reference.floor);
+    EXPECT_FALSE(Verify(column.problem, exact, kStrictest).passes);
+    const Verdict verdict = Verify(column.problem, exact, kStrictest, &found.reference);
+    EXPECT_TRUE(verdict.passes) << verdict.reason;
+    EXPECT_TRUE(verdict.at_floor);
+
+    for (const char* key : {"auto", "dantzig"}) {
+      LcpOptions options;
+      options.tolerance = kStrictest;
+      LcpResult result;
+      MakeSolver(key)->Solve(column.problem, options, &result);
+      const Verdict judged = Verify(column.problem, result, kStrictest, &found.reference);
+      EXPECT_TRUE(judged.passes) << key << ": " << judged.reason;
+      // One part in a thousand of the load is no rounding.
+      result.f *= 0.999;
+      EXPECT_FALSE(Verify(column.problem, result, kStrictest, &found.reference).passes);
+    }
+  }
+}
+
+TEST(ReferenceFloor, IsTheSameWhateverAJudgedSolverReturns) {
+  // Redundant: a wall of bricks with two contacts at every face, where self-stress is free.
+  const LcpProblem problem = AssembleContactLcp(GenerateScene("boxes-and-discs", 60, 1)).problem;
+  const ReferenceFloor found = FindReferenceFloor(problem, kStrictest, kTimeLimit);
+  ASSERT_TRUE(found.reference.floor.has_value());
+  for (const SolverEntry& entry : AllSolvers()) {
+    if (!entry.available || entry.origin != SolverOrigin::kOwn) continue;
+    LcpOptions options;
+    options.tolerance = kStrictest;
+    LcpResult result;
+    entry.make({})->Solve(problem, options, &result);
+    const Verdict verdict = Verify(problem, result, kStrictest, &found.reference);
+    EXPECT_EQ(verdict.metrics.floor, *found.reference.floor) << entry.key;
+    EXPECT_EQ(verdict.passes, Verify(problem, result, kStrictest).passes) << entry.key;
+    EXPECT_FALSE(verdict.at_floor) << entry.key;
+  }
+}
+
+TEST(ReferenceFloor, IsNotKnownWhereNothingIsVerified) {
+  // Two walls that close on a body.
+  Eigen::Matrix2d A;
+  A << 1, -1, -1, 1;
+  MatrixFacts facts;
+  facts.symmetric = facts.positive_semidefinite = true;
+  const LcpProblem problem = LcpProblem::FromDense("closing", A, Eigen::Vector2d(-1, -1), {}, facts);
+  const ReferenceFloor found = FindReferenceFloor(problem, kStrictest, 1);
+  EXPECT_FALSE(found.reference.floor.has_value());
+  EXPECT_EQ(found.solver, "");
+  EXPECT_EQ(Verify(problem, LcpResult{}, kStrictest, &found.reference).metrics.floor, -1);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,508 @@
+// `lcpbench run` on manifests: whatever interrupts or divides a campaign, its results are the same but for times.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/campaign/median_interval.h"
+#include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/measure/hardware_counters.h"
+#include "support/input_error.h"
+#include "tests/benchmarks/campaign_cells.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+// So many passes that signals come in the midst of them.
+constexpr const char* kLong = "--passes 60 ";
+constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
+
+// What must not depend on when and where something was run, sorted.
+std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& lines) {
+  std::vector<std::string> kept;
+  for (nlohmann::json line : lines) {
+    for (const char* field : {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s",
+                              "group", "factor_share", "peak_bytes", "allocations", "disturbance", "environment"}) {
+      line.erase(field);
+    }
+    kept.push_back(line.dump());
+  }
+  std::sort(kept.begin(), kept.end());
+  return kept;
+}
+
+class CampaignCommand : public CommandTest {
+ protected:
+  // Own solvers: one by tolerance, one direct, one that fails at times.
+  std::string Campaign(const std::string& folder, const std::string& more = "") const {
+    return std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall' " +
+           "--passes 2 -o " + Path(folder) + " " + more;
+  }
+  std::vector<nlohmann::json> Cells(const std::string& folder) const { return CellsOf(folder_ / folder); }
+  std::vector<nlohmann::json> Lines(const std::string& folder) const {
+    return JsonLines(folder_ / folder / "streams.jsonl");
+  }
+};
+
+TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
+  const CommandOutcome outcome = Run(Campaign("c"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto cells = Cells("c");
+  const auto problems = JsonLines(folder_ / "c" / "problems.jsonl");
+  ASSERT_EQ(problems.size(), 18U);  // 16 families with 8 rows, two of them with 40 as well
+  // Every tier of every solver, though direct methods run once.
+  EXPECT_EQ(cells.size(), problems.size() * 3 * 3);
+  for (const auto& cell : cells) {
+    EXPECT_EQ(cell["false_success"], false) << cell.dump();
+    EXPECT_GT(cell["first_s"].get<double>(), 0);
+    for (const double time : cell["fresh_s"]) EXPECT_GT(time, 0);
+    if (cell["passes"] != true) continue;
+    EXPECT_LE(cell["rho"].get<double>(), cell["tier"].get<double>());
+    // What warms a pass is not timed in it: of two passes a problem misses one at most.
+    EXPECT_GE(cell["fresh_s"].size(), 1U) << cell.dump();
+  }
+  double weight = 0;
+  for (const auto& problem : problems) {
+    EXPECT_GT(problem["oracle_s"].get<double>(), 0) << problem.dump();
+    EXPECT_GE(problem["floor"].get<double>(), 0);
+    weight += problem["weight"].get<double>();
+  }
+  EXPECT_GT(weight, 0.99 * 16);  // at least a base per family
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] == "parts") {
+      EXPECT_EQ(line["solve_s"].size(), line["count"]);
+    }
+    if (line["kind"] == "again") {
+      EXPECT_EQ(line["failed"].size(), 0U) << line.dump();
+    }
+  }
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  EXPECT_EQ(campaign["schema"], "lcpbench-campaign/2");
+  EXPECT_EQ(campaign["manifests"][0]["name"], "smoke");
+  for (const char* field : {"cpu", "instruction_sets", "kernel", "hypervisor", "git_commit"}) {
+    EXPECT_FALSE(campaign["environment"][field].get<std::string>().empty()) << field;
+  }
+}
+
+TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
+  for (const char* tiers : {"1e-6", "1e-3,1e-6,1e-9"}) {
+    std::filesystem::remove_all(folder_ / "c");
+    ASSERT_EQ(Run(Campaign("c", std::string("--tiers ") + tiers)).status, 0);
+    const CommandOutcome outcome = Run("analyse " + Path("c"));
+    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    // A direct method has a line at every tier, and at these alone.
+    const std::string coverage = ReadFile(folder_ / "c" / "analysis" / "coverage.csv");
+    size_t lines = 0;
+    for (size_t at = coverage.find(",dantzig,"); at != std::string::npos; at = coverage.find(",dantzig,", at + 1))
+      ++lines;
+    EXPECT_EQ(lines, std::string(tiers) == "1e-6" ? 1U : 3U) << coverage;
+  }
+}
+
+TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
+  ASSERT_EQ(Run(Campaign("c")).status, 0);
+  // A campaign and itself: whatever the machine does meanwhile.
+  const CommandOutcome same = Run("compare " + Path("c") + " " + Path("c"));
+  EXPECT_EQ(same.status, 0) << same.error;
+  EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
+  std::filesystem::copy(folder_ / "c", folder_ / "wrong");
+  std::ofstream lines(folder_ / "wrong" / "streams.jsonl");
+  bool changed = false;
+  for (nlohmann::json line : Lines("c")) {
+    if (!changed && line["kind"] == "judge" && line["exceptions"].empty()) {
+      changed = true;
+      line["exceptions"].push_back({{"at", 0},
+                                    {"claim", "solved"},
+                                    {"passes", false},
+                                    {"at_floor", false},
+                                    {"false_success", true},
+                                    {"false_infeasible", false},
+                                    {"proved_infeasible", false},
+                                    {"reason", "rho"},
+                                    {"detail", ""}});
+    }
+    lines << line.dump() << "\n";
+  }
+  lines.close();
+  const CommandOutcome wrong = Run("compare " + Path("c") + " " + Path("wrong") + " -o " + Path("summary.md"));
+  EXPECT_EQ(wrong.status, 1) << wrong.error;
+  EXPECT_NE(ReadFile(folder_ / "summary.md").find("1 new false success"), std::string::npos);
+  EXPECT_EQ(Run("compare " + Path("c") + " " + Path("nowhere")).status, 2);
+}
+
+TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
+  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const CommandOutcome outcome = Run(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
+    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    EXPECT_LT(Lines(std::string("s") + shard[0]).size(), Lines("whole").size());
+  }
+  const CommandOutcome all = Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
+  ASSERT_EQ(all.status, 0);
+  EXPECT_EQ(all.error, "");
+  ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
+  EXPECT_EQ(ReadFile(folder_ / "m" / "streams.jsonl"), ReadFile(folder_ / "n" / "streams.jsonl"));
+  EXPECT_EQ(WithoutTimes(Lines("m")), WithoutTimes(Lines("whole")));
+  // A shard that is missing is told.
+  const CommandOutcome two = Run("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
+  EXPECT_EQ(two.status, 0);
+  EXPECT_NE(two.error.find("a shard is missing"), std::string::npos) << two.error;
+  // The same shard twice, and a shard of another campaign.
+  const CommandOutcome twice = Run("merge " + Path("s1") + " " + Path("s1") + " -o " + Path("t"));
+  EXPECT_EQ(twice.status, 2);
+  EXPECT_NE(twice.error.find("already"), std::string::npos) << twice.error;
+  ASSERT_EQ(Run(Campaign("other", "--tiers 1e-6")).status, 0);
+  EXPECT_EQ(Run("merge " + Path("s1") + " " + Path("other") + " -o " + Path("u")).status, 2);
+}
+
+TEST_F(CampaignCommand, KilledAnywhereItGoesOnToTheSameResults) {
+  ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
+  std::mt19937 random(3);
+  int kills = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const int milliseconds = 20 + static_cast<int>(random() % 80);
+    if (!RunAndKill(Campaign("killed", std::string(kLong) + (trial == 0 ? "" : "--resume")), milliseconds)) break;
+    ++kills;
+    // What a crash of the machine could leave.
+    if (trial % 3 == 1) std::ofstream(folder_ / "killed" / "streams.jsonl", std::ios::app) << "{\"solver\":\"torn";
+  }
+  EXPECT_GE(kills, 3);
+  const CommandOutcome rest = Run(Campaign("killed", std::string(kLong) + "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Lines("killed")), WithoutTimes(Lines("whole")));
+}
+
+// As Ctrl-C at a terminal and job schedulers do: the worker gets the signal too, and its cell must not look crashed.
+TEST_F(CampaignCommand, SignalsToTheWholeGroupLeaveNoCrashes) {
+  ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
+  std::mt19937 random(4);
+  int interrupted = 0;
+  for (int trial = 0; trial < 40; ++trial) {
+    const pid_t child = Start(Campaign("ended", std::string(kLong) + (trial == 0 ? "" : "--resume")));
+    std::this_thread::sleep_for(std::chrono::milliseconds(60 + random() % 80));
+    kill(-child, trial % 2 == 0 ? SIGTERM : SIGINT);
+    int status = 0;
+    waitpid(child, &status, 0);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) break;
+    ++interrupted;
+  }
+  EXPECT_GE(interrupted, 3);
+  const CommandOutcome rest = Run(Campaign("ended", std::string(kLong) + "--resume"));
+  ASSERT_EQ(rest.status, 0) << rest.error;
+  EXPECT_EQ(WithoutTimes(Lines("ended")), WithoutTimes(Lines("whole")));
+}
+
+TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
+  ASSERT_EQ(Run(Campaign("c", "--tiers 1e-3")).status, 0);
+  const std::pair<std::string, std::string> kMistakes[] = {
+      {Campaign("c", "--tiers 1e-3"), "--resume"},
+      {Campaign("c", "--tiers 1e-6 --resume"), "another plan"},
+      {Campaign("d", "--shard 4/3"), "--shard"},
+      {Campaign("d", "--shard x"), "--shard"},
+      {Campaign("d", "--sizes 10"), "--sizes"},
+      {std::string("run --suite ") + kManifest + " --filter '(' -o " + Path("e"), "regular expression"},
+      {"run --suite nowhere.json -o " + Path("f"), "nowhere.json"},
+      {"merge " + Path("nowhere") + " -o " + Path("g"), "cannot be opened"},
+  };
+  for (const auto& [arguments, text] : kMistakes) {
+    const CommandOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+  std::ofstream(folder_ / "c" / "streams.jsonl", std::ios::app) << "no line\n";
+  const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
+  EXPECT_EQ(broken.status, 2);
+  EXPECT_NE(broken.error.find("streams.jsonl:"), std::string::npos) << broken.error;
+}
+
+TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
+  const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --passes 1 " +
+                                "--solvers pgs,over,again,slow -o " + Path("c") +
+                                " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
+  const CommandOutcome outcome = Run(arguments);
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  std::map<std::string, std::map<std::string, nlohmann::json>> cells;
+  for (const auto& cell : Cells("c")) cells[cell["problem"]][cell["solver"]] = cell;
+  ASSERT_EQ(cells.size(), 16U);
+  bool differs = false;
+  for (const auto& [problem, by_solver] : cells) {
+    ASSERT_EQ(by_solver.size(), 4U) << problem;
+    // One solver under two names, or slowed: the same answer to the last bit.
+    for (const char* same : {"again", "slow"}) {
+      EXPECT_EQ(by_solver.at(same)["rho"], by_solver.at("pgs")["rho"]) << problem;
+      EXPECT_EQ(by_solver.at(same)["iterations"], by_solver.at("pgs")["iterations"]) << problem;
+    }
+    differs = differs || by_solver.at("over")["iterations"] != by_solver.at("pgs")["iterations"];
+  }
+  EXPECT_TRUE(differs);
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  for (const auto& solver : campaign["solvers"]) {
+    EXPECT_EQ(solver["base"], solver["key"] == "pgs" ? "" : "pgs");
+    if (solver["key"] == "over") {
+      EXPECT_EQ(solver["settings"]["relaxation"], "1.3");
+    }
+    if (solver["key"] == "slow") {
+      EXPECT_EQ(solver["settings"]["slowdown"], "3");
+    }
+  }
+  for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
+                                      std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER"),
+                                      std::pair("x=pgs,slowdown=0.5", "slowdown")}) {
+    const CommandOutcome mistake = Run(arguments + "2 --variant " + variant);
+    EXPECT_EQ(mistake.status, 2) << variant;
+    EXPECT_NE(mistake.error.find(text), std::string::npos) << mistake.error;
+  }
+}
+
+TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
+  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
+                "--passes 1 -o " + Path("c"))
+                .status,
+            0);
+  for (const auto& cell : Cells("c")) {
+    if (cell["passes"] != true) continue;
+    const std::string solver = cell["solver"];
+    EXPECT_GT(cell["first_s"].get<double>(), 0);
+    EXPECT_LT(cell["factor_share"].get<double>(), 1);
+    // Sweeps factorize nothing, interior points every step.
+    if (solver == "pgs") {
+      EXPECT_EQ(cell["factor_share"].get<double>(), 0);
+    }
+    if (solver == "ipm") {
+      EXPECT_GT(cell["factor_share"].get<double>(), 0);
+    }
+#ifndef __SANITIZE_ADDRESS__
+    EXPECT_GT(cell["allocations"].get<int>(), 0) << cell["problem"];
+#endif
+  }
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] != "fresh") continue;
+    const auto& disturbance = line["disturbance"];
+    EXPECT_GT(disturbance["probe_s"].get<double>(), 0);
+    EXPECT_GT(disturbance["cpu_share"].get<double>(), 0);
+    // What is undisturbed was not run again for nothing, and what is disturbed was run as often as allowed.
+    EXPECT_LE(disturbance["reruns"].get<int>(), NoiseRule{}.most_reruns);
+    if (disturbance["disturbed"] == true) {
+      EXPECT_EQ(disturbance["reruns"], NoiseRule{}.most_reruns);
+    }
+  }
+}
+
+// The budget of a task ends it, for judging and for timing; what had no turn is not counted as failed.
+TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
+  ASSERT_EQ(Run(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 3 --solvers dantzig,slow ") +
+                "--variant slow=dantzig,slowdown=100 -o " + Path("c"))
+                .status,
+            0);
+  for (const auto& line : Lines("c")) {
+    if (line["kind"] == "judge") {
+      EXPECT_LE(line["attempted"], line["count"]);
+      EXPECT_EQ(line["rho"].size(), line["attempted"]);
+    }
+    if (line["kind"] == "fresh") {
+      EXPECT_EQ(line["fresh_s"].size(), line["count"]);
+    }
+  }
+}
+
+TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
+  const std::string filter = "--benchmark_filter='rockers-n(8|40)-' --solvers dantzig";
+  const std::string campaign = std::string("run --suite ") + kManifest + " " + filter + " -o " + Path("c");
+  const CommandOutcome list = Run(campaign + " --benchmark_list_tests");
+  ASSERT_EQ(list.status, 0) << list.error;
+  EXPECT_NE(list.out.find("solve/rockers-n8-s11/dantzig/1e-09\n"), std::string::npos) << list.out;
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+  const CommandOutcome run = Run(campaign + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json"));
+  ASSERT_EQ(run.status, 0) << run.error;
+  const auto json = nlohmann::json::parse(ReadFile(folder_ / "times.json"));
+  // Four passes, judged at three tiers by one run.
+  size_t times = 0;
+  for (const auto& cell : Cells("c")) times += cell["fresh_s"].size();
+  EXPECT_EQ(json["benchmarks"].size(), times);
+  EXPECT_EQ(times, 2U * 4 * 3);
+  for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
+  EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
+}
+
+TEST(MedianOf, IsTheMiddleOne) {
+  EXPECT_EQ(MedianOf({4, 1, 3}), 3);
+  EXPECT_EQ(MedianOf({4, 1, 3, 2}), 2.5);
+}
+
+TEST(NoiseRule, CountsWhatTheMachineDid) {
+  const NoiseRule rule;
+  const double fastest = 1e-5;
+  const auto found = [](double probe_s, double cpu_share) {
+    Disturbance disturbance;
+    disturbance.probe_s = probe_s;
+    disturbance.cpu_share = cpu_share;
+    return disturbance;
+  };
+  EXPECT_EQ(DisturbanceOf(rule, found(fastest, 1), fastest), 0);
+  EXPECT_EQ(DisturbanceOf(rule, found(1.09e-5, 0.96), fastest), 0);
+  // A clock that is 20 % slower; a thread that waited for 10 %; both are worse than one.
+  const double throttled = DisturbanceOf(rule, found(1.2e-5, 1), fastest);
+  const double waiting = DisturbanceOf(rule, found(fastest, 0.9), fastest);
+  EXPECT_GT(throttled, 0);
+  EXPECT_GT(waiting, 0);
+  EXPECT_GT(DisturbanceOf(rule, found(1.2e-5, 0.9), fastest), std::max(throttled, waiting));
+}
+
+TEST(HardwareCounters, CountPageFaultsWhereTheKernelLetsThem) {
+  HardwareCounters counters;
+  const auto names = counters.names();
+  if (std::find(names.begin(), names.end(), "page-faults") == names.end()) GTEST_SKIP() << counters.refusal();
+  // Memory that is touched for the first time: a fault a page, unless pages are huge.
+  constexpr std::size_t kPages = 512;
+  counters.Start();
+  void* memory = mmap(nullptr, kPages * 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(memory, MAP_FAILED);
+  madvise(memory, kPages * 4096, MADV_NOHUGEPAGE);
+  for (std::size_t page = 0; page < kPages; ++page) static_cast<volatile char*>(memory)[4096 * page] = 1;
+  std::map<std::string, double> counts;
+  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
+  munmap(memory, kPages * 4096);
+  EXPECT_GE(counts["page-faults"], kPages);
+  counters.Start();
+  counts.clear();
+  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
+  EXPECT_LT(counts["page-faults"], kPages / 10);
+}
+
+TEST(DisturbanceWatch, SeesAThreadThatWaits) {
+  // Asleep for most of the time, as if another program had the processor.
+  const DisturbanceWatch watch;
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const Disturbance found = watch.Finish();
+  EXPECT_LT(found.cpu_share, 0.5);
+  EXPECT_GT(found.probe_s, 0);
+}
+
+// ----- one worker
+
+JudgeRequest Request(const std::string& problem, const std::string& solver) {
+  JudgeRequest request;
+  request.problem = {LCPBENCH_SOURCE_DIR "/data/standard.json", problem};
+  request.solver = solver;
+  request.tier = 1e-6;
+  request.judged = {1e-6};
+  request.time_limit_s = 30;
+  return request;
+}
+
+WorkerOptions Options() {
+  WorkerOptions options;
+  options.program = LCPBENCH_COMMAND;
+  return options;
+}
+
+TEST(WorkerProcess, SolvesJudgesAndTimes) {
+  WorkerProcess worker(Options());
+  for (const char* solver : {"auto", "dantzig", "ipm"}) {
+    const JudgeReply reply = worker.Run(Request("rockers-n100-s1", solver));
+    EXPECT_EQ(reply.claim, "solved") << reply.detail;
+    ASSERT_FALSE(reply.verdicts.empty());
+    for (const TierVerdict& verdict : reply.verdicts) EXPECT_TRUE(verdict.passes) << verdict.reason;
+    EXPECT_LE(reply.metrics.at("w_error").get<double>(), 1e-4);
+    EXPECT_GT(*reply.peak_bytes, 1e6);
+    EXPECT_GT(*reply.fresh_s, 0);
+
+    TimedRequest pass;
+    for (const char* problem : {"rockers-n10-s1", "rockers-n25-s1", "rockers-n100-s1"}) {
+      pass.stream.push_back({LCPBENCH_SOURCE_DIR "/data/standard.json", problem});
+    }
+    pass.solver = solver;
+    pass.judged = {1e-3, 1e-6};
+    pass.pass.tolerance = 1e-6;
+    pass.pass.time_limit_s = 10;
+    pass.pass.warm_up = {1};
+    pass.pass.order = {2, 0};
+    pass.pass.budget_s = 10;
+    for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+      pass.pass.kind = kind;
+      const TimedReply timed = worker.Run(pass);
+      EXPECT_EQ(timed.outcome, "completed") << timed.detail;
+      ASSERT_EQ(timed.seconds.size(), 3U);
+      EXPECT_FALSE(timed.seconds[1].has_value());
+      for (const std::size_t place : {0U, 2U}) EXPECT_GT(*timed.seconds[place], 0);
+      ASSERT_EQ(timed.failed.size(), 2U);
+      for (const auto& failed : timed.failed) EXPECT_TRUE(failed.empty());
+      if (kind == PassKind::kParts) {
+        EXPECT_NEAR(*timed.problem_s[0] + *timed.prepare_s[0] + *timed.convert_s[0] + *timed.solve_s[0],
+                    *timed.seconds[0], 1e-9);
+      }
+    }
+  }
+}
+
+TEST(WorkerProcess, KillsWhatTakesTooLongAndGoesOn) {
+  WorkerOptions options = Options();
+  options.make_s = 1e-4;
+  WorkerProcess worker(options);
+  const JudgeReply killed = worker.Run(Request("rockers-n100-s1", "auto"));
+  EXPECT_EQ(killed.claim, "killed");
+  EXPECT_TRUE(killed.verdicts.empty());
+  // Less time than the first factorisation takes: the solver notices, or is killed.
+  WorkerOptions strict = Options();
+  strict.grace_s = 0;
+  strict.grace_share = 0;
+  WorkerProcess impatient(strict);
+  JudgeRequest request = Request("chain-of-links-n10000-s1", "ipm");
+  request.time_limit_s = 1e-3;
+  const JudgeReply late = impatient.Run(request);
+  EXPECT_TRUE(late.claim == "killed" || late.claim == "time_limit") << late.claim;
+  const JudgeReply next = impatient.Run([] {
+    JudgeRequest small = Request("rockers-n10-s1", "dantzig");
+    small.time_limit_s = 10;
+    return small;
+  }());
+  EXPECT_EQ(next.claim, "solved");
+}
+
+TEST(WorkerProcess, MemoryBeyondTheLimitIsAnOutcome) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more than any limit";
+#endif
+  WorkerOptions options = Options();
+  options.memory_bytes = std::uint64_t{600} << 20U;
+  WorkerProcess worker(options);
+  const JudgeReply reply = worker.Run(Request("tall-stacks-n10000-s1", "dantzig"));
+  EXPECT_TRUE(reply.claim == "out_of_memory" || reply.claim == "numerical_failure" || reply.claim == "unsupported")
+      << reply.claim << ": " << reply.detail;
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "dantzig")).claim, "solved");
+}
+
+TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
+  WorkerProcess worker(Options());
+  EXPECT_THROW(worker.Run(Request("no-such-problem", "auto")), InputError);
+  EXPECT_THROW(worker.Run(Request("rockers-n10-s1", "no-such-solver")), InputError);
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+}
+
+TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
+  WorkerOptions options = Options();
+  options.solver_arguments = {"--external", "dying=/bin/false"};
+  WorkerProcess worker(options);
+  const JudgeReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
+  EXPECT_NE(reply.claim, "solved");
+  for (const TierVerdict& verdict : reply.verdicts) EXPECT_FALSE(verdict.passes);
+  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,186 @@
+// Settings that are tuned: the declared space is the registry's, and what was chosen runs beside the defaults.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "model/contact/assembly.h"
+#include "model/scenes/scene.h"
+#include "solvers/registry.h"
+#include "tests/benchmarks/campaign_cells.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
+
+// By value: what a loop runs over must outlive it.
+nlohmann::json DeclaredSolvers() {
+  return nlohmann::json::parse(ReadFile(LCPBENCH_SOURCE_DIR "/data/tuning.json")).at("solvers");
+}
+
+TEST(TuningSpace, DeclaresEverySolverOnce) {
+  std::set<std::string> declared;
+  for (const auto& solver : DeclaredSolvers()) {
+    EXPECT_TRUE(declared.insert(solver["solver"].get<std::string>()).second) << solver["solver"];
+  }
+  for (const SolverEntry& entry : AllSolvers()) {
+    // Other tests may have registered some.
+    if (entry.origin == SolverOrigin::kExternal || !entry.base.empty()) continue;
+    EXPECT_EQ(declared.erase(entry.key), 1U) << entry.key;
+  }
+  EXPECT_TRUE(declared.empty()) << *declared.begin() << " is no solver";
+}
+
+TEST(TuningSpace, EveryDeclaredValueIsTaken) {
+  for (const auto& solver : DeclaredSolvers()) {
+    const std::string key = solver["solver"];
+    if (!FindSolver(key).available) continue;
+    for (const auto& [name, values] : solver["settings"].items()) {
+      for (const std::string value : values) EXPECT_NO_THROW(MakeSolver(key, {{name, value}})) << key << name << value;
+    }
+  }
+}
+
+// Else the default would be tried twice, and another one never.
+TEST(TuningSpace, FirstValuesAreTheDefaults) {
+  for (const char* scene : {"boxes-and-discs", "disc-track"}) {
+    const LcpProblem problem = AssembleContactLcp(GenerateScene(scene, 60, 3)).problem;
+    for (const auto& solver : DeclaredSolvers()) {
+      const std::string key = solver["solver"];
+      Settings first;
+      for (const auto& [name, values] : solver["settings"].items()) first[name] = values[0];
+      if (!FindSolver(key).available || first.empty()) continue;
+      SCOPED_TRACE(std::string(scene) + ", " + key);
+      LcpOptions options;
+      options.tolerance = 1e-6;
+      LcpResult expected;
+      LcpResult found;
+      for (const auto& [settings, result] : {std::pair(Settings(), &expected), std::pair(first, &found)}) {
+        const auto made = MakeSolver(key, settings);
+        made->Prepare(problem);
+        made->Solve(problem, options, result);
+      }
+      EXPECT_EQ(found.status, expected.status);
+      EXPECT_EQ(found.iterations, expected.iterations);
+      EXPECT_TRUE(found.f == expected.f);
+    }
+  }
+}
+
+class TunedSettings : public CommandTest {
+ protected:
+  std::string Campaign(const std::string& folder, const std::string& more) const {
+    return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " +
+           Path(folder) + " " + more;
+  }
+  std::map<std::string, nlohmann::json> SolversOf(const std::string& folder) const {
+    const auto campaign = nlohmann::json::parse(ReadFile(folder_ / folder / "campaign.json"));
+    std::map<std::string, nlohmann::json> solvers;
+    for (const auto& solver : campaign["solvers"]) solvers[solver["key"]] = solver;
+    return solvers;
+  }
+};
+
+TEST_F(TunedSettings, RunBesideTheDefaults) {
+  Write("tuned.json", R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [
+    {"solver": "pgs", "chosen": {"relaxation": "1.3", "sweep": "forward"}},
+    {"solver": "dantzig", "chosen": {}}, {"solver": "lemke", "chosen": {"block_start": "yes"}}]})");
+  const CommandOutcome outcome = Run(Campaign("c", "--solvers dantzig,pgs,bpp --tuned " + Path("tuned.json")));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  // None for a solver whose default stays, and for one that the campaign has not.
+  const auto solvers = SolversOf("c");
+  ASSERT_EQ(solvers.size(), 4U);
+  const auto& tuned = solvers.at("pgs-tuned");
+  EXPECT_EQ(tuned["setting"], "variant");
+  EXPECT_EQ(tuned["base"], "pgs");
+  EXPECT_EQ(tuned["settings"], (nlohmann::json{{"relaxation", "1.3"}, {"sweep", "forward"}}));
+  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  EXPECT_EQ(campaign["tuning"]["file"], "tuned.json");
+  EXPECT_EQ(campaign["tuning"]["sha256"].get<std::string>().size(), 64U);
+  EXPECT_EQ(campaign["tuning"]["budget"], 5);
+  // The worker process knows it too, and it sweeps otherwise.
+  std::map<std::string, int> iterations;
+  for (const auto& cell : CellsOf(folder_ / "c")) {
+    EXPECT_EQ(cell["passes"], true) << cell.dump();
+    iterations[cell["solver"]] = cell["iterations"];
+  }
+  ASSERT_EQ(iterations.size(), 4U);
+  EXPECT_NE(iterations["pgs-tuned"], iterations["pgs"]);
+
+  ASSERT_EQ(Run(Campaign("d", "--solvers dantzig,pgs")).status, 0);
+  EXPECT_EQ(SolversOf("d").size(), 2U);
+  EXPECT_FALSE(nlohmann::json::parse(ReadFile(folder_ / "d" / "campaign.json")).contains("tuning"));
+}
+
+TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
+  const std::pair<const char*, const char*> mistakes[] = {
+      {"{", "lcpbench-tuned/1"},
+      {R"({"schema": "lcpbench-tuning/1"})", "lcpbench-tuned/1"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5})", "lcpbench tune"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "nobody", "chosen": {}}]})", "nobody"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "pgs", "chosen": {"nonsense": "1"}}]})",
+       "nonsense"},
+      {R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [{"solver": "pgs", "chosen": {"sweep": 3}}]})",
+       "lcpbench tune"}};
+  for (const auto& [text, told] : mistakes) {
+    Write("wrong.json", text);
+    const CommandOutcome outcome = Run(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")));
+    EXPECT_EQ(outcome.status, 2) << text;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    EXPECT_NE(outcome.error.find(told), std::string::npos) << outcome.error;
+    EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
+  }
+  const CommandOutcome missing = Run(Campaign("c", "--solvers pgs --tuned " + Path("none.json")));
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_NE(missing.error.find("none.json"), std::string::npos) << missing.error;
+  EXPECT_EQ(Run("run --suite quick --tuned " + Path("none.json") + " -o " + Path("c")).status, 2);
+}
+
+TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
+  ASSERT_EQ(
+      Run(Campaign("c", "--solvers pgs,dart-pgs,dart-pgs-default,bullet-dantzig,again --variant again=pgs")).status, 0);
+  const auto solvers = SolversOf("c");
+  for (const auto& [key, setting] :
+       {std::pair("pgs", "default"), std::pair("dart-pgs", "tuned"), std::pair("dart-pgs-default", "default"),
+        std::pair("bullet-dantzig", "default"), std::pair("again", "variant")}) {
+    EXPECT_EQ(solvers.at(key)["setting"], setting) << key;
+  }
+}
+
+TEST_F(TunedSettings, TuneTellsMistakesInItsSpace) {
+  Write("space.json", R"({"schema": "lcpbench-tuning/1", "solvers": [{"solver": "pgs", "settings": {"sweep": 3}}]})");
+  const std::string arguments = "tune --folder " + Path("t") + " -o " + Path("out.json") + " --space ";
+  const CommandOutcome outcome = Run(arguments + Path("space.json"));
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_NE(outcome.error.find("sweep"), std::string::npos) << outcome.error;
+  EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  EXPECT_EQ(Run(arguments + Path("space.json") + " --budget 0").status, 2);
+}
+
+// The whole way, small: what tune writes, run takes.
+TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
+  // A peer without settings, where there is one, is left out.
+  const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
+  const CommandOutcome outcome = Run("tune --solvers lemke" + peer +
+                                     " --budget 2 --sizes 12 --problem-seed 77 --passes 1 "
+                                     "--folder " +
+                                     Path("t") + " -o " + Path("tuned.json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const auto tuned = nlohmann::json::parse(ReadFile(folder_ / "tuned.json"));
+  EXPECT_EQ(tuned["budget"], 2);
+  EXPECT_EQ(tuned["problems"]["count"], 48);
+  ASSERT_EQ(tuned["solvers"].size(), 1U);
+  EXPECT_EQ(tuned["solvers"][0]["configurations"], 2);
+  EXPECT_EQ(tuned["solvers"][0]["tried"][1]["settings"], (nlohmann::json{{"block_start", "yes"}}));
+  ASSERT_EQ(Run(Campaign("c", "--solvers lemke --tuned " + Path("tuned.json"))).status, 0);
+  EXPECT_EQ(SolversOf("c").size(), tuned["solvers"][0]["chosen"].empty() ? 1U : 2U);
+}
+
+}  // namespace
+}  // namespace lcpbench

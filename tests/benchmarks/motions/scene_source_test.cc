@@ -1,0 +1,159 @@
+#include "benchmarks/motions/scene_source.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "model/scenes/scene.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+
+/// The key alone: test listings would show raw bytes.
+static void PrintTo(const SceneFamily& scene, std::ostream* out) { *out << scene.key; }
+
+namespace {
+
+class MovingScenes : public testing::TestWithParam<SceneFamily> {};
+
+std::string ParamName(const testing::TestParamInfo<SceneFamily>& info) {
+  std::string name(info.param.key);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+/// The scene as it is read back from the file that it was written to.
+MovingScene WrittenAndRead(const MovingScene& scene, const std::string& file) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / file).string();
+  std::ofstream(path, std::ios::binary) << FormatMovingScene(scene);
+  MovingScene read = LoadScene(path, 1, 1);
+  std::filesystem::remove(path);
+  return read;
+}
+
+/// The problems of its first steps, to the last bit.
+std::vector<std::string> Problems(const MovingScene& scene, int steps) {
+  const auto solver = MakeSolver("dantzig");
+  const auto motion = StartMotion(scene, {}, *solver);
+  std::vector<std::string> problems;
+  motion->set_observer([&](const MotionProblem& met) { problems.push_back(FormatLcpRecord(met.problem, false)); });
+  motion->Advance(steps * scene.step);
+  return problems;
+}
+
+TEST_P(MovingScenes, RunAtTheirOwnLevelWithoutStalling) {
+  for (const std::uint64_t seed : {1ULL, 2ULL}) {
+    const MovingScene scene = LoadScene(std::string(GetParam().key), 30, seed);
+    const auto solver = MakeSolver("dantzig");
+    const auto motion = StartMotion(scene, {}, *solver);
+    int problems = 0;
+    double busiest = 0;
+    motion->set_observer([&](const MotionProblem& met) {
+      ++problems;
+      busiest = std::max(busiest, static_cast<double>(met.problem.size()));
+      EXPECT_TRUE(Verify(met.problem, met.result, 1e-9).passes) << met.problem.id();
+    });
+    for (int k = 0; k < 100 && motion->status() == MotionStatus::kMoving; ++k) motion->Advance(scene.step);
+    EXPECT_EQ(motion->status(), MotionStatus::kMoving) << motion->detail();
+    EXPECT_NEAR(motion->time(), 100 * scene.step, 1e-9);
+    EXPECT_GE(problems, 50);
+    EXPECT_GE(busiest, 15);
+    // Not a chatter of impacts.
+    EXPECT_LE(problems, 1000);
+    EXPECT_LE(motion->statistics().worst_penetration, 1e-4);
+    EXPECT_LE(motion->statistics().worst_joint_error, 1e-4);
+  }
+}
+
+TEST_P(MovingScenes, AreReadBackFromTheirFilesWithTheSameProblems) {
+  const MovingScene scene = LoadScene(std::string(GetParam().key), 24, 3);
+  const MovingScene read = WrittenAndRead(scene, std::string(GetParam().key) + ".json");
+  EXPECT_EQ(read.level, scene.level);
+  EXPECT_EQ(read.step, scene.step);
+  EXPECT_EQ(read.restitution, scene.restitution);
+  const std::vector<std::string> expected = Problems(scene, 4);
+  EXPECT_EQ(Problems(read, 4), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, MovingScenes, testing::ValuesIn(AllScenes().begin(), AllScenes().end()), ParamName);
+
+/// Families of contacts that lie still: gravity keeps them together.
+TEST(MovingPiles, KeepMostOfTheirContactsActive) {
+  for (const std::string key : {"discs-in-v", "disc-pile", "boxes-and-discs", "rockers"}) {
+    const MovingScene scene = LoadScene(key, 40, 1);
+    const auto solver = MakeSolver("dantzig");
+    const auto motion = StartMotion(scene, {}, *solver);
+    int active = 0;
+    motion->set_observer(
+        [&](const MotionProblem& met) { active = static_cast<int>((met.result.f.array() > 0).count()); });
+    motion->Advance(0.3);
+    EXPECT_GE(active, 20) << key;
+  }
+}
+
+MovingScene DroppedBall(MotionLevel level, double restitution) {
+  const std::string path = (std::filesystem::path(testing::TempDir()) / "dropped_ball.json").string();
+  std::ofstream(path) << R"({"lcpbench_scene": 1, "motion": {"level": "acceleration", "step": 0.001, "restitution": )"
+                      << restitution << R"(}, "bodies": [
+      {"name": "floor", "fixed": true, "shape": {"box": {"width": 4, "height": 1}}, "position": [0, -0.5]},
+      {"name": "ball", "density": 1, "shape": {"disc": {"radius": 0.1}}, "position": [0, 0.2], "velocity": [0, -2]}]})";
+  MovingScene scene = LoadScene(path, 1, 1);
+  std::filesystem::remove(path);
+  scene.level = level;
+  return scene;
+}
+
+TEST(StartMotion, PassesRestitutionToBothLevels) {
+  for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+    for (const double e : {0.0, 0.5, 1.0}) {
+      const auto solver = MakeSolver("dantzig");
+      const auto motion = StartMotion(DroppedBall(level, e), {}, *solver);
+      motion->Advance(0.1);
+      EXPECT_NEAR(motion->world().bodies[1].v.y, 2 * e, 1e-9) << ToString(level);
+    }
+  }
+}
+
+/// Answers like dantzig, and remembers what it was asked for.
+class Listening final : public LcpSolver {
+ public:
+  LcpOptions heard;
+
+ private:
+  void DoPrepare(const LcpProblem& problem) override { inner_->Prepare(problem); }
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    heard = options;
+    inner_->Solve(problem, options, result);
+  }
+  std::unique_ptr<LcpSolver> inner_ = MakeSolver("dantzig");
+};
+
+TEST(StartMotion, PassesToleranceAndTimeLimitToBothLevels) {
+  LcpOptions lcp;
+  lcp.tolerance = 3e-7;
+  lcp.time_limit_s = 17;
+  for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+    Listening solver;
+    StartMotion(DroppedBall(level, 0), lcp, solver)->Advance(0.1);
+    EXPECT_EQ(solver.heard.tolerance, 3e-7) << ToString(level);
+    EXPECT_EQ(solver.heard.time_limit_s, 17) << ToString(level);
+  }
+}
+
+TEST(LoadInstant, IsTheFamilysProblemAndAFilesContacts) {
+  const ContactSystem system = LoadInstant("rockers", 12, 5);
+  EXPECT_EQ(FormatLcpRecord(AssembleContactLcp(system).problem, false),
+            FormatLcpRecord(AssembleContactLcp(GenerateScene("rockers", 12, 5)).problem, false));
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,442 @@
+// lcpbench recommend: what is known of problems, which rules are taken, how measurements are ranked, and the command
+// from files, scenes and sequences to C++ that compiles.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "benchmarks/recommend/embedding.h"
+#include "benchmarks/recommend/features.h"
+#include "benchmarks/recommend/problem_steps.h"
+#include "benchmarks/recommend/ranking.h"
+#include "benchmarks/recommend/rules.h"
+#include "support/input_error.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string MessageOf(const std::function<void()>& act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// ----- features
+
+// Bodies of mass 2, 8 and 4: the first lies on the ground and the second on it and on a shelf; the third hangs alone.
+LcpProblem ThreeBodies(double arm) {
+  SparseMatrix J(4, 9);
+  J.insert(0, 1) = 1;
+  if (arm != 0) J.insert(0, 2) = arm;
+  J.insert(1, 1) = -1;
+  J.insert(1, 4) = 1;
+  J.insert(2, 4) = 1;
+  J.insert(3, 6) = 1;
+  Eigen::VectorXd inverse_mass(9);
+  inverse_mass << 0.5, 0.5, 1, 0.125, 0.125, 0.5, 0.25, 0.25, 1;
+  return LcpProblem::FromFactors("three", J, inverse_mass, Eigen::VectorXd::Constant(4, -1),
+                                 RowBounds::WithBilateralRows(4, {3}));
+}
+
+TEST(ProblemFeatures, AreCountedExactlyFromFactors) {
+  const ProblemFeatures features = MeasureFeatures(ThreeBodies(0));
+  EXPECT_EQ(features.rows, 4);
+  EXPECT_EQ(features.bilateral, 0.25);
+  EXPECT_EQ(features.couplings, 2);  // 2 + 3 + 2 + 1 entries in four rows
+  EXPECT_EQ(features.islands, 2);
+  EXPECT_EQ(features.largest_island, 0.75);
+  EXPECT_EQ(features.diagonal_spread, 5);  // 0.625 / 0.125
+  EXPECT_EQ(features.mass_spread, 4);
+  EXPECT_EQ(features.redundancy, 0.25);  // three rows on two columns
+}
+
+TEST(ProblemFeatures, AnArmOfRoundingErrorsCarriesNothing) {
+  EXPECT_EQ(MeasureFeatures(ThreeBodies(1e-17)).redundancy, 0.25);
+  EXPECT_EQ(MeasureFeatures(ThreeBodies(0.1)).redundancy, 0);
+}
+
+TEST(ProblemFeatures, WithoutFactorsMassesAreNotKnown) {
+  const Eigen::MatrixXd A = Eigen::Vector3d(4, 1, 2).asDiagonal();
+  const ProblemFeatures features = MeasureFeatures(LcpProblem::FromDense("diagonal", A, Eigen::Vector3d(-1, 0, 1)));
+  EXPECT_EQ(features.islands, 3);
+  EXPECT_EQ(features.diagonal_spread, 4);
+  EXPECT_FALSE(features.mass_spread.has_value());
+  EXPECT_FALSE(features.redundancy.has_value());
+  EXPECT_TRUE(Describe(features)["redundancy"].is_null());
+}
+
+TEST(ProblemFeatures, AKnownRankTellsTheRedundancy) {
+  MatrixFacts facts;
+  facts.rank = 1;
+  const LcpProblem problem =
+      LcpProblem::FromDense("ones", Eigen::MatrixXd::Ones(2, 2), Eigen::Vector2d(-1, -1), {}, facts);
+  EXPECT_EQ(MeasureFeatures(problem).redundancy, 0.5);
+}
+
+TEST(ProblemFeatures, AnUnknownNameIsRefusedWithTheKnownOnes) {
+  const std::string message = MessageOf([] { FeatureNamed(ProblemFeatures{}, "colour"); });
+  EXPECT_NE(message.find("rows, bilateral"), std::string::npos) << message;
+  EXPECT_NE(message.find("'colour'"), std::string::npos) << message;
+}
+
+// ----- rules
+
+Json Region(double tier, double from, const Json& to, const std::vector<std::string>& candidates) {
+  return {{"tier", tier},
+          {"where", {{"rows", {from, to}}}},
+          {"problems", 12},
+          {"families", 4},
+          {"candidates", candidates},
+          {"peers", Json::array()},
+          {"solvers", {{{"solver", "pgs"}, {"verified", 0.5}, {"within", 0.25}}}}};
+}
+
+Json Rules() {
+  return {{"schema", "lcpbench-recommendation/1"},
+          {"campaigns", {{{"name", "made-up"}, {"commit", "0123456789abcdef"}, {"cpu", "none"}}}},
+          {"regions",
+           {Region(1e-3, 0, nullptr, {"pgs"}), Region(1e-6, 0, 17, {"dantzig", "bpp"}),
+            Region(1e-6, 17, nullptr, {"dantzig", "nncg"}), Region(1e-9, 0, nullptr, {"lemke"})}}};
+}
+
+class RulesFile : public CommandTest {
+ protected:
+  RecommendationRules Read(const Json& json) const {
+    Write("rules.json", json.dump());
+    return ReadRecommendationRules(Path("rules.json"));
+  }
+  std::string Refusal(const Json& json) const {
+    return MessageOf([&] { Read(json); });
+  }
+};
+
+TEST_F(RulesFile, TheRegionIsThatOfTheFeaturesAtTheLoosestTierThatIsStrictEnough) {
+  const RecommendationRules rules = Read(Rules());
+  const auto first = [&rules](double rows, double tolerance) {
+    ProblemFeatures features;
+    features.rows = rows;
+    return FindRegion(rules, features, tolerance).candidates.back();
+  };
+  EXPECT_EQ(first(16, 1e-6), "bpp");
+  EXPECT_EQ(first(17, 1e-6), "nncg");
+  EXPECT_EQ(first(1e6, 1e-6), "nncg");
+  EXPECT_EQ(first(5, 1e-2), "pgs");
+  EXPECT_EQ(first(5, 1e-5), "bpp");     // 1e-3 would be too loose
+  EXPECT_EQ(first(5, 1e-12), "lemke");  // there is nothing stricter
+  EXPECT_EQ(rules.made_of, "made-up (commit 0123456789ab, none)");
+}
+
+TEST_F(RulesFile, WhatIsNotKnownExcludesNoRegion) {
+  Json json = Rules();
+  json["regions"] = {Region(1e-6, 0, nullptr, {"lemke"}), Region(1e-6, 0, nullptr, {"pgs"})};
+  json["regions"][0]["where"]["redundancy"] = {0.1, 1};
+  const RecommendationRules rules = Read(json);
+  ProblemFeatures features;
+  features.rows = 3;
+  EXPECT_EQ(FindRegion(rules, features, 1e-6).candidates.front(), "lemke");
+  features.redundancy = 0;
+  EXPECT_EQ(FindRegion(rules, features, 1e-6).candidates.front(), "pgs");
+}
+
+TEST_F(RulesFile, MistakesNameFileAndField) {
+  const auto broken = [](const std::string& pointer, const Json& value) {
+    Json json = Rules();
+    json[Json::json_pointer(pointer)] = value;
+    return json;
+  };
+  const std::string file = Path("rules.json");
+  EXPECT_EQ(Refusal(broken("/regions/1/candidates/0", "danzig")),
+            file + ": /regions/1/candidates/0: expected the key of a solver, found \"danzig\"");
+  EXPECT_EQ(Refusal(broken("/regions/0/tier", "strict")),
+            file + ": /regions/0/tier: expected a number, found \"strict\"");
+  EXPECT_EQ(Refusal(broken("/schema", "lcpbench-tuned/1")),
+            file + ": /schema: expected \"lcpbench-recommendation/1\", found \"lcpbench-tuned/1\"");
+  EXPECT_NE(Refusal(broken("/regions/0/where/colour", {0, 1})).find("/regions/0/where/colour: expected a feature"),
+            std::string::npos);
+  EXPECT_NE(
+      Refusal(broken("/regions/0/solvers/0/within", 7)).find("/regions/0/solvers/0/within: expected a number of 0"),
+      std::string::npos);
+  EXPECT_NE(Refusal(broken("/regions", Json::array())).find("/regions: expected one region or more"),
+            std::string::npos);
+  Json without = Rules();
+  without["regions"][2].erase("peers");
+  EXPECT_NE(Refusal(without).find("/regions/2: expected an object with the member 'peers'"), std::string::npos);
+  EXPECT_NE(MessageOf([] { ReadRecommendationRules("/nowhere/rules.json"); }).find("/nowhere/rules.json: cannot be"),
+            std::string::npos);
+}
+
+TEST(CommittedRules, CoverEverySizeAtEveryTier) {
+  const RecommendationRules rules = ReadRecommendationRules(LCPBENCH_SOURCE_DIR "/data/recommendation.json");
+  for (const double rows : {1.0, 16.0, 17.0, 100.0, 5000.0, 1e6}) {
+    for (const double tolerance : {1e-2, 1e-3, 1e-6, 1e-9, 1e-12}) {
+      ProblemFeatures features;
+      features.rows = rows;
+      EXPECT_FALSE(FindRegion(rules, features, tolerance).candidates.empty());
+    }
+  }
+}
+
+// ----- ranking
+
+Measurement Measured(const std::string& solver, const std::vector<double>& latency_s, int passed = -1) {
+  Measurement measured;
+  measured.solver = solver;
+  measured.outcome = "completed";
+  measured.latency_s = latency_s;
+  const int steps = static_cast<int>(latency_s.size());
+  measured.passed = {{1e-3, steps}, {1e-6, passed < 0 ? steps : passed}, {1e-9, 0}};
+  return measured;
+}
+
+std::vector<std::string> Order(const std::vector<Assessment>& ranked) {
+  std::vector<std::string> order;
+  for (const Assessment& each : ranked) order.push_back(each.measured.solver);
+  return order;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(RankMeasurements, RanksStepsByTheTailAndOneProblemByTheMedian) {
+  const std::vector<Measurement> measurements = {Measured("steady", {3, 3, 3, 3, 3}),
+                                                 Measured("spiky", {1, 1, 1, 1, 9})};
+  EXPECT_EQ(Order(RankMeasurements(measurements, {1e-6, {}, true})), (Names{"steady", "spiky"}));
+  EXPECT_EQ(Order(RankMeasurements(measurements, {1e-6, {}, false})), (Names{"spiky", "steady"}));
+}
+
+TEST(RankMeasurements, WhoFailsComesAfterWhoIsSlowAndSaysWhatItMeets) {
+  const auto ranked = RankMeasurements(
+      {Measured("loose", {1, 1, 1, 1}, 0), Measured("mostly", {1, 1, 1, 1}, 3), Measured("slow", {8, 8, 8, 8})},
+      {1e-6, {}, true});
+  EXPECT_EQ(Order(ranked), (Names{"slow", "mostly", "loose"}));
+  EXPECT_EQ(ranked[0].shortcoming, "");
+  EXPECT_EQ(ranked[1].shortcoming, "fails 1 of 4 steps, meets 1e-3 only");
+  EXPECT_EQ(ranked[2].shortcoming, "meets 1e-3 only");
+  EXPECT_FALSE(ranked[1].meets);
+}
+
+TEST(RankMeasurements, ADeadlineIsMetAtTheNinetyNinthPercentile) {
+  std::vector<double> seldom_late(201, 1.0);
+  seldom_late[0] = 5;
+  std::vector<double> often_late(100, 0.5);
+  for (int k = 0; k < 4; ++k) often_late[static_cast<size_t>(k)] = 5;
+  const auto ranked =
+      RankMeasurements({Measured("often", often_late), Measured("seldom", seldom_late)}, {1e-6, 2.0, true});
+  EXPECT_EQ(Order(ranked), (Names{"seldom", "often"}));
+  EXPECT_TRUE(ranked[0].meets);
+  EXPECT_EQ(ranked[1].shortcoming, "deadline missed in 4 % of the steps");
+  EXPECT_DOUBLE_EQ(ranked[1].in_time, 0.96);
+}
+
+TEST(RankMeasurements, EqualOnesKeepTheirOrder) {
+  const auto ranked = RankMeasurements({Measured("b", {1, 2}), Measured("a", {1, 2}), Measured("c", {1, 2})}, {});
+  EXPECT_EQ(Order(ranked), (Names{"b", "a", "c"}));
+}
+
+TEST(RankMeasurements, AWorkerThatEndedIsLastAndSaysHow) {
+  Measurement killed = Measured("killed", {kInfinity, kInfinity}, 0);
+  killed.passed.clear();
+  killed.outcome = "killed";
+  killed.detail = "killed after 2 s in step 0 or soon after";
+  const auto ranked = RankMeasurements({killed, Measured("slow", {7, 7})}, {1e-6, 10.0, true});
+  EXPECT_EQ(Order(ranked), (Names{"slow", "killed"}));
+  EXPECT_EQ(ranked[1].shortcoming, "killed: killed after 2 s in step 0 or soon after");
+}
+
+TEST(RankMeasurements, WhatClaimsSuccessFalselyIsTold) {
+  Measurement lying = Measured("lying", {1, 1}, 0);
+  lying.passed[1e-3] = 0;
+  lying.false_successes = 2;
+  EXPECT_EQ(RankMeasurements({lying}, {})[0].shortcoming, "not verified, claims success falsely");
+}
+
+TEST(Quantile, InterpolatesBetweenOrderStatistics) {
+  EXPECT_DOUBLE_EQ(Quantile({4, 1, 3, 2}, 0.5), 2.5);
+  EXPECT_DOUBLE_EQ(Quantile({10, 20}, 0.99), 19.9);
+  EXPECT_DOUBLE_EQ(Quantile({7}, 0.99), 7);
+  EXPECT_EQ(Quantile({1, kInfinity, kInfinity}, 0.75), kInfinity);
+}
+
+// ----- the lines of C++
+
+class EmbeddingCodeTest : public CommandTest {
+ protected:
+  // Against the headers alone: what the linker needs, the test of the installed package has.
+  CommandOutcome Compile(const std::string& code) {
+    Write("engine.cc", code);
+    program_ = LCPBENCH_COMPILER;
+    return Run("-std=c++20 -Wall -Wextra -Werror -fsyntax-only -I " LCPBENCH_SOURCE_DIR
+               " -isystem " LCPBENCH_EIGEN_INCLUDE " " +
+               Path("engine.cc"));
+  }
+};
+
+TEST_F(EmbeddingCodeTest, CompilesInEveryForm) {
+  for (const bool warm : {false, true}) {
+    for (const std::optional<double> deadline : {std::optional<double>(), std::optional<double>(1e-4)}) {
+      const std::string code = EmbeddingCode("bpp", warm, {1e-6, deadline, true});
+      const CommandOutcome compiled = Compile(code);
+      EXPECT_EQ(compiled.status, 0) << code << compiled.error;
+      EXPECT_EQ(code.find('@'), std::string::npos) << code;
+      EXPECT_EQ(code.find("initial_f") != std::string::npos, warm);
+      EXPECT_EQ(code.find("time_limit_s = 1e-04;") != std::string::npos, deadline.has_value()) << code;
+    }
+  }
+}
+
+TEST_F(EmbeddingCodeTest, DoesNotCompileWhereAMemberIsWrong) {
+  std::string code = EmbeddingCode("bpp", false, {});
+  code.replace(code.find("tolerance"), 9, "toleranse");
+  EXPECT_NE(Compile(code).status, 0);
+}
+
+// ----- the command
+
+class RecommendCommand : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    Write("rules.json", Rules().dump());
+  }
+  // Recommends for `input`, as JSON.
+  Json Recommend(const std::string& input) {
+    const CommandOutcome outcome = Run("recommend --json --rounds 2 --rules " + Path("rules.json") + " " + input);
+    EXPECT_EQ(outcome.status, 0) << outcome.error;
+    return Json::parse(outcome.out, nullptr, false);
+  }
+  static const Json& RowOf(const Json& found, const std::string& solver, const std::string& start = "cold") {
+    for (const Json& row : found["ranked"]) {
+      if (row["solver"] == solver && row["start"] == start) return row;
+    }
+    static const Json none;
+    ADD_FAILURE() << "no row of " << solver << " in " << found.dump();
+    return none;
+  }
+};
+
+TEST_F(RecommendCommand, NamesASolverForAProblemFileWithItsEvidence) {
+  ASSERT_EQ(Run("generate disc-pile --size 20 -o " + Path("pile.jsonl")).status, 0);
+  const Json found = Recommend(Path("pile.jsonl"));
+  EXPECT_EQ(found["features"]["rows"], 20);
+  EXPECT_EQ(found["ranked_by"], "p50_s");
+  ASSERT_EQ(found["ranked"].size(), 2U);  // those of the rules, from cold starts
+  const Json& best = found["ranked"][0];
+  EXPECT_EQ(found["recommended"], best["solver"]);
+  EXPECT_TRUE(best["meets"]);
+  EXPECT_LE(best["rho"], 1e-6);
+  EXPECT_LE(best["p50_s"], found["ranked"][1]["p50_s"]);
+  EXPECT_LE(best["p50_s"], best["p99_s"]);
+  EXPECT_NE(found["cpp"].get<std::string>().find("MakeSolver(\"" + best["solver"].get<std::string>() + "\")"),
+            std::string::npos);
+  // The first of what was not tried is what the rules know.
+  EXPECT_EQ(found["not_tried"][0], (Json{{"solver", "pgs"}, {"rank", 1}, {"within", 0.25}}));
+}
+
+TEST_F(RecommendCommand, TheTextEndsWithLinesForCMake) {
+  const CommandOutcome outcome = Run("recommend --rounds 1 --scene rockers --size 18 --rules " + Path("rules.json"));
+  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  EXPECT_NE(outcome.out.find("recommended: "), std::string::npos) << outcome.out;
+  EXPECT_NE(outcome.out.find("not tried: "), std::string::npos) << outcome.out;
+  EXPECT_TRUE(outcome.out.ends_with("target_link_libraries(your_engine PRIVATE lcpbench::solvers)\n")) << outcome.out;
+}
+
+TEST_F(RecommendCommand, ARecordedSequenceIsRunFromWarmStartsToo) {
+  ASSERT_EQ(Run("sequence gear-train --size 20 --steps 8 -o " + Path("gears.jsonl")).status, 0);
+  const Json found = Recommend(Path("gears.jsonl"));
+  EXPECT_GE(found["problems"], 8);
+  EXPECT_EQ(found["samples"], found["problems"]);
+  EXPECT_EQ(found["ranked_by"], "p99_s");
+  for (const char* start : {"cold", "warm"}) EXPECT_EQ(RowOf(found, "dantzig", start)["verified"], 1);
+}
+
+TEST_F(RecommendCommand, AMovingSceneIsASequence) {
+  const Json found = Recommend("--scene newtons-cradle --size 18 --steps 6 --deadline 1s");
+  EXPECT_GE(found["problems"], 6);
+  EXPECT_EQ(found["deadline_s"], 1);
+  EXPECT_EQ(RowOf(found, "dantzig", "warm")["in_time"], 1);
+}
+
+TEST_F(RecommendCommand, SaysPlainlyWhereNothingMeetsTheRequest) {
+  const std::string arguments =
+      "recommend --rounds 1 --scene disc-pile --size 60 --deadline 1e-9 --rules " + Path("rules.json");
+  const CommandOutcome text = Run(arguments);
+  EXPECT_EQ(text.status, 0);
+  EXPECT_NE(text.out.find("nothing that was tried meets the request; nearest: "), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("deadline missed in 100 % of the steps"), std::string::npos) << text.out;
+  EXPECT_EQ(text.out.find("MakeSolver"), std::string::npos) << text.out;
+  EXPECT_TRUE(Json::parse(Run(arguments + " --json").out)["recommended"].is_null());
+}
+
+TEST_F(RecommendCommand, AProblemWithoutASolutionHasNoRecommendation) {
+  const Json found = [&] {
+    Write("none.jsonl", R"({"id":"none","A":[[0,0],[0,1]],"b":[-1,-1]})");
+    return Recommend(Path("none.jsonl"));
+  }();
+  EXPECT_TRUE(found["recommended"].is_null());
+  EXPECT_EQ(found["ranked"][0]["verified"], 0);
+}
+
+TEST_F(RecommendCommand, AHangingOrLyingCandidateEndsAsAnEvidenceAgainstIt) {
+  const std::string problem = R"({"id":"one","A":[[2,1],[1,2]],"b":[-5,-6]})";
+  Write("two.jsonl", problem + "\n" + problem + "\n");
+  const Json found = Recommend(Path("two.jsonl") + " --candidates hanging,crashing,lying,dantzig --external hanging='" +
+                               LCPBENCH_TEST_WORKER " hang' --external crashing='" LCPBENCH_TEST_WORKER
+                                                    " crash' --external lying='" LCPBENCH_TEST_WORKER " lie'");
+  EXPECT_EQ(found["recommended"], "dantzig");
+  for (const char* bad : {"hanging", "crashing", "lying"}) {
+    EXPECT_FALSE(RowOf(found, bad)["meets"]);
+    EXPECT_EQ(RowOf(found, bad)["verified"], 0);
+    EXPECT_NE(RowOf(found, bad)["shortcoming"], "");
+  }
+  EXPECT_EQ(RowOf(found, "lying")["false_successes"], 2);
+}
+
+TEST_F(RecommendCommand, FeaturesAreTheSameNumbersForFileAndScene) {
+  ASSERT_EQ(Run("generate tall-stacks --size 30 --seed 3 -o " + Path("stacks.jsonl")).status, 0);
+  const CommandOutcome printed = Run("recommend --features " + Path("stacks.jsonl"));
+  ASSERT_EQ(printed.status, 0) << printed.error;
+  Json line = Json::parse(printed.out);
+  EXPECT_TRUE(line.contains("problem"));
+  line.erase("problem");
+  EXPECT_EQ(line, Recommend("--scene tall-stacks --size 30 --seed 3")["features"]);
+}
+
+TEST_F(RecommendCommand, MistakesAreOneLineAndStatusTwo) {
+  Write("torn.jsonl", R"({"id":"a","A":[[1]],"b":[-1],"previous":[3]})");
+  Write("empty.jsonl", "");
+  const std::vector<std::pair<std::string, std::string>> mistakes = {
+      {"", "expected one FILE or --scene, found 0"},
+      {"a.jsonl b.jsonl", "expected one FILE or --scene, found 2"},
+      {"--scene disc-pile --deadline 3min", "--deadline: expected a time > 0"},
+      {"--scene disc-pile --tolerance 2", "--tolerance: expected a number in (0, 1)"},
+      {"--scene disc-pile --rounds 0", "--rounds: expected"},
+      {"--scene disc-pile --candidates danzig", "danzig"},
+      {"--scene disc-pyle", "disc-pyle"},
+      {Path("nowhere.jsonl"), "cannot be opened"},
+      {Path("empty.jsonl"), "is empty"},
+      {Path("torn.jsonl"), "torn.jsonl:1: field 'previous': expected a row of the line before"},
+      {"--scene disc-pile --rules " + Path("empty.jsonl"), "expected the JSON that report/recommendation.py writes"}};
+  for (const auto& [arguments, expected] : mistakes) {
+    const CommandOutcome outcome = Run("recommend " + arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.error.find(expected), std::string::npos) << arguments << ": " << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,312 @@
+#!/usr/bin/python3
+"""The rules of the source tree: which folders may include which, how many entries a folder has, that cited files exist,
+and that the drawing of the layers (docs/includes.svg) is up to date."""
+
+import re
+import sys
+import unittest
+from collections import defaultdict, deque
+from pathlib import Path
+
+_ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(_ROOT / "docs"))
+sys.dont_write_bytecode = True
+
+import draw_includes  # noqa: E402  (docs/draw_includes.py)
+
+_OURS = ("support", "solvers", "model", "benchmarks", "tests", "examples")
+
+# What a folder may include of ours; the first entry that fits the including file decides.
+_MAY_INCLUDE = (
+    ("support/", r"support/"),
+    ("solvers/lcp/", r"(support|solvers/lcp)/"),
+    ("solvers/", r"(support|solvers)/"),
+    ("model/", r"(support|solvers/lcp|model)/"),
+    ("benchmarks/", r"(support|solvers|model|benchmarks)/"),
+    ("tests/", r"(support|solvers|model|benchmarks|tests)/"),
+    ("", r"(support|solvers|model|benchmarks)/"),
+)
+
+# The registry depends on every solver, so nothing that a solver is made of may include it.
+_MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|solvers/c)/|solvers/registry\.cc$")
+
+# Generated headers without a template of the same name (*.in).
+_GENERATED = {"git_revision.h"}
+
+# Includes that close a cycle of folders, from -> to.
+_FOLDER_CYCLES = {
+    # A campaign runs its sequences, which are planned, journalled and given to workers as its other tasks are.
+    ("benchmarks/campaign", "benchmarks/campaign/sequences"),
+}
+
+# Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
+# is implemented with Y, and Y.h needs the types of X.h.
+_FILE_CYCLES = {
+    # The interface of a solver holds its options, its engine takes them.
+    ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
+    # A problem is made of a caller's arrays, which can be taken of a problem; its dense A is assembled elsewhere.
+    ("solvers/lcp/problem", "solvers/lcp/dense_assembly"),
+    ("solvers/lcp/problem", "solvers/lcp/problem_arrays"),
+    # Internal parts take and return the types of the interface that they serve.
+    ("model/contact/closest_points", "model/contact/closest_search"),
+    ("solvers/batch/solve_batch", "solvers/batch/instructions"),
+    ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
+    ("solvers/io/hdf5_reader", "solvers/io/hdf5_child"),
+    # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
+    ("model/shape/outline_checks", "model/shape/mass_properties"),
+}
+
+_MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance
+_UNCOUNTED = ("tests", "data", "report/reference")
+
+# Texts about past states of the tree.
+_HISTORY = ("CHANGELOG.md", "report/reference/")
+# Headers of libraries that comments name.
+_FOREIGN_HEADERS = {"fclib.h"}
+
+_TOP = "support|solvers|model|benchmarks|tests|report|data|docs|cmake|examples"
+_SUFFIX = "h|cc|py|md|json|cmake|sh"
+_CITED_PATH = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w.+-]+)*/[\w.+-]+\.(?:{_SUFFIX}))(?![\w/*])")
+_CITED_FOLDER = re.compile(rf"(?<![\w/.$}}<>*-])((?:{_TOP})(?:/[\w-]+)+)/(?![\w.*<{{$(%-])")
+# A path without its first folders, such as lcp/verify.h.
+_CITED_TAIL = re.compile(r"(?<![\w/.$}<>*-])((?:[\w-]+/)+[\w-]+\.(?:h|cc|py))(?![\w/*])")
+_CITED_NAME = re.compile(r"(?<![\w/.$}<>*-])([a-z][\w-]+\.(?:h|cc))(?![\w/*(])")
+
+_CXX_TOKEN = re.compile(
+    r'(?P<comment>//[^\n]*|/\*.*?\*/)|(?P<string>R"(?P<mark>[^(\s]*)\(.*?\)(?P=mark)"|"(?:\\.|[^"\\\n])*")'
+    r"|(?<!\w)'(?:\\.|[^'\\\n])+'",
+    re.S,
+)
+
+
+def _only(text, spans):
+    """The text with all but the spans blanked, so that lines keep their numbers."""
+    blank = [character if character == "\n" else " " for character in text]
+    for begin, end in spans:
+        blank[begin:end] = text[begin:end]
+    return "".join(blank)
+
+
+def _prose(path, text):
+    """The text with nothing but what may cite files: (comments and documents, these and strings of code)."""
+    if re.search(r"\.(h|cc|c)(\.in)?$", path):
+        tokens = list(_CXX_TOKEN.finditer(re.sub(r"(?m)^[ \t]*#[ \t]*include.*$", lambda m: " " * len(m[0]), text)))
+        comments = [match.span() for match in tokens if match["comment"]]
+        return _only(text, comments), _only(text, comments + [m.span() for m in tokens if m["string"]])
+    if path.endswith((".md", ".json", ".cff", ".html", ".svg")):
+        return text, text
+    comments = [match.span(1) for match in re.finditer(r"(?m)(?:^|\s)((?:#|//|/\*|\*).*)$", text)]
+    if path.endswith((".py", ".js")):
+        documentation = [match.span() for match in re.finditer(r'""".*?"""', text, re.S)]
+        return _only(text, comments + documentation), text
+    if path.endswith(("CMakeLists.txt", ".cmake", ".cmake.in")):  # what is not quoted counts from the file's folder
+        quoted = [match.span() for match in re.finditer(r'"[^"\n]*"', text)]
+        return _only(text, comments), _only(text, comments + quoted)
+    return _only(text, comments), text
+
+
+def _way(edges, begin, end):
+    """The shortest way [begin, ..., end] in the graph {a: {b, ...}}, or None."""
+    before, waiting = {begin: None}, deque([begin])
+    while waiting:
+        node = waiting.popleft()
+        if node == end:
+            way = [node]
+            while before[way[-1]] is not None:
+                way.append(before[way[-1]])
+            return way[::-1]
+        for other in sorted(edges.get(node, ())):
+            if other not in before:
+                before[other] = node
+                waiting.append(other)
+    return None
+
+
+def _cycle(edges):
+    """A shortest cycle [a, ..., a], or None."""
+    left = {node: set(others) for node, others in edges.items()}
+    while ends := [node for node in left if not left[node] & set(left)]:
+        for node in ends:
+            del left[node]
+    ways = ((node, _way(left, other, node)) for node in sorted(left) for other in sorted(left[node] & set(left)))
+    return min(([node] + way for node, way in ways if way), key=len, default=None)
+
+
+class _Graph:
+    """Who includes whom, with the names that `name` gives to files: their folders, for instance."""
+
+    def __init__(self, includes, name):
+        self.includes = defaultdict(list)  # by edge
+        for include in includes:
+            edge = name(include.source), name(include.target)
+            if edge[0] != edge[1]:
+                self.includes[edge].append(include)
+
+    def without(self, exceptions):
+        edges = defaultdict(set)
+        for source, target in self.includes:
+            if (source, target) not in exceptions:
+                edges[source].add(target)
+        return edges
+
+    def cycle(self, exceptions):
+        """Includes, one of each edge of a cycle; none where there is none."""
+        cycle = _cycle(self.without(exceptions)) or []
+        return [self.includes[edge][0] for edge in zip(cycle, cycle[1:])]
+
+    def needless(self, exceptions):
+        edges = self.without(exceptions)
+        return sorted(e for e in exceptions if e not in self.includes or not _way(edges, e[1], e[0]))
+
+
+class _Tree(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.files = draw_includes.tracked_files(_ROOT)
+        cls.known = set(cls.files)
+        cls.includes = draw_includes.includes(cls.files, _ROOT)
+        # Other includes are of the language and of libraries.
+        cls.own_includes = [include for include in cls.includes if include.target in cls.known]
+
+    def assertNone(self, found, why):
+        if found:
+            self.fail("\n".join([why, *map(str, found)]))
+
+
+class Includes(_Tree):
+    def _folders(self):
+        return _Graph((i for i in self.own_includes if not i.source.startswith("tests/")), draw_includes.folder_of)
+
+    def _units(self):
+        checked = (i for i in self.own_includes if i.source.startswith(("solvers/", "model/")))
+        return _Graph(checked, lambda path: re.sub(r"\.(h|cc|c)$", "", path))
+
+    def test_there_is_something_to_check(self):
+        self.assertGreater(len(self.own_includes), 1000)
+
+    def test_includes_of_ours_exist(self):
+        made = {path.rpartition("/")[2][:-3] for path in self.files if path.endswith(".in")} | _GENERATED
+        lost = [
+            include
+            for include in self.includes
+            if include.target not in self.known | made
+            and (include.target.startswith(tuple(f"{top}/" for top in _OURS)) or include.is_quoted)
+        ]
+        self.assertNone(lost, "no such file is tracked or generated:")
+
+    def test_directions_between_top_folders(self):
+        wrong = []
+        for include in self.own_includes:
+            may = next(may for begin, may in _MAY_INCLUDE if include.source.startswith(begin))
+            if not re.match(may, include.target):
+                wrong.append(f"{include}, may include of ours: {may}")
+        self.assertNone(wrong, "includes against the direction of the layers:")
+
+    def test_the_registry_is_included_from_above_only(self):
+        includes = [include for include in self.own_includes if include.target == "solvers/registry.h"]
+        self.assertTrue(includes)
+        wrong = [include for include in includes if not _MAY_INCLUDE_REGISTRY.match(include.source)]
+        self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, solvers/c/:")
+
+    def test_folders_have_no_cycle(self):
+        cycle = self._folders().cycle(_FOLDER_CYCLES)
+        self.assertNone(cycle, "folders include each other in a circle:")
+
+    def test_files_have_no_cycle(self):
+        cycle = self._units().cycle(_FILE_CYCLES)
+        self.assertNone(cycle, "files include each other in a circle:")
+
+    def test_exceptions_are_needed(self):
+        needless = self._folders().needless(_FOLDER_CYCLES) + self._units().needless(_FILE_CYCLES)
+        self.assertNone(needless, "these exceptions close no cycle any more, remove them:")
+
+    def test_headers_have_no_cycle(self):
+        graph = _Graph((i for i in self.own_includes if i.source.endswith(".h")), lambda path: path)
+        self.assertNone(graph.cycle(set()), "headers include each other in a circle:")
+
+
+class Folders(_Tree):
+    def test_folders_are_small_enough_to_look_over(self):
+        entries = defaultdict(set)
+        for path in self.files:
+            while path:
+                folder, _, entry = path.rpartition("/")
+                entries[folder].add(entry)
+                path = folder
+        uncounted = re.compile("({})(/|$)".format("|".join(_UNCOUNTED)))
+        large = [
+            f"{folder or '.'}: {len(found)} files and folders"
+            for folder, found in sorted(entries.items())
+            if len(found) > _MOST_ENTRIES and not uncounted.match(folder)
+        ]
+        self.assertNone(large, f"more than {_MOST_ENTRIES} entries:")
+
+
+class Citations(_Tree):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.folders = {folder for path in cls.files for folder in _parents(path)}
+        cls.texts = {}  # of a path: lines of comments and documents alone, lines of these and of strings
+        for path in cls.files:
+            if not path.startswith(_HISTORY):
+                try:
+                    text = (_ROOT / path).read_text(encoding="utf-8")
+                except UnicodeDecodeError:
+                    continue  # compressed
+                cls.texts[path] = [part.split("\n") for part in _prose(path, text)]
+
+    def _cited(self, pattern, strings):
+        """(place, what is cited there) in comments and documents, and in strings of code where these are wanted."""
+        for path, parts in self.texts.items():
+            for number, line in enumerate(parts[strings], 1):
+                for match in pattern.finditer(line):
+                    yield f"{path}:{number}", match[1]
+
+    def test_cited_files_exist(self):
+        found = self._cited(_CITED_PATH, strings=True)
+        lost = [f"{place} cites {cited}" for place, cited in found if cited not in self.known]
+        self.assertNone(lost, "no such file is tracked:")
+
+    def test_cited_folders_exist(self):
+        found = self._cited(_CITED_FOLDER, strings=True)
+        lost = [f"{place} cites {cited}/" for place, cited in found if cited not in self.folders]
+        self.assertNone(lost, "no such folder is tracked:")
+
+    def test_ends_of_paths_exist(self):
+        tops = tuple(f"{top}/" for top in _TOP.split("|"))
+        ends = {path[at.end() :] for path in self.files for at in re.finditer("/", path)}
+        found = [cited for cited in self._cited(_CITED_TAIL, strings=False) if not cited[1].startswith(tops)]
+        lost = [f"{place} cites {cited}" for place, cited in found if cited not in ends]
+        self.assertNone(lost, "no tracked path ends like this:")
+
+    def test_cited_names_exist(self):
+        names = {path.rpartition("/")[2] for path in self.files}
+        names |= {name[:-3] for name in names if name.endswith(".in")} | _GENERATED | _FOREIGN_HEADERS
+        found = self._cited(_CITED_NAME, strings=False)
+        lost = [f"{place} cites {cited}" for place, cited in found if cited not in names]
+        self.assertNone(lost, "no such source is tracked:")
+
+
+class Drawing(_Tree):
+    def test_the_drawing_shows_the_tree(self):
+        boxes, arrows = draw_includes.drawn(self.own_includes)
+        drawn_boxes, drawn_arrows = draw_includes.read_drawing(draw_includes.DRAWING.read_text(encoding="utf-8"))
+        wrong = [f"{box} is not drawn" for box in sorted(boxes - drawn_boxes)]
+        wrong += [f"{box} is drawn, but is no folder" for box in sorted(drawn_boxes - boxes)]
+        wrong += ["the arrow {} -> {} is not drawn".format(*arrow) for arrow in sorted(set(arrows) - drawn_arrows)]
+        wrong += ["the arrow {} -> {} is drawn needlessly".format(*arrow) for arrow in sorted(drawn_arrows - set(arrows))]
+        self.assertNone(wrong, "docs/includes.svg is out of date, run docs/draw_includes.py:")
+
+    def test_drawing_is_deterministic(self):
+        boxes, arrows = draw_includes.drawn(self.own_includes)
+        again = draw_includes.drawn(reversed(self.own_includes))
+        self.assertEqual(draw_includes.drawing(boxes, arrows), draw_includes.drawing(*again))
+
+
+def _parents(path):
+    return [path[: at.start()] for at in re.finditer("/", path)]
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,400 @@
+#include "model/contact/assembly.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/input_error.h"
+#include "tests/model/random_contacts.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr double kRounding = 1e-11;
+
+// A few bodies with contacts of every kind, path joints and pins between random pairs of them.
+ContactSystem RandomSystem(unsigned seed) {
+  Random random(seed);
+  ContactSystem system;
+  system.name = "random";
+  for (const PairKind& kind : AllPairKinds()) {
+    ContactCase c = RandomContact(kind, &random);
+    const auto first = static_cast<int>(system.bodies.size());
+    const bool has_vertex = kind.shape1 == Shape::kVertex || kind.shape2 == Shape::kVertex;
+    const bool is_path = has_vertex && random.Uniform(0, 1) < 0.5;
+    Constraint constraint = ConstraintOf(c, is_path ? ConstraintType::kPathJoint : ConstraintType::kContact);
+    constraint.body1 = first + 1;
+    constraint.body2 = first;
+    if (random.Uniform(0, 1) < 0.3) {
+      c.body2.fixed = true;
+      c.body2.acceleration = random.Vector(3);
+      c.body2.alpha = random.Uniform(-2, 2);
+    }
+    system.bodies.push_back(c.body2);
+    system.bodies.push_back(c.body1);
+    system.constraints.push_back(constraint);
+    if (first > 0) {
+      Constraint pin;
+      pin.type = ConstraintType::kPin;
+      pin.body1 = first - 1;
+      pin.body2 = first + 1;
+      pin.feature1 = Vertex{random.Vector(1)};
+      pin.feature2 = Vertex{random.Vector(1)};
+      system.constraints.push_back(pin);
+    }
+  }
+  return system;
+}
+
+ContactSystem BoxOnFloor() {
+  Body floor;
+  floor.name = "floor";
+  floor.fixed = true;
+  Body box;
+  box.name = "box";
+  box.mass = 2;
+  box.x = {0, 1};
+  box.force = {3, -10};
+  box.torque = 8;
+  ContactSystem system{"box-on-floor", {floor, box}, {}};
+  for (const double x : {-1.0, 1.0}) {
+    Constraint contact;
+    contact.body1 = 1;
+    contact.body2 = 0;
+    contact.feature1 = Vertex{{x, -1}};
+    contact.feature2 = StraightEdge{{16, 0}, {-16, 0}};
+    system.constraints.push_back(contact);
+  }
+  return system;
+}
+
+::testing::AssertionResult Names(const std::string& error, const std::vector<std::string>& parts) {
+  for (const std::string& part : parts) {
+    if (error.find(part) == std::string::npos) {
+      return ::testing::AssertionFailure() << "'" << part << "' is not in: " << error;
+    }
+  }
+  return ::testing::AssertionSuccess();
+}
+
+TEST(Assembly, BoxOnFloorIsTheTextbookProblem) {
+  const AssembledLcp lcp = AssembleContactLcp(BoxOnFloor());
+  Eigen::MatrixXd J(2, 6);
+  J << 0, -1, 1, 0, 1, -1,  //
+      0, -1, -1, 0, 1, 1;
+  Eigen::MatrixXd A(2, 2);
+  A << 1.5, -0.5, -0.5, 1.5;
+  EXPECT_EQ(Eigen::MatrixXd(lcp.problem.J()), J);
+  EXPECT_EQ(lcp.problem.DenseA(), A);
+  EXPECT_EQ(lcp.problem.b(), Eigen::Vector2d(-13, 3));
+  EXPECT_EQ(lcp.problem.id(), "box-on-floor");
+  EXPECT_TRUE(lcp.problem.bilateral_rows().empty());
+  EXPECT_TRUE(lcp.problem.has_two_body_rows());
+  EXPECT_EQ(lcp.rows[1].constraint, 1);
+  EXPECT_EQ(lcp.rows[1].p1.x, 1);
+  EXPECT_EQ(lcp.rows[1].d, 0);
+}
+
+TEST(Assembly, SystemWithoutConstraintsHasNoRows) {
+  EXPECT_EQ(AssembleContactLcp({}).problem.size(), 0);
+  ContactSystem bodies_only = BoxOnFloor();
+  bodies_only.constraints.clear();
+  const AssembledLcp lcp = AssembleContactLcp(bodies_only);
+  EXPECT_EQ(lcp.problem.size(), 0);
+  EXPECT_EQ(lcp.problem.J().cols(), 6);
+}
+
+TEST(Assembly, IsJInverseMassTimesForcePlusGamma) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const ContactSystem system = RandomSystem(seed);
+    const AssembledLcp lcp = AssembleContactLcp(system);
+    const auto columns = static_cast<Index>(3 * system.bodies.size());
+    Eigen::VectorXd acceleration(columns);
+    Eigen::VectorXd velocity(columns);
+    Eigen::VectorXd inverse_mass(columns);
+    for (size_t i = 0; i < system.bodies.size(); ++i) {
+      const Body& body = system.bodies[i];
+      const auto k = static_cast<Index>(3 * i);
+      velocity.segment(k, 3) << body.v.x, body.v.y, body.omega;
+      if (body.fixed) {
+        acceleration.segment(k, 3) << body.acceleration.x, body.acceleration.y, body.alpha;
+        inverse_mass.segment(k, 3).setZero();
+      } else {
+        acceleration.segment(k, 3) << body.force.x / body.mass, body.force.y / body.mass, body.torque / body.inertia;
+        inverse_mass.segment(k, 3) << 1 / body.mass, 1 / body.mass, 1 / body.inertia;
+      }
+    }
+    EXPECT_EQ(lcp.problem.inverse_mass(), inverse_mass);
+    const Eigen::VectorXd J_a = lcp.problem.J() * acceleration;
+    const Eigen::VectorXd J_v = lcp.problem.J() * velocity;
+    for (Index i = 0; i < lcp.problem.size(); ++i) {
+      const RowInfo& row = lcp.rows[static_cast<size_t>(i)];
+      EXPECT_NEAR(lcp.problem.b()[i], J_a[i] + row.gamma, kRounding);
+      EXPECT_NEAR(row.d_dot, J_v[i], kRounding);
+    }
+    const Eigen::MatrixXd J = lcp.problem.J();
+    EXPECT_LE((lcp.problem.DenseA() - J * inverse_mass.asDiagonal() * J.transpose()).cwiseAbs().maxCoeff(), kRounding);
+  }
+}
+
+TEST(Assembly, JointsAreBilateralAndPinsHaveTwoRows) {
+  const ContactSystem system = RandomSystem(31);
+  const AssembledLcp lcp = AssembleContactLcp(system);
+  size_t i = 0;
+  for (size_t k = 0; k < system.constraints.size(); ++k) {
+    const ConstraintType type = system.constraints[k].type;
+    for (const char axis : std::string(type == ConstraintType::kPin ? "xy" : "n")) {
+      const RowInfo& row = lcp.rows.at(i);
+      EXPECT_EQ(row.constraint, static_cast<int>(k));
+      EXPECT_EQ(row.axis, axis);
+      EXPECT_EQ(row.bilateral, type != ConstraintType::kContact);
+      EXPECT_EQ(lcp.problem.is_bilateral(static_cast<Index>(i)), row.bilateral);
+      ++i;
+    }
+  }
+  EXPECT_EQ(lcp.rows.size(), i);
+}
+
+TEST(Assembly, MovingTheWorldLeavesLcpUnchanged) {
+  Random random(32);
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    const ContactSystem system = RandomSystem(seed);
+    const AssembledLcp given = AssembleContactLcp(system);
+    // A rigid motion of the plane, and a boost. A pin's rows belong to world axes, so they only keep up with
+    // translations and boosts.
+    for (const bool turn : {false, true}) {
+      const double angle = turn ? random.Uniform(-3, 3) : 0;
+      const Rotation rotation = SinCos(angle);
+      const Vec2 shift = random.Vector(5);
+      const Vec2 boost = random.Vector(5);
+      ContactSystem moved = system;
+      for (Body& body : moved.bodies) {
+        body.x = Rotate(rotation, body.x) + shift;
+        body.theta += angle;
+        body.v = Rotate(rotation, body.v) + boost;
+        body.force = Rotate(rotation, body.force);
+        body.acceleration = Rotate(rotation, body.acceleration);
+      }
+      const AssembledLcp lcp = AssembleContactLcp(moved);
+      const Eigen::MatrixXd& A = lcp.problem.DenseA();
+      for (Index i = 0; i < given.problem.size(); ++i) {
+        const RowInfo& row = lcp.rows[static_cast<size_t>(i)];
+        const RowInfo& was = given.rows[static_cast<size_t>(i)];
+        if (turn && row.axis != 'n') continue;
+        EXPECT_NEAR(row.d, was.d, kRounding);
+        EXPECT_NEAR(row.d_dot, was.d_dot, kRounding);
+        const double scale = 1 + std::abs(was.gamma);
+        EXPECT_NEAR(row.gamma, was.gamma, kRounding * scale);
+        EXPECT_NEAR(lcp.problem.b()[i], given.problem.b()[i], kRounding * scale);
+        for (Index j = 0; j < given.problem.size(); ++j) {
+          if (turn && lcp.rows[static_cast<size_t>(j)].axis != 'n') continue;
+          EXPECT_NEAR(A(i, j), given.problem.DenseA()(i, j), kRounding);
+        }
+      }
+    }
+  }
+}
+
+TEST(Assembly, PinOfATurnedWorldTurnsItsRows) {
+  Random random(33);
+  Constraint pin;
+  pin.type = ConstraintType::kPin;
+  pin.feature1 = Vertex{{0.3, -0.4}};
+  pin.feature2 = Vertex{{-1, 0.5}};
+  const ContactSystem system{"pin", {RandomBody(&random), RandomBody(&random)}, {pin}};
+  const double angle = 0.7;
+  const Rotation rotation = SinCos(angle);
+  ContactSystem moved = system;
+  for (Body& body : moved.bodies) {
+    body.x = Rotate(rotation, body.x);
+    body.theta += angle;
+    body.v = Rotate(rotation, body.v);
+    body.force = Rotate(rotation, body.force);
+  }
+  const AssembledLcp p = AssembleContactLcp(system);
+  const AssembledLcp q = AssembleContactLcp(moved);
+  const auto vector = [](const AssembledLcp& lcp, double RowInfo::*member) {
+    return Vec2{lcp.rows[0].*member, lcp.rows[1].*member};
+  };
+  for (double RowInfo::*member : {&RowInfo::d, &RowInfo::d_dot, &RowInfo::gamma}) {
+    EXPECT_NEAR(Norm(Rotate(rotation, vector(p, member)) - vector(q, member)), 0, kRounding);
+  }
+  EXPECT_NEAR(p.problem.DenseA().determinant(), q.problem.DenseA().determinant(), kRounding);
+  EXPECT_NEAR(p.problem.DenseA().trace(), q.problem.DenseA().trace(), kRounding);
+}
+
+TEST(Assembly, SwappingBodiesLeavesLcpUnchangedBitByBit) {
+  for (unsigned seed = 0; seed < 30; ++seed) {
+    ContactSystem system = RandomSystem(seed);
+    const AssembledLcp given = AssembleContactLcp(system);
+    for (Constraint& constraint : system.constraints) {
+      if (constraint.type == ConstraintType::kPin) continue;  // its axes are the world's: swapping turns the sign
+      std::swap(constraint.body1, constraint.body2);
+      std::swap(constraint.feature1, constraint.feature2);
+      std::swap(constraint.s1, constraint.s2);
+    }
+    const AssembledLcp swapped = AssembleContactLcp(system);
+    EXPECT_EQ(swapped.problem.b(), given.problem.b());
+    EXPECT_EQ(Eigen::MatrixXd(swapped.problem.J()), Eigen::MatrixXd(given.problem.J()));
+  }
+}
+
+TEST(Assembly, RepeatsBitByBit) {
+  const AssembledLcp first = AssembleContactLcp(RandomSystem(34));
+  const AssembledLcp second = AssembleContactLcp(RandomSystem(34));
+  EXPECT_EQ(first.problem.b(), second.problem.b());
+  EXPECT_EQ(Eigen::MatrixXd(first.problem.J()), Eigen::MatrixXd(second.problem.J()));
+}
+
+TEST(Assembly, FixedBodiesIgnoreForcesAndMassAndMovableOnesPrescribedAccelerations) {
+  ContactSystem system = BoxOnFloor();
+  const Eigen::VectorXd b = AssembleContactLcp(system).problem.b();
+  system.bodies[0].force = {100, 100};
+  system.bodies[0].mass = std::numeric_limits<double>::infinity();
+  system.bodies[1].acceleration = {100, 100};
+  system.bodies[1].alpha = 100;
+  EXPECT_EQ(AssembleContactLcp(system).problem.b(), b);
+  // A floor that rises at 2 m/s^2 takes 2 m/s^2 from the gap acceleration.
+  system.bodies[0].acceleration = {0, 2};
+  EXPECT_EQ(AssembleContactLcp(system).problem.b(), b - Eigen::Vector2d(2, 2));
+}
+
+TEST(Assembly, ParallelContactsOfDiscsHaveRowsThatDependExactly) {
+  // A disc between two parallel walls: its rows are n and -n, and a sum of -0.0 would not be 0 with any moment left.
+  Body walls;
+  walls.fixed = true;
+  Body disc;
+  disc.theta = 0.3;
+  disc.omega = 2;
+  ContactSystem system{"disc-between-walls", {walls, disc}, {}};
+  for (const double y : {-1.0, 1.0}) {
+    Constraint contact;
+    contact.body1 = 1;
+    contact.body2 = 0;
+    contact.feature1 = ArcEdge{{0, 0}, 1, Side::kConvex};
+    contact.feature2 = StraightEdge{{-y, y}, {y, y}};
+    system.constraints.push_back(contact);
+  }
+  const Eigen::MatrixXd A = AssembleContactLcp(system).problem.DenseA();
+  EXPECT_EQ(A(0, 0), -A(0, 1));
+  EXPECT_EQ(A(0, 0), A(1, 1));
+}
+
+TEST(Assembly, RefusesWrongBodiesNamingThem) {
+  ContactSystem system = BoxOnFloor();
+  system.constraints[1].body2 = 7;
+  EXPECT_TRUE(Names(ErrorOf(system), {"box-on-floor", "contact 1", "body index 7", "[0, 2)"}));
+  system.constraints[1].body2 = -1;
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "body index -1"}));
+  system.constraints[1].body2 = 1;
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "must differ", "body 1 'box'"}));
+
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double value : {0.0, -1.0, nan, infinity, 1e-310}) {
+    system = BoxOnFloor();
+    system.bodies[1].mass = value;
+    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "mass"}));
+    system = BoxOnFloor();
+    system.bodies[1].inertia = value;
+    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "inertia"}));
+  }
+  for (double Body::*member : {&Body::theta, &Body::omega, &Body::torque}) {
+    system = BoxOnFloor();
+    system.bodies[1].*member = nan;
+    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "not finite"}));
+  }
+  for (Vec2 Body::*member : {&Body::x, &Body::v, &Body::force}) {
+    system = BoxOnFloor();
+    (system.bodies[1].*member).y = infinity;
+    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "not finite"}));
+  }
+  system = BoxOnFloor();
+  system.bodies[0].acceleration.x = nan;
+  EXPECT_TRUE(Names(ErrorOf(system), {"body 0 'floor'", "prescribed acceleration"}));
+}
+
+TEST(Assembly, RefusesSingularConstraintsNamingBodiesAndFeatures) {
+  ContactSystem system = BoxOnFloor();
+  system.constraints[1].feature1 = StraightEdge{{-1, -1}, {1, -1}};
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "body 1 'box'", "body 0 'floor'", "straight edge from (-1, -1)",
+                                      "straight edge from (16, 0)"}));
+}
+
+TEST(Assembly, RefusesJointsOfTheWrongFeatures) {
+  ContactSystem system = BoxOnFloor();
+  system.constraints[0].type = ConstraintType::kPin;
+  EXPECT_TRUE(Names(ErrorOf(system), {"pin 0", "two vertices", "vertex (-1, -1)", "straight edge"}));
+  system = BoxOnFloor();
+  system.constraints[0].type = ConstraintType::kPathJoint;
+  system.constraints[0].feature1 = ArcEdge{{0, 0}, 1, Side::kConvex};
+  EXPECT_TRUE(Names(ErrorOf(system), {"path joint 0", "one vertex and one edge"}));
+  system.constraints[0].feature1 = Vertex{{0, 0}};
+  system.constraints[0].feature2 = Vertex{{0, 0}};
+  EXPECT_TRUE(Names(ErrorOf(system), {"path joint 0", "one vertex and one edge"}));
+}
+
+TEST(Assembly, RefusesNumbersThatOverflowInsteadOfReturningThem) {
+  ContactSystem system = BoxOnFloor();
+  system.bodies[1].omega = 1e200;
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 0", "overflow"}));
+  system = BoxOnFloor();
+  system.bodies[1].x = {1e308, 1e308};
+  system.bodies[0].x = {-1e308, -1e308};
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 0", "body 1 'box'"}));
+}
+
+// Inputs of every magnitude a double has: a refusal or finite rows, nothing else.
+TEST(Assembly, IsFiniteOrRefusedForInputsOfAnyMagnitude) {
+  Random random(35);
+  int assembled = 0;
+  int refused = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const std::vector<PairKind>& kinds = AllPairKinds();
+    ContactCase c = RandomContact(kinds[static_cast<size_t>(i) % kinds.size()], &random);
+    const double range = i % 2 == 0 ? 320 : 60;
+    const auto wild = [&](double value) { return value * std::pow(10, random.Uniform(-range, range)); };
+    const auto wild_vector = [&](Vec2 a) { return Vec2{wild(a.x), wild(a.y)}; };
+    for (Body* body : {&c.body1, &c.body2}) {
+      for (double* number : {&body->mass, &body->inertia, &body->theta, &body->omega, &body->torque}) {
+        *number = wild(*number);
+      }
+      for (Vec2* vector : {&body->x, &body->v, &body->force}) *vector = wild_vector(*vector);
+    }
+    for (Feature* feature : {&c.feature1, &c.feature2}) {
+      if (auto* arc = std::get_if<ArcEdge>(feature)) {
+        *arc = {wild_vector(arc->center), wild(arc->radius), arc->side};
+      } else if (auto* edge = std::get_if<StraightEdge>(feature)) {
+        *edge = {wild_vector(edge->a), wild_vector(edge->b)};
+      } else if (auto* ellipse = std::get_if<EllipseEdge>(feature)) {
+        *ellipse = {wild_vector(ellipse->center), wild(ellipse->a), wild(ellipse->b), wild(ellipse->phi),
+                    ellipse->side};
+      } else if (auto* oval = std::get_if<SuperellipseEdge>(feature)) {
+        *oval = {wild_vector(oval->center), wild(oval->a), wild(oval->b), oval->m, wild(oval->phi), oval->side};
+      } else if (auto* bezier = std::get_if<BezierEdge>(feature)) {
+        for (Vec2& p : bezier->P) p = wild_vector(p);
+      }
+    }
+    try {
+      const AssembledLcp lcp = AssembleContactLcp(SystemOf(c));
+      ASSERT_TRUE(lcp.problem.b().allFinite());
+      ASSERT_TRUE(Eigen::MatrixXd(lcp.problem.J()).allFinite());
+      ASSERT_TRUE(std::isfinite(lcp.rows[0].d) && std::isfinite(lcp.rows[0].d_dot) && std::isfinite(lcp.rows[0].gamma));
+      ASSERT_NEAR(Norm(lcp.rows[0].n), 1, 1e-12);
+      ++assembled;
+    } catch (const InputError&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(assembled, 1000);
+  EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

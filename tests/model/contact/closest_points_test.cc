@@ -1,0 +1,310 @@
+#include "model/contact/closest_points.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "model/geometry/trig.h"
+#include "support/input_error.h"
+#include "tests/model/random_contacts.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr int kCases = 500;
+constexpr int kGeneralCases = 60;  // of each of the many kinds with a general curve
+constexpr double kRounding = 1e-13;
+constexpr double kPi = 3.14159265358979323846;
+
+const double kInfinity = std::numeric_limits<double>::infinity();
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// The world point of an edge's parameter, by the definition in feature.h.
+Vec2 PointAt(const Feature& feature, const Body& body, std::optional<double> s) {
+  EXPECT_EQ(s.has_value(), !std::holds_alternative<Vertex>(feature)) << "every edge has a parameter, a vertex none";
+  const LongVec c = LongPoint(feature, static_cast<long double>(s.value_or(0)));
+  return ToWorld(body, {static_cast<double>(c.x), static_cast<double>(c.y)});
+}
+
+// The feature and a parameter near s, or a vertex as it is.
+Vec2 PointNear(const Feature& feature, const Body& body, std::optional<double> s, double step) {
+  return PointAt(feature, body, s ? std::optional<double>(*s + step) : s);
+}
+
+class EveryPair : public ::testing::TestWithParam<PairKind> {
+ protected:
+  template <class Check>
+  void OverCases(unsigned seed, const Check& check) {
+    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralCases : kCases, seed,
+                       [&](const ContactCase& c, Random* random) { check(c, c.Closest(), random); });
+  }
+};
+
+TEST_P(EveryPair, FindsTheContactItWasBuiltWith) {
+  OverCases(1, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    EXPECT_NEAR(p.d, c.d, kRounding);
+    EXPECT_NEAR(Norm(p.n - c.n), 0, kRounding);
+    EXPECT_NEAR(Norm(c.body1.x + p.R1 - c.p1), 0, kRounding);
+    EXPECT_NEAR(Norm(c.body2.x + p.R2 - c.p2), 0, kRounding);
+  });
+}
+
+TEST_P(EveryPair, PointsLieOnTheFeaturesAndDifferByTheGapAlongTheUnitNormal) {
+  OverCases(2, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    const Vec2 p1 = c.body1.x + p.R1;
+    const Vec2 p2 = c.body2.x + p.R2;
+    EXPECT_NEAR(Norm(p.n), 1, kRounding);
+    EXPECT_NEAR(Norm(p1 - p2 - p.d * p.n), 0, kRounding);
+    EXPECT_NEAR(Norm(p1 - PointAt(c.feature1, c.body1, p.s1)), 0, kRounding);
+    EXPECT_NEAR(Norm(p2 - PointAt(c.feature2, c.body2, p.s2)), 0, kRounding);
+  });
+}
+
+TEST_P(EveryPair, DistanceAlongTheNormalIsStationaryAlongBothEdges) {
+  OverCases(3, [](const ContactCase& c, const ClosestPoints& p, Random* random) {
+    EXPECT_GT(p.D(), 0);
+    const double step = 3e-7;
+    const Vec2 q1 = PointNear(c.feature1, c.body1, p.s1, random->Uniform(-step, step));
+    const Vec2 q2 = PointNear(c.feature2, c.body2, p.s2, random->Uniform(-step, step));
+    EXPECT_NEAR(Dot(p.n, q1 - q2), p.d, 1e-10);
+  });
+}
+
+TEST_P(EveryPair, OwnerIsTheBodyWhoseEdgeCarriesTheNormal) {
+  OverCases(4, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    ASSERT_TRUE(p.owner == 1 || p.owner == 2);
+    const Feature& owner = p.owner == 1 ? c.feature1 : c.feature2;
+    const Feature& other = p.owner == 1 ? c.feature2 : c.feature1;
+    EXPECT_FALSE(std::holds_alternative<Vertex>(owner));
+    EXPECT_FALSE(IsStraight(other));
+  });
+}
+
+TEST_P(EveryPair, CurvaturePairsFollowTheSideOfTheMaterial) {
+  OverCases(5, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    const auto check = [](const Feature& feature, const CurvaturePair& pair, std::optional<double> s) {
+      EXPECT_EQ(pair.r, std::holds_alternative<Vertex>(feature) ? 0 : 1);
+      const double rho = SignedRadius(feature, s);
+      const double expected = pair.is_vertex() ? 1 : rho == 0 ? 0 : 1 / rho;
+      // A general curve's parameter is rounded; an arc's does not matter.
+      EXPECT_NEAR(pair.s, expected, std::holds_alternative<ArcEdge>(feature) ? 0 : 1e-11 * std::abs(expected));
+    };
+    check(c.feature1, p.curvature1, p.s1);
+    check(c.feature2, p.curvature2, p.s2);
+  });
+}
+
+TEST_P(EveryPair, ScalingAllLengthsByAPowerOfTwoScalesTheResultExactly) {
+  OverCases(6, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    for (const double scale : {0x1p-40, 0x1p40}) {
+      ContactCase big = c;
+      big.body1.x = scale * c.body1.x;
+      big.body2.x = scale * c.body2.x;
+      big.feature1 = Scaled(c.feature1, scale);
+      big.feature2 = Scaled(c.feature2, scale);
+      const ClosestPoints q = big.Closest();
+      EXPECT_EQ(q.d, scale * p.d);
+      EXPECT_EQ(q.n.x, p.n.x);
+      EXPECT_EQ(q.n.y, p.n.y);
+      EXPECT_EQ(q.moment1, scale * p.moment1);
+      EXPECT_EQ(q.moment2, scale * p.moment2);
+    }
+  });
+}
+
+TEST_P(EveryPair, LosesNothingFarFromTheWorldsOrigin) {
+  OverCases(7, [](const ContactCase& c, const ClosestPoints& p, Random*) {
+    // Positions are rounded at this distance; their difference, once rounded, is all that counts.
+    const Vec2 far = {0x1p30, -0x1p30};
+    ContactCase moved = c;
+    moved.body1.x = c.body1.x + far;
+    moved.body2.x = c.body2.x + far;
+    ContactCase rounded = c;
+    rounded.body1.x = moved.body1.x - far;
+    rounded.body2.x = moved.body2.x - far;
+    const ClosestPoints q = moved.Closest();
+    const ClosestPoints r = rounded.Closest();
+    EXPECT_EQ(q.d, r.d);
+    EXPECT_EQ(q.moment1, r.moment1);
+    EXPECT_EQ(q.moment2, r.moment2);
+    EXPECT_NEAR(q.d, p.d, 1e-5);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Geometry, EveryPair, ::testing::ValuesIn(AllPairKinds()),
+                         [](const auto& kind) { return kind.param.name; });
+
+// Brute force, for the kinds whose closest point is a global one: vertex or disc outside, inside a circular hole.
+TEST(ClosestPoints, GapIsTheSmallestDistanceFromAVertexToAnEdge) {
+  Random random(8);
+  for (const PairKind& kind : ClosedPairKinds()) {
+    if (kind.shape1 != Shape::kVertex || kind.shape2 == Shape::kStraight) continue;
+    for (int i = 0; i < 50; ++i) {
+      const ContactCase c = RandomContact(kind, 0.1, &random);
+      double smallest = kInfinity;
+      for (int k = 0; k < 20000; ++k) {
+        smallest = std::min(smallest, Norm(c.p1 - PointAt(c.feature2, c.body2, 2 * kPi * k / 20000)));
+      }
+      const double d = c.Closest().d;
+      EXPECT_LE(d, smallest + kRounding);
+      EXPECT_NEAR(d, smallest, 1e-5);
+    }
+  }
+}
+
+std::string Refusal(const Feature& feature1, Vec2 x1, const Feature& feature2, Vec2 x2,
+                    Regularity required = Regularity::kLocalMinimum) {
+  try {
+    FindClosestPoints({feature1, x1, {}}, {feature2, x2, {}}, {}, required);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+struct RefusedPair {
+  const char* condition;  // what the error has to name
+  Feature feature1;
+  Feature feature2;
+};
+
+std::vector<RefusedPair> RefusedPairs() {
+  const auto convex = [](double y, double radius) { return ArcEdge{{0, y}, radius, Side::kConvex}; };
+  const auto concave = [](double y, double radius) { return ArcEdge{{0, y}, radius, Side::kConcave}; };
+  const StraightEdge floor{{1, 0}, {-1, 0}};
+  const StraightEdge wall{{0, 1}, {0, -1}};
+  return {
+      {"equal radius", convex(0, 2), concave(0, 2)},
+      {"equal radius", convex(0.25, 2), concave(0, 2)},
+      {"equal radius", concave(0, 2), convex(-0.25, 2)},
+      {"curvature match", convex(0, 2), concave(1e-11, 2.00000000001)},
+      {"centre of curvature", Vertex{{0, 0}}, convex(0, 0.5)},
+      {"centre of curvature", Vertex{{0, 0}}, concave(0, 0.5)},
+      {"centre of curvature", Vertex{{0.4e-10, 0}}, concave(0, 0.5)},
+      {"centres of two arcs coincide", convex(1, 2), convex(1, 3)},
+      {"no local minimum", convex(0.5, 1.5), concave(0, 1)},
+      {"no local minimum", concave(0, 1), convex(0.5, 1.5)},
+      {"no local minimum", floor, concave(1, 1)},
+      {"no local minimum", concave(0.5, 3), floor},
+      {"no local minimum", concave(0, 1), concave(3, 1)},
+      {"straight edges", floor, StraightEdge{{-1, 0}, {1, 0}}},
+      {"straight edges", floor, wall},
+      {"vertex against vertex", Vertex{{0, 0}}, Vertex{{0, 0}}},
+      {"vertex against vertex", Vertex{{0, 1}}, Vertex{{0, 0}}},
+      {"zero-length edge", Vertex{{0, 1}}, StraightEdge{{1, 2}, {1, 2}}},
+      {"radius must be > 0", Vertex{{0, 1}}, convex(0, 0)},
+      {"radius must be > 0", Vertex{{0, 1}}, concave(0, -1)},
+      {"not finite", Vertex{{0, 1}}, convex(0, kNaN)},
+      {"not finite", Vertex{{0, 1}}, convex(0, kInfinity)},
+      {"not finite", Vertex{{0, kNaN}}, floor},
+      {"not finite", Vertex{{0, 1}}, StraightEdge{{kInfinity, 0}, {0, 0}}},
+      {"not finite", Vertex{{0, 1}}, convex(-kInfinity, 1)},
+      {"curvature 1/radius overflows", Vertex{{0, 1}}, convex(0, 1e-310)},
+      {"not a unit vector", Vertex{{0, 1}}, StraightEdge{{0, 0}, {1e-161, 1e-161}}},
+      {"not a unit vector", Vertex{{0, 1e-161}}, convex(0, 1e-160)},
+      {"length overflows", Vertex{{0, 1}}, StraightEdge{{-1e200, 0}, {1e200, 0}}},
+  };
+}
+
+TEST(ClosestPoints, RefuseSingularAndInvalidPairsNamingConditionAndFeature) {
+  for (const RefusedPair& pair : RefusedPairs()) {
+    const std::string error = Refusal(pair.feature1, {0, 0}, pair.feature2, {0, 0});
+    EXPECT_NE(error.find(pair.condition), std::string::npos) << pair.condition << ": " << error;
+    const bool names_a_feature = error.find(Describe(pair.feature1)) != std::string::npos ||
+                                 error.find(Describe(pair.feature2)) != std::string::npos;
+    EXPECT_TRUE(names_a_feature) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+  }
+}
+
+TEST(ClosestPoints, SingularPairsAreRefusedAsPathJointsToo) {
+  for (const RefusedPair& pair : RefusedPairs()) {
+    if (std::string(pair.condition) == "no local minimum") continue;
+    EXPECT_NE(Refusal(pair.feature1, {0, 0}, pair.feature2, {0, 0}, Regularity::kNonzeroD), "") << pair.condition;
+  }
+}
+
+TEST(ClosestPoints, ThresholdOfDIsRelativeToTheRadius) {
+  for (const double radius : {1e-6, 1.0, 1e6}) {
+    for (const Side side : {Side::kConvex, Side::kConcave}) {
+      const ArcEdge arc{{0, 0}, radius, side};
+      EXPECT_NE(Refusal(Vertex{{0.9e-10 * radius, 0}}, {0, 0}, arc, {0, 0}), "");
+      EXPECT_EQ(Refusal(Vertex{{1e-9 * radius, 0}}, {0, 0}, arc, {0, 0}), "");
+    }
+    // A disc in a track that is barely larger, lying against it.
+    const auto disc_in_track = [&](double excess) {
+      const ArcEdge track{{0, 0}, (1 + excess) * radius, Side::kConcave};
+      return Refusal(ArcEdge{{0, -excess * radius}, radius, Side::kConvex}, {0, 0}, track, {0, 0});
+    };
+    EXPECT_NE(disc_in_track(1e-11), "");
+    EXPECT_EQ(disc_in_track(1e-9), "");
+    EXPECT_EQ(disc_in_track(1e-3), "");
+  }
+}
+
+TEST(ClosestPoints, PathJointTakesEitherSideOfAnEdgeAndOppositeSidesGiveOppositeNormals) {
+  const Vertex vertex{{0, 0}};
+  for (const double y : {0.75, 1.0, 1.25}) {
+    const auto on = [&](Side side) {
+      const ArcEdge arc{{0, 0}, 1, side};
+      return FindClosestPoints({vertex, {0, y}, {}}, {arc, {0, 0}, {}}, {}, Regularity::kNonzeroD);
+    };
+    const ClosestPoints outside = on(Side::kConvex);
+    const ClosestPoints inside = on(Side::kConcave);
+    EXPECT_EQ(outside.n.y, 1);
+    EXPECT_EQ(inside.n.y, -1);
+    EXPECT_DOUBLE_EQ(outside.d, y - 1);
+    EXPECT_DOUBLE_EQ(inside.d, 1 - y);
+    EXPECT_DOUBLE_EQ(outside.D(), y);
+    EXPECT_DOUBLE_EQ(inside.D(), y);
+  }
+}
+
+TEST(SinCos, IsCorrectlyRounded) {
+  using Exact = boost::multiprecision::cpp_bin_float_100;
+  EXPECT_EQ(SinCos(0).cos, 1);
+  EXPECT_EQ(SinCos(0).sin, 0);
+  Random random(9);
+  std::vector<double> angles = {kPi, kPi / 2, -kPi / 2, 3 * kPi, 1e-300, 5e-324, -1e-9, 1e4, 99999.5, 1e5, 1e9, -3e15};
+  for (int i = 0; i < 3000; ++i) angles.push_back(random.Uniform(-7, 7));
+  for (int i = 0; i < 300; ++i) angles.push_back(random.Uniform(-1e6, 1e6));
+  for (int i = 0; i < 300; ++i) angles.push_back(random.Uniform(-1e-5, 1e-5));
+  for (const double theta : angles) {
+    const Rotation r = SinCos(theta);
+    EXPECT_EQ(r.sin, static_cast<double>(sin(Exact(theta)))) << theta;
+    EXPECT_EQ(r.cos, static_cast<double>(cos(Exact(theta)))) << theta;
+  }
+}
+
+TEST(SinCos, PartsAddUpToThirtyTwoDigitsAndStartWithTheRoundedValue) {
+  using Exact = boost::multiprecision::cpp_bin_float_100;
+  Random random(12);
+  for (int i = 0; i < 500; ++i) {
+    const double theta = i == 0 ? 0 : random.Uniform(-10, 10);
+    const RotationParts parts = SinCosParts(theta);
+    EXPECT_EQ(parts.high.cos, SinCos(theta).cos);
+    EXPECT_EQ(parts.high.sin, SinCos(theta).sin);
+    const auto error = [](double high, double low, const Exact& value) {
+      return static_cast<double>(abs(Exact(high) + Exact(low) - value));
+    };
+    EXPECT_LE(error(parts.high.cos, parts.low.cos, cos(Exact(theta))), 2e-32);
+    EXPECT_LE(error(parts.high.sin, parts.low.sin, sin(Exact(theta))), 2e-32);
+  }
+}
+
+TEST(SinCos, IsNotANumberForAnglesThatAreNotFinite) {
+  for (const double theta : {kInfinity, -kInfinity, kNaN}) {
+    EXPECT_TRUE(std::isnan(SinCos(theta).sin));
+    EXPECT_TRUE(std::isnan(SinCos(theta).cos));
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

@@ -1,0 +1,327 @@
+#include "model/contact/closest_search.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "support/input_error.h"
+#include "tests/model/random_contacts.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr int kCases = 25;
+constexpr double kRounding = 1e-13;
+constexpr double kPi = 3.14159265358979323846;
+
+std::vector<PairKind> GeneralPairKinds() {
+  std::vector<PairKind> kinds;
+  for (const PairKind& kind : AllPairKinds()) {
+    if (kind.is_general()) kinds.push_back(kind);
+  }
+  return kinds;
+}
+
+class EverySearch : public ::testing::TestWithParam<PairKind> {};
+
+TEST_P(EverySearch, FindsTheContactWithoutAnyStart) {
+  Random random(1);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    const StationaryPoints found = SearchStationaryPoints(c.Placed1(), c.Placed2(), {});
+    const bool is_there = std::any_of(found.points.begin(), found.points.end(), [&](const ClosestPoints& p) {
+      return std::abs(p.d - c.d) < kRounding && Norm(p.n - c.n) < 1e-11;
+    });
+    EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure_text;
+  }
+}
+
+TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
+  Random random(2);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    const std::vector<ClosestPoints> points = SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points;
+    for (const ClosestPoints& p : points) {
+      EXPECT_NEAR(Norm(p.n), 1, 1e-15);
+      EXPECT_LE(Norm((c.body1.x + p.R1) - (c.body2.x + p.R2) - p.d * p.n), 1e-13);
+      for (const ClosestPoints& q : points) {
+        EXPECT_TRUE(&p == &q || Norm(p.R1 - q.R1) + Norm(p.R2 - q.R2) > 1e-8);
+      }
+    }
+  }
+}
+
+TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
+  Random random(3);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    const ClosestPoints p = c.Closest();
+    const auto near = [&](std::optional<double> s) {
+      return s ? std::optional<double>(*s + random.Uniform(-0.02, 0.02)) : s;
+    };
+    const ClosestPoints q = c.Closest({near(c.s1), near(c.s2), 0});
+    EXPECT_NEAR(p.d, q.d, 1e-16);
+    EXPECT_LE(Norm(p.n - q.n), 1e-15);
+    EXPECT_LE(Norm(p.R1 - q.R1), 1e-14);
+    EXPECT_NEAR(p.curvature1.s, q.curvature1.s, 1e-14 * std::abs(p.curvature1.s));
+    EXPECT_NEAR(p.curvature2.s, q.curvature2.s, 1e-14 * std::abs(p.curvature2.s));
+    // Its own result is a start, too, whatever multiple of a turn was added to it.
+    const auto turned = [&](const Feature& feature, std::optional<double> s) {
+      return s && !std::holds_alternative<BezierEdge>(feature) ? std::optional<double>(*s + 4 * kPi) : s;
+    };
+    const ClosestPoints r = c.Closest({turned(c.feature1, p.s1), turned(c.feature2, p.s2), 0});
+    EXPECT_NEAR(p.d, r.d, 1e-16);
+  }
+}
+
+TEST_P(EverySearch, OneStartOfTwoIsEnough) {
+  Random random(4);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    for (const SearchStart& start : {SearchStart{c.s1, {}, c.d}, SearchStart{{}, c.s2, c.d}}) {
+      if (!start.s1 && !start.s2) continue;
+      EXPECT_NEAR(c.Closest(start).d, c.d, kRounding);
+    }
+  }
+}
+
+TEST_P(EverySearch, WithoutStartTheMinimumNextToTheNominalGapIsMeant) {
+  Random random(5);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    for (const double nominal : {c.d, -1.0, 0.5}) {
+      const double d = c.Closest({{}, {}, nominal}).d;
+      for (const ClosestPoints& p : SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points) {
+        EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRounding);
+      }
+    }
+  }
+}
+
+TEST_P(EverySearch, SwappingBodiesSwapsTheResultBitByBitAlsoWithoutStart) {
+  Random random(6);
+  for (int i = 0; i < kCases; ++i) {
+    const ContactCase c = RandomContact(GetParam(), &random);
+    const ClosestPoints p = c.Closest({{}, {}, c.d});
+    const ClosestPoints q = c.Swapped().Closest({{}, {}, c.d});
+    EXPECT_EQ(p.d, q.d);
+    EXPECT_EQ(p.n.x, -q.n.x);
+    EXPECT_EQ(p.R1.x, q.R2.x);
+    EXPECT_EQ(p.R2.y, q.R1.y);
+    EXPECT_EQ(p.curvature1.s, q.curvature2.s);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Search, EverySearch, ::testing::ValuesIn(GeneralPairKinds()),
+                         [](const auto& kind) { return kind.param.name; });
+
+// Dense sampling of both outlines, for ovals that lie apart: there the least distance is the smallest gap found.
+TEST(Search, SmallestGapOfOvalsThatLieApartIsTheirDistance) {
+  Random random(7);
+  for (int i = 0; i < 30; ++i) {
+    const auto oval = [&]() -> Feature {
+      return RandomCurve(random.Uniform(0, 1) < 0.5 ? Shape::kConvexEllipse : Shape::kConvexSuperellipse, &random)
+          .first;
+    };
+    const Feature first = oval();
+    const Feature second = oval();
+    const Vec2 x2 = {random.Uniform(5, 9), random.Uniform(-3, 3)};
+    double least = std::numeric_limits<double>::infinity();
+    constexpr int kPoints = 600;
+    std::vector<Vec2> outline2;
+    for (int k = 0; k < kPoints; ++k) outline2.push_back(x2 + EvaluateEdge(second, 2 * kPi * k / kPoints).c);
+    for (int k = 0; k < kPoints; ++k) {
+      const Vec2 p = EvaluateEdge(first, 2 * kPi * k / kPoints).c;
+      for (const Vec2 q : outline2) least = std::min(least, Norm(p - q));
+    }
+    const double d = FindClosestPoints({first, {0, 0}, {}}, {second, x2, {}}, {{}, {}, least}).d;
+    EXPECT_LE(d, least + kRounding);
+    EXPECT_NEAR(d, least, 1e-3);
+  }
+}
+
+// The evolute of an ellipse parts the plane: four normals to the ellipse pass through a point inside it, two outside.
+TEST(Search, FindsAllFourNormalsFromAPointWithinTheEvolute) {
+  Random random(8);
+  for (int i = 0; i < 500; ++i) {
+    const double a = random.Uniform(0.5, 2);
+    const double b = random.Uniform(0.5, 2);
+    const Feature ellipse = EllipseEdge{{0, 0}, a, b, 0, Side::kConvex};
+    const Vec2 q = {random.Uniform(-1, 1), random.Uniform(-1, 1)};
+    const double astroid = std::cbrt(a * a * q.x * q.x) + std::cbrt(b * b * q.y * q.y);
+    const double evolute = std::cbrt((a * a - b * b) * (a * a - b * b));
+    if (std::abs(astroid / evolute - 1) < 0.02) continue;
+    const Feature vertex = Vertex{q};
+    const StationaryPoints found = SearchStationaryPoints({vertex, {0, 0}, {}}, {ellipse, {0, 0}, {}}, {});
+    EXPECT_EQ(found.points.size(), astroid < evolute ? 4U : 2U);
+  }
+}
+
+TEST(Search, EllipsesOfAspectRatioAMillionKeepEveryDigit) {
+  Random random(9);
+  for (int i = 0; i < 200; ++i) {
+    // Where the gap is known: the flat side (curvature b/a^2) and the tip (curvature a/b^2) lie on the axes.
+    const double b = 1e-6;
+    const Feature thin = EllipseEdge{{0, 0}, 1, b, 0, Side::kConvex};
+    const double x = random.Uniform(-0.5, 0.5);
+    const Feature above = Vertex{{0, 0.25}};
+    const ClosestPoints side = FindClosestPoints({above, {0, 0}, {}}, {thin, {0, 0}, {}}, {{}, {}, 0.25});
+    EXPECT_EQ(side.n.y, 1);
+    EXPECT_NEAR(side.d, 0.25 - b, 1e-17);
+    EXPECT_NEAR(side.curvature2.s, b, 1e-15 * b);
+    const Feature beside = Vertex{{1.25, 0}};
+    const ClosestPoints tip = FindClosestPoints({beside, {0, 0}, {}}, {thin, {0, 0}, {}}, {{}, {}, 0.25});
+    EXPECT_EQ(tip.n.x, 1);
+    EXPECT_EQ(tip.d, 0.25);
+    EXPECT_NEAR(tip.curvature2.s, 1e12, 1e-3);
+    // Anywhere: the vertex at distance d along the normal of a point of the ellipse.
+    const EdgePoint at = EvaluateEdge(thin, std::acos(x));
+    const Feature off = Vertex{at.c + 0.125 * at.N};
+    const ClosestPoints p = FindClosestPoints({off, {0, 0}, {}}, {thin, {0, 0}, {}}, {{}, {}, 0.125});
+    EXPECT_NEAR(p.d, 0.125, 1e-15);
+    EXPECT_NEAR(Norm(p.n - at.N), 0, 1e-15);
+  }
+}
+
+std::string Refusal(const Feature& feature1, const Feature& feature2, const SearchStart& start = {},
+                    Regularity required = Regularity::kLocalMinimum) {
+  try {
+    FindClosestPoints({feature1, {0, 0}, {}}, {feature2, {0, 0}, {}}, start, required);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void ExpectRefusal(const std::string& condition, const Feature& feature1, const Feature& feature2,
+                   const SearchStart& start = {}, Regularity required = Regularity::kLocalMinimum) {
+  for (const bool swap : {false, true}) {
+    const std::string error = swap ? Refusal(feature2, feature1, {start.s2, start.s1, start.nominal_gap}, required)
+                                   : Refusal(feature1, feature2, start, required);
+    EXPECT_NE(error.find(condition), std::string::npos) << condition << ": " << error;
+    EXPECT_NE(error.find(Describe(feature1)), std::string::npos) << error;
+    EXPECT_NE(error.find(Describe(feature2)), std::string::npos) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos);
+  }
+}
+
+const EllipseEdge kEllipse{{0, 0}, 2, 1, 0, Side::kConvex};
+const SuperellipseEdge kOval{{0, 0}, 2, 1, 4, 0, Side::kConvex};
+
+TEST(Search, RefusesMatchingCurvaturesAndCentersOfCurvatureNamingBothFeatures) {
+  // The centre of curvature of the tip (2, 0), of radius 1/2, and of the side (0, 1), of radius 4.
+  ExpectRefusal("centre of curvature", Vertex{{1.5, 0}}, kEllipse, {{}, 0.0, 0});
+  ExpectRefusal("centre of curvature", Vertex{{0, -3}}, kEllipse, {{}, kPi / 2, 0}, Regularity::kNonzeroD);
+  ExpectRefusal("curvature match", ArcEdge{{1.5, 0}, 0.5, Side::kConcave}, kEllipse, {{}, 0.0, 0});
+  EllipseEdge hole = kEllipse;
+  hole.side = Side::kConcave;
+  ExpectRefusal("curvature match", kEllipse, hole, {0.0, 0.0, 0});
+}
+
+TEST(Search, RefusesStationaryPointsThatAreNoContacts) {
+  // A disc within the ellipse's concave counterpart, too large for the tip; a vertex at the centre, whose distance to
+  // the tips is greatest.
+  EllipseEdge hole = kEllipse;
+  hole.side = Side::kConcave;
+  ExpectRefusal("no local minimum", ArcEdge{{1.2, 0}, 0.8, Side::kConvex}, hole, {{}, 0.0, 0});
+  ExpectRefusal("no local minimum", StraightEdge{{-1, -1}, {1, -1}}, hole, {{}, -1.5, 0});
+  ExpectRefusal("no local minimum", Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0});
+  EXPECT_EQ(Refusal(Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0}, Regularity::kNonzeroD), "") << "as a path joint it may be";
+}
+
+TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrArc) {
+  const StraightEdge floor{{1, -1}, {-1, -1}};
+  const StraightEdge wall{{-2, 1}, {-2, -1}};
+  for (const double s : {-kPi / 2, -1.57, -1.5, -1.0}) {
+    EXPECT_NE(Refusal(kOval, floor, {s, {}, 0}), "") << s;
+  }
+  EXPECT_NE(Refusal(kOval, floor), "");
+  EXPECT_NE(Refusal(wall, kOval), "");
+  ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kPi / 2, {}, 0});
+  const ClosestPoints vertex = FindClosestPoints({Vertex{{0, -1.25}}, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0});
+  EXPECT_EQ(vertex.d, 0.25);
+  EXPECT_NEAR(vertex.curvature2.s, 0, 1e-25);
+  const ArcEdge disc{{0, -1.25}, 0.125, Side::kConvex};
+  EXPECT_EQ(FindClosestPoints({disc, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0}).d, 0.125);
+  EXPECT_EQ(FindClosestPoints({disc, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, {}, 0.125}).d, 0.125);
+}
+
+TEST(Search, RefusesStraightBezierCurveOnStraightEdge) {
+  const BezierEdge straight{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0}, Vec2{3, 0}}};
+  EXPECT_NE(Refusal(straight, StraightEdge{{1, -1}, {-1, -1}}), "");
+  EXPECT_NE(Refusal(straight, StraightEdge{{1, -1}, {-1, -1}}, {0.5, {}, 0}), "");
+}
+
+TEST(Search, RefusesPointsBeyondTheEndsOfABezierCurve) {
+  const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 2}}};
+  ExpectRefusal("beyond the end", Vertex{{-0.2, -1}}, curve, {{}, 0.1, 0});
+  EXPECT_NE(Refusal(Vertex{{-1, -1}}, curve), "");
+  // The end itself belongs to the curve.
+  EXPECT_EQ(Refusal(Vertex{{0, -1}}, curve, {{}, 0.1, 0}), "");
+  EXPECT_EQ(Refusal(Vertex{{0, -1}}, curve), "");
+}
+
+TEST(Search, RefusesStartsThatAreNotFiniteAndSearchesThatDoNotConverge) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  ExpectRefusal("not finite", Vertex{{3, 0}}, kEllipse, {{}, nan, 0});
+  ExpectRefusal("not finite", kOval, kEllipse, {std::numeric_limits<double>::infinity(), 1, 0});
+  // No tangent of this curve is vertical.
+  const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 1}}};
+  ExpectRefusal("does not converge", StraightEdge{{0, 0}, {0, 1}}, curve, {{}, 0.5, 0});
+  ExpectRefusal("no stationary point", StraightEdge{{0, 0}, {0, 1}}, curve);
+}
+
+// A bad start may fail, but must not be answered with a point that is none.
+TEST(Search, FromAnyStartEndsInAStationaryPointOrARefusal) {
+  Random random(10);
+  int found = 0;
+  int refused = 0;
+  for (const PairKind& kind : GeneralPairKinds()) {
+    for (int i = 0; i < 40; ++i) {
+      const ContactCase c = RandomContact(kind, &random);
+      const auto anywhere = [&](const Feature& feature) {
+        return std::holds_alternative<BezierEdge>(feature) ? random.Uniform(0, 1) : random.Uniform(-4, 4);
+      };
+      try {
+        const ClosestPoints p = c.Closest({anywhere(c.feature1), anywhere(c.feature2), 0});
+        EXPECT_LE(Norm((c.body1.x + p.R1) - (c.body2.x + p.R2) - p.d * p.n), 1e-13);
+        EXPECT_GT(p.D(), 0);
+        ++found;
+      } catch (const InputError&) {
+        ++refused;
+      }
+    }
+  }
+  EXPECT_GT(found, 1000);
+  RecordProperty("refused", refused);
+}
+
+TEST(Search, PathJointTakesEitherSideOfACurveAndOppositeSidesGiveOppositeNormals) {
+  Random random(11);
+  for (int i = 0; i < 200; ++i) {
+    EllipseEdge ellipse = kEllipse;
+    const double s = random.Uniform(-3, 3);
+    const EdgePoint at = EvaluateEdge(ellipse, s);
+    const Feature vertex = Vertex{at.c + random.Uniform(-0.2, 0.2) * at.N};
+    const auto on = [&](Side side) {
+      ellipse.side = side;
+      const Feature feature = ellipse;
+      return FindClosestPoints({vertex, {0, 0}, {}}, {feature, {0, 0}, {}}, {{}, s, 0}, Regularity::kNonzeroD);
+    };
+    const ClosestPoints outside = on(Side::kConvex);
+    const ClosestPoints inside = on(Side::kConcave);
+    EXPECT_EQ(outside.n.x, -inside.n.x);
+    EXPECT_EQ(outside.d, -inside.d);
+    EXPECT_EQ(outside.D(), inside.D());
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

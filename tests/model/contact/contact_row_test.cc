@@ -1,0 +1,591 @@
+#include "model/contact/contact_row.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tests/model/random_contacts.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr int kCases = 300;
+constexpr int kGeneralCases = 40;  // of each of the many kinds with a general curve
+constexpr double kRounding = 1e-12;
+
+// Scaled as the reference data are: |x - y| / (1 + |y|).
+void ExpectClose(double x, double y, double tolerance, const char* what) {
+  EXPECT_LE(std::abs(x - y), tolerance * (1 + std::abs(y))) << what << ": " << x << " against " << y;
+}
+
+ContactRow RowOf(const ContactCase& c) { return ComputeContactRow(c.Closest(), c.body1, c.body2); }
+
+// The gap of section 2 in long double along a smooth random motion: independent of the code under test, which also has
+// other arms, another order of evaluation and no time.
+struct Acceleration {
+  Vec2 a;
+  double alpha = 0;
+  Vec2 jerk;
+  double angular_jerk = 0;
+};
+
+struct LongPose {
+  LongVec x;
+  long double theta = 0;
+
+  LongVec Turn(LongVec c) const { return Turned(c, theta); }
+  LongVec World(Vec2 c) const { return x + Turn(Long(c)); }
+  LongVec Point(const Feature& feature, long double s) const { return x + Turn(LongPoint(feature, s)); }
+};
+
+LongPose PoseAt(const Body& body, const Acceleration& acceleration, long double t) {
+  const auto along = [t](double x0, double v, double a, double j) {
+    return static_cast<long double>(x0) + t * (static_cast<long double>(v) + t * (static_cast<long double>(a) / 2 +
+                                                                                  t * static_cast<long double>(j) / 6));
+  };
+  return {{along(body.x.x, body.v.x, acceleration.a.x, acceleration.jerk.x),
+           along(body.x.y, body.v.y, acceleration.a.y, acceleration.jerk.y)},
+          along(body.theta, body.omega, acceleration.alpha, acceleration.angular_jerk)};
+}
+
+// The gap where the features' tangents are parallel and the connecting line is normal to them, by Newton's method with
+// difference quotients: an error e of the parameters changes the gap by the order of e^2 only.
+class LongSearch {
+ public:
+  LongSearch(const Feature& feature1, const LongPose& pose1, const Feature& feature2, const LongPose& pose2)
+      : feature1_(feature1), feature2_(feature2), pose1_(pose1), pose2_(pose2) {}
+
+  long double Gap(std::optional<double> start1, std::optional<double> start2) const {
+    std::array<long double, 2> s = {static_cast<long double>(start1.value_or(0)),
+                                    static_cast<long double>(start2.value_or(0))};
+    for (int i = 0; i < 12; ++i) {
+      const long double h = 1e-6L;
+      const std::array<long double, 2> f = Residuals(s);
+      const std::array<long double, 2> f1 = Residuals({s[0] + h, s[1]});
+      const std::array<long double, 2> f2 = Residuals({s[0], s[1] + h});
+      const long double a = (f1[0] - f[0]) / h, b = (f2[0] - f[0]) / h;
+      const long double c = (f1[1] - f[1]) / h, d = (f2[1] - f[1]) / h;
+      const long double determinant = a * d - b * c;
+      s[0] -= (d * f[0] - b * f[1]) / determinant;
+      s[1] -= (a * f[1] - c * f[0]) / determinant;
+    }
+    const bool vertex2 = std::holds_alternative<Vertex>(feature2_);
+    const LongVec along = vertex2 ? Tangent(feature1_, pose1_, s[0]) : Tangent(feature2_, pose2_, s[1]);
+    const LongVec outward = LongVec{along.y, -along.x};
+    const auto sign = static_cast<long double>(vertex2 ? -MaterialSide(feature1_) : MaterialSide(feature2_));
+    return sign * Dot(outward, pose1_.Point(feature1_, s[0]) - pose2_.Point(feature2_, s[1]));
+  }
+
+ private:
+  static LongVec Tangent(const Feature& feature, const LongPose& pose, long double s) {
+    const long double h = 1e-5L;
+    const LongVec chord = pose.Point(feature, s + h) - pose.Point(feature, s - h);
+    return (1 / Norm(chord)) * chord;
+  }
+
+  std::array<long double, 2> Residuals(const std::array<long double, 2>& s) const {
+    const LongVec between = pose1_.Point(feature1_, s[0]) - pose2_.Point(feature2_, s[1]);
+    // A vertex has no parameter: hold it.
+    if (std::holds_alternative<Vertex>(feature1_)) return {s[0], Dot(between, Tangent(feature2_, pose2_, s[1]))};
+    if (std::holds_alternative<Vertex>(feature2_)) return {Dot(between, Tangent(feature1_, pose1_, s[0])), s[1]};
+    const LongVec along1 = Tangent(feature1_, pose1_, s[0]);
+    const LongVec along2 = Tangent(feature2_, pose2_, s[1]);
+    return {Cross(along1, along2), Dot(between, along2)};
+  }
+
+  const Feature& feature1_;
+  const Feature& feature2_;
+  const LongPose& pose1_;
+  const LongPose& pose2_;
+};
+
+bool IsGeneral(const Feature& feature) {
+  return !std::holds_alternative<Vertex>(feature) && !std::holds_alternative<ArcEdge>(feature) && !IsStraight(feature);
+}
+
+// @param closest  where to look, for general curves: the search's own result at a nearby time
+long double LongGap(const Feature& feature1, const LongPose& pose1, const Feature& feature2, const LongPose& pose2,
+                    const ClosestPoints& closest) {
+  if (IsGeneral(feature1) || IsGeneral(feature2)) {
+    return LongSearch(feature1, pose1, feature2, pose2).Gap(closest.s1, closest.s2);
+  }
+  if (IsStraight(feature1)) return LongGap(feature2, pose2, feature1, pose1, closest);
+  const LongVec c1 = pose1.World(Center(feature1, {}));
+  const auto rho1 = static_cast<long double>(SignedRadius(feature1, {}));
+  if (const auto* edge2 = std::get_if<StraightEdge>(&feature2)) {
+    const LongVec along = pose2.Turn(Long(edge2->b) - Long(edge2->a));
+    const long double length = std::sqrt(Dot(along, along));
+    const LongVec outward = {along.y / length, -along.x / length};
+    return Dot(outward, c1 - pose2.World(edge2->a)) - rho1;
+  }
+  const LongVec between = c1 - pose2.World(Center(feature2, {}));
+  const long double rho = rho1 + static_cast<long double>(SignedRadius(feature2, {}));
+  return (rho > 0 ? 1 : -1) * std::sqrt(Dot(between, between)) - rho;
+}
+
+struct Material {
+  Vec2 velocity;
+  Vec2 acceleration;
+};
+
+// Velocity and acceleration of the point fixed in a body at arm r. [MODEL.md section 1]
+Material MaterialPoint(const Body& body, const Acceleration& acceleration, Vec2 r) {
+  return {body.v + body.omega * Perp(r), acceleration.a + acceleration.alpha * Perp(r) - body.omega * body.omega * r};
+}
+
+Acceleration RandomAcceleration(Random* random) {
+  return {random->Vector(3), random->Uniform(-3, 3), random->Vector(3), random->Uniform(-3, 3)};
+}
+
+double JTimesA(const ContactRow& row, const Acceleration& a1, const Acceleration& a2) {
+  return row.J[0] * a1.a.x + row.J[1] * a1.a.y + row.J[2] * a1.alpha + row.J[3] * a2.a.x + row.J[4] * a2.a.y +
+         row.J[5] * a2.alpha;
+}
+
+class EveryContactKind : public ::testing::TestWithParam<PairKind> {
+ protected:
+  // Calls check(case, random) over seeded random configurations.
+  template <class Check>
+  void OverCases(unsigned seed, const Check& check) {
+    OverRandomContacts(GetParam(), GetParam().is_general() ? kGeneralCases : kCases, seed, check);
+  }
+};
+
+class ContactKindWithCenters : public EveryContactKind {};
+class ContactKindWithStraightEdge : public EveryContactKind {};
+
+TEST_P(EveryContactKind, RowGivesTheDerivativesOfTheGapAlongAnyMotion) {
+  OverCases(1, [](const ContactCase& c, Random* random) {
+    const Acceleration a1 = RandomAcceleration(random);
+    const Acceleration a2 = RandomAcceleration(random);
+    const ClosestPoints closest = c.Closest();
+    const auto gap = [&](int k) {
+      const long double t = static_cast<long double>(k) * 2e-5L;
+      return LongGap(c.feature1, PoseAt(c.body1, a1, t), c.feature2, PoseAt(c.body2, a2, t), closest);
+    };
+    const long double h = 2e-5L;
+    const long double g0 = gap(0), p1 = gap(1), m1 = gap(-1), p2 = gap(2), m2 = gap(-2);
+    const auto d_dot = static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h));
+    const auto d_ddot = static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * g0) / (12 * h * h));
+    const ContactRow row = ComputeContactRow(closest, c.body1, c.body2);
+    ExpectClose(closest.d, static_cast<double>(g0), 1e-14, "d");
+    ExpectClose(row.d_dot, d_dot, 1e-8, "d'");
+    ExpectClose(JTimesA(row, a1, a2) + row.gamma, d_ddot, 1e-7, "d''");
+  });
+}
+
+TEST_P(EveryContactKind, NormalTurnsWithOmegaN) {
+  OverCases(2, [](const ContactCase& c, Random*) {
+    const double h = 1e-5;
+    const auto normal = [&](double t) {
+      ContactCase moved = c;
+      moved.body1.x = c.body1.x + t * c.body1.v;
+      moved.body1.theta = c.body1.theta + t * c.body1.omega;
+      moved.body2.x = c.body2.x + t * c.body2.v;
+      moved.body2.theta = c.body2.theta + t * c.body2.omega;
+      return moved.Closest().n;
+    };
+    const Vec2 n_dot = (1 / (12 * h)) * (8 * (normal(h) - normal(-h)) - (normal(2 * h) - normal(-2 * h)));
+    const double omega_n = RowOf(c).omega_n;
+    const Vec2 expected = omega_n * Perp(c.Closest().n);
+    ExpectClose(n_dot.x, expected.x, 1e-8, "n'_x");
+    ExpectClose(n_dot.y, expected.y, 1e-8, "n'_y");
+  });
+}
+
+TEST_P(EveryContactKind, SwappingBodiesGivesTheSwappedRowBitByBit) {
+  OverCases(3, [](const ContactCase& c, Random*) {
+    const ContactCase swapped = c.Swapped();
+    const ClosestPoints p = c.Closest();
+    const ClosestPoints q = swapped.Closest();
+    const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+    const ContactRow other = ComputeContactRow(q, swapped.body1, swapped.body2);
+    EXPECT_EQ(p.d, q.d);
+    EXPECT_EQ(p.n.x, -q.n.x);
+    EXPECT_EQ(p.n.y, -q.n.y);
+    EXPECT_EQ(row.d_dot, other.d_dot);
+    EXPECT_EQ(row.gamma, other.gamma);
+    EXPECT_EQ(row.slip, other.slip);
+    EXPECT_EQ(row.omega_n, other.omega_n);
+    for (size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(row.J[k], other.J[k + 3]);
+      EXPECT_EQ(row.J[k + 3], other.J[k]);
+    }
+  });
+}
+
+TEST_P(EveryContactKind, RowIsTheSameForArmsToContactPointsAndCenters) {
+  OverCases(4, [](const ContactCase& c, Random*) {
+    const ClosestPoints p = c.Closest();
+    const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+    const Vec2 p1 = c.body1.x + p.R1;
+    const Vec2 p2 = c.body2.x + p.R2;
+    ExpectClose(row.J[2], Cross(p.R1, p.n), kRounding, "arm to p1");
+    ExpectClose(row.J[2], Cross(p2 - c.body1.x, p.n), kRounding, "arm to p2");
+    ExpectClose(row.J[5], -Cross(p.R2, p.n), kRounding, "arm to p2");
+    ExpectClose(row.J[5], -Cross(p1 - c.body2.x, p.n), kRounding, "arm to p1");
+    if (!IsStraight(c.feature1)) {
+      ExpectClose(row.J[2], Cross(ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x, p.n), kRounding, "arm to c1");
+    }
+    if (!IsStraight(c.feature2)) {
+      ExpectClose(row.J[5], -Cross(ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x, p.n), kRounding,
+                  "arm to c2");
+    }
+  });
+}
+
+TEST_P(ContactKindWithCenters, CurvatureFormEqualsCenterForm) {
+  OverCases(5, [](const ContactCase& c, Random*) {
+    const ClosestPoints p = c.Closest();
+    const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+    const Vec2 U1 = ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x;
+    const Vec2 U2 = ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x;
+    const Vec2 t = Perp(p.n);
+    const double L = SignedRadius(c.feature1, p.s1) + SignedRadius(c.feature2, p.s2) + p.d;
+    const double turn = Dot(t, MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
+    const double gamma =
+        -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
+    ExpectClose(row.gamma, gamma, 1e-11, "gamma");
+    ExpectClose(row.omega_n, turn / L, 1e-11, "omega_n");
+  });
+}
+
+TEST_P(ContactKindWithStraightEdge, CurvatureFormEqualsAttachedNormalForm) {
+  OverCases(6, [](const ContactCase& given, Random* random) {
+    ContactCase c = given;
+    if (IsStraight(c.feature1)) c = c.Swapped();
+    const Acceleration a1 = RandomAcceleration(random);
+    const Acceleration a2 = RandomAcceleration(random);
+    const auto edge = std::get<StraightEdge>(c.feature2);
+    // Any material point of the edge's line, not only the foot of the centre.
+    const Vec2 q = ToWorld(c.body2, edge.a + random->Uniform(-1, 2) * (edge.b - edge.a));
+    const ClosestPoints p = c.Closest();
+    const Vec2 c1 = ToWorld(c.body1, Center(c.feature1, p.s1));
+    const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+    const Vec2 t = Perp(p.n);
+    const Material center = MaterialPoint(c.body1, a1, c1 - c.body1.x);
+    const Material point = MaterialPoint(c.body2, a2, q - c.body2.x);
+    const double w2 = c.body2.omega;
+    const double d_ddot = Dot(p.n, center.acceleration - point.acceleration) +
+                          2 * w2 * Dot(t, center.velocity - point.velocity) - w2 * w2 * Dot(p.n, c1 - q) +
+                          a2.alpha * Dot(t, c1 - q);
+    ExpectClose(JTimesA(row, a1, a2) + row.gamma, d_ddot, 1e-11, "d''");
+    ExpectClose(row.omega_n, w2, kRounding, "omega_n");
+  });
+}
+
+TEST_P(EveryContactKind, GapRateIsJTimesV) {
+  OverCases(7, [](const ContactCase& c, Random*) {
+    const ContactRow row = RowOf(c);
+    const double Jv = JTimesA(row, {c.body1.v, c.body1.omega, {}, 0}, {c.body2.v, c.body2.omega, {}, 0});
+    ExpectClose(row.d_dot, Jv, kRounding, "d'");
+  });
+}
+
+bool HasStraightEdge(const PairKind& kind) {
+  return kind.shape1 == Shape::kStraight || kind.shape2 == Shape::kStraight;
+}
+
+std::vector<PairKind> PairKindsWhere(bool straight) {
+  std::vector<PairKind> kinds;
+  for (const PairKind& kind : AllPairKinds()) {
+    if (HasStraightEdge(kind) == straight) kinds.push_back(kind);
+  }
+  return kinds;
+}
+
+std::string KindName(const ::testing::TestParamInfo<PairKind>& kind) { return kind.param.name; }
+
+INSTANTIATE_TEST_SUITE_P(Law, EveryContactKind, ::testing::ValuesIn(AllPairKinds()), KindName);
+INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithCenters, ::testing::ValuesIn(PairKindsWhere(false)), KindName);
+INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithStraightEdge, ::testing::ValuesIn(PairKindsWhere(true)), KindName);
+
+// Against a straight edge, a convex arc (or, for a vertex, also a concave one) of growing radius with the same contact
+// point and normal.
+TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
+  Random random(8);
+  for (const PairKind& kind : AllPairKinds()) {
+    if (kind.shape2 != Shape::kStraight) continue;  // with every shape on body 1
+    for (const Shape arc : {Shape::kConvexArc, Shape::kConcaveArc}) {
+      for (int i = 0; i < kCases; ++i) {
+        const ContactCase c = RandomContact(kind, &random);
+        const ContactRow straight = RowOf(c);
+        for (const double radius : {1e3, 1e5, 1e7}) {
+          SCOPED_TRACE(radius);
+          ContactCase curved = c;
+          curved.feature2 = FeatureThrough(arc, c.body2, c.p2, c.n, radius, &random);
+          const ContactRow row = RowOf(curved);
+          // The terms in kappa are of order u^2 and (rho omega)^2; rounding of the centre is eps * radius.
+          const double tolerance = 1e3 / radius + 1e-14 * radius;
+          ExpectClose(row.gamma, straight.gamma, tolerance, "gamma");
+          ExpectClose(row.d_dot, straight.d_dot, 1e-14 * radius, "d'");
+          ExpectClose(row.omega_n, straight.omega_n, tolerance, "omega_n");
+          for (size_t k = 0; k < 6; ++k) ExpectClose(row.J[k], straight.J[k], 1e-14 * radius, "J");
+        }
+        ASSERT_FALSE(HasFailure());
+      }
+    }
+  }
+}
+
+void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance) {
+  ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
+  ExpectClose(x.d_dot, y.d_dot, tolerance, "d'");
+  ExpectClose(x.slip, y.slip, tolerance, "u");
+  ExpectClose(x.omega_n, y.omega_n, tolerance, "omega_n");
+  for (size_t k = 0; k < 6; ++k) ExpectClose(x.J[k], y.J[k], tolerance, "J");
+}
+
+// The same contact with one feature of body 2 replaced by another description of it.
+template <class Describe>
+void ExpectSameRowsAs(Shape shape2, const Describe& describe) {
+  Random random(20);
+  for (const PairKind& kind : AllPairKinds()) {
+    if (kind.shape2 != shape2) continue;
+    for (int i = 0; i < kGeneralCases; ++i) {
+      SCOPED_TRACE(kind.name);
+      const ContactCase c = RandomContact(kind, &random);
+      ContactCase other = c;
+      other.feature2 = describe(c.feature2, c.Closest().s2.value(), &other.s2);
+      EXPECT_NEAR(other.Closest().d, c.Closest().d, kRounding);
+      ExpectSameRow(RowOf(other), RowOf(c), 1e-11);
+      ASSERT_FALSE(::testing::Test::HasFailure());
+    }
+  }
+}
+
+TEST(ContactRow, EllipseOfEqualSemiAxesActsAsTheArc) {
+  for (const Shape shape : {Shape::kConvexArc, Shape::kConcaveArc}) {
+    ExpectSameRowsAs(shape, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+      const auto& arc = std::get<ArcEdge>(feature);
+      const double phi = 0.7;
+      *start = s2 - phi;
+      return EllipseEdge{arc.center, arc.radius, arc.radius, phi, arc.side};
+    });
+  }
+}
+
+TEST(ContactRow, SuperellipseOfExponentTwoActsAsTheEllipse) {
+  for (const Shape shape : {Shape::kConvexEllipse, Shape::kConcaveEllipse}) {
+    ExpectSameRowsAs(shape, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+      const auto& e = std::get<EllipseEdge>(feature);
+      *start = std::atan2(e.b * std::sin(s2), e.a * std::cos(s2));
+      return SuperellipseEdge{e.center, e.a, e.b, 2, e.phi, e.side};
+    });
+  }
+}
+
+TEST(ContactRow, StraightBezierCurveActsAsTheStraightEdge) {
+  ExpectSameRowsAs(Shape::kStraight, [](const Feature& feature, double s2, std::optional<double>* start) -> Feature {
+    const auto& e = std::get<StraightEdge>(feature);
+    const Vec2 third = (1.0 / 3) * (e.b - e.a);
+    *start = s2;
+    return BezierEdge{{e.a, e.a + third, e.b - third, e.b}};
+  });
+}
+
+// The unified formula and the geometry of section 2 in 100 digits, for arcs (or vertices) and straight edges.
+using Exact = boost::multiprecision::cpp_bin_float_100;
+
+struct ExactVec {
+  Exact x;
+  Exact y;
+};
+ExactVec operator+(const ExactVec& a, const ExactVec& b) { return {a.x + b.x, a.y + b.y}; }
+ExactVec operator-(const ExactVec& a, const ExactVec& b) { return {a.x - b.x, a.y - b.y}; }
+ExactVec operator*(const Exact& s, const ExactVec& a) { return {s * a.x, s * a.y}; }
+Exact Dot(const ExactVec& a, const ExactVec& b) { return a.x * b.x + a.y * b.y; }
+Exact Cross(const ExactVec& a, const ExactVec& b) { return a.x * b.y - a.y * b.x; }
+ExactVec Lift(Vec2 a) { return {a.x, a.y}; }
+
+struct ExactRow {
+  double d = 0;
+  double J2 = 0;
+  double J5 = 0;
+  double gamma = 0;
+};
+
+ExactRow ExactRowOf(const ContactCase& c) {
+  const auto turned = [](const Body& body, const ExactVec& a) {
+    const Exact cosine = cos(Exact(body.theta));
+    const Exact sine = sin(Exact(body.theta));
+    return ExactVec{cosine * a.x - sine * a.y, sine * a.x + cosine * a.y};
+  };
+  const ExactVec dx = Lift(c.body1.x) - Lift(c.body2.x);
+  const ExactVec U1 = turned(c.body1, Lift(Center(c.feature1, {})));
+  const Exact rho1 = SignedRadius(c.feature1, {});
+  const Exact rho2 = SignedRadius(c.feature2, {});
+  const bool vertex1 = rho1 == 0;
+  ExactVec n;
+  ExactVec R2;
+  Exact d;
+  if (const auto* edge = std::get_if<StraightEdge>(&c.feature2)) {
+    const ExactVec along = turned(c.body2, Lift(edge->b) - Lift(edge->a));
+    const Exact length = sqrt(Dot(along, along));
+    n = {along.y / length, -along.x / length};
+    d = Dot(n, dx + U1 - turned(c.body2, Lift(edge->a))) - rho1;
+    R2 = dx + U1 - (rho1 + d) * n;
+  } else {
+    const ExactVec U2 = turned(c.body2, Lift(Center(c.feature2, {})));
+    const ExactVec between = dx + U1 - U2;
+    const Exact distance = sqrt(Dot(between, between));
+    const Exact sigma = rho1 + rho2 > 0 ? 1 : -1;
+    n = (sigma / distance) * between;
+    d = sigma * distance - rho1 - rho2;
+    R2 = U2 + rho2 * n;
+  }
+  const ExactVec R1 = U1 - rho1 * n;
+  const Exact r1 = vertex1 ? 0 : 1;
+  const Exact s1 = vertex1 ? Exact(1) : Exact(1 / rho1);
+  const Exact s2 = rho2 == 0 ? Exact(0) : Exact(1 / rho2);
+  const Exact w1 = c.body1.omega;
+  const Exact w2 = c.body2.omega;
+  const ExactVec t = {-n.y, n.x};
+  const Exact u = Dot(t, Lift(c.body1.v) - Lift(c.body2.v)) + w1 * Dot(n, R1) - w2 * Dot(n, R2);
+  const Exact D = r1 * s2 + s1 + d * s1 * s2;
+  const Exact curved = s1 * s2 * u * u + 2 * u * (r1 * s2 * w1 + s1 * w2) - r1 * (w1 - w2) * (w1 - w2) -
+                       d * (r1 * s2 * w1 * w1 + s1 * w2 * w2);
+  const Exact gamma = w2 * w2 * Dot(n, R2) - w1 * w1 * Dot(n, R1) + curved / D;
+  return {static_cast<double>(d), static_cast<double>(Cross(R1, n)), static_cast<double>(-Cross(R2, n)),
+          static_cast<double>(gamma)};
+}
+
+// gamma by the centre form, in double: [MODEL.md section 4]
+double GammaByCenters(const ContactCase& c, const ClosestPoints& p) {
+  const Vec2 U1 = Rotate(SinCos(c.body1.theta), Center(c.feature1, {}));
+  const Vec2 U2 = Rotate(SinCos(c.body2.theta), Center(c.feature2, {}));
+  const double L = SignedRadius(c.feature1, {}) + SignedRadius(c.feature2, {}) + p.d;
+  const double turn = Dot(Perp(p.n), MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
+  return -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
+}
+
+// One of body 2's arcs, or body 1's on a straight edge, of a radius up to 1e9 bodies.
+TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
+  Random random(21);
+  for (const double radius : {1e3, 1e6, 1e9}) {
+    double worst_by_centers = 0;
+    for (const PairKind& kind : ClosedPairKinds()) {
+      const bool on_straight = kind.shape2 == Shape::kStraight && kind.shape1 == Shape::kConvexArc;
+      const bool on_arc = kind.shape2 == Shape::kConvexArc || kind.shape2 == Shape::kConcaveArc;
+      if (kind.shape1 == Shape::kStraight || IsConcave(kind.shape1) || (!on_straight && !on_arc)) continue;
+      for (int i = 0; i < kCases; ++i) {
+        SCOPED_TRACE(kind.name);
+        ContactCase c = RandomContact(kind, &random);
+        if (on_straight) {
+          c.feature1 = FeatureThrough(kind.shape1, c.body1, c.p1, -c.n, radius, &random);
+          // gamma has the term -radius (omega1 - omega2)^2: of order 1 when the bodies turn alike.
+          c.body1.omega = c.body2.omega + random.Uniform(-1, 1) / std::sqrt(radius);
+        } else {
+          c.feature2 = FeatureThrough(kind.shape2, c.body2, c.p2, c.n, radius, &random);
+        }
+        const ClosestPoints p = c.Closest();
+        const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+        const ExactRow exact = ExactRowOf(c);
+        ExpectClose(p.d, exact.d, 1e-15, "d");
+        ExpectClose(row.J[2], exact.J2, 1e-14, "J2");
+        ExpectClose(row.J[5], exact.J5, 1e-14, "J5");
+        ExpectClose(row.gamma, exact.gamma, 1e-12, "gamma");
+        if (!on_straight) {
+          const double error = std::abs(GammaByCenters(c, p) - exact.gamma) / (1 + std::abs(exact.gamma));
+          worst_by_centers = std::max(worst_by_centers, error);
+        }
+        ASSERT_FALSE(HasFailure());
+      }
+    }
+    EXPECT_GT(worst_by_centers, 1e-16 * radius) << "the centre form loses the radius's digits";
+  }
+}
+
+// Both edges nearly straight: the contact point is then where two angles nearly agree.
+TEST(ContactRow, NearlyFlatArcsOnEachOtherKeepAllDigitsOfTheirPlace) {
+  Random random(22);
+  for (const double radius : {1e3, 1e6, 1e9}) {
+    for (int i = 0; i < kCases; ++i) {
+      ContactCase c = RandomContact(ClosedPairKinds()[4], &random);
+      const Shape shape2 = i % 2 == 0 ? Shape::kConvexArc : Shape::kConcaveArc;
+      c.feature1 = FeatureThrough(Shape::kConvexArc, c.body1, c.p1, -c.n, radius, &random);
+      c.feature2 = FeatureThrough(shape2, c.body2, c.p2, c.n, 2 * radius, &random);
+      c.body1.omega = c.body2.omega + random.Uniform(-1, 1) / std::sqrt(radius);
+      const ClosestPoints p = c.Closest();
+      const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+      const ExactRow exact = ExactRowOf(c);
+      ExpectClose(p.d, exact.d, 1e-14, "d");
+      ExpectClose(row.J[2], exact.J2, 1e-13, "J2");
+      ExpectClose(row.J[5], exact.J5, 1e-13, "J5");
+      ExpectClose(row.gamma, exact.gamma, 1e-11, "gamma");
+      ASSERT_FALSE(HasFailure());
+    }
+  }
+}
+
+TEST(ContactRow, DiscAboutItsCenterOfMassHasNoMomentAtAll) {
+  Random random(9);
+  for (int i = 0; i < kCases; ++i) {
+    ContactCase c = RandomContact(AllPairKinds()[4], &random);
+    std::get<ArcEdge>(c.feature1).center = {0, 0};
+    EXPECT_EQ(RowOf(c).J[2], 0);
+  }
+}
+
+// A vertex sliding at speed v along a fixed straight edge needs no acceleration; on a convex arc of radius R it leaves
+// with v^2/R, in a concave one it is pressed in by v^2/R.
+TEST(ContactRow, SlidingVertexFeelsTheCurvatureOfTheEdge) {
+  const double speed = 3;
+  const double radius = 2;
+  Body slider;
+  slider.v = {speed, 0};
+  Body ground;
+  ground.fixed = true;
+  const auto gamma = [&](const Feature& edge) {
+    const Feature vertex = Vertex{{0, 0}};
+    return ComputeContactRow(FindClosestPoints({vertex, {0, 0}, {}}, {edge, {0, 0}, {}}), slider, ground).gamma;
+  };
+  EXPECT_EQ(gamma(StraightEdge{{1, 0}, {-1, 0}}), 0);
+  EXPECT_DOUBLE_EQ(gamma(ArcEdge{{0, -radius}, radius, Side::kConvex}), speed * speed / radius);
+  EXPECT_DOUBLE_EQ(gamma(ArcEdge{{0, radius}, radius, Side::kConcave}), -speed * speed / radius);
+}
+
+TEST(PinRows, GiveTheDerivativesOfTheGapAlongAnyMotion) {
+  Random random(10);
+  for (int i = 0; i < kCases; ++i) {
+    const Body body1 = RandomBody(&random);
+    const Body body2 = RandomBody(&random);
+    const Vec2 c1 = random.Vector(2);
+    const Vec2 c2 = random.Vector(2);
+    const Acceleration a1 = RandomAcceleration(&random);
+    const Acceleration a2 = RandomAcceleration(&random);
+    const PinRows pin = ComputePinRows(c1, SinCos(body1.theta), body1, c2, SinCos(body2.theta), body2);
+    const Material m1 = MaterialPoint(body1, a1, pin.R1);
+    const Material m2 = MaterialPoint(body2, a2, pin.R2);
+    const Vec2 g = ToWorld(body1, c1) - ToWorld(body2, c2);
+    const Vec2 g_dot = m1.velocity - m2.velocity;
+    const Vec2 g_ddot = m1.acceleration - m2.acceleration;
+    const std::array<double, 6> v = {body1.v.x, body1.v.y, body1.omega, body2.v.x, body2.v.y, body2.omega};
+    const std::array<double, 6> a = {a1.a.x, a1.a.y, a1.alpha, a2.a.x, a2.a.y, a2.alpha};
+    const std::array<std::array<double, 3>, 2> expected = {{{g.x, g_dot.x, g_ddot.x}, {g.y, g_dot.y, g_ddot.y}}};
+    for (size_t axis = 0; axis < 2; ++axis) {
+      double Jv = 0;
+      double Ja = 0;
+      for (size_t k = 0; k < 6; ++k) {
+        Jv += pin.J[axis][k] * v[k];
+        Ja += pin.J[axis][k] * a[k];
+      }
+      ExpectClose(pin.g[axis], expected[axis][0], kRounding, "g");
+      ExpectClose(pin.g_dot[axis], expected[axis][1], kRounding, "g'");
+      ExpectClose(Jv, expected[axis][1], kRounding, "J v");
+      ExpectClose(Ja + pin.gamma[axis], expected[axis][2], kRounding, "g''");
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

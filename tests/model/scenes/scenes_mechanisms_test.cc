@@ -1,0 +1,378 @@
+// What holds of the families of mechanisms beyond what scenes_test.cc asks of all families: joints, their worlds in
+// motion, and each family's own geometry.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "model/contact/assembly.h"
+#include "model/geometry/trig.h"
+#include "model/motion/contact_finder.h"
+#include "model/scenes/mechanism_parts.h"
+#include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+/// The smallest radius or half-width of any body in these families [m]: what gaps are compared with.
+constexpr double kSize = 0.02;
+
+using BodyPairs = std::multiset<std::pair<int, int>>;
+
+class Mechanisms : public testing::TestWithParam<const char*> {
+ protected:
+  static ContactSystem Generate(int rows, std::uint64_t seed) { return GenerateScene(GetParam(), rows, seed); }
+  static World Start(int rows, std::uint64_t seed) { return StartScene(GetParam(), rows, seed); }
+  static bool IsCradle() { return std::string(GetParam()) == "newtons-cradle"; }
+};
+
+std::string ParamName(const testing::TestParamInfo<const char*>& info) {
+  std::string name(info.param);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+BodyPairs ContactPairs(const std::vector<Constraint>& constraints) {
+  BodyPairs pairs;
+  for (const Constraint& c : constraints) {
+    if (c.type == ConstraintType::kContact) pairs.insert(std::minmax(c.body1, c.body2));
+  }
+  return pairs;
+}
+
+/// The verified solution's w, scaled: w_i / sqrt(A_ii), over the root mean square of b_i / sqrt(A_ii).
+Eigen::ArrayXd ScaledAcceleration(const LcpProblem& problem, LcpSolver* solver, const std::string& name) {
+  LcpResult result;
+  solver->Solve(problem, {}, &result);
+  const Verdict verdict = Verify(problem, result, 1e-9);
+  EXPECT_TRUE(verdict.passes) << name << ": " << result.detail << ' ' << verdict.reason;
+  const Eigen::ArrayXd root = problem.DiagonalA().array().sqrt();
+  const double scale =
+      (problem.b().array() / root).matrix().norm() / std::sqrt(static_cast<double>(problem.b().size()));
+  return verdict.metrics.w.array() / root / scale;
+}
+
+const Body& BodyOf(const ContactSystem& system, int i) { return system.bodies[static_cast<std::size_t>(i)]; }
+
+TEST_P(Mechanisms, GiveExactlyTheRowsAskedFor) {
+  std::vector<int> sizes;
+  for (int rows = 1; rows <= 70; ++rows) sizes.push_back(rows);
+  for (const int rows : {127, 300, 1000, 1001, 1002, 1003}) sizes.push_back(rows);
+  for (const int rows : sizes) {
+    for (const std::uint64_t seed : {0ULL, 1ULL, 2ULL, 12345678901234567ULL, ~0ULL}) {
+      const ContactSystem system = Generate(rows, seed);
+      int count = 0;
+      for (const Constraint& c : system.constraints) count += c.type == ConstraintType::kPin ? 2 : 1;
+      ASSERT_EQ(count, rows) << system.name;
+    }
+    ASSERT_EQ(static_cast<int>(AssembleContactLcp(Generate(rows, 1)).rows.size()), rows);
+  }
+}
+
+TEST_P(Mechanisms, MeetEveryConstraintAndMoveWithIt) {
+  for (const int rows : {1, 2, 3, 5, 10, 11, 12, 40, 100, 1000, 10000}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const ContactSystem system = Generate(rows, seed);
+      double speed = 1;
+      for (const Body& body : system.bodies) speed = std::max(speed, Norm(body.v));
+      for (const RowInfo& row : AssembleContactLcp(system).rows) {
+        ASSERT_LE(std::abs(row.d), 1e-9 * kSize) << system.name;
+        ASSERT_LE(std::abs(row.d_dot), 1e-10 * speed) << system.name;
+      }
+    }
+  }
+}
+
+TEST_P(Mechanisms, HaveFullRank) {
+  for (const int rows : {10, 40, 200}) {
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      const LcpProblem problem = AssembleContactLcp(Generate(rows, seed)).problem;
+      const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();
+      const Eigen::MatrixXd scaled = root.asDiagonal() * problem.DenseA() * root.asDiagonal();
+      const Eigen::VectorXd values =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+      EXPECT_GE(values.minCoeff(), 1e-9 * values.maxCoeff()) << rows << " rows, seed " << seed;
+    }
+  }
+}
+
+/// The share of unilateral rows with w > 0, counted as in scenes_test.cc.
+double SeparatingShare(const ContactSystem& system, LcpSolver* solver) {
+  const AssembledLcp lcp = AssembleContactLcp(system);
+  const Eigen::ArrayXd w = ScaledAcceleration(lcp.problem, solver, system.name);
+  int unilateral = 0;
+  int separating = 0;
+  for (std::size_t i = 0; i < lcp.rows.size(); ++i) {
+    if (lcp.rows[i].bilateral) continue;
+    ++unilateral;
+    if (w[static_cast<Index>(i)] > 1e-7) ++separating;
+  }
+  return static_cast<double>(separating) / unilateral;
+}
+
+TEST_P(Mechanisms, MixActiveAndSeparatingRows) {
+  const auto dense = MakeSolver("dantzig");
+  const auto sparse = FindSolver("ipm").available ? MakeSolver("ipm") : nullptr;
+  for (const int rows : {10, 30, 100, 300, 1000, 3000}) {
+    LcpSolver* solver = rows < 1000 ? dense.get() : sparse.get();
+    if (solver == nullptr) continue;
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const ContactSystem system = Generate(rows, seed);
+      const double share = SeparatingShare(system, solver);
+      EXPECT_GE(share, 0.05) << system.name;
+      EXPECT_LE(share, 0.80) << system.name;
+    }
+  }
+}
+
+// With a handful of contacts it takes the loads at the ends to mix them for every seed.
+TEST_P(Mechanisms, MixFewRowsForEverySeed) {
+  const auto solver = MakeSolver("dantzig");
+  for (const int rows : {10, 11, 12, 13, 14, 15, 20}) {
+    for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+      const ContactSystem system = Generate(rows, seed);
+      const double share = SeparatingShare(system, solver.get());
+      EXPECT_GT(share, 0) << system.name;
+      EXPECT_LT(share, 1) << system.name;
+    }
+  }
+}
+
+TEST_P(Mechanisms, StartAsWorldsWhoseOutlinesTouchWhereListed) {
+  const auto solver = MakeSolver("dantzig");
+  for (const int rows : {1, 2, 3, 4, 5, 6, 7, 10, 25, 60, 121, 600}) {
+    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+      const ContactSystem system = Generate(rows, seed);
+      World world = Start(rows, seed);
+      ASSERT_NO_THROW(RequireValid(world));
+      ASSERT_EQ(world.name, system.name);
+      // Touching balls are the one-problem form's; see the test of its gaps.
+      if (IsCradle()) world = WorldOf(system);
+      // Anything that is nearer than 1e-8, or overlaps by up to half of the smallest body.
+      const std::vector<Constraint> contacts = ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2);
+      ASSERT_EQ(ContactPairs(contacts), ContactPairs(system.constraints)) << system.name;
+      const ContactSystem instant = InstantOf(world, contacts);
+      const AssembledLcp lcp = AssembleContactLcp(instant);
+      ASSERT_EQ(static_cast<int>(lcp.rows.size()), rows) << system.name;
+      for (const RowInfo& row : lcp.rows) ASSERT_LE(std::abs(row.d), 1e-9 * kSize) << system.name;
+      LcpResult result;
+      solver->Solve(lcp.problem, {}, &result);
+      EXPECT_TRUE(Verify(lcp.problem, result, 1e-9).passes) << system.name << ": " << result.detail;
+    }
+  }
+}
+
+TEST_P(Mechanisms, StartFromTheSameBitsForTheSameSeed) {
+  for (const int rows : {1, 10, 100}) {
+    const World first = Start(rows, 7);
+    const World again = Start(rows, 7);
+    ASSERT_EQ(first.bodies.size(), again.bodies.size());
+    for (std::size_t i = 0; i < first.bodies.size(); ++i) {
+      const Body& p = first.bodies[i];
+      const Body& q = again.bodies[i];
+      for (const auto& [a, b] : {std::pair(p.x.x, q.x.x),
+                                 {p.x.y, q.x.y},
+                                 {p.theta, q.theta},
+                                 {p.v.x, q.v.x},
+                                 {p.v.y, q.v.y},
+                                 {p.omega, q.omega},
+                                 {p.mass, q.mass},
+                                 {p.inertia, q.inertia}}) {
+        ASSERT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << p.name;
+      }
+    }
+  }
+}
+
+TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
+  // Free motion for a time h opens no row by more than O(h^2): velocities lie along the constraints of the world, too.
+  constexpr double kStep = 1e-4;
+  for (const int rows : {10, 33}) {
+    World world = Start(rows, 3);
+    const std::vector<Constraint> contacts = ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2);
+    for (Body& body : world.bodies) {
+      body.x = body.x + kStep * body.v;
+      body.theta += kStep * body.omega;
+    }
+    for (const RowInfo& row : AssembleContactLcp(InstantOf(world, contacts)).rows) {
+      EXPECT_LE(std::abs(row.d), kStep * kStep * (1 + 2 * std::abs(row.gamma))) << world.name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Mechanisms,
+                         testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
+                                         "spinning-drum", "oval-train"),
+                         ParamName);
+
+// As SceneBits in scenes_test.cc: the same in every build.
+TEST(MechanismBits, AreTheSameInEveryBuild) {
+  constexpr std::pair<const char*, std::uint64_t> kHashes[] = {
+      {"gear-train", 0xf2575fbc4f9fdf69U},     {"cam-follower", 0x6c1283daf4c1348eU},
+      {"newtons-cradle", 0x7a44b5a50bd63deeU}, {"chain-of-links", 0x37e32774ea00c571U},
+      {"spinning-drum", 0x2ad60bd510411c12U},  {"oval-train", 0xf7b261fde833db2fU},
+  };
+  for (const auto& [key, expected] : kHashes) {
+    std::uint64_t hash = 0xcbf29ce484222325U;
+    for (const char c : FormatLcpRecord(AssembleContactLcp(GenerateScene(key, 60, 5)).problem, true)) {
+      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+    }
+    EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
+  }
+}
+
+TEST(GearTrain, TurnsAlternatelyAtTheRatioOfTheTeeth) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const ContactSystem system = GenerateScene("gear-train", 300, seed);
+    // By body: the teeth (four pieces each), and the tip radius.
+    const auto teeth = [&](int i) { return static_cast<double>(BodyOf(system, i).outline.size()) / 4; };
+    const auto tip = [&](int i) { return std::get<ArcEdge>(BodyOf(system, i).outline[1].edge).radius; };
+    const AssembledLcp lcp = AssembleContactLcp(system);
+    double first = 0;
+    for (const RowInfo& row : lcp.rows) {
+      if (row.bilateral) continue;
+      const Constraint& c = system.constraints[static_cast<std::size_t>(row.constraint)];
+      const Body& gear = BodyOf(system, c.body1);
+      const Body& before = BodyOf(system, c.body2);
+      if (first == 0) first = std::abs(before.omega * teeth(c.body2));
+      ASSERT_LT(gear.omega * before.omega, 0) << system.name;
+      EXPECT_NEAR(std::abs(gear.omega * teeth(c.body1)) / first, 1, 0.25) << system.name << ", " << gear.name;
+      // The teeth meet where the tip circles overlap.
+      EXPECT_LE(Norm(row.p1 - gear.x), tip(c.body1) * (1 + 1e-9)) << system.name;
+      EXPECT_LE(Norm(row.p1 - before.x), tip(c.body2) * (1 + 1e-9)) << system.name;
+    }
+  }
+}
+
+TEST(CamFollower, TurnsAllCamsTogether) {
+  const ContactSystem system = GenerateScene("cam-follower", 120, 2);
+  std::set<double> speeds;
+  int rods = 0;
+  for (const Constraint& c : system.constraints) {
+    if (c.type != ConstraintType::kRod) continue;
+    ++rods;
+    speeds.insert(BodyOf(system, c.body1).omega);
+    speeds.insert(BodyOf(system, c.body2).omega);
+    EXPECT_NEAR(c.length, 1, 1e-12);
+  }
+  EXPECT_GE(rods, 15);
+  EXPECT_EQ(speeds.size(), 1U);
+}
+
+TEST(NewtonsCradle, HangsOnRodsWithCentripetalAcceleration) {
+  const ContactSystem system = GenerateScene("newtons-cradle", 101, 4);
+  const AssembledLcp lcp = AssembleContactLcp(system);
+  int hanging = 0;
+  for (const RowInfo& row : lcp.rows) {
+    const Constraint& c = system.constraints[static_cast<std::size_t>(row.constraint)];
+    if (c.type != ConstraintType::kRod && c.type != ConstraintType::kRope) continue;
+    ++hanging;
+    const Vec2 v = BodyOf(system, c.body1).v;
+    // d'' = |v|^2 / L of a rod whose end moves across it, and the opposite of a rope.
+    EXPECT_NEAR(std::abs(row.gamma), Dot(v, v) / c.length, 1e-12);
+    EXPECT_EQ(row.gamma > 0, c.type == ConstraintType::kRod);
+  }
+  EXPECT_GE(hanging, 30);
+}
+
+TEST(NewtonsCradle, StartsWithSmallGapsAndLiftedBalls) {
+  for (const int rows : {3, 5, 6, 9, 40}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const World world = StartScene("newtons-cradle", rows, seed);
+      EXPECT_TRUE(ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2).empty());
+      int lifted = 0;
+      for (std::size_t i = 2; i < world.bodies.size(); ++i) {
+        const Body& ball = world.bodies[i];
+        const Body& before = world.bodies[i - 1];
+        const double radius = std::get<ArcEdge>(ball.outline[0].edge).radius;
+        const double gap = Norm(ball.x - before.x) - 2 * radius;
+        const bool at_rest = before.x.y == ball.x.y && ball.x.y == world.bodies.back().x.y;
+        if (at_rest) {
+          EXPECT_GT(gap, 0.5e-4 * radius);
+          EXPECT_LT(gap, 2e-4 * radius);
+        }
+        lifted += before.x.y > world.bodies.back().x.y ? 1 : 0;
+      }
+      EXPECT_GE(lifted, 1);
+      EXPECT_LE(lifted, 2);
+    }
+  }
+}
+
+// In a rigid rotation with angular velocity omega and acceleration alpha about the origin, every gap keeps its value:
+// d'' = J a + gamma = 0 with a = alpha z x x - omega^2 x. It holds of curvature terms of every kind of edge.
+TEST(RigidRotation, KeepsEveryGapOfDrumsAndChains) {
+  for (const char* key : {"spinning-drum", "chain-of-links"}) {
+    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+      const ContactSystem system = GenerateScene(key, 201, seed);
+      const AssembledLcp lcp = AssembleContactLcp(system);
+      const Body& drum = system.bodies[0];
+      Eigen::VectorXd a(static_cast<Index>(3 * system.bodies.size()));
+      for (std::size_t i = 0; i < system.bodies.size(); ++i) {
+        const Vec2 x = system.bodies[i].x;
+        const Vec2 linear = drum.alpha * Perp(x) - (drum.omega * drum.omega) * x;
+        const auto k = static_cast<Index>(3 * i);
+        a[k] = linear.x;
+        a[k + 1] = linear.y;
+        a[k + 2] = drum.alpha;
+      }
+      const SparseMatrix J = lcp.problem.J();
+      const Eigen::VectorXd gap_acceleration = J * a;
+      for (std::size_t i = 0; i < lcp.rows.size(); ++i) {
+        EXPECT_NEAR(gap_acceleration[static_cast<Index>(i)] + lcp.rows[i].gamma, 0, 1e-10 * kGravity) << system.name;
+      }
+    }
+  }
+}
+
+TEST(SpinningDrum, HasNoOverlapWhateverTheSeed) {
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const ContactSystem system = GenerateScene("spinning-drum", 150 + static_cast<int>(seed % 3), seed);
+    const World world = WorldOf(system);
+    EXPECT_EQ(ContactPairs(ContactFinder(world).Find(world.bodies, 1e-6, kSize)), ContactPairs(system.constraints))
+        << system.name;
+  }
+}
+
+TEST(OvalTrain, RunsOnItsTrack) {
+  int superellipses = 0;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    const ContactSystem system = GenerateScene("oval-train", 90, seed);
+    int on_track = 0;
+    for (const Constraint& c : system.constraints) {
+      if (c.type != ConstraintType::kPathJoint) continue;
+      ++on_track;
+      const Vec2 p = WorldPoint(BodyOf(system, c.body1), std::get<Vertex>(c.feature1).p);
+      if (const auto* oval = std::get_if<EllipseEdge>(&c.feature2)) {
+        const double x = p.x / oval->a;
+        const double y = p.y / oval->b;
+        EXPECT_NEAR(x * x + y * y, 1, 1e-12);
+      } else {
+        ++superellipses;
+        const auto& curve = std::get<SuperellipseEdge>(c.feature2);
+        const double x = p.x / curve.a;
+        const double y = p.y / curve.b;
+        EXPECT_NEAR(x * x * x * x + y * y * y * y, 1, 1e-12);
+      }
+    }
+    EXPECT_GE(on_track, 58);
+  }
+  EXPECT_GT(superellipses, 58);
+  EXPECT_LT(superellipses, 9 * 58);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,355 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "model/contact/assembly.h"
+#include "model/contact/closest_points.h"
+#include "model/geometry/trig.h"
+#include "model/motion/contact_finder.h"
+#include "model/scenes/oval_front.h"
+#include "model/scenes/packing_parts.h"
+#include "model/scenes/random.h"
+#include "model/scenes/scene.h"
+#include "model/scenes/start.h"
+#include "model/shape/mass_properties.h"
+#include "model/shape/outline_checks.h"
+#include "model/shape/shapes.h"
+#include "tests/model/scene_checks.h"
+
+namespace lcpbench {
+namespace {
+
+using lcpbench::testing::HashOf;
+using lcpbench::testing::kSceneSize;
+using lcpbench::testing::Solid;
+
+struct RandomOvalPlace {
+  PlacedOval oval;
+  double theta;
+};
+
+RandomOvalPlace RandomOval(Random* random) {
+  RandomOvalPlace made;
+  made.oval.a = random->Uniform(0.07, 0.15);
+  made.oval.b = made.oval.a * random->Uniform(0.45, 0.95);
+  made.theta = random->Uniform(-kPi, kPi);
+  const Rotation u = SinCos(made.theta);
+  made.oval.u = {u.cos, u.sin};
+  return made;
+}
+
+TEST(OvalGap, IsThatOfTheClosestPointSearch) {
+  Random random(1);
+  for (int i = 0; i < 300; ++i) {
+    RandomOvalPlace first = RandomOval(&random);
+    RandomOvalPlace second = RandomOval(&random);
+    first.oval.c = random.Uniform(0.31, 0.6) * random.UnitVector();
+    second.oval.c = random.Uniform(0, 0.005) * random.UnitVector();
+    const EllipseEdge edge1 = Oval(first.oval.a, first.oval.b);
+    const EllipseEdge edge2 = Oval(second.oval.a, second.oval.b);
+    const ClosestPoints closest = FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta},
+                                                    {edge2, second.oval.c, SinCos(second.theta), second.theta});
+    const OvalGap gap = GapBetween(first.oval, second.oval);
+    ASSERT_NEAR(gap.d, closest.d, 1e-15);
+    ASSERT_NEAR(Norm(gap.n - closest.n), 0, 1e-13);
+
+    const double radius = random.Uniform(1, 30);
+    const ArcEdge bowl{{}, radius, Side::kConcave};
+    first.oval.c = (radius - random.Uniform(0.15, 0.3)) * random.UnitVector();
+    const ClosestPoints inside =
+        FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta}, {bowl, {}, {}, 0});
+    const OvalGap gap_inside = GapInside(first.oval, radius);
+    ASSERT_NEAR(gap_inside.d, inside.d, 1e-15 * (1 + 4 * radius));
+    ASSERT_NEAR(Norm(gap_inside.n - inside.n), 0, 1e-13);
+  }
+}
+
+// The support function's derivative by the normal's angle is the arm along the tangent, its second the radius of
+// curvature less itself.
+TEST(OvalSupports, AreStationaryWhereTheBoundaryIs) {
+  Random random(2);
+  constexpr double kStep = 1e-4;
+  for (int i = 0; i < 200; ++i) {
+    const PlacedOval oval = RandomOval(&random).oval;
+    const double angle = random.Uniform(-kPi, kPi);
+    const auto at = [&](double s) {
+      const Rotation n = SinCos(s);
+      return SupportOf(oval, {n.cos, n.sin});
+    };
+    const Rotation n = SinCos(angle);
+    const OvalSupport here = at(angle);
+    const double along = Dot(here.arm, oval.u) / oval.a;
+    const double across = Cross(oval.u, here.arm) / oval.b;
+    EXPECT_NEAR(along * along + across * across, 1, 1e-14);
+    EXPECT_NEAR(here.h, Dot(here.arm, {n.cos, n.sin}), 1e-15);
+    EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp({n.cos, n.sin})), 1e-7);
+    EXPECT_NEAR((at(angle + kStep).h - 2 * here.h + at(angle - kStep).h) / (kStep * kStep) + here.h, here.radius, 1e-6);
+  }
+}
+
+TEST(OvalsInBowl, OverlapNowhereWhateverTheSeed) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const ContactSystem system = GenerateScene("ovals-in-bowl", 700, seed);
+    const auto listed = lcpbench::testing::ContactsOfPairs(system.constraints);
+    const auto edge = [](const Body& body) { return std::get<EllipseEdge>(body.outline[0].edge); };
+    const ArcEdge bowl = std::get<ArcEdge>(system.bodies[0].outline[0].edge);
+    int near = 0;
+    for (std::size_t i = 1; i < system.bodies.size(); ++i) {
+      const Body& body = system.bodies[i];
+      const EllipseEdge oval = edge(body);
+      ASSERT_LE(Norm(body.x) - oval.b, bowl.radius);
+      for (std::size_t j = 0; j < i; ++j) {
+        const Body& other = system.bodies[j];
+        if (listed.contains({static_cast<int>(j), static_cast<int>(i)})) continue;
+        const bool reaches =
+            j == 0 ? Norm(body.x) + oval.a > bowl.radius : Norm(body.x - other.x) < oval.a + edge(other).a;
+        if (!reaches) continue;
+        ++near;
+        const Feature feature = j == 0 ? Feature{bowl} : Feature{edge(other)};
+        const double d = FindClosestPoints({oval, body.x, SinCos(body.theta), body.theta},
+                                           {feature, other.x, SinCos(other.theta), other.theta})
+                             .d;
+        ASSERT_GE(d, 1e-6 * kSceneSize) << system.name << ": " << body.name << ", " << other.name;
+      }
+    }
+    EXPECT_GT(near, 50);
+  }
+}
+
+// In a rigid motion no gap accelerates: J a + gamma = 0 for the centripetal accelerations a of a pile that turns as
+// one.
+TEST(OvalsInBowl, SwingWithTheGammaOfARigidMotion) {
+  const ContactSystem system = GenerateScene("ovals-in-bowl", 401, 3);
+  const AssembledLcp lcp = AssembleContactLcp(system);
+  std::map<double, int> spins;
+  for (const Body& body : system.bodies) ++spins[body.omega];
+  const double swing =
+      std::max_element(spins.begin(), spins.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+  ASSERT_NE(swing, 0);
+  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(lcp.problem.J().cols());
+  for (std::size_t i = 1; i < system.bodies.size(); ++i) {
+    const Vec2 a = (-swing * swing) * system.bodies[i].x;
+    acceleration[static_cast<Index>(3 * i)] = a.x;
+    acceleration[static_cast<Index>(3 * i) + 1] = a.y;
+  }
+  const Eigen::VectorXd Ja = lcp.problem.J() * acceleration;
+  int rigid = 0;
+  int spinning = 0;
+  for (std::size_t k = 0; k < lcp.rows.size(); ++k) {
+    const Constraint& c = system.constraints[k];
+    const auto moves_along = [&](int body) {
+      return body == 0 || system.bodies[static_cast<std::size_t>(body)].omega == swing;
+    };
+    if (moves_along(c.body1) && moves_along(c.body2)) {
+      ++rigid;
+      EXPECT_NEAR(Ja[static_cast<Index>(k)] + lcp.rows[k].gamma, 0, 1e-12);
+    } else if (std::abs(Ja[static_cast<Index>(k)] + lcp.rows[k].gamma) > 1e-3) {
+      ++spinning;
+    }
+  }
+  EXPECT_GE(rigid, 200);
+  EXPECT_GE(spinning, 20);
+}
+
+TEST(RollerBearing, HoldsLoadRollersByBothRaces) {
+  for (const int rows : {40, 100, 900}) {
+    const ContactSystem system = GenerateScene("roller-bearing", rows, 2);
+    std::map<int, std::set<int>> of_body;
+    for (const Constraint& c : system.constraints) {
+      of_body[c.body1].insert(c.body2);
+      of_body[c.body2].insert(c.body1);
+    }
+    int load_rollers = 0;
+    int rollers = 0;
+    std::size_t most = 0;
+    for (const auto& [body, touched] : of_body) {
+      const std::string& name = system.bodies[static_cast<std::size_t>(body)].name;
+      if (!name.starts_with("roller")) {
+        most = std::max(most, touched.size());
+        continue;
+      }
+      ++rollers;
+      const auto races = std::count_if(touched.begin(), touched.end(), [&](int other) {
+        return !system.bodies[static_cast<std::size_t>(other)].name.starts_with("roller");
+      });
+      ASSERT_GE(races, 1);
+      if (races == 2) ++load_rollers;
+    }
+    EXPECT_GE(2 * load_rollers, rollers);
+    EXPECT_LE(2 * load_rollers, rollers + 20);
+    EXPECT_GE(most, rows < 100 ? 8U : 14U);
+    // Rollers orbit: centripetal terms on every race row, none between the rings at rest.
+    int curved = 0;
+    for (const RowInfo& row : AssembleContactLcp(system).rows) curved += std::abs(row.gamma) > 1e-3 ? 1 : 0;
+    EXPECT_GE(curved, 0.8 * rows);
+  }
+}
+
+TEST(RoundedWall, TouchesThroughCornerArcsOnly) {
+  const ContactSystem system = GenerateScene("rounded-wall", 500, 1);
+  for (const Constraint& c : system.constraints) {
+    const bool arc1 = std::holds_alternative<ArcEdge>(c.feature1);
+    const bool arc2 = std::holds_alternative<ArcEdge>(c.feature2);
+    ASSERT_NE(arc1, arc2);
+    ASSERT_TRUE(std::holds_alternative<StraightEdge>(arc1 ? c.feature2 : c.feature1));
+  }
+  EXPECT_LE(system.bodies.size(), 500 / 4U);
+}
+
+TEST(TallStacks, StandOnTheLightestWithTheStatedMassRatio) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const ContactSystem system = GenerateScene("tall-stacks", 900, seed);
+    const auto mass = [&](int body) { return system.bodies[static_cast<std::size_t>(body)].mass; };
+    double lightest = 1e300;
+    double heaviest = 0;
+    for (const Body& body : system.bodies) {
+      if (body.fixed) continue;
+      lightest = std::min(lightest, body.mass);
+      heaviest = std::max(heaviest, body.mass);
+    }
+    EXPECT_NEAR(heaviest / lightest, 1e6, 1e-6);
+    for (const Constraint& c : system.constraints) {
+      const bool on_floor = system.bodies[static_cast<std::size_t>(c.body2)].fixed;
+      if (on_floor) {
+        EXPECT_NEAR(mass(c.body1), lightest, 1e-12);
+      }
+    }
+    // Discs and ovals slide over one another.
+    int curved = 0;
+    for (const RowInfo& row : AssembleContactLcp(system).rows) curved += std::abs(row.gamma) > 0.01 ? 1 : 0;
+    EXPECT_GE(curved, 180);
+  }
+}
+
+TEST(BilliardsBreak, KeepsMomentumWhateverTheForces) {
+  const AssembledLcp lcp = AssembleContactLcp(GenerateScene("billiards-break", 300, 1));
+  const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(300, 0, 5);
+  const Eigen::VectorXd impulse = lcp.problem.J().transpose() * f;
+  double x = 0;
+  double y = 0;
+  for (Index k = 0; k < impulse.size(); k += 3) {
+    // The table is body 0.
+    if (k == 0) {
+      EXPECT_EQ(impulse.head(3).norm(), 0);
+    }
+    x += impulse[k];
+    y += impulse[k + 1];
+    EXPECT_EQ(impulse[k + 2], 0);
+  }
+  EXPECT_NEAR(x, 0, 1e-10);
+  EXPECT_NEAR(y, 0, 1e-10);
+}
+
+TEST(BilliardsBreak, SendsTheCueBallIntoTheTouchingRack) {
+  for (const int rows : {1, 2, 3, 31, 200}) {
+    const ContactSystem racked = GenerateScene("billiards-break", rows, 6);
+    World world = StartScene("billiards-break", rows, 6);
+    constexpr double kTolerance = 1e-8;
+    const std::size_t before = ContactFinder(world).Find(world.bodies, kTolerance, kTolerance).size();
+    EXPECT_EQ(before, static_cast<std::size_t>(rows) - 1);
+    // The cue ball and those behind it meet the rack where the problem has them.
+    double time = 0;
+    for (std::size_t i = 0; i < world.bodies.size(); ++i) {
+      Body& body = world.bodies[i];
+      if (Norm(body.v) == 0) {
+        EXPECT_EQ(Norm(body.x - racked.bodies[i].x), 0);
+        continue;
+      }
+      const double own = Norm(racked.bodies[i].x - body.x) / Norm(body.v);
+      if (time == 0) time = own;
+      EXPECT_NEAR(own, time, 1e-14);
+      body.x = body.x + own * body.v;
+    }
+    EXPECT_GT(time, 0);
+    EXPECT_EQ(ContactFinder(world).Find(world.bodies, kTolerance, kTolerance).size(), static_cast<std::size_t>(rows));
+    EXPECT_TRUE(world.loads.wrenches.empty());
+  }
+}
+
+TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
+  Random random(4);
+  for (int i = 0; i < 50; ++i) {
+    const double density = random.Uniform(1, 100);
+    const double corner = random.Uniform(0.01, 0.2);
+    const RoundedBoxShape shape{2 * corner + random.Uniform(0.01, 1), 2 * corner + random.Uniform(0.01, 1), corner};
+    const double a = random.Uniform(0.1, 1);
+    const double b = random.Uniform(0.1, 1);
+    const Body bodies[] = {MakeRoundedBox({1, 2}, shape, density), MakeOval({3, 4}, 0.3, a, b, density),
+                           MakeRing({5, 6}, a + b, a, density)};
+    for (const Body& body : bodies) {
+      Outline outline = OutlineOf(body);
+      outline.name = "part";
+      ASSERT_NO_THROW(RequireValid(outline));
+      const MassProperties properties = ComputeMassProperties(outline, density);
+      EXPECT_NEAR(body.mass, properties.mass, 1e-13 * body.mass);
+      EXPECT_NEAR(body.inertia, properties.inertia, 1e-12 * body.inertia);
+      EXPECT_LE(Norm(properties.center), 1e-14);
+    }
+    for (int k = 0; k < 4; ++k) {
+      const Vec2 end = shape.Edge(k).b;
+      const ArcEdge arc = shape.Corner((k + 1) % 4);
+      EXPECT_NEAR(Norm(end - arc.center), corner, 1e-14);
+    }
+  }
+}
+
+TEST(PackingWorlds, KeepGravityAloneOfTheLoads) {
+  const ContactSystem system = GenerateScene("rounded-wall", 50, 1);
+  const World world = WorldUnderGravity(system, {1, -2});
+  for (const Body& body : InstantOf(world, {}).bodies) {
+    if (body.fixed) continue;
+    EXPECT_EQ(body.force.x, body.mass);
+    EXPECT_EQ(body.force.y, -2 * body.mass);
+    EXPECT_EQ(body.torque, 0);
+  }
+}
+
+/// Eigenvalues of the Jacobi-scaled A.
+Eigen::VectorXd ScaledEigenvalues(const LcpProblem& problem) {
+  const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = root.asDiagonal() * problem.DenseA() * root.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+TEST(PackingRanks, AreAsTheFamiliesSay) {
+  constexpr double kZero = 1e-11;
+  constexpr int kRows = 300;
+  const std::pair<const char*, std::pair<double, double>> shares[] = {{"ovals-in-bowl", {1, 1}},
+                                                                      {"roller-bearing", {0.75, 0.9}},
+                                                                      {"rounded-wall", {0.45, 0.65}},
+                                                                      {"tall-stacks", {0.95, 0.995}},
+                                                                      {"billiards-break", {0.65, 0.8}}};
+  for (const auto& [key, share] : shares) {
+    const Eigen::VectorXd values = ScaledEigenvalues(AssembleContactLcp(GenerateScene(key, kRows, 1)).problem);
+    const auto rank = (values.array() > kZero * values.maxCoeff()).count();
+    EXPECT_GE(static_cast<double>(rank), share.first * kRows) << key;
+    EXPECT_LE(static_cast<double>(rank), share.second * kRows) << key;
+    if (std::string_view(key) == "tall-stacks") {
+      EXPECT_GE(values.maxCoeff() / values[kRows - rank], 1e6);
+    }
+  }
+}
+
+// As SceneBits: made by the release build, changed only when a family is changed on purpose.
+TEST(PackingBits, AreTheSameInEveryBuild) {
+  constexpr std::pair<const char*, std::uint64_t> kHashes[] = {
+      {"ovals-in-bowl", 0x38eb736fa9b35dfeU},   {"roller-bearing", 0xe1f331c3999e1155U},
+      {"rounded-wall", 0x46a1ad4bae996c12U},    {"tall-stacks", 0xc6580d27ae6c7df6U},
+      {"billiards-break", 0xa4f31903312b05bfU},
+  };
+  for (const auto& [key, expected] : kHashes) {
+    const std::uint64_t hash = HashOf(GenerateScene(key, 60, 5));
+    EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

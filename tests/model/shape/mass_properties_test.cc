@@ -1,0 +1,315 @@
+#include "model/shape/mass_properties.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "model/shape/outline_checks.h"
+#include "model/shape/shapes.h"
+#include "support/input_error.h"
+#include "tests/model/random_outlines.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kExact = 1e-14;
+constexpr double kAccurate = 1e-13;
+
+// Area, centre of mass and inertia for density 1, as a closed form gives them.
+struct Expected {
+  double area;
+  Vec2 center;
+  double inertia;
+};
+
+// Lengths are compared in units of the gyradius.
+void ExpectProperties(const Outline& outline, const Expected& expected, double tolerance = kAccurate) {
+  SCOPED_TRACE(outline.name);
+  const double density = 3.5;
+  const MassProperties p = ComputeMassProperties(outline, density);
+  EXPECT_NEAR(p.area / expected.area, 1, tolerance);
+  EXPECT_NEAR(p.mass / (density * expected.area), 1, tolerance);
+  EXPECT_NEAR(p.inertia / (density * expected.inertia), 1, tolerance);
+  EXPECT_NEAR(Norm(p.center - expected.center) / std::sqrt(expected.inertia / expected.area), 0, tolerance);
+}
+
+// Every piece cut at a random parameter.
+Outline Subdivided(const Outline& outline, Random* random) {
+  Outline cut{outline.name, {}};
+  for (const OutlineLoop& loop : outline.loops) {
+    cut.loops.emplace_back();
+    for (const OutlinePiece& piece : loop) {
+      const double middle = piece.s_begin + random->Uniform(0.1, 0.9) * (piece.s_end - piece.s_begin);
+      cut.loops.back().push_back({piece.edge, piece.s_begin, middle});
+      cut.loops.back().push_back({piece.edge, middle, piece.s_end});
+    }
+  }
+  return cut;
+}
+
+void ExpectSame(const MassProperties& p, const MassProperties& q, double tolerance) {
+  EXPECT_NEAR(p.area / q.area, 1, tolerance);
+  EXPECT_NEAR(p.mass / q.mass, 1, tolerance);
+  EXPECT_NEAR(p.inertia / q.inertia, 1, tolerance);
+  EXPECT_NEAR(Norm(p.center - q.center) / std::sqrt(q.inertia / q.mass), 0, tolerance);
+}
+
+TEST(MassProperties, DiscHasPiRSquaredAndHalfMRSquared) {
+  for (const double r : {1e-6, 0.3, 1.0, 7e5}) {
+    ExpectProperties(Disc(r), {kPi * r * r, {}, kPi * r * r * r * r / 2}, kExact);
+  }
+}
+
+TEST(MassProperties, RingIsTheDifferenceOfTwoDiscs) {
+  for (const auto& [R, r] : {std::pair(1.0, 0.5), std::pair(2.0, 1.9), std::pair(3.0, 0.001)}) {
+    ExpectProperties(Ring(R, r), {kPi * (R - r) * (R + r), {}, kPi / 2 * (R - r) * (R + r) * (R * R + r * r)},
+                     kAccurate);
+  }
+}
+
+TEST(MassProperties, DiscWithEccentricHoleFollowsSteiner) {
+  const double R = 2;
+  const double r = 0.5;
+  const Vec2 hole{0.7, -0.4};
+  Outline outline = Disc(R);
+  outline.loops.push_back({Arc(hole, r, 2 * kPi, 0)});
+  const double area = kPi * (R * R - r * r);
+  const Vec2 center = (-kPi * r * r / area) * hole;
+  const double about_origin = kPi / 2 * R * R * R * R - kPi / 2 * r * r * r * r - kPi * r * r * Dot(hole, hole);
+  ExpectProperties(outline, {area, center, about_origin - area * Dot(center, center)});
+}
+
+TEST(MassProperties, EllipseHasClosedForm) {
+  for (const auto& [a, b] : {std::pair(2.0, 1.0), std::pair(1.0, 5.0), std::pair(1e6, 1.0), std::pair(1.0, 1e6)}) {
+    const Expected expected{kPi * a * b, {}, kPi * a * b * (a * a + b * b) / 4};
+    ExpectProperties(Ellipse(a, b), expected, kExact);
+    ExpectProperties(Transformed(Ellipse(a, b), 0.7, {}), expected, kExact);
+  }
+}
+
+TEST(MassProperties, BoxAndRoundedBoxHaveClosedForms) {
+  for (const auto& [w, h] : {std::pair(2.0, 1.0), std::pair(1e6, 1.0), std::pair(1.0, 1.0)}) {
+    ExpectProperties(Box(w, h), {w * h, {}, w * h * (w * w + h * h) / 12}, kExact);
+  }
+  const double w = 3;
+  const double h = 2;
+  for (const double r : {1e-3, 0.4, 0.999}) {
+    // A cross of three boxes, and four quarter discs whose centroid is 4r/3pi from the corner's centre on either axis.
+    const double core_w = w - 2 * r;
+    const double core_h = h - 2 * r;
+    const double quarter = kPi * r * r / 4;
+    const double arm = 4 * r / (3 * kPi);
+    const double cx = core_w / 2 + arm;
+    const double cy = core_h / 2 + arm;
+    const double quarters = 4 * (kPi * r * r * r * r / 8 - quarter * 2 * arm * arm + quarter * (cx * cx + cy * cy));
+    const double side_x = (w / 2 - r / 2);
+    const double side_y = (h / 2 - r / 2);
+    const double boxes = core_w * core_h * (core_w * core_w + core_h * core_h) / 12 +
+                         2 * r * core_h * ((r * r + core_h * core_h) / 12 + side_x * side_x) +
+                         2 * r * core_w * ((r * r + core_w * core_w) / 12 + side_y * side_y);
+    ExpectProperties(RoundedBox(w, h, r), {w * h - (4 - kPi) * r * r, {}, boxes + quarters});
+  }
+}
+
+TEST(MassProperties, HalfDiscAndDShapeHaveClosedForms) {
+  const double r = 1.7;
+  const double half = kPi * r * r / 2;
+  const double arm = 4 * r / (3 * kPi);
+  const double half_inertia = kPi * r * r * r * r / 4 - half * arm * arm;
+  ExpectProperties(HalfDisc(r), {half, {0, arm}, half_inertia});
+  const double s = 0.9;
+  const double box = 2 * r * s;
+  const double area = half + box;
+  const double center = (half * arm - box * s / 2) / area;
+  const double inertia = half_inertia + half * (arm - center) * (arm - center) + box * (s * s + 4 * r * r) / 12 +
+                         box * (s / 2 + center) * (s / 2 + center);
+  ExpectProperties(DShape(s, r), {area, {center, 0}, inertia});
+}
+
+TEST(MassProperties, CapsuleHasClosedForm) {
+  for (const auto& [l, r] : {std::pair(2.0, 0.5), std::pair(1e-3, 1.0), std::pair(1e5, 1.0)}) {
+    const double half = kPi * r * r / 2;
+    const double arm = 4 * r / (3 * kPi);
+    const double end = l / 2 + arm;
+    const double inertia =
+        2 * (kPi * r * r * r * r / 4 - half * arm * arm + half * end * end) + 2 * r * l * (l * l + 4 * r * r) / 12;
+    ExpectProperties(Capsule(l, r), {2 * half + 2 * r * l, {}, inertia});
+  }
+}
+
+TEST(MassProperties, TriangleHasItsCentroidAndSumOfSquaredSides) {
+  Random random(1);
+  for (int k = 0; k < 500; ++k) {
+    Vec2 a = random.Vector(2);
+    Vec2 b = random.Vector(2);
+    const Vec2 c = random.Vector(2);
+    if (Cross(b - a, c - a) < 0) std::swap(a, b);
+    const double area = Cross(b - a, c - a) / 2;
+    if (area < 0.1) continue;
+    const double squares = Dot(b - a, b - a) + Dot(c - b, c - b) + Dot(a - c, a - c);
+    ExpectProperties(Polygon({a, b, c}), {area, (1.0 / 3) * (a + b + c), area * squares / 36});
+  }
+}
+
+TEST(MassProperties, SuperellipseHasTheGammaFunctionForm) {
+  // The integral of x^(p-1) y^(q-1) over a quadrant of x^m + y^m <= 1 [Dirichlet].
+  const auto dirichlet = [](double p, double q, double m) {
+    return std::exp(std::lgamma(p / m) + std::lgamma(q / m) - std::lgamma(1 + (p + q) / m)) / (m * m);
+  };
+  for (const int m : {2, 4, 6, 10, 50, 1000}) {
+    for (const auto& [a, b] : {std::pair(1.0, 1.0), std::pair(2.0, 0.3), std::pair(1.0, 1e6), std::pair(1e6, 1.0)}) {
+      SCOPED_TRACE(std::to_string(m) + " " + std::to_string(a));
+      const double area = 4 * a * b * dirichlet(1, 1, m);
+      const double inertia = 4 * a * b * (a * a + b * b) * dirichlet(3, 1, m);
+      ExpectProperties(Superellipse(a, b, m), {area, {}, inertia}, kAccurate);
+    }
+  }
+}
+
+TEST(MassProperties, SuperellipseOfExponentTwoIsTheEllipseAlsoInPieces) {
+  Random random(2);
+  for (int k = 0; k < 300; ++k) {
+    const double a = random.Uniform(0.2, 2);
+    const double b = random.Uniform(0.2, 2);
+    const double phi = random.Uniform(-4, 4);
+    const Vec2 center = random.Vector(2);
+    const double t0 = random.Uniform(-4, 4);
+    const double t1 = t0 + random.Uniform(0.4, 6.2);
+    // The polar angle on the same branch as the eccentric angle.
+    const auto polar = [&](double t) {
+      const double s = std::atan2(b * std::sin(t), a * std::cos(t));
+      return s + 2 * kPi * std::round((t - s) / (2 * kPi));
+    };
+    const EllipseEdge ellipse{center, a, b, phi, Side::kConvex};
+    const SuperellipseEdge super{center, a, b, 2, phi, Side::kConvex};
+    const OutlinePiece chord = Line(CurvePoint(ellipse, t1), CurvePoint(ellipse, t0));
+    const Outline p{"ellipse", {{{ellipse, t0, t1}, chord}}};
+    const Outline q{"superellipse", {{{super, polar(t0), polar(t1)}, chord}}};
+    ExpectSame(ComputeMassProperties(q, 1), ComputeMassProperties(p, 1), 1e-12);
+  }
+}
+
+TEST(MassProperties, BezierParabolaHasClosedForm) {
+  // y = 1 - x^2 over the x axis: area 4/3, centroid 2/5, integral of x^2 4/15, of y^2 32/105.
+  const Vec2 left{-1, 0};
+  const Vec2 right{1, 0};
+  const Vec2 apex{0, 2};
+  const BezierEdge parabola{{right, (1.0 / 3) * right + (2.0 / 3) * apex, (1.0 / 3) * left + (2.0 / 3) * apex, left}};
+  const Outline outline{"parabola", {{Line(left, right), {parabola, 0, 1}}}};
+  ExpectProperties(outline, {4.0 / 3, {0, 0.4}, 4.0 / 15 + 32.0 / 105 - 4.0 / 3 * 0.16}, kExact);
+}
+
+TEST(MassProperties, NearlyStraightArcsKeepAllDigits) {
+  for (const double R : {1e2, 1e4, 1e6, 1e9}) {
+    SCOPED_TRACE(R);
+    // A lens of two arcs of radius R over the chord from (-1, 0) to (1, 0). Half angle asin(1/R).
+    const double alpha = std::asin(1 / R);
+    const double drop = std::sqrt((R - 1) * (R + 1));
+    const Outline lens{"lens",
+                       {{Arc({0, drop}, R, -kPi / 2 - alpha, -kPi / 2 + alpha),
+                         Arc({0, -drop}, R, kPi / 2 - alpha, kPi / 2 + alpha)}}};
+    const MassProperties p = ComputeMassProperties(lens, 1);
+    // Series of 2 (segment area) = R^2 (2 alpha - sin 2 alpha) and of the integral of x^2. The angles pi / 2 +- alpha
+    // are rounded: relative to alpha by epsilon R.
+    const double rounding = 8e-16 * R + 1e-13;
+    EXPECT_NEAR(p.area * R / (4.0 / 3 * (1 + 0.3 / (R * R))), 1, 3 * rounding + 1 / (R * R * R));
+    EXPECT_NEAR(p.inertia * R / (4.0 / 15), 1, 5 * rounding + 2 / (R * R));
+    // The same arcs closing a box: what they add is tiny, and the box keeps its digits.
+    const Outline box{"box",
+                      {{Line({-1, -3}, {1, -3}), Line({1, -3}, {1, 0}),
+                        Arc({0, -drop}, R, kPi / 2 - alpha, kPi / 2 + alpha), Line({-1, 0}, {-1, -3})}}};
+    const MassProperties q = ComputeMassProperties(box, 1);
+    EXPECT_NEAR(q.area, 6 + p.area / 2, 2e-14);
+  }
+}
+
+TEST(MassProperties, AgreeWithFinePolygonsForEveryMixtureOfEdges) {
+  Random random(3);
+  for (int k = 0; k < 100; ++k) {
+    const Outline outline = RandomOutline(&random);
+    // Error of the polygon with steps h is C h^2 + ..: one Richardson step leaves h^4.
+    const auto polygon = [&](int steps) {
+      Outline flat{"flat", {}};
+      for (const OutlineLoop& loop : outline.loops) {
+        std::vector<Vec2> corners;
+        for (const OutlinePiece& piece : loop) {
+          for (int i = 0; i < steps; ++i) {
+            const double t = static_cast<double>(i) / steps;
+            corners.push_back(CurvePoint(piece.edge, piece.s_begin + t * (piece.s_end - piece.s_begin)));
+          }
+        }
+        flat.loops.push_back(Polygon(corners).loops[0]);
+      }
+      return OutlineMoments(flat, {});
+    };
+    const AreaMoments coarse = polygon(100);
+    const AreaMoments fine = polygon(200);
+    const AreaMoments exact = OutlineMoments(outline, {});
+    const auto extrapolate = [](double c, double f) { return f + (f - c) / 3; };
+    EXPECT_NEAR(exact.area, extrapolate(coarse.area, fine.area), 1e-8);
+    EXPECT_NEAR(exact.first.x, extrapolate(coarse.first.x, fine.first.x), 1e-8);
+    EXPECT_NEAR(exact.first.y, extrapolate(coarse.first.y, fine.first.y), 1e-8);
+    EXPECT_NEAR(exact.xx, extrapolate(coarse.xx, fine.xx), 1e-7);
+    EXPECT_NEAR(exact.xy, extrapolate(coarse.xy, fine.xy), 1e-7);
+    EXPECT_NEAR(exact.yy, extrapolate(coarse.yy, fine.yy), 1e-7);
+  }
+}
+
+TEST(MassProperties, DoNotDependOnPlaceDirectionOrSubdivision) {
+  Random random(4);
+  for (int k = 0; k < 300; ++k) {
+    SCOPED_TRACE(k);
+    const Outline outline = RandomOutline(&random);
+    const MassProperties p = ComputeMassProperties(outline, 2);
+    const double angle = random.Uniform(-3, 3);
+    const Vec2 shift = random.Vector(3);
+    const Outline moved = Transformed(outline, angle, shift);
+    const MassProperties q = ComputeMassProperties(moved, 2);
+    EXPECT_NEAR(Norm(q.center - shift - Rotate(SinCos(angle), p.center)), 0, kAccurate);
+    EXPECT_NEAR(q.mass / p.mass, 1, kAccurate);
+    EXPECT_NEAR(q.inertia / p.inertia, 1, kAccurate);
+    ExpectSame(ComputeMassProperties(Subdivided(outline, &random), 2), p, kAccurate);
+  }
+}
+
+TEST(MassProperties, ScalingByAPowerOfTwoIsExact) {
+  Random random(5);
+  for (int k = 0; k < 50; ++k) {
+    const Outline outline = RandomOutline(&random);
+    const MassProperties p = ComputeMassProperties(outline, 1);
+    const double scale = 0x1p20;
+    const MassProperties q = ComputeMassProperties(Scaled(outline, scale), 1);
+    EXPECT_EQ(q.area, scale * scale * p.area);
+    EXPECT_EQ(q.inertia, scale * scale * scale * scale * p.inertia);
+    EXPECT_EQ(q.center.x, scale * p.center.x);
+  }
+}
+
+TEST(MassProperties, CenteredOutlineHasItsCentreOfMassAtTheOrigin) {
+  Random random(6);
+  for (int k = 0; k < 50; ++k) {
+    const Outline outline = RandomOutline(&random);
+    const Body body = MakeBody(outline, 1.5);
+    const MassProperties p = ComputeMassProperties(Centered(outline), 1.5);
+    EXPECT_NEAR(Norm(p.center), 0, kExact);
+    EXPECT_NEAR(p.inertia / body.inertia, 1, kAccurate);
+    EXPECT_NEAR(p.mass / body.mass, 1, kAccurate);
+    EXPECT_EQ(body.x.x, ComputeMassProperties(outline, 1.5).center.x);
+    EXPECT_NO_THROW(RequireValid(Centered(outline)));
+  }
+}
+
+TEST(MassProperties, RefuseADensityThatIsNotPositiveAndFinite) {
+  for (const double density :
+       {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(ComputeMassProperties(Disc(1), density), InputError);
+  }
+  EXPECT_THROW(ComputeMassProperties(Outline{"none", {}}, 1), InputError);
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

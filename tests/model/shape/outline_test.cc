@@ -1,0 +1,394 @@
+#include "model/shape/outline.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "model/shape/mass_properties.h"
+#include "model/shape/outline_checks.h"
+#include "model/shape/shapes.h"
+#include "support/input_error.h"
+#include "tests/model/random_outlines.h"
+
+namespace lcpbench::testing {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+const double kInfinity = std::numeric_limits<double>::infinity();
+
+// One line that names the outline and holds every one of the texts.
+void ExpectRefused(const Outline& outline, const std::vector<std::string>& texts) {
+  try {
+    RequireValid(outline);
+    ADD_FAILURE() << "accepted; expected an error with: " << texts[0];
+  } catch (const InputError& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("outline '" + outline.name + "'"), std::string::npos) << what;
+    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    for (const std::string& text : texts) EXPECT_NE(what.find(text), std::string::npos) << what;
+  }
+}
+
+TEST(Outline, RandomMixturesOfAllEdgesAreValidWhereverTheyAre) {
+  Random random(1);
+  for (int k = 0; k < 300; ++k) {
+    SCOPED_TRACE(k);
+    const Outline outline = RandomOutline(&random);
+    EXPECT_NO_THROW(RequireValid(outline));
+    EXPECT_NO_THROW(RequireValid(Transformed(outline, random.Uniform(-3, 3), random.Vector(100))));
+    EXPECT_NO_THROW(RequireValid(Scaled(outline, 1e-30)));
+    EXPECT_NO_THROW(RequireValid(Scaled(outline, 1e30)));
+  }
+}
+
+TEST(Outline, PointsAndDirectionsOfCurvesFollowTheirFormulas) {
+  Random random(2);
+  for (int k = 0; k < 2000; ++k) {
+    const auto kind = static_cast<EdgeKind>(RandomInteger(kEdgeKinds, &random));
+    const OutlinePiece piece = RandomPieceBetween(random.Vector(1), random.Vector(1), kind, &random);
+    const double s = piece.s_begin + random.Uniform(0, 1) * (piece.s_end - piece.s_begin);
+    const double h = 1e-6;
+    const Vec2 difference = CurvePoint(piece.edge, s + h) - CurvePoint(piece.edge, s - h);
+    const Vec2 direction = CurveDirection(piece.edge, s);
+    EXPECT_NEAR(Cross(difference, direction) / (Norm(difference) * Norm(direction)), 0, 1e-7);
+    EXPECT_GT(Dot(difference, direction), 0);
+    if (const auto* e = std::get_if<SuperellipseEdge>(&piece.edge)) {
+      const Vec2 p = Rotate(SinCos(-e->phi), CurvePoint(piece.edge, s) - e->center);
+      EXPECT_NEAR(IntegerPower(p.x / e->a, e->m) + IntegerPower(p.y / e->b, e->m), 1, 1e-12);
+      EXPECT_NEAR(Cross(p, Vec2{std::cos(s), std::sin(s)}) / Norm(p), 0, 1e-12);
+    }
+  }
+}
+
+TEST(Outline, RootOfOnePlusPowerIsAccurateToLastPlaces) {
+  Random random(3);
+  for (int k = 0; k < 5000; ++k) {
+    const int m = 2 + 2 * RandomInteger(k % 2 == 0 ? 8 : 500, &random);
+    const double q = random.Uniform(-1, 1);
+    const long double exact = std::pow(1 + std::pow(std::abs(static_cast<long double>(q)), m), 1.0L / m);
+    EXPECT_NEAR(RootOfOnePlusPower(q, m) / static_cast<double>(exact), 1, 1e-15) << q << " " << m;
+  }
+}
+
+TEST(Outline, BezierPieceIsTheSameCurve) {
+  Random random(4);
+  for (int k = 0; k < 200; ++k) {
+    const BezierEdge edge{{random.Vector(1), random.Vector(1), random.Vector(1), random.Vector(1)}};
+    const double s0 = random.Uniform(0, 1);
+    const double s1 = random.Uniform(0, 1);
+    const BezierEdge piece{BezierPiece(edge, s0, s1)};
+    const double t = random.Uniform(0, 1);
+    EXPECT_NEAR(Norm(CurvePoint(piece, t) - CurvePoint(edge, s0 + t * (s1 - s0))), 0, 1e-14);
+  }
+}
+
+TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
+  const auto with = [](const OutlinePiece& piece) {
+    Outline outline = Polygon({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
+    outline.loops[0][2] = piece;
+    return outline;
+  };
+  const std::string edge = "outer boundary, edge 2";
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    ExpectRefused(with(Line({bad, 2}, {0, 2})), {edge, "straight edge", "not finite"});
+    ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0, bad}), {edge, "not finite"});
+    ExpectRefused(with(Arc({0, bad}, 1, 0, 1)), {edge, "arc", "not finite"});
+    ExpectRefused(with(Arc({0, 0}, bad, 0, 1)), {edge, "arc"});
+    ExpectRefused(with({EllipseEdge{{}, 1, 1, bad, Side::kConvex}, 0, 1}), {edge, "ellipse", "not finite"});
+    ExpectRefused(with({SuperellipseEdge{{}, bad, 1, 4, 0, Side::kConvex}, 0, 1}), {edge, "superellipse"});
+    ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{1, bad}, Vec2{}, Vec2{}}}, 0, 1}), {edge, "Bezier", "not finite"});
+  }
+  for (const double radius : {0.0, -1.0}) {
+    ExpectRefused(with(Arc({}, radius, 0, 1)), {edge, "radius must be > 0"});
+    ExpectRefused(with({EllipseEdge{{}, radius, 1, 0, Side::kConvex}, 0, 1}), {edge, "semi-axes must be > 0"});
+    ExpectRefused(with({SuperellipseEdge{{}, 1, radius, 4, 0, Side::kConvex}, 0, 1}), {edge, "semi-axes must be > 0"});
+  }
+  for (const int m : {-2, 0, 1, 3, 7, kMaxSuperellipseExponent + 2, std::numeric_limits<int>::min(),
+                      std::numeric_limits<int>::max()}) {
+    ExpectRefused(with({SuperellipseEdge{{}, 1, 1, m, 0, Side::kConvex}, 0, 1}), {edge, "exponent", "even"});
+  }
+  ExpectRefused(with({EllipseEdge{{}, 1.1e6, 1, 0, Side::kConvex}, 0, 1}), {edge, "aspect ratio"});
+  ExpectRefused(with({SuperellipseEdge{{}, 1, 1e7, 4, 0, Side::kConvex}, 0, 1}), {edge, "aspect ratio"});
+  ExpectRefused(with(Line({2, 2}, {2, 2})), {edge, "zero-length"});
+  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0.5, 0.5}), {edge, "zero-length"});
+  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 1, 0}), {edge, "s_begin < s_end"});
+  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0, 1.5}), {edge, "0..1"});
+  ExpectRefused(with({ArcEdge{{}, 1, Side::kConvex}, 1, 0}), {edge, "counter-clockwise"});
+  ExpectRefused(with({ArcEdge{{}, 1, Side::kConcave}, 0, 1}), {edge, "clockwise"});
+  ExpectRefused(with(Arc({}, 1, 0, 7)), {edge, "full turn"});
+  ExpectRefused(with(Arc({}, 1, 1e9, 1e9 + 1)), {edge, "1000 rad"});
+  ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{2, 2}, Vec2{1, 3}, Vec2{0, 2}}}, 0, 1}), {edge, "derivative"});
+  ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{0, 3}, Vec2{2, 3}, Vec2{0, 2}}}, 0, 1}), {edge, "derivative"});
+}
+
+TEST(OutlineChecks, RefuseOutlinesWithoutEdges) {
+  ExpectRefused({"empty", {}}, {"no outer boundary"});
+  ExpectRefused({"empty", {{}}}, {"outer boundary", "no edges"});
+  Outline hole = Disc(1);
+  hole.loops.emplace_back();
+  ExpectRefused(hole, {"hole 1", "no edges"});
+}
+
+TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheTolerance) {
+  const auto gap = [](double size) {
+    return Outline{"gap",
+                   {{Line({0, 0}, {1, 0}), Line({1, 0}, {1, 1}), Line({1, 1}, {0, 1 + size}), Line({0, 1}, {0, 0})}}};
+  };
+  EXPECT_NO_THROW(RequireValid(gap(1e-10)));
+  ExpectRefused(gap(1e-8), {"edge 2", "open outline", "edge 3"});
+  ExpectRefused({"line", {{Line({0, 0}, {1, 0})}}}, {"edge 0", "open outline"});
+  ExpectRefused({"arc", {{Arc({}, 1, 0, 6)}}}, {"edge 0", "open outline"});
+}
+
+TEST(OutlineChecks, RefuseSelfIntersections) {
+  ExpectRefused(Polygon({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0", "edge 2"});
+  // A vertex on an edge, an edge run twice, a spike.
+  ExpectRefused(Polygon({{0, 0}, {4, 0}, {4, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0"});
+  ExpectRefused(Polygon({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0}, {0, 1}}), {"self-intersecting"});
+  ExpectRefused(Polygon({{0, 0}, {2, 0}, {2, 2}, {2, 3}, {2, 2}, {0, 2}}), {"self-intersecting"});
+  // A line through an arc; an arc bulging through the opposite side.
+  ExpectRefused({"cut", {{Arc({}, 1, 0, kPi), Line({-1, 0}, {0, 2}), Line({0, 2}, {1, 0})}}}, {"self-intersecting"});
+  const double R = 1.02;
+  const double h = std::sqrt(R * R - 1);
+  const double begin = std::atan2(h, -1.0);
+  Outline bulge{"bulge",
+                {{Line({-1, -0.1}, {1, -0.1}), Line({1, -0.1}, {1, 0}),
+                  Arc({0, h}, R, 2 * kPi - std::atan2(h, 1.0), kPi + std::atan2(h, 1.0)), Line({-1, 0}, {-1, -0.1})}}};
+  EXPECT_GT(begin, 0);
+  ExpectRefused(bulge, {"self-intersecting", "edge 0", "edge 2"});
+  // One Bezier edge with a loop.
+  ExpectRefused({"loop",
+                 {{{BezierEdge{{Vec2{0, 0}, Vec2{4, 3}, Vec2{-2, 3}, Vec2{2, 0}}}, 0, 1},
+                   Line({2, 0}, {3, -1}),
+                   Line({3, -1}, {-1, -1}),
+                   Line({-1, -1}, {0, 0})}}},
+                {"self-intersecting", "itself"});
+}
+
+TEST(OutlineChecks, RefuseCuspsOfZeroAngle) {
+  // A crescent of two circles that touch from inside.
+  ExpectRefused({"crescent", {{Arc({}, 1, 0, 2 * kPi), Arc({0.5, 0}, 0.5, 2 * kPi, 0)}}}, {"self-intersecting"});
+  // A small angle is allowed.
+  EXPECT_NO_THROW(RequireValid(Polygon({{0, 0}, {1, -1e-4}, {1, 1e-4}})));
+}
+
+TEST(OutlineChecks, RefuseTheWrongSenseOfTravel) {
+  ExpectRefused(Polygon({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {"outer boundary", "edge 0", "clockwise"});
+  ExpectRefused({"inside out", {{Arc({}, 1, 2 * kPi, 0)}}}, {"outer boundary", "clockwise"});
+  Outline ring = Disc(2);
+  ring.loops.push_back({Arc({}, 1, 0, 2 * kPi)});
+  ExpectRefused(ring, {"hole 1", "counter-clockwise"});
+}
+
+TEST(OutlineChecks, RefuseHolesThatAreNotWithinTheMaterial) {
+  Outline outside = Disc(1);
+  outside.loops.push_back({Arc({3, 0}, 0.5, 2 * kPi, 0)});
+  ExpectRefused(outside, {"hole 1", "outside"});
+  Outline around = Disc(1);
+  around.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
+  ExpectRefused(around, {"hole 1", "outside"});
+  Outline crossing = Disc(1);
+  crossing.loops.push_back({Arc({1, 0}, 0.5, 2 * kPi, 0)});
+  ExpectRefused(crossing, {"self-intersecting", "hole 1"});
+  Outline nested = Disc(4);
+  nested.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
+  nested.loops.push_back({Arc({0.5, 0}, 1, 2 * kPi, 0)});
+  ExpectRefused(nested, {"hole 2", "inside hole 1"});
+  Outline in_the_mouth = Bowl(2, 1.5, 1);
+  in_the_mouth.loops.push_back({Arc({}, 0.3, 2 * kPi, 0)});
+  ExpectRefused(in_the_mouth, {"hole 1", "outside"});
+}
+
+TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
+  EXPECT_NO_THROW(RequireValid(Ring(1, 1 - 1e-8)));
+  ExpectRefused(
+      [] {
+        Outline ring = Disc(1);
+        ring.loops.push_back({Arc({}, 1 - 1e-11, 2 * kPi, 0)});
+        return ring;
+      }(),
+      {"hole 1"});
+  for (const double R : {1e3, 1e6, 1e9}) {
+    const double alpha = std::asin(1 / R);
+    const double drop = std::sqrt((R - 1) * (R + 1));
+    for (const bool convex : {true, false}) {
+      const OutlinePiece top = convex ? Arc({0, -drop}, R, kPi / 2 - alpha, kPi / 2 + alpha)
+                                      : Arc({0, drop}, R, -kPi / 2 + alpha, -kPi / 2 - alpha);
+      EXPECT_NO_THROW(
+          RequireValid({"box", {{Line({-1, -3}, {1, -3}), Line({1, -3}, {1, 0}), top, Line({-1, 0}, {-1, -3})}}}))
+          << R;
+    }
+  }
+}
+
+TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
+  GearShape shape;
+  shape.teeth = 2000;
+  shape.root_radius = 0.999;
+  EXPECT_NO_THROW(Gear(shape));
+}
+
+// What a reader of files could be handed: valid outlines with numbers, kinds or order spoilt.
+OutlinePiece RandomPiece(Random* random) {
+  const auto length = [random] {
+    const double special[] = {0, -1, 1, kNaN, kInfinity, -kInfinity, 1e-300, 1e300, 1e-320, 5e-324};
+    const int choice = RandomInteger(30, random);
+    return choice < 10 ? special[choice] : random->Uniform(-3, 3);
+  };
+  const auto point = [&] { return Vec2{length(), length()}; };
+  const Side side = random->Uniform(0, 1) < 0.5 ? Side::kConvex : Side::kConcave;
+  OutlinePiece piece;
+  switch (RandomInteger(kEdgeKinds, random)) {
+    case 0:
+      piece.edge = StraightEdge{point(), point()};
+      break;
+    case 1:
+      piece.edge = ArcEdge{point(), length(), side};
+      break;
+    case 2:
+      piece.edge = EllipseEdge{point(), length(), length(), length(), side};
+      break;
+    case 3:
+      piece.edge = SuperellipseEdge{point(), length(), length(), RandomInteger(12, random) - 2, length(), side};
+      break;
+    default:
+      piece.edge = BezierEdge{{point(), point(), point(), point()}};
+  }
+  piece.s_begin = RandomInteger(2, random) == 0 ? 0 : length();
+  piece.s_end = RandomInteger(2, random) == 0 ? 1 : length();
+  return piece;
+}
+
+double* RandomNumber(OutlinePiece* piece, Random* random) {
+  std::vector<double*> numbers = {&piece->s_begin, &piece->s_end};
+  const auto add = [&](Vec2* p) {
+    numbers.push_back(&p->x);
+    numbers.push_back(&p->y);
+  };
+  if (auto* e = std::get_if<StraightEdge>(&piece->edge)) {
+    add(&e->a);
+    add(&e->b);
+  } else if (auto* arc = std::get_if<ArcEdge>(&piece->edge)) {
+    add(&arc->center);
+    numbers.push_back(&arc->radius);
+  } else if (auto* ellipse = std::get_if<EllipseEdge>(&piece->edge)) {
+    add(&ellipse->center);
+    numbers.insert(numbers.end(), {&ellipse->a, &ellipse->b, &ellipse->phi});
+  } else if (auto* super = std::get_if<SuperellipseEdge>(&piece->edge)) {
+    add(&super->center);
+    numbers.insert(numbers.end(), {&super->a, &super->b, &super->phi});
+  } else {
+    for (Vec2& p : std::get<BezierEdge>(piece->edge).P) add(&p);
+  }
+  return numbers[static_cast<std::size_t>(RandomInteger(static_cast<int>(numbers.size()), random))];
+}
+
+void Spoil(Outline* outline, Random* random) {
+  OutlineLoop& loop =
+      outline->loops[static_cast<std::size_t>(RandomInteger(static_cast<int>(outline->loops.size()), random))];
+  const auto at = [&] { return static_cast<std::size_t>(RandomInteger(static_cast<int>(loop.size()), random)); };
+  if (loop.empty()) return;
+  switch (RandomInteger(8, random)) {
+    case 0:
+      loop[at()] = RandomPiece(random);
+      break;
+    case 1:
+      loop.erase(loop.begin() + static_cast<std::ptrdiff_t>(at()));
+      break;
+    case 2:
+      std::swap(loop[at()], loop[at()]);
+      break;
+    case 3:
+      loop.push_back(loop[at()]);
+      break;
+    case 4:
+      outline->loops.push_back(loop);
+      break;
+    case 5:
+      *RandomNumber(&loop[at()], random) *= 1 + random->Uniform(-1, 1) * std::pow(10, random->Uniform(-12, 0));
+      break;
+    case 6:
+      *RandomNumber(&loop[at()], random) *= std::pow(10, random->Uniform(-300, 300));
+      break;
+    default: {
+      const double special[] = {0, -1, kNaN, kInfinity, std::numeric_limits<double>::max(), 5e-324};
+      *RandomNumber(&loop[at()], random) = special[RandomInteger(6, random)];
+    }
+  }
+}
+
+TEST(OutlineChecks, MalformedOutlinesAreRefusedOrHaveFiniteProperties) {
+  Random random(7);
+  int refused = 0;
+  int accepted = 0;
+  const auto judge = [&](const Outline& outline) {
+    try {
+      const Body body = MakeBody(outline, 1);
+      ++accepted;
+      EXPECT_TRUE(std::isfinite(body.mass) && body.mass > 0);
+      EXPECT_TRUE(std::isfinite(body.inertia) && body.inertia > 0);
+      EXPECT_TRUE(IsFinite(body.x));
+    } catch (const InputError& error) {
+      ++refused;
+      EXPECT_NE(std::string(error.what()).find("outline '"), std::string::npos) << error.what();
+    }
+  };
+  for (int k = 0; k < 3000; ++k) {
+    SCOPED_TRACE(k);
+    Outline outline = RandomOutline(&random);
+    const int faults = 1 + RandomInteger(2, &random);
+    for (int i = 0; i < faults; ++i) Spoil(&outline, &random);
+    judge(outline);
+  }
+  for (int k = 0; k < 3000; ++k) {
+    SCOPED_TRACE(k);
+    Outline outline{"scrap", {}};
+    const int loops = RandomInteger(3, &random);
+    for (int i = 0; i < loops; ++i) {
+      outline.loops.emplace_back();
+      const int pieces = RandomInteger(4, &random);
+      for (int j = 0; j < pieces; ++j) outline.loops.back().push_back(RandomPiece(&random));
+    }
+    judge(outline);
+  }
+  EXPECT_GT(refused, 4000);
+  EXPECT_GT(accepted, 50);
+}
+
+TEST(OutlineChecks, RandomPolygonsAreRefusedExactlyIfTheyCrossThemselvesOrRunClockwise) {
+  Random random(8);
+  int simple = 0;
+  for (int k = 0; k < 5000; ++k) {
+    SCOPED_TRACE(k);
+    const int n = 3 + RandomInteger(4, &random);
+    std::vector<Vec2> corners;
+    corners.reserve(static_cast<std::size_t>(n));
+    for (int i = 0; i < n; ++i) corners.push_back(random.Vector(1));
+    const auto corner = [&](int i) { return corners[static_cast<std::size_t>(i % n)]; };
+    bool crosses = false;
+    double area = 0;
+    for (int i = 0; i < n; ++i) {
+      area += Cross(corner(i), corner(i + 1)) / 2;
+      for (int j = i + 2; j < n && j + 1 < i + n; ++j) {
+        const auto side = [&](int p, int q) { return Cross(corner(p + 1) - corner(p), corner(q) - corner(p)) > 0; };
+        crosses = crosses || (side(i, j) != side(i, j + 1) && side(j, i) != side(j, i + 1));
+      }
+    }
+    const bool valid = !crosses && area > 0;
+    simple += valid ? 1 : 0;
+    if (valid) {
+      EXPECT_NO_THROW(RequireValid(Polygon(corners)));
+    } else {
+      EXPECT_THROW(RequireValid(Polygon(corners)), InputError);
+    }
+  }
+  EXPECT_GT(simple, 500);
+}
+
+}  // namespace
+}  // namespace lcpbench::testing

@@ -1,0 +1,212 @@
+// How auto divides, chooses, verifies and falls back.
+
+#include "solvers/auto/auto_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <string>
+#include <vector>
+
+#include "solvers/active_set/semismooth_newton.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/pivoting/dantzig.h"
+#include "support/input_error.h"
+#include "tests/solvers/composed_problems.h"
+#include "tests/solvers/exact_problems.h"
+#include "tests/solvers/stacked_problems.h"
+
+namespace lcpbench {
+namespace {
+
+using Eigen::VectorXd;
+
+LcpResult Solve(const LcpProblem& problem, double tolerance = 1e-9, const VectorXd* initial_f = nullptr) {
+  AutoSolver solver;
+  LcpOptions options;
+  options.tolerance = tolerance;
+  options.initial_f = initial_f;
+  LcpResult result;
+  solver.Solve(problem, options, &result);
+  return result;
+}
+
+void ExpectRight(const LcpProblem& problem, const LcpResult& result, double tolerance) {
+  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
+  const Verdict verdict = Verify(problem, result, tolerance);
+  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason << "; " << result.detail;
+}
+
+// Parts of 5 to 90 rows: tableaus, and a portfolio for what is larger.
+LcpProblem Archipelago(unsigned seed) {
+  TestRandom random(seed);
+  std::vector<LcpProblem> parts;
+  const int count = random.Integer(4, 12);
+  for (int k = 0; k < count; ++k) {
+    const int rows = random.Chance(0.2) ? random.Integer(70, 90) : random.Integer(5, 40);
+    parts.push_back(PlantedProblem(rows, random.Integer(rows / 4 + 1, rows), 17 * seed + static_cast<unsigned>(k),
+                                   random.Integer(0, 5), random.Integer(0, 4))
+                        .problem);
+  }
+  return Compose(parts, seed);
+}
+
+TEST(AutoSolver, SolvesIslandsOneByOne) {
+  int divided = 0;
+  int with_rest = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const LcpProblem problem = Archipelago(seed);
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      const LcpResult result = Solve(problem, tolerance);
+      ExpectRight(problem, result, tolerance);
+      const bool says_so = result.detail.find(" islands, largest ") != std::string::npos;
+      divided += says_so ? 1 : 0;
+      with_rest += says_so && result.detail.find("; ") != std::string::npos ? 1 : 0;
+    }
+  }
+  EXPECT_GT(divided, 90);
+  EXPECT_GT(with_rest, 10);
+}
+
+// Above AutoPortfolio::kSmallRows: one island or one that dominates stays whole, many are taken one by one, and a few
+// large ones go to the portfolio together.
+TEST(AutoSolver, DividesLargeProblemsWhereTheirColumnsDo) {
+  const auto check = [](const LcpProblem& problem, bool divides) {
+    const LcpResult result = Solve(problem);
+    ExpectRight(problem, result, 1e-9);
+    EXPECT_EQ(result.detail.find(" islands, largest ") != std::string::npos, divides) << result.detail;
+  };
+  for (unsigned seed = 0; seed < 6; ++seed) {
+    for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
+      check(generate(1200, seed), false);
+      check(Compose({generate(1200, seed), Column(50, seed)}, seed), false);
+      check(Compose({generate(1200, seed), generate(1000, seed + 1)}, seed), false);
+      std::vector<LcpProblem> parts;
+      for (unsigned k = 0; k < 40; ++k) parts.push_back(generate(40, 40 * seed + k));
+      check(Compose(parts, seed), true);
+    }
+  }
+}
+
+TEST(AutoSolver, AWarmStartChangesTheWayAndNotTheAnswer) {
+  for (unsigned seed = 100; seed < 130; ++seed) {
+    const LcpProblem problem = seed % 2 == 0 ? Archipelago(seed) : PlantedProblem(150, 60, seed, 5, 4).problem;
+    const LcpResult cold = Solve(problem);
+    ExpectRight(problem, cold, 1e-9);
+    const LcpResult warm = Solve(problem, 1e-9, &cold.f);
+    ExpectRight(problem, warm, 1e-9);
+    TestRandom random(seed);
+    VectorXd wrong(problem.size());
+    for (Index i = 0; i < wrong.size(); ++i) wrong[i] = random.Integer(-5, 5);
+    ExpectRight(problem, Solve(problem, 1e-9, &wrong), 1e-9);
+  }
+}
+
+// One unsolvable island among many solvable ones: the ray is of the whole problem.
+// An impact on one body of many that rest: b is rounding in all rows but one, and the rows that pushed before do not
+// any more. Their forces are rounding, too, but signs still count.
+TEST(AutoSolver, AWarmStartIntoAnImpactIsJudgedByWhatItReturns) {
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    TestRandom random(seed);
+    const int rest = random.Integer(2, 12);
+    const int n = rest + random.Integer(1, 3);
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
+    VectorXd b(n);
+    const auto couple = [&](int begin, int end) {
+      for (int i = begin; i < end; ++i) {
+        A(i, i) = 2;
+        b[i] = 1e-16 * random.Integer(-1000, 1000) / 1000.0;
+        if (i + 1 < end) A(i, i + 1) = A(i + 1, i) = random.Integer(-9, 9) / 10.0;
+      }
+    };
+    couple(0, rest);
+    couple(rest, n);
+    b[n - 1] = -random.Integer(1, 10) / 10.0;
+    const VectorXd start = VectorXd::Ones(n);
+    const LcpProblem problem = LcpProblem::FromDense("impact-" + std::to_string(seed), A, b);
+    for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+      ExpectRight(problem, Solve(problem, tolerance, &start), tolerance);
+    }
+  }
+}
+
+TEST(AutoSolver, ProvesThatOneIslandHasNoSolution) {
+  int proved = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    std::vector<LcpProblem> parts;
+    for (unsigned k = 0; k < 8; ++k) parts.push_back(PlantedProblem(15, 8, 9 * seed + k, 0, 3).problem);
+    // Two opposed rows on one body that would both have to give way.
+    SparseMatrix J(2, 3);
+    J.insert(0, 0) = 1;
+    J.insert(1, 0) = -1;
+    parts.push_back(LcpProblem::FromFactors("squeezed", J, VectorXd::Ones(3), Eigen::Vector2d(-1, -0.5)));
+    const LcpProblem problem = Compose(parts, seed);
+    const LcpResult result = Solve(problem);
+    EXPECT_EQ(result.status, LcpStatus::kInfeasible) << result.detail;
+    ASSERT_TRUE(result.farkas_ray.has_value()) << result.detail;
+    ASSERT_EQ(result.farkas_ray->size(), problem.size());
+    EXPECT_TRUE(VerifyFarkasRay(problem, *result.farkas_ray).accepted);
+    ++proved;
+  }
+  EXPECT_EQ(proved, 40);
+}
+
+TEST(AutoSolver, AgreesWithDantzigInW) {
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    const LcpProblem problem = PlantedExactly(seed, 100, seed % 2 == 0).problem;
+    const LcpResult ours = Solve(problem);
+    ExpectRight(problem, ours, 1e-9);
+    DantzigSolver dantzig;
+    LcpResult theirs;
+    dantzig.Solve(problem, {}, &theirs);
+    ASSERT_EQ(theirs.status, LcpStatus::kSolved);
+    VectorXd w;
+    VectorXd v;
+    problem.ComputeW(ours.f, &w);
+    problem.ComputeW(theirs.f, &v);
+    const VectorXd root = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? std::sqrt(d) : 1.0; });
+    const double size = problem.b().cwiseQuotient(root).norm();
+    EXPECT_LE((w - v).cwiseQuotient(root).norm(), 1e-7 * (1 + size)) << seed;
+  }
+}
+
+// The Newton method comes first here and goes on from the start it is given, which Dantzig pivoting, the last, leaves.
+TEST(AutoSolver, ReturnsTheBestPointWhereNoBackendArrives) {
+  int unsolved = 0;
+  for (unsigned seed = 0; seed < 40; ++seed) {
+    const int rows = 60 + static_cast<int>(seed);
+    const LcpProblem problem = PlantedProblem(rows, rows / 4, seed, 0, 5).problem;
+    TestRandom random(seed);
+    VectorXd near_f = Solve(problem).f;
+    for (Index i = 0; i < near_f.size(); ++i) near_f[i] += 0.1 * random.Integer(0, 10);
+    for (const std::int64_t most : {1, 2, 3}) {
+      LcpOptions options;
+      options.tolerance = 1e-12;
+      options.max_iterations = most;
+      options.initial_f = &near_f;
+      LcpResult all, first;
+      AutoSolver().Solve(problem, options, &all);
+      if (all.status == LcpStatus::kSolved) continue;
+      ++unsolved;
+      ASSERT_EQ(all.detail.rfind("semismooth-newton", 0), 0U) << all.detail;
+      SemismoothNewtonSolver().Solve(problem, options, &first);
+      EXPECT_LE(Verify(problem, all, 1e-12).metrics.rho, Verify(problem, first, 1e-12).metrics.rho * (1 + 1e-9))
+          << "seed " << seed << ", " << most << " iterations: " << all.detail;
+    }
+  }
+  EXPECT_GT(unsolved, 40);
+}
+
+TEST(AutoSolver, RefusesImpossibleOptions) {
+  EXPECT_THROW(AutoOptions::FromSettings({{"tableau_rows", "129"}}), InputError);
+  EXPECT_THROW(AutoOptions::FromSettings({{"rows", "1"}}), InputError);
+  AutoOptions options;
+  options.newton_factorisations = 0;
+  EXPECT_THROW(AutoSolver{options}, InputError);
+  options = {};
+  options.hard_tableau_rows = -1;
+  EXPECT_THROW(AutoSolver{options}, InputError);
+}
+
+}  // namespace
+}  // namespace lcpbench

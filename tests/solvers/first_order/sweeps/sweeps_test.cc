@@ -1,0 +1,309 @@
+// The passes that first-order solvers are made of.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <random>
+#include <set>
+#include <vector>
+
+#include "solvers/first_order/pgs.h"
+#include "solvers/first_order/sweeps/colouring.h"
+#include "solvers/first_order/sweeps/row_work.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+// Two-body rows on many bodies, so that colours have many rows; every 7th row bilateral if asked for.
+TestProblem Wide(Index n, unsigned seed, int bilateral_every) {
+  return PlantedProblem(n, static_cast<int>(n / 2), seed, bilateral_every, 0);
+}
+
+std::vector<TestProblem> Problems() {
+  std::vector<TestProblem> problems = GeneratedProblems();
+  for (unsigned seed = 1; seed <= 4; ++seed) problems.push_back(Wide(150, seed, seed % 2 == 0 ? 7 : 0));
+  return problems;
+}
+
+double Energy(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  Eigen::VectorXd w;
+  problem.ComputeW(f, &w);
+  return 0.5 * f.dot(w + problem.b());
+}
+
+LcpResult Iterate(const LcpProblem& problem, RowForm form, SweepOrder sweep, std::int64_t sweeps, double omega = 1) {
+  PgsOptions options;
+  options.form = form;
+  options.sweep = sweep;
+  options.relaxation = omega;
+  LcpOptions limits;
+  limits.tolerance = 1e-15;
+  limits.max_iterations = sweeps;
+  LcpResult result;
+  PgsSolver(options).Solve(problem, limits, &result);
+  return result;
+}
+
+// Whether two rows press on one body that can move.
+bool ShareBody(const LcpProblem& problem, Index i, Index j) {
+  for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+    if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+    for (SparseMatrix::InnerIterator jt(problem.J(), j); jt; ++jt) {
+      if (jt.value() != 0 && problem.inverse_mass()[jt.col()] != 0 && it.col() / 3 == jt.col() / 3) return true;
+    }
+  }
+  return false;
+}
+
+TEST(Colouring, IsGreedyInBlocksOfRows) {
+  std::vector<TestProblem> problems = Problems();
+  problems.push_back(Wide(kColourBlock + 200, 9, 0));
+  for (const bool by_bodies : {true, false}) {
+    for (const TestProblem& test : problems) {
+      const LcpProblem& problem = test.problem;
+      const Index n = problem.size();
+      std::vector<Index> colour(static_cast<size_t>(n));
+      std::vector<Index> expected(static_cast<size_t>(n));
+      std::iota(expected.begin(), expected.end(), 0);
+      const auto conflict = [&](Index i, Index j) {
+        return by_bodies ? ShareBody(problem, i, j) : problem.SparseA().coeff(i, j) != 0;
+      };
+      for (Index i = 0; i < n; ++i) {
+        std::set<Index> taken;
+        for (Index j = i - i % kColourBlock; j < i; ++j) {
+          if (conflict(i, j)) taken.insert(colour[static_cast<size_t>(j)]);
+        }
+        Index& own = colour[static_cast<size_t>(i)];
+        while (taken.count(own) > 0) ++own;
+      }
+      std::stable_sort(expected.begin(), expected.end(), [&](Index i, Index j) {
+        if (i / kColourBlock != j / kColourBlock) return i < j;
+        return colour[static_cast<size_t>(i)] < colour[static_cast<size_t>(j)];
+      });
+      EXPECT_EQ(ColouredOrder(problem, by_bodies), expected) << problem.id();
+    }
+  }
+}
+
+TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
+  for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
+    for (const TestProblem& test : Problems()) {
+      const LcpProblem& problem = test.problem;
+      const std::vector<Index> order = ColouredOrder(problem, form == RowForm::kMatrixFree);
+      const LcpProblem permuted = PermuteRows(problem, order);
+      for (const double omega : {1.0, 1.7}) {
+        const LcpResult coloured = Iterate(problem, form, SweepOrder::kColoured, 9, omega);
+        const LcpResult forward = Iterate(permuted, form, SweepOrder::kForward, 9, omega);
+        if (coloured.iterations != 9 || forward.iterations != 9) continue;  // solved in the meantime
+        for (Index k = 0; k < problem.size(); ++k) {
+          EXPECT_EQ(forward.f[k], coloured.f[order[static_cast<size_t>(k)]]) << problem.id() << " row " << k;
+        }
+      }
+    }
+  }
+}
+
+TEST(Sweeps, AllOrdersAgreeInTheLimit) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const TestProblem test = PlantedProblem(20, 12, seed, seed % 2 == 0 ? 5 : 0, 0);
+    std::vector<Eigen::VectorXd> w;
+    for (const SweepOrder order : {SweepOrder::kForward, SweepOrder::kSymmetric, SweepOrder::kColoured}) {
+      for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
+        const LcpResult result = Iterate(test.problem, form, order, 5000);
+        Eigen::VectorXd of;
+        test.problem.ComputeW(result.f, &of);
+        w.push_back(of);
+      }
+    }
+    for (const Eigen::VectorXd& of : w) {
+      EXPECT_LE((of - w.front()).cwiseAbs().maxCoeff(), 1e-9 * test.problem.b().cwiseAbs().maxCoeff());
+    }
+  }
+}
+
+TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
+  // Two sweeps there and back; the reversed problem's first sweep is the given one's second.
+  const TestProblem test = PlantedProblem(20, 12, 3, 0, 0);
+  std::vector<Index> reverse(20);
+  for (Index i = 0; i < 20; ++i) reverse[static_cast<size_t>(i)] = 19 - i;
+  const LcpResult there = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kForward, 1);
+  const LcpResult both = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kSymmetric, 2);
+  PgsOptions options;
+  options.form = RowForm::kMatrixFree;
+  options.sweep = SweepOrder::kForward;
+  Eigen::VectorXd start = there.f.reverse();
+  LcpOptions limits;
+  limits.tolerance = 1e-15;
+  limits.max_iterations = 1;
+  limits.initial_f = &start;
+  LcpResult back;
+  PgsSolver(options).Solve(PermuteRows(test.problem, reverse), limits, &back);
+  const double size = both.f.cwiseAbs().maxCoeff();
+  EXPECT_LE((back.f.reverse() - both.f).cwiseAbs().maxCoeff(), 1e-12 * size);
+  EXPECT_GT((there.f - both.f).cwiseAbs().maxCoeff(), 1e-3 * size);
+}
+
+TEST(Sweeps, CuttingAPassChangesNothing) {
+  std::mt19937 random(5);
+  for (const bool coloured : {false, true}) {
+    for (const TestProblem& test : Problems()) {
+      RowWork whole;
+      RowWork cut;
+      whole.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      whole.Start(test.problem, nullptr);
+      cut.Prepare(test.problem, RowForm::kMatrixFree, coloured);
+      cut.Start(test.problem, nullptr);
+      const Index n = test.problem.size();
+      for (int sweep = 0; sweep < 4; ++sweep) {
+        const bool backward = sweep % 2 == 1;
+        StepSums sums;
+        whole.rows->Sweep(0, n, backward, 1.3, &whole.f, &whole.image, &sums);
+        for (Index done = 0; done < n;) {
+          const Index take = std::min<Index>(n - done, 1 + static_cast<Index>(random() % 9));
+          const Index begin = backward ? n - done - take : done;
+          cut.rows->Sweep(begin, begin + take, backward, 1.3, &cut.f, &cut.image, &sums);
+          done += take;
+        }
+        EXPECT_EQ(whole.f, cut.f) << test.problem.id();
+        EXPECT_EQ(whole.image, cut.image) << test.problem.id();
+      }
+    }
+  }
+}
+
+// Rows on two of many bodies each, in sets of a few hundred that share none.
+LcpProblem Loose(Index n, int bilateral_every) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Index bodies = n;
+  std::uniform_int_distribution<Index> any(0, bodies - 1);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<Index> bilateral;
+  for (Index row = 0; row < n; ++row) {
+    if (bilateral_every > 0 && row % bilateral_every == 0) bilateral.push_back(row);
+    const Index first = any(random);
+    const Index second = any(random);
+    for (Index k = 0; k < 3; ++k) {
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * first + k), uniform(random));
+      if (row % 5 == 0 || second == first) continue;  // on one body
+      entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * second + k), uniform(random));
+    }
+  }
+  SparseMatrix J(n, 3 * bodies);
+  J.setFromTriplets(entries.begin(), entries.end());
+  const auto draw = [&](Index) { return uniform(random); };
+  const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, draw);
+  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::NullaryExpr(3 * bodies, draw).cwiseAbs();
+  return LcpProblem::FromFactors("loose", J, inverse_mass, b, RowBounds::WithBilateralRows(n, bilateral));
+}
+
+// The last size is one that fetches rows ahead.
+TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
+  for (const Index n : {Index{37}, Index{1000}, Index{70'000}}) {
+    for (const int bilateral_every : {0, 9}) {
+      const LcpProblem problem = Loose(n, bilateral_every);
+      RowWork together;
+      RowWork alone;
+      together.Prepare(problem, RowForm::kMatrixFree, true);
+      together.Start(problem, nullptr);
+      alone.Prepare(problem, RowForm::kMatrixFree, true);
+      alone.Start(problem, nullptr);
+      const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
+      for (const bool backward : {false, true, false}) {
+        StepSums sums;
+        StepSums sums_alone;
+        together.rows->Sweep(0, n, backward, 0.9, &together.f, &together.image, &sums);
+        for (Index i = 0; i < n; ++i) {
+          const Index k = backward ? n - 1 - i : i;
+          alone.rows->Sweep(k, k + 1, backward, 0.9, &alone.f, &alone.image, &sums_alone);
+        }
+        EXPECT_EQ(together.f, alone.f) << n;
+        EXPECT_EQ(together.image, alone.image) << n;
+        EXPECT_TRUE(near(sums.residual, sums_alone.residual)) << n;
+        EXPECT_TRUE(near(sums.change, sums_alone.change)) << n;
+        EXPECT_TRUE(near(sums.energy, sums_alone.energy)) << n;
+      }
+      Array next = together.f;
+      Array next_alone = together.f;
+      Array image;
+      together.rows->StartImage(&image);
+      Array image_alone = image;
+      StepSums sums;
+      together.rows->GradientStep(0, n, 0.2, together.f, together.image, &next, &image, &sums);
+      double residual = 0;
+      for (Index k = 0; k < n; ++k) {
+        alone.rows->GradientStep(k, k + 1, 0.2, alone.f, alone.image, &next_alone, &image_alone, &sums);
+        residual += alone.rows->ResidualSquares(k, k + 1, alone.f, alone.image);
+      }
+      EXPECT_EQ(next, next_alone) << n;
+      EXPECT_EQ(image, image_alone) << n;
+      EXPECT_TRUE(near(together.rows->ResidualSquares(0, n, together.f, together.image), residual)) << n;
+    }
+  }
+}
+
+TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
+  for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
+    for (const TestProblem& test : Problems()) {
+      RowWork work;
+      work.Prepare(test.problem, form, true);
+      work.Start(test.problem, nullptr);
+      const Index n = test.problem.size();
+      Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+      // The scaled problem's energy is the given one's over the square of the scale of b.
+      const double unit = work.scaled.unit[0] / work.scaled.inverse_root[0];
+      double energy = 0;
+      double lowest = 0;
+      for (int sweep = 0; sweep < 12; ++sweep) {
+        const double omega = 0.3 + 0.14 * sweep;  // up to 1.84
+        StepSums sums;
+        work.rows->Sweep(0, n, sweep % 3 == 2, omega, &work.f, &work.image, &sums);
+        EXPECT_LE(sums.energy, 0) << test.problem.id();
+        work.scaled.ToGiven(work.f, &f);
+        const double next = Energy(test.problem, f) / (unit * unit);
+        lowest = std::min(lowest, next);
+        EXPECT_NEAR(next - energy, sums.energy, 1e-12 * (1 + std::abs(lowest))) << test.problem.id();
+        energy = next;
+      }
+    }
+  }
+}
+
+TEST(Sweeps, ImagesGiveTheProductsOfA) {
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
+    for (const TestProblem& test : Problems()) {
+      RowWork work;
+      work.Prepare(test.problem, form, true);
+      work.Start(test.problem, nullptr);
+      const Index n = test.problem.size();
+      for (double& value : work.f) value = uniform(random);
+      work.rows->StartImage(&work.image);
+      work.rows->AddToImage(0, n, work.f, &work.image);
+      Eigen::VectorXd given = Eigen::VectorXd::Zero(n);
+      work.scaled.ToGiven(work.f, &given);
+      Eigen::VectorXd w;
+      test.problem.ComputeW(given, &w);
+      // w_k of the given problem per w_k of the scaled one: scale of b over inverse_root.
+      const double scale = work.scaled.unit[0] / work.scaled.inverse_root[0];
+      for (Index k = 0; k < n; ++k) {
+        const double expected = w[work.scaled.Given(k)] * work.scaled.inverse_root[static_cast<size_t>(k)] / scale;
+        EXPECT_NEAR(work.rows->W(k, work.f, work.image), expected, 1e-11) << test.problem.id();
+      }
+      Array moved = work.image;
+      work.rows->AddRowToImage(n / 2, 0.25, &moved);
+      work.f[static_cast<size_t>(n / 2)] += 0.25;
+      work.rows->StartImage(&work.image);
+      work.rows->AddToImage(0, n, work.f, &work.image);
+      for (size_t i = 0; i < moved.size(); ++i) EXPECT_NEAR(moved[i], work.image[i], 1e-12);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,466 @@
+// What is particular to the sparse backend: one symbolic analysis, the proximal term on singular A, iteration counts
+// that hardly grow, invariance under scaling, rays, limits. The promises of every solver are in contract_test.cc.
+
+#include "solvers/interior_point/ipm.h"
+#include "solvers/linear_algebra/kept_order.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/verify.h"
+#include "support/input_error.h"
+#include "tests/solvers/stacked_problems.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+using Space = IpmOptions::Space;
+using Triplets = std::vector<Eigen::Triplet<double, int>>;
+
+LcpResult SolveWith(IpmSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
+  LcpResult result;
+  solver->Solve(problem, options, &result);
+  return result;
+}
+
+IpmOptions InSpace(Space space) {
+  IpmOptions options;
+  options.space = space;
+  return options;
+}
+
+void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
+  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
+  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
+  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
+}
+
+double Uniform(std::mt19937_64* random, double low, double high) {
+  return low + (high - low) * static_cast<double>((*random)() >> 11) * 0x1p-53;
+}
+
+// Planted solution of a problem whose rows are drawn with repetition from few distinct ones, so that A is singular,
+// A_FF included; every seventh row is bilateral, every fifth has f = w = 0.
+LcpProblem Redundant(Index n, Index columns, unsigned seed) {
+  std::mt19937_64 random(seed);
+  Eigen::MatrixXd J(n, columns);
+  for (Index i = 0; i < n; ++i) {
+    if (i >= columns / 2) {
+      J.row(i) = J.row(static_cast<Index>(random() % static_cast<std::uint64_t>(i)));
+      continue;
+    }
+    for (Index k = 0; k < columns; ++k) J(i, k) = std::floor(Uniform(&random, -4, 5));
+    J(i, i % columns) += 9;
+  }
+  Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    if (i % 7 == 3) bilateral.push_back(i);
+    if (i % 5 != 0) f[i] = Uniform(&random, 0, 2);
+  }
+  const Eigen::VectorXd inverse_mass = Eigen::VectorXd::Constant(columns, 0.5);
+  const Eigen::VectorXd b = -J * inverse_mass.cwiseProduct(J.transpose() * f);
+  return LcpProblem::FromFactors("redundant-" + std::to_string(seed), J.sparseView(), inverse_mass, b,
+                                 RowBounds::WithBilateralRows(n, bilateral));
+}
+
+TEST(Ipm, AnalysesOnceForAllSolvesOfAProblem) {
+  for (const Space space : {Space::kAutomatic, Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    const LcpProblem problem = DiscPile(200, 1);
+    solver.Prepare(problem);
+    EXPECT_EQ(solver.statistics().analyses, 1);
+    const LcpResult first = SolveWith(&solver, problem);
+    ExpectSolved(problem, first);
+    EXPECT_GT(solver.statistics().factorizations, 3);
+    EXPECT_EQ(solver.statistics().factorizations, first.iterations);
+    const LcpResult second = SolveWith(&solver, problem);
+    EXPECT_EQ(solver.statistics().analyses, 1);
+    EXPECT_EQ(first.f, second.f);
+    EXPECT_EQ(first.iterations, second.iterations);
+  }
+}
+
+TEST(Ipm, BothSpacesGiveTheSameGaps) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem problem = PlantedProblem(40, 8, seed + 1, static_cast<int>(seed % 4), 5).problem;
+    IpmSolver contact(InSpace(Space::kContact));
+    IpmSolver body(InSpace(Space::kBody));
+    const LcpResult a = SolveWith(&contact, problem);
+    const LcpResult b = SolveWith(&body, problem);
+    ExpectSolved(problem, a);
+    ExpectSolved(problem, b);
+    EXPECT_FALSE(contact.statistics().body_space);
+    EXPECT_TRUE(body.statistics().body_space);
+    Eigen::VectorXd w_a;
+    Eigen::VectorXd w_b;
+    problem.ComputeW(a.f, &w_a);
+    problem.ComputeW(b.f, &w_b);
+    EXPECT_LE((w_a - w_b).cwiseAbs().maxCoeff(), 1e-8 * (1 + problem.b().cwiseAbs().maxCoeff()));
+  }
+}
+
+TEST(Ipm, ProximalTermAndRefinementSolveSingularSystems) {
+  for (const double proximal : {1e-9, 1e-10, 1e-11, 1e-12}) {
+    IpmOptions options;
+    options.proximal = proximal;
+    IpmSolver solver(options);
+    for (unsigned seed = 0; seed < 50; ++seed) {
+      const LcpProblem problem = Redundant(10 + seed, 4 + seed % 9, seed);
+      ExpectSolved(problem, SolveWith(&solver, problem));
+    }
+  }
+}
+
+TEST(Ipm, JointsAloneAreOneLinearSystem) {
+  const LcpProblem chain = Column(50, 3);
+  std::vector<Index> every(50);
+  for (Index i = 0; i < 50; ++i) every[static_cast<size_t>(i)] = i;
+  const LcpProblem joints = LcpProblem::FromFactors("joints", chain.J(), chain.inverse_mass(), chain.b(),
+                                                    RowBounds::WithBilateralRows(50, every));
+  IpmSolver solver;
+  const LcpResult result = SolveWith(&solver, joints);
+  ExpectSolved(joints, result);
+  EXPECT_EQ(result.iterations, 1);
+}
+
+TEST(Ipm, IterationsHardlyGrowWithSize) {
+  IpmSolver solver;
+  for (LcpProblem (*const generate)(Index, unsigned) : {&Column, &DiscPile}) {
+    for (unsigned seed = 0; seed < 3; ++seed) {
+      for (const Index n : {100, 300, 1000, 3000}) {
+        const LcpProblem problem = generate(n, seed);
+        const LcpResult result = SolveWith(&solver, problem);
+        ExpectSolved(problem, result);
+        EXPECT_LE(result.iterations, 35) << problem.id();
+      }
+    }
+  }
+}
+
+TEST(Ipm, ScalingByPowersOfTwoChangesNoPivot) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem problem = Redundant(25, 10, seed);
+      const LcpResult plain = SolveWith(&solver, problem);
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd scale(problem.size());
+      for (double& s : scale) s = std::exp2(std::floor(Uniform(&random, -20, 20)));
+      const RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
+      const LcpProblem rows = LcpProblem::FromFactors("rows", SparseMatrix(scale.asDiagonal() * problem.J()),
+                                                      problem.inverse_mass(), scale.cwiseProduct(problem.b()), bounds);
+      const LcpResult scaled_rows = SolveWith(&solver, rows);
+      EXPECT_EQ(scaled_rows.iterations, plain.iterations);
+      EXPECT_EQ(scaled_rows.f.cwiseProduct(scale), plain.f);
+      const double mass = std::exp2(-40);  // its root is a power of two as well
+      const double load = std::exp2(33);
+      const LcpProblem units =
+          LcpProblem::FromFactors("units", problem.J(), mass * problem.inverse_mass(), load * problem.b(), bounds);
+      const LcpResult scaled_units = SolveWith(&solver, units);
+      EXPECT_EQ(scaled_units.iterations, plain.iterations);
+      EXPECT_EQ(mass / load * scaled_units.f, plain.f);
+    }
+  }
+}
+
+TEST(Ipm, IndependentGroupsOfAnyMagnitudeAreEachSolved) {
+  // Two chains side by side, the loads of one 1e12 times those of the other: rho alone would not see the small one.
+  const LcpProblem one = Column(20, 5);
+  SparseMatrix J(40, 120);
+  Triplets entries;
+  Eigen::VectorXd b(40);
+  for (Index i = 0; i < 20; ++i) {
+    for (SparseMatrix::InnerIterator it(one.J(), i); it; ++it) {
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
+      entries.emplace_back(static_cast<int>(20 + i), static_cast<int>(60 + it.col()), it.value());
+    }
+    b[i] = one.b()[i];
+    b[20 + i] = 1e-12 * one.b()[i];
+  }
+  J.setFromTriplets(entries.begin(), entries.end());
+  const LcpProblem both = LcpProblem::FromFactors("both", J, Eigen::VectorXd::Ones(120), b);
+  IpmSolver solver;
+  const LcpResult result = SolveWith(&solver, both);
+  ExpectSolved(both, result);
+  EXPECT_LE((1e12 * result.f.tail(20) - result.f.head(20)).cwiseAbs().maxCoeff(),
+            1e-9 * result.f.cwiseAbs().maxCoeff());
+}
+
+TEST(Ipm, InfeasibleProblemsComeWithAnAcceptedRay) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    for (unsigned seed = 0; seed < 30; ++seed) {
+      const LcpProblem jam = JammedColumn(10 + seed, seed);
+      const LcpResult result = SolveWith(&solver, jam);
+      EXPECT_EQ(result.status, LcpStatus::kInfeasible) << seed << ": " << result.detail;
+      ASSERT_TRUE(result.farkas_ray.has_value());
+      EXPECT_TRUE(VerifyFarkasRay(jam, *result.farkas_ray).accepted);
+    }
+  }
+}
+
+TEST(Ipm, RowsWithoutMobilityAreDecidedByTheirGap) {
+  Eigen::MatrixXd A(3, 3);
+  A << 2, 0, 1, 0, 0, 0, 1, 0, 2;
+  IpmSolver solver;
+  const LcpProblem open = LcpProblem::FromDense("open", A, Eigen::Vector3d(-1, 0.5, -1));
+  ExpectSolved(open, SolveWith(&solver, open));
+  const LcpProblem closed = LcpProblem::FromDense("closed", A, Eigen::Vector3d(-1, -0.5, -1));
+  const LcpResult result = SolveWith(&solver, closed);
+  EXPECT_EQ(result.status, LcpStatus::kInfeasible);
+  ASSERT_TRUE(result.farkas_ray.has_value());
+  EXPECT_EQ(*result.farkas_ray, Eigen::Vector3d(0, 1, 0));
+  A(1, 0) = A(0, 1) = 1;
+  const LcpProblem indefinite = LcpProblem::FromDense("indefinite", A, Eigen::Vector3d(-1, -0.5, -1));
+  EXPECT_EQ(SolveWith(&solver, indefinite).status, LcpStatus::kUnsupported);
+}
+
+TEST(Ipm, WarmStartAtTheSolutionCostsNothingAndNearItLittle) {
+  const LcpProblem problem = DiscPile(300, 2);
+  IpmSolver solver;
+  const LcpResult cold = SolveWith(&solver, problem);
+  ExpectSolved(problem, cold);
+  LcpOptions options;
+  options.initial_f = &cold.f;
+  EXPECT_EQ(SolveWith(&solver, problem, options).iterations, 0);
+  const LcpProblem next = LcpProblem::FromFactors("next", problem.J(), problem.inverse_mass(), 1.001 * problem.b());
+  const LcpResult warm = SolveWith(&solver, next, options);
+  ExpectSolved(next, warm);
+  EXPECT_LE(warm.iterations, 3);
+}
+
+TEST(Ipm, StartsThatSayNothingAreColdOnes) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    IpmSolver solver(InSpace(space));
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem problem = DiscPile(200, seed);
+      const LcpResult cold = SolveWith(&solver, problem);
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd start(problem.size());
+      for (double& f : start) f = Uniform(&random, 0, 1e4);
+      LcpOptions options;
+      options.initial_f = &start;
+      const LcpResult warm = SolveWith(&solver, problem, options);
+      EXPECT_EQ(warm.f, cold.f);
+      EXPECT_EQ(warm.iterations, cold.iterations);
+    }
+  }
+}
+
+TEST(Ipm, WarmStartsCostFewFactorizationsMoreThanColdOnes) {
+  // Six of the guessed active set at most; where the start is near it is far less.
+  constexpr std::int64_t kMostOfAGuess = 6;
+  for (const double drift : {1e-4, 1e-2, 0.1, 0.3, 1.0}) {
+    std::int64_t all_cold = 0, all_warm = 0;
+    IpmSolver solver;
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      const LcpProblem before = seed % 2 == 0 ? DiscPile(300, seed) : Redundant(60, 20, seed);
+      const Eigen::VectorXd f = SolveWith(&solver, before).f;
+      std::mt19937_64 random(seed);
+      Eigen::VectorXd inverse_mass = before.inverse_mass();
+      for (double& m : inverse_mass) m *= 1 + 0.5 * drift * Uniform(&random, -1, 1);
+      Eigen::VectorXd push(before.J().cols());
+      for (double& a : push) a = drift * Uniform(&random, -5, 5);
+      const LcpProblem after =
+          LcpProblem::FromFactors("drifted", before.J(), inverse_mass, before.b() + before.J() * push,
+                                  RowBounds::WithBilateralRows(before.size(), before.bilateral_rows()));
+      const LcpResult cold = SolveWith(&solver, after);
+      LcpOptions options;
+      options.initial_f = &f;
+      const LcpResult warm = SolveWith(&solver, after, options);
+      ExpectSolved(after, cold);
+      ExpectSolved(after, warm);
+      EXPECT_LE(warm.iterations, cold.iterations + kMostOfAGuess) << drift << " " << seed;
+      all_cold += cold.iterations;
+      all_warm += warm.iterations;
+    }
+    if (drift <= 1e-2) {
+      EXPECT_LE(2 * all_warm, all_cold) << drift;
+    }
+  }
+}
+
+// Other masses, other loads, the same contacts.
+LcpProblem OtherValues(const LcpProblem& problem, unsigned seed) {
+  std::mt19937_64 random(seed);
+  SparseMatrix J = problem.J();
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) it.valueRef() *= Uniform(&random, 0.9, 1.1);
+  }
+  Eigen::VectorXd inverse_mass = problem.inverse_mass();
+  for (double& m : inverse_mass) m *= Uniform(&random, 0.1, 10);
+  Eigen::VectorXd push(J.cols());
+  for (double& a : push) a = Uniform(&random, -1, 1);
+  return LcpProblem::FromFactors("other", J, inverse_mass, problem.b() + J * push,
+                                 RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()));
+}
+
+// Gaps are unique, and so the same whatever a solver remembers.
+void ExpectGapsOfAFreshSolver(const LcpProblem& problem, Space space, const LcpResult& result) {
+  ExpectSolved(problem, result);
+  IpmSolver fresh(InSpace(space));
+  const LcpResult expected = SolveWith(&fresh, problem);
+  EXPECT_EQ(fresh.statistics().analyses, 1);
+  Eigen::VectorXd w;
+  Eigen::VectorXd expected_w;
+  problem.ComputeW(result.f, &w);
+  problem.ComputeW(expected.f, &expected_w);
+  EXPECT_LE((w - expected_w).cwiseAbs().maxCoeff(), 1e-8 * (1 + problem.b().cwiseAbs().maxCoeff()));
+}
+
+LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows) {
+  std::vector<Eigen::Triplet<double, int>> entries;
+  Eigen::VectorXd b(static_cast<Index>(rows.size()));
+  for (size_t k = 0; k < rows.size(); ++k) {
+    b[static_cast<Index>(k)] = problem.b()[rows[k]];
+    for (SparseMatrix::InnerIterator it(problem.J(), rows[k]); it; ++it) {
+      entries.emplace_back(static_cast<int>(k), static_cast<int>(it.col()), it.value());
+    }
+  }
+  SparseMatrix J(b.size(), problem.J().cols());
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("rows", J, problem.inverse_mass(), b);
+}
+
+LcpProblem WithoutRow(const LcpProblem& problem, Index row) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (i != row) rows.push_back(i);
+  }
+  return RowsOf(problem, rows);
+}
+
+// A body of row 199 leans on another neighbour.
+LcpProblem WithANewPair(const LcpProblem& problem) {
+  SparseMatrix J = problem.J();
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (Index i = 0; i < J.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      const bool moved = i == 199 && it.col() < 3 * 50;
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()) + (moved ? 6 : 0), it.value());
+    }
+  }
+  entries.emplace_back(150, 0, 0.25);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("new pair", J, problem.inverse_mass(), problem.b());
+}
+
+TEST(Ipm, InASequenceKeepsTheAnalysisWhileTheContactGraphIsTheSame) {
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    for (unsigned seed = 0; seed < 10; ++seed) {
+      const LcpProblem before = DiscPile(200, seed);
+      IpmSolver kept(InSpace(space));
+      kept.SetInSequence(true);
+      SolveWith(&kept, before);
+      for (const LcpProblem& problem : {OtherValues(before, seed), before}) {
+        const LcpResult result = SolveWith(&kept, problem);
+        EXPECT_EQ(kept.statistics().analyses, 0);
+        IpmSolver fresh(InSpace(space));
+        const LcpResult expected = SolveWith(&fresh, problem);
+        EXPECT_EQ(result.f, expected.f);
+        EXPECT_EQ(result.iterations, expected.iterations);
+      }
+    }
+  }
+}
+
+// Through the bodies, a row less or rows in another order need no new pattern. In contact space the pattern is another,
+// and the order is kept.
+TEST(Ipm, ContactGraphsThatChangeALittleGiveTheSameGaps) {
+  constexpr int kRows = KeptOrder::kLeastRows + 200;
+  for (const Space space : {Space::kContact, Space::kBody}) {
+    for (unsigned seed = 0; seed < 4; ++seed) {
+      const LcpProblem before = DiscPile(kRows, seed);
+      std::vector<Index> order(kRows);
+      for (Index i = 0; i < kRows; ++i) order[static_cast<size_t>(i)] = (i * 77 + 5) % kRows;
+      IpmSolver kept(InSpace(space));
+      kept.SetInSequence(true);
+      SolveWith(&kept, before);
+      const std::int64_t lost = space == Space::kBody ? 0 : 1;
+      for (const LcpProblem& problem :
+           {WithoutRow(before, 199), WithoutRow(before, 17), before, PermuteRows(before, order)}) {
+        const LcpResult result = SolveWith(&kept, problem);
+        EXPECT_EQ(kept.statistics().analyses, lost);
+        ExpectGapsOfAFreshSolver(problem, space, result);
+      }
+      for (const LcpProblem& problem :
+           {WithANewPair(before), before, DiscPile(kRows, seed + 1), DiscPile(kRows - 10, seed)}) {
+        const LcpResult result = SolveWith(&kept, problem);
+        ExpectGapsOfAFreshSolver(problem, space, result);
+      }
+    }
+  }
+}
+
+// The answer of a problem with other contacts, as a start: whatever it is worth, the problem is solved.
+TEST(Ipm, StartsWarmAfterContactsHaveComeAndGone) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem whole = DiscPile(400, seed);
+    std::mt19937 random(seed);
+    std::vector<Index> before, after;
+    for (Index i = 0; i < whole.size(); ++i) {
+      if (random() % 20 != 0) before.push_back(i);
+      if (random() % 20 != 0) after.push_back(i);
+    }
+    IpmSolver solver(IpmOptions{});
+    const LcpResult first = SolveWith(&solver, RowsOf(whole, before));
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(whole.size());
+    for (size_t k = 0; k < before.size(); ++k) all[before[k]] = first.f[static_cast<Index>(k)];
+    Eigen::VectorXd start(static_cast<Index>(after.size()));
+    for (size_t k = 0; k < after.size(); ++k) start[static_cast<Index>(k)] = all[after[k]];
+    const LcpProblem problem = RowsOf(whole, after);
+    LcpOptions options;
+    options.initial_f = &start;
+    LcpResult result;
+    solver.Prepare(problem);
+    solver.Solve(problem, options, &result);
+    ExpectSolved(problem, result);
+  }
+}
+
+double ticks = 0;
+
+TEST(Ipm, LimitsAreCheckedBeforeEveryFactorization) {
+  const LcpProblem problem = DiscPile(100, 4);
+  IpmSolver solver;
+  const std::int64_t needed = SolveWith(&solver, problem).iterations;
+  for (std::int64_t limit = 1; limit < needed; ++limit) {
+    LcpOptions by_count;
+    by_count.max_iterations = limit;
+    const LcpResult counted = SolveWith(&solver, problem, by_count);
+    EXPECT_EQ(counted.status, LcpStatus::kIterationLimit);
+    EXPECT_EQ(counted.iterations, limit);
+
+    LcpOptions by_time;  // the clock moves one second per look: once at the start, then before each factorisation
+    ticks = 0;
+    by_time.now = [] { return ticks += 1.0; };
+    by_time.time_limit_s = static_cast<double>(limit) + 1;
+    const LcpResult timed = SolveWith(&solver, problem, by_time);
+    EXPECT_EQ(timed.status, LcpStatus::kTimeLimit);
+    EXPECT_EQ(timed.iterations, limit);
+    EXPECT_EQ(timed.f, counted.f);
+  }
+}
+
+TEST(Ipm, OptionsHaveNamesAndRanges) {
+  const IpmOptions options = IpmOptions::FromSettings({{"space", "body"}, {"proximal", "1e-10"}, {"correctors", "0"}});
+  EXPECT_EQ(options.space, Space::kBody);
+  EXPECT_EQ(options.proximal, 1e-10);
+  EXPECT_EQ(options.correctors, 0);
+  EXPECT_THROW(IpmOptions::FromSettings({{"space", "phase"}}), InputError);
+  EXPECT_THROW(IpmOptions::FromSettings({{"proximal", "1"}}), InputError);
+  EXPECT_THROW(IpmOptions::FromSettings({{"ordering", "amd"}}), InputError);
+  IpmSolver without(options);
+  const LcpProblem problem = DiscPile(100, 6);
+  ExpectSolved(problem, SolveWith(&without, problem));
+}
+
+}  // namespace
+}  // namespace lcpbench

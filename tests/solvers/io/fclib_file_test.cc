@@ -1,0 +1,497 @@
+// FCLib's HDF5 files: round trips bit for bit, libfclib's own reader and writer, and one line for whatever is wrong.
+
+#include "solvers/io/fclib_file.h"
+
+#include <gtest/gtest.h>
+#include <hdf5.h>
+#include <sys/resource.h>
+
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <map>
+#include <random>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "solvers/io/hdf5_writer.h"
+#include "support/input_error.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FclibFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("fclib-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+
+  // One line with the file's name and `mentions`.
+  void ExpectRefused(const std::string& path, const std::string& mentions) const {
+    try {
+      ReadFclibProblem(path);
+      ADD_FAILURE() << "accepted; expected " << mentions;
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_NE(what.find(mentions), std::string::npos) << what << "\nexpected: " << mentions;
+      EXPECT_TRUE(what.starts_with(path + ": ")) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+
+  fs::path folder_;
+};
+
+std::string Bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::stringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+void WriteBytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+LcpProblem AsDense(const LcpProblem& given) {
+  return LcpProblem::FromDense(given.id(), given.DenseA(), given.b(),
+                               RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
+}
+
+TEST_F(FclibFile, ProblemsComeBackBitForBit) {
+  int mixed = 0, plain = 0;
+  for (const TestProblem& test : GeneratedProblems()) {
+    (test.problem.bilateral_rows().empty() ? plain : mixed) += 1;
+    for (const LcpProblem& given : {test.problem, WithoutFactors(test.problem)}) {
+      SCOPED_TRACE(given.id());
+      WriteFclibProblem(given, Path("p.hdf5"));
+      const FclibProblem back = ReadFclibProblem(Path("p.hdf5"));
+      EXPECT_EQ(back.problem.id(), given.id());
+      EXPECT_EQ(DifferenceOfProblems(back.problem, given), "");
+      EXPECT_FALSE(back.f.has_value());
+    }
+    const LcpProblem dense = AsDense(test.problem);
+    WriteFclibProblem(dense, Path("dense.hdf5"));
+    const LcpProblem back = ReadFclibProblem(Path("dense.hdf5")).problem;
+    EXPECT_EQ(DifferenceOfRows(back, dense), "");
+  }
+  EXPECT_GT(mixed, 10);
+  EXPECT_GT(plain, 10);
+}
+
+TEST_F(FclibFile, TheEndsOfTheRangeComeBackToo) {
+  Eigen::MatrixXd A(2, 2);
+  A << 1, -0.0, 5e-324, -1.7976931348623157e308;
+  Eigen::VectorXd b(2);
+  b << -0.0, 0.1;
+  // Unsymmetric where all rows are of one kind.
+  for (const std::vector<Index>& bilateral : {std::vector<Index>{}, {0, 1}}) {
+    const LcpProblem problem = LcpProblem::FromSparse("an id\nof two lines", A.sparseView(0, 0), b,
+                                                      RowBounds::WithBilateralRows(2, bilateral));
+    WriteFclibProblem(problem, Path("p.h5"));
+    const LcpProblem back = ReadFclibProblem(Path("p.h5")).problem;
+    EXPECT_EQ(back.id(), problem.id());
+    EXPECT_EQ(DifferenceOfProblems(back, problem), "");
+  }
+  WriteFclibProblem(LcpProblem::FromSparse("none", SparseMatrix(), {}), Path("none.h5"));
+  EXPECT_EQ(ReadFclibProblem(Path("none.h5")).problem.size(), 0);
+}
+
+TEST_F(FclibFile, TheSameProblemGivesTheSameBytes) {
+  const LcpProblem given = GeneratedProblems()[30].problem;
+  WriteFclibProblem(given, Path("a.h5"));
+  WriteFclibProblem(given, Path("b.h5"));
+  EXPECT_EQ(Bytes(Path("a.h5")), Bytes(Path("b.h5")));
+}
+
+TEST_F(FclibFile, WhatTheFormatCannotHoldIsNotWritten) {
+  Eigen::MatrixXd A(2, 2);
+  A << 1, 2, 3, 1;
+  const LcpProblem coupled =
+      LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), RowBounds::WithBilateralRows(2, {1}));
+  EXPECT_THROW(WriteFclibProblem(coupled, Path("p.h5")), InputError);
+  RowBounds bounds;
+  bounds.lower = Eigen::VectorXd::Constant(2, -1);
+  bounds.upper = Eigen::VectorXd::Constant(2, 1);
+  EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), bounds), Path("p.h5")),
+               InputError);
+  EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2)), "/nowhere/p.h5"), InputError);
+  SparseMatrix J(1, 3);
+  J.insert(0, 0) = 1e200;
+  const LcpProblem overflow = LcpProblem::FromFactors("p", J, Eigen::Vector3d::Ones(), Eigen::VectorXd::Ones(1));
+  EXPECT_THROW(WriteFclibProblem(overflow, Path("p.h5")), InputError);
+}
+
+TEST_F(FclibFile, SeveralThreadsRead) {
+  const LcpProblem given = GeneratedProblems()[33].problem;
+  WriteFclibProblem(given, Path("p.h5"));
+  std::vector<std::string> differences(4, "not read");
+  std::vector<std::thread> threads;
+  for (std::string& difference : differences) {
+    threads.emplace_back([&] {
+      for (int k = 0; k < 10; ++k) difference = DifferenceOfProblems(ReadFclibProblem(Path("p.h5")).problem, given);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const std::string& difference : differences) EXPECT_EQ(difference, "");
+}
+
+// The datasets of a file, to be changed.
+struct Contents {
+  std::map<std::string, std::vector<int>> integers;
+  std::map<std::string, std::vector<double>> reals;
+
+  void Matrix(const std::string& name, int rows, int columns, int form, std::vector<int> p, std::vector<int> i,
+              std::vector<double> x) {
+    integers[name + "/nzmax"] = {static_cast<int>(x.size())};
+    integers[name + "/m"] = {rows};
+    integers[name + "/n"] = {columns};
+    integers[name + "/nz"] = {form};
+    integers[name + "/p"] = std::move(p);
+    integers[name + "/i"] = std::move(i);
+    reals[name + "/x"] = std::move(x);
+  }
+
+  void Write(const std::string& path) const {
+    Hdf5Writer file(path);
+    std::set<std::string> groups;
+    const auto add_groups = [&](const std::string& name) {
+      for (std::size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
+        if (groups.insert(name.substr(0, end)).second) file.AddGroup(name.substr(0, end));
+      }
+    };
+    for (const auto& [name, values] : integers) {
+      add_groups(name);
+      file.AddIntegers(name, values);
+    }
+    for (const auto& [name, values] : reals) {
+      add_groups(name);
+      file.AddReals(name, values.data(), values.size());
+    }
+    file.Close();
+  }
+};
+
+constexpr char kW[] = "/fclib_local/W";
+constexpr char kV[] = "/fclib_local/V";
+constexpr char kR[] = "/fclib_local/R";
+
+// Two contacts in the plane and a bilateral row, in three forms of matrices, with tangential entries:
+//     A = [4 1 5; 1 3 0; 5 0 2], b = (-1, -2, -3).
+Contents Example() {
+  Contents contents;
+  contents.integers["/fclib_local/spacedim"] = {2};
+  contents.Matrix(kW, 4, 4, -1, {0, 3, 4, 6, 6}, {0, 1, 2, 3, 0, 2}, {4, 0.5, 1, 9, 1, 3});
+  contents.Matrix(kV, 4, 1, 2, {0, 3}, {0, 0}, {5, 7});
+  contents.Matrix(kR, 1, 1, -2, {0, 1}, {0}, {2});
+  contents.reals["/fclib_local/vectors/q"] = {-1, 0.25, -2, 0};
+  contents.reals["/fclib_local/vectors/mu"] = {0, 0};
+  contents.reals["/fclib_local/vectors/s"] = {-3};
+  return contents;
+}
+
+TEST_F(FclibFile, TheNormalPartIsTheProblem) {
+  Example().Write(Path("example.hdf5"));
+  const LcpProblem problem = ReadFclibProblem(Path("example.hdf5")).problem;
+  Eigen::Matrix3d A;
+  A << 4, 1, 5, 1, 3, 0, 5, 0, 2;
+  EXPECT_EQ(problem.id(), "example");
+  EXPECT_EQ(problem.DenseA(), A);
+  EXPECT_EQ(problem.b(), Eigen::Vector3d(-1, -2, -3));
+  EXPECT_EQ(problem.bilateral_rows(), std::vector<Index>{2});
+
+  // Three rows a contact; no bilateral rows.
+  Contents spatial;
+  spatial.integers["/fclib_local/spacedim"] = {3};
+  spatial.Matrix(kW, 6, 6, 5, {0, 3, 0, 3, 4}, {0, 3, 3, 0, 5}, {1, 2, 3, 4, 5});
+  spatial.reals["/fclib_local/vectors/q"] = {-1, 8, 8, -2, 8, 8};
+  spatial.reals["/fclib_local/vectors/mu"] = {0, -0.0};
+  spatial.reals["/solution/r"] = {1, 8, 8, 2, 8, 8};
+  spatial.Write(Path("spatial.h5"));
+  const FclibProblem read = ReadFclibProblem(Path("spatial.h5"));
+  Eigen::Matrix2d A3;
+  A3 << 1, 3, 4, 2;
+  EXPECT_EQ(read.problem.DenseA(), A3);
+  EXPECT_EQ(read.problem.b(), Eigen::Vector2d(-1, -2));
+  EXPECT_EQ(read.f.value(), Eigen::Vector2d(1, 2));
+}
+
+TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double infinity = std::numeric_limits<double>::infinity();
+  struct Case {
+    std::function<void(Contents*)> change;
+    std::string expected;
+  };
+  const auto integers = [](const std::string& name, std::vector<int> values) {
+    return [=](Contents* contents) { contents->integers[name] = values; };
+  };
+  const auto reals = [](const std::string& name, std::vector<double> values) {
+    return [=](Contents* contents) { contents->reals[name] = values; };
+  };
+  const std::string W = kW, V = kV, R = kR, vectors = "/fclib_local/vectors";
+  const Case cases[] = {
+      {[&](Contents* c) { c->integers.erase(W + "/p"); },
+       "/fclib_local/W/p: expected a dataset of integers, found none"},
+      {[&](Contents* c) { c->reals.erase(W + "/x"); }, "/fclib_local/W/x: expected a dataset of numbers, found none"},
+      {[&](Contents* c) { c->reals.erase(vectors + "/s"); }, "vectors/s: expected a dataset of numbers, found none"},
+      {[&](Contents* c) { c->integers.erase(R + "/m"); },
+       "/fclib_local/R/m: expected a dataset of integers, found none"},
+      {[](Contents* c) { *c = {}; }, "/fclib_local/spacedim: expected a dataset of integers, found none"},
+      {integers("/fclib_local/spacedim", {4}), "spacedim: expected one number from 2 to 3, found 4"},
+      {integers("/fclib_local/spacedim", {}), "spacedim: expected one number from 2 to 3, found 0 numbers"},
+      {integers("/fclib_local/spacedim", {3}), "W: expected a square matrix of 3 rows for every contact, found 4 x 4"},
+      {integers(W + "/m", {-4}), "W/m: expected one number from 0 to 2147483646, found -4"},
+      {integers(W + "/m", {2}), "W/i: expected indices from 0 to 1, found 2"},
+      {integers(W + "/m", {6}), "W: expected a square matrix of 2 rows for every contact, found 6 x 4 entries"},
+      {integers(W + "/n", {2000000000}), "W/p: expected 2000000001 numbers, found 5"},
+      {integers(W + "/nz", {-3}), "W/nz: expected one number from -2 to"},
+      {integers(W + "/nz", {1000000000}), "W/x: expected 1000000000 numbers, found 6"},
+      {integers(W + "/nzmax", {2000000000}), "W/x: expected 2000000000 numbers, found 6"},
+      {integers(W + "/p", {0, 3, 2, 6, 6}), "W/p: expected a place from 3 to 6, found 2 at 2"},
+      {integers(W + "/p", {1, 3, 4, 6, 6}), "W/p: expected a place from 0 to 0, found 1 at 0"},
+      {integers(W + "/p", {0, 3, 4, 6, 7}), "W/p: expected a place from 6 to 6, found 7 at 4"},
+      {integers(W + "/i", {0, 1, 2, 3, -1, 2}), "W/i: expected indices from 0 to 3, found -1"},
+      {integers(W + "/i", {0, 1, 2, 3, 0}), "W/i: expected 6 numbers, found 5"},
+      {reals(W + "/x", {4, 0.5, nan, 9, 1, 3}), "W/x: expected finite numbers, found nan at 2"},
+      {reals(W + "/x", {4, infinity, 1, 9, 1, 3}), "W/x: expected finite numbers, found inf at 1"},
+      {integers(V + "/p", {0, 4}), "V/p: expected indices from 0 to 3, found 4"},
+      {integers(V + "/i", {0, 1}), "V/i: expected indices from 0 to 0, found 1"},
+      {integers(V + "/m", {5}), "V: expected 4 x 1 entries, found 5 x 1"},
+      {integers(V + "/n", {2}), "V: expected 4 x 1 entries, found 4 x 2"},
+      {integers(R + "/n", {2}), "R: expected 1 x 1 entries, found 1 x 2"},
+      {reals(vectors + "/q", {-1, 0, -2}), "vectors/q: expected 4 numbers, found 3"},
+      {reals(vectors + "/q", {-1, nan, -2, 0}), "vectors/q: expected finite numbers, found nan at 1"},
+      {reals(vectors + "/s", {}), "vectors/s: expected 1 numbers, found 0"},
+      {reals(vectors + "/mu", {0}), "vectors/mu: expected 2 numbers, found 1"},
+      {reals(vectors + "/mu", {0, 0.3}),
+       "vectors/mu: expected friction coefficients 0, others are not supported, found 0.3"},
+      {reals(vectors + "/mu", {-0.3, 0}), "vectors/mu: expected friction coefficients 0"},
+      {reals("/solution/r", {1, 2}), "/solution/l: expected a dataset of numbers, found none"},
+      {integers("/lcpbench/row_order", {0, 1}), "row_order: expected 3 numbers, found 2"},
+      {integers("/lcpbench/row_order", {0, 1, 3}), "row_order: expected indices from 0 to 2, found 3"},
+      {integers("/lcpbench/row_order", {0, 1, 1}), "row_order: expected every row once, found one twice"},
+      {integers("/lcpbench/J/m", {3}), "J/n: expected a dataset of integers, found none"},
+      {reals("/lcpbench/inverse_mass", {1, 1, 1}), "J/m: expected a dataset of integers, found none"},
+      {[](Contents* c) {
+         c->Matrix("/lcpbench/J", 2, 3, 0, {}, {}, {});
+         c->reals["/lcpbench/inverse_mass"] = {1, 1, 1};
+       },
+       "/lcpbench/J: expected 3 x 3 entries, found 2 x 3"},
+      {[](Contents* c) {
+         c->Matrix("/lcpbench/J", 3, 3, 0, {}, {}, {});
+         c->reals["/lcpbench/inverse_mass"] = {1, -1, 1};
+       },
+       "inverse"},
+      {[&](Contents* c) {
+         c->Matrix(R, 1, 1, 2, {0, 0}, {0, 0}, {1e308, 1e308});
+       },
+       "finite"},
+      // Wrong types.
+      {[&](Contents* c) {
+         c->integers.erase(W + "/i");
+         c->reals[W + "/i"] = {0, 1, 2, 3, 0, 2};
+       },
+       "W/i: expected a dataset of 32-bit integers, found another type"},
+      {[&](Contents* c) {
+         c->reals.erase(vectors + "/q");
+         c->integers[vectors + "/q"] = {1, 2, 3, 4};
+       },
+       "vectors/q: expected a dataset of 64-bit IEEE numbers, found another type"},
+      {[&](Contents* c) {
+         c->integers.erase(W + "/m");
+         c->integers[W + "/m/m"] = {1};
+       },
+       "W/m: expected a dataset of 32-bit integers, found another object"},
+      {[&](Contents* c) {
+         c->integers = {{"/fclib_local", {1}}};
+         c->reals.clear();
+       },
+       "/fclib_local: expected a group, found another object"},
+      {reals("/lcpbench/id", {1}), "/lcpbench/id: expected a dataset of a text of fixed length, found another type"},
+  };
+  for (const Case& test : cases) {
+    SCOPED_TRACE(test.expected);
+    Contents contents = Example();
+    test.change(&contents);
+    contents.Write(Path("p.hdf5"));
+    ExpectRefused(Path("p.hdf5"), test.expected);
+  }
+}
+
+TEST_F(FclibFile, WhatIsNoFileOfThisKindIsRefused) {
+  ExpectRefused(Path("absent.h5"), "cannot be opened");
+  ExpectRefused(folder_.string(), "expected an HDF5 file, found what is no file");
+  WriteBytes(Path("empty.h5"), "");
+  ExpectRefused(Path("empty.h5"), "expected an HDF5 file that libhdf5 can read, found one that it refuses");
+  WriteBytes(Path("text.h5"), "this is no HDF5 file at all");
+  ExpectRefused(Path("text.h5"), "expected an HDF5 file that libhdf5 can read, found one that it refuses");
+}
+
+// Adds `name` to the group of a file with libhdf5's own functions.
+void Change(const std::string& path, const std::function<void(hid_t file)>& change) {
+  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+  ASSERT_GE(file, 0);
+  change(file);
+  ASSERT_GE(H5Fclose(file), 0);
+}
+
+TEST_F(FclibFile, WhatLeadsOutOfTheFileIsRefused) {
+  const std::string q = "/fclib_local/vectors/q";
+  const auto with_q = [&](const std::string& name, const std::function<void(hid_t file)>& change) {
+    Contents contents = Example();
+    contents.reals.erase(q);
+    contents.reals["/elsewhere"] = {-1, 0, -2, 0};
+    contents.Write(Path(name));
+    Change(Path(name), change);
+    return Path(name);
+  };
+  const auto create = [&](hid_t file, const std::function<void(hid_t properties)>& set, hsize_t size = 4) {
+    const hid_t space = H5Screate_simple(1, &size, nullptr);
+    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
+    set(properties);
+    const hid_t dataset = H5Dcreate2(file, q.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+    ASSERT_GE(dataset, 0);
+    H5Dclose(dataset);
+    H5Pclose(properties);
+    H5Sclose(space);
+  };
+  ExpectRefused(
+      with_q("soft.h5", [&](hid_t file) { H5Lcreate_soft("/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT); }),
+      "q: expected a hard link, found another");
+  Example().Write(Path("other.h5"));
+  ExpectRefused(with_q("outside.h5",
+                       [&](hid_t file) {
+                         H5Lcreate_external(Path("other.h5").c_str(), q.c_str(), file, q.c_str(), H5P_DEFAULT,
+                                            H5P_DEFAULT);
+                       }),
+                "q: expected a hard link, found another");
+  const std::string values = Path("values");
+  WriteBytes(values, std::string(32, '\0'));
+  ExpectRefused(with_q("external.h5",
+                       [&](hid_t file) {
+                         create(file, [&](hid_t properties) { H5Pset_external(properties, values.c_str(), 0, 32); });
+                       }),
+                "q: expected values in the file itself, found names of other files");
+  ExpectRefused(with_q("virtual.h5",
+                       [&](hid_t file) {
+                         create(file, [&](hid_t properties) {
+                           const hsize_t size = 4;
+                           const hid_t space = H5Screate_simple(1, &size, nullptr);
+                           H5Pset_virtual(properties, space, Path("other.h5").c_str(), q.c_str(), space);
+                           H5Sclose(space);
+                         });
+                       }),
+                "q: expected values in one piece as fclib writes them, found chunks, filters or other datasets");
+  ExpectRefused(with_q("chunks.h5",
+                       [&](hid_t file) {
+                         create(file, [](hid_t properties) {
+                           const hsize_t chunk = 2;
+                           H5Pset_chunk(properties, 1, &chunk);
+                           H5Pset_deflate(properties, 9);
+                         });
+                       }),
+                "q: expected values in one piece");
+  // Promised, and never written.
+  constexpr hsize_t kPromised = 1'000'000'000'000;
+  ExpectRefused(with_q("promised.h5",
+                       [&](hid_t file) {
+                         create(
+                             file, [](hid_t) {}, kPromised);
+                       }),
+                "q: expected as many values as the file holds");
+  // The same values under many names.
+  ExpectRefused(with_q("shared.h5",
+                       [&](hid_t file) {
+                         H5Lcreate_hard(file, "/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+                         H5Ldelete(file, "/fclib_local/W/x", H5P_DEFAULT);
+                         const hsize_t size = 2000;
+                         const std::vector<double> many(size, 1.0);
+                         const hid_t space = H5Screate_simple(1, &size, nullptr);
+                         const hid_t dataset = H5Dcreate2(file, "/fclib_local/W/x", H5T_IEEE_F64LE, space, H5P_DEFAULT,
+                                                          H5P_DEFAULT, H5P_DEFAULT);
+                         H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, many.data());
+                         H5Dclose(dataset);
+                         H5Sclose(space);
+                         for (const char* name : {"V", "R"}) {
+                           const std::string x = std::string("/fclib_local/") + name + "/x";
+                           H5Ldelete(file, x.c_str(), H5P_DEFAULT);
+                           H5Lcreate_hard(file, "/fclib_local/W/x", file, x.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+                         }
+                       }),
+                "expected values of its own, found some that are others' too");
+}
+
+// Headers whose sizes promise what the file does not hold.
+TEST_F(FclibFile, PromisesAreNotBelieved) {
+  Contents contents = Example();
+  constexpr std::uint64_t kEntries = 1237;  // a number that stands nowhere else
+  contents.reals["/fclib_local/vectors/q"].assign(kEntries, 1.0);
+  contents.Write(Path("p.h5"));
+  const std::string bytes = Bytes(Path("p.h5"));
+  const auto replaced = [](std::string text, std::uint64_t from, std::uint64_t to) {
+    char old_bytes[sizeof from], new_bytes[sizeof to];
+    std::memcpy(old_bytes, &from, sizeof from);
+    std::memcpy(new_bytes, &to, sizeof to);
+    const std::string old_text(old_bytes, sizeof from);
+    int count = 0;
+    for (std::size_t at = text.find(old_text); at != std::string::npos; at = text.find(old_text, at + 1), ++count) {
+      text.replace(at, sizeof to, new_bytes, sizeof to);
+    }
+    EXPECT_GE(count, 1);
+    return text;
+  };
+  constexpr std::uint64_t kPromised = 1'000'000'000'000;
+  const std::string size_only = replaced(bytes, kEntries, kPromised);
+  WriteBytes(Path("size.h5"), size_only);
+  ExpectRefused(Path("size.h5"), "");
+  WriteBytes(Path("both.h5"), replaced(size_only, 8 * kEntries, 8 * kPromised));
+  ExpectRefused(Path("both.h5"), "");
+  constexpr long kMostMemory = 512 * 1024;  // kB, of which a sanitizer takes the most
+  for (const auto& who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+    rusage usage{};
+    ASSERT_EQ(getrusage(who, &usage), 0);
+    EXPECT_LT(usage.ru_maxrss, kMostMemory);
+  }
+}
+
+TEST_F(FclibFile, TruncatedAndChangedFilesGiveOneLineOrAProblem) {
+  WriteFclibProblem(GeneratedProblems()[1].problem, Path("whole.h5"));
+  const std::string whole = Bytes(Path("whole.h5"));
+  constexpr int kCuts = 40;
+  for (int k = 0; k < kCuts; ++k) {
+    WriteBytes(Path("cut.h5"), whole.substr(0, whole.size() * static_cast<std::size_t>(k) / kCuts));
+    ExpectRefused(Path("cut.h5"), "expected");
+  }
+  std::mt19937 random(7);
+  constexpr int kChanges = 300;
+  int refused = 0;
+  for (int k = 0; k < kChanges; ++k) {
+    std::string bytes = whole;
+    for (int change = 0; change < 4; ++change) bytes[random() % bytes.size()] = static_cast<char>(random());
+    WriteBytes(Path("changed.h5"), bytes);
+    try {
+      ReadFclibProblem(Path("changed.h5"));
+    } catch (const InputError& error) {
+      ++refused;
+      EXPECT_TRUE(std::string(error.what()).starts_with(Path("changed.h5") + ": ")) << error.what();
+    }
+  }
+  EXPECT_GT(refused, 0);
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,205 @@
+// Our HDF5 files and libfclib's own reader and writer. Built where the library is.
+
+extern "C" {
+#include <fclib.h>
+}
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "solvers/io/fclib_file.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+class FclibLibrary : public testing::Test {
+ protected:
+  void SetUp() override { std::remove(path_.c_str()); }
+  void TearDown() override { std::remove(path_.c_str()); }
+
+  std::string path_ =
+      testing::TempDir() + "fclib-library-" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".hdf5";
+};
+
+// What fclib_delete_local frees is what the structure holds.
+void Free(fclib_local* problem) {
+  fclib_delete_local(problem);
+  std::free(problem);
+}
+
+Eigen::MatrixXd DenseOf(const fclib_matrix* matrix) {
+  EXPECT_EQ(matrix->nz, -1);  // compressed columns
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(matrix->m, matrix->n);
+  for (int column = 0; column < matrix->n; ++column) {
+    for (int k = matrix->p[column]; k < matrix->p[column + 1]; ++k) dense(matrix->i[k], column) = matrix->x[k];
+  }
+  return dense;
+}
+
+// Rows of W for the contacts, of R for the bilateral rows.
+struct Rows {
+  std::vector<Index> contacts, bilateral;
+
+  explicit Rows(const LcpProblem& problem) : bilateral(problem.bilateral_rows()) {
+    for (Index i = 0; i < problem.size(); ++i) {
+      if (!problem.is_bilateral(i)) contacts.push_back(i);
+    }
+  }
+};
+
+TEST_F(FclibLibrary, ReadsOurFiles) {
+  for (const TestProblem& test : GeneratedProblems()) {
+    const LcpProblem& problem = test.problem;
+    SCOPED_TRACE(problem.id());
+    WriteFclibProblem(problem, path_);
+    fclib_local* read = fclib_read_local(path_.c_str());
+    ASSERT_NE(read, nullptr);
+    const Rows rows(problem);
+    const auto contacts = static_cast<Index>(rows.contacts.size());
+    EXPECT_EQ(read->spacedim, 2);
+    EXPECT_STREQ(read->info->title, problem.id().c_str());
+    const Eigen::MatrixXd W = DenseOf(read->W);
+    ASSERT_EQ(W.rows(), 2 * contacts);
+    Eigen::MatrixXd expected_W = Eigen::MatrixXd::Zero(2 * contacts, 2 * contacts);
+    for (Index k = 0; k < contacts; ++k) {
+      const Index i = rows.contacts[static_cast<size_t>(k)];
+      for (Index l = 0; l < contacts; ++l) {
+        expected_W(2 * k, 2 * l) = problem.DenseA()(i, rows.contacts[static_cast<size_t>(l)]);
+      }
+      EXPECT_EQ(read->q[2 * k], problem.b()[i]);
+      EXPECT_EQ(read->q[2 * k + 1], 0);
+      EXPECT_EQ(read->mu[k], 0);
+    }
+    EXPECT_EQ(W, expected_W);
+    EXPECT_EQ(read->R == nullptr, rows.bilateral.empty());
+    if (read->R != nullptr) {
+      const Eigen::MatrixXd V = DenseOf(read->V), R = DenseOf(read->R);
+      for (size_t k = 0; k < rows.bilateral.size(); ++k) {
+        const auto column = static_cast<Index>(k);
+        const Index j = rows.bilateral[k];
+        EXPECT_EQ(read->s[k], problem.b()[j]);
+        for (size_t l = 0; l < rows.bilateral.size(); ++l) {
+          EXPECT_EQ(R(static_cast<Index>(l), column), problem.DenseA()(rows.bilateral[l], j));
+        }
+        for (Index l = 0; l < contacts; ++l) {
+          EXPECT_EQ(V(2 * l, column), problem.DenseA()(rows.contacts[static_cast<size_t>(l)], j));
+          EXPECT_EQ(V(2 * l + 1, column), 0);
+        }
+      }
+    }
+    Free(read);
+  }
+}
+
+// The same matrix with a third, empty row for every contact, and a column where it has columns of contacts.
+struct SpatialMatrix {
+  std::vector<int> p{0}, i;
+  fclib_matrix matrix;
+
+  SpatialMatrix(const fclib_matrix& plane, bool has_contact_columns) : matrix(plane) {
+    for (int column = 0; column < plane.n; ++column) {
+      for (int k = plane.p[column]; k < plane.p[column + 1]; ++k) i.push_back(plane.i[k] / 2 * 3 + plane.i[k] % 2);
+      p.push_back(plane.p[column + 1]);
+      if (has_contact_columns && column % 2 == 1) p.push_back(p.back());
+    }
+    matrix.m = plane.m / 2 * 3;
+    matrix.n = static_cast<int>(p.size()) - 1;
+    matrix.p = p.data();
+    matrix.i = i.data();
+  }
+};
+
+// In FCLib's own judgement, which it has for space only: u and r have three rows a contact.
+double Merit(const fclib_local& plane, std::vector<double> u, std::vector<double> r, std::vector<double> l) {
+  SpatialMatrix W(*plane.W, true);
+  std::vector<double> q(u.size(), 0.0);
+  for (size_t k = 0; k < u.size() / 3; ++k) q[3 * k] = plane.q[2 * k];
+  fclib_local spatial = plane;
+  spatial.spacedim = 3;
+  spatial.W = &W.matrix;
+  spatial.q = q.data();
+  fclib_solution solution{nullptr, u.data(), r.data(), l.data()};
+  if (plane.V == nullptr) return fclib_merit_local(&spatial, MERIT_1, &solution);
+  SpatialMatrix V(*plane.V, false);
+  spatial.V = &V.matrix;
+  return fclib_merit_local(&spatial, MERIT_1, &solution);
+}
+
+// FCLib's own judgement of planted answers, in integers: its signs are ours.
+TEST_F(FclibLibrary, TakesOurAnswersForItsOwn) {
+  std::mt19937 random(11);
+  const auto integer = [&](int least, int most) {
+    return static_cast<double>(least + static_cast<int>(random() % static_cast<unsigned>(most - least + 1)));
+  };
+  constexpr Index kRows = 7;
+  for (const std::vector<Index>& bilateral : {std::vector<Index>{}, {2}, {0, 3, 6}}) {
+    const Eigen::MatrixXd J = Eigen::MatrixXd::NullaryExpr(kRows, kRows, [&] { return integer(-3, 3); });
+    const Eigen::MatrixXd A = J * J.transpose();
+    Eigen::VectorXd f(kRows), w = Eigen::VectorXd::Zero(kRows);
+    for (Index i = 0; i < kRows; ++i) {
+      const bool separates = i % 3 == 1;
+      f[i] = separates ? 0 : integer(1, 5);
+      w[i] = separates ? integer(1, 5) : 0;
+    }
+    for (const Index row : bilateral) {
+      f[row] = -integer(1, 5);
+      w[row] = 0;
+    }
+    const LcpProblem problem =
+        LcpProblem::FromDense("planted", A, w - A * f, RowBounds::WithBilateralRows(kRows, bilateral));
+    const Rows rows(problem);
+    std::vector<double> r(3 * rows.contacts.size(), 0.0), u = r, plane_r(2 * rows.contacts.size(), 0.0), l;
+    for (size_t k = 0; k < rows.contacts.size(); ++k) {
+      r[3 * k] = plane_r[2 * k] = f[rows.contacts[k]];
+      u[3 * k] = w[rows.contacts[k]];
+    }
+    for (const Index row : rows.bilateral) l.push_back(f[row]);
+    WriteFclibProblem(problem, path_);
+    std::vector<double> plane_u(plane_r.size(), 0.0);
+    fclib_solution solution{nullptr, plane_u.data(), plane_r.data(), l.data()};
+    ASSERT_EQ(fclib_write_solution(&solution, path_.c_str()), 1);
+    fclib_local* read = fclib_read_local(path_.c_str());
+    ASSERT_NE(read, nullptr);
+    constexpr double kRounding = 1e-9;
+    EXPECT_LT(std::abs(Merit(*read, u, r, l)), kRounding);
+    for (double* number : {&r[0], bilateral.empty() ? &r[3] : &l[0]}) {  // and it does look
+      *number += 1;
+      EXPECT_GT(Merit(*read, u, r, l), kRounding);
+      *number -= 1;
+    }
+    Free(read);
+    const FclibProblem back = ReadFclibProblem(path_);
+    EXPECT_EQ(DifferenceOfRows(back.problem, problem), "");
+    EXPECT_EQ(back.f.value(), f);
+  }
+}
+
+TEST_F(FclibLibrary, WritesFilesThatWeRead) {
+  // Normal rows 0 and 2; A = [4 1 5; 1 3 6; 5 6 2].
+  std::vector<double> W{4, 1, 1, 3, 0.5}, V{5, 6}, R{2}, q{-1, 0, -2, 0.5}, s{-3}, mu{0, 0};
+  // In each form: triplets with p rows and i columns, compressed columns, compressed rows.
+  std::vector<int> pW{0, 0, 2, 2, 1}, iW{0, 2, 0, 2, 0}, pV{0, 2}, iV{0, 2}, pR{0, 1}, iR{0};
+  fclib_matrix matrix_W{5, 4, 4, pW.data(), iW.data(), W.data(), 5, nullptr};
+  fclib_matrix matrix_V{2, 4, 1, pV.data(), iV.data(), V.data(), -1, nullptr};
+  fclib_matrix matrix_R{1, 1, 1, pR.data(), iR.data(), R.data(), -2, nullptr};
+  char title[] = "title", description[] = "description";
+  fclib_info info{title, description, nullptr};
+  fclib_local given{&matrix_W, &matrix_V, &matrix_R, mu.data(), q.data(), s.data(), 2, &info};
+  ASSERT_EQ(fclib_write_local(&given, path_.c_str()), 1);
+  const LcpProblem read = ReadFclibProblem(path_).problem;
+  Eigen::Matrix3d A;
+  A << 4, 1, 5, 1, 3, 6, 5, 6, 2;
+  EXPECT_EQ(read.DenseA(), A);
+  EXPECT_EQ(read.b(), Eigen::Vector3d(-1, -2, -3));
+  EXPECT_EQ(read.bilateral_rows(), std::vector<Index>{2});
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,169 @@
+#include "solvers/io/json_lines.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <sstream>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+LcpRecord Parse(const std::string& line) { return ParseLcpRecord(line, "file:7"); }
+
+// The text of the refusal, or "" when the line was taken.
+std::string Refusal(const std::string& line) {
+  try {
+    Parse(line);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(JsonLines, EveryMatrixNotationMeansTheSame) {
+  const LcpProblem rows = Parse(R"({"id":"a","A":[[1,2],[3,4]],"b":[5,6]})").problem;
+  const LcpProblem flat = Parse(R"({"id":"a","n":2,"A":[1,2,3,4],"b":[5,6]})").problem;
+  const LcpProblem sparse =
+      Parse(R"({"A":{"shape":[2,2],"row":[1,0,0,1],"col":[1,0,1,0],"val":[4,1,2,3]},"b":[5,6]})").problem;
+  EXPECT_EQ(rows.DenseA(), flat.DenseA());
+  EXPECT_EQ(rows.DenseA(), sparse.DenseA());
+  EXPECT_EQ(rows.DenseA()(0, 1), 2);
+  EXPECT_EQ(rows.id(), "a");
+  EXPECT_EQ(sparse.id(), "file:7");
+}
+
+TEST(JsonLines, FactorsWinOverA) {
+  const LcpRecord record = Parse(R"({"A":[[99]],"J":[[1,0,2]],"invM":[1,1,"1/2"],"b":[-1],"bilateral":[0]})");
+  EXPECT_TRUE(record.problem.has_factors());
+  EXPECT_EQ(record.problem.DenseA()(0, 0), 3);
+  EXPECT_TRUE(record.problem.is_bilateral(0));
+}
+
+TEST(JsonLines, RationalsRoundOnce) {
+  const LcpProblem problem =
+      Parse(
+          R"({"A":[[1,0,0],[0,1,0],[0,0,1]],"b":["1/3","-010/7","100000000000000000000000/300000000000000000000001"]})")
+          .problem;
+  EXPECT_EQ(problem.b()[0], 1.0 / 3.0);
+  EXPECT_EQ(problem.b()[1], -10.0 / 7.0);
+  EXPECT_EQ(problem.b()[2], 1.0 / 3.0);  // the nearest double, although neither part is one
+}
+
+TEST(JsonLines, RecordedJointsAreBilateral) {
+  EXPECT_TRUE(Parse(R"({"n":1,"A":[2],"b":[1],"contacts":[{"joint":true}]})").problem.is_bilateral(0));
+  EXPECT_FALSE(Parse(R"({"n":1,"A":[2],"b":[1],"joint":[false]})").problem.is_bilateral(0));
+}
+
+TEST(JsonLines, RefusalsNameFileFieldExpectedAndFound) {
+  EXPECT_EQ(Refusal(R"({"A":[[1]],"b":[1,2]})"), "file:7: field 'A': expected 2 rows of 2 columns, found 1 rows");
+  EXPECT_EQ(Refusal(R"({"A":[[1]]})"), "file:7: field 'b': is missing");
+  EXPECT_EQ(Refusal(R"({"b":[1]})"), "file:7: expected field 'A', or 'J' with 'invM'");
+  EXPECT_EQ(Refusal(R"({"J":[[1,0,0]],"b":[1]})"), "file:7: field 'invM': is missing");
+  EXPECT_EQ(Refusal(R"({"A":[["x"]],"b":[1]})"),
+            "file:7: field 'A[0][0]': expected a finite number or \"p/q\", found \"x\"");
+  EXPECT_EQ(Refusal(R"({"n":3,"A":[[1]],"b":[1]})"), "file:7: field 'n': expected the length of b, 1, found 3");
+  EXPECT_EQ(Refusal(R"({"A":[[1]],"b":[1],"bilateral":[1]})"),
+            "file:7: field 'bilateral[0]': expected an index in [0, 1), found 1");
+}
+
+TEST(JsonLines, MalformedLinesAreRefusedInOneLine) {
+  const std::vector<std::string> lines = {
+      "",
+      "{",
+      "[1,2]",
+      "null",
+      R"({"A":[[1]],"b":[NaN]})",
+      R"({"A":[[1]],"b":[1e999]})",
+      R"({"A":[[1]],"b":["1/0"]})",
+      R"({"A":[[1]],"b":["1/-2"]})",
+      R"({"A":[[1]],"b":[""]})",
+      R"({"A":[[1]],"b":[null]})",
+      R"({"A":[[1]],"b":{"x":1}})",
+      R"({"A":5,"b":[1]})",
+      R"({"A":[[1,2]],"b":[1]})",
+      R"({"A":[1,2],"b":[1]})",
+      R"({"A":{"shape":[1,1],"row":[0],"col":[0]},"b":[1]})",
+      R"({"A":{"shape":[1,1],"row":[0],"col":[1],"val":[1]},"b":[1]})",
+      R"({"A":{"shape":[1,1],"row":[-1],"col":[0],"val":[1]},"b":[1]})",
+      R"({"A":{"shape":[1,1],"row":[0,0],"col":[0],"val":[1]},"b":[1]})",
+      R"({"A":{"shape":[1000000000000,1000000000000],"row":[],"col":[],"val":[]},"b":[1]})",
+      R"({"J":[[1,0,0]],"invM":[1,-1,1],"b":[1]})",
+      R"({"J":[[1,0]],"invM":[1,1,1],"b":[1]})",
+      R"({"A":[[1]],"b":[1],"bilateral":[0,0]})",
+      R"({"A":[[1]],"b":[1],"bilateral":[0.5]})",
+      R"({"id":{},"A":[[1]],"b":[1]})",
+      R"({"A":[[1]],"b":[1],"status":"solved","w":[1,2]})",
+  };
+  for (const std::string& line : lines) {
+    const std::string refusal = Refusal(line);
+    EXPECT_TRUE(refusal.starts_with("file:7: ")) << line << " -> " << refusal;
+    EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+  }
+}
+
+TEST(JsonLines, RoundTripsAreExactBitForBit) {
+  std::mt19937_64 random(5);
+  const auto any_double = [&] {
+    return std::ldexp(static_cast<double>(random() >> 11) * 0x1p-53 - 0.5, static_cast<int>(random() % 600) - 300);
+  };
+  for (int n = 0; n < 12; ++n) {
+    SparseMatrix J(n, 6);
+    Eigen::VectorXd b(n);
+    for (int i = 0; i < n; ++i) {
+      b[i] = any_double();
+      for (int k = 0; k < 6; ++k) J.insert(i, k) = any_double();
+    }
+    Eigen::VectorXd inverse_mass(6);
+    for (double& m : inverse_mass) m = std::abs(any_double());
+    const std::vector<Index> bilateral = n > 2 ? std::vector<Index>{0, 2} : std::vector<Index>{};
+    const LcpProblem problem =
+        LcpProblem::FromFactors("p", J, inverse_mass, b, RowBounds::WithBilateralRows(n, bilateral));
+    const LcpProblem back = Parse(FormatLcpRecord(problem)).problem;
+    EXPECT_EQ(Eigen::MatrixXd(back.J()), Eigen::MatrixXd(problem.J()));
+    EXPECT_EQ(back.inverse_mass(), inverse_mass);
+    EXPECT_EQ(back.b(), b);
+    EXPECT_EQ(back.bilateral_rows(), bilateral);
+    const LcpProblem dense = LcpProblem::FromDense("d", problem.DenseA(), b);
+    EXPECT_EQ(Parse(FormatLcpRecord(dense)).problem.DenseA(), problem.DenseA());
+  }
+}
+
+TEST(JsonLines, TheReaderGoesOnAfterARefusedLine) {
+  std::istringstream input("{\"A\":[[1]],\"b\":[1]}\n\n{oops\n{\"A\":[[2]],\"b\":[3]}\n");
+  LcpReader reader(input, "lines");
+  EXPECT_EQ(reader.Next()->problem.id(), "lines:1");
+  EXPECT_THROW(reader.Next(), InputError);
+  EXPECT_EQ(reader.Next()->problem.DenseA()(0, 0), 2);
+  EXPECT_FALSE(reader.Next().has_value());
+}
+
+TEST(JsonLines, SolveRecordsStayValidJsonWhateverTheSolverLeft) {
+  const LcpProblem problem = Parse(R"({"id":"x","A":[[1]],"b":[-1]})").problem;
+  LcpResult result;
+  result.status = LcpStatus::kSolved;
+  result.f = Eigen::VectorXd::Constant(1, std::numeric_limits<double>::quiet_NaN());
+  result.detail = "bytes \xff \" \n";
+  const std::string line = FormatSolveRecord(problem, "k", result, Verify(problem, result, 1e-9), 0, 0);
+  const nlohmann::json record = nlohmann::json::parse(line);
+  EXPECT_EQ(record["status"], "solved");
+  EXPECT_TRUE(record["f"][0].is_null());
+  EXPECT_TRUE(record["verdict"]["false_success"].get<bool>());
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+TEST(JsonLines, ExactOracleRecordsAreReadWhole) {
+  const std::string path = std::string(LCPBENCH_SHARED_DIR) + "/data/oracle/lcp.jsonl";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  for (const LcpRecord& record : ReadLcpFile(path)) {
+    EXPECT_TRUE(record.problem.has_factors());
+    EXPECT_NE(record.reference.status, LcpReference::Status::kUnknown);
+    EXPECT_EQ(record.reference.w.has_value(), record.reference.status == LcpReference::Status::kSolved);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

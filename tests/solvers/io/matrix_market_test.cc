@@ -1,0 +1,173 @@
+// Matrix Market files: round trips bit for bit, and one line for whatever is wrong with a file.
+
+#include "solvers/io/matrix_market.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/input_error.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MatrixMarket : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) /
+              (std::string("market-") + testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  void Write(const std::string& name, const std::string& text) const { std::ofstream(Path(name)) << text; }
+
+  fs::path folder_;
+};
+
+MarketMatrix Parse(const std::string& text) {
+  std::istringstream stream(text);
+  return ReadMarketMatrix(stream, "file.mtx");
+}
+
+TEST_F(MatrixMarket, ProblemsComeBackBitForBit) {
+  std::vector<LcpProblem> problems;
+  for (const TestProblem& test : GeneratedProblems()) {
+    problems.push_back(test.problem);
+    problems.push_back(WithoutFactors(test.problem));
+  }
+  // Files of the same name take each other's place.
+  for (const LcpProblem& given : problems) {
+    SCOPED_TRACE(given.id());
+    const std::string path = Path("p.mtx");
+    WriteMarketProblem(given, path);
+    const LcpProblem back = ReadMarketProblem(path).problem;
+    EXPECT_EQ(DifferenceOfProblems(back, given), "");
+    if (!given.has_factors()) continue;
+    // name.mtx alone has the rounded matrix.
+    std::ifstream file(path);
+    EXPECT_TRUE(SameBits(ReadMarketMatrix(file, path).ToSparse(), given.SparseA()));
+  }
+}
+
+TEST_F(MatrixMarket, AnyFiniteDoubleComesBack) {
+  std::mt19937_64 random(3);
+  Eigen::VectorXd values(1000);
+  for (double& value : values) {
+    do {
+      const std::uint64_t bits = random();
+      std::memcpy(&value, &bits, sizeof value);
+    } while (!std::isfinite(value));
+  }
+  values[0] = -0.0;
+  values[1] = 5e-324;
+  values[2] = -1.7976931348623157e308;
+  std::stringstream stream;
+  WriteMarketVector(values, stream);
+  EXPECT_TRUE(SameBits(ReadMarketMatrix(stream, "x").ToVector("x"), values));
+}
+
+TEST_F(MatrixMarket, ReadsWhatTheFormatAllows) {
+  const MarketMatrix general = Parse(
+      "%%MatrixMarket MATRIX Coordinate Real General\n% a comment\n\n 2 3  2 \r\n1 3 +1.5\n%another\n2 1 -2e-1\n\n");
+  EXPECT_EQ(general.rows, 2);
+  EXPECT_EQ(general.columns, 3);
+  EXPECT_EQ(general.ToSparse().coeff(0, 2), 1.5);
+  EXPECT_EQ(general.ToSparse().coeff(1, 0), -0.2);
+  const MarketMatrix symmetric = Parse("%%MatrixMarket matrix coordinate integer symmetric\n2 2 2\n1 1 3\n2 1 -4\n");
+  EXPECT_EQ(symmetric.ToSparse().coeff(0, 1), -4);
+  const MarketMatrix array = Parse("%%MatrixMarket matrix array real symmetric\n2 2\n1\n2\n3\n");
+  EXPECT_EQ(array.ToSparse().coeff(0, 1), 2);
+  EXPECT_EQ(array.ToSparse().coeff(1, 1), 3);
+  EXPECT_EQ(Parse("%%MatrixMarket matrix array real general\n0 1\n").ToVector("x").size(), 0);
+}
+
+TEST_F(MatrixMarket, WhatIsWrongIsOneLineWithItsPlace) {
+  const std::string head = "%%MatrixMarket matrix coordinate real general\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "file.mtx:1: expected '%%MatrixMarket matrix ...', found the end of the file"},
+      {"1 1 1\n1 1 1\n", "file.mtx:1: expected '%%MatrixMarket', found '1'"},
+      {"%%MatrixMarket matrix coordinate complex general\n",
+       "file.mtx:1: expected 'real' or 'integer', found 'complex'"},
+      {"%%MatrixMarket matrix coordinate pattern general\n", "found 'pattern'"},
+      {"%%MatrixMarket matrix coordinate real skew-symmetric\n", "found 'skew-symmetric'"},
+      {head, "file.mtx:1: expected a line with the size, found the end of the file"},
+      {head + "2 -3 1\n", "file.mtx:2: expected a number of columns from 0 to"},
+      {head + "2 2\n", "expected a number of entries from 0 to 2147483646, found nothing"},
+      {head + "2 2 1 7\n1 1 1\n", "expected the end of the line, found '7'"},
+      {head + "2 2 1000000000000\n1 1 1\n", "found '1000000000000'"},
+      {head + "2 2 2000000000\n1 1 1\n", "file.mtx:3: expected entry 2 of 2000000000, found the end of the file"},
+      {head + "2 2 1\n3 1 1\n", "file.mtx:3: expected a row from 1 to 2, found '3'"},
+      {head + "2 2 1\n1 0 1\n", "expected a column from 1 to 2, found '0'"},
+      {head + "2 2 1\n1 1\n", "expected a finite number, found nothing"},
+      {head + "2 2 1\n1 1 nan\n", "expected a finite number, found 'nan'"},
+      {head + "2 2 1\n1 1 1e999\n", "expected a finite number, found '1e999'"},
+      {head + "2 2 1\n1 1 0x10\n", "expected a finite number, found '0x10'"},
+      {head + "2 2 1\n1 1 1\n2 2 2\n", "file.mtx:4: expected the end of the file after 1 entries, found '2 2 2'"},
+      {head + "2 2 2\n1 1 1\n1 1 2\n", "expected every entry once, found (1, 1) twice"},
+      {"%%MatrixMarket matrix coordinate real symmetric\n2 3 0\n", "expected a square symmetric matrix, found '2 x 3'"},
+      {"%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n",
+       "from the diagonal of a symmetric matrix down"},
+      {"%%MatrixMarket matrix array real general\n2000000000 2000000000\n1\n",
+       "expected entry 2 of 4000000000000000000"},
+  };
+  for (const auto& [text, expected] : cases) {
+    try {
+      Parse(text);
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_NE(what.find(expected), std::string::npos) << what << "\nexpected: " << expected;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+}
+
+TEST_F(MatrixMarket, FilesThatDoNotFitEachOtherAreNamed) {
+  const auto expect = [&](const std::string& text) {
+    try {
+      ReadMarketProblem(Path("p.mtx"));
+      ADD_FAILURE() << "accepted; expected " << text;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+    }
+  };
+  const std::string array = "%%MatrixMarket matrix array real general\n";
+  expect("p_b.mtx: cannot be opened");
+  Write("p_b.mtx", array + "2 1\n-1\n-2\n");
+  expect("p.mtx: cannot be opened; expected the matrix A");
+  Write("p.mtx", array + "2 3\n1\n0\n0\n1\n0\n0\n");
+  expect("p.mtx: expected 2 x 2 entries, found 2 x 3");
+  Write("p.mtx", array + "2 2\n1\n0\n0\n1\n");
+  EXPECT_EQ(ReadMarketProblem(Path("p.mtx")).problem.size(), 2);
+  Write("p_bilateral.mtx", array + "1 1\n3\n");
+  expect("expected row numbers from 1 to 2, found 3");
+  Write("p_bilateral.mtx", array + "1 1\n2\n");
+  EXPECT_EQ(ReadMarketProblem(Path("p.mtx")).problem.bilateral_rows(), std::vector<Index>{1});
+  Write("p_x.mtx", array + "3 1\n1\n2\n3\n");
+  expect("p_x.mtx: expected 2 x 1 entries, found 3 x 1");
+  Write("p_x.mtx", array + "2 1\n1\n2\n");
+  EXPECT_EQ((*ReadMarketProblem(Path("p.mtx")).x)[1], 2);
+  Write("p_J.mtx", array + "2 3\n1\n0\n0\n1\n0\n0\n");
+  expect("p_invM.mtx: cannot be opened; expected both factors");
+  Write("p_invM.mtx", array + "2 1\n1\n1\n");
+  expect("p_J.mtx: expected 2 x 2 entries, found 2 x 3");
+  Write("p_invM.mtx", "%%MatrixMarket matrix coordinate real general\n2000000000 1 0\n");
+  expect("p_invM.mtx: expected an array for a vector of 2000000000 entries");
+}
+
+}  // namespace
+}  // namespace lcpbench

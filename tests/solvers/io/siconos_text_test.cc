@@ -1,0 +1,189 @@
+// Siconos' text files: round trips bit for bit, and one line for whatever is wrong with a file.
+
+#include "solvers/io/siconos_text.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "support/input_error.h"
+#include "tests/solvers/lcp/same_problem.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+LcpProblem Parse(const std::string& text) {
+  std::istringstream stream(text);
+  return ReadSiconosText(stream, "file.dat", "id");
+}
+
+std::string Format(const LcpProblem& problem) {
+  std::ostringstream stream;
+  WriteSiconosText(problem, stream);
+  return stream.str();
+}
+
+LcpProblem AsDense(const LcpProblem& given) {
+  return LcpProblem::FromDense(given.id(), given.DenseA(), given.b(),
+                               RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
+}
+
+TEST(SiconosText, ProblemsComeBackBitForBit) {
+  int mixed = 0, plain = 0;
+  for (const TestProblem& test : GeneratedProblems()) {
+    SCOPED_TRACE(test.problem.id());
+    (test.problem.bilateral_rows().empty() ? plain : mixed) += 1;
+    const LcpProblem sparse = WithoutFactors(test.problem);
+    const LcpProblem sparse_back = Parse(Format(sparse));
+    EXPECT_EQ(sparse_back.given_form(), MatrixForm::kSparse);
+    EXPECT_EQ(DifferenceOfProblems(sparse_back, sparse), "");
+    const LcpProblem dense = AsDense(test.problem);
+    const LcpProblem dense_back = Parse(Format(dense));
+    EXPECT_EQ(dense_back.given_form(), MatrixForm::kDense);
+    EXPECT_EQ(DifferenceOfProblems(dense_back, dense), "");
+    // Of factors the rounded matrix.
+    EXPECT_EQ(DifferenceOfProblems(Parse(Format(test.problem)), sparse), "");
+  }
+  EXPECT_GT(mixed, 10);
+  EXPECT_GT(plain, 10);
+}
+
+TEST(SiconosText, WithoutRowsOrUnsymmetricTheProblemComesBackToo) {
+  const LcpProblem none = Parse(Format(LcpProblem::FromDense("none", {}, {})));
+  EXPECT_EQ(none.size(), 0);
+  Eigen::MatrixXd A(2, 2);
+  A << 1, -0.0, 5e-324, -1.7976931348623157e308;
+  Eigen::VectorXd b(2);
+  b << -0.0, 0.1;
+  const LcpProblem problem = LcpProblem::FromDense("p", A, b);
+  EXPECT_EQ(DifferenceOfProblems(Parse(Format(problem)), problem), "");
+  const LcpProblem joints = LcpProblem::FromDense("p", A, b, RowBounds::WithBilateralRows(2, {0, 1}));
+  EXPECT_EQ(DifferenceOfProblems(Parse(Format(joints)), joints), "");
+}
+
+TEST(SiconosText, ReadsWhatTheLibraryWrites) {
+  // By columns, and a remark behind.
+  const LcpProblem dense = Parse("2\n0\n2\n2\n2\t2\n1 2\n3 4\n-1 1\n\nRemark 4 of a book\n");
+  EXPECT_EQ(dense.DenseA()(1, 0), 2);
+  EXPECT_EQ(dense.DenseA()(0, 1), 3);
+  EXPECT_EQ(dense.b()[1], 1);
+  const LcpProblem columns = Parse(
+      "2\n2\n2\n2\n2\nCSparse Version 3.2.0, Sept 12, 2017.\n2-by-2, nzmax: 3 nnz: 3, 1-norm: 3.25\n"
+      "    col 0 : locations 0 to 1\n      1 : 2\n      0 : 1.25\n    col 1 : locations 2 to 2\n      1 : 3\n1 1\n");
+  EXPECT_EQ(columns.DenseA()(1, 0), 2);
+  EXPECT_EQ(columns.DenseA()(0, 1), 0);
+  const LcpProblem summed = Parse("1\n2\n1\n1\n1\nCSparse\ntriplet: 1-by-1, nzmax: 2 nnz: 2\n 0 0 : 1\n 0 0 : 2\n1\n");
+  EXPECT_EQ(summed.DenseA()(0, 0), 3);
+  // A, C, D, B and their vectors alone, row by row: equations come first.
+  const LcpProblem parts = Parse("0 1 1 2   9   1 2 3 4   5 6   7 8   -1   -2 -3");
+  Eigen::MatrixXd expected(3, 3);
+  expected << 9, 5, 6, 7, 1, 2, 8, 3, 4;
+  EXPECT_EQ(parts.DenseA(), expected);
+  EXPECT_EQ(parts.b(), Eigen::Vector3d(-1, -2, -3));
+  EXPECT_EQ(parts.bilateral_rows(), std::vector<Index>{0});
+  // Both storages, the equation in the middle.
+  const std::string both = "1 1 1 2\n0 1 2 3\n1 0 1\n0 3 3 3 3\n4 1 0\n1 3 0\n0 0 2\n-1 1 -2\n";
+  EXPECT_EQ(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2").bilateral_rows(), std::vector<Index>{1});
+  // A known answer behind.
+  EXPECT_EQ(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5").size(), 3);
+  EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3 4 5 6"), InputError);
+  EXPECT_THROW(Parse(both + "3  4 0 0 2  1 0  1 0  1  -1 -2   1 2 3e999"), InputError);
+  // One row: an LCP or an MLCP.
+  EXPECT_TRUE(Parse("1 0 1 1 1 1 2 -1").bilateral_rows().empty());
+  EXPECT_EQ(Parse("1 0 1 1  0 1 2  0 1  0 2 2 2 2  1 0 0 1  -1 -2").bilateral_rows(), std::vector<Index>{0});
+  EXPECT_EQ(Parse("1 1 1 0  0 1  0  0 1 1 1 1  2 -1  2 -1").bilateral_rows(), std::vector<Index>{0});
+}
+
+TEST(SiconosText, WhatIsWrongIsOneLineWithItsPlace) {
+  const std::string sparse = "2\n2\n2\n2\n1\nCSparse\ntriplet: 2-by-2, nzmax: 1 nnz: ";
+  const std::string columns = "2\n2\n2\n2\n2\nCSparse\n2-by-2, nzmax: 1 nnz: ";
+  const std::pair<std::string, std::string> cases[] = {
+      {"", "file.dat:1: expected a size, a storage or a flag, found the end of the file"},
+      {"x", "file.dat:1: expected a size, a storage or a flag from 0 to 2147483646, found 'x'"},
+      {"-2\n0\n", "file.dat:1: expected a size, a storage or a flag from 0 to 2147483646, found '-2'"},
+      {"1000000000000\n", "found '1000000000000'"},
+      {"2.5\n", "found '2.5'"},
+      {"2\n0\n2\n3\n", "file.dat:4: expected a matrix of 2 x 2 entries, found '2 x 3'"},
+      {"2\n0\n2\n2\n2 3\n", "file.dat:5: expected a number of columns from 2 to 2, found '3'"},
+      {"2\n1\n2\n2\n", "expected a matrix of storage 0 (dense) or 2 (sparse), found '1'"},
+      {"2\n0\n2\n2\n2 2\n1 2\n3", "file.dat:7: expected number 4 of the 4 of a matrix, found the end of the file"},
+      {"2\n0\n2\n2\n2 2\n1 2\n3 4\n5", "file.dat:8: expected number 2 of the 2 of q, found the end of the file"},
+      {"2\n0\n2\n2\n2 2\n1 2\n3 nan\n5 6",
+       "file.dat:7: expected number 4 of the 4 of a matrix to be finite, found 'nan'"},
+      {"2\n0\n2\n2\n2 2\n1 2\n3 1e999\n5 6", "found '1e999'"},
+      {"1\n0\n1\n1\n1 1\n1\n5\n6",
+       "file.dat:8: expected the end of the file or a remark in words after the last number"},
+      {"1000000000\n0\n1000000000\n1000000000\n1000000000 1000000000\n1",
+       "expected number 2 of the 1000000000000000000 of a matrix, found the end of the file"},
+      {"1000000000\n2\n1000000000\n1000000000\n1\nCSparse\ntriplet: 1000000000-by-1000000000, nzmax: 0 nnz: 0\n",
+       "expected number 1 of the 1000000000 of q, found the end of the file"},
+      {"2\n2\n2\n2\n3\n", "expected a sparse form, triplets (1) or compressed columns (2), from 1 to 2, found '3'"},
+      {"2\n2\n2\n2\n1\nMatrix\n", "file.dat:6: expected 'CSparse', found 'Matrix'"},
+      {"2\n2\n2\n2\n1\nCSparse\ncsr: 2-by-2", "file.dat:7: expected 'triplet:', found 'csr:'"},
+      {"2\n2\n2\n2\n1\nCSparse\ntriplet: 2-by-3,", "expected '2-by-2,', found '2-by-3,'"},
+      {sparse + "-1\n", "expected a number of entries from 0 to 2147483646, found '-1'"},
+      {sparse + "1\n2 0 : 1\n", "file.dat:8: expected a row from 0 to 1, found '2'"},
+      {sparse + "1\n0 -1 : 1\n", "expected a column from 0 to 1, found '-1'"},
+      {sparse + "1\n0 0 1\n", "expected ':', found '1'"},
+      {sparse + "1\n0 0 : inf\n", "expected a finite number, found 'inf'"},
+      {sparse + "2000000000\n0 0 : 1\n", "expected entry 2 of 2000000000, found the end of the file"},
+      {sparse + "2\n0 0 : 1e308\n0 0 : 1e308\n1 1\n", "file.dat: "},
+      {columns + "1\ncol 1 : locations", "expected the number of a column from 0 to 0, found '1'"},
+      {columns + "1\ncol 0 : locations 0 to 1\n", "expected a last location from -1 to 0, found '1'"},
+      {columns + "1\ncol 0 : locations 0 to -1\ncol 1 : locations 0 to -1\n1 1", "expected 1 entries in all columns"},
+      {"0\n0\n3\n4\n", "expected M and q, or A to b, or both, found '0 0'"},
+      {"1\n0\n2000000000\n2000000000\n", "expected at most 2147483646 rows, found '4000000000'"},
+      {"1\n0\n1\n2\n0 2 3\n0 1\n", "expected blocks of 1 equations, found '2'"},
+      {"1\n0\n1\n2\n1 2 3\n0 1\n", "expected the first row of the first block from 0 to 0, found '1'"},
+      {"1\n0\n1\n2\n0 2 1\n", "expected the first row of the next block from 2 to 3, found '1'"},
+      {"1\n0\n1\n1\n0 1 2\n0 1\n0\n3\n2\n", "expected a number of rows from 2 to 2, found '3'"},
+      {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 3 2  -1 -3",
+       "expected A to b as M and q have them, -2 in row 1, found '-3'"},
+      {"1 1 1 1  0 1 2  0 1  0 2 2 2 2  1 2 3 4  -1 -2  1 4 2 3  -1 -2",
+       "expected A to b as M and q have them, 2 in row 1 and column 0, found '3'"},
+  };
+  for (const auto& [text, expected] : cases) {
+    try {
+      Parse(text);
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const InputError& error) {
+      const std::string what = error.what();
+      EXPECT_NE(what.find(expected), std::string::npos) << what << "\nexpected: " << expected;
+      EXPECT_TRUE(what.starts_with("file.dat:")) << what;
+      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
+    }
+  }
+}
+
+TEST(SiconosText, WhatTheFormatCannotHoldIsNotWritten) {
+  RowBounds bounds;
+  bounds.lower = Eigen::VectorXd::Constant(1, -1);
+  bounds.upper = Eigen::VectorXd::Constant(1, 1);
+  const LcpProblem box =
+      LcpProblem::FromDense("box", Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Ones(1), bounds);
+  EXPECT_THROW(Format(box), InputError);
+  SparseMatrix J(1, 3);
+  J.insert(0, 0) = 1e200;
+  EXPECT_THROW(Format(LcpProblem::FromFactors("overflow", J, Eigen::Vector3d::Ones(), Eigen::VectorXd::Ones(1))),
+               InputError);
+}
+
+TEST(SiconosText, FilesAreReadAndWrittenByTheirNames) {
+  const std::string path = testing::TempDir() + "siconos-name.dat";
+  const LcpProblem given = GeneratedProblems()[5].problem;
+  WriteSiconosProblem(given, path);
+  const LcpProblem back = ReadSiconosProblem(path);
+  EXPECT_EQ(back.id(), "siconos-name");
+  EXPECT_EQ(DifferenceOfRows(back, given), "");
+  EXPECT_THROW(ReadSiconosProblem(testing::TempDir() + "absent.dat"), InputError);
+  EXPECT_THROW(ReadSiconosProblem(testing::TempDir()), InputError);
+  EXPECT_THROW(WriteSiconosProblem(given, "/nowhere/x.dat"), InputError);
+}
+
+}  // namespace
+}  // namespace lcpbench

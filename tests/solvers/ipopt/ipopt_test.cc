@@ -1,0 +1,317 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "solvers/ipopt/ipopt_engine.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+class Ipopt : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";
+  }
+  static LcpResult Solve(const LcpProblem& problem, double tolerance, const Settings& settings = {},
+                         const Eigen::VectorXd* start = nullptr) {
+    LcpOptions options;
+    options.tolerance = tolerance;
+    options.initial_f = start;
+    LcpResult result;
+    MakeSolver(GetParam(), settings)->Solve(problem, options, &result);
+    return result;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Backends, Ipopt, testing::Values("ipopt-qp", "ipopt-ncp"),
+                         [](const auto& backend) { return std::string(backend.param) == "ipopt-qp" ? "Qp" : "Ncp"; });
+
+TEST_P(Ipopt, EveryFormReachesEveryTierOnPlantedProblems) {
+  for (const double tolerance : kTiers) {
+    for (const char* form : {"contact", "lifted", "auto"}) {
+      for (unsigned seed = 0; seed < 6; ++seed) {
+        const TestProblem test = PlantedProblem(12, 5, seed, 0, seed % 2 == 0 ? 0 : 3);
+        const LcpResult result = Solve(test.problem, tolerance, {{"form", form}});
+        EXPECT_EQ(result.status, LcpStatus::kSolved) << form << " at " << tolerance << ": " << result.detail;
+        EXPECT_TRUE(Verify(test.problem, result, tolerance).passes) << form << " at " << tolerance;
+      }
+    }
+  }
+}
+
+TEST_P(Ipopt, SolvesTheOracleAtMediumToleranceAndClaimsNothingFalse) {
+  const std::vector<TestProblem> problems = OracleProblems();
+  if (problems.empty()) GTEST_SKIP() << "the outside reference data is not beside this checkout";
+  const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam());
+  for (const TestProblem& test : problems) {
+    LcpOptions options;
+    options.tolerance = 1e-6;
+    LcpResult result;
+    solver->Solve(test.problem, options, &result);
+    const Verdict verdict = Verify(test.problem, result, options.tolerance, &test.reference);
+    EXPECT_FALSE(verdict.false_success) << test << verdict.reason;
+    EXPECT_FALSE(verdict.false_infeasible) << test;
+    if (test.reference.status == LcpReference::Status::kInfeasible) {
+      EXPECT_NE(result.status, LcpStatus::kSolved) << test;
+    } else {
+      EXPECT_EQ(result.status, LcpStatus::kSolved) << test << result.detail;
+    }
+    if (result.status == LcpStatus::kInfeasible) {
+      ASSERT_TRUE(result.farkas_ray.has_value()) << test;
+      EXPECT_TRUE(VerifyFarkasRay(test.problem, *result.farkas_ray).accepted) << test;
+    }
+  }
+}
+
+TEST_P(Ipopt, PrintsNothingNotEvenAtTheFirstSolve) {
+  testing::internal::CaptureStdout();
+  testing::internal::CaptureStderr();
+  Solve(PlantedProblem(10, 4, 3, 4, 0).problem, 1e-9);
+  Eigen::MatrixXd A(2, 2);
+  A << 1, -1, -1, 1;
+  Solve(LcpProblem::FromDense("jam", A, Eigen::Vector2d(-1, -1)), 1e-9);
+  EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
+TEST_P(Ipopt, WarmStartAtTheSolutionTakesNoIterationAndNearItFewer) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  std::int64_t cold_iterations = 0;
+  std::int64_t warm_iterations = 0;
+  for (unsigned seed = 0; seed < 10; ++seed) {
+    const LcpProblem problem = PlantedProblem(20, 8, seed, 0, 0).problem;
+    const LcpResult cold = Solve(problem, 1e-6);
+    ASSERT_EQ(cold.status, LcpStatus::kSolved);
+    EXPECT_EQ(Solve(problem, 1e-6, {}, &cold.f).iterations, 0);
+    Eigen::VectorXd near = cold.f;
+    for (double& force : near) force *= 1 + 1e-4 * uniform(random);
+    const LcpResult warm = Solve(problem, 1e-6, {}, &near);
+    EXPECT_EQ(warm.status, LcpStatus::kSolved) << warm.detail;
+    cold_iterations += cold.iterations;
+    warm_iterations += warm.iterations;
+  }
+  EXPECT_LT(warm_iterations, cold_iterations);
+}
+
+TEST_P(Ipopt, RepeatedAndInterleavedSolvesAreBitwiseIdentical) {
+  const LcpProblem first = PlantedProblem(15, 6, 1, 4, 3).problem;
+  const LcpProblem second = PlantedProblem(9, 3, 2, 0, 2).problem;
+  const std::unique_ptr<LcpSolver> reused = MakeSolver(GetParam());
+  LcpOptions options;
+  const LcpResult fresh = Solve(first, options.tolerance);
+  LcpResult again;
+  for (int repeat = 0; repeat < 3; ++repeat) {
+    reused->Solve(first, options, &again);
+    EXPECT_EQ(again.iterations, fresh.iterations);
+    EXPECT_TRUE((again.f.array() == fresh.f.array()).all());
+    reused->Solve(second, options, &again);
+  }
+}
+
+// A solve that ended early, in whatever way, must leave nothing behind in the objects that the next one uses.
+TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
+  const LcpProblem problem = PlantedProblem(15, 6, 8, 4, 3).problem;
+  const LcpResult fresh = Solve(problem, 1e-9);
+  const std::unique_ptr<LcpSolver> reused = MakeSolver(GetParam());
+  LcpResult result;
+  const auto expect_as_fresh = [&](const char* after) {
+    reused->Solve(problem, {}, &result);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << after;
+    EXPECT_EQ(result.iterations, fresh.iterations) << after;
+    EXPECT_TRUE((result.f.array() == fresh.f.array()).all()) << after;
+  };
+  LcpOptions limited;
+  limited.max_iterations = 2;
+  reused->Solve(problem, limited, &result);
+  EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+  expect_as_fresh("iteration limit");
+  LcpOptions warm;
+  warm.initial_f = &fresh.f;
+  warm.tolerance = 1e-12;
+  reused->Solve(problem, warm, &result);
+  expect_as_fresh("warm start");
+  LcpOptions late;
+  late.time_limit_s = 1e-9;
+  reused->Solve(problem, late, &result);
+  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
+  expect_as_fresh("time limit");
+}
+
+TEST_P(Ipopt, DistinctObjectsAreUsableFromDistinctThreads) {
+  constexpr unsigned kThreads = 4;
+  constexpr unsigned kProblems = 12;
+  std::vector<LcpProblem> problems;
+  std::vector<LcpResult> alone;
+  for (unsigned seed = 0; seed < kProblems; ++seed) {
+    problems.push_back(
+        PlantedProblem(8 + seed, 4, seed, static_cast<int>(seed % 3), static_cast<int>(seed % 4)).problem);
+    alone.push_back(Solve(problems.back(), 1e-9));
+  }
+  std::vector<std::vector<LcpResult>> together(kThreads, std::vector<LcpResult>(kProblems));
+  std::vector<std::thread> threads;
+  for (unsigned thread = 0; thread < kThreads; ++thread) {
+    threads.emplace_back([&, thread] {
+      for (unsigned k = 0; k < kProblems; ++k) {
+        const unsigned which = (k + 3 * thread) % kProblems;
+        together[thread][which] = Solve(problems[which], 1e-9);
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (unsigned thread = 0; thread < kThreads; ++thread) {
+    for (unsigned k = 0; k < kProblems; ++k) {
+      EXPECT_EQ(together[thread][k].iterations, alone[k].iterations) << k;
+      EXPECT_TRUE((together[thread][k].f.array() == alone[k].f.array()).all()) << k;
+    }
+  }
+}
+
+TEST_P(Ipopt, IterationLimitIsHonoured) {
+  const LcpProblem problem = PlantedProblem(20, 8, 4, 0, 0).problem;
+  LcpOptions options;
+  options.max_iterations = 3;
+  LcpResult result;
+  MakeSolver(GetParam())->Solve(problem, options, &result);
+  EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+  EXPECT_EQ(result.iterations, 3);
+  EXPECT_NE(result.detail.find("Maximum_Iterations_Exceeded"), std::string::npos);
+}
+
+double g_clock = 0;
+double StepClock() { return g_clock += 1.0; }
+
+TEST_P(Ipopt, TimeLimitIsReadFromTheInjectedClockEachIteration) {
+  const LcpProblem problem = PlantedProblem(20, 8, 4, 0, 0).problem;
+  LcpOptions options;
+  options.time_limit_s = 3.5;
+  options.now = &StepClock;
+  g_clock = 0;
+  LcpResult result;
+  MakeSolver(GetParam())->Solve(problem, options, &result);
+  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
+  EXPECT_LE(result.iterations, 4);
+}
+
+TEST_P(Ipopt, InfeasibleByOpposedRowsIsProvedByARay) {
+  SparseMatrix J(2, 3);
+  J.insert(0, 0) = 1.0;
+  J.insert(1, 0) = -1.0;
+  const LcpProblem jam = LcpProblem::FromFactors("jam", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1, 0.25));
+  const LcpResult result = Solve(jam, 1e-9);
+  ASSERT_EQ(result.status, LcpStatus::kInfeasible) << result.detail;
+  EXPECT_TRUE(VerifyFarkasRay(jam, *result.farkas_ray).accepted);
+}
+
+// Mehrotra mode used to crash in Ipopt's restoration phase; redundant joints lead there.
+TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int solved = 0;
+  const int count = 60;
+  for (int sample = 0; sample < count; ++sample) {
+    const int bodies = 3 + sample % 6;
+    std::vector<Eigen::Triplet<double, int>> entries;
+    std::vector<Index> bilateral;
+    int n = 0;
+    for (int body = 0; body < bodies; ++body) {
+      Eigen::VectorXd row(6);
+      for (double& value : row) value = uniform(random);
+      for (const double scale : {1.0, -1.0, 2.0, 0.5}) {
+        if (scale != 0.5) bilateral.push_back(n);
+        for (int k = 0; k < 3; ++k) entries.emplace_back(n, 3 * body + k, scale * row[k]);
+        for (int k = 0; k < 3 && body > 0; ++k) entries.emplace_back(n, 3 * (body - 1) + k, scale * row[k + 3]);
+        ++n;
+      }
+    }
+    const Index columns = Index{3} * bodies;
+    SparseMatrix J(n, columns);
+    J.setFromTriplets(entries.begin(), entries.end());
+    Eigen::VectorXd inverse_mass(columns);
+    Eigen::VectorXd acceleration(columns);
+    for (double& value : inverse_mass) value = std::pow(10.0, 2 * uniform(random));
+    for (double& value : acceleration) value = uniform(random);
+    const LcpProblem problem = LcpProblem::FromFactors("joints", J, inverse_mass, J * acceleration,
+                                                       RowBounds::WithBilateralRows(n, bilateral));
+    for (const char* form : {"auto", "lifted"}) {
+      const LcpResult result = Solve(problem, 1e-9, {{"form", form}});
+      EXPECT_FALSE(Verify(problem, result, 1e-9).false_success) << sample << ' ' << form;
+      EXPECT_NE(result.status, LcpStatus::kInfeasible) << sample << ' ' << form;
+      if (std::string(form) == "auto" && result.status == LcpStatus::kSolved) ++solved;
+    }
+  }
+  EXPECT_GE(solved, count * 9 / 10);
+}
+
+TEST(IpoptQp, RefusesNonsymmetricA) {
+  if (!FindSolver("ipopt-qp").available) GTEST_SKIP() << "ipopt-qp is not in this build";
+  Eigen::MatrixXd A(2, 2);
+  A << 1, 0.5, 0, 1;
+  const LcpProblem problem = LcpProblem::FromDense("nonsymmetric", A, Eigen::Vector2d(-1, -1));
+  LcpResult result;
+  MakeSolver("ipopt-qp")->Solve(problem, {}, &result);
+  EXPECT_EQ(result.status, LcpStatus::kUnsupported);
+  MakeSolver("ipopt-ncp")->Solve(problem, {}, &result);
+  EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+  EXPECT_TRUE(Verify(problem, result, LcpOptions().tolerance).passes);
+}
+
+// The program is quadratic, so that central differences of the objective are exact up to rounding at any step.
+TEST(IpoptProgram, DerivativesAgreeWithDifferences) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const int n = 9;
+  const int m = 4;
+  ipopt::QuadraticProgram program;
+  program.c = Eigen::VectorXd::NullaryExpr(n, [&](Index) { return uniform(random); });
+  program.d = Eigen::VectorXd::Zero(m);
+  program.nonnegative.assign(n, true);
+  Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n);
+  Eigen::MatrixXd G = Eigen::MatrixXd::Zero(m, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j <= i; j += 2) {
+      H(i, j) = H(j, i) = uniform(random);
+      program.hessian.Add(i, j, H(i, j));
+    }
+  }
+  for (int i = 0; i < m; ++i) {
+    for (int j = i; j < n; j += 2) {
+      G(i, j) = uniform(random);
+      program.jacobian.Add(i, j, G(i, j));
+    }
+  }
+  const Eigen::VectorXd x = Eigen::VectorXd::NullaryExpr(n, [&](Index) { return uniform(random); });
+  EXPECT_NEAR(program.Objective(x.data()), 0.5 * x.dot(H * x) + program.c.dot(x), 1e-14);
+  Eigen::VectorXd gradient(n);
+  Eigen::VectorXd values(m);
+  program.Gradient(x.data(), gradient.data());
+  program.Constraints(x.data(), values.data());
+  EXPECT_LE((values - G * x).cwiseAbs().maxCoeff(), 1e-14);
+  for (int j = 0; j < n; ++j) {
+    Eigen::VectorXd forward = x;
+    Eigen::VectorXd backward = x;
+    forward[j] += 0.25;
+    backward[j] -= 0.25;
+    EXPECT_NEAR(gradient[j], (program.Objective(forward.data()) - program.Objective(backward.data())) / 0.5, 1e-13);
+    Eigen::VectorXd at_forward(n);
+    Eigen::VectorXd at_backward(n);
+    program.Gradient(forward.data(), at_forward.data());
+    program.Gradient(backward.data(), at_backward.data());
+    EXPECT_LE(((at_forward - at_backward) / 0.5 - H.col(j)).cwiseAbs().maxCoeff(), 1e-13);
+    Eigen::VectorXd values_forward(m);
+    program.Constraints(forward.data(), values_forward.data());
+    EXPECT_LE(((values_forward - values) / 0.25 - G.col(j)).cwiseAbs().maxCoeff(), 1e-13);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

@@ -1,0 +1,257 @@
+#include "solvers/lcp/problem.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+
+#include "solvers/lcp/dense_assembly.h"
+#include "solvers/lcp/problem_arrays.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Two bodies per row, as contact rows are; integers, so that every product is exact.
+LcpProblem RandomFactors(Index n, int bodies, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto integer = [&](int low, int high) { return low + static_cast<int>(random() % unsigned(high - low + 1)); };
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (int i = 0; i < n; ++i) {
+    const int first = integer(0, bodies - 1);
+    const int second = bodies > 1 ? (first + integer(1, bodies - 1)) % bodies : first;
+    for (int k = 0; k < 3; ++k) {
+      entries.emplace_back(i, 3 * first + k, integer(-3, 3));
+      if (second != first) entries.emplace_back(i, 3 * second + k, integer(-3, 3));
+    }
+  }
+  SparseMatrix J(n, 3 * bodies);
+  J.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd inverse_mass(3 * bodies);
+  for (Index k = 0; k < inverse_mass.size(); ++k) inverse_mass[k] = integer(0, 4);
+  Eigen::VectorXd b(n);
+  for (Index i = 0; i < n; ++i) b[i] = integer(-9, 9);
+  return LcpProblem::FromFactors("factors", J, inverse_mass, b);
+}
+
+TEST(LcpProblem, DerivedMatricesEqualTheProductOfTheFactors) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    const LcpProblem problem = RandomFactors(1 + seed % 17, 1 + static_cast<int>(seed % 6), seed);
+    const Eigen::MatrixXd J(problem.J());
+    const Eigen::MatrixXd expected = J * problem.inverse_mass().asDiagonal() * J.transpose();
+    EXPECT_EQ(problem.DenseA(), expected);  // small integers: no rounding
+    EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
+    EXPECT_EQ(problem.DiagonalA(), expected.diagonal());
+    EXPECT_TRUE(problem.has_two_body_rows());
+    EXPECT_TRUE(problem.facts().symmetric && problem.facts().positive_semidefinite);
+  }
+}
+
+TEST(LcpProblem, DerivedMatrixIsBitwiseSymmetricEvenWhereItRounds) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Index n = 40;
+  SparseMatrix J(n, 30);
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < 12; ++k) J.coeffRef(i, static_cast<Index>(random() % 30)) = uniform(random);
+  }
+  Eigen::VectorXd inverse_mass(30);
+  for (Index k = 0; k < 30; ++k) inverse_mass[k] = std::abs(uniform(random));
+  const LcpProblem problem = LcpProblem::FromFactors("x", J, inverse_mass, Eigen::VectorXd::Ones(n));
+  EXPECT_EQ(problem.DenseA(), problem.DenseA().transpose());
+  EXPECT_FALSE(problem.has_two_body_rows());
+}
+
+// Rounding and all: what DenseA and SparseA document, in the plainest words.
+TEST(LcpProblem, EveryEntryOfASumsOverAscendingColumnsOfJ) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (const Index n : {1, 2, 7, 40}) {
+    const Index columns = 3 * (1 + n / 2);
+    SparseMatrix J(n, columns);
+    for (Index i = 0; i < n; ++i) {
+      for (int k = 0; k < 6; ++k) J.coeffRef(i, static_cast<Index>(random() % unsigned(columns))) = uniform(random);
+    }
+    Eigen::VectorXd inverse_mass(columns);
+    for (Index k = 0; k < columns; ++k) inverse_mass[k] = k % 5 == 0 ? 0.0 : std::abs(uniform(random));
+    const Eigen::MatrixXd dense(J);
+    Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(n, n);
+    for (Index k = 0; k < columns; ++k) {
+      for (Index i = 0; i < n; ++i) {
+        for (Index j = 0; j < n; ++j) expected(i, j) += inverse_mass[k] * (dense(i, k) * dense(j, k));
+      }
+    }
+    const LcpProblem problem = LcpProblem::FromFactors("x", J, inverse_mass, Eigen::VectorXd::Ones(n));
+    EXPECT_EQ(problem.DenseA(), expected);
+    EXPECT_EQ(Eigen::MatrixXd(problem.SparseA()), expected);
+  }
+}
+
+TEST(LcpProblem, AssemblyPadsEveryRowWithZeros) {
+  const LcpProblem factors = RandomFactors(7, 4, 5);
+  Eigen::MatrixXd A = factors.DenseA();
+  A(0, 6) = 17;  // rows after rows
+  const Eigen::VectorXd b = factors.b();
+  for (const LcpProblem& problem :
+       {factors, LcpProblem::FromSparse("s", SparseMatrix(A.sparseView()), b), LcpProblem::FromDense("d", A, b)}) {
+    std::vector<double> rows(7 * 12, -1.0);
+    AssembleDenseA(ProblemArrays::Of(problem), rows.data(), 12);
+    for (Index i = 0; i < 7; ++i) {
+      for (Index j = 0; j < 12; ++j) {
+        EXPECT_EQ(rows[static_cast<size_t>(12 * i + j)], j < 7 ? problem.DenseA()(i, j) : 0.0);
+      }
+    }
+  }
+}
+
+TEST(LcpProblem, ArraysMakeTheProblemTheyWereTakenOf) {
+  const LcpProblem factors = RandomFactors(9, 4, 3);
+  const RowBounds joints = RowBounds::WithBilateralRows(9, {0, 4});
+  MatrixFacts facts;
+  facts.rank = 7;
+  for (const LcpProblem& problem :
+       {factors, LcpProblem::FromFactors("f", factors.J(), factors.inverse_mass(), factors.b(), joints),
+        LcpProblem::FromSparse("s", factors.SparseA(), factors.b(), joints, facts),
+        LcpProblem::FromDense("d", factors.DenseA(), factors.b(), joints, facts)}) {
+    const LcpProblem copy = LcpProblem::FromArrays(ProblemArrays::Of(problem));
+    EXPECT_EQ(copy.id(), problem.id());
+    EXPECT_EQ(copy.given_form(), problem.given_form());
+    EXPECT_EQ(copy.b(), problem.b());
+    EXPECT_EQ(copy.bilateral_rows(), problem.bilateral_rows());
+    EXPECT_EQ(copy.facts().rank, problem.facts().rank);
+    EXPECT_EQ(copy.facts().symmetric, problem.facts().symmetric);
+    EXPECT_EQ(copy.DenseA(), problem.DenseA());
+    EXPECT_EQ(copy.SparseA().nonZeros(), problem.SparseA().nonZeros());
+    if (!problem.has_factors()) continue;
+    EXPECT_EQ(copy.J().nonZeros(), problem.J().nonZeros());
+    EXPECT_EQ(Eigen::MatrixXd(copy.J()), Eigen::MatrixXd(problem.J()));
+    EXPECT_EQ(copy.inverse_mass(), problem.inverse_mass());
+  }
+}
+
+TEST(LcpProblem, ArraysThatDoNotFitAreRefused) {
+  const ProblemArrays good = ProblemArrays::Of(RandomFactors(5, 4, 3));
+  const auto is_refused = [&good](const std::function<void(ProblemArrays*)>& spoil) {
+    ProblemArrays arrays = good;
+    spoil(&arrays);
+    try {
+      LcpProblem::FromArrays(arrays);
+    } catch (const InputError&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(is_refused([](ProblemArrays* /*arrays*/) {}));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->rows = 4; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->rows = -1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->columns = 11; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->columns = -1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->row_start.clear(); }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->row_start[0] = 1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->row_start[2] = 1 << 30; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->row_start[2] = -1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->column[3] = arrays->column[2]; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->column[0] = -1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->column.back() = 12; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->value.pop_back(); }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->value[1] = kNaN; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->inverse_mass[1] = -1; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->inverse_mass[1] = kInfinity; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->inverse_mass.pop_back(); }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->b[1] = -kInfinity; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->b.push_back(1); }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->bilateral.assign(4, 1); }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->form = MatrixForm::kDense; }));
+  EXPECT_TRUE(is_refused([](ProblemArrays* arrays) { arrays->form = MatrixForm::kSparse; }));
+}
+
+TEST(LcpProblem, AnotherBSharesTheMatrix) {
+  const LcpProblem problem = RandomFactors(9, 4, 3);
+  const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(9, -1, 1);
+  const LcpProblem other = problem.WithB(b);
+  EXPECT_TRUE(other.SharesMatrixWith(problem));
+  EXPECT_EQ(other.b(), b);
+  EXPECT_NE(problem.b(), b);
+  EXPECT_EQ(&other.DenseA(), &problem.DenseA());
+  EXPECT_EQ(&other.SparseA(), &problem.SparseA());
+  Eigen::VectorXd w;
+  other.ComputeW(Eigen::VectorXd::Zero(9), &w);
+  EXPECT_EQ(w, b);
+  EXPECT_THROW((void)problem.WithB(Eigen::VectorXd::Zero(8)), InputError);
+  EXPECT_THROW((void)problem.WithB(Eigen::VectorXd::Constant(9, kNaN)), InputError);
+}
+
+TEST(LcpProblem, EveryFormGivesTheSameW) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem factors = RandomFactors(12, 5, seed);
+    const LcpProblem dense = LcpProblem::FromDense("d", factors.DenseA(), factors.b());
+    const LcpProblem sparse = LcpProblem::FromSparse("s", factors.SparseA(), factors.b());
+    const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(12, 0, 11);
+    Eigen::VectorXd w1, w2, w3;
+    factors.ComputeW(f, &w1);
+    dense.ComputeW(f, &w2);
+    sparse.ComputeW(f, &w3);
+    EXPECT_EQ(w1, w2);
+    EXPECT_EQ(w1, w3);
+  }
+}
+
+TEST(LcpProblem, SparseMatrixStoresTheWholeDiagonal) {
+  SparseMatrix A(3, 3);
+  A.insert(0, 1) = 2;
+  A.insert(1, 0) = 2;
+  const LcpProblem problem = LcpProblem::FromSparse("s", A, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(problem.SparseA().nonZeros(), 5);
+  EXPECT_EQ(problem.DiagonalA(), Eigen::Vector3d::Zero());
+}
+
+TEST(LcpProblem, RowKindsFollowTheBounds) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(3, 3);
+  const Eigen::Vector3d b(1, 1, 1);
+  const LcpProblem mixed = LcpProblem::FromDense("m", A, b, RowBounds::WithBilateralRows(3, {1}));
+  EXPECT_TRUE(mixed.has_standard_bounds());
+  EXPECT_FALSE(mixed.is_bilateral(0));
+  EXPECT_TRUE(mixed.is_bilateral(1));
+  EXPECT_EQ(mixed.bilateral_rows(), std::vector<Index>{1});
+  const LcpProblem box =
+      LcpProblem::FromDense("box", A, b, {Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(1, kInfinity, kInfinity)});
+  EXPECT_FALSE(box.has_standard_bounds());
+}
+
+TEST(LcpProblem, BadInputIsRefusedAtTheDoor) {
+  const Eigen::MatrixXd A = Eigen::MatrixXd::Identity(2, 2);
+  const Eigen::Vector2d b(1, 2);
+  EXPECT_THROW(LcpProblem::FromDense("x", Eigen::MatrixXd::Identity(3, 3), b), InputError);
+  EXPECT_THROW(LcpProblem::FromDense("x", A, Eigen::Vector2d(1, kNaN)), InputError);
+  EXPECT_THROW(LcpProblem::FromDense("x", kInfinity * A, b), InputError);
+  EXPECT_THROW(LcpProblem::FromDense("x", A, b, {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, 1)}), InputError);
+  EXPECT_THROW(LcpProblem::FromDense("x", A, b, {Eigen::Vector2d(0, kNaN), Eigen::Vector2d(1, 1)}), InputError);
+  EXPECT_THROW(RowBounds::WithBilateralRows(2, {2}), InputError);
+  EXPECT_THROW(RowBounds::WithBilateralRows(2, {1, 1}), InputError);
+  SparseMatrix J(2, 3);
+  J.insert(0, 0) = 1;
+  EXPECT_THROW(LcpProblem::FromFactors("x", J, Eigen::Vector3d(1, -1, 1), b), InputError);
+  EXPECT_THROW(LcpProblem::FromFactors("x", J, Eigen::Vector2d(1, 1), b), InputError);
+}
+
+TEST(LcpProblem, NoRowsIsValid) {
+  const LcpProblem problem = LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
+  EXPECT_EQ(problem.size(), 0);
+  EXPECT_EQ(problem.SparseA().nonZeros(), 0);
+}
+
+TEST(LcpProblem, CopyOfGivenFormIsTheSameProblemAnew) {
+  const LcpProblem problem = RandomFactors(9, 4, 3);
+  const LcpProblem copy = problem.CopyOfGivenForm();
+  EXPECT_FALSE(copy.SharesMatrixWith(problem));
+  EXPECT_EQ(copy.DenseA(), problem.DenseA());
+  EXPECT_EQ(copy.b(), problem.b());
+}
+
+}  // namespace
+}  // namespace lcpbench

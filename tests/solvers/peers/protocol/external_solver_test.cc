@@ -1,0 +1,256 @@
+#include "solvers/peers/protocol/external_solver.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+#include "tests/solvers/test_problems.h"
+
+namespace lcpbench {
+namespace {
+
+ExternalSolverOptions Worker(const std::string& manner) {
+  ExternalSolverOptions options;
+  options.command = {LCPBENCH_TEST_WORKER, manner};
+  options.start_limit_s = 10;
+  options.prepare_limit_s = 10;
+  options.grace_s = 0.2;
+  return options;
+}
+
+LcpResult SolveWith(ExternalSolver& solver, const LcpProblem& problem, double time_limit_s = 5) {
+  LcpOptions options;
+  options.time_limit_s = time_limit_s;
+  LcpResult result;
+  solver.Solve(problem, options, &result);
+  return result;
+}
+
+const LcpProblem& AnyProblem() {
+  static const LcpProblem problem = PlantedProblem(8, 4, 3, 2, 0).problem;
+  return problem;
+}
+
+TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
+  ExternalSolver external(Worker("dantzig"));
+  EXPECT_EQ(external.Greet().name, "dantzig");
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
+    LcpResult here;
+    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    const LcpResult there = SolveWith(external, problem);
+    EXPECT_EQ(there.status, here.status);
+    EXPECT_EQ(there.f, here.f);
+    EXPECT_EQ(there.iterations, here.iterations);
+    EXPECT_GT(there.own_fresh_s, 0);
+  }
+}
+
+TEST(ExternalSolver, AnotherBIsSolvedOnTheMatrixThatWasSent) {
+  ExternalSolver external(Worker("dantzig"));
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
+    SolveWith(external, problem);
+    const LcpProblem other = problem.WithB(-problem.b());
+    const LcpResult there = SolveWith(external, other);
+    LcpResult here;
+    MakeSolver("dantzig")->Solve(other, {}, &here);
+    EXPECT_EQ(there.f, here.f);
+    // And back: nothing of the other b is left.
+    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    EXPECT_EQ(SolveWith(external, problem).f, here.f);
+  }
+}
+
+std::vector<ProblemArrays> Stream() {
+  std::vector<ProblemArrays> stream;
+  for (unsigned k = 0; k < 12; ++k) stream.push_back(ProblemArrays::Of(PlantedProblem(6 + k, 4, k, 2, 0).problem));
+  return stream;
+}
+
+PassRequest Pass(PassKind kind, const std::vector<ProblemArrays>& stream) {
+  PassRequest request;
+  request.kind = kind;
+  request.time_limit_s = 1;
+  request.budget_s = 10;
+  request.warm_up = {0, 5};
+  request.order = {7, 1, 11, 2, 4};
+  request.group = 2;
+  for (const std::uint32_t index : request.order) {
+    request.other_b.push_back(-Eigen::Map<const Eigen::VectorXd>(stream[index].b.data(), stream[index].rows));
+  }
+  return request;
+}
+
+TEST(ExternalSolver, APassInTheWorkerGivesTheBitsOfOneHere) {
+  const std::vector<ProblemArrays> stream = Stream();
+  ExternalSolver external(Worker("dantzig"));
+  external.LoadStream(stream);
+  for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+    const PassRequest request = Pass(kind, stream);
+    const PassReply there = external.RunPass(request, 10);
+    const PassReply here = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
+    ASSERT_EQ(there.size(), request.order.size());
+    for (std::size_t k = 0; k < there.size(); ++k) {
+      EXPECT_EQ(there[k].status, here[k].status);
+      EXPECT_EQ(there[k].f, here[k].f);
+      EXPECT_GT(there[k].seconds, 0);
+    }
+  }
+  EXPECT_FALSE(external.is_version_1());
+}
+
+// The one that did it is for the caller to find; the stream is there again with the next worker.
+TEST(ExternalSolver, APassSaysHowItsWorkerEndedAndTheNextGoesOn) {
+  const std::vector<ProblemArrays> stream = Stream();
+  for (const char* manner : {"crash-at-nine", "hang-at-nine"}) {
+    ExternalSolver external(Worker(manner));
+    external.LoadStream(stream);
+    PassRequest request = Pass(PassKind::kFresh, stream);
+    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+    request.order.push_back(3);  // nine rows
+    try {
+      external.RunPass(request, 0.2);
+      ADD_FAILURE() << manner;
+    } catch (const WorkerFailure& failure) {
+      EXPECT_EQ(failure.how(),
+                std::string(manner) == "hang-at-nine" ? WorkerFailure::How::kTimeLimit : WorkerFailure::How::kEnded);
+    }
+    request.order.pop_back();
+    EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
+  }
+  ExternalSolver missing({{"/no/such/program"}});
+  try {
+    missing.LoadStream(stream);
+    FAIL();
+  } catch (const WorkerFailure& failure) {
+    EXPECT_EQ(failure.how(), WorkerFailure::How::kNotStarted);
+  }
+}
+
+TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere) {
+  const std::vector<ProblemArrays> stream = Stream();
+  for (const char* manner : {"version-1-dense", "version-1-sparse", "version-1-given"}) {
+    SCOPED_TRACE(manner);
+    ExternalSolver external(Worker(manner));
+    EXPECT_TRUE(external.is_version_1());
+    const LcpProblem problem = PlantedProblem(15, 5, 1, 3, 0).problem;
+    LcpResult here;
+    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    const LcpResult there = SolveWith(external, problem);
+    EXPECT_EQ(there.status, LcpStatus::kSolved) << there.detail;
+    EXPECT_LE((there.f - here.f).norm(), 1e-9 * here.f.norm());
+    // 0.25 of conversion and 0.5 of the solve, as that worker says.
+    EXPECT_GT(external.formed_on_host_s(), 0);
+    EXPECT_DOUBLE_EQ(there.own_fresh_s, external.formed_on_host_s() + 0.25 + 0.5);
+    external.LoadStream(stream);
+    for (const PassKind kind : {PassKind::kFresh, PassKind::kParts, PassKind::kAgain}) {
+      const PassRequest request = Pass(kind, stream);
+      const PassReply reply = external.RunPass(request, 10);
+      const PassReply wanted = RunPass([] { return MakeSolver("dantzig"); }, stream, request);
+      ASSERT_EQ(reply.size(), request.order.size());
+      for (std::size_t k = 0; k < reply.size(); ++k) {
+        EXPECT_LE((reply[k].f - wanted[k].f).norm(), 1e-9 * wanted[k].f.norm());
+        EXPECT_DOUBLE_EQ(reply[k].seconds, reply[k].problem_s + 0.25 + 0.5);
+      }
+    }
+  }
+}
+
+struct Manner {
+  const char* name;
+  LcpStatus status;
+  const char* detail;
+};
+
+// Every kind of bad worker leaves a status and a reason, and the next solve works again.
+TEST(ExternalSolver, OutlivesAWorkerThatMisbehaves) {
+  const Manner manners[] = {
+      {"crash", LcpStatus::kNumericalFailure, "signal 11"},
+      {"crash-in-prepare", LcpStatus::kNumericalFailure, "signal 6"},
+      {"exit", LcpStatus::kNumericalFailure, "exit status 3"},
+      {"throw", LcpStatus::kNumericalFailure, "the library gave up"},
+      {"hang", LcpStatus::kTimeLimit, "was killed"},
+  };
+  for (const Manner& manner : manners) {
+    SCOPED_TRACE(manner.name);
+    ExternalSolver solver(Worker(manner.name));
+    for (int time = 0; time < 2; ++time) {
+      const LcpResult result = SolveWith(solver, AnyProblem(), 0.2);
+      EXPECT_EQ(result.status, manner.status) << result.detail;
+      EXPECT_NE(result.detail.find(manner.detail), std::string::npos) << result.detail;
+      EXPECT_EQ(result.f.size(), AnyProblem().size());
+      EXPECT_FALSE(Verify(AnyProblem(), result, 1e-9).false_success);
+    }
+  }
+}
+
+TEST(ExternalSolver, MemoryIsBounded) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the address sanitizer reserves more than any limit";
+#endif
+  ExternalSolverOptions options = Worker("memory");
+  options.memory_limit = std::uint64_t{512} << 20U;
+  ExternalSolver solver(options);
+  const LcpResult result = SolveWith(solver, AnyProblem(), 20);
+  EXPECT_EQ(result.status, LcpStatus::kNumericalFailure) << result.detail;
+}
+
+TEST(ExternalSolver, ClaimsAreJudgedLikeAnyOthers) {
+  for (const char* manner : {"print", "nan"}) {
+    ExternalSolver solver(Worker(manner));
+    const LcpResult result = SolveWith(solver, AnyProblem());
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << manner;
+    EXPECT_TRUE(Verify(AnyProblem(), result, 1e-9).false_success) << manner;
+  }
+}
+
+TEST(ExternalSolver, WhatIsNoWorkerIsRefusedByName) {
+  for (const char* manner : {"garbage", "mute"}) {
+    ExternalSolverOptions options = Worker(manner);
+    options.start_limit_s = 0.5;
+    ExternalSolver solver(options);
+    EXPECT_THROW(solver.Greet(), InputError) << manner;
+    EXPECT_EQ(SolveWith(solver, AnyProblem()).status, LcpStatus::kNumericalFailure) << manner;
+  }
+  ExternalSolver missing({{"/no/such/program"}});
+  try {
+    missing.Greet();
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("/no/such/program"), std::string::npos);
+  }
+  EXPECT_THROW(ExternalSolver({}), InputError);
+}
+
+TEST(ExternalSolver, RegistersUnderAKeyOfItsOwn) {
+  RegisterExternalSolver("test-worker", {LCPBENCH_TEST_WORKER, "dantzig"});
+  const SolverEntry& entry = FindSolver("test-worker");
+  EXPECT_EQ(entry.origin, SolverOrigin::kExternal);
+  EXPECT_EQ(WorkerVersion("test-worker"), "1.0");
+  LcpResult result;
+  entry.make({})->Solve(AnyProblem(), {}, &result);
+  EXPECT_TRUE(Verify(AnyProblem(), result, 1e-9).passes);
+  EXPECT_THROW(RegisterExternalSolver("test-worker", {"x"}), InputError);
+  EXPECT_THROW(RegisterExternalSolver("Bad Key", {"x"}), InputError);
+  EXPECT_THROW(RegisterExternalSolver("empty", {}), InputError);
+}
+
+TEST(ExternalSolver, ThePythonExampleSolves) {
+  if (std::system("/usr/bin/python3 -c 'import scipy' 2>/dev/null") != 0) GTEST_SKIP() << "SciPy is not installed";
+  ExternalSolver solver({{"/usr/bin/python3", LCPBENCH_SOURCE_DIR "/examples/external_solver.py"}});
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const LcpProblem problem = PlantedProblem(12, 5, seed, 2, 0).problem;
+    const LcpResult result = SolveWith(solver, problem, 20);
+    EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
+    EXPECT_TRUE(Verify(problem, result, 1e-6).passes) << Verify(problem, result, 1e-6).reason;
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench

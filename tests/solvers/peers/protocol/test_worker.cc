@@ -1,0 +1,111 @@
+// A worker that misbehaves as its first argument says, or serves dantzig well, by either version of the protocol.
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "solvers/peers/protocol/channel.h"
+#include "solvers/peers/protocol/worker.h"
+#include "solvers/registry.h"
+
+namespace lcpbench {
+namespace {
+
+class BadSolver : public LcpSolver {
+ public:
+  explicit BadSolver(std::string manner) : manner_(std::move(manner)) {}
+
+ protected:
+  void DoPrepare(const LcpProblem& /*problem*/) override {
+    if (manner_ == "crash-in-prepare") std::abort();
+  }
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    if (manner_ == "hang-at-nine" && problem.size() == 9) {
+      for (;;) pause();
+    }
+    if (manner_ == "crash-at-nine" && problem.size() == 9) std::raise(SIGSEGV);
+    if (manner_ == "crash") std::raise(SIGSEGV);
+    if (manner_ == "exit") std::_Exit(3);
+    if (manner_ == "throw") throw std::runtime_error("the library gave up");
+    if (manner_ == "hang") {
+      for (;;) pause();
+    }
+    if (manner_ == "memory") {
+      std::vector<std::vector<char>> hoard;
+      for (;;) hoard.emplace_back(std::size_t{1} << 26U, 'x');
+    }
+    if (manner_ == "print") {
+      std::printf("printing to standard output\n");
+      std::fflush(stdout);
+    }
+    if (manner_ == "add-one") {
+      if (options.initial_f != nullptr) result->f = *options.initial_f;
+      result->f.array() += 1;
+    }
+    // Claims success, whatever f is.
+    result->status = LcpStatus::kSolved;
+    if (manner_ == "nan") result->f.setConstant(problem.size(), std::nan(""));
+  }
+
+ private:
+  std::string manner_;
+};
+
+// What a program must do at the least.
+int ServeVersion1(WantedForm form) {
+  constexpr double kForever = 1e9;
+  Channel channel(STDIN_FILENO, STDOUT_FILENO);
+  const auto solver = MakeSolver("dantzig");
+  std::optional<LcpProblem> problem;
+  const Hello hello{1, form, "version-1", "1.0", "none"};
+  channel.Write(MessageType::kHello, Encode(hello), kForever);
+  MessageType type{};
+  Bytes payload;
+  while (channel.Read(&type, &payload, kForever) == Channel::Outcome::kDone) {
+    if (type == MessageType::kProblem) {
+      const ProblemArrays arrays = DecodeProblem(payload, 1);
+      const MatrixForm wanted = form == WantedForm::kDense ? MatrixForm::kDense : MatrixForm::kSparse;
+      const bool as_wanted = form == WantedForm::kAsGiven || arrays.form == wanted;
+      problem = LcpProblem::FromArrays(arrays);
+      channel.Write(MessageType::kPrepared, Encode(Prepared{0.25, as_wanted ? "" : "another form"}), kForever);
+    } else if (type == MessageType::kSolve) {
+      LcpResult result;
+      solver->Solve(*problem, {}, &result);
+      result.own_solve_s = 0.5;
+      channel.Write(MessageType::kResult, Encode(result, 1), kForever);
+    } else {
+      return type == MessageType::kQuit ? 0 : 1;
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+int main(int argc, char** argv) {
+  using namespace lcpbench;
+  const std::string manner = argc > 1 ? argv[1] : "";
+  if (manner == "mute") {
+    for (;;) pause();
+  }
+  if (manner == "garbage") {
+    std::puts("Hello, I am not a worker, and this is more than a header");
+    return 0;
+  }
+  if (manner == "version-1-dense") return ServeVersion1(WantedForm::kDense);
+  if (manner == "version-1-sparse") return ServeVersion1(WantedForm::kSparse);
+  if (manner == "version-1-given") return ServeVersion1(WantedForm::kAsGiven);
+  const Hello hello{kProtocolVersion, {}, manner, "1.0", "none"};
+  return RunWorker(hello, [&]() -> std::unique_ptr<LcpSolver> {
+    if (manner == "dantzig") return MakeSolver("dantzig");
+    return std::make_unique<BadSolver>(manner);
+  });
+}

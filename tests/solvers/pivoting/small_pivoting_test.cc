@@ -1,0 +1,201 @@
+// Principal pivoting on a dense tableau: closed forms, every padding, parts, guesses, units.
+
+#include "solvers/pivoting/small_pivoting.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <vector>
+
+#include "benchmarks/measure/allocation_count.h"
+#include "solvers/auto/islands.h"
+#include "solvers/lcp/verify.h"
+#include "tests/solvers/composed_problems.h"
+#include "tests/solvers/exact_problems.h"
+
+namespace lcpbench {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// Positive definite, with joints, degenerate rows and zeros.
+LcpProblem Definite(Index n, unsigned seed) {
+  TestRandom random(seed);
+  MatrixXd G = MatrixXd::Zero(n, n);
+  for (Index i = 0; i < n; ++i) {
+    for (int k = 0; k < 3; ++k) G(i, random.Integer(0, static_cast<int>(n) - 1)) += random.Integer(-2, 2);
+    G(i, i) += 7;
+  }
+  const MatrixXd A = G * G.transpose();
+  VectorXd f(n);
+  VectorXd w = VectorXd::Zero(n);
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    f[i] = random.Integer(-3, 4);
+    if (random.Chance(0.15)) {
+      bilateral.push_back(i);
+    } else if (f[i] < 0) {
+      w[i] = -f[i];
+      f[i] = 0;
+    }
+  }
+  return LcpProblem::FromDense("definite", A, w - A * f, RowBounds::WithBilateralRows(n, bilateral), SymmetricPsd());
+}
+
+LcpResult Claimed(const VectorXd& f) {
+  LcpResult result;
+  result.f = f;
+  result.status = LcpStatus::kSolved;
+  return result;
+}
+
+TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
+  SmallPivoting tableau;
+  tableau.Reserve(SmallPivoting::kMaxRows);
+  for (Index n = 1; n <= SmallPivoting::kMaxRows; ++n) {
+    for (unsigned seed = 0; seed < 5; ++seed) {
+      const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
+      VectorXd f(n);
+      const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
+      EXPECT_LE(rho, 1e-13) << n;
+      const Verdict verdict = Verify(problem, Claimed(f), 1e-9);
+      EXPECT_TRUE(verdict.passes) << n << ": " << verdict.reason;
+      EXPECT_TRUE(rows_meet);
+      EXPECT_LE(rounding, 1e-10);
+      EXPECT_LE(verdict.metrics.rho, rho + rounding);
+      EXPECT_NEAR(rho, verdict.metrics.rho, 1e-14);
+    }
+  }
+}
+
+// All problems of one and two rows with small integers, joints among them.
+TEST(SmallPivoting, OneAndTwoRowsInClosedForm) {
+  SmallPivoting tableau;
+  tableau.Reserve(2);
+  int cases = 0;
+  for (int joints = 0; joints < 4; ++joints) {
+    for (int a00 = 1; a00 <= 3; ++a00) {
+      for (int a11 = 1; a11 <= 3; ++a11) {
+        for (int a01 = -3; a01 <= 3; ++a01) {
+          if (a01 * a01 >= a00 * a11) continue;
+          for (int b0 = -3; b0 <= 3; ++b0) {
+            for (int b1 = -3; b1 <= 3; ++b1) {
+              const MatrixXd A = (MatrixXd(2, 2) << a00, a01, a01, a11).finished();
+              const VectorXd b = Eigen::Vector2d(b0, b1);
+              std::vector<Index> bilateral;
+              if ((joints & 1) != 0) bilateral.push_back(0);
+              if ((joints & 2) != 0) bilateral.push_back(1);
+              const LcpProblem problem =
+                  LcpProblem::FromDense("two", A, b, RowBounds::WithBilateralRows(2, bilateral), SymmetricPsd());
+              VectorXd f(2);
+              EXPECT_LE(tableau.Solve(problem, {}, &f).rho, 1e-14);
+              EXPECT_TRUE(Verify(problem, Claimed(f), 1e-12).passes) << A << " " << b.transpose() << " " << joints;
+              EXPECT_EQ(tableau.pivots(), 0);
+              ++cases;
+            }
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(cases, 5000);
+  for (const bool joint : {false, true}) {
+    for (const double b : {-3.0, 0.0, 2.0}) {
+      const LcpProblem problem =
+          LcpProblem::FromDense("one", MatrixXd::Constant(1, 1, 2.0), VectorXd::Constant(1, b),
+                                RowBounds::WithBilateralRows(1, joint ? std::vector<Index>{0} : std::vector<Index>{}));
+      VectorXd f(1);
+      tableau.Solve(problem, {}, &f);
+      EXPECT_EQ(f[0], joint || b < 0 ? -b / 2 : 0.0);
+    }
+  }
+}
+
+TEST(SmallPivoting, APartIsSolvedAsTheProblemOfItsRows) {
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::vector<LcpProblem> parts;
+    for (unsigned k = 0; k < 4; ++k) {
+      parts.push_back(PlantedProblem(4 + static_cast<Index>(k) * 5, 12, 10 * seed + k, 4, 3).problem);
+    }
+    const LcpProblem problem = Compose(parts, seed);
+    Islands islands;
+    islands.Reserve(problem.size());
+    islands.Find(problem.SparseA(), std::vector<char>(static_cast<size_t>(problem.size()), 1));
+    SmallPivoting tableau;
+    tableau.Reserve(64, problem.size());
+    VectorXd whole = VectorXd::Zero(problem.size());
+    for (Index k = 0; k < islands.count(); ++k) {
+      const auto rows = islands.rows(k);
+      const double rho = tableau.SolvePart(problem, rows, {}, &whole).rho;
+      const LcpProblem part = Subproblem(problem, rows);
+      VectorXd f(part.size());
+      EXPECT_EQ(tableau.Solve(part, {}, &f).rho, rho);
+      for (size_t i = 0; i < rows.size(); ++i) EXPECT_EQ(f[static_cast<Index>(i)], whole[rows[i]]);
+    }
+  }
+}
+
+TEST(SmallPivoting, ARightGuessNeedsNoTableauAndAWrongOneDoesNoHarm) {
+  SmallPivoting tableau;
+  tableau.Reserve(SmallPivoting::kMaxRows);
+  for (Index n = 3; n <= SmallPivoting::kMaxRows; n += 7) {
+    const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
+    VectorXd cold(n);
+    tableau.Solve(problem, {}, &cold);
+    VectorXd f(n);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, &cold, nullptr}, &f).rho, 1e-13);
+    EXPECT_EQ(tableau.pivots(), 1);
+    EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
+    TestRandom random(static_cast<unsigned>(n));
+    VectorXd wrong(n);
+    for (Index i = 0; i < n; ++i) wrong[i] = random.Integer(-1, 1);
+    EXPECT_LE(tableau.Solve(problem, {1e-6, &wrong, nullptr}, &f).rho, 1e-13);
+    EXPECT_LE((f - cold).cwiseAbs().maxCoeff(), 1e-11 * (1 + cold.cwiseAbs().maxCoeff()));
+  }
+}
+
+TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
+  SmallPivoting tableau;
+  tableau.Reserve(40);
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const TestProblem planted = PlantedExactly(seed, 40, false);
+    const Index n = planted.problem.size();
+    TestRandom random(seed);
+    VectorXd s(n);
+    for (Index i = 0; i < n; ++i) s[i] = std::ldexp(1.0, random.Integer(-20, 20));
+    const double t = std::ldexp(1.0, random.Integer(-40, 40));
+    const MatrixXd A = s.asDiagonal() * planted.problem.DenseA() * s.asDiagonal();
+    const VectorXd b = t * s.cwiseProduct(planted.problem.b());
+    const LcpProblem scaled = LcpProblem::FromDense(
+        "scaled", A, b, RowBounds::WithBilateralRows(n, planted.problem.bilateral_rows()), SymmetricPsd());
+    VectorXd f = VectorXd::Zero(n);
+    VectorXd g = VectorXd::Zero(n);
+    const double rho = tableau.Solve(planted.problem, {}, &f).rho;
+    const int pivots = tableau.pivots();
+    EXPECT_EQ(tableau.Solve(scaled, {}, &g).rho, rho);
+    EXPECT_EQ(tableau.pivots(), pivots);
+    EXPECT_EQ(f, VectorXd(s.cwiseProduct(g) / t));
+  }
+}
+
+TEST(SmallPivoting, AllocatesInReserveOnly) {
+  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  CountAllocations(true);
+  SmallPivoting tableau;
+  tableau.Reserve(64);
+  for (Index n = 1; n <= 64; n += 9) {
+    const LcpProblem problem = Definite(n, static_cast<unsigned>(n));
+    problem.DenseA();
+    problem.DiagonalA();
+    VectorXd f(n);
+    const long before = AllocationCount();
+    tableau.Solve(problem, {}, &f);
+    tableau.Solve(problem, {1e-6, &f, nullptr}, &f);
+    EXPECT_EQ(AllocationCount(), before);
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
