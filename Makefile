@@ -48,7 +48,7 @@ help:
 	@echo "make test     install what is missing, build, run all tests"
 	@echo "make build    install what is missing, configure and build"
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
-	@echo "make recommendation   rules of lcpbench recommend from campaigns (CAMPAIGNS=folders; a minute)"
+	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard and sequences (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
 	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
 	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
