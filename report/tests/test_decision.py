@@ -131,7 +131,7 @@ class Ablations(unittest.TestCase):
         self.assertEqual((found[0]["solver"], found[0]["version"], found[0]["false"]), ("auto", "without its own check", "1, 0"))
         self.assertRegex(found[0]["time"], r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
-        self.assertRegex(ablation_table.checks(inputs), r"without it `auto` is then right on 95.% instead of 100.%")
+        self.assertRegex(ablation_table.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
 
 class Folders(unittest.TestCase):

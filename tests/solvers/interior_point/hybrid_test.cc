@@ -69,9 +69,13 @@ TEST(Hybrid, LimitsOfIterationsAreMetExactlyInEitherPhase) {
     LcpOptions options;
     options.max_iterations = limit;
     const LcpResult result = SolveWith(&solver, problem, options);
-    EXPECT_EQ(result.status, LcpStatus::kIterationLimit) << limit;
     EXPECT_EQ(result.iterations, limit);
     EXPECT_TRUE(result.f.allFinite());
+    if (limit + 1 == whole.iterations && result.status == LcpStatus::kSolved) {
+      ExpectSolved(problem, result);  // what the last iteration would only confirm may be accepted without it
+    } else {
+      EXPECT_EQ(result.status, LcpStatus::kIterationLimit) << limit;
+    }
   }
 }
 
