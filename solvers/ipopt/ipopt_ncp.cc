@@ -112,9 +112,20 @@ Formulation LiftedForm(const ScaledLcp& scaled) {
 
 }  // namespace
 
-struct IpoptNcpSolver::Workspace {
-  std::vector<Formulation> formulations;
-  ipopt::Runner runner;
+class IpoptNcpEngine {
+ public:
+  explicit IpoptNcpEngine(const IpoptNcpOptions& options) : options_(options) {}
+
+  std::string WhyUnsupported(const LcpProblem& problem) const;
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    runner_.Solve(problem, options, options_.self_check, result);
+  }
+
+ private:
+  const IpoptNcpOptions options_;
+  std::vector<Formulation> formulations_;
+  ipopt::Runner runner_;
 };
 
 IpoptNcpOptions IpoptNcpOptions::FromSettings(const Settings& settings) {
@@ -128,20 +139,17 @@ IpoptNcpOptions IpoptNcpOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-IpoptNcpSolver::IpoptNcpSolver(IpoptNcpOptions options) : options_(options), work_(std::make_unique<Workspace>()) {}
-IpoptNcpSolver::~IpoptNcpSolver() = default;
-
-std::string IpoptNcpSolver::WhyUnsupported(const LcpProblem& problem) const {
+std::string IpoptNcpEngine::WhyUnsupported(const LcpProblem& problem) const {
   if (options_.form == IpoptNcpOptions::Form::kLifted && !problem.has_factors()) {
     return "the lifted form needs a problem given by factors";
   }
   return {};
 }
 
-void IpoptNcpSolver::DoPrepare(const LcpProblem& problem) {
+void IpoptNcpEngine::Prepare(const LcpProblem& problem) {
   using Form = IpoptNcpOptions::Form;
   const ScaledLcp scaled(problem);
-  std::vector<Formulation>& forms = work_->formulations;
+  std::vector<Formulation>& forms = formulations_;
   forms.clear();
   const bool dense = scaled.LiftedIsSparser();  // then A may not fit in memory
   if (options_.form == Form::kContact || (options_.form == Form::kAuto && !dense)) {
@@ -150,11 +158,9 @@ void IpoptNcpSolver::DoPrepare(const LcpProblem& problem) {
   if (options_.form == Form::kLifted || (options_.form == Form::kAuto && problem.has_factors())) {
     forms.push_back(LiftedForm(scaled));
   }
-  work_->runner.Prepare(scaled, forms);
+  runner_.Prepare(scaled, forms);
 }
 
-void IpoptNcpSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(problem, options, options_.self_check, result);
-}
+template class EngineSolver<IpoptNcpOptions, IpoptNcpEngine>;
 
 }  // namespace lcpbench

@@ -1,9 +1,6 @@
 #pragma once
 
-#include <memory>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -56,22 +53,7 @@ struct IpoptNcpOptions {
 /// Infeasible_Problem_Detected is reported as kNumericalFailure with that name in detail.
 ///
 /// [Waechter, Biegler 2006; Mehrotra 1992]
-class IpoptNcpSolver final : public LcpSolver {
- public:
-  /// @param options  copied
-  explicit IpoptNcpSolver(IpoptNcpOptions options = {});
-  ~IpoptNcpSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  IpoptNcpOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+using IpoptNcpSolver = EngineSolver<IpoptNcpOptions, class IpoptNcpEngine>;
+extern template class EngineSolver<IpoptNcpOptions, IpoptNcpEngine>;
 
 }  // namespace lcpbench

@@ -67,9 +67,20 @@ Formulation LiftedForm(const ScaledLcp& scaled) {
 
 }  // namespace
 
-struct IpoptQpSolver::Workspace {
-  std::vector<Formulation> formulations;
-  ipopt::Runner runner;
+class IpoptQpEngine {
+ public:
+  explicit IpoptQpEngine(const IpoptQpOptions& options) : options_(options) {}
+
+  std::string WhyUnsupported(const LcpProblem& problem) const;
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    runner_.Solve(problem, options, options_.self_check, result);
+  }
+
+ private:
+  const IpoptQpOptions options_;
+  std::vector<Formulation> formulations_;
+  ipopt::Runner runner_;
 };
 
 IpoptQpOptions IpoptQpOptions::FromSettings(const Settings& settings) {
@@ -83,10 +94,7 @@ IpoptQpOptions IpoptQpOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-IpoptQpSolver::IpoptQpSolver(IpoptQpOptions options) : options_(options), work_(std::make_unique<Workspace>()) {}
-IpoptQpSolver::~IpoptQpSolver() = default;
-
-std::string IpoptQpSolver::WhyUnsupported(const LcpProblem& problem) const {
+std::string IpoptQpEngine::WhyUnsupported(const LcpProblem& problem) const {
   if (options_.form == IpoptQpOptions::Form::kLifted && !problem.has_factors()) {
     return "the lifted form needs a problem given by factors";
   }
@@ -94,10 +102,10 @@ std::string IpoptQpSolver::WhyUnsupported(const LcpProblem& problem) const {
   return {};
 }
 
-void IpoptQpSolver::DoPrepare(const LcpProblem& problem) {
+void IpoptQpEngine::Prepare(const LcpProblem& problem) {
   using Form = IpoptQpOptions::Form;
   const ScaledLcp scaled(problem);
-  std::vector<Formulation>& forms = work_->formulations;
+  std::vector<Formulation>& forms = formulations_;
   forms.clear();
   if (options_.form != Form::kAuto) {
     forms.push_back(options_.form == Form::kLifted ? LiftedForm(scaled) : ContactForm(scaled));
@@ -109,11 +117,9 @@ void IpoptQpSolver::DoPrepare(const LcpProblem& problem) {
     forms.push_back(ContactForm(scaled));
     forms.push_back(LiftedForm(scaled));
   }
-  work_->runner.Prepare(scaled, forms);
+  runner_.Prepare(scaled, forms);
 }
 
-void IpoptQpSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  work_->runner.Solve(problem, options, options_.self_check, result);
-}
+template class EngineSolver<IpoptQpOptions, IpoptQpEngine>;
 
 }  // namespace lcpbench

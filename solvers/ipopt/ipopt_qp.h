@@ -1,9 +1,6 @@
 #pragma once
 
-#include <memory>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -62,22 +59,7 @@ struct IpoptQpOptions {
 /// thread-safe.
 ///
 /// [Waechter, Biegler 2006; Mehrotra 1992]
-class IpoptQpSolver final : public LcpSolver {
- public:
-  /// @param options  copied
-  explicit IpoptQpSolver(IpoptQpOptions options = {});
-  ~IpoptQpSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  IpoptQpOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+using IpoptQpSolver = EngineSolver<IpoptQpOptions, class IpoptQpEngine>;
+extern template class EngineSolver<IpoptQpOptions, IpoptQpEngine>;
 
 }  // namespace lcpbench
