@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench::ipopt {
