@@ -4,12 +4,12 @@
 
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
+#include "support/append_only_file.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -20,20 +20,13 @@ struct Times {
   std::string failure;
 };
 
-void ForEachLine(const std::string& path, const std::function<void(const nlohmann::json& line)>& take) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
-  std::string line;
-  while (std::getline(file, line) && !file.eof()) take(nlohmann::json::parse(line));
-}
-
 std::map<std::string, Times> TimesByName(const std::filesystem::path& folder) {
   std::map<std::string, std::vector<std::string>> problems;  // by size class
-  ForEachLine((folder / "problems.jsonl").string(), [&](const nlohmann::json& line) {
+  ReadJsonLines(folder / "problems.jsonl", "a problem", [&](const nlohmann::json& line, const std::string&) {
     problems[line.at("size_class").get<std::string>()].push_back(line.at("problem").get<std::string>());
   });
   std::map<std::string, Times> cells;
-  ForEachLine((folder / "streams.jsonl").string(), [&](const nlohmann::json& line) {
+  ReadJsonLines(folder / "streams.jsonl", "a pass", [&](const nlohmann::json& line, const std::string&) {
     if (!line.at("excluded").get<std::string>().empty()) return;
     const std::vector<std::string>& names = problems.at(line.at("size_class").get<std::string>());
     const auto first = line.at("first").get<std::size_t>();

@@ -10,7 +10,7 @@
 
 #include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/reference_floor.h"
-#include "benchmarks/campaign/sequences/sequence_cell.h"
+#include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/speed_probe.h"
@@ -21,7 +21,7 @@ namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFloorTimeLimit = 10;  // [s]
@@ -139,7 +139,7 @@ class Study {
       if (!disturbed || reply.outcome != "completed") break;
       if (run == plan_.noise.most_reruns) ++entrant->found.disturbed;
     }
-    if (!reply.results.contains("reached")) reply.results = NothingReached(request_.judged, steps_);
+    if (reply.results.is_null()) reply.results = StepRecord(request_.judged, plan_.tolerance).Results(steps_);
     Add(round, reply, entrant);
   }
 

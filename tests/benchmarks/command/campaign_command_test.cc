@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <thread>
@@ -18,8 +18,8 @@
 
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/median_interval.h"
+#include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/measure/hardware_counters.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
@@ -90,6 +90,18 @@ TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
       EXPECT_EQ(line["failed"].size(), 0U) << line.dump();
     }
   }
+  const auto fields = ResultSchemaJson();
+  const auto expect_fields = [&fields](const nlohmann::json& line, const std::vector<std::string>& records) {
+    std::set<std::string> expected;
+    for (const std::string& record : records) {
+      for (const auto& [name, field] : fields.at(record).items()) expected.insert(name);
+    }
+    expected.erase("formed_on_host_s");
+    for (const auto& [name, value] : line.items()) EXPECT_EQ(expected.erase(name), 1U) << name << " in " << line.dump();
+    EXPECT_TRUE(expected.empty()) << *expected.begin() << " is missing in " << line.dump();
+  };
+  for (const auto& problem : problems) expect_fields(problem, {"problem"});
+  for (const auto& line : Lines("c")) expect_fields(line, {"line", line["kind"].get<std::string>()});
   const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
   EXPECT_EQ(campaign["schema"], "lcpbench-campaign/2");
   EXPECT_EQ(campaign["manifests"][0]["name"], "smoke");
@@ -363,27 +375,6 @@ TEST(NoiseRule, CountsWhatTheMachineDid) {
   EXPECT_GT(DisturbanceOf(rule, found(1.2e-5, 0.9), fastest), std::max(throttled, waiting));
 }
 
-TEST(HardwareCounters, CountPageFaultsWhereTheKernelLetsThem) {
-  HardwareCounters counters;
-  const auto names = counters.names();
-  if (std::find(names.begin(), names.end(), "page-faults") == names.end()) GTEST_SKIP() << counters.refusal();
-  // Memory that is touched for the first time: a fault a page, unless pages are huge.
-  constexpr std::size_t kPages = 512;
-  counters.Start();
-  void* memory = mmap(nullptr, kPages * 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-  ASSERT_NE(memory, MAP_FAILED);
-  madvise(memory, kPages * 4096, MADV_NOHUGEPAGE);
-  for (std::size_t page = 0; page < kPages; ++page) static_cast<volatile char*>(memory)[4096 * page] = 1;
-  std::map<std::string, double> counts;
-  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
-  munmap(memory, kPages * 4096);
-  EXPECT_GE(counts["page-faults"], kPages);
-  counters.Start();
-  counts.clear();
-  for (const auto& [name, count] : counters.Stop()) counts[name] = count;
-  EXPECT_LT(counts["page-faults"], kPages / 10);
-}
-
 TEST(DisturbanceWatch, SeesAThreadThatWaits) {
   // Asleep for most of the time, as if another program had the processor.
   const DisturbanceWatch watch;
@@ -415,12 +406,13 @@ TEST(WorkerProcess, SolvesJudgesAndTimes) {
   WorkerProcess worker(Options());
   for (const char* solver : {"auto", "dantzig", "ipm"}) {
     const JudgeReply reply = worker.Run(Request("rockers-n100-s1", solver));
-    EXPECT_EQ(reply.claim, "solved") << reply.detail;
-    ASSERT_FALSE(reply.verdicts.empty());
-    for (const TierVerdict& verdict : reply.verdicts) EXPECT_TRUE(verdict.passes) << verdict.reason;
-    EXPECT_LE(reply.metrics.at("w_error").get<double>(), 1e-4);
-    EXPECT_GT(*reply.peak_bytes, 1e6);
-    EXPECT_GT(*reply.fresh_s, 0);
+    ASSERT_EQ(reply.records.size(), 1U) << reply.detail;
+    const nlohmann::json& record = reply.records[0];
+    EXPECT_EQ(record["claim"], "solved") << record.dump();
+    EXPECT_EQ(record["passes"], true) << record.dump();
+    EXPECT_LE(record["w_error"].get<double>(), 1e-4);
+    EXPECT_GT(record["peak_bytes"].get<double>(), 0);
+    EXPECT_GT(record["first_s"].get<double>(), 0);
 
     TimedRequest pass;
     for (const char* problem : {"rockers-n10-s1", "rockers-n25-s1", "rockers-n100-s1"}) {
@@ -437,61 +429,59 @@ TEST(WorkerProcess, SolvesJudgesAndTimes) {
       pass.pass.kind = kind;
       const TimedReply timed = worker.Run(pass);
       EXPECT_EQ(timed.outcome, "completed") << timed.detail;
-      ASSERT_EQ(timed.seconds.size(), 3U);
-      EXPECT_FALSE(timed.seconds[1].has_value());
-      for (const std::size_t place : {0U, 2U}) EXPECT_GT(*timed.seconds[place], 0);
+      ASSERT_EQ(timed.times.size(), kind == PassKind::kParts ? 4U : 1U);
+      for (const auto& [field, seconds] : timed.times) {
+        ASSERT_EQ(seconds.size(), 3U) << field;
+        EXPECT_FALSE(seconds[1].has_value()) << field;
+        for (const std::size_t place : {0U, 2U}) EXPECT_GE(*seconds[place], 0) << field;
+      }
+      EXPECT_GT(*timed.times.at(kind == PassKind::kFresh   ? "fresh_s"
+                                : kind == PassKind::kParts ? "solve_s"
+                                                           : "again_s")[0],
+                0);
       ASSERT_EQ(timed.failed.size(), 2U);
       for (const auto& failed : timed.failed) EXPECT_TRUE(failed.empty());
-      if (kind == PassKind::kParts) {
-        EXPECT_NEAR(*timed.problem_s[0] + *timed.prepare_s[0] + *timed.convert_s[0] + *timed.solve_s[0],
-                    *timed.seconds[0], 1e-9);
-      }
     }
   }
+}
+
+// How it ended: the claim at the only tier, or what became of the process.
+std::string EndOf(const JudgeReply& reply) {
+  return reply.records.empty() ? reply.outcome : reply.records[0]["claim"].get<std::string>();
 }
 
 TEST(WorkerProcess, KillsWhatTakesTooLongAndGoesOn) {
   WorkerOptions options = Options();
   options.make_s = 1e-4;
   WorkerProcess worker(options);
-  const JudgeReply killed = worker.Run(Request("rockers-n100-s1", "auto"));
-  EXPECT_EQ(killed.claim, "killed");
-  EXPECT_TRUE(killed.verdicts.empty());
+  EXPECT_EQ(EndOf(worker.Run(Request("rockers-n100-s1", "auto"))), "killed");
   // Less time than the first factorisation takes: the solver notices, or is killed.
-  WorkerOptions strict = Options();
-  strict.grace_s = 0;
-  strict.grace_share = 0;
-  WorkerProcess impatient(strict);
+  options = Options();
+  options.grace_s = options.grace_share = 0;
+  WorkerProcess impatient(options);
   JudgeRequest request = Request("chain-of-links-n10000-s1", "ipm");
   request.time_limit_s = 1e-3;
-  const JudgeReply late = impatient.Run(request);
-  EXPECT_TRUE(late.claim == "killed" || late.claim == "time_limit") << late.claim;
-  const JudgeReply next = impatient.Run([] {
-    JudgeRequest small = Request("rockers-n10-s1", "dantzig");
-    small.time_limit_s = 10;
-    return small;
-  }());
-  EXPECT_EQ(next.claim, "solved");
+  const std::string late = EndOf(impatient.Run(request));
+  EXPECT_TRUE(late == "killed" || late == "time_limit") << late;
+  EXPECT_EQ(EndOf(impatient.Run(Request("rockers-n10-s1", "dantzig"))), "solved");
 }
 
 TEST(WorkerProcess, MemoryBeyondTheLimitIsAnOutcome) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the address sanitizer reserves more than any limit";
-#endif
+  if (SanitizerReservesMemory()) GTEST_SKIP() << "the sanitizer reserves more than any limit";
   WorkerOptions options = Options();
   options.memory_bytes = std::uint64_t{600} << 20U;
   WorkerProcess worker(options);
   const JudgeReply reply = worker.Run(Request("tall-stacks-n10000-s1", "dantzig"));
-  EXPECT_TRUE(reply.claim == "out_of_memory" || reply.claim == "numerical_failure" || reply.claim == "unsupported")
-      << reply.claim << ": " << reply.detail;
-  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "dantzig")).claim, "solved");
+  const std::string end = EndOf(reply);
+  EXPECT_TRUE(end == "out_of_memory" || end == "numerical_failure" || end == "unsupported") << end << reply.detail;
+  EXPECT_EQ(EndOf(worker.Run(Request("rockers-n10-s1", "dantzig"))), "solved");
 }
 
 TEST(WorkerProcess, RefusesWhatItDoesNotKnow) {
   WorkerProcess worker(Options());
   EXPECT_THROW(worker.Run(Request("no-such-problem", "auto")), InputError);
   EXPECT_THROW(worker.Run(Request("rockers-n10-s1", "no-such-solver")), InputError);
-  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+  EXPECT_EQ(EndOf(worker.Run(Request("rockers-n10-s1", "auto"))), "solved");
 }
 
 TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
@@ -499,9 +489,19 @@ TEST(WorkerProcess, ASolverThatDiesIsAnOutcome) {
   options.solver_arguments = {"--external", "dying=/bin/false"};
   WorkerProcess worker(options);
   const JudgeReply reply = worker.Run(Request("rockers-n10-s1", "dying"));
-  EXPECT_NE(reply.claim, "solved");
-  for (const TierVerdict& verdict : reply.verdicts) EXPECT_FALSE(verdict.passes);
-  EXPECT_EQ(worker.Run(Request("rockers-n10-s1", "auto")).claim, "solved");
+  EXPECT_NE(EndOf(reply), "solved");
+  for (const nlohmann::json& record : reply.records) EXPECT_EQ(record["passes"], false);
+  EXPECT_EQ(EndOf(worker.Run(Request("rockers-n10-s1", "auto"))), "solved");
+}
+
+// ----- fields
+
+TEST(ResultFields, CommittedFilesSayWhatTheTablesSay) {
+  const std::filesystem::path source = LCPBENCH_SOURCE_DIR;
+  EXPECT_EQ(ReadFile(source / "benchmarks/FIELDS.md"), ResultSchemaMarkdown()) << "run lcpbench list fields";
+  EXPECT_EQ(ReadFile(source / "report/lcpbench_report/statistics/result_fields.json"),
+            ResultSchemaJson().dump(1) + "\n")
+      << "run lcpbench list fields --json";
 }
 
 }  // namespace

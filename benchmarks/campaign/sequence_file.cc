@@ -1,4 +1,4 @@
-#include "benchmarks/campaign/sequences/sequence_file.h"
+#include "benchmarks/campaign/sequence_file.h"
 
 #include <algorithm>
 #include <cmath>
