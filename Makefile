@@ -103,9 +103,9 @@ report: run pictures
 
 # The report of the committed results. What is committed of it: its summary, and the numbers in README.md and docs/.
 reference-report: pictures
-	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
+	@$(PYTHON) report/report.py report $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
 	@cp build/reference/summary.md report/reference/
-	@$(PYTHON) report/headline.py report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py headline report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 ablation: command
@@ -119,11 +119,11 @@ recommendation: command
 	@for manifest in $(CAMPAIGN_MANIFESTS); do \
 	  $(BUILD)/lcpbench collection write $$manifest | $(BUILD)/lcpbench recommend --features - >> build/features.jsonl || exit 1; \
 	done
-	@$(PYTHON) report/recommendation.py $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
+	@$(PYTHON) report/report.py recommendation $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
-	@$(PYTHON) report/calibrate.py $(CALIBRATION_RESULTS)
+	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
 
 scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
