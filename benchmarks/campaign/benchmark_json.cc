@@ -2,6 +2,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -62,29 +63,23 @@ void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   reporter.ReportContext(benchmark::BenchmarkReporter::Context());
   std::int64_t index = 0;
   for (const auto& [name, times] : cells) {
-    Run run;
-    run.run_name.function_name = name;
-    run.family_index = index++;
-    run.per_family_instance_index = 0;
-    run.statistics = nullptr;
-    run.time_unit = benchmark::kNanosecond;
-    run.iterations = 1;
-    run.repetitions = static_cast<std::int64_t>(times.fresh_s.size());
-    std::vector<Run> runs;
     if (times.fresh_s.empty() && times.failure.empty()) continue;  // verified, and not timed
-    for (const double time : times.fresh_s) {
-      run.repetition_index = static_cast<std::int64_t>(runs.size());
-      run.real_accumulated_time = time;
-      run.cpu_accumulated_time = time;
-      runs.push_back(run);
+    std::vector<Run> runs(std::max<std::size_t>(times.fresh_s.size(), 1));
+    for (std::size_t k = 0; k < runs.size(); ++k) {
+      Run& run = runs[k];
+      run.run_name.function_name = name;
+      run.family_index = index;
+      run.per_family_instance_index = 0;
+      run.repetitions = static_cast<std::int64_t>(runs.size());
+      run.repetition_index = static_cast<std::int64_t>(k);
+      run.iterations = 1;
+      run.error_occurred = times.fresh_s.empty();
+      run.error_message = run.error_occurred ? times.failure : "";
+      run.real_accumulated_time = run.cpu_accumulated_time = run.error_occurred ? 0 : times.fresh_s[k];
+      run.statistics = nullptr;
+      run.time_unit = benchmark::kNanosecond;
     }
-    if (runs.empty()) {
-      run.repetition_index = 0;
-      run.repetitions = 1;
-      run.error_occurred = true;
-      run.error_message = times.failure;
-      runs.push_back(run);
-    }
+    ++index;
     reporter.ReportRuns(runs);
   }
   reporter.Finalize();

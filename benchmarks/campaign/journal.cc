@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
-#include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/sequence_runner.h"
+#include "benchmarks/measure/quantile.h"
 
 namespace lcpbench {
 namespace {

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/campaign/median_interval.h"
+#include "benchmarks/measure/quantile.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "support/input_error.h"
