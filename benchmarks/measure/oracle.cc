@@ -1,8 +1,9 @@
 #include "benchmarks/measure/oracle.h"
 
-#include <Eigen/OrderingMethods>
+#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "benchmarks/measure/body_system.h"
@@ -33,94 +34,6 @@ ColumnMatrix Submatrix(const SparseMatrix& A, const std::vector<Index>& rows) {
   sub.setFromTriplets(entries.begin(), entries.end());
   return sub;
 }
-
-// Up-looking LDL^T of a symmetric matrix that leaves out the rows whose pivot vanishes.
-class Elimination {
- public:
-  explicit Elimination(const ColumnMatrix& C) : C_(C), n_(static_cast<int>(C.cols())) {
-    const auto n = static_cast<std::size_t>(n_);
-    parent_.assign(n, -1);
-    flag_.assign(n, -1);
-    columns_.resize(n);
-    pivot_.assign(n, 0);
-    y_.assign(n, 0);
-    path_.resize(n);
-    pattern_.resize(n);
-    FindTree();
-  }
-
-  std::vector<bool> KeptRows() {
-    std::vector<bool> kept(static_cast<std::size_t>(n_));
-    for (int k = 0; k < n_; ++k) kept[static_cast<std::size_t>(k)] = Eliminate(k);
-    return kept;
-  }
-
- private:
-  struct Entry {
-    int row = 0;
-    double value = 0;
-  };
-  static std::size_t At(int i) { return static_cast<std::size_t>(i); }
-
-  void FindTree() {
-    for (int k = 0; k < n_; ++k) {
-      flag_[At(k)] = k;
-      for (ColumnMatrix::InnerIterator it(C_, k); it && it.index() < k; ++it) {
-        for (int i = it.index(); flag_[At(i)] != k; i = parent_[At(i)]) {
-          if (parent_[At(i)] == -1) parent_[At(i)] = k;
-          flag_[At(i)] = k;
-        }
-      }
-    }
-    std::fill(flag_.begin(), flag_.end(), -1);
-  }
-
-  // Row k of L; false, and a column that takes no part, if it depends on the rows before.
-  bool Eliminate(int k) {
-    int top = n_;
-    flag_[At(k)] = k;
-    double pivot = 0;
-    for (ColumnMatrix::InnerIterator it(C_, k); it && it.index() <= k; ++it) {
-      if (it.index() == k) {
-        pivot = it.value();
-        continue;
-      }
-      y_[At(it.index())] = it.value();
-      int length = 0;
-      for (int i = it.index(); flag_[At(i)] != k; i = parent_[At(i)]) {
-        path_[At(length++)] = i;
-        flag_[At(i)] = k;
-      }
-      while (length > 0) pattern_[At(--top)] = path_[At(--length)];
-    }
-    const double diagonal = pivot;
-    for (; top < n_; ++top) {
-      const int i = pattern_[At(top)];
-      const double y = y_[At(i)];
-      y_[At(i)] = 0;
-      if (pivot_[At(i)] == 0) continue;
-      for (const Entry& entry : columns_[At(i)]) y_[At(entry.row)] -= entry.value * y;
-      const double l = y / pivot_[At(i)];
-      pivot -= l * y;
-      columns_[At(i)].push_back({k, l});
-    }
-    // Entries of column i below row k do not exist yet, so y_ at k itself was reached by no update.
-    y_[At(k)] = 0;
-    const bool kept = pivot > kDependent * diagonal;
-    pivot_[At(k)] = kept ? pivot : 0;
-    return kept;
-  }
-
-  const ColumnMatrix& C_;
-  int n_;
-  std::vector<int> parent_;
-  std::vector<int> flag_;
-  std::vector<std::vector<Entry>> columns_;
-  std::vector<double> pivot_;
-  std::vector<double> y_;
-  std::vector<int> path_;
-  std::vector<int> pattern_;
-};
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
 using Kind = CholmodFactor::Definiteness;
@@ -164,17 +77,20 @@ std::vector<Index> ActiveRows(const LcpProblem& problem, const Eigen::VectorXd& 
 
 std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Index>& rows) {
   if (rows.empty()) return {};
-  const ColumnMatrix sub = Submatrix(A, rows);
-  Eigen::AMDOrdering<int> ordering;
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> inverse;
-  ordering(sub.selfadjointView<Eigen::Upper>(), inverse);
-  const Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order = inverse.inverse();
-  ColumnMatrix permuted(sub.rows(), sub.cols());
-  permuted = sub.twistedBy(order);
-  const std::vector<bool> kept = Elimination(permuted).KeptRows();
+  // What is left of a dependent row's pivot: so much that its column of L is of the size of others, and little enough
+  // against kDependent.
+  constexpr double kShift = 1e-14;
+  ColumnMatrix shifted = Submatrix(A, rows);
+  const Eigen::VectorXd diagonal = shifted.diagonal();
+  for (Index k = 0; k < diagonal.size(); ++k) {
+    shifted.coeffRef(k, k) += std::max(kShift * diagonal[k], std::numeric_limits<double>::min());
+  }
+  const Eigen::SimplicialLDLT<ColumnMatrix> factor(shifted);
+  if (factor.info() != Eigen::Success) return {};
   std::vector<Index> independent;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    if (kept[static_cast<std::size_t>(order.indices()[static_cast<Index>(k)])]) independent.push_back(rows[k]);
+  for (Index k = 0; k < diagonal.size(); ++k) {
+    const double pivot = factor.vectorD()[factor.permutationP().indices()[k]];
+    if (pivot > kDependent * diagonal[k]) independent.push_back(rows[static_cast<std::size_t>(k)]);
   }
   return independent;
 }

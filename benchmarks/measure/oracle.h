@@ -30,8 +30,8 @@ std::vector<Factorization> TimeBodySpace(const LcpProblem& problem, const std::v
 std::vector<Index> ActiveRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
 /// A maximal subset of `rows` on which A is nonsingular to rounding: rows are eliminated one by one in a fill-reducing
-/// order, and a row whose pivot falls below kDependent times its diagonal entry depends on those before it.
-/// Up-looking sparse LDL^T. [Davis, Direct Methods for Sparse Linear Systems, 2006, sec. 4.8]
+/// order, and a row whose pivot falls below kDependent times its diagonal entry depends on those before it. By LDL^T of
+/// A with a slightly larger diagonal.
 inline constexpr double kDependent = 1e-10;
 std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Index>& rows);
 

@@ -3,20 +3,15 @@
 
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <set>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <tuple>
 #include <vector>
 
@@ -31,6 +26,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
@@ -56,14 +52,6 @@ std::string ManifestText(std::vector<SequenceEntry> sequences) {
   manifest.version = "1";
   manifest.sequences = std::move(sequences);
   return FormatManifest(manifest);
-}
-
-std::vector<Json> Lines(const std::string& text) {
-  std::vector<Json> lines;
-  std::istringstream input(text);
-  std::string line;
-  while (std::getline(input, line)) lines.push_back(Json::parse(line));
-  return lines;
 }
 
 // What must not depend on when and where a pass was run, sorted. What a deadline leaves time for does.
@@ -309,9 +297,7 @@ class SequenceCampaign : public CommandTest {
     return "run --suite " + Path("motions.json") + " --solvers dantzig,pgs --tiers 1e-3,1e-6 --passes 2 -o " +
            Path(folder) + " " + more;
   }
-  std::vector<Json> Passes(const std::string& folder) const {
-    return Lines(ReadFile(folder_ / folder / "steps.jsonl"));
-  }
+  std::vector<Json> Passes(const std::string& folder) const { return JsonLines(folder_ / folder / "steps.jsonl"); }
 };
 
 TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
@@ -328,7 +314,7 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
     const bool both_tiers = name.find("pgs") != std::string::npos && name.find("deadline") == std::string::npos;
     EXPECT_EQ(count, both_tiers ? 4 : 2) << name;
   }
-  EXPECT_TRUE(Lines(ReadFile(folder_ / "c" / "streams.jsonl")).empty());
+  EXPECT_TRUE(JsonLines(folder_ / "c" / "streams.jsonl").empty());
   const Json campaign = Json::parse(ReadFile(folder_ / "c" / "campaign.json"));
   EXPECT_EQ(campaign["deadlines_s"].size(), 3U);
   EXPECT_EQ(campaign["sequences"][0]["steps"], GearTrain().problems);
@@ -360,11 +346,12 @@ TEST_F(SequenceCampaign, ShardsMergeToTheWholeInAnyOrder) {
 
 TEST_F(SequenceCampaign, KilledAnywhereItGoesOnToTheSameResults) {
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  const std::uintmax_t all = std::filesystem::file_size(folder_ / "whole" / "steps.jsonl");
   std::mt19937 random(4);
   int kills = 0;
   for (int trial = 0; trial < 30; ++trial) {
-    const int milliseconds = 20 + static_cast<int>(random() % 80);
-    if (!RunAndKill(Campaign("killed", trial == 0 ? "" : "--resume"), milliseconds)) break;
+    if (RunUntil("killed/steps.jsonl", random() % (all / 4), SIGKILL, false, Campaign("killed", "--resume")) == 0)
+      break;
     ++kills;
     const auto steps = folder_ / "killed" / "steps.jsonl";
     if (trial % 3 == 1 && std::filesystem::exists(steps)) std::ofstream(steps, std::ios::app) << "{\"sequence\":\"t";
