@@ -1,14 +1,12 @@
 #include "benchmarks/campaign/benchmark_json.h"
 
-#include <benchmark/benchmark.h>
-
-#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
 #include "support/append_only_file.h"
 #include "support/input_error.h"
@@ -53,36 +51,30 @@ std::map<std::string, Times> TimesByName(const std::filesystem::path& folder) {
 }  // namespace
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
-  using Run = benchmark::BenchmarkReporter::Run;
-  const auto cells = TimesByName(folder);
-  std::ofstream out(path);
-  if (!out) throw InputError(path + ": cannot be written");
-  benchmark::JSONReporter reporter;
-  reporter.SetOutputStream(&out);
-  reporter.SetErrorStream(&out);
-  reporter.ReportContext(benchmark::BenchmarkReporter::Context());
-  std::int64_t index = 0;
-  for (const auto& [name, times] : cells) {
-    if (times.fresh_s.empty() && times.failure.empty()) continue;  // verified, and not timed
-    std::vector<Run> runs(std::max<std::size_t>(times.fresh_s.size(), 1));
-    for (std::size_t k = 0; k < runs.size(); ++k) {
-      Run& run = runs[k];
-      run.run_name.function_name = name;
-      run.family_index = index;
-      run.per_family_instance_index = 0;
-      run.repetitions = static_cast<std::int64_t>(runs.size());
-      run.repetition_index = static_cast<std::int64_t>(k);
-      run.iterations = 1;
-      run.error_occurred = times.fresh_s.empty();
-      run.error_message = run.error_occurred ? times.failure : "";
-      run.real_accumulated_time = run.cpu_accumulated_time = run.error_occurred ? 0 : times.fresh_s[k];
-      run.statistics = nullptr;
-      run.time_unit = benchmark::kNanosecond;
+  using Json = nlohmann::ordered_json;
+  Json benchmarks = Json::array();
+  for (const auto& [name, times] : TimesByName(folder)) {
+    const auto add = [&, &of = name](std::size_t repetitions, double seconds) -> Json& {
+      const double nanoseconds = 1e9 * seconds;
+      benchmarks.push_back({{"name", of},
+                            {"run_name", of},
+                            {"run_type", "iteration"},
+                            {"repetitions", repetitions},
+                            {"iterations", 1},
+                            {"real_time", nanoseconds},
+                            {"cpu_time", nanoseconds},
+                            {"time_unit", "ns"}});
+      return benchmarks.back();
+    };
+    for (std::size_t k = 0; k < times.fresh_s.size(); ++k) {
+      add(times.fresh_s.size(), times.fresh_s[k])["repetition_index"] = k;
     }
-    ++index;
-    reporter.ReportRuns(runs);
+    if (!times.fresh_s.empty() || times.failure.empty()) continue;  // without either: verified, and not timed
+    add(1, 0).update({{"error_occurred", true}, {"error_message", times.failure}});
   }
-  reporter.Finalize();
+  const Json campaign = ReadCampaignFile((std::filesystem::path(folder) / "campaign.json").string());
+  std::ofstream out(path);
+  out << Json{{"context", campaign.at("environment")}, {"benchmarks", benchmarks}}.dump(2) << '\n';
   out.close();
   if (!out) throw InputError(path + ": cannot be written");
 }

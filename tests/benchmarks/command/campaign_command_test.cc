@@ -18,6 +18,8 @@
 #include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/collection/manifest.h"
+#include "benchmarks/collection/sequences.h"
 #include "benchmarks/measure/quantile.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/campaign_cells.h"
@@ -31,31 +33,53 @@ constexpr const char* kLong = "--passes 60 ";  // so many that signals come in t
 constexpr const char* kNoHurry = "--time-limit 60 --task-budget 1000 ";
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
-// What must not depend on when and where something was run, sorted.
-std::vector<std::string> WithoutTimes(const std::vector<nlohmann::json>& lines) {
-  std::vector<std::string> kept;
-  for (nlohmann::json line : lines) {
-    for (const char* field : {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s",
-                              "group", "factor_share", "peak_bytes", "allocations", "disturbance", "environment"}) {
-      line.erase(field);
-    }
-    kept.push_back(line.dump());
-  }
-  std::sort(kept.begin(), kept.end());
-  return kept;
-}
-
 class CampaignCommand : public CommandTest {
  protected:
   // Own solvers: one by tolerance, one direct, one that fails at times.
   std::string Campaign(const std::string& folder, const std::string& more = "") const {
-    return std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall' " +
+    return "run --suite " + manifest_ + " --solvers dantzig,pgs,lemke --filter 'n8|rounded-wall|tall|^steps' " +
            "--passes 2 " + kNoHurry + "-o " + Path(folder) + " " + more;
+  }
+  // From now on the campaign has two sequences, too.
+  void AddSequences() {
+    Manifest motions;
+    motions.name = motions.version = "1";
+    motions.sequences = {MeasureSequence(Recipe{"gear-train", 12, 1, {}}, 30),
+                         MeasureSequence(Recipe{"discs-in-v", 12, 1, {}}, 8)};
+    auto manifest = nlohmann::ordered_json::parse(ReadFile(kManifest));
+    manifest["sequences"] = nlohmann::ordered_json::parse(FormatManifest(motions))["sequences"];
+    manifest_ = Path("mixed.json");
+    Write("mixed.json", manifest.dump());
+    std::filesystem::copy(LCPBENCH_SOURCE_DIR "/data/references", folder_ / "references");
   }
   std::vector<nlohmann::json> Cells(const std::string& folder) const { return CellsOf(folder_ / folder); }
   std::vector<nlohmann::json> Lines(const std::string& folder) const {
     return JsonLines(folder_ / folder / "streams.jsonl");
   }
+  // Of problems and sequences, what must not depend on when and where something was run, sorted. What a deadline leaves
+  // time for does.
+  std::vector<std::string> WithoutTimes(const std::string& folder) const {
+    std::vector<std::string> kept;
+    for (const char* file : {"streams.jsonl", "steps.jsonl"}) {
+      for (nlohmann::json line : JsonLines(folder_ / folder / file)) {
+        for (const char* field :
+             {"first_s", "fresh_s", "problem_s", "prepare_s", "convert_s", "solve_s", "again_s", "group",
+              "factor_share", "peak_bytes", "allocations", "disturbance", "environment", "latency_s", "preempted"}) {
+          line.erase(field);
+        }
+        if (line.value("mode", "").starts_with("deadline")) {
+          for (const char* field : {"claims", "verdicts", "late", "iterations", "rho", "backward_error", "w_error"}) {
+            line.erase(field);
+          }
+        }
+        kept.push_back(line.dump());
+      }
+    }
+    std::sort(kept.begin(), kept.end());
+    return kept;
+  }
+
+  std::string manifest_ = kManifest;
 };
 
 TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
@@ -157,18 +181,21 @@ TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
 }
 
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
+  AddSequences();
   ASSERT_EQ(Run(Campaign("whole")).status, 0);
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
     const CommandOutcome outcome = Run(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
     ASSERT_EQ(outcome.status, 0) << outcome.error;
-    EXPECT_LT(Lines(std::string("s") + shard[0]).size(), Lines("whole").size());
+    EXPECT_LT(WithoutTimes(std::string("s") + shard[0]).size(), WithoutTimes("whole").size());
   }
   const CommandOutcome all = Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
   ASSERT_EQ(all.status, 0);
   EXPECT_EQ(all.error, "");
   ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
-  EXPECT_EQ(ReadFile(folder_ / "m" / "streams.jsonl"), ReadFile(folder_ / "n" / "streams.jsonl"));
-  EXPECT_EQ(WithoutTimes(Lines("m")), WithoutTimes(Lines("whole")));
+  for (const char* file : {"streams.jsonl", "steps.jsonl"}) {
+    EXPECT_EQ(ReadFile(folder_ / "m" / file), ReadFile(folder_ / "n" / file));
+  }
+  EXPECT_EQ(WithoutTimes("m"), WithoutTimes("whole"));
   // A shard that is missing is told.
   const CommandOutcome two = Run("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
   EXPECT_EQ(two.status, 0);
@@ -181,25 +208,28 @@ TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   EXPECT_EQ(Run("merge " + Path("s1") + " " + Path("other") + " -o " + Path("u")).status, 2);
 }
 
-// SIGKILL to the campaign alone. And what Ctrl-C at a terminal and job schedulers do: the worker gets the signal too,
+// SIGKILL to the campaign alone, and what Ctrl-C at a terminal and job schedulers do: the worker gets the signal too,
 // and its solve must not look crashed.
 TEST_F(CampaignCommand, KilledOrInterruptedAnywhereItGoesOnToTheSameResults) {
+  AddSequences();
   ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
-  const std::uintmax_t all = std::filesystem::file_size(folder_ / "whole" / "streams.jsonl");
   const std::string arguments = Campaign("ended", std::string(kLong) + "--resume");
   std::mt19937 random(3);
-  int ended = 0;
-  for (int trial = 0; trial < 40; ++trial) {
-    const int signal = std::array{SIGKILL, SIGTERM, SIGINT}.at(static_cast<std::size_t>(trial % 3));
-    if (RunUntil("ended/streams.jsonl", random() % (all / 6), signal, signal != SIGKILL, arguments) == 0) break;
-    ++ended;
-    // What a crash of the machine could leave.
-    if (trial % 3 == 1) std::ofstream(folder_ / "ended" / "streams.jsonl", std::ios::app) << "{\"solver\":\"torn";
+  for (const std::string file : {"streams.jsonl", "steps.jsonl"}) {
+    const std::uintmax_t all = std::filesystem::file_size(folder_ / "whole" / file);
+    int ended = 0;
+    for (int trial = 0; trial < 12; ++trial) {
+      const int signal = std::array{SIGKILL, SIGTERM, SIGINT}.at(static_cast<std::size_t>(trial % 3));
+      if (RunUntil("ended/" + file, random() % (all / 6), signal, signal != SIGKILL, arguments) == 0) break;
+      ++ended;
+      // What a crash of the machine could leave.
+      if (trial % 3 == 1) std::ofstream(folder_ / "ended" / file, std::ios::app) << "{\"solver\":\"torn";
+    }
+    EXPECT_GE(ended, 3);
   }
-  EXPECT_GE(ended, 3);
   const CommandOutcome rest = Run(arguments);
   ASSERT_EQ(rest.status, 0) << rest.error;
-  EXPECT_EQ(WithoutTimes(Lines("ended")), WithoutTimes(Lines("whole")));
+  EXPECT_EQ(WithoutTimes("ended"), WithoutTimes("whole"));
 }
 
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
