@@ -34,10 +34,7 @@ _MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|solvers/c)/|solvers/regis
 _GENERATED = {"git_revision.h"}
 
 # Includes that close a cycle of folders, from -> to.
-_FOLDER_CYCLES = {
-    # A campaign runs its sequences, which are planned, journalled and given to workers as its other tasks are.
-    ("benchmarks/campaign", "benchmarks/campaign/sequences"),
-}
+_FOLDER_CYCLES = set()
 
 # Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
 # is implemented with Y, and Y.h needs the types of X.h.

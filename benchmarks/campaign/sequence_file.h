@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "benchmarks/collection/manifest.h"
+#include "model/motion/motion.h"
+#include "model/motion/row_matching.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -38,6 +40,12 @@ std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std
 
 /// @throws InputError naming the file and what it should be, also where the hash is another
 std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256);
+
+/// RowMatching::Follow, with -1 for rows that were not there.
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met);
+
+/// @throws InputError unless `previous` has a row of the line before, or -1, for every row
+void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where);
 
 /// Forces on the rows of a step from those of the step before: rows that were not there start at 0.
 /// @param previous  SequenceStep::previous, indices < f.size() or -1

@@ -1,4 +1,4 @@
-#include "benchmarks/campaign/sequences/sequence_file.h"
+#include "benchmarks/campaign/sequence_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,6 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/content_hash.h"
@@ -14,7 +13,6 @@
 #include "benchmarks/collection/gzip_output.h"
 #include "benchmarks/collection/sequences.h"
 #include "benchmarks/measure/interrupt.h"
-#include "model/motion/row_matching.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
@@ -81,12 +79,6 @@ LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
   return reference;
 }
 
-std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
-  std::vector<int> previous;
-  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
-  return previous;
-}
-
 SequenceStep ParseStep(const std::string& line, const std::string& where, std::size_t rows_before) {
   LcpRecord record = ParseLcpRecord(line, where);
   SequenceStep step{std::move(record.problem), {}, std::move(record.reference)};
@@ -97,13 +89,24 @@ SequenceStep ParseStep(const std::string& line, const std::string& where, std::s
   } catch (const nlohmann::json::exception&) {
     throw InputError(where + ": expected members 'previous' and 'floor' of a sequence's line");
   }
-  bool fits = step.previous.size() == static_cast<std::size_t>(step.problem.size());
-  for (const int row : step.previous) fits = fits && row >= -1 && row < static_cast<int>(rows_before);
-  if (!fits) throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+  RequirePrevious(step.previous, step.problem.size(), rows_before, where);
   return step;
 }
 
 }  // namespace
+
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
+  std::vector<int> previous;
+  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
+  return previous;
+}
+
+void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where) {
+  const bool fits = std::all_of(previous.begin(), previous.end(),
+                                [=](int row) { return row >= -1 && row < static_cast<int>(rows_before); });
+  if (fits && static_cast<Index>(previous.size()) == rows) return;
+  throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+}
 
 std::string SequencePath(const std::string& folder, const std::string& id) {
   return (fs::path(folder) / "sequences" / (id + ".jsonl.gz")).string();
