@@ -104,10 +104,7 @@ def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
 
 def ablations(inputs: Inputs) -> pd.DataFrame:
     """The analysis' table at the main tier, by solver; empty without ablations."""
-    table = inputs.analysis.get("ablation")
-    if table is None or table.empty:
-        return pd.DataFrame()
-    table = choice.counted(table, choice.main_tier(inputs))
+    table = choice.table(inputs, "ablation", choice.main_tier(inputs))
     return pd.concat([own for _, own in table.groupby("solver", sort=False)]) if len(table) else table
 
 
@@ -175,10 +172,7 @@ def means(inputs: Inputs) -> Table | None:
 
 def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str], chosen=lambda table: table) -> Table | None:
     """A row per solver, a column per shown tier, of a table of the analysis."""
-    table = inputs.analysis.get(name)
-    if table is None or not len(choice.counted(table)):
-        return None
-    by = chosen(choice.counted(table)).set_index(["solver", "tier"])
+    by = chosen(choice.table(inputs, name)).set_index(["solver", "tier"])
     tiers = [tier for tier in choice.shown_tiers(inputs) if tier in by.index.get_level_values("tier")]
     rows = []
     for solver in inputs.keys:
@@ -207,10 +201,7 @@ def pathological(inputs: Inputs) -> pd.DataFrame:
 
 def accuracy(inputs: Inputs) -> Table | None:
     """Verified answers at the main tier: residual, and error against answers that are known exactly."""
-    table = inputs.analysis.get("accuracy")
-    if table is None:
-        return None
-    table = choice.counted(table, choice.main_tier(inputs))
+    table = choice.table(inputs, "accuracy", choice.main_tier(inputs))
     table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
     by = table[table["problems"] > 0].set_index(["solver", "metric"])
     levels, metrics = {"median": "median", "p99": "99 %", "max": "largest"}, {"rho": "ρ", "w_error": "error of w"}
@@ -222,10 +213,7 @@ def accuracy(inputs: Inputs) -> Table | None:
 
 def scaling(inputs: Inputs) -> Table | None:
     """Exponents of time ~ rows^exponent over the families, at the main tier."""
-    table = inputs.analysis.get("scaling")
-    if table is None:
-        return None
-    table, rows = choice.counted(table, choice.main_tier(inputs)), []
+    table, rows = choice.table(inputs, "scaling", choice.main_tier(inputs)), []
     for solver in inputs.keys:
         mine = table[table["solver"] == solver]
         if len(mine):
