@@ -9,9 +9,11 @@ from .statistics.cells import EXCLUDED
 from .statistics.groups import COUNTED, GROUP
 from .statistics.means import penalised, shift_of, shifted_geometric_mean
 from .statistics.weighted import weighted_median
-from .style import library, method
+from .solver_facts import library, method
 
 TIER = 1e-6  # that every solver here is meant for
+# Columns of tables that are not there.
+_ASKED_FOR = ["solver", "tier", "unit", "mean", "a", "answers", "reference", "problems", "metric"]
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
 
 
@@ -62,7 +64,7 @@ def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
 def table(inputs: Inputs, name: str, tier: float | None = None) -> pd.DataFrame:
     """Those rows of a table of inputs.analysis; none where there is no such table."""
     found = inputs.analysis.get(name)
-    return pd.DataFrame(columns=["solver", "tier", "unit", "answers", "reference", "problems", "metric"]) if found is None else counted(found, tier)
+    return pd.DataFrame(columns=_ASKED_FOR) if found is None else counted(found, tier)
 
 
 def best_own(inputs: Inputs, most: int = 12) -> list[str]:
