@@ -51,7 +51,6 @@ _FILE_CYCLES = {
     ("model/contact/closest_points", "model/contact/closest_search"),
     ("solvers/batch/solve_batch", "solvers/batch/instructions"),
     ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
-    ("solvers/io/hdf5_reader", "solvers/io/hdf5_child"),
     # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
     ("model/shape/outline_checks", "model/shape/mass_properties"),
 }

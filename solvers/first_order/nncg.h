@@ -1,16 +1,16 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
 #include "solvers/first_order/sweeps/first_order_options.h"
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
 /// Options of NncgSolver.
 struct NncgOptions {
+  static constexpr std::int64_t kDefaultIterations = 10000;  ///< limit where max_iterations is 0
+
   /// How the sweep's step and the previous step are combined.
   enum class Direction {
     kOptimal,         ///< least energy over the plane of the sweep's step and the previous step
@@ -62,24 +62,7 @@ struct NncgOptions {
 /// [Silcowitz, Niebe, Erleben, Nonsmooth Newton and nonlinear conjugate gradient methods for interactive contact force
 /// problems: VRIPHYS 2009; The Visual Computer 2010.] Departures: the optimal rule; projection after the extrapolation;
 /// symmetric instead of forward sweeps, without which z is no gradient in any metric.
-class NncgSolver final : public LcpSolver {
- public:
-  static constexpr std::int64_t kDefaultIterations = 10000;  ///< limit where max_iterations is 0
-
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit NncgSolver(NncgOptions options = {});
-  ~NncgSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  NncgOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+using NncgSolver = EngineSolver<NncgOptions, class NncgEngine>;
+extern template class EngineSolver<NncgOptions, NncgEngine>;
 
 }  // namespace lcpbench

@@ -15,8 +15,6 @@ struct ConstantRelaxation {
 
 }  // namespace
 
-struct PgsSolver::Workspace : SweepWorkspace {};
-
 PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("pgs", settings);
   PgsOptions options;
@@ -29,20 +27,25 @@ PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-PgsSolver::PgsSolver(PgsOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  work_->test.SetSelfCheck(options.self_check);
+class PgsEngine {
+ public:
+  explicit PgsEngine(const PgsOptions& options) : options_(options) {
+    CheckRelaxation("pgs", "relaxation", options.relaxation);
+    work_.test.SetSelfCheck(options.self_check);
+  }
 
-  CheckRelaxation("pgs", "relaxation", options.relaxation);
-}
-PgsSolver::~PgsSolver() = default;
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
+  void Prepare(const LcpProblem& problem) { work_.Prepare(problem, options_.form, options_.sweep); }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    ConstantRelaxation relaxation{options_.relaxation};
+    work_.Solve(problem, options_.sweep, options, PgsOptions::kDefaultSweeps, &relaxation, result);
+  }
 
-std::string PgsSolver::WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
+ private:
+  const PgsOptions options_;
+  SweepWorkspace work_;
+};
 
-void PgsSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
-
-void PgsSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  ConstantRelaxation relaxation{options_.relaxation};
-  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
-}
+template class EngineSolver<PgsOptions, PgsEngine>;
 
 }  // namespace lcpbench

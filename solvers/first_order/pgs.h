@@ -1,15 +1,16 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 
 #include "solvers/first_order/sweeps/first_order_options.h"
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
 /// Options of PgsSolver.
 struct PgsOptions {
+  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
+
   using Form = RowForm;     ///< assembled rows, or matrix-free
   Form form = Form::kAuto;  ///< by predicted time
 
@@ -57,24 +58,7 @@ struct PgsOptions {
 /// [Cottle, Pang, Stone, The Linear Complementarity Problem, sec. 5.3; Cryer 1971 for the relaxation and its
 /// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012 and earlier physics engines.] Departures:
 /// bilateral rows in place among the unilateral ones; colours per block of rows instead of over all; the stopping test.
-class PgsSolver final : public LcpSolver {
- public:
-  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
-
-  /// @throws InputError for a relaxation outside (0, 2)
-  explicit PgsSolver(PgsOptions options = {});
-  ~PgsSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  PgsOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;
+extern template class EngineSolver<PgsOptions, PgsEngine>;
 
 }  // namespace lcpbench

@@ -57,8 +57,6 @@ class AdaptiveRelaxation {
 
 }  // namespace
 
-struct PsorSolver::Workspace : SweepWorkspace {};
-
 PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("psor", settings);
   PsorOptions options;
@@ -72,21 +70,26 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-PsorSolver::PsorSolver(PsorOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  work_->test.SetSelfCheck(options.self_check);
+class PsorEngine {
+ public:
+  explicit PsorEngine(const PsorOptions& options) : options_(options) {
+    CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
+    work_.test.SetSelfCheck(options.self_check);
+  }
 
-  CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
-}
-PsorSolver::~PsorSolver() = default;
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
+  void Prepare(const LcpProblem& problem) { work_.Prepare(problem, options_.form, options_.sweep); }
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    AdaptiveRelaxation relaxation(options_.first_relaxation);
+    work_.test.EndWhenHopeless(options_.end_when_hopeless);
+    work_.Solve(problem, options_.sweep, options, PsorOptions::kDefaultSweeps, &relaxation, result);
+  }
 
-std::string PsorSolver::WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
+ private:
+  const PsorOptions options_;
+  SweepWorkspace work_;
+};
 
-void PsorSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
-
-void PsorSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  AdaptiveRelaxation relaxation(options_.first_relaxation);
-  work_->test.EndWhenHopeless(options_.end_when_hopeless);
-  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
-}
+template class EngineSolver<PsorOptions, PsorEngine>;
 
 }  // namespace lcpbench

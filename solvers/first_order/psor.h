@@ -1,15 +1,16 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 
 #include "solvers/first_order/sweeps/first_order_options.h"
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
 /// Options of PsorSolver.
 struct PsorOptions {
+  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
+
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// As in PgsOptions.
   SweepOrder sweep = SweepOrder::kColoured;
@@ -45,24 +46,7 @@ struct PsorOptions {
 /// omega is held at or below 1.9, because contact matrices are not consistently ordered and close to 2 the fast modes
 /// decay too slowly (limit 1.98: twice the sweeps on large piles); no test whether the rate has settled, because the
 /// active set moves.
-class PsorSolver final : public LcpSolver {
- public:
-  static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
-
-  /// @throws InputError for a relaxation outside (0, 2)
-  explicit PsorSolver(PsorOptions options = {});
-  ~PsorSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  PsorOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+using PsorSolver = EngineSolver<PsorOptions, class PsorEngine>;
+extern template class EngineSolver<PsorOptions, PsorEngine>;
 
 }  // namespace lcpbench

@@ -31,13 +31,13 @@ inline Index BoundEntriesOfA(const LcpProblem& problem) {
 
 /// Whether f meets a tier, by the problem's given form (same formulas as verify.h) in extended precision, so that the
 /// answer does not hang on the rounding of one evaluation. Unlike ResidualEstimate it asks for no form of A that the
-/// problem was not given in. Allocates in Reset only, unless
-/// columns are made when needed.
+/// problem was not given in. Allocates in Reset only, unless columns are made when needed.
 class GivenFormTest {
  public:
   /// When J by columns is made, which only rows need whose residual is not small by itself.
   enum class Columns { kNow, kWhenNeeded };
 
+  /// The problem that f is tested for from here on; it must outlive its use here.
   void Reset(const LcpProblem& problem, Columns columns = Columns::kNow) {
     problem_ = problem;
     has_columns_ = false;

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -85,24 +81,7 @@ struct DantzigOptions {
 ///
 /// Departures from the paper: joints are solved as a block before the contacts; the rank rule and rays for singular
 /// A_FF; the rule for ties; blocks; warm start; rounds of repair after the last row.
-class DantzigSolver final : public LcpSolver {
- public:
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit DantzigSolver(DantzigOptions options = {});
-  ~DantzigSolver() override;
-
-  /// Refuses A that is not numerically symmetric, and more than max_rows rows.
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-  void Reserve(Index max_rows) override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  class Engine;
-  Index max_rows_;
-  std::unique_ptr<Engine> engine_;
-};
+using DantzigSolver = EngineSolver<DantzigOptions, class DantzigEngine>;
+extern template class EngineSolver<DantzigOptions, DantzigEngine>;
 
 }  // namespace lcpbench

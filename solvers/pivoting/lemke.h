@@ -1,10 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -71,24 +67,7 @@ struct LemkeOptions {
 ///
 /// Departures from the book: joints; the start from any F instead of F empty only; g before the unit vectors; a factor
 /// of A_FF in the place of a tableau or basis inverse; repairs.
-class LemkeSolver final : public LcpSolver {
- public:
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit LemkeSolver(LemkeOptions options = {});
-  ~LemkeSolver() override;
-
-  /// Refuses A that is not numerically symmetric, and more than max_rows rows.
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-  void Reserve(Index max_rows) override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  class Engine;
-  Index max_rows_;
-  std::unique_ptr<Engine> engine_;
-};
+using LemkeSolver = EngineSolver<LemkeOptions, class LemkeEngine>;
+extern template class EngineSolver<LemkeOptions, LemkeEngine>;
 
 }  // namespace lcpbench

@@ -44,7 +44,7 @@ TEST(Apgd, EnergyFallsWithTheSquareOfTheIterations) {
       // The start is returned where its residual is less than that of the last iterate.
       if (result.iterations < k || result.f.isZero(0)) continue;
       ++compared;
-      const double bound = 2 * ApgdSolver::kGrowth * largest * distance / static_cast<double>(k * k);
+      const double bound = 2 * ApgdOptions::kGrowth * largest * distance / static_cast<double>(k * k);
       EXPECT_LE(Energy(problem, result.f) - least, bound) << problem.id() << ", " << k << " iterations";
     }
   }

@@ -195,7 +195,7 @@ TEST(Pgs, TimeLimitIsReadFromTheInjectedClock) {
   solver.Solve(problem, options, &result);
   EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
   EXPECT_GT(result.iterations, 0);
-  EXPECT_LT(result.iterations, PgsSolver::kDefaultSweeps);
+  EXPECT_LT(result.iterations, PgsOptions::kDefaultSweeps);
 }
 
 TEST(Pgs, AnExpiredClockStopsALongSweepBeforeItsEnd) {
