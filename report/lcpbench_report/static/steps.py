@@ -1,25 +1,29 @@
-"""Sequences of motions: latencies of steps from cold and warm starts, and what comes in time."""
+"""Sequences of motions, and motions that solvers drive: latencies of steps, what comes in time, and what errors do."""
 
 import math
 
+import numpy as np
 import pandas as pd
 
-from .. import choice
-from ..inputs import Inputs
-from ..style import solver_styles
+from .. import choice, motion
 from ..formats import power
+from ..inputs import Inputs
+from ..style import SolverStyle, solver_styles
 from . import canvas
 
 ALL = "all"  # size of all sequences together
 _QUANTILES = ("p50", "p99", "max")
+_QUANTITIES = (("energy_error", "energy error, relative"), ("penetration", "deepest penetration so far [m]"))
+_LEAST = 1e-17  # smaller values are rounding, and stand at the axis' end
+_DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5)))  # loosest tolerance first
 
 
 def latency(inputs: Inputs):
     """Median, 99 % quantile and largest latency of a step; cold starts hollow above warm ones. A panel per size; None
     without sequences."""
-    table = inputs.analysis.get("latency_by_solver")
-    table = None if table is None else _at_tier(table[table["mode"].isin(("cold", "warm"))])
-    if table is None or not len(table):
+    table = inputs.analysis.get("latency_by_solver", pd.DataFrame(columns=["mode", "tier"]))
+    table = _at_tier(table[table["mode"].isin(("cold", "warm"))])
+    if not len(table):
         return None
     solvers = [key for key in inputs.keys if key in set(table["solver"])]
     sizes = _sizes(table)
@@ -32,7 +36,7 @@ def latency(inputs: Inputs):
             for mode, offset in (("cold", -0.17), ("warm", 0.17)):
                 found = rows[(rows["solver"] == solver) & (rows["mode"] == mode)]
                 if len(found):
-                    _row(pane, row + offset, found.iloc[0], styles[solver], warm=mode == "warm")
+                    _latencies(pane, row + offset, found.iloc[0], styles[solver], warm=mode == "warm")
         pane.set_title(_title(size))
         canvas.time_axis(pane, "latency of a step", "x")
         canvas.name_axis(pane, solvers)
@@ -40,7 +44,7 @@ def latency(inputs: Inputs):
     return figure
 
 
-def _row(axes, y: float, found: pd.Series, style, warm: bool) -> None:
+def _latencies(axes, y: float, found: pd.Series, style, warm: bool) -> None:
     """Infinite where not all steps have an answer: drawn to the axis' right end as a dotted line."""
     known = [float(found[level]) for level in _QUANTILES]
     finite = [value for value in known if math.isfinite(value)]
@@ -69,9 +73,8 @@ def _legend():
 
 def deadlines(inputs: Inputs):
     """Share of steps that are in time and verified, against the deadline; None without deadlines."""
-    table = inputs.analysis.get("deadline")
-    table = None if table is None or not len(table) else _at_tier(table)
-    if table is None or not len(table):
+    table = _at_tier(inputs.analysis.get("deadline", pd.DataFrame(columns=["tier"])))
+    if not len(table):
         return None
     solvers = [key for key in inputs.keys if key in set(table["solver"])][:12]
     sizes = _sizes(table)
@@ -92,7 +95,7 @@ def deadlines(inputs: Inputs):
         pane.set_xlim(-0.5, len(limits) - 0.5)
         pane.set_xlabel("deadline of a step")
         pane.set_title(_title(size))
-    axes[0][0].set_ylabel(f"in time and verified at {power(_tier(table))} [%]")
+    axes[0][0].set_ylabel(f"in time and verified at {power(table['tier'].iloc[0])} [%]")
     low, _ = axes[0][0].get_ylim()
     axes[0][0].set_ylim(max(low, -3), 102)
     made = canvas.handles(solvers, styles)
@@ -106,10 +109,6 @@ def _at_tier(table: pd.DataFrame) -> pd.DataFrame:
     return table[table["tier"] == choice.nearest(table["tier"])]
 
 
-def _tier(table: pd.DataFrame) -> float:
-    return float(table["tier"].iloc[0])
-
-
 def _sizes(table: pd.DataFrame) -> list[str]:
     """Smallest first, without `all` where there are others."""
     sizes = list(dict.fromkeys(map(str, table["size"])))
@@ -119,3 +118,50 @@ def _sizes(table: pd.DataFrame) -> list[str]:
 
 def _title(size: str) -> str:
     return "all sequences" if size == ALL else f"about {float(size):.0f} rows"
+
+
+def errors(inputs: Inputs, scene: str, level: str):
+    """Colour and marker by solver, dash by tolerance; a cross where the motion was ended."""
+    table = motion.of_scene(inputs.motion, scene, level)
+    styles = solver_styles(inputs.solvers)
+    solvers = [key for key in _shown(inputs) if key in set(table["solver"])]
+    if not solvers:
+        return None
+    tolerances = sorted(set(table["tolerance"]), reverse=True)
+    dashes = {tolerance: _DASHES[min(index, len(_DASHES) - 1)] for index, tolerance in enumerate(tolerances)}
+    figure, axes = canvas.panels(1, len(_QUANTITIES), canvas.PAGE, 3.0)
+    for pane, (column, label) in zip(axes[0], _QUANTITIES):
+        for index, solver in enumerate(solvers):
+            for tolerance, run in table[table["solver"] == solver].groupby("tolerance", sort=False):
+                _curve(pane, run, column, styles[solver], dashes[tolerance], index)
+        canvas.log_axis(pane.yaxis, label, canvas.power_tick)
+        pane.set_xlabel("time [s]")
+        pane.xaxis.set_major_locator(canvas.MaxNLocator(5))
+    axes[0][0].set_title(f"{scene}, {level} level")
+    made = [canvas.Line2D([], [], label=solver, linewidth=1.1, **canvas.marker(styles[solver]))
+            for solver in solvers]
+    made += [canvas.Line2D([], [], label=f"tolerance {power(tolerance)}", color=canvas.FAINT, linewidth=1,
+                           linestyle=dashes[tolerance]) for tolerance in tolerances]
+    canvas.legend_outside(figure, made, 6)
+    return figure
+
+
+def _shown(inputs: Inputs) -> list[str]:
+    """The best ones; all, in the order of the file, where no problems were measured."""
+    driven = list(dict.fromkeys(inputs.motion["solver"]))
+    known = [entry["key"] for entry in inputs.solvers]
+    best = [key for key in choice.best_own(inputs, 7) + choice.best_peers(inputs, 3) if key in driven]
+    return [key for key in (best or driven[:10]) if key in known]
+
+
+def _curve(axes, run: pd.DataFrame, column: str, style: SolverStyle, dash, index: int) -> None:
+    """Markers now and then, at other times for every solver: dashes are the tolerances'."""
+    colour = style.colour
+    values = run[column].cummax() if column == "penetration" else run[column]
+    values = values.clip(lower=_LEAST).iloc[1:].replace(np.inf, np.nan).dropna()
+    times = run["time"].loc[values.index]
+    axes.plot(times, values, color=colour, linestyle=dash, linewidth=0.9, zorder=3,
+              markevery=(2 + 3 * index, 30), **{k: v for k, v in canvas.marker(style, 3.6).items() if k != "color"})
+    if len(values) and isinstance(run["stopped"].iloc[-1], str) and run["stopped"].iloc[-1]:
+        axes.plot(times.iloc[-1:], values.iloc[-1:], marker="x", markersize=5, markeredgewidth=1.2, color=colour,
+                  zorder=4, clip_on=False)

@@ -8,7 +8,7 @@ function latencyFigure(view) {
     for (const mode of ["cold", "warm"]) {
       const mine = rows.filter((row) => row.solver === solver.key && row.mode === mode);
       if (!mine.length) continue;
-      const row = mine.reduce((a, b) => Math.abs(Math.log(a.tier / view.tier)) <= Math.abs(Math.log(b.tier / view.tier)) ? a : b);
+      const row = nearestTier(mine, view.tier);
       const x = ["p50", "p99", "max"].map((level) => row[level] ?? NaN);
       all.push(...x.filter(Number.isFinite));
       const words = `<b>${solver.key}</b>, ${mode} starts, asked for ${tierName(row.tier)}<br>p50 ${seconds(x[0])}, p99 ${seconds(x[1])}, ` +
@@ -26,8 +26,7 @@ function latencyFigure(view) {
 
 function deadlineFigure(view) {
   const rows = DATA.deadlines.filter((row) => view.shown.includes(row.solver) && String(row.size) === view.size);
-  const tiers = [...new Set(rows.map((row) => row.tier))];
-  const tier = tiers.reduce((a, b) => Math.abs(Math.log(a / view.tier)) <= Math.abs(Math.log(b / view.tier)) ? a : b, tiers[0] ?? NaN);
+  const tier = rows.length ? nearestTier(rows, view.tier).tier : NaN;
   const deadlines = [...new Set(rows.map((row) => row.deadline_s))].sort((a, b) => a - b), all = [];
   const traces = SOLVERS.filter(({key}) => rows.some((row) => row.solver === key)).map((solver) => {
     const mine = deadlines.map((deadline) => rows.find((row) => row.solver === solver.key && row.tier === tier && row.deadline_s === deadline));

@@ -1,5 +1,5 @@
 "use strict";
-// The explorer: any metric against any property of the problems; and who is the fastest where.
+// The explorer: any metric against any property of the problems; who is the fastest where; performance profiles; exponents.
 
 const METRICS = {
   time: {title: "fresh time", kind: "seconds", time: true},
@@ -40,12 +40,10 @@ function normaliser(view) {
 function timesFigure(view) {
   const picked = selected(view), metric = METRICS[view.metric], axis = AXES[view.axis];
   const across = axis.values(), norm = normaliser(view), kind = norm ? norm.kind : metric.kind;
-  const solvers = SOLVERS.filter((solver) => view.shown.includes(solver.key));
+  const solvers = solversShown(view);
   const withPoints = picked.length * solvers.length <= MOST_POINTS;
   const traces = [], allX = [], allY = [];
-  for (const solver of solvers) {
-    const cells = cellsOf(solver.key, view.tier);
-    if (!cells) continue;
+  for (const {solver, cells} of cellsShown(view)) {
     const raw = cells.get(view.metric), spread = cells.get("spread");
     const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
     for (const i of picked) {
@@ -96,7 +94,7 @@ function timesFigure(view) {
 
 /** Families x sizes: the solver with the least geometric mean among those shown that verify all problems that any does. */
 function winnersFigure(view) {
-  const families = PROBLEMS.families, solvers = SOLVERS.filter((solver) => view.shown.includes(solver.key));
+  const families = PROBLEMS.families, solvers = solversShown(view);
   const places = new Map(), picked = selected({...view, family: "*"});
   for (const i of picked) {
     const size = CLASSES.findIndex(({low, high}) => PROBLEMS.rows[i] >= low && PROBLEMS.rows[i] <= high);
@@ -143,4 +141,64 @@ function winnersFigure(view) {
                            linearAxis("", {tickvals: used.map((_, y) => y), ticktext: used.map((f) => families[f]), autorange: "reversed", showgrid: false}),
                            {annotations}),
           height: 90 + 24 * used.length};
+}
+
+// ----- performance profiles [Dolan 2002] of the selection, over the solvers shown
+
+const LARGEST_RATIO = 1000;
+
+function profileFigure(view) {
+  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
+  const traces = [], whole = weightOf(picked);
+  let solvable = 0;
+  for (const i of picked) if (!Number.isNaN(best[i])) ++solvable;
+  for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
+    const time = cells.get("time"), good = picked.filter((i) => cells.verdicts[i] === "v");
+    good.sort((a, b) => time[a] / best[a] - time[b] / best[b]);
+    const x = [1], y = [0], text = [];
+    let reached = 0;
+    for (const i of good) {
+      reached += WEIGHTS[i];
+      if (time[i] / best[i] > LARGEST_RATIO) break;
+      x.push(time[i] / best[i]);
+      y.push(Math.min(1, reached / whole));
+    }
+    x.push(LARGEST_RATIO);
+    y.push(y[y.length - 1]);
+    x.forEach((ratio, k) => text.push(`<b>${solver.key}</b><br>${percent(y[k])} of problems within ${plain(ratio)}× of the best<br>` +
+      `${percent(weightOf(good) / whole)} verified in all`));
+    traces.push({type: "scatter", mode: "lines", name: solver.key, x, y, text, hoverinfo: "text",
+                 line: {...lineOf(solver), shape: "hv"}});
+  }
+  note("profile", `${picked.length} problems, each of k variants of one base with weight 1/k, of which ${solvable} are verified by a solver that is shown. What is not verified, ` +
+    "or excluded by rule, never comes in; the height at the right is the share solved." + leftOut(all, picked));
+  return {traces, layout: layoutOf(logAxis("time / fastest verified time of those shown", "ratio", [1, LARGEST_RATIO]),
+                                   linearAxis("share of problems", {range: [-0.01, 1.02], tickformat: ".0%"}))};
+}
+
+// ----- exponents of time over rows
+
+function scalingFigure(view) {
+  const rows = DATA.scaling.filter((row) => view.shown.includes(row.solver) && Math.abs(Math.log(row.tier / view.tier)) < 1e-6 &&
+    (view.family === "*" || row.family === view.family));
+  const traces = [], order = SOLVERS.filter(({key}) => rows.some((row) => row.solver === key));
+  for (const solver of order) {
+    const mine = rows.filter((row) => row.solver === solver.key);
+    const words = mine.map((row) => `<b>${solver.key}</b> on ${row.family}<br>time ~ n^${row.exponent.toFixed(2)} ` +
+      `(${row.exponent_low?.toFixed(2)} to ${row.exponent_high?.toFixed(2)})<br>${row.problems} problems, ${row.rows_min} to ${row.rows_max} rows`);
+    const one = mine.length === 1;
+    traces.push({type: "scatter", mode: "markers", name: solver.key, x: mine.map((row) => row.exponent), y: mine.map(() => solver.key), text: words,
+                 hoverinfo: "text", marker: markerOf(solver, one ? 9 : 6, {opacity: one ? 1 : 0.55}),
+                 error_x: one ? {type: "data", symmetric: false, color: solver.colour, thickness: 1.5,
+                                 array: [mine[0].exponent_high - mine[0].exponent], arrayminus: [mine[0].exponent - mine[0].exponent_low]} : undefined});
+    if (!one) {
+      traces.push({type: "scatter", mode: "markers", name: solver.key, x: [median(mine.map((row) => row.exponent))], y: [solver.key],
+                   hoverinfo: "text", text: [`<b>${solver.key}</b>: median over ${mine.length} families ${median(mine.map((row) => row.exponent)).toFixed(2)}`],
+                   marker: {symbol: "line-ns-open", size: 18, line: {color: INK, width: 2.5}, color: INK}});
+    }
+  }
+  note("scaling", view.family === "*" ? "A mark per family; the bar is their median. Choose a family to see its interval."
+    : "Least squares on the logarithms with Student's 95 % interval.");
+  return {traces, layout: layoutOf(linearAxis("exponent p of time ~ n^p"), linearAxis("", {type: "category", autorange: "reversed"})),
+          height: 110 + 24 * Math.max(order.length, 4)};
 }
