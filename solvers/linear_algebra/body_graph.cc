@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <tuple>
 #include <utility>
 
 #include "solvers/lcp/in_sequence.h"
@@ -46,12 +47,7 @@ void BodyGraph::ReadRows(const LcpProblem& problem, const std::vector<char>& tak
   ends_.assign(At(problem.size()), {});
   for (Index i = 0; i < problem.size(); ++i) {
     if (!taking_part.empty() && taking_part[At(i)] == 0) continue;
-    Ends& ends = ends_[At(i)];
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      const int body = static_cast<int>(it.col() / kAxes);
-      (ends.first == kNone || ends.first == body ? ends.first : ends.second) = body;
-    }
+    std::tie(ends_[At(i)].first, ends_[At(i)].second) = BodiesOfRow(problem, i);
   }
   found_.clear();
   seen_.assign(At((J.cols() + kAxes - 1) / kAxes), 0);

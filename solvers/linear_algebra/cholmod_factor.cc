@@ -5,37 +5,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <mutex>
 #include <stdexcept>
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/work_counts.h"
+#include "solvers/linear_algebra/cholmod_view.h"
 #include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {
 namespace {
 
-// Thread counts of the libraries below CHOLMOD, found at run time: which BLAS is loaded is the system's choice.
-struct ThreadControls {
-  using Setter = void (*)(int);
-  using Getter = int (*)();
-  Setter set_blas_threads = nullptr;
-  Getter get_blas_threads = nullptr;
-  Setter set_omp_levels = nullptr;
-  Getter get_omp_levels = nullptr;
-
-  static const ThreadControls& Get() {
-    static const ThreadControls controls = [] {
-      ThreadControls found;
-      found.set_blas_threads = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
-      found.get_blas_threads = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "openblas_get_num_threads"));
-      found.set_omp_levels = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"));
-      found.get_omp_levels = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "omp_get_max_active_levels"));
-      return found;
-    }();
-    return controls;
+// A setting of the libraries below CHOLMOD, for the whole process, found at run time: which BLAS is loaded is the
+// system's choice.
+class LibrarySetting {
+ public:
+  // `single`: the value that means one thread.
+  LibrarySetting(const char* setter, const char* getter, int single)
+      : set_(reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, setter))),
+        get_(reinterpret_cast<int (*)()>(dlsym(RTLD_DEFAULT, getter))),
+        single_(single) {}
+  void Hold() {
+    before_ = set_ != nullptr && get_ != nullptr ? get_() : single_;
+    if (before_ > single_) set_(single_);
   }
+  void Release() const {
+    if (before_ > single_) set_(before_);
+  }
+
+ private:
+  void (*set_)(int);
+  int (*get_)();
+  int single_;
+  int before_ = 0;
 };
 
 // Flops per entry of L from which supernodes are faster than columns. CHOLMOD's own numeric phase breaks even at 40,
@@ -53,26 +57,16 @@ class SingleThread {
     Shared& shared = Shared::Get();
     const std::lock_guard<std::mutex> lock(shared.mutex);
     if (shared.users++ > 0) return;
-    const ThreadControls& controls = ThreadControls::Get();
-    shared.blas_threads = 0;
-    shared.omp_levels = 0;
-    if (controls.get_blas_threads != nullptr && controls.set_blas_threads != nullptr) {
-      shared.blas_threads = controls.get_blas_threads();
-      if (shared.blas_threads > 1) controls.set_blas_threads(1);
-    }
-    if (controls.get_omp_levels != nullptr && controls.set_omp_levels != nullptr) {
-      shared.omp_levels = controls.get_omp_levels();
-      if (shared.omp_levels > 0) controls.set_omp_levels(0);
-    }
+    shared.blas.Hold();
+    shared.openmp.Hold();
   }
   ~SingleThread() {
     if (!needed_) return;
     Shared& shared = Shared::Get();
     const std::lock_guard<std::mutex> lock(shared.mutex);
     if (--shared.users > 0) return;
-    const ThreadControls& controls = ThreadControls::Get();
-    if (shared.blas_threads > 1) controls.set_blas_threads(shared.blas_threads);
-    if (shared.omp_levels > 0) controls.set_omp_levels(shared.omp_levels);
+    shared.blas.Release();
+    shared.openmp.Release();
   }
   SingleThread(const SingleThread&) = delete;
   SingleThread& operator=(const SingleThread&) = delete;
@@ -81,8 +75,8 @@ class SingleThread {
   struct Shared {
     std::mutex mutex;
     int users = 0;
-    int blas_threads = 0;  // before the first user
-    int omp_levels = 0;
+    LibrarySetting blas{"openblas_set_num_threads", "openblas_get_num_threads", 1};
+    LibrarySetting openmp{"omp_set_max_active_levels", "omp_get_max_active_levels", 0};
 
     static Shared& Get() {
       static Shared shared;
@@ -94,25 +88,18 @@ class SingleThread {
 };
 
 std::string StatusText(int status) {
-  const std::string code = " (CHOLMOD status " + std::to_string(status) + ")";
-  switch (status) {
-    case CHOLMOD_OK:
-      return "no error" + code;
-    case CHOLMOD_NOT_POSDEF:
-      return "a pivot is not positive" + code;
-    case CHOLMOD_DSMALL:
-      return "a pivot is tiny" + code;
-    case CHOLMOD_OUT_OF_MEMORY:
-      return "out of memory" + code;
-    case CHOLMOD_TOO_LARGE:
-      return "the factor has more entries than an int can count" + code;
-    case CHOLMOD_INVALID:
-      return "invalid input" + code;
-    case CHOLMOD_NOT_INSTALLED:
-      return "the method is not in this CHOLMOD" + code;
-    default:
-      return "unknown error" + code;
-  }
+  static const std::map<int, const char*> texts = {
+      {CHOLMOD_OK, "no error"},
+      {CHOLMOD_NOT_POSDEF, "a pivot is not positive"},
+      {CHOLMOD_DSMALL, "a pivot is tiny"},
+      {CHOLMOD_OUT_OF_MEMORY, "out of memory"},
+      {CHOLMOD_TOO_LARGE, "the factor has more entries than an int can count"},
+      {CHOLMOD_INVALID, "invalid input"},
+      {CHOLMOD_NOT_INSTALLED, "the method is not in this CHOLMOD"},
+  };
+  const auto found = texts.find(status);
+  return (found == texts.end() ? "unknown error" : found->second) +
+         std::string(" (CHOLMOD status " + std::to_string(status) + ")");
 }
 
 cholmod_dense Wrap(Eigen::Index n, double* values) {
@@ -228,18 +215,7 @@ void CholmodFactor::AnalyzeBy(Definiteness definiteness, const ColumnMatrix& low
   const Eigen::Index n = s.lower.cols();
   s.diagonal.resize(n);
   for (Eigen::Index j = 0; j < n; ++j) s.diagonal[j] = s.lower.outerIndexPtr()[j];
-  s.view = {};
-  s.view.nrow = s.view.ncol = static_cast<size_t>(n);
-  s.view.nzmax = static_cast<size_t>(s.lower.nonZeros());
-  s.view.p = s.lower.outerIndexPtr();
-  s.view.i = s.lower.innerIndexPtr();
-  s.view.x = s.lower.valuePtr();
-  s.view.stype = -1;
-  s.view.itype = CHOLMOD_INT;
-  s.view.xtype = CHOLMOD_REAL;
-  s.view.dtype = CHOLMOD_DOUBLE;
-  s.view.sorted = 1;
-  s.view.packed = 1;
+  s.view = ViewOf(s.lower, CHOLMOD_REAL, -1);
   s.positive_definite = definiteness == Definiteness::kPositiveDefinite;
   s.common.supernodal = s.positive_definite ? CHOLMOD_AUTO : CHOLMOD_SIMPLICIAL;
   s.factor = cholmod_analyze_p(&s.view, order, nullptr, 0, &s.common);
@@ -318,19 +294,7 @@ bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
       throw std::runtime_error("update: " + StatusText(s.common.status));
     }
   }
-  // CHOLMOD takes the columns as non-const and only reads them.
-  cholmod_sparse view{};
-  view.nrow = static_cast<size_t>(columns.rows());
-  view.ncol = static_cast<size_t>(columns.cols());
-  view.nzmax = static_cast<size_t>(columns.nonZeros());
-  view.p = const_cast<int*>(columns.outerIndexPtr());
-  view.i = const_cast<int*>(columns.innerIndexPtr());
-  view.x = const_cast<double*>(columns.valuePtr());
-  view.itype = CHOLMOD_INT;
-  view.xtype = CHOLMOD_REAL;
-  view.dtype = CHOLMOD_DOUBLE;
-  view.sorted = 1;
-  view.packed = 1;
+  cholmod_sparse view = ViewOf(columns, CHOLMOD_REAL, 0);
   const int done = cholmod_updown(add ? 1 : 0, &view, s.factor, &s.common);
   if (done != 0 && s.common.status == CHOLMOD_OK) return true;
   s.why = "update: " + StatusText(s.common.status);

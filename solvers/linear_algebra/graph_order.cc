@@ -1,8 +1,6 @@
 #include "solvers/linear_algebra/graph_order.h"
 
-#include <cholmod.h>
-
-#include <memory>
+#include "solvers/linear_algebra/cholmod_view.h"
 
 namespace lcpbench {
 namespace {
@@ -21,22 +19,6 @@ struct Common {
 
 using Graph = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
 
-// CHOLMOD takes patterns as non-const and only reads them.
-cholmod_sparse ViewOf(const Graph& graph) {
-  cholmod_sparse pattern{};
-  pattern.nrow = pattern.ncol = static_cast<size_t>(graph.cols());
-  pattern.nzmax = static_cast<size_t>(graph.nonZeros());
-  pattern.p = const_cast<int*>(graph.outerIndexPtr());
-  pattern.i = const_cast<int*>(graph.innerIndexPtr());
-  pattern.stype = -1;
-  pattern.itype = CHOLMOD_INT;
-  pattern.xtype = CHOLMOD_PATTERN;
-  pattern.dtype = CHOLMOD_DOUBLE;
-  pattern.sorted = 1;
-  pattern.packed = 1;
-  return pattern;
-}
-
 }  // namespace
 
 Eigen::VectorXi OrderGraph(const Graph& graph, GraphOrder order) {
@@ -44,7 +26,7 @@ Eigen::VectorXi OrderGraph(const Graph& graph, GraphOrder order) {
   Eigen::VectorXi nodes(n);
   if (n == 0) return nodes;
   Common c;
-  cholmod_sparse pattern = ViewOf(graph);
+  cholmod_sparse pattern = ViewOf(graph, CHOLMOD_PATTERN, -1);
   const int ordered = order == GraphOrder::kMinimumDegree
                           ? cholmod_amd(&pattern, nullptr, 0, nodes.data(), &c.common)
                           : cholmod_metis(&pattern, nullptr, 0, /*postorder=*/0, nodes.data(), &c.common);
@@ -57,7 +39,7 @@ Eigen::VectorXi Postordered(const Graph& graph, const Eigen::VectorXi& nodes) {
   Eigen::VectorXi order = nodes;  // CHOLMOD only reads it
   if (n == 0) return order;
   Common c;
-  cholmod_sparse pattern = ViewOf(graph);
+  cholmod_sparse pattern = ViewOf(graph, CHOLMOD_PATTERN, -1);
   cholmod_sparse* permuted = cholmod_ptranspose(&pattern, 0, order.data(), nullptr, 0, &c.common);
   Eigen::VectorXi parent(n), post(n);
   const bool done = permuted != nullptr && cholmod_etree(permuted, parent.data(), &c.common) != 0 &&

@@ -59,6 +59,16 @@ Eigen::VectorXi KeptOrder::Find(const std::vector<Name>& names, const int* start
   return nodes;
 }
 
+std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row) {
+  std::pair<int, int> bodies = {kNone, kNone};
+  for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
+    if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+    const int body = static_cast<int>(it.col() / kAxes);
+    (bodies.first == kNone || bodies.first == body ? bodies.first : bodies.second) = body;
+  }
+  return bodies;
+}
+
 KeptOrder::Name NameOfPair(int body, int other) {
   const auto low = static_cast<KeptOrder::Name>(std::min(body, other)) + 1;
   const auto high = static_cast<KeptOrder::Name>(std::max(body, other)) + 1;
@@ -71,13 +81,8 @@ std::vector<KeptOrder::Name> NamesOfRows(const LcpProblem& problem) {
   if (J.cols() / kAxes + 1 >= Index{1} << kBodyBits) return {};
   std::vector<std::pair<KeptOrder::Name, int>> rows(At(problem.size()));
   for (Index i = 0; i < problem.size(); ++i) {
-    int bodies[2] = {-1, -1};
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-      if (it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
-      const int body = static_cast<int>(it.col() / kAxes);
-      (bodies[0] < 0 || bodies[0] == body ? bodies[0] : bodies[1]) = body;
-    }
-    rows[At(i)] = {NameOfPair(bodies[0], bodies[1]), static_cast<int>(i)};
+    const auto [first, second] = BodiesOfRow(problem, i);
+    rows[At(i)] = {NameOfPair(first, second), static_cast<int>(i)};
   }
   std::sort(rows.begin(), rows.end());
   std::vector<KeptOrder::Name> names(rows.size());

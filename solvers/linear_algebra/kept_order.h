@@ -56,12 +56,15 @@ class KeptOrder {
   int pause_ = 0;
 };
 
+/// The movable bodies of a row with at most two, by their triples of columns of J counted from 0; -1 for none.
+std::pair<int, int> BodiesOfRow(const LcpProblem& problem, Index row);
+
 /// Names of the rows of a problem in factors with at most two movable bodies a row: the two bodies, and how many rows
 /// of these two come before. Empty for other problems, and for more than 2^24 bodies or 2^16 rows of one pair. O(n log
 /// n)
 std::vector<KeptOrder::Name> NamesOfRows(const LcpProblem& problem);
 
-/// Name of a pair of bodies, in any order, by their triples of columns of J counted from 0; -1 for none.
+/// Name of a pair of bodies, in any order, as BodiesOfRow gives them.
 KeptOrder::Name NameOfPair(int body, int other);
 
 }  // namespace lcpbench
