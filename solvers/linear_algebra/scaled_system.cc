@@ -308,7 +308,8 @@ bool ScaledSystem::Meets(double tolerance, const Eigen::VectorXd& f, const Eigen
   if (worst <= std::sqrt(tolerance)) return true;
   if (!a_is_affordable_ || !std::isfinite(worst)) return false;
   if (!estimate_ready_) {
-    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense);
+    using Rows = ResidualEstimate::Rows;
+    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense ? Rows::kDense : Rows::kSparse);
     estimate_.SetB(*problem_);
     estimate_ready_ = true;
   }

@@ -7,7 +7,7 @@
 
 #include "benchmarks/campaign/task_messages.h"
 #include "benchmarks/measure/speed_probe.h"
-#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
