@@ -48,12 +48,9 @@ _FILE_CYCLES = {
     ("solvers/lcp/problem", "solvers/lcp/dense_assembly"),
     ("solvers/lcp/problem", "solvers/lcp/problem_arrays"),
     # Internal parts take and return the types of the interface that they serve.
-    ("model/contact/closest_points", "model/contact/closest_search"),
     ("solvers/batch/solve_batch", "solvers/batch/instructions"),
     ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
     ("solvers/io/hdf5_reader", "solvers/io/hdf5_child"),
-    # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
-    ("model/shape/outline_checks", "model/shape/mass_properties"),
 }
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance
