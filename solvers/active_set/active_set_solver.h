@@ -36,25 +36,7 @@ struct ActiveSetOptions {
 /// factors asked for, new or updated, of both together.
 ///
 /// Cost: set-up of the second method where the first one ends, besides those of the methods.
-class ActiveSetSolver final : public LcpSolver {
- public:
-  /// @throws InputError for weights of the Newton method out of their range
-  explicit ActiveSetSolver(const ActiveSetOptions& options = {});
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override { return patient_.WhyUnsupported(problem); }
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  bool IsLarge(const LcpProblem& problem) const { return problem.size() >= continuation_rows_; }
-
-  Index continuation_rows_;
-  BppSolver patient_;    // for problems that are not large
-  BppSolver impatient_;  // ends where blocks cycle
-  SemismoothNewtonSolver newton_;
-  bool newton_is_prepared_ = false;
-};
+using ActiveSetSolver = EngineSolver<ActiveSetOptions, class ActiveSetEngine>;
+extern template class EngineSolver<ActiveSetOptions, ActiveSetEngine>;
 
 }  // namespace lcpbench

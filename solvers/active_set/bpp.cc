@@ -11,7 +11,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/answers/zero_row_ray.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"
@@ -65,11 +65,11 @@ constexpr std::int64_t kExtraFactorisations = 200;
 }  // namespace
 
 // Vectors are by row of the problem, in scaled units: S A S, t S b, t S^-1 f as in PermutedLcp.
-class BppSolver::Engine {
+class BppEngine {
  public:
-  explicit Engine(BppOptions options) : options_(options) {}
+  explicit BppEngine(const BppOptions& options) : options_(options) {}
 
-  bool TooLargeForDense(const LcpProblem& problem) const;
+  std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return blocks_.StepTime(block_, f_.size()); }
   bool is_dense() const { return blocks_.is_dense(block_); }
@@ -272,8 +272,11 @@ BppSolver::Engine::End BppSolver::Engine::Polish(LcpResult* result) {
   return End::kNotMet;
 }
 
-bool BppSolver::Engine::TooLargeForDense(const LcpProblem& problem) const {
-  return options_.form == BppOptions::Form::kDense && problem.size() > options_.max_dense_rows;
+std::string BppSolver::Engine::WhyUnsupported(const LcpProblem& problem) const {
+  if (options_.form == BppOptions::Form::kDense && problem.size() > options_.max_dense_rows) {
+    return std::to_string(problem.size()) + " rows are more than max_dense_rows of the dense form";
+  }
+  return WhyNotSymmetric(problem);
 }
 
 void BppSolver::Engine::Prepare(const LcpProblem& problem) {
@@ -525,23 +528,9 @@ BppOptions BppOptions::FromSettings(const Settings& settings, const char* key) {
   return options;
 }
 
-BppSolver::BppSolver(BppOptions options) : engine_(std::make_unique<Engine>(options)) {}
-BppSolver::~BppSolver() = default;
-
-std::string BppSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (engine_->TooLargeForDense(problem)) {
-    return std::to_string(problem.size()) + " rows are more than max_dense_rows of the dense form";
-  }
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
-}
-
 double BppSolver::StepTime() const { return engine_->StepTime(); }
 bool BppSolver::is_dense() const { return engine_->is_dense(); }
 
-void BppSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
-
-void BppSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(problem, options, result);
-}
+template class EngineSolver<BppOptions, BppEngine>;
 
 }  // namespace lcpbench

@@ -1,10 +1,6 @@
 #pragma once
 
-#include <memory>
-#include <string>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -100,27 +96,15 @@ struct BppOptions {
 ///
 /// Departures from the papers: the proximal loop and polishing; a heavier proximal term against cycles before single
 /// exchanges; bilateral rows; tolerances of sign that follow from the rounding of A + e D.
-class BppSolver final : public LcpSolver {
+class BppSolver final : public EngineSolver<BppOptions, class BppEngine> {
  public:
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit BppSolver(BppOptions options = {});
-  ~BppSolver() override;
-
-  /// Refuses A that is not numerically symmetric.
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
+  using EngineSolver::EngineSolver;
 
   /// Nanoseconds of one iteration on the prepared problem, predicted from its structure.
   double StepTime() const;
   /// Whether the prepared problem's A is factored as a dense matrix.
   bool is_dense() const;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  class Engine;
-  std::unique_ptr<Engine> engine_;
 };
+extern template class EngineSolver<BppOptions, BppEngine>;
 
 }  // namespace lcpbench

@@ -12,7 +12,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/answers/zero_row_ray.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"
@@ -87,10 +87,17 @@ constexpr int kRayCorrections = 6;
 }  // namespace
 
 // Vectors are by row of the problem, in the units of ScaledVectors.
-class SemismoothNewtonSolver::Engine {
+class SemismoothNewtonEngine {
  public:
-  explicit Engine(SemismoothNewtonOptions options) : options_(options) {}
+  explicit SemismoothNewtonEngine(const SemismoothNewtonOptions& options) : options_(options) {
+    for (const double weight : {options.first_weight, options.weight_factor, options.least_weight}) {
+      if (!(weight >= kLeastAllowedWeight && weight <= 1)) {
+        throw InputError("semismooth-newton: weights must be in [1e-10, 1]");
+      }
+    }
+  }
 
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
   void Prepare(const LcpProblem& problem);
   double StepTime() const { return blocks_.StepTime(block_, n_); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
@@ -307,8 +314,8 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpProblem& problem, const LcpO
   factors_ = 0;
   continuation_ = n_ >= options_.continuation_rows;
   factor_limit_ = options.max_iterations > 0 ? options.max_iterations
-                  : continuation_            ? kContinuationFactors
-                                             : kDefaultFactors;
+                  : continuation_            ? SemismoothNewtonSolver::kContinuationFactors
+                                             : SemismoothNewtonSolver::kDefaultFactors;
   if (!scaled_.Load(*problem_)) {
     result->status = LcpStatus::kUnsupported;
     result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
@@ -429,27 +436,7 @@ SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& se
   return options;
 }
 
-SemismoothNewtonSolver::SemismoothNewtonSolver(SemismoothNewtonOptions options)
-    : engine_(std::make_unique<Engine>(options)) {
-  for (const double weight : {options.first_weight, options.weight_factor, options.least_weight}) {
-    if (!(weight >= kLeastAllowedWeight && weight <= 1)) {
-      throw InputError("semismooth-newton: weights must be in [1e-10, 1]");
-    }
-  }
-}
-SemismoothNewtonSolver::~SemismoothNewtonSolver() = default;
-
-std::string SemismoothNewtonSolver::WhyUnsupported(const LcpProblem& problem) const {
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
-}
-
 double SemismoothNewtonSolver::StepTime() const { return engine_->StepTime(); }
-
-void SemismoothNewtonSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
-
-void SemismoothNewtonSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(problem, options, result);
-}
 
 double SemismoothNewtonSolver::Engine::RhoInDouble() {
   block_->Multiply(f_.data(), residual_.data());
@@ -669,5 +656,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::TryRay(LcpRe
   result->farkas_ray = std::move(ray);
   return End::kInfeasible;
 }
+
+template class EngineSolver<SemismoothNewtonOptions, SemismoothNewtonEngine>;
 
 }  // namespace lcpbench

@@ -1,9 +1,8 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -76,27 +75,16 @@ struct SemismoothNewtonOptions {
 /// Departures from the sources: the proximal weight falls in the fixed ratio weight_factor or by the rule above, and
 /// rises where a subproblem takes so many steps that rounding must be what keeps it from ending; subproblems are solved
 /// to the end (their last steps cost nothing that an inexact rule would save); the finish.
-class SemismoothNewtonSolver final : public LcpSolver {
+class SemismoothNewtonSolver final : public EngineSolver<SemismoothNewtonOptions, class SemismoothNewtonEngine> {
  public:
+  using EngineSolver::EngineSolver;
+
   static constexpr std::int64_t kDefaultFactors = 500;         ///< limit where max_iterations is 0
   static constexpr std::int64_t kContinuationFactors = 5'000;  ///< most of which are updates
 
-  /// @throws InputError for weights out of their range
-  explicit SemismoothNewtonSolver(SemismoothNewtonOptions options = {});
-  ~SemismoothNewtonSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
   /// Nanoseconds of one iteration on the prepared problem, predicted from its structure.
   double StepTime() const;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  class Engine;
-  std::unique_ptr<Engine> engine_;
 };
+extern template class EngineSolver<SemismoothNewtonOptions, SemismoothNewtonEngine>;
 
 }  // namespace lcpbench

@@ -82,10 +82,13 @@ IpmOptions IpmOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-class IpmSolver::Implementation {
+class IpmEngine {
  public:
-  explicit Implementation(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
+  using WarmStart = IpmSolver::WarmStart;
 
+  explicit IpmEngine(const IpmOptions& options) : options_(options), finish_(options.self_check) {}
+
+  std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem) {
     statistics_ = {};
     system_.Prepare(problem, SystemSpace(options_.space));
@@ -283,15 +286,8 @@ class IpmSolver::Implementation {
   ProximalPivoting pivoting_;
 };
 
-IpmSolver::IpmSolver(IpmOptions options) : implementation_(std::make_unique<Implementation>(options)) {}
-IpmSolver::~IpmSolver() = default;
-
-const IpmStatistics& IpmSolver::statistics() const { return implementation_->statistics(); }
-
-void IpmSolver::UseWarmStart(WarmStart use) { implementation_->UseWarmStart(use); }
-
-std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (!problem.IsNumericallySymmetric()) return "A is not symmetric";
+std::string IpmEngine::WhyUnsupported(const LcpProblem& problem) const {
+  if (!problem.IsNumericallySymmetric()) return WhyNotSymmetric(problem);
   const Eigen::VectorXd& diagonal = problem.DiagonalA();
   for (Index i = 0; i < problem.size(); ++i) {
     if (diagonal[i] > 0) continue;
@@ -305,10 +301,10 @@ std::string IpmSolver::WhyUnsupported(const LcpProblem& problem) const {
   return {};
 }
 
-void IpmSolver::DoPrepare(const LcpProblem& problem) { implementation_->Prepare(problem); }
+const IpmStatistics& IpmSolver::statistics() const { return engine_->statistics(); }
 
-void IpmSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  implementation_->Solve(problem, options, result);
-}
+void IpmSolver::UseWarmStart(WarmStart use) { engine_->UseWarmStart(use); }
+
+template class EngineSolver<IpmOptions, IpmEngine>;
 
 }  // namespace lcpbench

@@ -1,11 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
-#include <string>
 
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -82,13 +79,10 @@ struct IpmStatistics {
 /// Set-up, in a sequence: while rows join the same bodies in the same order as in the problem prepared before (contact
 /// space: while A has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are
 /// always new.
-class IpmSolver final : public LcpSolver {
+class IpmSolver final : public EngineSolver<IpmOptions, class IpmEngine> {
  public:
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit IpmSolver(IpmOptions options = {});
-  ~IpmSolver() override;
+  using EngineSolver::EngineSolver;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
   /// Of the latest Prepare and Solve.
   const IpmStatistics& statistics() const;
 
@@ -100,14 +94,7 @@ class IpmSolver final : public LcpSolver {
   };
   /// Holds until it is called again; kFull at first.
   void UseWarmStart(WarmStart use);
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  class Implementation;
-  std::unique_ptr<Implementation> implementation_;
 };
+extern template class EngineSolver<IpmOptions, IpmEngine>;
 
 }  // namespace lcpbench

@@ -48,8 +48,17 @@ class CommandTest : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
   }
 
-  /// Begins to run the command, silent, in a process group of its own, so that nothing of it need be left.
-  pid_t Start(const std::string& arguments) const {
+  /// Runs the command, silent, until `file` has grown by so many bytes, so that it is in the midst of its work however
+  /// fast the machine is; then it gets the signal, alone or with its process group.
+  /// @return its status, as waitpid gives it
+  int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
+               const std::string& arguments) const {
+    const auto size = [&] {
+      std::error_code none;
+      const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);
+      return none ? 0 : bytes;
+    };
+    const std::uintmax_t enough = size() + growth;
     const pid_t child = fork();
     if (child == 0) {
       setpgid(0, 0);
@@ -58,19 +67,12 @@ class CommandTest : public testing::Test {
       _exit(127);
     }
     setpgid(child, child);  // whoever is first
-    return child;
-  }
-
-  /// Runs the command and kills it after so many milliseconds. False where it had ended before, with status 0.
-  bool RunAndKill(const std::string& arguments, int milliseconds) const {
-    const pid_t child = Start(arguments);
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    kill(child, SIGKILL);
     int status = 0;
-    waitpid(child, &status, 0);
-    if (!WIFEXITED(status)) return true;
-    EXPECT_EQ(WEXITSTATUS(status), 0);
-    return false;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (size() >= enough) kill(whole_group ? -child : child, signal);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return status;
   }
 
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }

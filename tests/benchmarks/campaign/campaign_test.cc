@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "support/subprocess.h"
 #include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
@@ -63,7 +64,8 @@ TEST_F(Campaign, GoesOnAfterAWorkerThatCrashesHangsOrExhaustsMemory) {
                                                       {"well", "dantzig"}};
   for (const auto& [key, manner] : manners) externals += External(key, manner);
   const CommandOutcome run =
-      Run(Data("smoke") + " --filter '(disc-pile|rockers)-n8-' --tiers 1e-6 --time-limit 0.1" +
+      Run(Data("smoke") + " --filter '(disc-pile|rockers)-n8-' --tiers 1e-6 --time-limit " +
+          (SanitizerReservesMemory() ? "2" : "0.1") +
           " --passes 2 --solvers crashing,crashing-early,hanging,hoarding,lying,not-a-number,well,dantzig" + externals +
           " -o " + Path("r"));
   ASSERT_EQ(run.status, 0) << run.error;

@@ -36,14 +36,7 @@ std::map<std::string, ManifestEntry> Problems(const std::string& set) {
   return problems;
 }
 
-class QuickCampaign : public CommandTest {
- protected:
-  std::vector<Json> Lines(const std::string& file) {
-    std::vector<Json> lines;
-    for (const std::string& line : Split(ReadFile(folder_ / "q" / file), '\n')) lines.push_back(Json::parse(line));
-    return lines;
-  }
-};
+class QuickCampaign : public CommandTest {};
 
 TEST_F(QuickCampaign, HasASpreadOfEverything) {
   const CommandOutcome listed = Run("run --benchmark_list_tests");
@@ -108,7 +101,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_EQ(campaign["name"], "quick");
   ASSERT_EQ(campaign["manifests"].size(), 4U);
   std::map<std::string, std::pair<std::string, bool>> set_and_counts;
-  for (const Json& problem : Lines("problems.jsonl")) {
+  for (const Json& problem : JsonLines(folder_ / "q/problems.jsonl")) {
     set_and_counts[problem["problem"]] = {problem["set"].get<std::string>(), problem["counts"].get<bool>()};
   }
   const std::map<std::string, std::pair<std::string, bool>> expected = {{"disc-pile-n2-s1", {"engine", true}},
@@ -117,7 +110,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_EQ(set_and_counts, expected);
   EXPECT_EQ(CellsOf(folder_ / "q").size(), 3U * 2 * 3);
   std::set<std::string> modes;
-  for (const Json& pass : Lines("steps.jsonl")) {
+  for (const Json& pass : JsonLines(folder_ / "q/steps.jsonl")) {
     EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
     modes.insert(pass["mode"].get<std::string>());
   }

@@ -330,7 +330,7 @@ TEST(Assembly, RefusesSingularConstraintsNamingBodiesAndFeatures) {
 TEST(Assembly, RefusesJointsOfTheWrongFeatures) {
   ContactSystem system = BoxOnFloor();
   system.constraints[0].type = ConstraintType::kPin;
-  EXPECT_TRUE(Names(ErrorOf(system), {"pin 0", "two vertices", "vertex (-1, -1)", "straight edge"}));
+  EXPECT_TRUE(Names(ErrorOf(system), {"pin 0", "two vertices", "vertex with p (-1, -1)", "straight edge"}));
   system = BoxOnFloor();
   system.constraints[0].type = ConstraintType::kPathJoint;
   system.constraints[0].feature1 = ArcEdge{{0, 0}, 1, Side::kConvex};
