@@ -41,12 +41,8 @@ _FOLDER_CYCLES = set()
 _FILE_CYCLES = {
     # The interface of a solver holds its options, its engine takes them.
     ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
-    # A problem is made of a caller's arrays, which can be taken of a problem; its dense A is assembled elsewhere.
-    ("solvers/lcp/problem", "solvers/lcp/dense_assembly"),
-    ("solvers/lcp/problem", "solvers/lcp/problem_arrays"),
     # Internal parts take and return the types of the interface that they serve.
     ("model/contact/closest_points", "model/contact/closest_search"),
-    ("solvers/batch/solve_batch", "solvers/batch/instructions"),
     ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
     # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
     ("model/shape/outline_checks", "model/shape/mass_properties"),

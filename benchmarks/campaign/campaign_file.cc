@@ -28,7 +28,7 @@ const char* SettingOf(const SolverEntry& solver) {
   if (!solver.base.empty()) return "variant";
   const auto table = TierTable();
   const bool tuned =
-      std::any_of(table.begin(), table.end(), [&solver](const TierOption& row) { return row.key == solver.key; });
+      std::any_of(table.begin(), table.end(), [&solver](const TierSettings& row) { return row.key == solver.key; });
   return tuned ? "tuned" : "default";
 }
 

@@ -9,8 +9,7 @@
 
 #include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_input.h"
-#include "benchmarks/collection/gzip_output.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/sequences.h"
 #include "benchmarks/measure/interrupt.h"
 #include "solvers/io/json_lines.h"
@@ -144,20 +143,16 @@ std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std
 }
 
 std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file || fs::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
-  GzipBuffer gzip(file);
-  std::istream lines(&gzip);
+  LineReader lines(path);
   std::vector<SequenceStep> steps;
   SequenceHash hash;
   std::string line;
   std::size_t rows_before = 0;
-  while (std::getline(lines, line)) {
+  while (lines.Next(&line)) {
     steps.push_back(ParseStep(line, path + ":" + std::to_string(steps.size() + 1), rows_before));
     hash.Add(steps.back().problem);
     rows_before = steps.back().previous.size();
   }
-  if (!gzip.error().empty()) throw InputError(path + ": " + gzip.error());
   RequireHash(path, sha256, hash.Result());
   return steps;
 }

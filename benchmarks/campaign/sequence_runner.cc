@@ -6,7 +6,7 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/measure/speed_probe.h"
-#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 

@@ -5,9 +5,9 @@ import json
 from pathlib import Path
 
 from lcpbench_report.inputs import Inputs, load_inputs
-from synthetic_campaign import exclude, fail, write_campaign
-from synthetic_report import write_motion
-from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
+from .synthetic_campaign import exclude, fail, write_campaign
+from .synthetic_report import write_motion
+from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
 OWN = ("auto", "dantzig", "pgs")
 # Of one library two methods: the second is quicker, and not given large problems; of another two settings: the

@@ -12,7 +12,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/answers/zero_row_ray.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"

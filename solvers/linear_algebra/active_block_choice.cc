@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "solvers/lcp/given_form.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/body_active_block.h"
 #endif

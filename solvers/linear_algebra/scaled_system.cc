@@ -199,13 +199,15 @@ void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower)
 void ScaledSystem::BuildBodySpace() {
   std::vector<char> can_act(static_cast<size_t>(size()));
   for (Index i = 0; i < size(); ++i) can_act[static_cast<size_t>(i)] = diagonal_[i] > 0 ? 1 : 0;
-  bodies_.Prepare(*problem_, root_, can_act);
+  bodies_.Prepare(*problem_, can_act, /*will_update=*/false);
+  bodies_.Load(*problem_, root_);
   analyses_ += bodies_.analyses();
 }
 
 void ScaledSystem::Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const {
   if (body_space_) {
-    bodies_.Multiply(x, y);
+    y->resize(size());
+    bodies_.Multiply(x.data(), y->data());
   } else {
     y->noalias() = scaled_A_ * x;
   }
@@ -308,7 +310,8 @@ bool ScaledSystem::Meets(double tolerance, const Eigen::VectorXd& f, const Eigen
   if (worst <= std::sqrt(tolerance)) return true;
   if (!a_is_affordable_ || !std::isfinite(worst)) return false;
   if (!estimate_ready_) {
-    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense);
+    using Rows = ResidualEstimate::Rows;
+    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense ? Rows::kDense : Rows::kSparse);
     estimate_.SetB(*problem_);
     estimate_ready_ = true;
   }

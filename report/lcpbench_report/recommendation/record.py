@@ -4,9 +4,8 @@ import json
 from pathlib import Path
 
 from ..errors import ReportError
-from . import evaluation, lists
+from . import evaluation, rules
 from .outcomes import Outcomes
-from .rules import make_regions
 
 SCHEMA = "lcpbench-recommendation/1"
 
@@ -20,9 +19,9 @@ def make(outcomes: Outcomes, sequences: Outcomes | None = None, leave_out: froze
         raise ReportError("--leave-out", f"no problem of family {sorted(unknown)[0]!r}",
                           "one of " + ", ".join(sorted(set(outcomes.table.family))))
     return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
-            "near": lists.NEAR, "within": lists.WITHIN, "most_candidates": lists.MOST, "edges": outcomes.edges,
-            "regions": _without_end(make_regions(outcomes, leave_out)),
-            "sequences": _without_end(make_regions(sequences, leave_out)) if sequences else [],
+            "near": rules.NEAR, "within": rules.WITHIN, "most_candidates": rules.MOST, "edges": outcomes.edges,
+            "regions": _without_end(rules.make_regions(outcomes, leave_out)),
+            "sequences": _without_end(rules.make_regions(sequences, leave_out)) if sequences else [],
             "evaluation": None if leave_out else evaluation.evaluate(outcomes)}
 
 
