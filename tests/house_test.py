@@ -43,7 +43,6 @@ _FILE_CYCLES = {
     ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
     # Internal parts take and return the types of the interface that they serve.
     ("model/contact/closest_points", "model/contact/closest_search"),
-    ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
     # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
     ("model/shape/outline_checks", "model/shape/mass_properties"),
 }
