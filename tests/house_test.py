@@ -38,13 +38,7 @@ _FOLDER_CYCLES = set()
 
 # Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
 # is implemented with Y, and Y.h needs the types of X.h.
-_FILE_CYCLES = {
-    # Internal parts take and return the types of the interface that they serve.
-    ("model/contact/closest_points", "model/contact/closest_search"),
-    ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
-    # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
-    ("model/shape/outline_checks", "model/shape/mass_properties"),
-}
+_FILE_CYCLES = set()
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance
 _UNCOUNTED = ("tests", "data", "report/reference")
