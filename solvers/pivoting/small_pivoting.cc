@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "solvers/linear_algebra/power_of_two.h"
-#include "solvers/linear_algebra/vector_register.h"
 #include "solvers/pivoting/tableau_rules.h"
+#include "solvers/pivoting/vector_register.h"
 
 namespace lcpbench {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/linear_algebra/vector_register.h"
+#include "solvers/pivoting/vector_register.h"
 
 namespace lcpbench {
 
