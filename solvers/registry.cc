@@ -18,8 +18,7 @@
 #include "solvers/pivoting/lemke.h"
 #include "support/input_error.h"
 #ifdef LCPBENCH_WITH_IPOPT
-#include "solvers/ipopt/ipopt_ncp.h"
-#include "solvers/ipopt/ipopt_qp.h"
+#include "solvers/ipopt/ipopt_solver.h"
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/interior_point/hybrid.h"
@@ -73,8 +72,12 @@ std::string NcpLocal(const LcpProblem& /*problem*/, double /*tolerance*/) {
 }
 
 #ifdef LCPBENCH_WITH_IPOPT
-const Factory kMakeIpoptQp = &Make<IpoptQpSolver, IpoptQpOptions>;
-const Factory kMakeIpoptNcp = &Make<IpoptNcpSolver, IpoptNcpOptions>;
+template <IpoptOptions::Program program>
+std::unique_ptr<LcpSolver> MakeIpopt(const Settings& settings) {
+  return std::make_unique<IpoptSolver>(IpoptOptions::FromSettings(program, settings));
+}
+const Factory kMakeIpoptQp = &MakeIpopt<IpoptOptions::Program::kQp>;
+const Factory kMakeIpoptNcp = &MakeIpopt<IpoptOptions::Program::kNcp>;
 #else
 const Factory kMakeIpoptQp = nullptr;
 const Factory kMakeIpoptNcp = nullptr;

@@ -47,7 +47,6 @@ _FILE_CYCLES = {
     # Internal parts take and return the types of the interface that they serve.
     ("model/contact/closest_points", "model/contact/closest_search"),
     ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
-    ("solvers/io/hdf5_reader", "solvers/io/hdf5_child"),
     # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
     ("model/shape/outline_checks", "model/shape/mass_properties"),
 }

@@ -21,7 +21,7 @@ struct NoiseRule {
 /// Whether it is, and by how much: 0 undisturbed, more is worse.
 double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s);
 
-/// Where settings that a campaign runs besides the defaults were found (tuned_file.h).
+/// Where settings that a campaign runs besides the defaults were found (command/run.cc).
 struct TuningSource {
   std::string file;  ///< name, without its folder; "" where there is none
   std::string sha256;

@@ -151,11 +151,10 @@ void AddImportCommand(CLI::App& app, CommandRun& run) {
   import->add_option("FOLDER", arguments->folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")
       ->required();
   import->add_option("--name", arguments->name, "Of the set [default: the folder's]");
-  import->add_option("--set-version", arguments->version, "Of the set")->capture_default_str();
+  import->add_option("--set-version", arguments->version, "Of the set");
   import->add_option("--provenance", arguments->provenance, "Where the problems come from")->required();
   import->add_option("--licence", arguments->licence, "SPDX name of their licence")->required();
-  import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly")
-      ->capture_default_str();
+  import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly");
   import->footer(
       "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
       "out; exit status 2 then.");

@@ -36,6 +36,7 @@ int main(int argc, char** argv) {
   app.name("lcpbench");
   app.set_version_flag("--version", std::string("lcpbench ") + kVersion);
   app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
   // One line per mistake, as everywhere else.
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return failed->get_name() + ": " + error.what() + " (see --help)\n";
@@ -59,10 +60,7 @@ int main(int argc, char** argv) {
   AddRunCommand(app, run);
   AddMergeCommand(app, run);
   AddCampaignWorkerCommand(app, run);
-  AddReportCommand(app, run);
-  AddAnalyseCommand(app, run);
-  AddCompareCommand(app, run);
-  AddTuneCommand(app, run);
+  AddReportCommands(app, run);
   AddRecommendCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);

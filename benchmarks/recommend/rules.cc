@@ -127,7 +127,7 @@ RecommendationRules ReadRecommendationRules(const std::string& path) {
   try {
     json = Json::parse(text);
   } catch (const Json::exception& error) {
-    throw InputError(path + ": expected the JSON that report/recommendation.py writes, found " + error.what());
+    throw InputError(path + ": expected the JSON that report/report.py recommendation writes, found " + error.what());
   }
   const Field root(json, path + ": ");
   const Field schema = root.At("schema");

@@ -27,7 +27,7 @@ struct RecommendationRegion {
   std::vector<ReferenceRecord> solvers;  ///< all own ones, best first
 };
 
-/// What data/recommendation.json says (RESULTS.md), made by report/recommendation.py from campaigns.
+/// What data/recommendation.json says (RESULTS.md), made by report/report.py recommendation from campaigns.
 struct RecommendationRules {
   std::string file;
   std::string made_of;  ///< the campaigns, with commit and processor, in words

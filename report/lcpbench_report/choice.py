@@ -19,7 +19,12 @@ TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study o
 def main_tier(inputs: Inputs) -> float:
     """The one nearest to TIER, of problems if there are any, else of sequences."""
     tiers = inputs.tiers or [tier for campaign in inputs.campaigns for tier in campaign.info["tiers"]]
-    return min(tiers, key=lambda tier: abs(math.log10(tier / TIER)), default=TIER)
+    return nearest(tiers)
+
+
+def nearest(tiers, wanted: float = TIER) -> float:
+    """The tier next to `wanted`; that one without any."""
+    return min(dict.fromkeys(tiers), key=lambda tier: abs(math.log10(tier / wanted)), default=wanted)
 
 
 def shown_tiers(inputs: Inputs) -> list[float]:

@@ -2,10 +2,10 @@
 
 import pandas as pd
 
-from . import choice, decision, formats
+from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
-from .inputs import PATHOLOGICAL, Inputs
+from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
 from .statistics.groups import COUNTED
 
@@ -176,14 +176,8 @@ def _accuracy(inputs: Inputs) -> str:
             f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
 
 
-def pathological(inputs: Inputs) -> pd.DataFrame:
-    """Cells of problems that are meant to break something."""
-    cells = inputs.cells
-    return cells[cells["set"] == PATHOLOGICAL] if len(cells) else cells
-
-
 def _robustness(inputs: Inputs) -> str:
-    cells = pathological(inputs)
+    cells = shown_tables.pathological(inputs)
     if cells.empty:
         return ""
     cells = cells[cells["tier"] == main_tier(inputs)]
@@ -199,7 +193,7 @@ def _robustness(inputs: Inputs) -> str:
 
 
 def _sequences(inputs: Inputs) -> str:
-    rows = decision.warm_passes(inputs, main_tier(inputs))
+    rows = decision.passes(inputs, main_tier(inputs))
     if rows.empty:
         return ""
     most = rows["verified_share"].max()

@@ -9,7 +9,7 @@ from pathlib import Path
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import archive as archive_script  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report import motion  # noqa: E402
 from lcpbench_report.archive import archive  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
@@ -77,7 +77,7 @@ class Archive(unittest.TestCase):
             load_campaign(self.root / "kept")
 
     def test_the_script_ends_with_status_2_for_a_mistake(self):
-        self.assertEqual(archive_script.main([str(self.root), str(self.root / "x")]), 2)
+        self.assertEqual(report.main(["archive", str(self.root), str(self.root / "x")]), 2)
 
 
 class ReadBack(unittest.TestCase):

@@ -14,7 +14,7 @@ sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
 import numpy as np  # noqa: E402
 
-import compare  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics import changes, pairwise  # noqa: E402
 from lcpbench_report.statistics.holm import holm  # noqa: E402
@@ -273,7 +273,7 @@ class Summary(unittest.TestCase):
     def _run(self, *more: str) -> tuple[int, str, str]:
         out, error = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            status = compare.main([str(self.old), str(self.new), *more])
+            status = report.main(["compare", str(self.old), str(self.new), *more])
         return status, out.getvalue(), error.getvalue()
 
     def _expect_refused(self, *words: str) -> None:

@@ -10,7 +10,7 @@ import pandas as pd
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import ablation_table, decision, fairness, summary  # noqa: E402
+from lcpbench_report import decision, fairness, markdown, shown_tables, summary  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
 from synthetic_campaign import cells_of, fail, write_campaign  # noqa: E402
@@ -76,7 +76,7 @@ class WholeReport(unittest.TestCase):
                 self.assertAlmostEqual(choice["next"][0], 1 / STEPS)
 
     def test_gains_of_warm_starts(self):
-        gains = {row["solver"]: row["warm_gain"] for row in decision.by_warm_start(self.inputs, 1e-6)}
+        gains = {row["solver"]: row["warm_gain"] for row in decision.passes(self.inputs, 1e-6).to_dict("records")}
         self.assertAlmostEqual(gains["auto"], 2.0, places=6)
         self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
 
@@ -126,12 +126,12 @@ class Ablations(unittest.TestCase):
                 Path(folder), {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
                 change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
                 and record["problem"] == "piles-20-1" else record)])
-        found = [row for row in ablation_table.rows(inputs) if row["rows"] == "all"]
-        self.assertEqual(len(found), 1)
-        self.assertEqual((found[0]["solver"], found[0]["version"], found[0]["false"]), ("auto", "without its own check", "1, 0"))
-        self.assertRegex(found[0]["time"], r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
+        (row,) = shown_tables.ablation(inputs, all_only=True).rows
+        solver, version, rows, _, time, _, false = row
+        self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))
+        self.assertRegex(time, r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
-        self.assertRegex(ablation_table.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
+        self.assertRegex(markdown.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
 
 class Folders(unittest.TestCase):

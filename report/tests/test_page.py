@@ -14,7 +14,7 @@ import numpy as np
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import generate  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report import plotly_bundle  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.inputs import load_inputs  # noqa: E402
@@ -145,7 +145,7 @@ class Script(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             campaigns, motion = write_all(Path(folder))
             out = Path(folder) / "out" / "index.html"
-            status = generate.main([*map(str, campaigns), "--motion", str(motion), "-o", str(out)])
+            status = report.main(["report", *map(str, campaigns), "--motion", str(motion), "-o", str(out)])
             self.assertEqual(status, 0)
             text = out.read_text(encoding="utf-8")
         self.assertLess(len(text.encode()), 10e6)
@@ -158,7 +158,7 @@ class Script(unittest.TestCase):
             old = write_campaign(Path(folder) / "old", FACTORS, noise=Noise(passes=5))
             new = write_campaign(Path(folder) / "new", slower, noise=Noise(passes=5), run=1)
             out = Path(folder) / "out" / "index.html"
-            self.assertEqual(generate.main([str(new), "--previous", str(old), "-o", str(out)]), 0)
+            self.assertEqual(report.main(["report", str(new), "--previous", str(old), "-o", str(out)]), 0)
             text = (out.parent / "summary.md").read_text(encoding="utf-8")
         part = text[text.index("## Compared with an earlier run"):]
         self.assertRegex(part, r"(?m)^\| .*pgs.*\b(2\.0|1\.9)")
@@ -170,7 +170,7 @@ class Script(unittest.TestCase):
 
     def test_a_folder_that_is_no_campaign_ends_with_status_2(self):
         with tempfile.TemporaryDirectory() as folder:
-            self.assertEqual(generate.main([folder, "-o", str(Path(folder) / "x.html")]), 2)
+            self.assertEqual(report.main(["report", folder, "-o", str(Path(folder) / "x.html")]), 2)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ import pandas as pd
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import recommendation as command  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.recommendation import evaluation, lists, record, regions, rules  # noqa: E402
 from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences  # noqa: E402
@@ -212,7 +212,7 @@ class CommandTest(unittest.TestCase):
         out, error = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
             try:
-                status = command.main([str(argument) for argument in arguments])
+                status = report.main(["recommendation", *map(str, arguments)])
             except SystemExit as end:
                 status = end.code
         return status, out.getvalue(), error.getvalue()

@@ -11,7 +11,7 @@ from pathlib import Path
 _REPORT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import same_results  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.statistics import same  # noqa: E402
 from synthetic_campaign import METRICS, TIERS, exclude, fail, write_campaign, write_lines  # noqa: E402
 
@@ -111,7 +111,7 @@ class SameResults(unittest.TestCase):
     def _run(self, *more: str) -> tuple[int, str, str]:
         out, error = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            status = same_results.main([str(self.a), str(self.b), *more])
+            status = report.main(["same", str(self.a), str(self.b), *more])
         return status, out.getvalue(), error.getvalue()
 
     def _lines(self, name: str) -> list[str]:

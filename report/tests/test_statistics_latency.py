@@ -14,7 +14,7 @@ sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 
-import analyse  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics.latency import (deadline_table, latency_by_solver_table,  # noqa: E402
                                                 latency_table)
@@ -119,14 +119,14 @@ class StepTables(unittest.TestCase):
             if empty:
                 for name in ("problems.jsonl", "streams.jsonl"):
                     (self.folder / name).touch()
-            self.assertEqual(analyse.main([str(self.folder)]), 0)
+            self.assertEqual(report.main(["analyse", str(self.folder)]), 0)
             written = {path.stem for path in (self.folder / FOLDER).iterdir()}
             self.assertEqual(written, set(STEP_TABLES))
         self.assertEqual(len(pd.read_csv(self.folder / FOLDER / "latency.csv")), 1)
 
     def test_a_campaign_of_cells_alone_has_no_tables_of_steps(self):
         write_campaign(self.folder, {"a": 1.0, "b": 2.0}, copies=1)
-        self.assertEqual(analyse.main([str(self.folder)]), 0)
+        self.assertEqual(report.main(["analyse", str(self.folder)]), 0)
         self.assertFalse((self.folder / FOLDER / "latency.csv").exists())
         self.assertTrue((self.folder / FOLDER / "cells.csv").exists())
 
@@ -149,7 +149,7 @@ class Refusals(unittest.TestCase):
             load_campaign(self.folder)
         self.assertIn(text, str(caught.exception))
         with contextlib.redirect_stderr(io.StringIO()) as error:
-            self.assertEqual(analyse.main([str(self.folder)]), 2)
+            self.assertEqual(report.main(["analyse", str(self.folder)]), 2)
         self.assertEqual(error.getvalue().count("\n"), 1)
 
     def test_every_key_is_missed(self):

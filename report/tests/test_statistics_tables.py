@@ -14,7 +14,7 @@ sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 
-import analyse  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics import accuracy, means, precision, scaling  # noqa: E402
 from lcpbench_report.statistics.cells import cell_table  # noqa: E402
@@ -41,7 +41,7 @@ def _run(folder: Path) -> tuple[int, str]:
     """Exit status and standard error."""
     error = io.StringIO()
     with contextlib.redirect_stderr(error):
-        status = analyse.main([str(folder)])
+        status = report.main(["analyse", str(folder)])
     return status, error.getvalue()
 
 

@@ -15,7 +15,7 @@ sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 import numpy as np  # noqa: E402
 import pandas as pd  # noqa: E402
 
-import tune  # noqa: E402
+import report  # noqa: E402
 from lcpbench_report.errors import ReportError  # noqa: E402
 from lcpbench_report.statistics.load import load_campaign  # noqa: E402
 from lcpbench_report.tuning import campaign, choice, record  # noqa: E402
@@ -190,7 +190,7 @@ class Mistakes(unittest.TestCase):
         for words in (["--budget", "0"], ["--sizes", "10,x"], ["--space", str(self.folder / "none.json")]):
             told = io.StringIO()
             with contextlib.redirect_stderr(told):
-                status = tune.main(["--lcpbench", "/bin/true", "--folder", str(self.folder), *words])
+                status = report.main(["tune", "--lcpbench", "/bin/true", "--folder", str(self.folder), *words])
             self.assertEqual(status, 2)
             self.assertEqual(told.getvalue().count("\n"), 1, told.getvalue())
 

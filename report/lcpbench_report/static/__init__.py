@@ -3,10 +3,9 @@
     canvas                      how figures look and are saved
     times, profiles, accuracy, coverage, precision, scaling, robustness, sequences, motion
                                 figures; each function returns one, or None where the inputs do not have the part
-    latex, latex_tables         LaTeX tables
     write                       all files
 """
 
-from .write import write_static
+from .write import write_figure_of_times, write_static
 
-__all__ = ["write_static"]
+__all__ = ["write_figure_of_times", "write_static"]

@@ -14,13 +14,6 @@ _LEAST = 1e-17  # smaller values are rounding, and stand at the axis' end
 _DASHES = ("-", (0, (5, 2)), (0, (1, 1.5)), (0, (6, 1.5, 1, 1.5)))  # loosest tolerance first
 
 
-def scenes(inputs: Inputs) -> list[tuple[str, str]]:
-    """(scene, level) in the order of the file."""
-    if inputs.motion is None:
-        return []
-    return list(dict.fromkeys(zip(inputs.motion["scene"], inputs.motion["level"])))
-
-
 def errors(inputs: Inputs, scene: str, level: str):
     """Colour and marker by solver, dash by tolerance; a cross where the motion was ended."""
     table = inputs.motion[(inputs.motion["scene"] == scene) & (inputs.motion["level"] == level)]

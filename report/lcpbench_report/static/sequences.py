@@ -103,15 +103,11 @@ def deadlines(inputs: Inputs):
 
 
 def _at_tier(table: pd.DataFrame) -> pd.DataFrame:
-    return table[table["tier"] == _nearest(table, choice.TIER)]
+    return table[table["tier"] == choice.nearest(table["tier"])]
 
 
 def _tier(table: pd.DataFrame) -> float:
     return float(table["tier"].iloc[0])
-
-
-def _nearest(table: pd.DataFrame, tier: float) -> float:
-    return min(set(table["tier"]), key=lambda t: abs(math.log10(t / tier)), default=tier)
 
 
 def _sizes(table: pd.DataFrame) -> list[str]:

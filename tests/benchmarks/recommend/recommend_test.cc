@@ -429,7 +429,7 @@ TEST_F(RecommendCommand, MistakesAreOneLineAndStatusTwo) {
       {Path("nowhere.jsonl"), "cannot be opened"},
       {Path("empty.jsonl"), "is empty"},
       {Path("torn.jsonl"), "torn.jsonl:1: field 'previous': expected a row of the line before"},
-      {"--scene disc-pile --rules " + Path("empty.jsonl"), "expected the JSON that report/recommendation.py writes"}};
+      {"--scene disc-pile --rules " + Path("empty.jsonl"), "expected the JSON that report/report.py recommendation writes"}};
   for (const auto& [arguments, expected] : mistakes) {
     const CommandOutcome outcome = Run("recommend " + arguments);
     EXPECT_EQ(outcome.status, 2) << arguments;

@@ -2,14 +2,15 @@
 
 import pandas as pd
 
-from .. import formats
-from . import pairwise
-from .cells import FALSE_SUCCESS
-from .changes import ALL, Changes
-from .groups import COUNTED
-from .intervals import MARGIN
-from .load import Campaign
-from .same import cell_name
+from . import formats
+from .statistics import pairwise
+from .statistics.cells import FALSE_SUCCESS
+from .statistics.changes import ALL, Changes
+from .statistics.groups import COUNTED
+from .statistics.intervals import MARGIN
+from .statistics.load import Campaign
+from .statistics.same import cell_name
+from .table import Table
 
 _SHOWN = 20  # rows of a table
 _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solver_flags", "build_type", "cpu",
@@ -48,7 +49,7 @@ def _environment(old: Campaign, new: Campaign) -> list[str]:
             rows.append([key, a.get(key, ""), b.get(key, "")])
     if not rows:
         return ["Both were run in the same environment.", ""]
-    return _table(["environment", "old", "new"], rows, len(rows))
+    return _table(["environment", "old", "new"], rows)
 
 
 def _verdicts(changes: Changes, shown: int) -> list[str]:
@@ -78,8 +79,8 @@ def _speeds(changes: Changes, shown: int) -> list[str]:
             lines += ["No solver, nor a solver on a size class or a family.", ""]
             continue
         rows = [[f"`{row.solver}`", *("all" if part == ALL else f"`{part}`" for part in (row.size_class, row.family)),
-                 row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems, _ratio(row),
-                 f"{row.quickest_ratio:.3f}", f"{row.p:.1g}"] for row in table.itertuples()]
+                 row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
+                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}", f"{row.p:.1g}"] for row in table.itertuples()]
         lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
                          "quickest passes", "p"], rows, shown)
     return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "
@@ -107,17 +108,11 @@ def _only_in_one(changes: Changes) -> list[str]:
     lines = ["## Only in one", "", "These cells were judged by nothing above.", ""]
     rows = [[f"`{solver}`", name, len(own)] for name, table in parts
             for solver, own in table.groupby("solver", sort=False)]
-    return lines + _table(["solver", "only in", "cells"], rows, len(rows))
+    return lines + _table(["solver", "only in", "cells"], rows)
 
 
-def _table(head: list[str], rows: list[list], shown: int) -> list[str]:
-    def line(cells) -> str:
-        return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"
-
-    lines = [line(head), line("---" for _ in head), *(line(row) for row in rows[:shown])]
-    if len(rows) > shown:
-        lines += ["", f"... and {len(rows) - shown} more."]
-    return [*lines, ""]
+def _table(head: list[str], rows: list[list], shown: int | None = None) -> list[str]:
+    return [Table(head, rows, "l" * len(head)).markdown(shown)]
 
 
 def _name(row) -> str:
@@ -128,10 +123,6 @@ def _verdict(row, when: str) -> str:
     """With the rule by which a cell was excluded."""
     rule = row[f"excluded_{when}"]
     return formats.status(row[f"verdict_{when}"]).replace(":", ": ") + (f": {rule}" if rule else "")
-
-
-def _ratio(row) -> str:
-    return f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]"
 
 
 def _margin() -> str:
