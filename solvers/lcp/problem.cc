@@ -83,13 +83,12 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   }
 }
 
-SparseMatrix CompressedRows(const ProblemArrays& arrays) {
-  SparseMatrix matrix(arrays.rows, arrays.columns);
-  matrix.resizeNonZeros(static_cast<Index>(arrays.value.size()));
-  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix.outerIndexPtr());
-  std::copy(arrays.column.begin(), arrays.column.end(), matrix.innerIndexPtr());
-  std::copy(arrays.value.begin(), arrays.value.end(), matrix.valuePtr());
-  return matrix;
+void CopyCompressedRows(const ProblemArrays& arrays, SparseMatrix* matrix) {
+  matrix->resize(arrays.rows, arrays.columns);
+  matrix->resizeNonZeros(static_cast<Index>(arrays.value.size()));
+  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix->outerIndexPtr());
+  std::copy(arrays.column.begin(), arrays.column.end(), matrix->innerIndexPtr());
+  std::copy(arrays.value.begin(), arrays.value.end(), matrix->valuePtr());
 }
 
 // J in compressed rows and the inverse masses, as they lie in somebody's memory.
@@ -371,35 +370,44 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
   return arrays;
 }
 
+// Each array is copied once, to its place: engines make a problem per step, and the clock runs.
 LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   RequireShape(arrays.id, "b", static_cast<Index>(arrays.b.size()), 1, n, 1);
-  std::vector<Index> joints;
   if (!arrays.bilateral.empty()) {
     RequireShape(arrays.id, "bilateral", static_cast<Index>(arrays.bilateral.size()), 1, n, 1);
-    for (Index i = 0; i < n; ++i) {
-      if (arrays.bilateral[static_cast<size_t>(i)] != 0) joints.push_back(i);
-    }
   }
-  RowBounds bounds = RowBounds::WithBilateralRows(n, joints);
-  Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n);
+  const bool has_factors = arrays.form == MatrixForm::kFactors;
+  if (arrays.form != MatrixForm::kDense) {
+    RequireCompressedRows(arrays);
+  } else if (const auto count = static_cast<Index>(arrays.value.size());
+             n > 0 ? count % n != 0 || count / n != n : count != 0) {
+    Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
+  }
+  const auto storage =
+      MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n), arrays.facts);
+  Matrix& matrix = storage->matrix;
+  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), static_cast<Index>(arrays.value.size()));
   if (arrays.form == MatrixForm::kDense) {
-    const auto count = static_cast<Index>(arrays.value.size());
-    if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
-      Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
-    }
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    return FromDense(arrays.id, Eigen::Map<const RowMajor>(arrays.value.data(), n, n), std::move(b), std::move(bounds),
-                     arrays.facts);
+    matrix.given_dense = Eigen::Map<const RowMajor>(arrays.value.data(), n, n);
+  } else {
+    CopyCompressedRows(arrays, has_factors ? &matrix.J : &matrix.given_sparse);
   }
-  RequireCompressedRows(arrays);
-  if (arrays.form == MatrixForm::kSparse) {
-    return FromSparse(arrays.id, CompressedRows(arrays), std::move(b), std::move(bounds), arrays.facts);
+  if (has_factors) {
+    matrix.facts.symmetric = true;
+    matrix.facts.positive_semidefinite = true;
+    RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
+    RequireFinite(arrays.id, "inverse mass", arrays.inverse_mass.data(), arrays.columns);
+    matrix.inverse_mass = Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns);
+    RequireNonnegative(arrays.id, matrix.inverse_mass);
   }
-  RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
-  return FromFactors(arrays.id, CompressedRows(arrays),
-                     Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns), std::move(b),
-                     std::move(bounds), arrays.facts);
+  std::vector<Index> joints;
+  for (size_t i = 0; i < arrays.bilateral.size(); ++i) {
+    if (arrays.bilateral[i] != 0) joints.push_back(static_cast<Index>(i));
+  }
+  matrix.SetBounds(RowBounds::WithBilateralRows(n, joints));
+  return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {

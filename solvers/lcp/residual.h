@@ -25,7 +25,7 @@ class Residual {
   /// What (|A| |f|)_i is summed from.
   enum class Rows {
     kGiven,            ///< the given form; from factors through the columns of J, so that no form of A is made
-    kGivenWhenNeeded,  ///< the same, with J by columns made for the first row whose residual is not small by itself
+    kGivenWhenNeeded,  ///< the same, all workspace made by the first call that needs it: Reset costs nothing
     kDense,            ///< DenseA(); A is symmetric
     kSparse,           ///< SparseA()
   };
@@ -39,18 +39,11 @@ class Residual {
     problem_ = problem;
     rows_ = rows;
     has_columns_ = false;
-    const Index n = problem.size();
-    w_.resize(n);
+    if (rows == Rows::kGivenWhenNeeded) return;
+    MakeRoom();
     if (rows == Rows::kDense) problem.DenseA();
     if (rows == Rows::kSparse) problem.SparseA();
-    if (!problem.has_factors()) return;
-    body_.resize(problem.J().cols());
-    if (rows == Rows::kDense || rows == Rows::kSparse) return;
-    if (rows == Rows::kGiven) MakeColumns();
-    entry_.resize(n);
-    stamped_.assign(At(n), 0);
-    stamp_ = 0;
-    touched_.reserve(At(n));
+    if (rows == Rows::kGiven && problem.has_factors()) MakeColumns();
   }
   /// From here on with the b of a problem that shares the matrix of the one given to Reset.
   void SetB(const LcpProblem& problem) { problem_ = problem; }
@@ -61,7 +54,7 @@ class Residual {
     const Eigen::VectorXd& b = problem.b();
     if (problem.has_factors()) {
       const SparseMatrix& J = problem.J();
-      body_.setZero();
+      body_.setZero(J.cols());
       for (Index i = 0; i < f.size(); ++i) {
         if (f[i] == 0) continue;
         for (SparseMatrix::InnerIterator it(J, i); it; ++it) body_[it.col()] += static_cast<Real>(it.value()) * f[i];
@@ -94,15 +87,13 @@ class Residual {
   Real Rho(const Eigen::VectorXd& f, const Vector& w) const {
     const Eigen::VectorXd& D = problem_->DiagonalA();
     const Eigen::VectorXd& b = problem_->b();
-    auto joint = problem_->bilateral_rows().begin();
+    Joints joints(*problem_);
     Real r_squared = 0;
     Real b_squared = 0;
     for (Index i = 0; i < f.size(); ++i) {
       const Real root = D[i] == 0 ? Real{1} : std::sqrt(std::abs(static_cast<Real>(D[i])));
       const Real gap = w[i] / root;
-      const bool is_joint = joint != problem_->bilateral_rows().end() && *joint == i;
-      if (is_joint) ++joint;
-      const Real r = is_joint ? gap : std::min(gap, root * f[i]);  // a gap that is NaN stays
+      const Real r = joints.Has(i) ? gap : std::min(gap, root * f[i]);  // a gap that is NaN stays
       r_squared += r * r;
       b_squared += (b[i] / root) * (b[i] / root);
     }
@@ -110,6 +101,7 @@ class Residual {
   }
   /// rho at f.  O(nnz of the given form)
   Real Rho(const Eigen::VectorXd& f) {
+    MakeRoom();
     ComputeW(f, &w_);
     return Rho(f, w_);
   }
@@ -118,11 +110,15 @@ class Residual {
 
   /// The largest backward error at f, w; NaN where it is that of a row.  O(n + entries of the rows that have a defect)
   Real BackwardError(const Eigen::VectorXd& f, const Vector& w) {
+    const Eigen::VectorXd& D = problem_->DiagonalA();
+    const Eigen::VectorXd& b = problem_->b();
+    Joints joints(*problem_);
     Real worst = 0;
     for (Index i = 0; i < f.size() && !std::isnan(worst); ++i) {
-      const Real defect = Defect(i, f, w[i]);
+      const Real force = std::abs(static_cast<Real>(D[i])) * f[i];
+      const Real defect = std::abs(joints.Has(i) ? w[i] : std::min(w[i], force));
       if (defect == 0) continue;
-      const Real error = defect / (std::abs(static_cast<Real>(problem_->b()[i])) + Magnitude(i, f));
+      const Real error = defect / (std::abs(static_cast<Real>(b[i])) + Magnitude(i, f));
       if (!(error <= worst)) worst = error;
     }
     return worst;
@@ -145,25 +141,43 @@ class Residual {
   bool RowMeets(double tolerance, const Eigen::VectorXd& f, Index i) {
     const Real limit = std::sqrt(static_cast<Real>(tolerance));
     const Real b = problem_->b()[i];
-    const Real defect = Defect(i, f, w_[i]);
+    const Real force = std::abs(static_cast<Real>(problem_->DiagonalA()[i])) * f[i];
+    const Real defect = std::abs(problem_->is_bilateral(i) ? w_[i] : std::min(w_[i], force));
     // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
-    const Real least = std::max(std::abs(w_[i] - b), std::abs(ForceTerm(i, f)));
+    const Real least = std::max(std::abs(w_[i] - b), std::abs(force));
     return defect <= limit * (least + std::abs(b)) || defect <= limit * (Magnitude(i, f) + std::abs(b));
   }
 
  private:
   static size_t At(Index i) { return static_cast<size_t>(i); }
 
-  Real ForceTerm(Index i, const Eigen::VectorXd& f) const {
-    return std::abs(static_cast<Real>(problem_->DiagonalA()[i])) * f[i];
-  }
-  Real Defect(Index i, const Eigen::VectorXd& f, Real w) const {
-    return std::abs(problem_->is_bilateral(i) ? w : std::min(w, ForceTerm(i, f)));
-  }
+  // Which rows are bilateral, asked in ascending order.
+  class Joints {
+   public:
+    explicit Joints(const LcpProblem& problem)
+        : next_(problem.bilateral_rows().data()), end_(next_ + problem.bilateral_rows().size()) {}
+    bool Has(Index i) {
+      if (next_ == end_ || *next_ != i) return false;
+      ++next_;
+      return true;
+    }
 
+   private:
+    const Index* next_;
+    const Index* end_;
+  };
+
+  void MakeRoom() {
+    w_.resize(problem_->size());
+    if (problem_->has_factors()) body_.resize(problem_->J().cols());
+  }
   void MakeColumns() {
     columns_ = problem_->J();
     has_columns_ = true;
+    entry_.resize(problem_->size());
+    stamped_.assign(At(problem_->size()), 0);
+    stamp_ = 0;
+    touched_.reserve(At(problem_->size()));
   }
 
   // (|A| |f|)_i

@@ -120,7 +120,8 @@ LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
 // number of a body is the constant 1, the factor of b. One copy of S serves the product and the update, so that no
 // inverse mass is read. Sets of consecutive rows that share no body are found when the rows are laid out, and stepped
 // by eights, a register a row, with the eight dot products added up in one transposition; by fours, half a row a
-// register, where there is no AVX-512; what is left of a set by fours and one by one. All give the same bits. Measured cost: docs/solvers/first_order.md.
+// register, where there is no AVX-512; what is left of a set by fours and one by one. All give the same
+// bits. Measured cost: docs/solvers/first_order.md.
 class TwoBodyRows final : public RowKernel {
  public:
   TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) : scaled_(scaled) {

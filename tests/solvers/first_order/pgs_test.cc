@@ -67,25 +67,6 @@ TEST(Pgs, BothFormsGiveTheSameIteratesUpToRounding) {
   }
 }
 
-TEST(Pgs, EverySweepLowersTheEnergyForPositiveSemidefiniteA) {
-  for (const double relaxation : {0.5, 1.0, 1.9}) {
-    PgsSolver solver(With(PgsOptions::Form::kAuto, relaxation));
-    for (const TestProblem& test : GeneratedProblems()) {
-      if (!test.problem.facts().positive_semidefinite) continue;
-      Eigen::VectorXd f = Eigen::VectorXd::Zero(test.problem.size());
-      double energy = 0;
-      double lowest = 0;
-      for (int sweep = 0; sweep < 25; ++sweep) {
-        f = Sweep(&solver, test.problem, 1, &f).f;
-        const double next = Energy(test.problem, f);
-        lowest = std::min(lowest, next);
-        EXPECT_LE(next, energy + 1e-12 * std::abs(lowest)) << test.problem.id() << ", sweep " << sweep;
-        energy = next;
-      }
-    }
-  }
-}
-
 TEST(Pgs, RelaxationOutsideZeroToTwoIsRefused) {
   for (const double relaxation : {0.0, 2.0, -0.1, 2.5, std::nan("")}) {
     EXPECT_THROW(PgsSolver(With(PgsOptions::Form::kAuto, relaxation)), InputError) << relaxation;
