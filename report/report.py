@@ -126,7 +126,8 @@ def _report(options: argparse.Namespace) -> None:
         print(f"report: note: {note}", file=sys.stderr)
     folder = options.output.parent
     folder.mkdir(parents=True, exist_ok=True)
-    options.output.write_text(render(inputs, gallery.read(options.pictures) if options.pictures else []), encoding="utf-8")
+    page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
+    options.output.write_text(page, encoding="utf-8")
     # Read anew: a report counts fewer problems than a comparison.
     changed, _ = _compare(options, options.previous, options.campaigns[0]) if options.previous else ("", False)
     words = markdown.render(inputs, summary.summary_lines(inputs), changed)
@@ -137,7 +138,8 @@ def _report(options: argparse.Namespace) -> None:
 @_command("tune", _file("--lcpbench", required=True, metavar="FILE", help="the command"),
           _file("--data", default=_ROOT / "data", help="of the problem collection"),
           _file("--space", metavar="FILE", help="what may be set [tuning.json in --data]"),
-          _word("--budget", type=int, default=8, help="configurations of a solver, the default among them [%(default)s]"),
+          _word("--budget", type=int, default=8,
+                help="configurations of a solver, the default among them [%(default)s]"),
           _word("--seed", type=int, default=1, help="of the drawing [%(default)s]"),
           _word("--solvers", metavar="KEYS", help="only these, divided by commas [all of the build]"),
           _word("--sizes", default="150,600", help="rows of the scenes, besides the smoke tier [%(default)s]"),
@@ -184,8 +186,8 @@ def _tune(options: argparse.Namespace) -> int:
 
 @_command("headline", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign"),
           _file("--ablation", help="a campaign of `--suite ablation`"),
-          _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and the "
-                "figure that they show; files without blocks stay as they are"),
+          _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and "
+                "the figure that they show; files without blocks stay as they are"),
           _file("--root", default=_ROOT, help="of the repository, whose figure and data/ are meant [%(default)s]"))
 def _headline(options: argparse.Namespace) -> None:
     """Print the headline of campaigns, or write the numbers of README.md and docs/ that result files hold."""

@@ -241,6 +241,12 @@ std::string_view SolverEntry::tolerance() const {
   return uses_tolerance ? "follows" : "direct";
 }
 
+std::string SizeRefusal(const SolverEntry& solver, Index rows) {
+  const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class);
+  if (!limit || rows <= limit->largest) return {};
+  return "not above n = " + std::to_string(limit->largest) + ": " + std::string(limit->reason);
+}
+
 std::span<const SolverEntry> AllSolvers() { return Solvers(); }
 
 const SolverEntry& FindSolver(std::string_view key) {

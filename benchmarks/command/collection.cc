@@ -12,7 +12,7 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_output.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/sequences.h"

@@ -28,6 +28,15 @@ void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
   }
 }
 
+// Values that stand for "not given" are no defaults to show.
+void HideStandIns(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string shown = option->get_default_str();
+    if (shown == "[]" || shown == "0" || shown == "-1") option->default_str("");
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) HideStandIns(*command);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -64,6 +73,7 @@ int main(int argc, char** argv) {
   AddRecommendCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
+  HideStandIns(app);
 
   try {
     RequireKnownCommand(app, argc, argv);

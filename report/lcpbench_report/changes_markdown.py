@@ -80,7 +80,8 @@ def _speeds(changes: Changes, shown: int) -> list[str]:
             continue
         rows = [[f"`{row.solver}`", *("all" if part == ALL else f"`{part}`" for part in (row.size_class, row.family)),
                  row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
-                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}", f"{row.p:.1g}"] for row in table.itertuples()]
+                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}",
+                 f"{row.p:.1g}"] for row in table.itertuples()]
         lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
                          "quickest passes", "p"], rows, shown)
     return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pandas as pd
 
-from . import choice, decision, formats, motion
+from . import choice, decision, formats, motion, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
 from .headline_table import Entry, Headline, Ratio, headline
 from .inputs import PATHOLOGICAL, Inputs
@@ -17,10 +17,6 @@ from .statistics.peer_ratio import RIGHT
 from .table import Table
 
 _MOST_SOLVERS = 25  # of the table of sequences
-_ABLATIONS = {"no-self-check": "without its own check", "checked": "with a check and one more solve, diagonal shifted",
-              "baseline": "built for the baseline instruction set"}
-_ORIGINS = {"own": "ours", "peer": "another project's", "external": "named by the user"}
-_TOLERANCES = {"direct": "none (direct)", "follows": "the tier", "default": "its library's own"}
 
 
 def _key(solver: str) -> str:
@@ -96,18 +92,16 @@ def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
         if all_only and of["size_class"] != ALL:
             continue
         false, before = (int(of[prefix + "false_successes"] + of[prefix + "below_tier"]) for prefix in ("", "base_"))
-        rows.append([of["base"], _ABLATIONS[of["ablation"]], "all" if of["size_class"] == ALL else size_class(of["size_class"]),
-                     int(of["problems"]), _with_interval(of["ratio"], of["ratio_low"], of["ratio_high"]),
+        rows.append([of["base"], solver_facts.ABLATIONS[of["ablation"]],
+                     "all" if of["size_class"] == ALL else size_class(of["size_class"]), int(of["problems"]),
+                     _with_interval(of["ratio"], of["ratio_low"], of["ratio_high"]),
                      f"{share_of(of['verified_share'])}, {share_of(of['base_verified_share'])}", f"{false}, {before}"])
     return _table(["solver", "version", "rows", "problems", "time", "right", "false"], rows, "llrrrrr")
 
 
 def ablations(inputs: Inputs) -> pd.DataFrame:
     """The analysis' table at the main tier, by solver; empty without ablations."""
-    table = inputs.analysis.get("ablation")
-    if table is None or table.empty:
-        return pd.DataFrame()
-    table = choice.counted(table, choice.main_tier(inputs))
+    table = choice.table(inputs, "ablation", choice.main_tier(inputs))
     return pd.concat([own for _, own in table.groupby("solver", sort=False)]) if len(table) else table
 
 
@@ -129,7 +123,8 @@ def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
             if peer is not None and peer.mean < best.mean:
                 after.append(f"faster: {_key(peer.solver)} {formats.ratio(peer.mean / best.mean)}×")
         row = rows.setdefault((found.size_class, found.redundant), {"problems": found.problems})
-        row[found.tier] = "\n".join(filter(None, [f"{_key(best.solver)} {seconds(best.mean)}", "; ".join(after)]))
+        name = f"**{_key(best.solver)}**" if detailed else _key(best.solver)
+        row[found.tier] = "\n".join(filter(None, [f"{name} {seconds(best.mean)}", "; ".join(after)]))
     return _table(["rows", "redundant", *["problems"] * detailed, *(f"tier {power(tier)}" for tier in tiers)],
                   [[size_class(key), "yes" if redundant else "no", *[row["problems"]] * detailed,
                     *(row.get(tier, DASH) for tier in tiers)] for (key, redundant), row in rows.items()],
@@ -153,7 +148,8 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 
     limits = [f"{seconds(of['deadline_s'])} a step" for of in found[0]["choices"]]
     return Table(["accuracy", "rows", *limits],
-                 [[power(row["tier"]), row["size"], *map(words, row["choices"])] for row in found], "ll" + "l" * len(limits))
+                 [[power(row["tier"]), row["size"], *map(words, row["choices"])] for row in found],
+                 "ll" + "l" * len(limits))
 
 
 # ----- what is right
@@ -161,24 +157,26 @@ def within_deadlines(inputs: Inputs) -> Table | None:
 def coverage(inputs: Inputs) -> Table | None:
     """Share verified of all solvers at the shown tiers, and wrong claims."""
     def words(of: pd.Series) -> str:
-        wrong = [f"{mark} {int(of[column])}" for mark, column in (("✗", "false_successes"), ("↓", "below_tier")) if of[column]]
+        marks = {"false_successes": "✗", "below_tier": "↓"}
+        wrong = [f"{mark} {int(of[column])}" for column, mark in marks.items() if of[column]]
         return " · ".join([share_of(of["verified_share"]), *wrong])
 
     return _by_tier(inputs, "coverage", words)
 
 
 def means(inputs: Inputs) -> Table | None:
-    """Shifted geometric means in which what is not verified has the time limit, with their intervals, and over the best."""
-    return _by_tier(inputs, "means", lambda of: f"{seconds(of['mean'])} ({seconds(of['mean_low'])}–{seconds(of['mean_high'])}), "
-                    f"{formats.ratio(of['over_best'])}×", lambda table: table[table["unit"] == "s"])
+    """Shifted geometric means in which what is not verified has the time limit, with intervals, and over the best."""
+    def words(of: pd.Series) -> str:
+        interval = f"{seconds(of['mean_low'])}–{seconds(of['mean_high'])}"
+        return f"{seconds(of['mean'])} ({interval}), {formats.ratio(of['over_best'])}×"
+
+    return _by_tier(inputs, "means", words, lambda table: table[table["unit"] == "s"])
 
 
-def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str], chosen=lambda table: table) -> Table | None:
+def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str],
+             chosen=lambda table: table) -> Table | None:
     """A row per solver, a column per shown tier, of a table of the analysis."""
-    table = inputs.analysis.get(name)
-    if table is None or not len(choice.counted(table)):
-        return None
-    by = chosen(choice.counted(table)).set_index(["solver", "tier"])
+    by = chosen(choice.table(inputs, name)).set_index(["solver", "tier"])
     tiers = [tier for tier in choice.shown_tiers(inputs) if tier in by.index.get_level_values("tier")]
     rows = []
     for solver in inputs.keys:
@@ -195,8 +193,9 @@ def robustness(inputs: Inputs) -> Table | None:
               "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
               "excluded": cells["excluded"] != ""}
     there = set(cells["solver"])
-    return _table(["solver", *counts], [[_key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
-                                        for solver in inputs.keys if solver in there])
+    return _table(["solver", *counts], [
+        [_key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
+        for solver in inputs.keys if solver in there])
 
 
 def pathological(inputs: Inputs) -> pd.DataFrame:
@@ -207,32 +206,30 @@ def pathological(inputs: Inputs) -> pd.DataFrame:
 
 def accuracy(inputs: Inputs) -> Table | None:
     """Verified answers at the main tier: residual, and error against answers that are known exactly."""
-    table = inputs.analysis.get("accuracy")
-    if table is None:
-        return None
-    table = choice.counted(table, choice.main_tier(inputs))
+    table = choice.table(inputs, "accuracy", choice.main_tier(inputs))
     table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
     by = table[table["problems"] > 0].set_index(["solver", "metric"])
-    levels, metrics = {"median": "median", "p99": "99 %", "max": "largest"}, {"rho": "ρ", "w_error": "error of w"}
+    levels = {"median": "median", "p99": "99 %", "max": "largest"}
+    metrics = {"rho": "ρ", "w_error": "error of w"}
     rows = [[_key(solver), int(by.loc[(solver, "rho"), "problems"]),
              *(residual(by.loc[(solver, metric), level]) if (solver, metric) in by.index else DASH
                for metric in metrics for level in levels)] for solver in inputs.keys if (solver, "rho") in by.index]
-    return _table(["solver", "answers", *(f"{metric}, {level}" for metric in metrics.values() for level in levels.values())], rows)
+    columns = [f"{metric}, {level}" for metric in metrics.values() for level in levels.values()]
+    return _table(["solver", "answers", *columns], rows)
 
 
 def scaling(inputs: Inputs) -> Table | None:
     """Exponents of time ~ rows^exponent over the families, at the main tier."""
-    table = inputs.analysis.get("scaling")
-    if table is None:
-        return None
-    table, rows = choice.counted(table, choice.main_tier(inputs)), []
+    table, rows = choice.table(inputs, "scaling", choice.main_tier(inputs)), []
     for solver in inputs.keys:
         mine = table[table["solver"] == solver]
         if len(mine):
             values, width = mine["exponent"], mine["exponent_high"] - mine["exponent_low"]
-            rows.append([_key(solver), len(mine), *map(formats.ratio, (values.median(), values.min(), values.max(), width.median() / 2)),
+            found = (values.median(), values.min(), values.max(), width.median() / 2)
+            rows.append([_key(solver), len(mine), *map(formats.ratio, found),
                          f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
-    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"], rows)
+    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"],
+                  rows)
 
 
 # ----- sequences and motion
@@ -246,30 +243,42 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
     rows = []
     if not table.empty:
         table = table.sort_values("warm_gain", ascending=False) if detailed else \
-            table.set_index("solver", drop=False).loc[[key for key in inputs.keys if key in set(table["solver"])]]
+            table.set_index("solver", drop=False).loc[_in_order(inputs, table["solver"])]
     for of in table.to_dict("records"):
         gain = f"{of['warm_gain']:.2f}" if math.isfinite(of["warm_gain"]) else DASH
         if detailed:
             gain = _with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"])
         rows.append([_key(of["solver"]), *[power(of["tier"])] * detailed, *_latency(of), gain])
-    return _table(["solver", *["asked for"] * detailed, *_LATENCY, "cold over warm"], rows if detailed else rows[:_MOST_SOLVERS])
+    return _table(["solver", *["asked for"] * detailed, *_LATENCY, "cold over warm"],
+                  rows if detailed else rows[:_MOST_SOLVERS])
 
 
 _LATENCY = ("verified", "median", "99 %", "largest")
 
 
 def _latency(of: dict | pd.Series) -> list[str]:
-    return [formats.share(int(of["verified"]), int(of["steps"])), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
+    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
+
+
+def _share(of: dict | pd.Series) -> str:
+    return formats.share(int(of["verified"]), int(of["steps"]))
+
+
+def _in_order(inputs: Inputs, solvers) -> list[str]:
+    """As the registry has them."""
+    there = set(solvers)
+    return [key for key in inputs.keys if key in there]
 
 
 def latencies(inputs: Inputs) -> Table | None:
     """Latency of a step over all sequences, from cold and warm starts."""
-    modes = {mode: decision.passes(inputs, choice.main_tier(inputs), mode).set_index("solver") for mode in ("cold", "warm")}
+    tier, none = choice.main_tier(inputs), [DASH] * len(_LATENCY)
+    modes = {mode: decision.passes(inputs, tier, mode).set_index("solver") for mode in ("cold", "warm")}
     rows = []
-    for solver in inputs.keys:
-        found = [_latency(table.loc[solver]) if solver in table.index else [DASH] * len(_LATENCY) for table in modes.values()]
-        gain = modes["warm"].loc[solver, "warm_gain"] if solver in modes["warm"].index else math.nan
-        rows += [[_key(solver), *found[0], *found[1], formats.ratio(gain)]] * any(solver in table.index for table in modes.values())
+    for solver in _in_order(inputs, [*modes["cold"].index, *modes["warm"].index]):
+        cold, warm = (_latency(table.loc[solver]) if solver in table.index else none for table in modes.values())
+        gain = modes["warm"]["warm_gain"].get(solver, math.nan) if len(modes["warm"]) else math.nan
+        rows.append([_key(solver), *cold, *warm, formats.ratio(gain)])
     return _table(["solver", *(f"{mode}: {name}" for mode in modes for name in _LATENCY), "gain"], rows)
 
 
@@ -282,9 +291,8 @@ def in_time(inputs: Inputs) -> Table | None:
     table = table[table["tier"] == choice.nearest(table["tier"])]
     by, limits = table.set_index(["solver", "deadline_s"]), sorted(set(table["deadline_s"]))
     return _table(["solver", *(f"in time and verified, {seconds(limit)}" for limit in limits)],
-                  [[_key(solver), *(formats.share(int(by.loc[(solver, limit), "verified"]), int(by.loc[(solver, limit), "steps"]))
-                                    if (solver, limit) in by.index else DASH for limit in limits)]
-                   for solver in inputs.keys if solver in set(table["solver"])])
+                  [[_key(solver), *(_share(by.loc[(solver, limit)]) if (solver, limit) in by.index else DASH
+                                    for limit in limits)] for solver in _in_order(inputs, table["solver"])])
 
 
 def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
@@ -293,16 +301,17 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     for scene, level in motion.scenes(inputs.motion):
         table, rows = motion.of_scene(inputs.motion, scene, level), []
         order = list(dict.fromkeys(table["solver"]))
-        runs = table.assign(order=table["solver"].map(order.index), loosest=-table["tolerance"]).groupby(["order", "loosest"])
-        for _, run in runs:
+        ordered = table.assign(order=table["solver"].map(order.index), loosest=-table["tolerance"])
+        for _, run in ordered.groupby(["order", "loosest"]):
             last = run.iloc[-1]
             rows.append([_key(last["solver"]), power(last["tolerance"]),
                          *(_worst(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
                          seconds(last["solve_time_s"] / max(1, last["step"])),
                          *(int(last[of]) for of in ("solves", "failed", "not_passed")),
                          f"**{last['false_successes']}**" if last["false_successes"] else 0, last["stopped"]])
-        found.append((scene, level, Table(["solver", "tolerance", "energy error", "penetration [m]", "joint error [m]", "distance [m]",
-                                           "time a step", "solves", "failed", "not passed", "false", "stopped"], rows, "ll" + "r" * 9 + "l")))
+        columns = ["solver", "tolerance", "energy error", "penetration [m]", "joint error [m]", "distance [m]",
+                   "time a step", "solves", "failed", "not passed", "false", "stopped"]
+        found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "l")))
     return found
 
 
@@ -322,22 +331,17 @@ def settings(inputs: Inputs) -> Table:
             continue
         limit = next((limits[name] for name in limits if key == name or key.startswith(name + "-")), None)
         values = ", ".join(f"{name} = {value}" for name, value in entry.get("settings", {}).items())
-        rows.append([_key(key), entry.get("method", ""), f"{_ORIGINS.get(entry['origin'], '')} {entry.get('library_version', '')}".strip(),
-                     f"{_setting(entry)} {values}".strip(), _TOLERANCES[entry["tolerance"]],
+        whose = f"{solver_facts.ORIGINS.get(entry['origin'], '')} {entry.get('library_version', '')}"
+        rows.append([_key(key), entry.get("method", ""), whose.strip(),
+                     f"{solver_facts.setting(entry)} {values}".strip(), solver_facts.TOLERANCES[entry["tolerance"]],
                      f"{limit['largest']} rows: {limit['reason']}" if limit else "any", entry.get("licence", "")])
-    return Table(["solver", "method", "whose", "settings", "stops by", "largest problem given", "licence"], rows, "lwlwlww")
-
-
-def _setting(entry: dict) -> str:
-    if entry["setting"] == "variant":
-        return f"{entry.get('base', '')} with"
-    if entry["setting"] == "tuned" and entry["origin"] == "peer":
-        return "stopping options chosen per tier by one rule"
-    return "as committed" if entry["origin"] == "own" else "the library's own defaults"
+    return Table(["solver", "method", "whose", "settings", "stops by", "largest problem given", "licence"], rows,
+                 "lwlwlww")
 
 
 # Name of the file -> table of papers.
 PAPERS: dict[str, Callable[[Inputs], Table | None]] = {
     "headline": lambda inputs: by_solver(headline(inputs)) if len(inputs.cells) and headline(inputs).solvers else None,
-    "coverage": coverage, "means": means, "accuracy": accuracy, "scaling": scaling, "sequences": latencies, "deadlines": in_time,
+    "coverage": coverage, "means": means, "accuracy": accuracy, "scaling": scaling, "sequences": latencies,
+    "deadlines": in_time,
 }

@@ -7,7 +7,6 @@ from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
 from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
-from .statistics.groups import COUNTED
 
 MOST_LINES = 11
 
@@ -21,7 +20,7 @@ def summary_lines(inputs: Inputs) -> list[str]:
 
 
 def _counted(inputs: Inputs) -> pd.DataFrame:
-    return inputs.cells[inputs.cells["counts"].astype(bool)] if len(inputs.cells) else inputs.cells
+    return inputs.cells[inputs.cells["counts"].astype(bool)]
 
 
 def _keys(solvers: list[str], most: int = 6) -> str:
@@ -85,23 +84,15 @@ def false_successes(inputs: Inputs) -> str:
             f"in {int((ran['verdict'] == BELOW_TIER).sum())} of {int((~asked).sum())} solves.")
 
 
-def _means(inputs: Inputs) -> pd.DataFrame | None:
-    table = inputs.analysis.get("means")
-    if table is None or table.empty:
-        return None
-    tier = main_tier(inputs)
-    chosen = table[(table["unit"] == "s") & (table["tier"] == tier)]
-    return None if chosen.empty else chosen.sort_values("mean").reset_index(drop=True)
-
-
 def _fastest(inputs: Inputs) -> str:
-    means = _means(inputs)
-    if means is None or len(means) < 2:
+    tier = main_tier(inputs)
+    means = choice.table(inputs, "means", tier)
+    means = means[means["unit"] == "s"].sort_values("mean")
+    if len(means) < 2:
         return ""
     first, second = means.iloc[0], means.iloc[1]
-    tier = main_tier(inputs)
-    pairs = inputs.analysis["pairwise"]
-    pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["a"] == first["solver"])]
+    pairs = choice.table(inputs, "pairwise", tier)
+    pairs = pairs[pairs["a"] == first["solver"]]
     won = int((pairs["verdict"] == "A faster").sum())
     return (f"Fastest over all sizes at {formats.power(tier)}: `{first['solver']}`, shifted geometric mean "
             f"{formats.seconds(first['mean'])} with failures at the time limit; next is `{second['solver']}` with "
@@ -242,8 +233,8 @@ def _scaling(inputs: Inputs) -> str:
         return ""
     best = ranked[0]
     second = f"; next is `{ranked[1].solver}` with {formats.ratio(ranked[1].mean / best.mean)} times" if ranked[1:] else ""
-    scaling = inputs.analysis.get("scaling")
-    rows = scaling[(scaling["set"] == COUNTED) & (scaling["tier"] == tier) & (scaling["solver"] == best.solver)]
+    rows = choice.table(inputs, "scaling", tier)
+    rows = rows[rows["solver"] == best.solver]
     growth = f"; over all sizes its time grows as n^{rows['exponent'].median():.2f} (median over families)" if len(rows) else ""
     return (f"At the largest size, {int(top)} rows, `{best.solver}` is the fastest of those that verify as much as any "
             f"({best.verified} of {best.problems}), with {formats.seconds(best.mean)}{second}{growth}.")

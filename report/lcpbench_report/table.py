@@ -1,7 +1,7 @@
 """A table that people read: described once (shown_tables.py), written as Markdown, HTML and LaTeX.
 
-Headers and cells are text in Markdown's marks: `key`, **best**, *word*. What follows a line break in a cell is a detail:
-smaller in HTML, behind a semicolon elsewhere.
+Headers and cells are text in Markdown's marks: `key`, **best**, *word*. What follows a line break in a cell is a
+detail: smaller in HTML, behind a semicolon elsewhere.
 """
 
 import re
@@ -42,16 +42,17 @@ class Table:
         rows = []
         for row in self.rows:
             cells = [_html_cell(str(cell)) for cell in row]
-            rows.append(f"<tr><th>{cells[0]}</th>" + "".join(f"<td{sides[side]}>{cell}</td>"
-                                                             for side, cell in zip(self._sides[1:], cells[1:])) + "</tr>")
+            others = (f"<td{sides[side]}>{cell}</td>" for side, cell in zip(self._sides[1:], cells[1:]))
+            rows.append(f"<tr><th>{cells[0]}</th>{''.join(others)}</tr>")
         return Markup(f'<div class="scroll"><table class="{of_class}">\n<thead><tr>{head}</tr></thead>\n<tbody>\n'
                       + "\n".join(rows) + "\n</tbody></table></div>")
 
     def latex(self) -> str:
         """With booktabs' rules, without caption or number: \\input stands within the author's own table environment."""
         lines = [r"\begin{footnotesize}", r"\setlength{\tabcolsep}{3pt}",
-                 rf"\begin{{tabular}}{{@{{}}{self._sides.replace('w', 'l')}@{{}}}}", r"\toprule", _latex_line(self.columns),
-                 r"\midrule", *map(_latex_line, self.rows), r"\bottomrule", r"\end{tabular}", r"\end{footnotesize}"]
+                 rf"\begin{{tabular}}{{@{{}}{self._sides.replace('w', 'l')}@{{}}}}", r"\toprule",
+                 _latex_line(self.columns), r"\midrule", *map(_latex_line, self.rows), r"\bottomrule",
+                 r"\end{tabular}", r"\end{footnotesize}"]
         return "\n".join(lines) + "\n"
 
 

@@ -1,45 +1,32 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-The headline: which solver is bold and shown, its Markdown, and its way into a file; the summary in Markdown.
+"""The headline: which solver is bold and shown, its Markdown, and its way into a file; the summary in Markdown.
 """
 
-import contextlib
-import io
 import math
-import sys
 import tempfile
-import unittest
 import xml.etree.ElementTree
 from pathlib import Path
 
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import report  # noqa: E402
-from lcpbench_report import choice, formats, markdown, shown_tables, summary  # noqa: E402
-from lcpbench_report.headline_table import headline  # noqa: E402
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, PEERS, write_problems, write_steps  # noqa: E402
-from synthetic_campaign import exclude, fail, slower  # noqa: E402
+from lcpbench_report import choice, formats, markdown, shown_tables, summary
+from lcpbench_report.headline_table import headline
+from lcpbench_report.inputs import load_inputs
+from .cases import SharedFolderCase, run
+from .report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, PEERS, write_problems, write_steps
+from .synthetic_campaign import exclude, fail, slower
 
 COLUMN = 2  # of problems with 31 to 100 rows
 
 
-class Headline(unittest.TestCase):
+class Headline(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls._folder = tempfile.TemporaryDirectory()
-        cls.path = Path(cls._folder.name)
+        super().setUpClass()
         cls.folder = write_problems(cls.path / "standard")
         cls.inputs = load_inputs([cls.folder])
         cls.found = headline(cls.inputs)
         cls.text = markdown.full_headline(cls.inputs, cls.found)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls._folder.cleanup()
 
     def of(self, change) -> tuple:
         """(inputs, headline) of a campaign with other outcomes."""
@@ -166,8 +153,8 @@ class Headline(unittest.TestCase):
         self.assertEqual(formats.share(1000, 1000), "100\u202f%")
         self.assertEqual(formats.share(1, 1000), "<1\u202f%")
 
-    def update(self, *files) -> int:
-        return report.main(["headline", str(self.folder), "--root", str(self.path), "--update", *(str(file) for file in files)])
+    def update(self, *files) -> tuple[int, str, str]:
+        return run("headline", self.folder, "--root", self.path, "--update", *files)
 
     def test_update_writes_the_blocks_of_all_files_and_draws_the_figure(self):
         readme, figure = self.path / "README.md", self.path / "report" / "reference" / "headline.svg"
@@ -181,7 +168,7 @@ class Headline(unittest.TestCase):
                         encoding="utf-8")
         seen = set()
         for _ in range(2):  # the second time changes nothing more
-            self.assertEqual(self.update(readme, page, bare), 0)
+            self.assertEqual(self.update(readme, page, bare)[0], 0)
             text, more = readme.read_text(encoding="utf-8"), page.read_text(encoding="utf-8")
             self.assertTrue(text.startswith("before\n"))
             self.assertIn("](report/reference/headline.svg)", text)
@@ -198,7 +185,7 @@ class Headline(unittest.TestCase):
         by_class, by_solver = shown_tables.classes(self.found).markdown(), shown_tables.by_solver(self.found).markdown()
         readme = self.path / "short.md"
         readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
-        self.assertEqual(self.update(readme), 0)
+        self.assertEqual(self.update(readme)[0], 0)
         short, details = readme.read_text(encoding="utf-8"), markdown.details(self.inputs, self.found)
         self.assertIn(by_class + "\n" + summary.peers(self.found), short)  # what we lose stands directly below the table
         self.assertNotIn(by_solver, short)
@@ -213,16 +200,14 @@ class Headline(unittest.TestCase):
         good.write_text(stale, encoding="utf-8")
         for text, files in (("no blocks", [bad]), ("<!-- numbers:nonsense -->1<!-- end -->", [good, bad])):
             bad.write_text(text, encoding="utf-8")
-            with contextlib.redirect_stderr(io.StringIO()) as error:
-                self.assertEqual(self.update(*files), 2)
-            self.assertEqual(error.getvalue().count("\n"), 1)
+            status, _, error = self.update(*files)
+            self.assertEqual((status, error.count("\n")), (2, 1))
             self.assertEqual(bad.read_text(encoding="utf-8"), text)
         self.assertEqual(good.read_text(encoding="utf-8"), stale)
 
     def test_a_missing_folder_is_one_line_and_status_two(self):
-        with contextlib.redirect_stderr(io.StringIO()) as error:
-            self.assertEqual(report.main(["headline", str(self.path / "nowhere")]), 2)
-        self.assertEqual(error.getvalue().count("\n"), 1)
+        status, _, error = run("headline", self.path / "nowhere")
+        self.assertEqual((status, error.count("\n")), (2, 1))
 
     def test_the_summary_holds_its_lines_tables_and_how_to_compare(self):
         inputs = load_inputs([self.folder, write_steps(self.path / "sequences")])
@@ -242,7 +227,3 @@ class Headline(unittest.TestCase):
         text = markdown.render(inputs, [])
         self.assertNotIn("## Times", text)
         self.assertIn("## Sequences of motions", text)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,24 +1,18 @@
 """What motion.csv says, in words."""
 
-import sys
-import tempfile
-import unittest
-from pathlib import Path
 from types import SimpleNamespace
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import motion, shown_tables  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from synthetic_report import LEVEL, SCENE, write_motion  # noqa: E402
+from lcpbench_report import motion, shown_tables
+from lcpbench_report.errors import ReportError
+from .cases import FolderCase
+from .synthetic_report import LEVEL, SCENE, write_motion
 
 
-class Motion(unittest.TestCase):
+class Motion(FolderCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = write_motion(Path(temporary.name))
+        super().setUp()
+        write_motion(self.folder)
 
     def test_the_table_takes_the_worst_values_and_the_last_counts(self):
         inputs = SimpleNamespace(motion=motion.read(self.folder))
@@ -44,7 +38,3 @@ class Motion(unittest.TestCase):
         path.write_text(text.splitlines()[0] + "\n")
         with self.assertRaisesRegex(ReportError, "no rows"):
             motion.read(self.folder)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,4 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-Figures and tables for papers.
+"""Figures and tables for papers.
 """
 
 import gzip
@@ -8,22 +6,18 @@ import io
 import re
 import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree
-from pathlib import Path
 
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.static import write, write_static  # noqa: E402
-from lcpbench_report.static.robustness import kind_of  # noqa: E402
-from lcpbench_report.table import Table, html, latex  # noqa: E402
-from report_inputs import FAILING, all_inputs, write_problems, write_steps  # noqa: E402
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.static import write, write_static
+from lcpbench_report.static.quality import kind_of
+from lcpbench_report.table import Table, html, latex
+from .cases import SharedFolderCase
+from .report_inputs import FAILING, all_inputs, write_problems, write_steps
 
 FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
            "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
@@ -32,17 +26,12 @@ TABLES = {"headline", "coverage", "means", "accuracy", "scaling", "sequences", "
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
 
-class Static(unittest.TestCase):
+class Static(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls._folder = tempfile.TemporaryDirectory()
-        cls.path = Path(cls._folder.name)
+        super().setUpClass()
         cls.inputs = all_inputs(cls.path)
         cls.written = write_static(cls.inputs, cls.path / "out")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls._folder.cleanup()
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
@@ -189,7 +178,3 @@ class Kinds(unittest.TestCase):
                               ("disc-track-n40-s1-conformal-1e-09", "conformal"),
                               ("ovals-in-bowl-n100-s1-slack--0.5", "slack"), ("squeezed-row-n8-s1", "squeezed-row")):
             self.assertEqual(kind_of(problem, problem.split("-n")[0]), kind)
-
-
-if __name__ == "__main__":
-    unittest.main()

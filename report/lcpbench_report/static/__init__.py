@@ -1,8 +1,7 @@
 """Figures and tables for papers: what stands beside the report's page.
 
     canvas                      how figures look and are saved
-    times, profiles, accuracy, coverage, precision, scaling, robustness, sequences, motion
-                                figures; each function returns one, or None where the inputs do not have the part
+    speed, quality, steps       figures; each function returns one, or None where the inputs do not have the part
     write                       all files
 """
 

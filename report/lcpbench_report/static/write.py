@@ -5,12 +5,11 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from .. import choice, shown_tables
-from .. import motion as motion_file
+from .. import choice, motion, shown_tables
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
 from ..formats import power
-from . import accuracy, canvas, coverage, motion, precision, profiles, robustness, scaling, sequences, times
+from . import canvas, quality, speed, steps
 
 _PACKAGES = r"\usepackage{booktabs}" + "\n" + r"\usepackage{textcomp}"
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
@@ -38,20 +37,20 @@ def write_figures(inputs: Inputs, folder: Path) -> list[Path]:
 def figures(inputs: Inputs) -> Iterator[tuple[str, Callable]]:
     """(name, function that draws it or returns None)"""
     for tier in choice.shown_tiers(inputs):
-        yield f"profile-{power(tier)}", lambda: profiles.profile(inputs, tier)
+        yield f"profile-{power(tier)}", lambda: speed.profile(inputs, tier)
     if len(inputs.cells):
-        yield "time-by-size", lambda: times.by_size(inputs)
-        yield "time-by-family", lambda: times.by_family(inputs)
-        yield "accuracy", lambda: accuracy.distributions(inputs)
-        yield "coverage", lambda: coverage.bars(inputs)
-        yield "work-precision", lambda: precision.work_precision(inputs)
-        yield "scaling", lambda: scaling.exponents(inputs)
-        yield "robustness", lambda: robustness.pathological(inputs)
-        yield "robustness-grids", lambda: robustness.grids(inputs)
-    yield "sequence-latency", lambda: sequences.latency(inputs)
-    yield "sequence-deadlines", lambda: sequences.deadlines(inputs)
-    for scene, level in motion_file.scenes(inputs.motion):
-        yield f"motion-{Path(scene).stem}-{level}", lambda: motion.errors(inputs, scene, level)
+        yield "time-by-size", lambda: speed.by_size(inputs)
+        yield "time-by-family", lambda: speed.by_family(inputs)
+        yield "accuracy", lambda: quality.distributions(inputs)
+        yield "coverage", lambda: quality.bars(inputs)
+        yield "work-precision", lambda: quality.work_precision(inputs)
+        yield "scaling", lambda: speed.exponents(inputs)
+        yield "robustness", lambda: quality.pathological(inputs)
+        yield "robustness-grids", lambda: quality.grids(inputs)
+    yield "sequence-latency", lambda: steps.latency(inputs)
+    yield "sequence-deadlines", lambda: steps.deadlines(inputs)
+    for scene, level in motion.scenes(inputs.motion):
+        yield f"motion-{Path(scene).stem}-{level}", lambda: steps.errors(inputs, scene, level)
 
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
@@ -73,7 +72,7 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
 def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
     with canvas.look():
-        figure = times.by_size(inputs)
+        figure = speed.by_size(inputs)
         if figure is not None:
             canvas.save_svg(figure, path)
             canvas.plt.close(figure)

@@ -7,7 +7,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from .. import choice, formats, markdown, plotly_bundle, shown_tables, summary, table
+from .. import choice, formats, markdown, plotly_bundle, shown_tables, solver_facts, summary, table
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
@@ -17,11 +17,8 @@ from .gallery import Picture
 
 _HERE = Path(__file__).resolve().parent
 # In the order in which the page runs them.
-_SCRIPTS = ("data.js", "numbers.js", "times.js", "profile.js", "accuracy.js", "robustness.js", "sequences.js",
-            "scaling.js", "league.js", "app.js")
-# What is visible when the page opens: the usual names of engines, and the best of others.
-_WELL_KNOWN = ("auto", "dantzig", "lemke", "bpp", "pgs", "ipm", "nncg")
-_PEERS_SHOWN = 3
+_SCRIPTS = ("data.js", "numbers.js", "speed.js", "quality.js", "steps.js", "league.js", "app.js")
+_PEERS_SHOWN = 3  # besides our well-known ones, when the page opens
 
 
 def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
@@ -52,16 +49,13 @@ def as_script(data: dict) -> str:
 
 def shown(inputs: Inputs) -> list[str]:
     """Of peers the fastest of every library, a few of them."""
-    chosen = [solver for solver in _WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
-    means = inputs.analysis.get("means")
-    if means is None or means.empty:
-        return chosen
-    tier = choice.main_tier(inputs)
-    ranked = means[(means["unit"] == "s") & (means["tier"] == tier)].sort_values("mean")["solver"]
+    chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
+    means = choice.table(inputs, "means", choice.main_tier(inputs))
+    entries = {entry["key"]: entry for entry in inputs.solvers}
     libraries: dict[str, str] = {}
-    for solver in ranked:
+    for solver in means[means["unit"] == "s"].sort_values("mean")["solver"]:
         if solver not in inputs.own:
-            libraries.setdefault(solver.split("-")[0], solver)
+            libraries.setdefault(solver_facts.library(entries[solver]), solver)
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
 
 
@@ -77,13 +71,15 @@ def _headline(inputs: Inputs) -> dict:
 def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     found = {"choices": (shown_tables.choices(inputs, detailed=True), "choose by-size"),
              "deadlines": (shown_tables.within_deadlines(inputs), "choose"),
-             "warm": (shown_tables.sequences(inputs, detailed=True), ""), "ablation": (shown_tables.ablation(inputs), ""),
+             "warm": (shown_tables.sequences(inputs, detailed=True), ""),
+             "ablation": (shown_tables.ablation(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
     return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
 
 
 def _motions(inputs: Inputs) -> list[dict]:
-    return [{"scene": scene, "level": level, "table": made.html()} for scene, level, made in shown_tables.motions(inputs)]
+    return [{"scene": scene, "level": level, "table": made.html()}
+            for scene, level, made in shown_tables.motions(inputs)]
 
 
 def _has(inputs: Inputs) -> dict[str, bool]:
