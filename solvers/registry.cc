@@ -31,22 +31,11 @@
 namespace lcpbench {
 namespace {
 
-#ifdef LCPBENCH_WITH_IPOPT
-constexpr bool kHaveIpopt = true;
-#else
-constexpr bool kHaveIpopt = false;
-#endif
-#ifdef LCPBENCH_WITH_SUITESPARSE
-constexpr bool kHaveSuitesparse = true;
-#else
-constexpr bool kHaveSuitesparse = false;
-#endif
-
 using Factory = std::function<std::unique_ptr<LcpSolver>(const Settings&)>;
 
-template <typename Solver, typename Options>
+template <typename Solver>
 std::unique_ptr<LcpSolver> Make(const Settings& settings) {
-  return std::make_unique<Solver>(Options::FromSettings(settings));
+  return std::make_unique<Solver>(Solver::Options::FromSettings(settings));
 }
 
 std::string NotPsd(const LcpProblem& problem) {
@@ -86,51 +75,100 @@ const Factory kMakeIpoptQp = nullptr;
 const Factory kMakeIpoptNcp = nullptr;
 #endif
 #ifdef LCPBENCH_WITH_SUITESPARSE
-const Factory kMakeIpm = &Make<IpmSolver, IpmOptions>;
-const Factory kMakeHybrid = &Make<HybridSolver, HybridOptions>;
+const Factory kMakeIpm = &Make<IpmSolver>;
+const Factory kMakeHybrid = &Make<HybridSolver>;
 #else
 const Factory kMakeHybrid = nullptr;
 const Factory kMakeIpm = nullptr;
 #endif
 
-SolverEntry Dense(SolverEntry entry) {
-  entry.method_class = MethodClass::kDenseMatrix;
-  return entry;
-}
-
+// What is not in this build has no `make`, and stays in the table.
 std::vector<SolverEntry> OwnSolvers() {
-  return {
-      Dense({"dantzig", "incremental pivoting on a dense updated factor, joints first", "Baraff 1994, sec. 4", true,
-             false, &AnyPsd, &Make<DantzigSolver, DantzigOptions>}),
-      SolverEntry{"auto", "chooses among our own backends, checks the answer, asks the next",
-                  "see solvers/auto/auto_solver.h", true, true, &AnyPsd, &Make<AutoSolver, AutoOptions>},
-      SolverEntry{"semismooth-newton", "proximal semismooth Newton with exact line search on a sparse factor",
-                  "Rockafellar 1976; Qi, Sun 1999", true, false, &AnyPsd,
-                  &Make<SemismoothNewtonSolver, SemismoothNewtonOptions>},
-      Dense({"lemke", "lexicographic Lemke on a dense updated factor, joints first",
-             "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9", true, false, &AnyPsd, &Make<LemkeSolver, LemkeOptions>}),
-      SolverEntry{"bpp", "block principal pivoting, proximal, on sparse or dense factors",
-                  "Portugal, Judice, Vicente 1994", true, false, &NoBoundOnBlocks, &Make<BppSolver, BppOptions>},
-      SolverEntry{"active-set", "primal-dual active set on an updated sparse factor, through the bodies",
-                  "Portugal, Judice, Vicente 1994; Davis, Hager 2001", true, false, &NoBoundOnBlocks,
-                  &Make<ActiveSetSolver, ActiveSetOptions>},
-      SolverEntry{"pgs", "projected Gauss-Seidel, assembled or matrix-free", "Cottle, Pang, Stone, ch. 5", true, true,
-                  &Never, &Make<PgsSolver, PgsOptions>},
-      SolverEntry{"psor", "projected SOR, relaxation adapted to the measured rate", "Cryer 1971; Young 1971", true,
-                  true, &Never, &Make<PsorSolver, PsorOptions>},
-      SolverEntry{"nncg", "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
-                  "Silcowitz, Niebe, Erleben 2010", true, true, &Never, &Make<NncgSolver, NncgOptions>},
-      SolverEntry{"apgd", "accelerated projected gradients, adaptive step and restart",
-                  "Mazhar, Heyn, Negrut, Tasora 2015", true, true, &Never, &Make<ApgdSolver, ApgdOptions>},
-      SolverEntry{"ipopt-qp", "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0", "Ipopt (Waechter 2006)",
-                  kHaveIpopt, true, &PsdAtMedium, kMakeIpoptQp},
-      SolverEntry{"ipopt-ncp", "interior point on min f.w subject to w = A f + b, f, w >= 0", "Ipopt (Waechter 2006)",
-                  kHaveIpopt, true, &NcpLocal, kMakeIpoptNcp},
-      SolverEntry{"ipm", "interior point on sparse CHOLMOD, proximal, finished by an active set",
-                  "SuiteSparse CHOLMOD (Chen 2008)", kHaveSuitesparse, true, &AnyPsd, kMakeIpm},
-      SolverEntry{"hybrid", "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
-                  "see solvers/interior_point/hybrid.h", kHaveSuitesparse, true, &AnyPsd, kMakeHybrid},
+  std::vector<SolverEntry> own = {
+      {.key = "dantzig",
+       .method = "incremental pivoting on a dense updated factor, joints first",
+       .source = "Baraff 1994, sec. 4",
+       .why_not_guaranteed = &AnyPsd,
+       .make = &Make<DantzigSolver>,
+       .method_class = MethodClass::kDenseMatrix},
+      {.key = "auto",
+       .method = "chooses among our own backends, checks the answer, asks the next",
+       .source = "see solvers/auto/auto_solver.h",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &AnyPsd,
+       .make = &Make<AutoSolver>},
+      {.key = "semismooth-newton",
+       .method = "proximal semismooth Newton with exact line search on a sparse factor",
+       .source = "Rockafellar 1976; Qi, Sun 1999",
+       .why_not_guaranteed = &AnyPsd,
+       .make = &Make<SemismoothNewtonSolver>},
+      {.key = "lemke",
+       .method = "lexicographic Lemke on a dense updated factor, joints first",
+       .source = "Lemke 1965; Cottle, Pang, Stone, sec. 4.4, 4.9",
+       .why_not_guaranteed = &AnyPsd,
+       .make = &Make<LemkeSolver>,
+       .method_class = MethodClass::kDenseMatrix},
+      {.key = "bpp",
+       .method = "block principal pivoting, proximal, on sparse or dense factors",
+       .source = "Portugal, Judice, Vicente 1994",
+       .why_not_guaranteed = &NoBoundOnBlocks,
+       .make = &Make<BppSolver>},
+      {.key = "active-set",
+       .method = "primal-dual active set on an updated sparse factor, through the bodies",
+       .source = "Portugal, Judice, Vicente 1994; Davis, Hager 2001",
+       .why_not_guaranteed = &NoBoundOnBlocks,
+       .make = &Make<ActiveSetSolver>},
+      {.key = "pgs",
+       .method = "projected Gauss-Seidel, assembled or matrix-free",
+       .source = "Cottle, Pang, Stone, ch. 5",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &Never,
+       .make = &Make<PgsSolver>},
+      {.key = "psor",
+       .method = "projected SOR, relaxation adapted to the measured rate",
+       .source = "Cryer 1971; Young 1971",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &Never,
+       .make = &Make<PsorSolver>},
+      {.key = "nncg",
+       .method = "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
+       .source = "Silcowitz, Niebe, Erleben 2010",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &Never,
+       .make = &Make<NncgSolver>},
+      {.key = "apgd",
+       .method = "accelerated projected gradients, adaptive step and restart",
+       .source = "Mazhar, Heyn, Negrut, Tasora 2015",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &Never,
+       .make = &Make<ApgdSolver>},
+      {.key = "ipopt-qp",
+       .method = "interior point on the convex QP min 1/2 f.A f + b.f, f_C >= 0",
+       .source = "Ipopt (Waechter 2006)",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &PsdAtMedium,
+       .make = kMakeIpoptQp},
+      {.key = "ipopt-ncp",
+       .method = "interior point on min f.w subject to w = A f + b, f, w >= 0",
+       .source = "Ipopt (Waechter 2006)",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &NcpLocal,
+       .make = kMakeIpoptNcp},
+      {.key = "ipm",
+       .method = "interior point on sparse CHOLMOD, proximal, finished by an active set",
+       .source = "SuiteSparse CHOLMOD (Chen 2008)",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &AnyPsd,
+       .make = kMakeIpm},
+      {.key = "hybrid",
+       .method = "nonsmooth conjugate gradients while their rate promises an answer, then ipm",
+       .source = "see solvers/interior_point/hybrid.h",
+       .uses_tolerance = true,
+       .why_not_guaranteed = &AnyPsd,
+       .make = kMakeHybrid},
   };
+  for (SolverEntry& entry : own) entry.available = static_cast<bool>(entry.make);
+  return own;
 }
 
 std::string NotOurs(const LcpProblem& /*problem*/, double /*tolerance*/) {

@@ -194,113 +194,128 @@ Formulation LiftedForm(const ScaledLcp& scaled, bool is_ncp) {
 
 }  // namespace
 
-// What is kept for one matrix, and the workspace of the test after each iteration.
-struct IpoptSolver::State {
-  std::optional<ScaledLcp> scaled;
-  std::vector<Formulation> formulations;
-  std::vector<std::unique_ptr<Engine>> engines;  // of each formulation; made when first needed
-  GivenFormTest given;
-  Eigen::VectorXd f;
-  Eigen::VectorXd last_x;
-  Eigen::VectorXd ray;
-  Eigen::VectorXd product;
-  long double best_rho = kInfinity;
+class IpoptEngine {
+ public:
+  explicit IpoptEngine(const IpoptOptions& options) : options_(options) {}
 
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    if (options_.form == IpoptOptions::Form::kLifted && !problem.has_factors()) {
+      return "the lifted form needs a problem given by factors";
+    }
+    return options_.program == IpoptOptions::Program::kQp ? WhyNotSymmetric(problem) : "";
+  }
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
+ private:
   void TakeB(const Eigen::VectorXd& b);
   bool Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result);
   bool AcceptRay(const Eigen::VectorXd& direction, LcpResult* result);
   Start FirstPoint(const Formulation& formulation, const LcpOptions& options);
   Engine& EngineOf(std::size_t which);
   void Take(const Eigen::VectorXd& x);
-  bool Run(std::size_t which, const LcpOptions& options, bool self_check, const Deadline& deadline, LcpResult* result);
+  bool Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+
+  IpoptOptions options_;
+  // Of one matrix.
+  std::optional<ScaledLcp> scaled_;
+  std::vector<Formulation> formulations_;
+  std::vector<std::unique_ptr<Engine>> engines_;  // of each formulation; made when first needed
+  GivenFormTest given_;
+  // Of the test after each iteration.
+  Eigen::VectorXd f_;
+  Eigen::VectorXd last_x_;
+  Eigen::VectorXd ray_;
+  Eigen::VectorXd product_;
+  long double best_rho_ = kInfinity;
 };
 
-void IpoptSolver::State::TakeB(const Eigen::VectorXd& b) {
-  for (Formulation& form : formulations) {
+void IpoptEngine::TakeB(const Eigen::VectorXd& b) {
+  for (Formulation& form : formulations_) {
     form.program.c.head(b.size()) = b;
     if (form.is_ncp) form.program.d.head(b.size()) = -b;
   }
 }
 
-Engine& IpoptSolver::State::EngineOf(std::size_t which) {
-  std::unique_ptr<Engine>& engine = engines[which];
-  if (engine == nullptr) engine = std::make_unique<Engine>(formulations[which].program);
+Engine& IpoptEngine::EngineOf(std::size_t which) {
+  std::unique_ptr<Engine>& engine = engines_[which];
+  if (engine == nullptr) engine = std::make_unique<Engine>(formulations_[which].program);
   return *engine;
 }
 
 // f of x (scaled; its first n entries), clipped, in the problem's units.
-void IpoptSolver::State::Take(const Eigen::VectorXd& x) {
-  const LcpProblem& problem = scaled->problem;
+void IpoptEngine::Take(const Eigen::VectorXd& x) {
+  const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
-  f = x.head(n);
+  f_ = x.head(n);
   for (Index i = 0; i < n; ++i) {
-    if (!problem.is_bilateral(i)) f[i] = std::max(f[i], 0.0);
-    f[i] *= scaled->force_unit[i];
+    if (!problem.is_bilateral(i)) f_[i] = std::max(f_[i], 0.0);
+    f_[i] *= scaled_->force_unit[i];
   }
 }
 
-// Whether x meets the tier. Keeps the best f in the result.
-bool IpoptSolver::State::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
-  const LcpProblem& problem = scaled->problem;
+// Whether x meets the tier. Keeps the best f_ in the result.
+bool IpoptEngine::Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result) {
+  const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
   Take(x);
-  const long double rho = given.Rho(f);
-  if (rho < best_rho) {
-    best_rho = rho;
-    result->f = f;
+  const long double rho = given_.Rho(f_);
+  if (rho < best_rho_) {
+    best_rho_ = rho;
+    result->f = f_;
   }
   if (!(rho <= tolerance)) return false;
-  if (!given.Meets(tolerance, f)) {
+  if (!given_.Meets(tolerance, f_)) {
     for (Index i = 0; i < n; ++i) {
-      if (!problem.is_bilateral(i) && x[i] <= kClipShare * tolerance) f[i] = 0;
+      if (!problem.is_bilateral(i) && x[i] <= kClipShare * tolerance) f_[i] = 0;
     }
-    if (!given.Meets(tolerance, f)) return false;
+    if (!given_.Meets(tolerance, f_)) return false;
   }
-  result->f = f;
+  result->f = f_;
   result->status = LcpStatus::kSolved;
   return true;
 }
 
 // Whether the direction, clipped, proves the LCP infeasible.
-bool IpoptSolver::State::AcceptRay(const Eigen::VectorXd& direction, LcpResult* result) {
-  const LcpProblem& problem = scaled->problem;
+bool IpoptEngine::AcceptRay(const Eigen::VectorXd& direction, LcpResult* result) {
+  const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
   for (const bool clip : {false, true}) {
-    ray = direction.head(n);
-    const double largest = Largest(ray);
+    ray_ = direction.head(n);
+    const double largest = Largest(ray_);
     if (!(largest > 0 && std::isfinite(largest))) return false;
     double slope = 0;
     for (Index i = 0; i < n; ++i) {
-      if (!problem.is_bilateral(i)) ray[i] = std::max(ray[i], 0.0);
-      if (clip && std::abs(ray[i]) < kRayClip * largest) ray[i] = 0;
-      ray[i] /= largest;
-      slope += scaled->b[i] * ray[i];
-      ray[i] *= scaled->force_unit[i];
+      if (!problem.is_bilateral(i)) ray_[i] = std::max(ray_[i], 0.0);
+      if (clip && std::abs(ray_[i]) < kRayClip * largest) ray_[i] = 0;
+      ray_[i] /= largest;
+      slope += scaled_->b[i] * ray_[i];
+      ray_[i] *= scaled_->force_unit[i];
     }
     if (!(slope < 0)) continue;
-    problem.ComputeW(ray, &product);
-    product = (product - problem.b()).cwiseQuotient(scaled->gap_unit);
-    if (!(Largest(product) <= kRayGate)) continue;
-    if (!VerifyFarkasRay(problem, ray).accepted) continue;
+    problem.ComputeW(ray_, &product_);
+    product_ = (product_ - problem.b()).cwiseQuotient(scaled_->gap_unit);
+    if (!(Largest(product_) <= kRayGate)) continue;
+    if (!VerifyFarkasRay(problem, ray_).accepted) continue;
     result->status = LcpStatus::kInfeasible;
-    result->farkas_ray = ray;
+    result->farkas_ray = ray_;
     return true;
   }
   return false;
 }
 
-ipopt::Start IpoptSolver::State::FirstPoint(const Formulation& formulation, const LcpOptions& options) {
-  const LcpProblem& problem = scaled->problem;
+ipopt::Start IpoptEngine::FirstPoint(const Formulation& formulation, const LcpOptions& options) {
+  const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
   if (options.initial_f == nullptr) {
     // Ipopt moves x to its own distance from the bounds (bound_push) and sets all multipliers.
     return Start::Zero(formulation.program);
   }
-  Eigen::VectorXd force = options.initial_f->cwiseQuotient(scaled->force_unit);
-  problem.ComputeW(*options.initial_f, &product);
-  Eigen::VectorXd gap = product.cwiseQuotient(scaled->gap_unit);
-  const double force_push = kWarmPush * std::max(Largest(force), Largest(scaled->b));
-  const double gap_push = kWarmPush * Largest(scaled->b);
+  Eigen::VectorXd force = options.initial_f->cwiseQuotient(scaled_->force_unit);
+  problem.ComputeW(*options.initial_f, &product_);
+  Eigen::VectorXd gap = product_.cwiseQuotient(scaled_->gap_unit);
+  const double force_push = kWarmPush * std::max(Largest(force), Largest(scaled_->b));
+  const double gap_push = kWarmPush * Largest(scaled_->b);
   for (Index i = 0; i < n; ++i) {
     if (problem.is_bilateral(i)) continue;
     force[i] = std::max(force[i], force_push);
@@ -310,23 +325,22 @@ ipopt::Start IpoptSolver::State::FirstPoint(const Formulation& formulation, cons
 }
 
 // True when the solve is over: the next formulation need not be tried.
-bool IpoptSolver::State::Run(std::size_t which, const LcpOptions& options, bool self_check, const Deadline& deadline,
-                             LcpResult* result) {
-  const Formulation& formulation = formulations[which];
+bool IpoptEngine::Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
+  const Formulation& formulation = formulations_[which];
   const Start start = FirstPoint(formulation, options);
-  const bool symmetric = scaled->problem.IsNumericallySymmetric();
+  const bool symmetric = scaled_->problem.IsNumericallySymmetric();
   bool over = false;
   bool late = false;
-  last_x.setZero(start.x.size());
+  last_x_.setZero(start.x.size());
   const auto on_iterate = [&](const Eigen::VectorXd& x) {
     if (x.size() > 0) {
-      over = self_check && Accept(x, options.tolerance, result);
-      if (!self_check) last_x = x;
-      if (!over && symmetric && self_check) {
+      over = options_.self_check && Accept(x, options.tolerance, result);
+      if (!options_.self_check) last_x_ = x;
+      if (!over && symmetric && options_.self_check) {
         over = AcceptRay(x, result);
-        last_x = x - last_x;
-        over = over || AcceptRay(last_x, result);
-        last_x = x;
+        last_x_ = x - last_x_;
+        over = over || AcceptRay(last_x_, result);
+        last_x_ = x;
       }
     }
     if (!over) late = deadline.Expired();
@@ -338,11 +352,11 @@ bool IpoptSolver::State::Run(std::size_t which, const LcpOptions& options, bool 
   const bool warm = options.initial_f != nullptr;
   Engine& engine = EngineOf(which);
   const Engine::Ending ending =
-      engine.Optimize(start, warm, limit, self_check ? Engine::kNever : options.tolerance, on_iterate);
+      engine.Optimize(start, warm, limit, options_.self_check ? Engine::kNever : options.tolerance, on_iterate);
   result->iterations += ending.iterations;
-  if (!self_check && ending.converged) {
-    Take(last_x);
-    result->f = f;
+  if (!options_.self_check && ending.converged) {
+    Take(last_x_);
+    result->f = f_;
     result->status = LcpStatus::kSolved;
     over = true;
   }
@@ -370,54 +384,41 @@ IpoptOptions IpoptOptions::FromSettings(Program program, const Settings& setting
   return options;
 }
 
-IpoptSolver::IpoptSolver(IpoptOptions options) : options_(options), state_(std::make_unique<State>()) {}
-IpoptSolver::~IpoptSolver() = default;
-
-std::string IpoptSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (options_.form == IpoptOptions::Form::kLifted && !problem.has_factors()) {
-    return "the lifted form needs a problem given by factors";
-  }
-  if (options_.program == IpoptOptions::Program::kQp && !problem.IsNumericallySymmetric()) {
-    return "A is not symmetric, so the LCP is not the optimality of a QP";
-  }
-  return {};
-}
-
-void IpoptSolver::DoPrepare(const LcpProblem& problem) {
+void IpoptEngine::Prepare(const LcpProblem& problem) {
   using Form = IpoptOptions::Form;
-  State& s = *state_;
-  const ScaledLcp& scaled = s.scaled.emplace(problem);
+  const ScaledLcp& scaled = scaled_.emplace(problem);
   const bool is_ncp = options_.program == IpoptOptions::Program::kNcp;
-  s.given.Reset(problem);
-  s.engines.clear();
-  s.formulations.clear();
+  given_.Reset(problem);
+  engines_.clear();
+  formulations_.clear();
   const bool dense = scaled.LiftedIsSparser();  // then A may not fit in memory
   if (options_.form == Form::kContact || (options_.form == Form::kAuto && !dense)) {
-    s.formulations.push_back(ContactForm(scaled, is_ncp));
+    formulations_.push_back(ContactForm(scaled, is_ncp));
   }
   if (options_.form == Form::kLifted || (options_.form == Form::kAuto && problem.has_factors())) {
-    s.formulations.push_back(LiftedForm(scaled, is_ncp));
+    formulations_.push_back(LiftedForm(scaled, is_ncp));
   }
-  s.engines.resize(s.formulations.size());
+  engines_.resize(formulations_.size());
   // What Ipopt builds for the first program does not depend on b.
-  s.TakeB(Eigen::VectorXd::Ones(scaled.size()));
-  s.EngineOf(0);
+  TakeB(Eigen::VectorXd::Ones(scaled.size()));
+  EngineOf(0);
 }
 
-void IpoptSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  State& s = *state_;
+void IpoptEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
-  s.scaled->SetB(problem);
-  s.given.SetB(problem);
-  s.TakeB(s.scaled->b);
-  s.best_rho = kInfinity;
+  scaled_->SetB(problem);
+  given_.SetB(problem);
+  TakeB(scaled_->b);
+  best_rho_ = kInfinity;
   // The start may be the answer already: an interior point method would walk away from it.
-  Eigen::VectorXd first = Eigen::VectorXd::Zero(s.scaled->size());
-  if (options.initial_f != nullptr) first = options.initial_f->cwiseQuotient(s.scaled->force_unit);
-  if (options_.self_check && s.Accept(first, options.tolerance, result)) return;
-  for (std::size_t which = 0; which < s.formulations.size(); ++which) {
-    if (s.Run(which, options, options_.self_check, deadline, result)) return;
+  Eigen::VectorXd first = Eigen::VectorXd::Zero(scaled_->size());
+  if (options.initial_f != nullptr) first = options.initial_f->cwiseQuotient(scaled_->force_unit);
+  if (options_.self_check && Accept(first, options.tolerance, result)) return;
+  for (std::size_t which = 0; which < formulations_.size(); ++which) {
+    if (Run(which, options, deadline, result)) return;
   }
 }
+
+template class EngineSolver<IpoptOptions, IpoptEngine>;
 
 }  // namespace lcpbench

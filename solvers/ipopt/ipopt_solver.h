@@ -1,9 +1,6 @@
 #pragma once
 
-#include <memory>
-
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -57,21 +54,7 @@ struct IpoptOptions {
 /// Distinct objects may be used from distinct threads, but take turns: MUMPS is not thread-safe.
 ///
 /// [Waechter, Biegler 2006; Mehrotra 1992]
-class IpoptSolver final : public LcpSolver {
- public:
-  explicit IpoptSolver(IpoptOptions options);
-  ~IpoptSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct State;
-  IpoptOptions options_;
-  std::unique_ptr<State> state_;
-};
+using IpoptSolver = EngineSolver<IpoptOptions, class IpoptEngine>;
+extern template class EngineSolver<IpoptOptions, IpoptEngine>;
 
 }  // namespace lcpbench
