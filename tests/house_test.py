@@ -41,8 +41,6 @@ _FOLDER_CYCLES = set()
 _FILE_CYCLES = {
     # The interface of a solver holds its options, its engine takes them.
     ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
-    # Internal parts take and return the types of the interface that they serve.
-    ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
 }
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance

@@ -2,17 +2,12 @@
 
 #include <algorithm>
 #include <limits>
+#include <vector>
 
 #include "solvers/auto/islands.h"
-#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
-
-struct NamedFeature {
-  const char* name;
-  std::optional<double> ProblemFeatures::*value;
-};
 
 constexpr NamedFeature kFeatures[] = {
     {"rows", &ProblemFeatures::rows},
@@ -93,23 +88,7 @@ ProblemFeatures MeasureFeatures(const LcpProblem& problem) {
   return features;
 }
 
-const std::vector<std::string>& FeatureNames() {
-  static const std::vector<std::string> names = [] {
-    std::vector<std::string> all;
-    for (const NamedFeature& feature : kFeatures) all.emplace_back(feature.name);
-    return all;
-  }();
-  return names;
-}
-
-std::optional<double> FeatureNamed(const ProblemFeatures& features, const std::string& name) {
-  std::string known;
-  for (const NamedFeature& feature : kFeatures) {
-    if (name == feature.name) return features.*feature.value;
-    known += (known.empty() ? "" : ", ") + std::string(feature.name);
-  }
-  throw InputError("expected a feature of " + known + ", found '" + name + "'");
-}
+std::span<const NamedFeature> AllFeatures() { return kFeatures; }
 
 nlohmann::ordered_json Describe(const ProblemFeatures& features) {
   nlohmann::ordered_json json;

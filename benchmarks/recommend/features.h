@@ -2,8 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
-#include <vector>
+#include <span>
 
 #include "solvers/lcp/problem.h"
 
@@ -28,11 +27,12 @@ struct ProblemFeatures {
 /// O(entries of A), plus what forming A costs.
 ProblemFeatures MeasureFeatures(const LcpProblem& problem);
 
-/// The names of all features, as the members are called.
-const std::vector<std::string>& FeatureNames();
-
-/// One feature by its name; empty where it is not known. @throws InputError naming the known ones
-std::optional<double> FeatureNamed(const ProblemFeatures& features, const std::string& name);
+/// A feature by its name, as the member is called.
+struct NamedFeature {
+  const char* name;
+  std::optional<double> ProblemFeatures::*value;
+};
+std::span<const NamedFeature> AllFeatures();
 
 /// A member per feature, null where it is not known.
 nlohmann::ordered_json Describe(const ProblemFeatures& features);

@@ -45,11 +45,12 @@ RecommendationRegion ParseRegion(const JsonField& field) {
   RecommendationRegion region;
   region.tier = NumberWithin(field["tier"], std::numeric_limits<double>::min(), 1);
   for (const auto& [name, ends] : field["where"].Members()) {
-    const auto& names = FeatureNames();
-    if (std::find(names.begin(), names.end(), name) == names.end())
-      ends.Mismatch("a feature's name, not '" + name + "'");
+    const auto features = AllFeatures();
+    const auto known = std::find_if(features.begin(), features.end(),
+                                    [&key = name](const auto& feature) { return feature.name == key; });
+    if (known == features.end()) ends.Mismatch("a feature's name, not '" + name + "'");
     const std::vector<JsonField> pair = ends.Items(2);
-    region.where[name] = {pair[0].Number(), pair[1].NumberOrNull().value_or(kInfinity)};
+    region.where.push_back({*known, pair[0].Number(), pair[1].NumberOrNull().value_or(kInfinity)});
   }
   region.problems = static_cast<int>(NumberWithin(field["problems"], 0, 1e9));
   region.candidates = SolverKeys(field["candidates"]);
@@ -69,9 +70,9 @@ std::string ParseCampaign(const JsonField& field) {
 }
 
 bool Contains(const RecommendationRegion& region, const ProblemFeatures& features) {
-  for (const auto& [name, ends] : region.where) {
-    const std::optional<double> value = FeatureNamed(features, name);
-    if (value && !(*value >= ends.first && *value < ends.second)) return false;
+  for (const auto& [feature, least, end] : region.where) {
+    const std::optional<double> value = features.*feature.value;
+    if (value && !(*value >= least && *value < end)) return false;
   }
   return true;
 }

@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -46,6 +47,21 @@ class CommandTest : public testing::Test {
         program_ + " " + arguments + " < " + Path("stdin") + " > " + Path("stdout") + " 2> " + Path("stderr");
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
+  }
+
+  /// Run, of what succeeds.
+  CommandOutcome Succeed(const std::string& arguments, const std::string& input = "") {
+    CommandOutcome outcome = Run(arguments, input);
+    EXPECT_EQ(outcome.status, 0) << arguments << "\n" << outcome.error;
+    return outcome;
+  }
+
+  /// Run, of a user's mistake: status 2, and one line that has the text.
+  void ExpectMistake(const std::string& arguments, const std::string& text) {
+    const CommandOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << arguments << ": " << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
   }
 
   /// Runs the command, silent, until `file` has grown by so many bytes, so that it is in the midst of its work however

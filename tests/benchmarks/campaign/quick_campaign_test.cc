@@ -39,8 +39,7 @@ std::map<std::string, ManifestEntry> Problems(const std::string& set) {
 class QuickCampaign : public CommandTest {};
 
 TEST_F(QuickCampaign, HasASpreadOfEverything) {
-  const CommandOutcome listed = Run("run --benchmark_list_tests");
-  ASSERT_EQ(listed.status, 0) << listed.error;
+  const CommandOutcome listed = Succeed("run --benchmark_list_tests");
   EXPECT_EQ(listed.out, Run("run --suite quick --benchmark_list_tests").out);
   std::set<std::string> problems;
   std::set<std::string> sequences;
@@ -95,8 +94,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
       "run --solvers dantzig,pgs --filter '/(disc-pile-n(2|10)-s1|idle-line-n40-s1|"
       "gear-train-n12-s1-motion/pgs/1e-03)/' --passes 1 -o " +
       Path("q");
-  const CommandOutcome run = Run(command);
-  ASSERT_EQ(run.status, 0) << run.error;
+  const CommandOutcome run = Succeed(command);
   const Json campaign = Json::parse(ReadFile(folder_ / "q/campaign.json"));
   EXPECT_EQ(campaign["name"], "quick");
   ASSERT_EQ(campaign["manifests"].size(), 4U);
@@ -116,8 +114,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   }
   EXPECT_EQ(modes, (std::set<std::string>{"cold", "warm"}));
 
-  const CommandOutcome analysed = Run("analyse " + Path("q"));
-  ASSERT_EQ(analysed.status, 0) << analysed.error;
+  Succeed("analyse " + Path("q"));
   const std::string cells = ReadFile(folder_ / "q/analysis/cells.csv");
   for (const auto& [problem, set] : expected) EXPECT_NE(cells.find(problem), std::string::npos) << problem;
   // header + 2 modes
@@ -128,8 +125,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_EQ(coverage.find("engine"), std::string::npos) << coverage;
 
   // All of it is one report.
-  const CommandOutcome report = Run("report " + Path("q") + " -o " + Path("report/index.html"));
-  ASSERT_EQ(report.status, 0) << report.error;
+  const CommandOutcome report = Succeed("report " + Path("q") + " -o " + Path("report/index.html"));
   const std::string page = ReadFile(folder_ / "report/index.html");
   for (const char* section : {"performance", "robustness", "sequences", "limitations"}) {
     EXPECT_NE(page.find("<section id=\"" + std::string(section) + "\">"), std::string::npos) << section;
@@ -141,8 +137,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   // The folder is not overwritten, and goes on where it is asked to.
   EXPECT_EQ(Run(command).status, 2);
   const std::string before = ReadFile(folder_ / "q/streams.jsonl");
-  const CommandOutcome again = Run(command + " --resume");
-  EXPECT_EQ(again.status, 0);
+  const CommandOutcome again = Succeed(command + " --resume");
   EXPECT_EQ(again.error.find("another environment"), std::string::npos) << again.error;
   EXPECT_EQ(ReadFile(folder_ / "q/streams.jsonl"), before);
 
@@ -151,8 +146,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   other["environment"]["git_commit"] = "0000";
   other["environment_hash"] = "0000";
   Write("q/campaign.json", other.dump());
-  const CommandOutcome elsewhere = Run(command + " --resume");
-  EXPECT_EQ(elsewhere.status, 0);
+  const CommandOutcome elsewhere = Succeed(command + " --resume");
   EXPECT_NE(elsewhere.error.find("note: begun in another environment (git_commit)"), std::string::npos)
       << elsewhere.error;
 }

@@ -28,7 +28,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr const char* kLong = "--passes 60 ";  // so many that signals come in the midst of them
+constexpr const char* kLong = "--passes 20 ";  // so many that signals come in the midst of them
 // Neither limits nor budgets end anything, however slow the machine or a sanitizer is.
 constexpr const char* kNoHurry = "--time-limit 60 --task-budget 1000 ";
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
@@ -83,8 +83,7 @@ class CampaignCommand : public CommandTest {
 };
 
 TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
-  const CommandOutcome outcome = Run(Campaign("c"));
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  Succeed(Campaign("c"));
   const auto cells = Cells("c");
   const auto problems = JsonLines(folder_ / "c" / "problems.jsonl");
   ASSERT_EQ(problems.size(), 18U);  // 16 families with 8 rows, two of them with 40 as well
@@ -137,9 +136,8 @@ TEST_F(CampaignCommand, EveryProblemIsJudgedAndTimedFresh) {
 TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
   for (const char* tiers : {"1e-6", "1e-3,1e-6,1e-9"}) {
     std::filesystem::remove_all(folder_ / "c");
-    ASSERT_EQ(Run(Campaign("c", std::string("--tiers ") + tiers)).status, 0);
-    const CommandOutcome outcome = Run("analyse " + Path("c"));
-    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    Succeed(Campaign("c", std::string("--tiers ") + tiers));
+    Succeed("analyse " + Path("c"));
     // A direct method has a line at every tier, and at these alone.
     const std::string coverage = ReadFile(folder_ / "c" / "analysis" / "coverage.csv");
     size_t lines = 0;
@@ -150,10 +148,9 @@ TEST_F(CampaignCommand, AnalysisReadsWhatTheRunnerWrites) {
 }
 
 TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
-  ASSERT_EQ(Run(Campaign("c")).status, 0);
+  Succeed(Campaign("c"));
   // A campaign and itself: whatever the machine does meanwhile.
-  const CommandOutcome same = Run("compare " + Path("c") + " " + Path("c"));
-  EXPECT_EQ(same.status, 0) << same.error;
+  const CommandOutcome same = Succeed("compare " + Path("c") + " " + Path("c"));
   EXPECT_NE(same.out.find("No regression"), std::string::npos) << same.out;
   std::filesystem::copy(folder_ / "c", folder_ / "wrong");
   std::ofstream lines(folder_ / "wrong" / "streams.jsonl");
@@ -161,15 +158,9 @@ TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
   for (nlohmann::json line : Lines("c")) {
     if (!changed && line["kind"] == "judge" && line["exceptions"].empty()) {
       changed = true;
-      line["exceptions"].push_back({{"at", 0},
-                                    {"claim", "solved"},
-                                    {"passes", false},
-                                    {"at_floor", false},
-                                    {"false_success", true},
-                                    {"false_infeasible", false},
-                                    {"proved_infeasible", false},
-                                    {"reason", "rho"},
-                                    {"detail", ""}});
+      line["exceptions"].push_back(nlohmann::json::parse(
+          R"({"at":0,"claim":"solved","passes":false,"at_floor":false,"false_success":true,"false_infeasible":false,)"
+          R"("proved_infeasible":false,"reason":"rho","detail":""})"));
     }
     lines << line.dump() << "\n";
   }
@@ -182,37 +173,32 @@ TEST_F(CampaignCommand, ComparisonFindsAWrongAnswer) {
 
 TEST_F(CampaignCommand, ShardsMergeToTheWholeInAnyOrder) {
   AddSequences();
-  ASSERT_EQ(Run(Campaign("whole")).status, 0);
+  Succeed(Campaign("whole"));
   for (const char* shard : {"1/3", "2/3", "3/3"}) {
-    const CommandOutcome outcome = Run(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
-    ASSERT_EQ(outcome.status, 0) << outcome.error;
+    Succeed(Campaign(std::string("s") + shard[0], std::string("--shard ") + shard));
     EXPECT_LT(WithoutTimes(std::string("s") + shard[0]).size(), WithoutTimes("whole").size());
   }
-  const CommandOutcome all = Run("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
-  ASSERT_EQ(all.status, 0);
+  const CommandOutcome all = Succeed("merge " + Path("s2") + " " + Path("s1") + " " + Path("s3") + " -o " + Path("m"));
   EXPECT_EQ(all.error, "");
-  ASSERT_EQ(Run("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n")).status, 0);
+  Succeed("merge " + Path("s3") + " " + Path("s2") + " " + Path("s1") + " -o " + Path("n"));
   for (const char* file : {"streams.jsonl", "steps.jsonl"}) {
     EXPECT_EQ(ReadFile(folder_ / "m" / file), ReadFile(folder_ / "n" / file));
   }
   EXPECT_EQ(WithoutTimes("m"), WithoutTimes("whole"));
   // A shard that is missing is told.
-  const CommandOutcome two = Run("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
-  EXPECT_EQ(two.status, 0);
+  const CommandOutcome two = Succeed("merge " + Path("s1") + " " + Path("s2") + " -o " + Path("two"));
   EXPECT_NE(two.error.find("a shard is missing"), std::string::npos) << two.error;
   // The same shard twice, and a shard of another campaign.
-  const CommandOutcome twice = Run("merge " + Path("s1") + " " + Path("s1") + " -o " + Path("t"));
-  EXPECT_EQ(twice.status, 2);
-  EXPECT_NE(twice.error.find("already"), std::string::npos) << twice.error;
-  ASSERT_EQ(Run(Campaign("other", "--tiers 1e-6")).status, 0);
-  EXPECT_EQ(Run("merge " + Path("s1") + " " + Path("other") + " -o " + Path("u")).status, 2);
+  ExpectMistake("merge " + Path("s1") + " " + Path("s1") + " -o " + Path("t"), "already");
+  Succeed(Campaign("other", "--tiers 1e-6"));
+  ExpectMistake("merge " + Path("s1") + " " + Path("other") + " -o " + Path("u"), "another plan");
 }
 
 // SIGKILL to the campaign alone, and what Ctrl-C at a terminal and job schedulers do: the worker gets the signal too,
 // and its solve must not look crashed.
 TEST_F(CampaignCommand, KilledOrInterruptedAnywhereItGoesOnToTheSameResults) {
   AddSequences();
-  ASSERT_EQ(Run(Campaign("whole", kLong)).status, 0);
+  Succeed(Campaign("whole", kLong));
   const std::string arguments = Campaign("ended", std::string(kLong) + "--resume");
   std::mt19937 random(3);
   for (const std::string file : {"streams.jsonl", "steps.jsonl"}) {
@@ -227,13 +213,12 @@ TEST_F(CampaignCommand, KilledOrInterruptedAnywhereItGoesOnToTheSameResults) {
     }
     EXPECT_GE(ended, 3);
   }
-  const CommandOutcome rest = Run(arguments);
-  ASSERT_EQ(rest.status, 0) << rest.error;
+  Succeed(arguments);
   EXPECT_EQ(WithoutTimes("ended"), WithoutTimes("whole"));
 }
 
 TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
-  ASSERT_EQ(Run(Campaign("c", "--tiers 1e-3")).status, 0);
+  Succeed(Campaign("c", "--tiers 1e-3"));
   const std::pair<std::string, std::string> kMistakes[] = {
       {Campaign("c", "--tiers 1e-3"), "--resume"},
       {Campaign("c", "--tiers 1e-6 --resume"), "another plan"},
@@ -244,24 +229,16 @@ TEST_F(CampaignCommand, MistakesAreToldInOneLine) {
       {"run --suite nowhere.json -o " + Path("f"), "nowhere.json"},
       {"merge " + Path("nowhere") + " -o " + Path("g"), "cannot be opened"},
   };
-  for (const auto& [arguments, text] : kMistakes) {
-    const CommandOutcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.status, 2) << arguments;
-    EXPECT_NE(outcome.error.find(text), std::string::npos) << outcome.error;
-    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
-  }
+  for (const auto& [arguments, text] : kMistakes) ExpectMistake(arguments, text);
   std::ofstream(folder_ / "c" / "streams.jsonl", std::ios::app) << "no line\n";
-  const CommandOutcome broken = Run(Campaign("c", "--tiers 1e-3 --resume"));
-  EXPECT_EQ(broken.status, 2);
-  EXPECT_NE(broken.error.find("streams.jsonl:"), std::string::npos) << broken.error;
+  ExpectMistake(Campaign("c", "--tiers 1e-3 --resume"), "streams.jsonl:");
 }
 
 TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
   const std::string arguments = std::string("run --suite ") + kManifest + " --filter n8 --tiers 1e-6 --passes 1 " +
                                 "--solvers pgs,over,again,slow -o " + Path("c") +
                                 " --variant over=pgs,relaxation=1.3 --variant again=pgs --variant slow=pgs,slowdown=3";
-  const CommandOutcome outcome = Run(arguments);
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  Succeed(arguments);
   std::map<std::string, std::map<std::string, nlohmann::json>> cells;
   for (const auto& cell : Cells("c")) cells[cell["problem"]][cell["solver"]] = cell;
   ASSERT_EQ(cells.size(), 16U);
@@ -289,28 +266,21 @@ TEST_F(CampaignCommand, VariantsAreSolversOfTheirOwn) {
   for (const auto& [variant, text] : {std::pair("pgs=dantzig", "taken"), std::pair("x=pgs,nonsense=1", "nonsense"),
                                       std::pair("x=nobody", "unknown solver"), std::pair("x", "KEY=SOLVER"),
                                       std::pair("x=pgs,slowdown=0.5", "slowdown")}) {
-    const CommandOutcome mistake = Run(arguments + "2 --variant " + variant);
-    EXPECT_EQ(mistake.status, 2) << variant;
-    EXPECT_NE(mistake.error.find(text), std::string::npos) << mistake.error;
+    ExpectMistake(arguments + "2 --variant " + variant, text);
   }
 }
 
 TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
-  ASSERT_EQ(Run(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
-                "--passes 1 -o " + Path("c"))
-                .status,
-            0);
+  Succeed(std::string("run --suite ") + kManifest + " --solvers dantzig,pgs,ipm --filter n40 --tiers 1e-6 " +
+          "--passes 1 -o " + Path("c"));
   for (const auto& cell : Cells("c")) {
     if (cell["passes"] != true) continue;
     const std::string solver = cell["solver"];
     EXPECT_GT(cell["first_s"].get<double>(), 0);
     EXPECT_LT(cell["factor_share"].get<double>(), 1);
     // Sweeps factorize nothing, interior points every step.
-    if (solver == "pgs") {
-      EXPECT_EQ(cell["factor_share"].get<double>(), 0);
-    }
-    if (solver == "ipm") {
-      EXPECT_GT(cell["factor_share"].get<double>(), 0);
+    if (solver != "dantzig") {
+      EXPECT_EQ(cell["factor_share"] != 0, solver == "ipm") << solver;
     }
     if (!SanitizerReservesMemory()) {
       EXPECT_GT(cell["allocations"].get<int>(), 0) << cell["problem"];
@@ -331,10 +301,8 @@ TEST_F(CampaignCommand, EveryJudgementSaysWhatItsSolveTook) {
 
 // The budget of a task ends it, for judging and for timing; what had no turn is not counted as failed.
 TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
-  ASSERT_EQ(Run(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 3 --solvers dantzig,slow ") +
-                "--variant slow=dantzig,slowdown=100 -o " + Path("c"))
-                .status,
-            0);
+  Succeed(std::string("run --suite quick --filter n25-s1/ --tiers 1e-6 --passes 3 --solvers dantzig,slow ") +
+          "--variant slow=dantzig,slowdown=100 -o " + Path("c"));
   for (const auto& line : Lines("c")) {
     if (line["kind"] == "judge") {
       EXPECT_LE(line["attempted"], line["count"]);
@@ -349,12 +317,10 @@ TEST_F(CampaignCommand, ASlowSolverIsMeasuredOnFewerProblems) {
 TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
   const std::string filter = "--benchmark_filter='rockers-n(8|40)-' --solvers dantzig";
   const std::string campaign = std::string("run --suite ") + kManifest + " " + filter + " -o " + Path("c");
-  const CommandOutcome list = Run(campaign + " --benchmark_list_tests");
-  ASSERT_EQ(list.status, 0) << list.error;
+  const CommandOutcome list = Succeed(campaign + " --benchmark_list_tests");
   EXPECT_NE(list.out.find("solve/rockers-n8-s11/dantzig/1e-09\n"), std::string::npos) << list.out;
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
-  const CommandOutcome run = Run(campaign + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json"));
-  ASSERT_EQ(run.status, 0) << run.error;
+  const CommandOutcome run = Succeed(campaign + " --benchmark_repetitions=4 --benchmark_out=" + Path("times.json"));
   const auto json = nlohmann::json::parse(ReadFile(folder_ / "times.json"));
   // Four passes, judged at three tiers by one run.
   size_t times = 0;
@@ -371,22 +337,16 @@ TEST(MedianOf, IsTheMiddleOne) {
 }
 
 TEST(NoiseRule, CountsWhatTheMachineDid) {
-  const NoiseRule rule;
   const double fastest = 1e-5;
-  const auto found = [](double probe_s, double cpu_share) {
-    Disturbance disturbance;
-    disturbance.probe_s = probe_s;
-    disturbance.cpu_share = cpu_share;
-    return disturbance;
+  const auto found = [&](double probe_s, double cpu_share) {
+    return DisturbanceOf(NoiseRule{}, {probe_s, cpu_share, 0}, fastest);
   };
-  EXPECT_EQ(DisturbanceOf(rule, found(fastest, 1), fastest), 0);
-  EXPECT_EQ(DisturbanceOf(rule, found(1.09e-5, 0.96), fastest), 0);
+  EXPECT_EQ(found(fastest, 1), 0);
+  EXPECT_EQ(found(1.09e-5, 0.96), 0);
   // A clock that is 20 % slower; a thread that waited for 10 %; both are worse than one.
-  const double throttled = DisturbanceOf(rule, found(1.2e-5, 1), fastest);
-  const double waiting = DisturbanceOf(rule, found(fastest, 0.9), fastest);
-  EXPECT_GT(throttled, 0);
-  EXPECT_GT(waiting, 0);
-  EXPECT_GT(DisturbanceOf(rule, found(1.2e-5, 0.9), fastest), std::max(throttled, waiting));
+  EXPECT_GT(found(1.2e-5, 1), 0);
+  EXPECT_GT(found(fastest, 0.9), 0);
+  EXPECT_GT(found(1.2e-5, 0.9), std::max(found(1.2e-5, 1), found(fastest, 0.9)));
 }
 
 TEST(DisturbanceWatch, SeesAThreadThatWaits) {
