@@ -87,6 +87,30 @@ TEST(Outline, BezierPieceIsTheSameCurve) {
   }
 }
 
+TEST(Outline, EnclosuresHoldTheirPieces) {
+  Random random(9);
+  for (int i = 0; i < 30; ++i) {
+    const OutlineLoop loop = RandomOutline(&random).loops[0];
+    for (const OutlinePiece& piece : loop) {
+      std::visit(
+          [&](const auto& e) {
+            const std::vector<double> cuts = e.EnclosedCuts(piece.s_begin, piece.s_end);
+            ASSERT_GE(cuts.size(), 3U);
+            for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+              const Vec2 begin = e.Point(cuts[k]);
+              const Vec2 end = e.Point(cuts[k + 1]);
+              const double height = e.Enclose(cuts[k], cuts[k + 1], begin, end).height;
+              for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8}) {
+                const Vec2 p = e.Point(cuts[k] + t * (cuts[k + 1] - cuts[k]));
+                EXPECT_LE(DistanceToSegment(p, begin, end), height + 1e-14) << e.kName;
+              }
+            }
+          },
+          piece.edge);
+    }
+  }
+}
+
 TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
   const auto with = [](const OutlinePiece& piece) {
     Outline outline = Polygon({{0, 0}, {2, 0}, {2, 2}, {0, 2}});
@@ -101,7 +125,7 @@ TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
     ExpectRefused(with(Arc({0, 0}, bad, 0, 1)), {edge, "arc"});
     ExpectRefused(with({EllipseEdge{{}, 1, 1, bad, Side::kConvex}, 0, 1}), {edge, "ellipse", "not finite"});
     ExpectRefused(with({SuperellipseEdge{{}, bad, 1, 4, 0, Side::kConvex}, 0, 1}), {edge, "superellipse"});
-    ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{1, bad}, Vec2{}, Vec2{}}}, 0, 1}), {edge, "Bezier", "not finite"});
+    ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{1, bad}, Vec2{}, Vec2{}}}, 0, 1}), {edge, "bezier", "not finite"});
   }
   for (const double radius : {0.0, -1.0}) {
     ExpectRefused(with(Arc({}, radius, 0, 1)), {edge, "radius must be > 0"});
