@@ -41,7 +41,7 @@ CALIBRATION = --suite standard --filter '-n(25|64|160|400)-s[123]/' --no-fills -
 REFERENCE_RESULTS := report/reference/core --motion report/reference/motion --pictures $(PICTURES)
 REFERENCE_ABLATION := --ablation report/reference/ablation
 
-.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate geometry-benchmark scene-benchmark slurm-try doc reference-report check format fuzz install clean
+.PHONY: help deps peers configure command build test report run pictures ablation recommendation calibrate scene-benchmark slurm-try doc reference-report check format fuzz install clean
 
 help:
 	@echo "make report   install what is missing, build, run the campaign SUITE (now: $(SUITE)), write build/report/index.html"
@@ -50,8 +50,7 @@ help:
 	@echo "make ablation   what our own checks, checks for peers, and instruction sets are worth: a build and a campaign (20 minutes)"
 	@echo "make recommendation   rules of lcpbench recommend from the campaigns standard and sequences (CAMPAIGNS=folders; a minute)"
 	@echo "make calibrate   what campaigns find where the truth is known: a solver against itself, and slowed by 10 %"
-	@echo "make geometry-benchmark   time contact detection and assembly at 10^3 to 10^5 contacts"
-	@echo "make scene-benchmark      time scene generation and assembly at 10^3 to 10^5 rows"
+	@echo "make scene-benchmark      time scene generation, contact detection and assembly at 10^3 to 10^5 rows"
 	@echo "make reference-report   the report of the committed results: page, summary, figures, tables, numbers in README.md and docs/"
 	@echo "make peers    install the libraries of the peer solvers (packages-peers.txt) and reconfigure"
 	@echo "make slurm-try   try campaigns as job arrays on a Slurm of its own (packages-slurm.txt; needs root once; a minute)"
@@ -104,9 +103,9 @@ report: run pictures
 
 # The report of the committed results. What is committed of it: its summary, and the numbers in README.md and docs/.
 reference-report: pictures
-	@$(PYTHON) report/generate.py $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
+	@$(PYTHON) report/report.py report $(REFERENCE_RESULTS) $(REFERENCE_ABLATION) -o build/reference/index.html
 	@cp build/reference/summary.md report/reference/
-	@$(PYTHON) report/headline.py report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
+	@$(PYTHON) report/report.py headline report/reference/core $(REFERENCE_ABLATION) --update README.md docs/*.md
 	@echo "report: $(CURDIR)/build/reference/index.html, with figures and tables beside it"
 
 ablation: command
@@ -120,13 +119,13 @@ recommendation: command
 	@for manifest in $(CAMPAIGN_MANIFESTS); do \
 	  $(BUILD)/lcpbench collection write $$manifest | $(BUILD)/lcpbench recommend --features - >> build/features.jsonl || exit 1; \
 	done
-	@$(PYTHON) report/recommendation.py $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
+	@$(PYTHON) report/report.py recommendation $(CAMPAIGNS) --features build/features.jsonl -o data/recommendation.json
 
 calibrate: command
 	@$(BUILD)/lcpbench run --resume $(CALIBRATION) --output $(CALIBRATION_RESULTS)
-	@$(PYTHON) report/calibrate.py $(CALIBRATION_RESULTS)
+	@$(PYTHON) report/report.py calibrate $(CALIBRATION_RESULTS)
 
-geometry-benchmark scene-benchmark: configure
+scene-benchmark: configure
 	@cmake --build --preset $(PRESET) -j $(JOBS) --target $(subst -,_,$@)
 	@$(BUILD)/$(subst -,_,$@) $(OPTIONS)
 

@@ -18,8 +18,8 @@ if ! { [ -x "$tidy" ] && [ ! requirements-lint.txt -nt "$tidy" ]; }; then
     tidy=clang-tidy
   }
 fi
-# clang does not know every option of GCC.
-sed 's/ -fno-tree-loop-distribute-patterns//' "$build/compile_commands.json" > build/lint/compile_commands.json
+# clang does not know every option of GCC, nor its precompiled headers: without them every file must include what it uses.
+sed -e 's/ -fno-tree-loop-distribute-patterns//' -e 's/ -Winvalid-pch -include [^ ]*cmake_pch\.hxx//' "$build/compile_commands.json" > build/lint/compile_commands.json
 # Files of peers that are not installed are not compiled.
 git ls-files 'support/*.cc' 'model/*.cc' 'solvers/*.cc' 'benchmarks/*.cc' | while read -r file; do
   if grep -q "\"file\": \"$PWD/$file\"" "$build/compile_commands.json"; then echo "$file"; fi

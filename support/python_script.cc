@@ -1,17 +1,17 @@
 #include "support/python_script.h"
 
 #include <sys/wait.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
+#include <stdexcept>
 
 #include "support/input_error.h"
+#include "support/subprocess.h"
 
 namespace lcpbench {
 namespace {
-
-constexpr int kCannotExecute = 127;  // as shells report it
 
 // Debian's pandas, SciPy, matplotlib and Jinja2 belong to Debian's interpreter, which need not be the first on PATH.
 std::string Interpreter() {
@@ -34,21 +34,16 @@ int RunPythonScript(const std::string& command, const std::vector<std::string>& 
                     const std::vector<std::string>& arguments) {
   std::vector<std::string> words = {Interpreter(), FindScript(command, places)};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  argv.reserve(words.size() + 1);
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-
-  const pid_t child = fork();
-  if (child == 0) {
-    execv(argv[0], argv.data());
-    _exit(kCannotExecute);
-  }
+  SubprocessOptions options;
+  options.command = words;
+  options.own_streams = false;
   int status = 0;
-  if (child < 0 || waitpid(child, &status, 0) != child) throw InputError(command + ": cannot start " + words[0]);
-  if (!WIFEXITED(status) || WEXITSTATUS(status) == kCannotExecute) {
-    throw InputError(command + ": cannot run " + words[0] + " (set LCPBENCH_PYTHON to a Python 3 interpreter)");
+  try {
+    status = Subprocess(options).WaitOrKill(std::numeric_limits<double>::infinity());
+  } catch (const std::runtime_error& error) {
+    throw InputError(command + ": " + error.what() + " (set LCPBENCH_PYTHON to a Python 3 interpreter)");
   }
+  if (!WIFEXITED(status)) throw InputError(command + ": the script " + DescribeEnd(status));
   return WEXITSTATUS(status);
 }
 

@@ -64,7 +64,7 @@ class Builder {
 
   // The entry, but for where its problem comes from; or nothing, and the refusal is noted.
   ManifestEntry* Take(const Instance& instance, const std::string& family) {
-    Examined examined = ExamineOrRecall(instance.problem);
+    const Examined examined = ExamineOrRecall(instance.problem);
     const std::string reason = WhyRefused(instance.problem, examined);
     if (!reason.empty()) {
       manifest_.refused.push_back({instance.problem.id(), reason});
@@ -72,16 +72,10 @@ class Builder {
     }
     AddReference(examined);
     contents_.insert(examined.sha256);
-    ManifestEntry& entry = manifest_.problems.emplace_back();
-    entry.id = instance.problem.id();
-    entry.family = family;
-    entry.properties = std::move(examined.properties);
+    ManifestEntry& entry = manifest_.problems.emplace_back(EntryOf(instance.problem, family, examined));
     entry.properties.kinds = CountKinds(instance.system);
-    entry.answer = examined.answer;
-    entry.reference = std::move(examined.reference);
     entry.provenance = kProvenance;
     entry.licence = kLicence;
-    entry.sha256 = std::move(examined.sha256);
     return &entry;
   }
 

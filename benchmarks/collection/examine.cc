@@ -182,4 +182,15 @@ Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {
   return examined;
 }
 
+ManifestEntry EntryOf(const LcpProblem& problem, const std::string& family, const Examined& examined) {
+  ManifestEntry entry;
+  entry.id = problem.id();
+  entry.family = family;
+  entry.properties = examined.properties;
+  entry.answer = examined.answer;
+  entry.reference = examined.reference;
+  entry.sha256 = examined.sha256;
+  return entry;
+}
+
 }  // namespace lcpbench

@@ -33,4 +33,7 @@ struct Examined {
 /// another by kRounding at most, counts as solved: its rows contradict each other by roundings.
 Examined Examine(const LcpProblem& problem, const ExamineOptions& options);
 
+/// The entry of an examined problem, but for where it comes from.
+ManifestEntry EntryOf(const LcpProblem& problem, const std::string& family, const Examined& examined);
+
 }  // namespace lcpbench

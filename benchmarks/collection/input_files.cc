@@ -1,43 +1,24 @@
 #include "benchmarks/collection/input_files.h"
 
-#include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <optional>
 
-#include "benchmarks/collection/gzip_input.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
+
 void ReadEachLine(const std::string& path,
                   const std::function<void(const std::string& line, const std::string& where)>& handle) {
-  const bool standard_input = path == "-";
-  const std::string name = standard_input ? "<stdin>" : path;
-  std::ifstream file;
-  if (!standard_input) {
-    if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
-    file.open(path);
-    if (!file) throw InputError(path + ": cannot be opened for reading");
-  }
-  std::istream& source = standard_input ? std::cin : file;
-  std::optional<GzipBuffer> gzip;
-  if (LooksLikeGzip(source)) gzip.emplace(source);
-  std::istream decompressed(gzip ? &*gzip : nullptr);
-  std::istream& input = gzip ? decompressed : source;
+  LineReader reader(path);
   std::string line;
-  std::size_t number = 0;
   bool any = false;
-  while (std::getline(input, line)) {
-    // Data that break off within a line: the line is no one's mistake.
-    if (input.eof() && gzip && !gzip->error().empty()) break;
-    ++number;
+  while (reader.Next(&line)) {
     if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
     any = true;
-    handle(line, name + ":" + std::to_string(number));
+    handle(line, reader.name() + ":" + std::to_string(reader.number()));
   }
-  if (gzip && !gzip->error().empty()) throw InputError(name + ": " + gzip->error());
-  if (!any) throw InputError(name + ": is empty, expected JSON lines");
+  if (!any) throw InputError(reader.name() + ": is empty, expected JSON lines");
 }
 
 int ForEachLine(const std::vector<std::string>& files,

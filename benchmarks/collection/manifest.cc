@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_input.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
@@ -356,23 +355,7 @@ std::map<std::string, double> WeightsByBase(const std::vector<ManifestEntry>& pr
   return weights;
 }
 
-struct ProblemSource::OpenFile {
-  explicit OpenFile(std::string name) : path(std::move(name)), file(path), lines(nullptr) {
-    if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
-    if (LooksLikeGzip(file)) gzip.emplace(file);
-    lines.rdbuf(gzip ? static_cast<std::streambuf*>(&*gzip) : file.rdbuf());
-    lines.clear();
-  }
-
-  std::string path;
-  std::ifstream file;
-  std::optional<GzipBuffer> gzip;
-  std::istream lines;
-  std::size_t line = 0;  // the last one read
-};
-
 ProblemSource::ProblemSource(std::string folder) : folder_(std::move(folder)) {}
-ProblemSource::~ProblemSource() = default;
 
 LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
   if (const auto* recipe = std::get_if<Recipe>(&entry.source)) return MakeInstance(*recipe).problem;
@@ -382,14 +365,13 @@ LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
 LcpProblem ProblemSource::Read(const FileSource& source) {
   const std::string path = (std::filesystem::path(folder_) / source.path).string();
   if (FormatOfFile(path) != ProblemFormat::kJsonLines) return ReadProblemFile(path);
-  if (!open_ || open_->path != path || open_->line >= source.line) open_ = std::make_unique<OpenFile>(path);
+  if (!open_ || open_->name() != path || open_->number() >= source.line) open_.emplace(path);
   std::string line;
-  while (open_->line < source.line) {
-    if (!std::getline(open_->lines, line)) {
+  while (open_->number() < source.line) {
+    if (!open_->Next(&line)) {
       throw InputError(path + ": expected " + std::to_string(source.line) + " lines, found " +
-                       std::to_string(open_->line));
+                       std::to_string(open_->number()));
     }
-    ++open_->line;
   }
   return ParseLcpRecord(line, path + ":" + std::to_string(source.line)).problem;
 }

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
 
@@ -126,7 +126,6 @@ class ProblemSource {
  public:
   /// @param folder  of the manifest
   explicit ProblemSource(std::string folder);
-  ~ProblemSource();
 
   /// @throws InputError as MakeInstance, or as the file's reader
   LcpProblem Get(const ManifestEntry& entry);
@@ -135,8 +134,7 @@ class ProblemSource {
   LcpProblem Read(const FileSource& source);
 
   std::string folder_;
-  struct OpenFile;
-  std::unique_ptr<OpenFile> open_;  // of JSON lines
+  std::optional<LineReader> open_;  // of JSON lines
 };
 
 }  // namespace lcpbench

@@ -10,43 +10,45 @@
 namespace lcpbench {
 namespace {
 
-Candidate Of(std::string_view scene, int rows, std::uint64_t seed, std::vector<Change> changes = {}) {
-  Candidate candidate;
-  candidate.recipe = {std::string(scene), rows, seed, std::move(changes)};
-  candidate.family = scene;
-  return candidate;
+using Scenes = std::vector<std::string_view>;
+
+Scenes EveryScene() {
+  Scenes keys;
+  for (const SceneFamily& scene : AllScenes()) keys.push_back(scene.key);
+  return keys;
 }
 
-void AddEveryScene(std::initializer_list<int> sizes, std::uint64_t first_seed, std::uint64_t last_seed, Tier* tier) {
-  for (const SceneFamily& scene : AllScenes()) {
+// One list of changes, which is empty.
+const std::vector<std::vector<Change>> kUnchanged(1);
+
+// Every scene at every size with every seed and every list of changes.
+void Add(const Scenes& scenes, std::initializer_list<int> sizes, const std::vector<std::vector<Change>>& changes,
+         Tier* tier, const std::vector<std::uint64_t>& seeds = {1}, std::string_view grid = {},
+         std::string_view purpose = {}) {
+  for (const std::string_view scene : scenes) {
     for (const int rows : sizes) {
-      for (std::uint64_t seed = first_seed; seed <= last_seed; ++seed) {
-        tier->problems.push_back(Of(scene.key, rows, seed));
+      for (const std::uint64_t seed : seeds) {
+        for (const std::vector<Change>& change : changes) {
+          tier->problems.push_back(
+              {{std::string(scene), rows, seed, change}, std::string(scene), std::string(grid), std::string(purpose)});
+        }
       }
     }
-  }
-}
-
-void AddScenes(std::initializer_list<std::string_view> scenes, std::initializer_list<int> sizes, std::uint64_t seed,
-               Tier* tier) {
-  for (const std::string_view scene : scenes) {
-    for (const int rows : sizes) tier->problems.push_back(Of(scene, rows, seed));
   }
 }
 
 // Problems that differ in one number only.
-void AddGrid(const char* property, const char* change, std::initializer_list<std::string_view> scenes,
-             std::initializer_list<int> sizes, std::initializer_list<double> amounts, Tier* tier) {
-  constexpr std::uint64_t kSeed = 1;
-  for (const std::string_view scene : scenes) {
-    for (const int rows : sizes) {
-      for (const double amount : amounts) {
-        Candidate candidate = Of(scene, rows, kSeed, {{change, amount}});
-        candidate.grid = property;
-        tier->problems.push_back(std::move(candidate));
-      }
-    }
-  }
+void AddGrid(const char* property, const char* change, const Scenes& scenes, std::initializer_list<int> sizes,
+             std::initializer_list<double> amounts, Tier* tier) {
+  std::vector<std::vector<Change>> changes;
+  for (const double amount : amounts) changes.push_back({{change, amount}});
+  Add(scenes, sizes, changes, tier, {1}, property);
+}
+
+// Problems that are meant to break something.
+void AddHard(const Scenes& scenes, std::initializer_list<int> sizes, const std::vector<std::vector<Change>>& changes,
+             std::string_view purpose, Tier* tier, std::uint64_t seed = 1) {
+  Add(scenes, sizes, changes, tier, {seed}, {}, purpose);
 }
 
 void AddMotion(std::string_view scene, int rows, std::uint64_t seed, int steps, Tier* tier) {
@@ -56,8 +58,8 @@ void AddMotion(std::string_view scene, int rows, std::uint64_t seed, int steps, 
 // Steps of motions of every family.
 void AddMotions(std::initializer_list<int> sizes, std::uint64_t last_seed, int steps, Tier* tier) {
   for (const int rows : sizes) {
-    for (const SceneFamily& scene : AllScenes()) {
-      for (std::uint64_t seed = 1; seed <= last_seed; ++seed) AddMotion(scene.key, rows, seed, steps, tier);
+    for (const std::string_view scene : EveryScene()) {
+      for (std::uint64_t seed = 1; seed <= last_seed; ++seed) AddMotion(scene, rows, seed, steps, tier);
     }
   }
 }
@@ -69,17 +71,12 @@ Tier Named(const char* name, const char* purpose) {
   return tier;
 }
 
-void AddHard(Candidate candidate, std::string_view purpose, Tier* tier) {
-  candidate.purpose = purpose;
-  tier->problems.push_back(std::move(candidate));
-}
-
 Tier Smoke() {
   Tier tier = Named("smoke", "Every scene family at two small sizes: all solvers in seconds.");
   tier.refuses = true;
   tier.has_references = true;
   tier.has_files = true;
-  AddEveryScene({8, 40}, 11, 11, &tier);
+  Add(EveryScene(), {8, 40}, kUnchanged, &tier, {11});
   return tier;
 }
 
@@ -87,7 +84,7 @@ Tier Engine() {
   Tier tier = Named("engine", "One to three rows, as a physics engine's islands mostly are.");
   tier.has_references = true;
   tier.has_files = true;
-  AddEveryScene({1, 2, 3}, 1, 3, &tier);
+  Add(EveryScene(), {1, 2, 3}, kUnchanged, &tier, {1, 2, 3});
   // Of one row f = 0 and w = 0 are all there is, and an engine meets either: nothing is refused for its answer.
   tier.fill = {{SizeClassOf(1), {1}}, {SizeClassOf(2), {2, 3}}};
   return tier;
@@ -99,11 +96,11 @@ Tier Standard() {
   tier.refuses = true;
   tier.has_references = true;
   tier.has_files = true;
-  AddEveryScene({4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, 1, 2, &tier);
-  AddEveryScene({2000}, 1, 1, &tier);
-  AddScenes({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl",
-             "roller-bearing", "tall-stacks"},
-            {4000, 10'000}, 1, &tier);
+  Add(EveryScene(), {4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, kUnchanged, &tier, {1, 2});
+  Add(EveryScene(), {2000}, kUnchanged, &tier);
+  Add({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl", "roller-bearing",
+       "tall-stacks"},
+      {4000, 10'000}, kUnchanged, &tier);
   AddGrid("mass ratio", "mass-ratio", {"disc-pile", "rounded-wall", "chain-of-links"}, {100, 400},
           {1e1, 1e2, 1e3, 1e4, 1e5, 1e6}, &tier);
   AddGrid("redundancy", "duplicate-rows", {"ovals-in-bowl", "disc-pile", "disc-track"}, {100, 400}, {0.1, 0.25, 0.5, 1},
@@ -133,8 +130,8 @@ Tier Standard() {
 
 Tier Large() {
   Tier tier = Named("large", "10^4 to 10^6 rows, generated when they are wanted.");
-  AddEveryScene({20'000, 100'000}, 1, 1, &tier);
-  AddScenes({"disc-pile", "disc-track", "ovals-in-bowl", "rounded-wall"}, {300'000, 1'000'000}, 1, &tier);
+  Add(EveryScene(), {20'000, 100'000}, kUnchanged, &tier);
+  Add({"disc-pile", "disc-track", "ovals-in-bowl", "rounded-wall"}, {300'000, 1'000'000}, kUnchanged, &tier);
   return tier;
 }
 
@@ -142,57 +139,33 @@ Tier Pathological() {
   Tier tier = Named("pathological", "Problems that are meant to break something, each of which says what.");
   tier.has_references = true;
   tier.has_files = true;
-  for (const HardCase& hard : AllHardCases()) {
-    for (const int rows : {8, 40, 200}) AddHard(Of(hard.key, rows, 1), hard.purpose, &tier);
-  }
-  for (const std::string_view scene : {"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}) {
-    for (const int rows : {60, 240}) {
-      AddHard(Of(scene, rows, 21), "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.",
-              &tier);
-    }
-  }
-  AddHard(Of("roller-bearing", 60, 1),
+  for (const HardCase& hard : AllHardCases()) AddHard({hard.key}, {8, 40, 200}, kUnchanged, hard.purpose, &tier);
+  AddHard({"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}, {60, 240}, kUnchanged,
+          "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.", &tier, 21);
+  AddHard({"roller-bearing"}, {60}, kUnchanged,
           "Infeasible by one rounding of its data: solvers in doubles cannot know, and a proof of either kind is wrong "
           "for the neighbour.",
           &tier);
-  for (const std::string_view scene : {"disc-pile", "tall-stacks", "rounded-wall", "chain-of-links"}) {
-    for (const int rows : {40, 200}) {
-      AddHard(Of(scene, rows, 1, {{"mass-ratio", 1e8}}),
-              "Mass ratios to 10^8: sweeps stall, and absolute tolerances lose the light bodies.", &tier);
-    }
-  }
+  AddHard({"disc-pile", "tall-stacks", "rounded-wall", "chain-of-links"}, {40, 200}, {{{"mass-ratio", 1e8}}},
+          "Mass ratios to 10^8: sweeps stall, and absolute tolerances lose the light bodies.", &tier);
   for (const double clearance : {1e-3, 1e-6, 1e-9}) {
-    AddHard(Of("disc-track", 40, 1, {{"conformal", clearance}}),
+    AddHard({"disc-track"}, {40}, {{{"conformal", clearance}}},
             "Nearly conformal arcs: the relative curvature all but vanishes, and gamma is huge on some rows.", &tier);
     AddHard(
-        Of("roller-bearing", 40, 1, {{"conformal", clearance}}),
+        {"roller-bearing"}, {40}, {{{"conformal", clearance}}},
         "Nearly conformal arcs in redundant rows, which depend on each other but for rounding: the exact forces are "
         "beyond what doubles can balance.",
         &tier);
   }
-  for (const std::string_view scene : {"disc-pile", "rockers", "gear-train"}) {
-    for (const double binades : {20.0, 60.0}) {
-      AddHard(Of(scene, 60, 1, {{"scale-rows", binades}}),
-              "Rows in units that differ by up to 2^120: whatever is not relative to the diagonal sees some rows only.",
-              &tier);
-    }
-  }
-  for (const std::string_view scene : {"disc-pile", "ovals-in-bowl", "gear-train"}) {
-    for (const int rows : {30, 150}) {
-      AddHard(Of(scene, rows, 1, {{"duplicate-rows", 1}}),
-              "Every contact twice: A_FF is singular for every active set but some.", &tier);
-    }
-  }
-  for (const std::string_view scene : {"disc-pile", "ovals-in-bowl"}) {
-    for (const int rows : {30, 150}) {
-      AddHard(Of(scene, rows, 1, {{"oppose-rows", 0.2}}),
-              "Contacts with their opposites: bilateral in disguise, forces without bound along a line.", &tier);
-    }
-  }
-  for (const double distance : {1e-5, 1e-7}) {
-    AddHard(Of("ovals-in-bowl", 60, 1, {{"crowd-contacts", distance}}),
-            "Contacts that all but coincide: singular to rounding, and yet unique forces.", &tier);
-  }
+  AddHard({"disc-pile", "rockers", "gear-train"}, {60}, {{{"scale-rows", 20}}, {{"scale-rows", 60}}},
+          "Rows in units that differ by up to 2^120: whatever is not relative to the diagonal sees some rows only.",
+          &tier);
+  AddHard({"disc-pile", "ovals-in-bowl", "gear-train"}, {30, 150}, {{{"duplicate-rows", 1}}},
+          "Every contact twice: A_FF is singular for every active set but some.", &tier);
+  AddHard({"disc-pile", "ovals-in-bowl"}, {30, 150}, {{{"oppose-rows", 0.2}}},
+          "Contacts with their opposites: bilateral in disguise, forces without bound along a line.", &tier);
+  AddHard({"ovals-in-bowl"}, {60}, {{{"crowd-contacts", 1e-5}}, {{"crowd-contacts", 1e-7}}},
+          "Contacts that all but coincide: singular to rounding, and yet unique forces.", &tier);
   return tier;
 }
 

@@ -1,13 +1,12 @@
 #include "benchmarks/collection/references.h"
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "benchmarks/collection/gzip_input.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "support/input_error.h"
 
@@ -41,12 +40,9 @@ Eigen::VectorXd Numbers(const Json& values, Index size) {
 References::References(const Manifest& manifest, const std::string& folder) {
   if (manifest.references.empty()) return;
   name_ = (std::filesystem::path(folder) / manifest.references).string();
-  std::ifstream file(name_, std::ios::binary);
-  if (!file) throw InputError(name_ + ": cannot be opened for reading");
-  GzipBuffer gzip(file);
-  std::istream lines(&gzip);
+  LineReader lines(name_);
   std::string line;
-  while (std::getline(lines, line)) {
+  while (lines.Next(&line)) {
     try {
       std::string id = IdOf(line);
       lines_[std::move(id)] = std::move(line);
@@ -54,7 +50,6 @@ References::References(const Manifest& manifest, const std::string& folder) {
       throw InputError(name_ + ": expected lines with an id, found '" + line.substr(0, kExcerpt) + "'");
     }
   }
-  if (!gzip.error().empty()) throw InputError(name_ + ": " + gzip.error());
 }
 
 std::string References::Line(const std::string& id) const {

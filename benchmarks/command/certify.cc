@@ -131,16 +131,12 @@ int Certify(const CertifyArguments& arguments) {
 void AddCertifyCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<CertifyArguments>();
   CLI::App* certify = app.add_subcommand("certify", "Solves LCPs exactly, in rational numbers, with proofs");
-  certify->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem, between exact solves")
-      ->capture_default_str();
-  certify
-      ->add_option("--proofs-up-to", arguments->most_rows_of_proofs,
-                   "Rows up to which ranks, and uniqueness where it needs a program of its own, are proved")
-      ->capture_default_str();
-  certify
-      ->add_option("--exact-up-to", arguments->most_exact_rows,
-                   "Rows up to which the answer is exact; larger problems get one in some 60 digits with proved bounds")
-      ->capture_default_str();
+  certify->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem, between exact solves");
+  certify->add_option("--proofs-up-to", arguments->most_rows_of_proofs,
+                      "Rows up to which ranks, and uniqueness where it needs a program of its own, are proved");
+  certify->add_option(
+      "--exact-up-to", arguments->most_exact_rows,
+      "Rows up to which the answer is exact; larger problems get one in some 60 digits with proved bounds");
   certify->add_flag("--rounded", arguments->rounded, "Only doubles, no fractions");
   certify->add_option("FILE", arguments->files, "JSON lines; - for standard input")->required();
   certify->callback([arguments, &run] { run = [arguments] { return Certify(*arguments); }; });

@@ -12,7 +12,7 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_output.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/sequences.h"
@@ -185,10 +185,9 @@ void AddBuild(CLI::App* collection, CommandRun& run) {
   auto arguments = std::make_shared<BuildArguments>();
   CLI::App* build = collection->add_subcommand("build", "Makes a tier anew: manifest and proved answers");
   build->add_option("TIER", arguments->tier, "smoke, engine, standard, large, sequences or pathological")->required();
-  build->add_option("-o,--output", arguments->folder, "Folder of the manifests")->capture_default_str();
+  build->add_option("-o,--output", arguments->folder, "Folder of the manifests");
   build->add_flag("--keep", arguments->keep, "Examine again only what the manifest there does not have");
-  build->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly")
-      ->capture_default_str();
+  build->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly");
   build->callback([arguments, &run] { run = [arguments] { return Build(*arguments); }; });
 }
 
@@ -205,7 +204,7 @@ void AddWrite(CLI::App* collection, CommandRun& run) {
   CLI::App* write = collection->add_subcommand("write", "Writes a manifest's problems as JSON lines");
   write->add_option("MANIFEST", arguments->manifest, "JSON")->required();
   write->add_option("ID", arguments->ids, "Problems, fill-ups and sequences [default: all but fill-ups]");
-  write->add_option("-o,--output", arguments->output, "File, or - for standard output")->capture_default_str();
+  write->add_option("-o,--output", arguments->output, "File, or - for standard output");
   write->callback([arguments, &run] { run = [arguments] { return WriteProblems(*arguments); }; });
 }
 

@@ -89,11 +89,10 @@ void AddConvertCommand(CLI::App& app, CommandRun& run) {
                    "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
                    "Siconos' name.dat")
       ->required();
-  convert
-      ->add_option("-o,--output", arguments->output,
-                   "name.mtx, name.hdf5, name.h5 or name.dat for one problem, a folder for many, else a file of JSON "
-                   "lines")
-      ->capture_default_str();
+  convert->add_option(
+      "-o,--output", arguments->output,
+      "name.mtx, name.hdf5, name.h5 or name.dat for one problem, a folder for many, else a file of JSON "
+      "lines");
   convert->add_option("--to", arguments->format, "In a folder: jsonl, mtx (the default), hdf5 or dat");
   convert->callback([arguments, &run] { run = [arguments] { return Convert(*arguments); }; });
 }

@@ -39,11 +39,10 @@ void AddGenerateCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<GenerateArguments>();
   CLI::App* generate = app.add_subcommand("generate", "Writes the contact LCP of a scene as a JSON line");
   generate->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes)")->required();
-  generate->add_option("--size", arguments->size, "Number of rows n")->capture_default_str();
-  generate->add_option("--seed", arguments->seed, "The same seed gives the same problem, bit for bit")
-      ->capture_default_str();
+  generate->add_option("--size", arguments->size, "Number of rows n");
+  generate->add_option("--seed", arguments->seed, "The same seed gives the same problem, bit for bit");
   generate->add_flag("--with-matrix", arguments->with_matrix, "Also write A = J M^-1 J^T");
-  generate->add_option("-o,--output", arguments->output, "File, or - for standard output")->capture_default_str();
+  generate->add_option("-o,--output", arguments->output, "File, or - for standard output");
   generate->callback([arguments, &run] { run = [arguments] { return Generate(*arguments); }; });
 }
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmarks/collection/examine.h"
-#include "benchmarks/collection/gzip_output.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/input_files.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/problem_formats.h"
@@ -105,17 +105,11 @@ class Importer {
 
   void Take(const LcpProblem& problem, FileSource source, const std::string& where) {
     if (!ids_.insert(problem.id()).second) throw InputError(where + ": id '" + problem.id() + "' is there already");
-    Examined examined = Examine(problem, arguments_.examine);
-    ManifestEntry entry;
-    entry.id = problem.id();
-    entry.family = manifest_.name;
+    const Examined examined = Examine(problem, arguments_.examine);
+    ManifestEntry entry = EntryOf(problem, manifest_.name, examined);
     entry.source = std::move(source);
-    entry.properties = std::move(examined.properties);
-    entry.answer = examined.answer;
-    entry.reference = std::move(examined.reference);
     entry.provenance = arguments_.provenance;
     entry.licence = arguments_.licence;
-    entry.sha256 = std::move(examined.sha256);
     manifest_.problems.push_back(std::move(entry));
     if (!examined.reference_line.empty()) references_ += examined.reference_line + '\n';
   }
@@ -151,11 +145,10 @@ void AddImportCommand(CLI::App& app, CommandRun& run) {
   import->add_option("FOLDER", arguments->folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")
       ->required();
   import->add_option("--name", arguments->name, "Of the set [default: the folder's]");
-  import->add_option("--set-version", arguments->version, "Of the set")->capture_default_str();
+  import->add_option("--set-version", arguments->version, "Of the set");
   import->add_option("--provenance", arguments->provenance, "Where the problems come from")->required();
   import->add_option("--licence", arguments->licence, "SPDX name of their licence")->required();
-  import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly")
-      ->capture_default_str();
+  import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly");
   import->footer(
       "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
       "out; exit status 2 then.");

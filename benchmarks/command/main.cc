@@ -28,6 +28,15 @@ void RequireKnownCommand(const CLI::App& app, int argc, char** argv) {
   }
 }
 
+// Values that stand for "not given" are no defaults to show.
+void HideStandIns(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    const std::string shown = option->get_default_str();
+    if (shown == "[]" || shown == "0" || shown == "-1") option->default_str("");
+  }
+  for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) HideStandIns(*command);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -36,6 +45,7 @@ int main(int argc, char** argv) {
   app.name("lcpbench");
   app.set_version_flag("--version", std::string("lcpbench ") + kVersion);
   app.require_subcommand(1);
+  app.option_defaults()->always_capture_default();
   // One line per mistake, as everywhere else.
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
     return failed->get_name() + ": " + error.what() + " (see --help)\n";
@@ -59,13 +69,11 @@ int main(int argc, char** argv) {
   AddRunCommand(app, run);
   AddMergeCommand(app, run);
   AddCampaignWorkerCommand(app, run);
-  AddReportCommand(app, run);
-  AddAnalyseCommand(app, run);
-  AddCompareCommand(app, run);
-  AddTuneCommand(app, run);
+  AddReportCommands(app, run);
   AddRecommendCommand(app, run);
   AddSequenceCommand(app, run);
   AddMotionCommand(app, run);
+  HideStandIns(app);
 
   try {
     RequireKnownCommand(app, argc, argv);

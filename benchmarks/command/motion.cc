@@ -61,19 +61,15 @@ void AddMotionCommand(CLI::App& app, CommandRun& run) {
   motion
       ->add_option("--scenes", arguments->scenes,
                    "Scene keys or scene files (.json), each with @acceleration or @velocity or its own level")
-      ->delimiter(',')
-      ->capture_default_str();
+      ->delimiter(',');
   motion->add_option("--solvers", arguments->solvers, "Only these solvers")->delimiter(',');
-  motion->add_option("--tolerances", arguments->tolerances, "Direct methods run at the least one only")
-      ->delimiter(',')
-      ->capture_default_str();
-  motion->add_option("--size", arguments->size, "Number of rows n at the start")->capture_default_str();
-  motion->add_option("--seed", arguments->seed, "Of the scenes")->capture_default_str();
-  motion->add_option("--steps", arguments->steps, "Steps of --dt each")->capture_default_str();
+  motion->add_option("--tolerances", arguments->tolerances, "Direct methods run at the least one only")->delimiter(',');
+  motion->add_option("--size", arguments->size, "Number of rows n at the start");
+  motion->add_option("--seed", arguments->seed, "Of the scenes");
+  motion->add_option("--steps", arguments->steps, "Steps of --dt each");
   motion->add_option("--dt", arguments->dt, "Seconds per step [default: each scene's own]");
-  motion->add_option("--budget", arguments->budget_s, "Seconds per motion; longer ones are stopped")
-      ->capture_default_str();
-  motion->add_option("-o,--output", arguments->output, "Folder of motion.csv")->capture_default_str();
+  motion->add_option("--budget", arguments->budget_s, "Seconds per motion; longer ones are stopped");
+  motion->add_option("-o,--output", arguments->output, "Folder of motion.csv");
   motion->footer(
       "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, the\n"
       "same motion driven by dantzig at 1e-12. Energies over its largest kinetic energy. Touching bodies are chaotic:\n"

@@ -5,11 +5,9 @@
 #include <iostream>
 #include <memory>
 
-#include "benchmarks/campaign/exclusion_rules.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/external_option.h"
-#include "benchmarks/command/variant_option.h"
+#include "benchmarks/command/solver_options.h"
 #include "benchmarks/recommend/features.h"
 #include "benchmarks/recommend/measurement.h"
 #include "benchmarks/recommend/problem_steps.h"
@@ -180,7 +178,7 @@ int Recommend(const RecommendArguments& arguments, std::vector<std::string> solv
   return 0;
 }
 
-// What report/recommendation.py makes rules of: the same numbers as the command looks them up by.
+// What report/report.py recommendation makes rules of: the same numbers as the command looks them up by.
 int PrintFeatures(const RecommendArguments& arguments) {
   if (arguments.files.empty()) throw InputError("--features: expected one FILE or more");
   return ForEachProblem(arguments.files, [](const LcpRecord& record) {
@@ -201,39 +199,29 @@ void AddRecommendCommand(CLI::App& app, CommandRun& run) {
                         "Problem file of any format, or a sequence as JSON lines; - for standard input");
   recommend->add_option("--scene", arguments->scene,
                         "Instead of a file: scene key (lcpbench list scenes), or a scene file (.json)");
-  recommend->add_option("--size", arguments->size, "Of the scene: number of rows n")->capture_default_str();
-  recommend->add_option("--seed", arguments->seed, "Of the scene")->capture_default_str();
-  recommend->add_option("--steps", arguments->steps, "Of the scene: let it move for so many steps; 1: an instant")
-      ->capture_default_str();
+  recommend->add_option("--size", arguments->size, "Of the scene: number of rows n");
+  recommend->add_option("--seed", arguments->seed, "Of the scene");
+  recommend->add_option("--steps", arguments->steps, "Of the scene: let it move for so many steps; 1: an instant");
   recommend->add_option("--deadline", arguments->deadline,
                         "Of a step's set-up and solve, met at the 99th percentile: seconds, or 500us, 16ms");
-  recommend->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual")
-      ->capture_default_str();
+  recommend->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual");
   recommend
       ->add_option("--candidates", arguments->candidates,
                    "Solver keys, or all: all own solvers [default: those that the rules name]")
       ->delimiter(',');
   recommend->add_flag("--peers", arguments->peers, "Also try the peers that were fast in the reference");
   recommend->add_option("--rules", arguments->rules,
-                        "Written by report/recommendation.py [default: data/recommendation.json]");
-  recommend->add_option("--rounds", arguments->rounds, "How often every candidate is run")->capture_default_str();
+                        "Written by report/report.py recommendation [default: data/recommendation.json]");
+  recommend->add_option("--rounds", arguments->rounds, "How often every candidate is run");
   recommend->add_option("--cpu", arguments->cpu, "The processor that solves are kept on");
   recommend->add_flag("--json", arguments->json, "All of it as one JSON object");
   recommend->add_flag("--features", arguments->features, "Only print the features of all problems, as JSON lines");
-  const auto externals = AddExternalOption(*recommend);
-  const auto variants = AddVariantOption(*recommend);
+  const auto named = AddNamedSolverOptions(*recommend);
   recommend->footer("Exit status 0 also where nothing meets the request; the answer then says so.");
-  recommend->callback([arguments, externals, variants, &run] {
-    run = [arguments, externals, variants] {
-      RegisterExternals(*externals);
-      RegisterVariants(*variants);
-      if (arguments->features) return PrintFeatures(*arguments);
-      std::vector<std::string> solver_arguments;
-      for (const std::string& external : *externals)
-        solver_arguments.insert(solver_arguments.end(), {"--external", external});
-      for (const std::string& variant : *variants)
-        solver_arguments.insert(solver_arguments.end(), {"--variant", variant});
-      return Recommend(*arguments, solver_arguments);
+  recommend->callback([arguments, named, &run] {
+    run = [arguments, named] {
+      named->Register();
+      return arguments->features ? PrintFeatures(*arguments) : Recommend(*arguments, named->Words());
     };
   });
 }

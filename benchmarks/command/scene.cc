@@ -137,24 +137,17 @@ void AddSceneCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<SceneArguments>();
   CLI::App* scene = app.add_subcommand("scene", "Draws a scene, its contacts and their forces, or its motion");
   scene->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes) or scene file")->required();
-  scene->add_option("--size", arguments->size, "Number of rows n, of a scene family")->capture_default_str();
-  scene->add_option("--seed", arguments->seed, "The same seed gives the same scene")->capture_default_str();
+  scene->add_option("--size", arguments->size, "Number of rows n, of a scene family");
+  scene->add_option("--seed", arguments->seed, "The same seed gives the same scene");
   scene->add_option("--solver", arguments->solver, "Solver key; default: the first whose answer is verified");
   scene->add_option("--level", arguments->level, "acceleration or velocity; default: what suits the scene");
-  scene->add_option("--time", arguments->time, "Draw or write the scene after this time in motion [s]")
-      ->capture_default_str();
-  scene
-      ->add_option("-o,--output", arguments->output,
-                   "SVG picture (- for standard output), or scene file (.json) of what moves")
-      ->capture_default_str();
+  scene->add_option("--time", arguments->time, "Draw or write the scene after this time in motion [s]");
+  scene->add_option("-o,--output", arguments->output,
+                    "SVG picture (- for standard output), or scene file (.json) of what moves");
   CLI::Option* animate =
       scene->add_option("--animate", arguments->animate, "HTML page of the motion, instead of a picture");
-  scene->add_option("--duration", arguments->animation.duration, "Of the motion [s]")
-      ->needs(animate)
-      ->capture_default_str();
-  scene->add_option("--fps", arguments->animation.fps, "Frames per second of its time")
-      ->needs(animate)
-      ->capture_default_str();
+  scene->add_option("--duration", arguments->animation.duration, "Of the motion [s]")->needs(animate);
+  scene->add_option("--fps", arguments->animation.fps, "Frames per second of its time")->needs(animate);
   scene->callback([arguments, &run] { run = [arguments] { return RunScene(*arguments); }; });
 }
 

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/settings_option.h"
+#include "benchmarks/command/solver_options.h"
 #include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/scene_source.h"
@@ -140,19 +140,17 @@ void AddSequenceCommand(CLI::App& app, CommandRun& run) {
       app.add_subcommand("sequence", "Lets a scene move and writes the LCPs that it meets as JSON lines");
   sequence->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes), or a scene file (.json)")
       ->required();
-  sequence->add_option("--size", arguments->size, "Number of rows n at the start")->capture_default_str();
-  sequence->add_option("--seed", arguments->seed, "The same seed gives the same start, bit for bit")
-      ->capture_default_str();
-  sequence->add_option("--steps", arguments->steps, "Steps of --dt each")->capture_default_str();
+  sequence->add_option("--size", arguments->size, "Number of rows n at the start");
+  sequence->add_option("--seed", arguments->seed, "The same seed gives the same start, bit for bit");
+  sequence->add_option("--steps", arguments->steps, "Steps of --dt each");
   sequence->add_option("--dt", arguments->dt, "Seconds per step [default: the scene's own]");
   sequence->add_option("--level", arguments->level, "acceleration or velocity [default: the scene's own]");
-  sequence->add_option("--solver", arguments->solver, "Solver key (lcpbench list solvers)")->capture_default_str();
-  sequence->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual")
-      ->capture_default_str();
-  sequence->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem")->capture_default_str();
+  sequence->add_option("--solver", arguments->solver, "Solver key (lcpbench list solvers)");
+  sequence->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual");
+  sequence->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem");
   const auto settings = AddSettingsOption(*sequence);
   sequence->add_flag("--with-matrix", arguments->with_matrix, "Also write A = J M^-1 J^T");
-  sequence->add_option("-o,--output", arguments->output, "File, or - for standard output")->capture_default_str();
+  sequence->add_option("-o,--output", arguments->output, "File, or - for standard output");
   sequence->footer("Exit status 1 when the motion came to an end early; what was written until then is kept.");
   sequence->callback([arguments, settings, &run] {
     run = [arguments, settings] { return WriteSequence(*arguments, ParseSettings(*settings)); };

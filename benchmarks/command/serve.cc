@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/settings_option.h"
+#include "benchmarks/command/solver_options.h"
 #include "build_info.h"
 #include "solvers/peers/protocol/worker.h"
 #include "solvers/registry.h"

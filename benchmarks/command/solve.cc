@@ -5,8 +5,7 @@
 #include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/input_files.h"
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/external_option.h"
-#include "benchmarks/command/settings_option.h"
+#include "benchmarks/command/solver_options.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -60,19 +59,17 @@ void AddSolveCommand(CLI::App& app, CommandRun& run) {
   auto arguments = std::make_shared<SolveArguments>();
   CLI::App* solve = app.add_subcommand("solve", "Solves LCPs from JSON lines and judges every answer");
   solve->add_option("--solver", arguments->solver, "Solver key (lcpbench list solvers)")->required();
-  solve->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual")
-      ->capture_default_str();
-  solve->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem")->capture_default_str();
-  solve->add_option("--max-iterations", arguments->max_iterations, "In the solver's unit; 0 = its default")
-      ->capture_default_str();
+  solve->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual");
+  solve->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem");
+  solve->add_option("--max-iterations", arguments->max_iterations, "In the solver's unit; 0 = its default");
   solve->add_flag("--floor", arguments->relative_to_floor,
                   "Judge by the larger of tolerance and the problem's rounding floor, which a reference solve finds");
   const auto settings = AddSettingsOption(*solve);
   solve->add_option("FILE", arguments->files, "JSON lines; - for standard input")->required();
-  const auto externals = AddExternalOption(*solve);
-  solve->callback([arguments, settings, externals, &run] {
-    run = [arguments, settings, externals] {
-      RegisterExternals(*externals);
+  const auto named = AddNamedSolverOptions(*solve);
+  solve->callback([arguments, settings, named, &run] {
+    run = [arguments, settings, named] {
+      named->Register();
       return Solve(*arguments, ParseSettings(*settings));
     };
   });

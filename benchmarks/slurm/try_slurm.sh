@@ -198,7 +198,7 @@ expect_went_on() {
 }
 merge_and_compare() {
   "$lcpbench" merge "$LCPBENCH_OUT"/shard-* -o "$LCPBENCH_OUT/merged" > /dev/null
-  "$python" report/same_results.py "$LCPBENCH_OUT/merged" "$work/jobs/whole"
+  "$python" report/report.py same "$LCPBENCH_OUT/merged" "$work/jobs/whole"
 }
 
 # ---- mistakes are one line and status 2

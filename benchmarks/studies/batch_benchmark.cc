@@ -1,25 +1,19 @@
 // Times SolveBatch: many problems of 10, 20 and 30 rows, one per SIMD lane, with each instruction set of this machine,
 // beside one problem after another by `auto` and `dantzig` in the same run.
 //
-// A batch: 512 seeds of one scene family, so that lanes hold different problems. The table after Google Benchmark's own
-// output has nanoseconds per problem, the least of all repetitions; in brackets the share of problems that lanes left
-// to `auto`; and, after an exclamation mark, how many of the 512 answers the verifier refused. `dense` is the form
-// without LcpProblem objects. Set-up (DenseA, symmetry) is not timed.
-// Takes the options of Google Benchmark (--benchmark_filter=disc-pile, --benchmark_min_time=0.05, ...).
+// A batch: 512 seeds of one scene family, so that lanes hold different problems. The table has nanoseconds per problem
+// and the ratio to `auto`, the share of problems that lanes left to `auto`, and how many of the 512 answers the
+// verifier refused. `dense` is the form without LcpProblem objects. Set-up (DenseA, symmetry) is not timed. Takes the
+// options of Google Benchmark (--benchmark_filter=disc-pile, --benchmark_min_time=0.05, ...).
 
 #include <benchmark/benchmark.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <functional>
-#include <map>
-#include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/auto/auto_solver.h"
@@ -33,10 +27,8 @@ namespace {
 constexpr std::array kSizes = {10, 20, 30};
 constexpr std::uint64_t kSeeds = 512;
 constexpr const char* kFallbackCounter = "fallback";
-constexpr const char* kRefusedCounter = "refused";
 
 struct Workload {
-  std::string_view family;
   int rows = 0;
   std::vector<LcpProblem> problems;
   std::vector<LcpResult> results;
@@ -44,7 +36,7 @@ struct Workload {
   std::vector<std::uint32_t> bilateral;
   std::vector<LcpStatus> status;
 
-  Workload(std::string_view key, int n) : family(key), rows(n), results(kSeeds), status(kSeeds) {
+  Workload(std::string_view key, int n) : rows(n), results(kSeeds), status(kSeeds) {
     for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
       problems.push_back(AssembleContactLcp(GenerateScene(key, n, seed)).problem);
       const LcpProblem& problem = problems.back();
@@ -76,14 +68,7 @@ struct Workload {
   }
 };
 
-// Only the current workload is kept: the methods on one follow each other.
-Workload& CurrentWorkload(std::string_view family, int rows) {
-  static std::unique_ptr<Workload> workload;
-  if (workload == nullptr || workload->family != family || workload->rows != rows) {
-    workload = std::make_unique<Workload>(family, rows);
-  }
-  return *workload;
-}
+KeptWorkload<Workload> kept;
 
 void TimeBatch(benchmark::State& state, Workload* work, BatchInstructions instructions) {
   BatchOptions options;
@@ -134,80 +119,18 @@ std::vector<Method> Methods() {
   return methods;
 }
 
-// Google Benchmark's console output, and the table after it.
-class TableReporter : public benchmark::ConsoleReporter {
- public:
-  explicit TableReporter(std::vector<Method> methods) : ConsoleReporter(OO_Tabular), methods_(std::move(methods)) {}
-
-  void ReportRuns(const std::vector<Run>& runs) override {
-    ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs) {
-      if (run.run_type != Run::RT_Iteration) continue;
-      const std::string& name = run.run_name.function_name;
-      const std::size_t slash = name.rfind('/');
-      Cell& cell = cells_[name.substr(0, slash)][name.substr(slash + 1)];
-      const double ns = 1e9 * run.cpu_accumulated_time / static_cast<double>(run.iterations) / kSeeds;
-      cell.ns = cell.ns == 0 ? ns : std::min(cell.ns, ns);
-      if (const auto it = run.counters.find(kFallbackCounter); it != run.counters.end()) cell.fallback = it->second;
-      if (const auto it = run.counters.find(kRefusedCounter); it != run.counters.end()) cell.refused = it->second;
-    }
-  }
-
-  void Finalize() override {
-    std::printf("\nNanoseconds per problem (share left to auto) !refused answers\n%-24s", "family/rows");
-    for (const Method& method : methods_) std::printf("%18s", method.name.c_str());
-    std::printf("\n");
-    double all_refused = 0;
-    for (const int rows : kSizes) {
-      std::map<std::string, std::pair<double, int>> means;
-      for (const auto& [row, cells] : cells_) {
-        if (!row.ends_with("/" + std::to_string(rows))) continue;
-        std::printf("%-24s", row.c_str());
-        for (const Method& method : methods_) {
-          const auto it = cells.find(method.name);
-          if (it == cells.end()) {
-            std::printf("%18s", "-");
-            continue;
-          }
-          const Cell& cell = it->second;
-          std::printf("%8.1f (%4.1f%%)%c%-2.0f", cell.ns, 100 * cell.fallback, cell.refused > 0 ? '!' : ' ',
-                      cell.refused);
-          all_refused += cell.refused;
-          means[method.name].first += std::log(cell.ns);
-          ++means[method.name].second;
-        }
-        std::printf("\n");
-      }
-      std::printf("%-24s", ("geometric mean/" + std::to_string(rows)).c_str());
-      for (const Method& method : methods_) {
-        const auto& [sum, count] = means[method.name];
-        std::printf("%8.1f%10s", count > 0 ? std::exp(sum / count) : 0.0, "");
-      }
-      std::printf("\n");
-    }
-    std::printf("Answers refused by the verifier: %.0f\n", all_refused);
-  }
-
- private:
-  struct Cell {
-    double ns = 0;
-    double fallback = 0;
-    double refused = 0;
-  };
-  std::vector<Method> methods_;
-  std::map<std::string, std::map<std::string, Cell>> cells_;
-};
-
 // By problems before method, so that a workload is made once.
-void RegisterAll(const std::vector<Method>& methods) {
+void RegisterAll() {
+  const std::vector<Method> methods = Methods();
   for (const int rows : kSizes) {
     for (const SceneFamily& family : AllScenes()) {
       for (const Method& method : methods) {
-        const std::string name = std::string(family.key) + "/" + std::to_string(rows) + "/" + method.name;
+        const std::string name = std::string(family.key) + "/" + method.name + "/" + std::to_string(rows);
         const auto time = [key = family.key, rows, run = method.run](benchmark::State& state) {
-          Workload& work = CurrentWorkload(key, rows);
+          Workload& work = kept.Get(std::string(key) + "/" + std::to_string(rows), key, rows);
           run(state, &work);
-          state.counters[kRefusedCounter] = work.CountRefused();
+          state.counters["refused"] = work.CountRefused();
+          state.counters[kItems] = kSeeds;
         };
         benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMicrosecond);
       }
@@ -219,11 +142,6 @@ void RegisterAll(const std::vector<Method>& methods) {
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  benchmark::Initialize(&argc, argv);
-  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
-  const std::vector<lcpbench::Method> methods = lcpbench::Methods();
-  lcpbench::RegisterAll(methods);
-  lcpbench::TableReporter reporter(methods);
-  benchmark::RunSpecifiedBenchmarks(&reporter);
-  return 0;
+  lcpbench::RegisterAll();
+  return lcpbench::RunStudy(argc, argv, {"Nanoseconds per problem (ratio to auto)", 1e9, "auto"});
 }

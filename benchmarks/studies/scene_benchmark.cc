@@ -1,21 +1,29 @@
 // Times what comes before a solve, stage by stage, for every scene family at 10^3 to 10^5 rows: generating the scene,
-// assembling J, gamma and b from its contacts, forming A. After Google Benchmark's own output it prints a table: time
-// per row and the most memory resident at every size, and the exponent p of time ~ rows^p.
+// finding its contacts from the outlines of its bodies, assembling J, gamma and b, forming A. The table has
+// microseconds per row, the most memory resident at a time and the exponent p of time ~ rows^p.
 // --largest=N (a power of ten) goes on to N rows or stops there. Takes the options of Google Benchmark besides
 // (--benchmark_filter=disc-pile, ...).
 
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <memory>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "benchmarks/measure/peak_memory.h"
-#include "benchmarks/studies/growth_report.h"
+#include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
+#include "model/detection/detection.h"
+#include "model/detection/narrow_phase.h"
+#include "model/geometry/broad_phase.h"
+#include "model/motion/contact_finder.h"
 #include "model/scenes/scene.h"
+#include "model/scenes/scene_builder.h"
+#include "support/exit_status.h"
 
 namespace lcpbench {
 namespace {
@@ -25,95 +33,124 @@ constexpr int kLargestByDefault = 100'000;
 constexpr int kLargestOfAll = 1'000'000;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kLeastTime = 0.1;  // s
-
-int largest = kLargestByDefault;
+// Less than what bodies of a scene that do not touch are apart [m].
+constexpr double kTolerance = 1e-7;
 
 // What every stage leaves to the next.
 struct Workload {
-  ContactSystem system;
-  AssembledLcp lcp;
-
   Workload(const SceneFamily& family, int rows)
-      : system(family.generate(rows, kSeed)), lcp(AssembleContactLcp(system)) {}
+      : system(family.generate(rows, kSeed)), finder(WorldUnderGravity(system, {})), lcp(AssembleContactLcp(system)) {
+    for (const Body& body : system.bodies) {
+      outlines.push_back(OutlineOf(body));
+      if (!outlines.back().loops.empty()) boxes.push_back(BoxOf(PlaceOutline(outlines.back(), body.x, body.theta)));
+    }
+  }
+
+  // Within it a contact may lie.
+  static BoundingBox BoxOf(const PlacedOutline& placed) {
+    BoundingBox all = placed.boxes.front();
+    for (const BoundingBox& box : placed.boxes) {
+      all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
+      all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
+    }
+    const Vec2 around{kTolerance, kTolerance};
+    return {all.lower + placed.x - around, all.upper + placed.x + around};
+  }
+
+  ContactSystem system;
+  ContactFinder finder;
+  AssembledLcp lcp;
+  std::vector<Outline> outlines;   // of the bodies
+  std::vector<BoundingBox> boxes;  // of those with an outline
 };
 
-KeptWorkload<Workload> kept;
+void FindPairs(const Workload& work) { benchmark::DoNotOptimize(FindOverlappingPairs(work.boxes).data()); }
 
-void Generate(const SceneFamily& family, int rows, benchmark::State* state) {
-  for (auto _ : *state) {
-    const ContactSystem system = family.generate(rows, kSeed);
-    benchmark::DoNotOptimize(system.constraints.data());
+void Place(const Workload& work) {
+  for (size_t i = 0; i < work.outlines.size(); ++i) {
+    const Body& body = work.system.bodies[i];
+    benchmark::DoNotOptimize(PlaceOutline(work.outlines[i], body.x, body.theta).spans.data());
   }
 }
 
-const Workload& WorkloadOf(const SceneFamily& family, int rows) {
-  return kept.Get(std::string(family.key) + "/" + std::to_string(rows),
-                  [&] { return std::make_unique<Workload>(family, rows); });
+void Detect(const Workload& work) {
+  benchmark::DoNotOptimize(work.finder.Find(work.system.bodies, kTolerance, kTolerance).data());
 }
 
-void AssembleRows(const SceneFamily& family, int rows, benchmark::State* state) {
-  const Workload& work = WorkloadOf(family, rows);
-  for (auto _ : *state) {
-    const AssembledLcp lcp = AssembleContactLcp(work.system);
-    benchmark::DoNotOptimize(lcp.rows.data());
-  }
-}
+void AssembleRows(const Workload& work) { benchmark::DoNotOptimize(AssembleContactLcp(work.system).rows.data()); }
 
 // A copy each time, because a problem keeps its A.
-void FormMatrix(const SceneFamily& family, int rows, benchmark::State* state) {
-  const Workload& work = WorkloadOf(family, rows);
-  for (auto _ : *state) {
-    const LcpProblem problem = work.lcp.problem.CopyOfGivenForm();
-    benchmark::DoNotOptimize(problem.SparseA().valuePtr());
-  }
+void FormMatrix(const Workload& work) {
+  const LcpProblem problem = work.lcp.problem.CopyOfGivenForm();
+  benchmark::DoNotOptimize(problem.SparseA().valuePtr());
 }
 
 struct Stage {
   const char* name;
-  void (*run)(const SceneFamily& family, int rows, benchmark::State* state);
+  void (*run)(const Workload& work);  // null: the scene itself is made
 };
 
 constexpr std::array kStages = {
-    Stage{"generate", Generate},  // seed to bodies and contacts
-    Stage{"rows", AssembleRows},  // contacts to J, gamma, b
-    Stage{"matrix", FormMatrix},  // J to A, sparse
+    Stage{"generate", nullptr},       // seed to bodies and contacts
+    Stage{"broad-phase", FindPairs},  // boxes of the bodies to overlapping pairs
+    Stage{"place", Place},            // outlines into the world
+    Stage{"detect", Detect},          // outlines to contacts, with place and broad-phase
+    Stage{"rows", AssembleRows},      // contacts to J, gamma, b
+    Stage{"matrix", FormMatrix},      // J to A, sparse
 };
 
+KeptWorkload<Workload> kept;
+
+void Time(const SceneFamily& family, int rows, const Stage& stage, benchmark::State& state) {
+  const Workload* work = nullptr;
+  if (stage.run != nullptr) {
+    work = &kept.Get(std::string(family.key) + "/" + std::to_string(rows), family, rows);
+  } else {
+    kept.Drop();  // what is resident is what the stage needs and makes
+  }
+  ResetPeak();
+  for (auto _ : state) {
+    if (work != nullptr) {
+      stage.run(*work);
+    } else {
+      benchmark::DoNotOptimize(family.generate(rows, kSeed).constraints.data());
+    }
+  }
+  state.counters["MB"] = 1e-6 * PeakBytes();
+  state.counters[kItems] = rows;
+}
+
 // By size before stage, so that a workload is made once.
-void RegisterAll() {
+void RegisterAll(int largest) {
   for (const SceneFamily& family : AllScenes()) {
     for (int rows = kSmallest; rows <= largest; rows *= 10) {
       for (const Stage& stage : kStages) {
         const std::string name = std::string(family.key) + "/" + stage.name + "/" + std::to_string(rows);
-        const auto time = [&family, rows, &stage](benchmark::State& state) {
-          // What is resident is what the stage needs and makes.
-          if (stage.run == &Generate) kept.Drop();
-          ResetPeak();
-          stage.run(family, rows, &state);
-          state.counters[kPeakCounter] = PeakBytes();
-          state.counters[kSizeCounter] = rows;
-        };
-        benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMillisecond)->MinTime(kLeastTime);
+        benchmark::RegisterBenchmark(
+            name.c_str(), [&family, rows, &stage](benchmark::State& state) { Time(family, rows, stage, state); })
+            ->Unit(benchmark::kMillisecond)
+            ->MinTime(kLeastTime);
       }
     }
   }
-}
-
-void PrintTable(const std::vector<SizeSeries>& series) {
-  std::printf("\nMicroseconds per row (rows) and peak memory, and p of time ~ rows^p\n");
-  PrintPerSize(series, 1e6);
 }
 
 }  // namespace
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  const std::string asked = lcpbench::TakeOption(&argc, argv, "--largest");
-  if (!asked.empty()) lcpbench::largest = std::atoi(asked.c_str());
-  if (lcpbench::largest < lcpbench::kSmallest || lcpbench::largest > lcpbench::kLargestOfAll) {
-    std::fprintf(stderr, "--largest=%s: expected %d to %d rows\n", asked.c_str(), lcpbench::kSmallest,
+  constexpr std::string_view kOption = "--largest=";
+  int largest = lcpbench::kLargestByDefault;
+  char** const end = std::remove_if(argv + 1, argv + argc, [&](const char* argument) {
+    if (!std::string_view(argument).starts_with(kOption)) return false;
+    largest = std::atoi(argument + kOption.size());
+    return true;
+  });
+  if (largest < lcpbench::kSmallest || largest > lcpbench::kLargestOfAll) {
+    std::fprintf(stderr, "--largest=%d: expected %d to %d rows\n", largest, lcpbench::kSmallest,
                  lcpbench::kLargestOfAll);
-    return 2;
+    return lcpbench::kMisuse;
   }
-  return lcpbench::RunBenchmarks(argc, argv, &lcpbench::RegisterAll, &lcpbench::PrintTable);
+  lcpbench::RegisterAll(largest);
+  return lcpbench::RunStudy(static_cast<int>(end - argv), argv, {"Microseconds per row, and p of time ~ rows^p", 1e6});
 }

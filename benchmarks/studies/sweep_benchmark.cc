@@ -1,21 +1,16 @@
 // Times one matrix-free pass over two-body rows against the bandwidth floor: a pass that reads every row, and reads and
 // writes every f and every number of the bodies, once each and in order, and computes nothing else.
 //
-// Rows: the scene disc-pile at 10^3 to 10^6 contacts. The table after Google Benchmark's own output has nanoseconds per
-// contact and the ratio to the floor of the same size; the least of all repetitions counts.
-// Takes the options of Google Benchmark (--benchmark_filter=coloured, --benchmark_repetitions=5, ...).
+// Rows: the scene disc-pile at 10^3 to 10^6 contacts. The table has nanoseconds per contact, and the ratio to the
+// floor. Takes the options of Google Benchmark (--benchmark_filter=coloured, --benchmark_repetitions=5, ...).
 
 #include <benchmark/benchmark.h>
 
 #include <array>
-#include <cstdio>
-#include <map>
-#include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
 
-#include "benchmarks/studies/growth_report.h"
+#include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/first_order/sweeps/row_work.h"
@@ -101,39 +96,15 @@ constexpr std::array kPasses = {
     Pass{"gradient", Gradient},                   // the pass of apgd
 };
 
-// A row per size, a column per pass.
-void PrintTable(const std::vector<SizeSeries>& series) {
-  std::printf("\nNanoseconds per contact and pass (ratio to the floor)\n%-20s", "contacts");
-  for (const Pass& pass : kPasses) std::printf("%20s", pass.name);
-  std::printf("\n");
-  std::map<double, std::map<std::string, double>> ns;
-  for (const SizeSeries& pass : series) {
-    for (const SizePoint& point : pass.points) ns[point.size][pass.name] = 1e9 * point.seconds / point.size;
-  }
-  for (const auto& [size, passes] : ns) {
-    std::printf("%-20.0f", size);
-    const auto floor = passes.find(kFloor);
-    for (const Pass& pass : kPasses) {
-      const auto it = passes.find(pass.name);
-      if (it == passes.end() || floor == passes.end()) {
-        std::printf("%20s", "-");
-      } else {
-        std::printf("%12.2f (%5.2f)", it->second, it->second / floor->second);
-      }
-    }
-    std::printf("\n");
-  }
-}
-
 // By size before pass, so that a workload is made once.
 void RegisterAll() {
   for (const int size : kSizes) {
     for (const Pass& pass : kPasses) {
-      const std::string name = std::string(pass.name) + "/" + std::to_string(size);
+      const std::string name = std::string(kScene) + "/" + pass.name + "/" + std::to_string(size);
       const auto time = [size, &pass](benchmark::State& state) {
-        Workload& work = kept.Get(std::to_string(size), [&] { return std::make_unique<Workload>(size); });
+        Workload& work = kept.Get(std::to_string(size), size);
         for (auto _ : state) pass.run(&work);
-        state.counters[kSizeCounter] = static_cast<double>(work.size);
+        state.counters[kItems] = static_cast<double>(work.size);
       };
       benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMicrosecond);
     }
@@ -144,5 +115,7 @@ void RegisterAll() {
 }  // namespace lcpbench
 
 int main(int argc, char** argv) {
-  return lcpbench::RunBenchmarks(argc, argv, &lcpbench::RegisterAll, &lcpbench::PrintTable);
+  lcpbench::RegisterAll();
+  return lcpbench::RunStudy(argc, argv,
+                            {"Nanoseconds per contact and pass (ratio to the floor)", 1e9, lcpbench::kFloor});
 }

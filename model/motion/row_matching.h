@@ -9,9 +9,6 @@
 
 namespace lcpbench {
 
-/// The same kind and numbers.
-bool IsSameFeature(const Feature& a, const Feature& b);
-
 /// Recognises the rows of one instant in the next: the same constraint type and axis between the same features of the
 /// same bodies. Where one pair of features touches at several places (two general curves), rows go to those whose
 /// normals have turned least. One object follows one motion.

@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "model/geometry/angle.h"
 #include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
 #include "model/shape/outline_checks.h"

@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
+#include "model/geometry/feature.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/outline.h"
-#include "model/shape/outline_piece.h"
 #include "support/json_field.h"
 
 namespace lcpbench {

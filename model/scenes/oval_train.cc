@@ -11,12 +11,11 @@
 #include <utility>
 #include <vector>
 
-#include "model/geometry/angle.h"
+#include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
-#include "model/shape/outline_piece.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {

@@ -2,24 +2,30 @@
 
 import math
 
-import numpy as np
 import pandas as pd
 
-from .inputs import PATHOLOGICAL, Inputs
+from .inputs import Inputs
 from .statistics.cells import EXCLUDED
 from .statistics.groups import COUNTED, GROUP
 from .statistics.means import penalised, shift_of, shifted_geometric_mean
 from .statistics.weighted import weighted_median
-from .style import library, method
+from .solver_facts import library, method
 
 TIER = 1e-6  # that every solver here is meant for
+# Columns of tables that are not there.
+_ASKED_FOR = ["solver", "tier", "unit", "mean", "a", "answers", "reference", "problems", "metric"]
 TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study of precision
 
 
 def main_tier(inputs: Inputs) -> float:
     """The one nearest to TIER, of problems if there are any, else of sequences."""
     tiers = inputs.tiers or [tier for campaign in inputs.campaigns for tier in campaign.info["tiers"]]
-    return min(tiers, key=lambda tier: abs(math.log10(tier / TIER)), default=TIER)
+    return nearest(tiers)
+
+
+def nearest(tiers, wanted: float = TIER) -> float:
+    """The tier next to `wanted`; that one without any."""
+    return min(dict.fromkeys(tiers), key=lambda tier: abs(math.log10(tier / wanted)), default=wanted)
 
 
 def shown_tiers(inputs: Inputs) -> list[float]:
@@ -55,11 +61,10 @@ def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
     return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
 
 
-def ranked(inputs: Inputs, solvers: list[str] | None = None) -> list[str]:
-    """Best first at the main tier, over the problems that count; by the order of the registry where nothing was measured,
-    and among equals."""
-    solvers = inputs.keys if solvers is None else solvers
-    return _ranked(_main_cells(inputs), solvers)
+def table(inputs: Inputs, name: str, tier: float | None = None) -> pd.DataFrame:
+    """Those rows of a table of inputs.analysis; none where there is no such table."""
+    found = inputs.analysis.get(name)
+    return pd.DataFrame(columns=_ASKED_FOR) if found is None else counted(found, tier)
 
 
 def best_own(inputs: Inputs, most: int = 12) -> list[str]:
@@ -72,6 +77,12 @@ def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
     where it is excluded from larger ones by its size limit, also the best of those that are not. The `most` best of
     them, in the order of the registry."""
     return _best(inputs, lambda entry: entry["origin"] != "own", library, most)
+
+
+def best_of(inputs: Inputs, table: pd.DataFrame) -> list[str]:
+    """The best own ones and the best peers that have a row of `table`."""
+    there = set(table["solver"])
+    return [key for key in best_own(inputs, 20) + best_peers(inputs, 20) if key in there]
 
 
 def _main_cells(inputs: Inputs) -> pd.DataFrame:

@@ -118,22 +118,11 @@ def _p99(warm: pd.DataFrame, solver: str, size: str, tier: float) -> float:
     return float(rows.loc[(rows["tier"].map(math.log) - math.log(tier)).abs().idxmin(), "p99"])
 
 
-def warm_passes(inputs: Inputs, tier: float) -> pd.DataFrame:
-    """latency_by_solver's rows of warm passes over sequences of all sizes; of every solver at the tier nearest to
-    `tier`."""
+def passes(inputs: Inputs, tier: float, mode: str = "warm") -> pd.DataFrame:
+    """latency_by_solver's rows of one mode over sequences of all sizes; of every solver at the tier nearest to `tier`."""
     latency = inputs.analysis.get("latency_by_solver")
     if latency is None or latency.empty:
         return pd.DataFrame(columns=["solver"])
-    rows = latency[(latency["mode"] == "warm") & (latency["size"].astype(str) == "all")]
+    rows = latency[(latency["mode"] == mode) & (latency["size"].astype(str) == "all")]
     nearest = (rows["tier"].map(math.log) - math.log(tier)).abs().groupby(rows["solver"]).idxmin()
     return rows.loc[nearest]
-
-
-def by_warm_start(inputs: Inputs, tier: float) -> list[dict]:
-    """What a warm start gains: per solver the median of cold over warm latency, over sequences of all sizes."""
-    rows = warm_passes(inputs, tier)
-    if rows.empty:
-        return []
-    return rows.sort_values("warm_gain", ascending=False)[
-        ["solver", "tier", "warm_gain", "warm_gain_low", "warm_gain_high", "p50", "p99", "max",
-         "verified_share"]].to_dict("records")

@@ -64,12 +64,12 @@ def _builds(inputs: Inputs) -> list:
 
 
 def _run(inputs: Inputs):
-    return inputs.cells[inputs.cells["excluded"] == ""] if len(inputs.cells) else inputs.cells
+    return inputs.cells[inputs.cells["excluded"] == ""]
 
 
 def _noise(inputs: Inputs) -> list:
     cells = _run(inputs)
-    timed = cells[cells["passes"].astype(bool) & cells["fresh_low"].notna()] if len(cells) else cells
+    timed = cells[cells["passes"].astype(bool) & cells["fresh_low"].notna()]
     if timed.empty:
         return []
     half = (timed["fresh_high"] - timed["fresh_low"]) / 2 / timed["fresh_s"]
@@ -88,7 +88,7 @@ def _noise(inputs: Inputs) -> list:
 
 def _changed(inputs: Inputs) -> list:
     cells = _run(inputs)
-    changed = cells[cells["verdict"] == CHANGED] if len(cells) else cells
+    changed = cells[cells["verdict"] == CHANGED]
     if changed.empty:
         return []
     who = list(dict.fromkeys(changed["solver"]))[:5]
@@ -99,13 +99,13 @@ def _changed(inputs: Inputs) -> list:
 
 def _limit(inputs: Inputs) -> list:
     cells = _run(inputs)
-    hit = cells[cells["claim"].isin(("time_limit", "killed"))] if len(cells) else cells
+    hit = cells[cells["claim"].isin(("time_limit", "killed"))]
     lines = []
     for name, campaign in zip(inputs.names, inputs.campaigns):
         limits = campaign.info["limits"]
         lines.append(f"{name}: {limits['time_per_row_s'] * 1e3:g} ms a row, at least {limits['least_s']:g} s and at most "
                      f"{limits['most_s']:g} s")
-    who = hit["solver"].value_counts() if len(hit) else {}
+    who = hit["solver"].value_counts()
     ended = ", ".join(f"{solver} {who[solver]}" for solver in inputs.keys if solver in who)
     return [("Time limit", f"One solve may take ({'; '.join(lines)}). "
              + (f"{formats.plural(len(hit), 'cell')} ended there ({ended}); with more time some might be verified."
@@ -113,7 +113,7 @@ def _limit(inputs: Inputs) -> list:
 
 
 def _excluded(inputs: Inputs) -> list:
-    left_out = inputs.cells[~inputs.cells["excluded"].isin(("", TASK_BUDGET))] if len(inputs.cells) else inputs.cells
+    left_out = inputs.cells[~inputs.cells["excluded"].isin(("", TASK_BUDGET))]
     if left_out.empty:
         return []
     parts = []
@@ -127,8 +127,6 @@ def _excluded(inputs: Inputs) -> list:
 
 def _budget(inputs: Inputs) -> list:
     cells = inputs.cells
-    if cells.empty:
-        return []
     late = cells[cells["excluded"] == TASK_BUDGET]
     untimed = int((cells["passes"].astype(bool) & (cells["timed"] == 0)).sum())
     if late.empty and not untimed:
@@ -170,7 +168,7 @@ def _direct(inputs: Inputs) -> list:
 
 
 def _floor(inputs: Inputs) -> list:
-    passed = int(inputs.cells["at_floor"].sum()) if len(inputs.cells) else 0
+    passed = int(inputs.cells["at_floor"].sum())
     return [("Rounding floor", f"{formats.plural(passed, 'cell')} passed only because the tier is looser where rounding "
              "the proved answer to doubles exceeds it already (rounding_floor.h).")] if passed else []
 

@@ -89,6 +89,9 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     @param ablation   a campaign of `--suite ablation`; likewise
     @throws ReportError for the first thing that does not fit
     """
+    if motion is not None and not motion_file.is_present(motion):
+        raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
+    table = motion_file.read(motion) if motion is not None else None
     campaigns = [load_campaign(folder) for folder in folders]
     for campaign in campaigns:
         for about in campaign.problems.values():
@@ -104,11 +107,6 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
     cells, ablated = (_joined([table(campaign) for campaign in campaigns]) for table in (cell_table, ablation_cells))
-    table = None
-    if motion is not None:
-        if not motion_file.is_present(motion):
-            raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
-        table = motion_file.read(motion)
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,

@@ -1,63 +1,77 @@
-"""What a solver's error does to motion: what motion.csv of `lcpbench motion` holds, and its summary."""
+"""What a solver's error does to motion: motion.csv of `lcpbench motion`, read and checked."""
 
 import math
 from pathlib import Path
 
 import pandas as pd
 
-from . import formats
-from .csv_table import read_table
-from .statistics.jsonl import is_there
+from .errors import ReportError
+from .statistics.jsonl import is_there, packed
 
 FILE = "motion.csv"
-# Kinds as in csv_table.py.
+# Column -> kind.
 COLUMNS = {
     "scene": "text", "level": "text", "size": "integer", "seed": "integer", "solver": "text", "tolerance": "number",
     "step": "integer", "time": "number", "energy": "number?", "energy_error": "number?", "penetration": "number?",
     "joint_error": "number?", "distance": "number?", "rho": "number?", "solve_time_s": "number", "solves": "integer",
     "failed": "integer", "not_passed": "integer", "false_successes": "integer", "stopped": "text?",
 }
+# Kind -> what a cell of it is, in words. A "?" marks kinds that may be empty: "" or NaN after reading.
+_WORDS = {"text": "a word", "text?": "anything", "integer": "a whole number", "number": "a number",
+          "number?": "a number, inf, nan or nothing"}
 
 
 def read(folder: Path) -> pd.DataFrame:
-    """@throws ReportError for the first thing that does not fit"""
-    return read_table(folder / FILE, COLUMNS)
+    """The columns; others are dropped. A file that ends in .xz stands for one that is not there.
+
+    @throws ReportError naming line and column of the first cell that does not fit
+    """
+    path = folder / FILE
+    try:
+        raw = pd.read_csv(path if path.is_file() else packed(path), dtype=str, keep_default_na=False)
+    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
+        raise ReportError(path.name, str(error), "comma-separated rows under a header") from error
+    for column in COLUMNS:
+        if column not in raw.columns:
+            raise ReportError(path.name, f"column '{column}' is missing", "columns " + ", ".join(COLUMNS))
+    if raw.empty:
+        raise ReportError(path.name, "no rows", "at least one row under the header")
+    return pd.DataFrame({column: _column(path.name, column, kind, raw[column]) for column, kind in COLUMNS.items()})
 
 
 def is_present(folder: Path) -> bool:
     return is_there(folder / FILE)
 
 
-def scenes(table: pd.DataFrame) -> list[tuple[str, str]]:
-    """(scene, level) in the order of the file."""
-    return list(dict.fromkeys(zip(table["scene"], table["level"])))
+def scenes(table: pd.DataFrame | None) -> list[tuple[str, str]]:
+    """(scene, level) in the order of the file; none without one."""
+    return [] if table is None else list(dict.fromkeys(zip(table["scene"], table["level"])))
 
 
 def of_scene(table: pd.DataFrame, scene: str, level: str) -> pd.DataFrame:
     return table[(table["scene"] == scene) & (table["level"] == level)]
 
 
-def summary(table: pd.DataFrame, solvers: list[str]) -> list[dict]:
-    """One row per solver and tolerance of one scene: worst values, and counts at the end."""
-    rows = []
-    for solver in solvers:
-        mine = table[table["solver"] == solver]
-        for tolerance in sorted(set(mine["tolerance"]), reverse=True):
-            run = mine[mine["tolerance"] == tolerance]
-            last = run.iloc[-1]
-            rows.append({
-                "solver": solver, "first": not rows or rows[-1]["solver"] != solver,
-                "tolerance": formats.power(tolerance), "time": f"{last['time']:.3g}",
-                "energy": _number(run["energy_error"].max()), "penetration": _number(run["penetration"].max()),
-                "joint": _number(run["joint_error"].max()), "distance": _number(run["distance"].max()),
-                "per_step": formats.seconds(last["solve_time_s"] / max(1, last["step"])),
-                "solves": int(last["solves"]), "failed": int(last["failed"]), "not_passed": int(last["not_passed"]),
-                "false": int(last["false_successes"]), "stopped": last["stopped"],
-            })
-    return rows
+def _column(file: str, column: str, kind: str, cells: pd.Series) -> list:
+    values = []
+    for index, cell in enumerate(cells):
+        value = _parse(cell.strip() if isinstance(cell, str) else "", kind)
+        if value is None:
+            raise ReportError(file, f"line {index + 2}, column '{column}' is {cell!r}", _WORDS[kind])
+        values.append(value)
+    return values
 
 
-def _number(value: float) -> str:
-    if not math.isfinite(value):
-        return formats.DASH
-    return "0" if value == 0 else f"{value:.1e}"
+def _parse(cell: str, kind: str) -> object:
+    """None when the cell does not fit."""
+    if kind == "text?":
+        return cell
+    if kind == "text":
+        return cell or None
+    if kind == "number?" and not cell:
+        return math.nan
+    try:
+        value = int(cell) if kind == "integer" else float(cell)
+    except ValueError:
+        return None
+    return None if kind == "number" and not math.isfinite(value) else value

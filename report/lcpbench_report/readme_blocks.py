@@ -12,10 +12,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import ablation_table, formats, markdown_headline, summary
+from . import formats, markdown, shown_tables, summary
 from .errors import ReportError
 from .headline_table import Headline
 from .inputs import Inputs
+from .table import Table
 
 _BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
@@ -64,19 +65,24 @@ def fill(text: str, page: Page) -> str:
 def _headline(page: Page) -> str:
     """What README shows: caption, table by size class, where we lose, figure."""
     inputs, found = page.source.inputs, page.source.found
-    return "\n".join([markdown_headline.short_caption(inputs, found), "", markdown_headline.classes(found), summary.peers(found),
+    return "\n".join([markdown.short_caption(inputs, found), "", shown_tables.classes(found).markdown(), summary.peers(found),
                       "", f"![{_ALT}]({page.link(FIGURE)})"])
 
 
 def _headline_details(page: Page) -> str:
     """The conventions, false successes, and the table of all solvers."""
     inputs, found = page.source.inputs, page.source.found
-    return markdown_headline.caption(inputs, found) + "\n\n" + markdown_headline.details(inputs, found)
+    return markdown.caption(inputs, found) + "\n\n" + markdown.details(inputs, found)
 
 
 def _info(page: Page) -> dict:
     """campaign.json of the first campaign."""
     return page.source.inputs.campaigns[0].info
+
+
+def _data(page: Page, name: str) -> dict:
+    """A file of data/."""
+    return json.loads((page.source.root / "data" / f"{name}.json").read_text(encoding="utf-8"))
 
 
 def _streams(page: Page) -> str:
@@ -102,7 +108,7 @@ def _manifests(page: Page) -> str:
 
 def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
-    tuned = json.loads((page.source.root / "data/tuned.json").read_text(encoding="utf-8"))
+    tuned = _data(page, "tuned")
     solvers = tuned["solvers"]
     tried = [len(solver["tried"]) for solver in solvers]
     changed = [f"`{solver['solver']}`" for solver in solvers if solver["chosen"]]
@@ -115,7 +121,7 @@ def _tuning(page: Page) -> str:
 
 def _recommendation(page: Page) -> str:
     """What data/recommendation.json says of families that its rules were not made of."""
-    tried = json.loads((page.source.root / "data/recommendation.json").read_text(encoding="utf-8"))["evaluation"]
+    tried = _data(page, "recommendation")["evaluation"]
     shares = [of["families"]["share"] for of in tried["tiers"]]
     passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
     return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
@@ -136,36 +142,25 @@ def _scene_keys(page: Page) -> str:
     return _keys(sorted({about["family"] for about in page.source.inputs.problems.values()}))
 
 
-def _settings(page: Page) -> dict[str, str]:
-    """Solver -> its settings that data/tuning.json declares, each with its values."""
-    declared = json.loads((page.source.root / "data/tuning.json").read_text(encoding="utf-8"))["solvers"]
-    return {of["solver"]: "; ".join(f"`{name}` {', '.join(values)}" for name, values in of["settings"].items()) or formats.DASH
-            for of in declared}
+def _solver_table(page: Page, origin: str, *more: str) -> str:
+    """Key, method, whether the tolerance matters, and the settings that data/tuning.json declares, with their values.
 
-
-def _own_solvers(page: Page) -> str:
-    """Key, method, whether the tolerance matters, settings."""
-    settings = _settings(page)
-    lines = ["| key | method | tolerance | settings |", "| --- | --- | --- | --- |"]
-    lines += [f"| `{of['key']}` | {of['method']} | {of['tolerance']} | {settings.get(of['key'], formats.DASH)} |"
-              for of in _solvers(page, "own")]
-    return "\n".join(lines)
-
-
-def _peer_solvers(page: Page) -> str:
-    """The same of peers, with the library's version and licence."""
-    settings = _settings(page)
-    lines = ["| key | method | tolerance | settings | version | licence |", "| --- | --- | --- | --- | --- | --- |"]
-    lines += [f"| `{of['key']}` | {of['method']} | {of['tolerance']} | {settings.get(of['key'], formats.DASH)} "
-              f"| {of['library_version']} | {of['licence']} |" for of in _solvers(page, "peer")]
-    return "\n".join(lines)
+    @param more  further members of the solvers' entries
+    """
+    declared = {of["solver"]: of["settings"] for of in _data(page, "tuning")["solvers"]}
+    rows = []
+    for of in _solvers(page, origin):
+        settings = "; ".join(f"`{name}` {', '.join(values)}" for name, values in declared.get(of["key"], {}).items())
+        rows.append([f"`{of['key']}`", of["method"], of["tolerance"], settings or formats.DASH, *(of[key] for key in more)])
+    columns = ["key", "method", "tolerance", "settings", *(key.removeprefix("library_") for key in more)]
+    return Table(columns, rows, "l" * len(columns)).markdown()
 
 
 BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
     "headline-details": _headline_details,
-    "ablation": lambda page: ablation_table.markdown(page.source.inputs),
-    "ablation-of-checks": lambda page: ablation_table.checks(page.source.inputs),
+    "ablation": lambda page: markdown.ablation(page.source.inputs),
+    "ablation-of-checks": lambda page: markdown.checks(page.source.inputs),
     "streams": _streams,
     "passes": lambda page: str(_info(page)["passes"]),
     "limits": _limits,
@@ -174,6 +169,6 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "own-keys": lambda page: _keys([of["key"] for of in _solvers(page, "own")]),
     "peer-keys": lambda page: _keys([of["key"] for of in _solvers(page, "peer")]),
     "scene-keys": _scene_keys,
-    "own-solvers": _own_solvers,
-    "peer-solvers": _peer_solvers,
+    "own-solvers": lambda page: _solver_table(page, "own"),
+    "peer-solvers": lambda page: _solver_table(page, "peer", "library_version", "licence"),
 }

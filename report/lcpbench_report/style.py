@@ -9,24 +9,18 @@ So the eye finds the library first, then the method, then the variant.
 
 from dataclasses import dataclass, replace
 
+from .solver_facts import KNOWN, LIBRARIES, MARKERS, VARIANTS, library, method
+
 # Okabe and Ito (2008), safe for the common kinds of colour blindness; yellow left out: too pale on white.
 _OWN = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 # Tol (2021), "muted", made for the same, without its palest.
 _PEERS = ("#332288", "#117733", "#882255", "#AA4499", "#999933", "#44AA99", "#CC6677", "#661100", "#6699CC")
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _SOLID = "-"
-_DASHES = {"default": (0, (1.5, 2)), "cfm": (0, (4, 2)), "tuned": (0, (5, 1.5, 1, 1.5))}
+_DASHES = dict(zip(VARIANTS, ((0, (1.5, 2)), (0, (4, 2)), (0, (5, 1.5, 1, 1.5)))))
 _VARIANT = (0, (8, 2))  # with other settings, under a key of its own
 # Of the second, third, ... own solver with a colour.
 _OWN_DASHES = (_SOLID, (0, (5, 1.6)), (0, (1.4, 1.2)), (0, (6, 1.5, 1.2, 1.5)))
-# Whether a campaign has them or not, so that colours are the same in all. The first six have a colour each: what a
-# motion is solved with, and the classics it is compared with. Others come behind.
-_KNOWN = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke", "semismooth-newton", "active-set", "psor", "nncg", "apgd",
-          "ipopt-qp", "ipopt-ncp", "hybrid")
-_LIBRARIES = ("bullet", "ode", "dart", "siconos", "petsc", "tao", "cgal", "clp")
-# Markers of peers' methods, one meaning as far as they go; other methods have the library's first free one.
-_METHODS = {"dantzig": "o", "lemke": "s", "lexicolemke": "s", "pgs": "^", "newton-fb": "D", "nsgs-sbm": "v", "avi": "P",
-            "rsls": "o", "ssls": "D", "bntr": "o", "tron": "s", "qp": "o", "clp": "o"}
 ORACLE_COLOUR = "#000000"
 
 _PLOTLY_SYMBOLS = {"o": "circle", "s": "square", "^": "triangle-up", "D": "diamond", "v": "triangle-down",
@@ -64,23 +58,10 @@ class SolverStyle:
         return "solid" if self.dash == _SOLID else ",".join(f"{1.4 * length:g}px" for length in self.dash[1])
 
 
-def library(entry: dict) -> str:
-    """What a solver belongs to: a peer's library is its key up to the first '-'; an external solver is its own."""
-    return entry["key"].split("-")[0] if entry["origin"] == "peer" else entry["key"]
-
-
-def method(entry: dict) -> str:
-    """The key of the solver of which this one is another setting, or its own."""
-    if entry.get("base"):
-        return entry["base"]
-    base, _, variant = entry["key"].rpartition("-")
-    return base if entry["origin"] == "peer" and base and variant in _DASHES else entry["key"]
-
-
 def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
     """By key, of a campaign's solvers; those that are missing count, so that styles do not depend on the build."""
     styles = _own_styles([s["key"] for s in solvers if s["origin"] == "own" and method(s) == s["key"]])
-    libraries: dict[str, dict[str, str]] = {name: {} for name in _LIBRARIES}  # library -> method -> marker
+    libraries: dict[str, dict[str, str]] = {name: {} for name in LIBRARIES}  # library -> method -> marker
     for solver in solvers:
         key, base = solver["key"], method(solver)
         if solver["origin"] == "own":
@@ -100,7 +81,7 @@ def _variant_dash(key: str):
 
 
 def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:
-    usual = _METHODS.get(method_key.removeprefix(of_library + "-"))
+    usual = MARKERS.get(method_key.removeprefix(of_library + "-"))
     free = [marker for marker in (usual, *_MARKERS) if marker and marker not in taken]
     return free[0] if free else _MARKERS[len(taken) % len(_MARKERS)]
 
@@ -108,7 +89,7 @@ def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:
 def _own_styles(keys: list[str]) -> dict[str, SolverStyle]:
     """Colours by turns; of a colour every solver has the next marker and dash."""
     styles = {}
-    for index, key in enumerate([*_KNOWN, *(key for key in keys if key not in _KNOWN)]):
+    for index, key in enumerate([*KNOWN, *(key for key in keys if key not in KNOWN)]):
         turn, colour = divmod(index, len(_OWN))
         # Colour c begins with marker c, so that markers differ where colours do as well.
         marker = _MARKERS[(colour + turn * (len(_MARKERS) - len(_OWN) + 1)) % len(_MARKERS)]

@@ -2,12 +2,11 @@
 
 import pandas as pd
 
-from . import choice, decision, formats
+from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
-from .inputs import PATHOLOGICAL, Inputs
+from .inputs import Inputs
 from .statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
-from .statistics.groups import COUNTED
 
 MOST_LINES = 11
 
@@ -21,7 +20,7 @@ def summary_lines(inputs: Inputs) -> list[str]:
 
 
 def _counted(inputs: Inputs) -> pd.DataFrame:
-    return inputs.cells[inputs.cells["counts"].astype(bool)] if len(inputs.cells) else inputs.cells
+    return inputs.cells[inputs.cells["counts"].astype(bool)]
 
 
 def _keys(solvers: list[str], most: int = 6) -> str:
@@ -85,23 +84,15 @@ def false_successes(inputs: Inputs) -> str:
             f"in {int((ran['verdict'] == BELOW_TIER).sum())} of {int((~asked).sum())} solves.")
 
 
-def _means(inputs: Inputs) -> pd.DataFrame | None:
-    table = inputs.analysis.get("means")
-    if table is None or table.empty:
-        return None
-    tier = main_tier(inputs)
-    chosen = table[(table["unit"] == "s") & (table["tier"] == tier)]
-    return None if chosen.empty else chosen.sort_values("mean").reset_index(drop=True)
-
-
 def _fastest(inputs: Inputs) -> str:
-    means = _means(inputs)
-    if means is None or len(means) < 2:
+    tier = main_tier(inputs)
+    means = choice.table(inputs, "means", tier)
+    means = means[means["unit"] == "s"].sort_values("mean")
+    if len(means) < 2:
         return ""
     first, second = means.iloc[0], means.iloc[1]
-    tier = main_tier(inputs)
-    pairs = inputs.analysis["pairwise"]
-    pairs = pairs[(pairs["set"] == COUNTED) & (pairs["tier"] == tier) & (pairs["a"] == first["solver"])]
+    pairs = choice.table(inputs, "pairwise", tier)
+    pairs = pairs[pairs["a"] == first["solver"]]
     won = int((pairs["verdict"] == "A faster").sum())
     return (f"Fastest over all sizes at {formats.power(tier)}: `{first['solver']}`, shifted geometric mean "
             f"{formats.seconds(first['mean'])} with failures at the time limit; next is `{second['solver']}` with "
@@ -176,14 +167,8 @@ def _accuracy(inputs: Inputs) -> str:
             f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
 
 
-def pathological(inputs: Inputs) -> pd.DataFrame:
-    """Cells of problems that are meant to break something."""
-    cells = inputs.cells
-    return cells[cells["set"] == PATHOLOGICAL] if len(cells) else cells
-
-
 def _robustness(inputs: Inputs) -> str:
-    cells = pathological(inputs)
+    cells = shown_tables.pathological(inputs)
     if cells.empty:
         return ""
     cells = cells[cells["tier"] == main_tier(inputs)]
@@ -199,7 +184,7 @@ def _robustness(inputs: Inputs) -> str:
 
 
 def _sequences(inputs: Inputs) -> str:
-    rows = decision.warm_passes(inputs, main_tier(inputs))
+    rows = decision.passes(inputs, main_tier(inputs))
     if rows.empty:
         return ""
     most = rows["verified_share"].max()
@@ -248,8 +233,8 @@ def _scaling(inputs: Inputs) -> str:
         return ""
     best = ranked[0]
     second = f"; next is `{ranked[1].solver}` with {formats.ratio(ranked[1].mean / best.mean)} times" if ranked[1:] else ""
-    scaling = inputs.analysis.get("scaling")
-    rows = scaling[(scaling["set"] == COUNTED) & (scaling["tier"] == tier) & (scaling["solver"] == best.solver)]
+    rows = choice.table(inputs, "scaling", tier)
+    rows = rows[rows["solver"] == best.solver]
     growth = f"; over all sizes its time grows as n^{rows['exponent'].median():.2f} (median over families)" if len(rows) else ""
     return (f"At the largest size, {int(top)} rows, `{best.solver}` is the fastest of those that verify as much as any "
             f"({best.verified} of {best.problems}), with {formats.seconds(best.mean)}{second}{growth}.")

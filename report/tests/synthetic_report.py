@@ -8,8 +8,8 @@ import pandas as pd
 
 from lcpbench_report import motion
 from lcpbench_report.inputs import Inputs, load_inputs
-from synthetic_campaign import Noise, exclude, fail, write_campaign, write_lines
-from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
+from .synthetic_campaign import Noise, exclude, fail, write_campaign, write_lines
+from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
 FACTORS = {"auto": 1.0, "pgs": 3.0, "ode-dantzig": 2.0}
 PEERS = ("ode-dantzig",)

@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from synthetic_campaign import campaign_info, write_lines
+from .synthetic_campaign import campaign_info, write_lines
 
 STEPS = 101  # so that percentiles are order statistics
 TIERS = (1e-3, 1e-6)

@@ -1,18 +1,14 @@
 """The page in headless Chromium: every figure drawn, every control at work, no errors on the console."""
 
 import shutil
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import plotly_bundle  # noqa: E402
-from lcpbench_report.web import gallery  # noqa: E402
-from lcpbench_report.web.page import render  # noqa: E402
-from synthetic_report import whole_inputs, write_pictures  # noqa: E402
+from lcpbench_report import plotly_bundle
+from lcpbench_report.web import gallery
+from lcpbench_report.web.page import render
+from .cases import SharedFolderCase
+from .synthetic_report import whole_inputs, write_pictures
 
 FIGURES = {"times", "winners", "profile", "rho", "werror", "precision", "coverage", "pathological", "latency", "deadline",
            "energy", "penetration", "scaling"}
@@ -30,28 +26,24 @@ except ImportError:
 
 @unittest.skipUnless(webdriver and _CHROMIUM and _DRIVER and plotly_bundle.BUNDLE.is_file(),
                      "needs chromium, chromium-driver, python3-selenium and python3-plotly (packages.txt)")
-class Browser(unittest.TestCase):
+class Browser(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        path = Path(cls.temporary.name) / "index.html"
-        pictures = gallery.read(write_pictures(Path(cls.temporary.name) / "pictures"))
-        path.write_text(render(whole_inputs(Path(cls.temporary.name) / "results"), pictures), encoding="utf-8")
+        super().setUpClass()
+        path = cls.path / "index.html"
+        pictures = gallery.read(write_pictures(cls.path / "pictures"))
+        path.write_text(render(whole_inputs(cls.path / "results"), pictures), encoding="utf-8")
         options = webdriver.ChromeOptions()
         options.binary_location = _CHROMIUM
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
-                         "--window-size=1280,1000", f"--user-data-dir={cls.temporary.name}/profile"):
+                         "--window-size=1280,1000", f"--user-data-dir={cls.path}/profile"):
             options.add_argument(argument)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         cls.driver = webdriver.Chrome(service=Service(_DRIVER), options=options)
+        cls.addClassCleanup(cls.driver.quit)
         cls.driver.set_script_timeout(_PATIENCE_S)
         cls.driver.set_page_load_timeout(_PATIENCE_S)
         cls.address = path.as_uri()
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.driver.quit()
-        cls.temporary.cleanup()
 
     def setUp(self):
         self.driver.get(self.address)
@@ -202,7 +194,3 @@ class Browser(unittest.TestCase):
             self.assertTrue(all(200 < width <= 400 for width in widths), widths)
         finally:
             self.driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
-
-
-if __name__ == "__main__":
-    unittest.main()

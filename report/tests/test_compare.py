@@ -1,25 +1,20 @@
 """Two campaigns of one plan: is a regression told when there is one, and only then?"""
 
-import contextlib
-import io
 import json
-import sys
 import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
+import numpy as np
 
-import compare  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.statistics import changes, pairwise  # noqa: E402
-from lcpbench_report.statistics.holm import holm  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, slower, write_campaign  # noqa: E402
+from lcpbench_report.errors import ReportError
+from lcpbench_report.statistics import changes, pairwise
+from lcpbench_report.statistics.intervals import holm
+from lcpbench_report.statistics.load import load_campaign
+from .cases import FolderCase, run
+from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, slower, write_campaign
 
 FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
 # Passes have levels of their own, as on real machines.
@@ -137,13 +132,11 @@ class Truth(unittest.TestCase):
         return found
 
 
-class Summary(unittest.TestCase):
+class Summary(FolderCase):
     """Two small campaigns, and one thing that changed."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self.old = self._write("old")
         self.new = self._write("new", run=1)
 
@@ -271,10 +264,7 @@ class Summary(unittest.TestCase):
         return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=noise, **arguments)
 
     def _run(self, *more: str) -> tuple[int, str, str]:
-        out, error = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            status = compare.main([str(self.old), str(self.new), *more])
-        return status, out.getvalue(), error.getvalue()
+        return run("compare", self.old, self.new, *more)
 
     def _expect_refused(self, *words: str) -> None:
         status, out, error = self._run()
@@ -295,7 +285,3 @@ class Summary(unittest.TestCase):
         lines = (folder / "streams.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
         (folder / "streams.jsonl").write_text("".join(line for line in lines if not gone(json.loads(line))),
                                               encoding="utf-8")
-
-
-if __name__ == "__main__":
-    unittest.main()

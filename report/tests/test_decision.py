@@ -1,21 +1,17 @@
 """Which backend the report names, and what its summary says."""
 
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import ablation_table, decision, fairness, summary  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from synthetic_campaign import cells_of, fail, write_campaign  # noqa: E402
-from synthetic_report import whole_inputs, write_all  # noqa: E402
-from synthetic_steps import STEPS  # noqa: E402
+from lcpbench_report import decision, fairness, markdown, shown_tables, summary
+from lcpbench_report.errors import ReportError
+from lcpbench_report.inputs import load_inputs
+from .cases import FolderCase, SharedFolderCase
+from .synthetic_campaign import cells_of, fail, write_campaign
+from .synthetic_report import whole_inputs, write_all
+from .synthetic_steps import STEPS
 
 INF = float("inf")
 
@@ -46,15 +42,11 @@ class Contenders(unittest.TestCase):
         self.assertEqual(self.ranked({"only": [INF, INF]}), [])
 
 
-class WholeReport(unittest.TestCase):
+class WholeReport(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.inputs = whole_inputs(Path(cls.temporary.name))
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
+        super().setUpClass()
+        cls.inputs = whole_inputs(cls.path)
 
     def test_every_class_names_the_fastest_of_ours(self):
         choices = decision.by_class(self.inputs)
@@ -76,7 +68,7 @@ class WholeReport(unittest.TestCase):
                 self.assertAlmostEqual(choice["next"][0], 1 / STEPS)
 
     def test_gains_of_warm_starts(self):
-        gains = {row["solver"]: row["warm_gain"] for row in decision.by_warm_start(self.inputs, 1e-6)}
+        gains = {row["solver"]: row["warm_gain"] for row in decision.passes(self.inputs, 1e-6).to_dict("records")}
         self.assertAlmostEqual(gains["auto"], 2.0, places=6)
         self.assertAlmostEqual(gains["pgs"], 8 / 6, places=6)
 
@@ -105,47 +97,40 @@ class WholeReport(unittest.TestCase):
         self.assertNotIn("Ablation", found)
 
 
-class TwoFigures(unittest.TestCase):
+class TwoFigures(FolderCase):
     def test_what_was_never_asked_is_below_the_tier_and_no_false_success(self):
-        with tempfile.TemporaryDirectory() as folder:
-            inputs = load_inputs([write_campaign(
-                Path(folder), {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
-                change=lambda record: record if record["solver"] == "auto" else fail(record, "solved"),
-                solvers={"clp": {"origin": "peer"}, "clp-default": {"origin": "peer", "tolerance": "default"}})])
+        inputs = load_inputs([write_campaign(
+            self.folder, {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
+            change=lambda record: record if record["solver"] == "auto" else fail(record, "solved"),
+            solvers={"clp": {"origin": "peer"}, "clp-default": {"origin": "peer", "tolerance": "default"}})])
         text = summary.false_successes(inputs)
         each = len(inputs.problems) * len(inputs.tiers)
         self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
         self.assertIn(f"end below it in {each} of {each} solves", text)
 
 
-class Ablations(unittest.TestCase):
+class Ablations(FolderCase):
     def test_they_stand_in_their_own_table_and_nowhere_else(self):
         entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
-        with tempfile.TemporaryDirectory() as folder:
-            inputs = load_inputs([write_campaign(
-                Path(folder), {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
-                change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
-                and record["problem"] == "piles-20-1" else record)])
-        found = [row for row in ablation_table.rows(inputs) if row["rows"] == "all"]
-        self.assertEqual(len(found), 1)
-        self.assertEqual((found[0]["solver"], found[0]["version"], found[0]["false"]), ("auto", "without its own check", "1, 0"))
-        self.assertRegex(found[0]["time"], r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
+        inputs = load_inputs([write_campaign(
+            self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
+            change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
+            and record["problem"] == "piles-20-1" else record)])
+        (row,) = shown_tables.ablation(inputs, all_only=True).rows
+        solver, version, rows, _, time, _, false = row
+        self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))
+        self.assertRegex(time, r"^0\.[45]\d \(0\.[45]\d–0\.[45]\d\)$")
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
-        self.assertRegex(ablation_table.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
+        self.assertRegex(markdown.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
 
-class Folders(unittest.TestCase):
+class Folders(FolderCase):
     def test_a_problem_in_two_folders_is_told(self):
-        with tempfile.TemporaryDirectory() as folder:
-            (standard, sequences), motion = write_all(Path(folder))
-            with self.assertRaisesRegex(ReportError, "is in .* too"):
-                load_inputs([standard, standard])
-            with self.assertRaisesRegex(ReportError, "motion.csv"):
-                load_inputs([standard], sequences)
-            (motion / "motion.csv").write_text((motion / "motion.csv").read_text().replace("0.01,", "soon,", 1))
-            with self.assertRaisesRegex(ReportError, "line 3, column 'time' is 'soon'"):
-                load_inputs([standard], motion)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        (standard, sequences), motion = write_all(self.folder)
+        with self.assertRaisesRegex(ReportError, "is in .* too"):
+            load_inputs([standard, standard])
+        with self.assertRaisesRegex(ReportError, "motion.csv"):
+            load_inputs([standard], sequences)
+        (motion / "motion.csv").write_text((motion / "motion.csv").read_text().replace("0.01,", "soon,", 1))
+        with self.assertRaisesRegex(ReportError, "line 3, column 'time' is 'soon'"):
+            load_inputs([standard], motion)

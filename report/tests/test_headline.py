@@ -1,45 +1,32 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-The headline: which solver is bold and shown, its Markdown, and its way into a file; the summary in Markdown.
+"""The headline: which solver is bold and shown, its Markdown, and its way into a file; the summary in Markdown.
 """
 
-import contextlib
-import io
 import math
-import sys
 import tempfile
-import unittest
 import xml.etree.ElementTree
 from pathlib import Path
 
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import headline as script  # noqa: E402
-from lcpbench_report import choice, formats, markdown_headline, markdown_summary, summary  # noqa: E402
-from lcpbench_report.headline_table import headline  # noqa: E402
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, PEERS, write_problems, write_steps  # noqa: E402
-from synthetic_campaign import exclude, fail, slower  # noqa: E402
+from lcpbench_report import choice, formats, markdown, shown_tables, summary
+from lcpbench_report.headline_table import headline
+from lcpbench_report.inputs import load_inputs
+from .cases import SharedFolderCase, run
+from .report_inputs import ENVIRONMENT, FACTORS, FAILING, NEXT, PEERS, write_problems, write_steps
+from .synthetic_campaign import exclude, fail, slower
 
 COLUMN = 2  # of problems with 31 to 100 rows
 
 
-class Headline(unittest.TestCase):
+class Headline(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls._folder = tempfile.TemporaryDirectory()
-        cls.path = Path(cls._folder.name)
+        super().setUpClass()
         cls.folder = write_problems(cls.path / "standard")
         cls.inputs = load_inputs([cls.folder])
         cls.found = headline(cls.inputs)
-        cls.text = markdown_headline.render(cls.inputs, cls.found)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls._folder.cleanup()
+        cls.text = markdown.full_headline(cls.inputs, cls.found)
 
     def of(self, change) -> tuple:
         """(inputs, headline) of a campaign with other outcomes."""
@@ -124,12 +111,12 @@ class Headline(unittest.TestCase):
         row = found.classes[COLUMN]
         self.assertEqual((row.peer, row.to_peer), (None, None))
         self.assertIsNotNone(row.to_fastest)
-        self.assertIn("none is right on 99", markdown_headline.classes(found))
+        self.assertIn("none is right on 99", shown_tables.classes(found).markdown())
 
     def test_excluded_columns_are_a_dash_and_never_bold(self):
         _, found = self.of(lambda record: exclude(record) if record["solver"] == FAILING and "-10-" in record["problem"]
                            else record)
-        self.assertEqual(markdown_headline.cell(found.classes[0].entries[FAILING], found.classes[0].problems), formats.DASH)
+        self.assertEqual(shown_tables.cell(found.classes[0].entries[FAILING], found.classes[0].problems), formats.DASH)
         self.assertNotIn(FAILING, self.best(found)[0])
 
     def test_pathological_problems_do_not_count(self):
@@ -144,7 +131,7 @@ class Headline(unittest.TestCase):
         self.assertEqual(self.found.left_out, ["clp-default"])
 
     def test_there_is_a_row_for_every_class_and_one_for_every_solver(self):
-        by_class, by_solver = markdown_headline.classes(self.found), markdown_headline.by_solver(self.found)
+        by_class, by_solver = shown_tables.classes(self.found).markdown(), shown_tables.by_solver(self.found).markdown()
         self.assertEqual([line.split("|")[1].strip() for line in by_class.splitlines()],
                          ["rows", "---", "7–12", "13–30", "31–100", "101–300", "301–1000"])
         shown = [key for key in FACTORS if key != "clp-default"]
@@ -159,15 +146,15 @@ class Headline(unittest.TestCase):
         bare, found = self.of(None)
         bare.campaigns[0].info["environment"] = {}
         bare.campaigns[0].info.pop("started")
-        self.assertNotIn("()", markdown_headline.caption(bare, found))
+        self.assertNotIn("()", markdown.caption(bare, found))
 
     def test_a_share_below_all_is_never_shown_as_all(self):
         self.assertEqual(formats.share(999, 1000), "99\u202f%")
         self.assertEqual(formats.share(1000, 1000), "100\u202f%")
         self.assertEqual(formats.share(1, 1000), "<1\u202f%")
 
-    def update(self, *files) -> int:
-        return script.main([str(self.folder), "--root", str(self.path), "--update", *(str(file) for file in files)])
+    def update(self, *files) -> tuple[int, str, str]:
+        return run("headline", self.folder, "--root", self.path, "--update", *files)
 
     def test_update_writes_the_blocks_of_all_files_and_draws_the_figure(self):
         readme, figure = self.path / "README.md", self.path / "report" / "reference" / "headline.svg"
@@ -181,7 +168,7 @@ class Headline(unittest.TestCase):
                         encoding="utf-8")
         seen = set()
         for _ in range(2):  # the second time changes nothing more
-            self.assertEqual(self.update(readme, page, bare), 0)
+            self.assertEqual(self.update(readme, page, bare)[0], 0)
             text, more = readme.read_text(encoding="utf-8"), page.read_text(encoding="utf-8")
             self.assertTrue(text.startswith("before\n"))
             self.assertIn("](report/reference/headline.svg)", text)
@@ -195,16 +182,16 @@ class Headline(unittest.TestCase):
         self.assertEqual(len(seen), 1)
 
     def test_the_short_headline_and_the_details_are_all_of_the_long_one(self):
-        by_class, by_solver = markdown_headline.classes(self.found), markdown_headline.by_solver(self.found)
+        by_class, by_solver = shown_tables.classes(self.found).markdown(), shown_tables.by_solver(self.found).markdown()
         readme = self.path / "short.md"
         readme.write_text("<!-- numbers:headline -->\n<!-- end -->\n", encoding="utf-8")
-        self.assertEqual(self.update(readme), 0)
-        short, details = readme.read_text(encoding="utf-8"), markdown_headline.details(self.inputs, self.found)
+        self.assertEqual(self.update(readme)[0], 0)
+        short, details = readme.read_text(encoding="utf-8"), markdown.details(self.inputs, self.found)
         self.assertIn(by_class + "\n" + summary.peers(self.found), short)  # what we lose stands directly below the table
         self.assertNotIn(by_solver, short)
         self.assertIn(by_solver, details)
         self.assertIn("False successes", details)
-        for part in (by_class, details, markdown_headline.caption(self.inputs, self.found)):
+        for part in (by_class, details, markdown.caption(self.inputs, self.found)):
             self.assertIn(part, self.text)
 
     def test_files_without_blocks_or_with_an_unknown_one_are_refused_before_anything_is_written(self):
@@ -213,21 +200,19 @@ class Headline(unittest.TestCase):
         good.write_text(stale, encoding="utf-8")
         for text, files in (("no blocks", [bad]), ("<!-- numbers:nonsense -->1<!-- end -->", [good, bad])):
             bad.write_text(text, encoding="utf-8")
-            with contextlib.redirect_stderr(io.StringIO()) as error:
-                self.assertEqual(self.update(*files), 2)
-            self.assertEqual(error.getvalue().count("\n"), 1)
+            status, _, error = self.update(*files)
+            self.assertEqual((status, error.count("\n")), (2, 1))
             self.assertEqual(bad.read_text(encoding="utf-8"), text)
         self.assertEqual(good.read_text(encoding="utf-8"), stale)
 
     def test_a_missing_folder_is_one_line_and_status_two(self):
-        with contextlib.redirect_stderr(io.StringIO()) as error:
-            self.assertEqual(script.main([str(self.path / "nowhere")]), 2)
-        self.assertEqual(error.getvalue().count("\n"), 1)
+        status, _, error = run("headline", self.path / "nowhere")
+        self.assertEqual((status, error.count("\n")), (2, 1))
 
     def test_the_summary_holds_its_lines_tables_and_how_to_compare(self):
         inputs = load_inputs([self.folder, write_steps(self.path / "sequences")])
-        text = markdown_summary.render(inputs, ["A first finding.", "A second one."])
-        for part in ("- A first finding.\n- A second one.", markdown_headline.classes(headline(inputs)),
+        text = markdown.render(inputs, ["A first finding.", "A second one."])
+        for part in ("- A first finding.\n- A second one.", shown_tables.classes(headline(inputs)).markdown(),
                      "## Verified and false", "## Sequences of motions", ENVIRONMENT["cpu"],
                      "lcpbench compare OLD NEW"):
             self.assertIn(part, text)
@@ -239,10 +224,6 @@ class Headline(unittest.TestCase):
 
     def test_a_summary_of_sequences_alone_has_no_table_of_times(self):
         inputs = load_inputs([write_steps(self.path / "alone")])
-        text = markdown_summary.render(inputs, [])
+        text = markdown.render(inputs, [])
         self.assertNotIn("## Times", text)
         self.assertIn("## Sequences of motions", text)
-
-
-if __name__ == "__main__":
-    unittest.main()

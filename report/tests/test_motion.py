@@ -1,31 +1,27 @@
 """What motion.csv says, in words."""
 
-import sys
-import tempfile
-import unittest
-from pathlib import Path
-
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
-
-from lcpbench_report import motion  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from synthetic_report import LEVEL, SCENE, write_motion  # noqa: E402
+from types import SimpleNamespace
 
 
-class Motion(unittest.TestCase):
+from lcpbench_report import motion, shown_tables
+from lcpbench_report.errors import ReportError
+from .cases import FolderCase
+from .synthetic_report import LEVEL, SCENE, write_motion
+
+
+class Motion(FolderCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = write_motion(Path(temporary.name))
+        super().setUp()
+        write_motion(self.folder)
 
-    def test_the_summary_takes_the_worst_values_and_the_last_counts(self):
-        table = motion.of_scene(motion.read(self.folder), SCENE, LEVEL)
-        rows = {(row["solver"], row["tolerance"]): row for row in motion.summary(table, ["auto", "pgs"])}
-        self.assertEqual(len(rows), 3)
-        full, stopped = rows["auto", "1e-6"], rows["pgs", "1e-3"]
-        self.assertEqual((full["energy"], full["penetration"], full["solves"]), ("9.9e-08", "6.0e-09", 99))
-        self.assertEqual((stopped["energy"], stopped["time"], stopped["stopped"]), ("4.9e-03", "0.49", "not finite"))
+    def test_the_table_takes_the_worst_values_and_the_last_counts(self):
+        inputs = SimpleNamespace(motion=motion.read(self.folder))
+        ((scene, level, table),) = shown_tables.motions(inputs)
+        self.assertEqual((scene, level, len(table.rows)), (SCENE, LEVEL, 3))
+        rows = {tuple(row[:2]): dict(zip(table.columns, row)) for row in table.rows}
+        full, stopped = rows["`auto`", "1e-6"], rows["`pgs`", "1e-3"]
+        self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-08", "6.0e-09", 99))
+        self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-03", 49, "not finite"))
 
     def test_scenes_keep_their_order(self):
         self.assertEqual(motion.scenes(motion.read(self.folder)), [(SCENE, LEVEL)])
@@ -42,7 +38,3 @@ class Motion(unittest.TestCase):
         path.write_text(text.splitlines()[0] + "\n")
         with self.assertRaisesRegex(ReportError, "no rows"):
             motion.read(self.folder)
-
-
-if __name__ == "__main__":
-    unittest.main()

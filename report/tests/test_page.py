@@ -3,7 +3,6 @@
 import base64
 import json
 import re
-import sys
 import tempfile
 import unittest
 from pathlib import Path
@@ -11,16 +10,14 @@ from unittest import mock
 
 import numpy as np
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import generate  # noqa: E402
-from lcpbench_report import plotly_bundle  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.web import encoding, gallery, page  # noqa: E402
-from synthetic_campaign import Noise, write_campaign  # noqa: E402
-from synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps  # noqa: E402
+from lcpbench_report import plotly_bundle
+from lcpbench_report.errors import ReportError
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.web import encoding, gallery, page
+from .cases import FolderCase, SharedFolderCase, run
+from .synthetic_campaign import Noise, write_campaign
+from .synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps
 
 # Plotly's script takes a second and says nothing here.
 NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
@@ -57,19 +54,15 @@ class Encoding(unittest.TestCase):
         self.assertEqual(list(found), [0, 3, 254, encoding.NO_SPREAD])
 
 
-class Page(unittest.TestCase):
+class Page(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls.temporary = tempfile.TemporaryDirectory()
-        cls.inputs = whole_inputs(Path(cls.temporary.name))
+        super().setUpClass()
+        cls.inputs = whole_inputs(cls.path)
         with NO_BUNDLE:
-            cls.pictures = gallery.read(write_pictures(Path(cls.temporary.name) / "pictures"))
+            cls.pictures = gallery.read(write_pictures(cls.path / "pictures"))
             cls.text = page.render(cls.inputs, cls.pictures)
         cls.data = data_of(cls.text)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.temporary.cleanup()
 
     def test_the_same_results_give_the_same_page(self):
         with NO_BUNDLE:
@@ -138,28 +131,25 @@ class Page(unittest.TestCase):
         self.assertEqual(re.findall(r'(?:src|href)="(?!#|data:)[^"]*"', self.text), [])
 
 
-class Script(unittest.TestCase):
+class Script(FolderCase):
     def test_one_page_below_ten_megabytes_with_the_licence_of_what_it_embeds(self):
         if not plotly_bundle.BUNDLE.is_file():
             self.skipTest("python3-plotly is not installed")
-        with tempfile.TemporaryDirectory() as folder:
-            campaigns, motion = write_all(Path(folder))
-            out = Path(folder) / "out" / "index.html"
-            status = generate.main([*map(str, campaigns), "--motion", str(motion), "-o", str(out)])
-            self.assertEqual(status, 0)
-            text = out.read_text(encoding="utf-8")
+        campaigns, motion = write_all(self.folder)
+        out = self.folder / "out" / "index.html"
+        self.assertEqual(run("report", *campaigns, "--motion", motion, "-o", out)[0], 0)
+        text = out.read_text(encoding="utf-8")
         self.assertLess(len(text.encode()), 10e6)
         self.assertIn("Licensed under the MIT license", text)
         self.assertEqual(text.count("</script>"), 3)
 
     def test_the_summary_tells_what_changed_since_an_earlier_run(self):
         slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
-        with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
-            old = write_campaign(Path(folder) / "old", FACTORS, noise=Noise(passes=5))
-            new = write_campaign(Path(folder) / "new", slower, noise=Noise(passes=5), run=1)
-            out = Path(folder) / "out" / "index.html"
-            self.assertEqual(generate.main([str(new), "--previous", str(old), "-o", str(out)]), 0)
-            text = (out.parent / "summary.md").read_text(encoding="utf-8")
+        old = write_campaign(self.folder / "old", FACTORS, noise=Noise(passes=5))
+        new = write_campaign(self.folder / "new", slower, noise=Noise(passes=5), run=1)
+        with NO_BUNDLE:
+            self.assertEqual(run("report", new, "--previous", old, "-o", self.folder / "out" / "index.html")[0], 0)
+        text = (self.folder / "out" / "summary.md").read_text(encoding="utf-8")
         part = text[text.index("## Compared with an earlier run"):]
         self.assertRegex(part, r"(?m)^\| .*pgs.*\b(2\.0|1\.9)")
         self.assertNotRegex(part, r"(?m)^# ")
@@ -169,9 +159,4 @@ class Script(unittest.TestCase):
             plotly_bundle.minified(Path("/nowhere/plotly.js"))
 
     def test_a_folder_that_is_no_campaign_ends_with_status_2(self):
-        with tempfile.TemporaryDirectory() as folder:
-            self.assertEqual(generate.main([folder, "-o", str(Path(folder) / "x.html")]), 2)
-
-
-if __name__ == "__main__":
-    unittest.main()
+        self.assertEqual(run("report", self.folder, "-o", self.folder / "x.html")[0], 2)

@@ -2,17 +2,15 @@
 
 import json
 import re
-import sys
 import unittest
 from pathlib import Path
 
 _REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report import readme_blocks  # noqa: E402
-from lcpbench_report.headline_table import headline  # noqa: E402
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.statistics.load import SCHEMA  # noqa: E402
+from lcpbench_report import readme_blocks
+from lcpbench_report.headline_table import headline
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.load import SCHEMA
 
 _ROOT = _REPORT.parent
 _PAGES = {path: path.read_text(encoding="utf-8") for path in [*sorted(_ROOT.glob("*.md")), *sorted(_ROOT.glob("docs/*.md"))]}
@@ -85,7 +83,3 @@ class Readme(unittest.TestCase):
             keys = re.search(rf"<!-- numbers:{block} -->(.*?)<!-- end -->", readme, re.DOTALL)[1]
             text = _PAGES[_ROOT / "docs" / f"{page}.md"]
             self.assertEqual([key for key in keys.strip().split(", ") if key not in text], [], page)
-
-
-if __name__ == "__main__":
-    unittest.main()

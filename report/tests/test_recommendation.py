@@ -1,30 +1,24 @@
 """Rules of `lcpbench recommend`: lists on made-up outcomes whose right answer is known, and an evaluation that does not
 see what it holds out."""
 
-import contextlib
 import gzip
-import io
 import json
 import math
-import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import recommendation as command  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.recommendation import evaluation, lists, record, regions, rules  # noqa: E402
-from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences  # noqa: E402
-from lcpbench_report.statistics.cells import cell_table  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-import synthetic_campaign  # noqa: E402
-from synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences  # noqa: E402
+from lcpbench_report.errors import ReportError
+from lcpbench_report.recommendation import evaluation, record, rules
+from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences
+from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.load import load_campaign
+from . import synthetic_campaign
+from .cases import FolderCase, run
+from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
 
 EDGES = {"rows": [0, 50]}
 FAMILIES = ("arches", "boxes", "chains", "discs")
@@ -56,7 +50,7 @@ def candidates_by_region(outcomes: Outcomes, leave_out=frozenset()) -> dict:
 class ChooseTest(unittest.TestCase):
     def choose(self, ratios: dict, false_success=frozenset(), most=4):
         table = pd.DataFrame(ratios)
-        return lists.choose(table, np.ones(len(table)), set(false_success), most)
+        return rules.choose(table, np.ones(len(table)), set(false_success), most)
 
     def test_one_solver_is_enough_where_it_is_always_the_best(self):
         self.assertEqual(self.choose({"slow": [2.0, 3.0], "best": [1.0, 1.0]}), ["best"])
@@ -75,20 +69,20 @@ class ChooseTest(unittest.TestCase):
         self.assertEqual(self.choose({"a": [1.0, 1.0], "twin": [1.0, 1.0]}), ["a"])
 
     def test_families_weigh_the_same_however_many_problems_they_have(self):
-        weights = lists.family_weights(pd.Series(["large"] * 9 + ["small"]), pd.Series([0.5] * 2 + [1.0] * 8))
+        weights = rules.family_weights(pd.Series(["large"] * 9 + ["small"]), pd.Series([0.5] * 2 + [1.0] * 8))
         self.assertAlmostEqual(weights[:9].sum(), weights[9:].sum())
         self.assertAlmostEqual(weights[0] / weights[2], 0.5)  # of one base
         ratios = pd.DataFrame({"of_nine": [1.0] * 9 + [3.0], "of_one": [1.2] * 9 + [1.0]})
-        self.assertEqual(lists.choose(ratios, weights, set(), 1), ["of_one"])
-        self.assertEqual(lists.choose(ratios, np.ones(10), set(), 1), ["of_nine"])
+        self.assertEqual(rules.choose(ratios, weights, set(), 1), ["of_one"])
+        self.assertEqual(rules.choose(ratios, np.ones(10), set(), 1), ["of_nine"])
 
 
 class RegionsTest(unittest.TestCase):
     def test_a_region_begins_at_its_edge_and_the_last_has_no_end(self):
         features = pd.DataFrame({"rows": [1.0, 16.0, 17.0, 1e6], "spread": [0.0, 5.0, math.nan, 5.0]})
         edges = {"rows": [0, 17], "spread": [0, 5]}
-        self.assertEqual(regions.region_of(features, edges).tolist(), [0, 1, 2, 3])
-        self.assertEqual(regions.bounds(edges)[3], {"rows": (17, math.inf), "spread": (5, math.inf)})
+        self.assertEqual(rules.region_of(features, edges).tolist(), [0, 1, 2, 3])
+        self.assertEqual(rules.bounds(edges)[3], {"rows": (17, math.inf), "spread": (5, math.inf)})
 
     def test_every_size_and_tier_has_the_list_of_its_own(self):
         best = {(True, 1e-3): "a", (True, 1e-6): "b", (False, 1e-3): "c", (False, 1e-6): "a"}
@@ -185,12 +179,7 @@ class EvaluationTest(unittest.TestCase):
         self.assertEqual((found[("rows",)]["pass"], found[("rows", "kind")]["pass"]), (24, 28))
 
 
-class CommandTest(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class CommandTest(FolderCase):
     def write_campaign(self) -> tuple[Path, Path]:
         """A folder of three own solvers, one of them of an ablation, and a peer, and the features of its problems. A
         fill-up has none."""
@@ -207,15 +196,6 @@ class CommandTest(unittest.TestCase):
         path.write_text("".join(json.dumps({"problem": one["problem"], "rows": one["rows"], "redundancy": None}) + "\n"
                                 for one in problems if not one["fill"]))
         return folder, path
-
-    def run_command(self, *arguments) -> tuple[int, str, str]:
-        out, error = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            try:
-                status = command.main([str(argument) for argument in arguments])
-            except SystemExit as end:
-                status = end.code
-        return status, out.getvalue(), error.getvalue()
 
     def test_the_fresh_time_counts_and_peers_are_told_apart(self):
         folder, features = self.write_campaign()
@@ -248,7 +228,7 @@ class CommandTest(unittest.TestCase):
         folder, features = self.write_campaign()
         outputs = [self.folder / "one.json", self.folder / "two.json"]
         for output in outputs:
-            status, text, error = self.run_command(folder, "--features", features, "-o", output)
+            status, text, error = run("recommendation", folder, "--features", features, "-o", output)
             self.assertEqual((status, error), (0, ""))
             self.assertIn("5 of 5 families pass", text)
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
@@ -270,7 +250,7 @@ class CommandTest(unittest.TestCase):
     def test_families_can_be_left_out(self):
         folder, features = self.write_campaign()
         output = self.folder / "rules.json"
-        self.assertEqual(self.run_command(folder, "--features", features, "--leave-out", "piles0", "-o", output)[0], 0)
+        self.assertEqual(run("recommendation", folder, "--features", features, "--leave-out", "piles0", "-o", output)[0], 0)
         made = json.loads(output.read_text())
         self.assertEqual((made["left_out"], made["evaluation"]), (["piles0"], None))
         self.assertLessEqual({region["families"] for region in made["regions"]}, {3, 4})
@@ -282,13 +262,9 @@ class CommandTest(unittest.TestCase):
                 ((self.folder, "--features", features, "-o", "x"), "campaign.json: missing"),
                 ((folder, folder, "--features", features, "-o", "x"), "is in two"),
                 ((folder, "--features", features, "--leave-out", "cubes", "-o", "x"), "no problem of family 'cubes'")):
-            status, _, error = self.run_command(*arguments)
+            status, _, error = run("recommendation", *arguments)
             self.assertEqual((status, error.count("\n")), (2, 1), error)
             self.assertIn(expected, error)
         features.write_text(features.read_text().split("\n", 1)[1])
         with self.assertRaisesRegex(ReportError, "no line for problem"):
             read_outcomes([folder], features)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,19 +1,11 @@
 """Are two campaigns called the same when, and only when, nothing but times differs?"""
 
-import contextlib
-import io
 import json
-import sys
-import tempfile
-import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import same_results  # noqa: E402
-from lcpbench_report.statistics import same  # noqa: E402
-from synthetic_campaign import METRICS, TIERS, exclude, fail, write_campaign, write_lines  # noqa: E402
+from lcpbench_report.statistics import same
+from .cases import FolderCase, run
+from .synthetic_campaign import METRICS, TIERS, exclude, fail, write_campaign, write_lines
 
 FACTORS = {"a": 1.0, "b": 2.0}
 CELLS = 13 * len(FACTORS)  # of one tier
@@ -24,12 +16,10 @@ def _is_victim(cell: dict) -> bool:
     return (cell["problem"], cell["solver"]) == (VICTIM, "a")
 
 
-
-class SameResults(unittest.TestCase):
+class SameResults(FolderCase):
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.a, self.b = (write_campaign(Path(folder.name) / str(run), FACTORS, tiers=TIERS[:1], copies=1, run=run)
+        super().setUp()
+        self.a, self.b = (write_campaign(self.folder / str(run), FACTORS, tiers=TIERS[:1], copies=1, run=run)
                           for run in range(2))
 
     def test_other_times_rounds_and_machines_are_the_same(self):
@@ -109,10 +99,7 @@ class SameResults(unittest.TestCase):
         write_campaign(self.b, FACTORS, tiers=TIERS[:1], copies=1, run=1, change=change)
 
     def _run(self, *more: str) -> tuple[int, str, str]:
-        out, error = io.StringIO(), io.StringIO()
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(error):
-            status = same_results.main([str(self.a), str(self.b), *more])
-        return status, out.getvalue(), error.getvalue()
+        return run("same", self.a, self.b, *more)
 
     def _lines(self, name: str) -> list[str]:
         return (self.b / name).read_text(encoding="utf-8").splitlines()
@@ -124,7 +111,3 @@ class SameResults(unittest.TestCase):
     def _edit_plan(self, **values) -> None:
         path = self.b / "campaign.json"
         path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | values), encoding="utf-8")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,6 +1,4 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-Figures and tables for papers.
+"""Figures and tables for papers.
 """
 
 import gzip
@@ -8,21 +6,18 @@ import io
 import re
 import shutil
 import subprocess
-import sys
-import tempfile
 import unittest
 import xml.etree.ElementTree
-from pathlib import Path
 
 import pandas as pd
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.static import latex, write, write_static  # noqa: E402
-from lcpbench_report.static.robustness import kind_of  # noqa: E402
-from report_inputs import FAILING, all_inputs, write_problems, write_steps  # noqa: E402
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.static import write, write_static
+from lcpbench_report.static.quality import kind_of
+from lcpbench_report.table import Table, html, latex
+from .cases import SharedFolderCase
+from .report_inputs import FAILING, all_inputs, write_problems, write_steps
 
 FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
            "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
@@ -31,17 +26,12 @@ TABLES = {"headline", "coverage", "means", "accuracy", "scaling", "sequences", "
 _DRAWN = "{http://www.w3.org/2000/svg}path"
 
 
-class Static(unittest.TestCase):
+class Static(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls._folder = tempfile.TemporaryDirectory()
-        cls.path = Path(cls._folder.name)
+        super().setUpClass()
         cls.inputs = all_inputs(cls.path)
         cls.written = write_static(cls.inputs, cls.path / "out")
-
-    @classmethod
-    def tearDownClass(cls):
-        cls._folder.cleanup()
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
         for suffix in (".svg", ".pdf"):
@@ -120,12 +110,8 @@ class Static(unittest.TestCase):
             for line in body:
                 self.assertEqual(len(re.findall(r"(?<!\\)&", line)) + 1, columns, f"{name}: {line}")
                 self.assertTrue(line.endswith(r"\\"), line)
-            for line in text.split(r"\toprule")[1].split(r"\midrule")[0].strip().splitlines():
-                if line.startswith(r"\cmidrule"):
-                    continue
-                spans = sum(int(n) for n in re.findall(r"\\multicolumn\{(\d+)\}", line))
-                single = len(re.findall(r"(?<!\\)&", line)) + 1 - len(re.findall(r"\\multicolumn", line))
-                self.assertEqual(spans + single, columns, f"{name}: {line}")
+            header = text.split(r"\toprule")[1].split(r"\midrule")[0].strip()
+            self.assertEqual(len(re.findall(r"(?<!\\)&", header)) + 1, columns, f"{name}: {header}")
             plain = text.replace(r"\{", "").replace(r"\}", "")
             self.assertEqual(plain.count("{"), plain.count("}"), name)
             self.assertTrue(text.isascii(), name)
@@ -152,7 +138,8 @@ class Static(unittest.TestCase):
         counted = self.inputs.analysis["coverage"]
         mine = counted[(counted["set"] == "counted") & (counted["solver"] == FAILING)].sort_values("tier")
         cells = [cell.strip(" \\") for cell in row.split("&")]
-        self.assertEqual(cells[2::3], [str(n) for n in mine["false_successes"][::-1]])
+        told = [re.search(r"texttimes\{\} (\d+)", cell) for cell in cells[1:]]
+        self.assertEqual([int(found[1]) if found else 0 for found in told], list(mine["false_successes"][::-1]))
 
     def test_the_readme_names_the_packages_and_the_files(self):
         text = (self.path / "out/tables/README.md").read_text(encoding="utf-8")
@@ -162,23 +149,27 @@ class Static(unittest.TestCase):
             self.assertIn(f"`{name}.tex`", text)
 
 
-class Latex(unittest.TestCase):
-    def test_special_characters_are_escaped(self):
-        self.assertEqual(latex.escape("a_b & 50 % #1 ${x}~^<\\"),
+class Formats(unittest.TestCase):
+    """One table in three formats."""
+
+    TABLE = Table(["solver", "time", "why"], [["`time_s`", "**1.2 µs**", "a|b < 50 %\nnext `x`"], ["`b`", "–", ""]], "lrl")
+
+    def test_markdown(self):
+        self.assertEqual(self.TABLE.markdown(1), "| solver | time | why |\n| --- | ---: | --- |\n"
+                         "| `time_s` | **1.2 µs** | a\\|b < 50 %; next `x` |\n\n... and 1 more.\n")
+
+    def test_html(self):
+        text = self.TABLE.html("choose")
+        self.assertIn('<table class="choose">', text)
+        self.assertIn('<tr><th><code>time_s</code></th><td class="r"><b>1.2 µs</b></td>'
+                      "<td>a|b &lt; 50 %<small>next <code>x</code></small></td></tr>", text)
+        self.assertEqual(html("*Right*: <&"), "<em>Right</em>: &lt;&amp;")
+
+    def test_latex(self):
+        self.assertIn(r"\texttt{time\_s} & \textbf{1.2 \textmu{}s} & a|b \textless{} 50 \%; next \texttt{x} \\", self.TABLE.latex())
+        self.assertEqual(latex("a_b & 50 % #1 ${x}~^<\\"),
                          r"a\_b \& 50 \% \#1 \$\{x\}\textasciitilde{}\textasciicircum{}\textless{}\textbackslash{}")
-        self.assertEqual(latex.key("time_s"), r"\texttt{time\_s}")
-        self.assertTrue(latex.escape("4–10 µs\u202f%").isascii())
-
-    def test_numbers_have_three_digits(self):
-        for value, text in ((0.12345, "0.123"), (0.0345, "0.0345"), (9.999, "10.00"), (45.67, "45.7"), (1234.0, "1234"),
-                            (0.0, "0"), (-1.5, "$-1.50$"), (1.5e-9, r"$1.5\cdot 10^{-9}$"), (float("inf"), r"$\infty$"),
-                            (float("nan"), latex.DASH)):
-            self.assertEqual(latex.number(value), text)
-
-    def test_shares_are_rounded_down(self):
-        self.assertEqual(latex.percent(9999, 10000), "99.9")
-        self.assertEqual(latex.percent(5, 5), "100")
-        self.assertEqual(latex.percent(0, 0), latex.DASH)
+        self.assertTrue(latex("4–10⁴ µs\u202f% ✗ ↓ · × ∞ ρ …").isascii())
 
 
 class Kinds(unittest.TestCase):
@@ -187,7 +178,3 @@ class Kinds(unittest.TestCase):
                               ("disc-track-n40-s1-conformal-1e-09", "conformal"),
                               ("ovals-in-bowl-n100-s1-slack--0.5", "slack"), ("squeezed-row-n8-s1", "squeezed-row")):
             self.assertEqual(kind_of(problem, problem.split("-n")[0]), kind)
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,21 +1,17 @@
 """Weights and intervals: of medians of clustered problems, of a cell's time, of shares."""
 
 import math
-import sys
 import unittest
 import unittest.mock
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-from lcpbench_report.statistics import intervals  # noqa: E402
-from lcpbench_report.statistics.cells import median_of_passes, time_interval  # noqa: E402
-from lcpbench_report.statistics.intervals import Bootstrap, share_interval  # noqa: E402
-from lcpbench_report.statistics.weighted import quantiles, weighted_median, weighted_quantile  # noqa: E402
+from lcpbench_report.statistics import intervals
+from lcpbench_report.statistics.cells import median_of_passes, time_interval
+from lcpbench_report.statistics.intervals import Bootstrap, share_interval
+from lcpbench_report.statistics.weighted import quantiles, weighted_median, weighted_quantile
 
 INF, NAN = math.inf, math.nan
 
@@ -149,7 +145,3 @@ class Passes(unittest.TestCase):
         low, high = time_interval(np.array([[2.0, NAN, NAN], [1.0, 3.0, NAN], [NAN, NAN, NAN]]))
         np.testing.assert_array_equal(low, [1, 3, NAN])
         np.testing.assert_array_equal(high, [2, 3, NAN])
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,37 +1,24 @@
 """Tables of steps: quantiles that are known, and what is refused."""
 
-import contextlib
-import io
 import json
-import sys
-import tempfile
-import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-import analyse  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.statistics.latency import (deadline_table, latency_by_solver_table,  # noqa: E402
+from lcpbench_report.errors import ReportError
+from lcpbench_report.statistics.latency import (deadline_table, latency_by_solver_table,
                                                 latency_table)
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from lcpbench_report.statistics.tables import FOLDER, STEP_TABLES  # noqa: E402
-from synthetic_campaign import write_campaign  # noqa: E402
-from synthetic_steps import STEPS, TIERS, exclude, one_pass, write_sequences  # noqa: E402
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.tables import FOLDER, STEP_TABLES
+from .cases import FolderCase, run
+from .synthetic_campaign import write_campaign
+from .synthetic_steps import STEPS, TIERS, exclude, one_pass, write_sequences
 
 RISING = [1e-6 * (k + 1) for k in range(STEPS)]  # 1 us to 101 us: median 51, 99 % 100
 
 
-class StepTables(unittest.TestCase):
-    def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = Path(holder.name)
-
+class StepTables(FolderCase):
     def load(self, passes: list[dict]):
         return load_campaign(write_sequences(self.folder, passes))
 
@@ -119,14 +106,14 @@ class StepTables(unittest.TestCase):
             if empty:
                 for name in ("problems.jsonl", "streams.jsonl"):
                     (self.folder / name).touch()
-            self.assertEqual(analyse.main([str(self.folder)]), 0)
+            self.assertEqual(run("analyse", self.folder)[0], 0)
             written = {path.stem for path in (self.folder / FOLDER).iterdir()}
             self.assertEqual(written, set(STEP_TABLES))
         self.assertEqual(len(pd.read_csv(self.folder / FOLDER / "latency.csv")), 1)
 
     def test_a_campaign_of_cells_alone_has_no_tables_of_steps(self):
         write_campaign(self.folder, {"a": 1.0, "b": 2.0}, copies=1)
-        self.assertEqual(analyse.main([str(self.folder)]), 0)
+        self.assertEqual(run("analyse", self.folder)[0], 0)
         self.assertFalse((self.folder / FOLDER / "latency.csv").exists())
         self.assertTrue((self.folder / FOLDER / "cells.csv").exists())
 
@@ -136,11 +123,9 @@ class StepTables(unittest.TestCase):
             self.assertTrue(table(campaign).empty)
 
 
-class Refusals(unittest.TestCase):
+class Refusals(FolderCase):
     def setUp(self):
-        holder = tempfile.TemporaryDirectory()
-        self.addCleanup(holder.cleanup)
-        self.folder = Path(holder.name)
+        super().setUp()
         self.line = one_pass("pile-12", "quick", "cold", RISING)
 
     def assert_refused(self, lines: list[dict], text: str):
@@ -148,9 +133,8 @@ class Refusals(unittest.TestCase):
         with self.assertRaises(ReportError) as caught:
             load_campaign(self.folder)
         self.assertIn(text, str(caught.exception))
-        with contextlib.redirect_stderr(io.StringIO()) as error:
-            self.assertEqual(analyse.main([str(self.folder)]), 2)
-        self.assertEqual(error.getvalue().count("\n"), 1)
+        status, _, error = run("analyse", self.folder)
+        self.assertEqual((status, error.count("\n")), (2, 1))
 
     def test_every_key_is_missed(self):
         for key in self.line:
@@ -178,7 +162,3 @@ class Refusals(unittest.TestCase):
         campaign = load_campaign(self.folder)
         self.assertEqual(len(campaign.notes), 1)
         self.assertEqual(len(next(iter(campaign.passes.values())).rounds), 1)
-
-
-if __name__ == "__main__":
-    unittest.main()

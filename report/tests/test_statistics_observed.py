@@ -1,32 +1,22 @@
 """Tables of what a campaign observes besides: calibration by variants, delivered precision."""
 
 import json
-import sys
-import tempfile
-import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.statistics.calibration import calibration_table  # noqa: E402
-from lcpbench_report.statistics.cells import cell_table  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from lcpbench_report.statistics.precision import delivered_table  # noqa: E402
-from synthetic_campaign import Noise, write_campaign  # noqa: E402
+from lcpbench_report.errors import ReportError
+from lcpbench_report.statistics.calibration import calibration_table
+from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.precision import delivered_table
+from .cases import FolderCase
+from .synthetic_campaign import Noise, write_campaign
 
 VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
 
 
-class Calibration(unittest.TestCase):
-    def setUp(self):
-        self._folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self._folder.cleanup)
-
+class Calibration(FolderCase):
     def campaign(self, factors: dict[str, float]):
-        folder = write_campaign(Path(self._folder.name) / "c", factors, tiers=(1e-6,),
-                                noise=Noise())
+        folder = write_campaign(self.folder / "c", factors, tiers=(1e-6,), noise=Noise())
         path = folder / "campaign.json"
         info = json.loads(path.read_text(encoding="utf-8"))
         for solver in info["solvers"]:
@@ -53,7 +43,7 @@ class Calibration(unittest.TestCase):
             calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))
 
 
-class Delivered(unittest.TestCase):
+class Delivered(FolderCase):
     def test_failures_count_with_their_time(self):
         """Of every third cell the answer is wrong: it is paid for, and its residual is among the quantiles."""
         wrong = iter(range(10**9))
@@ -63,9 +53,7 @@ class Delivered(unittest.TestCase):
                 record |= {"passes": False, "claim": "iteration_limit", "rho": 0.5}
             return record
 
-        with tempfile.TemporaryDirectory() as folder:
-            cells = cell_table(load_campaign(write_campaign(Path(folder) / "c", {"a": 1.0}, tiers=(1e-3, 1e-6),
-                                                            change=spoil)))
+        cells = cell_table(load_campaign(write_campaign(self.folder, {"a": 1.0}, tiers=(1e-3, 1e-6), change=spoil)))
         table = delivered_table(cells[cells["counts"]])
         self.assertEqual(len(table), 2)
         for row in table.itertuples():
@@ -75,7 +63,3 @@ class Delivered(unittest.TestCase):
             self.assertLess(row.verified_share, 1)
             self.assertEqual(row.rho_max, 0.5)
             self.assertGreater(row.mean_s, 0)
-
-
-if __name__ == "__main__":
-    unittest.main()

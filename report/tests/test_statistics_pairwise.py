@@ -1,20 +1,16 @@
 """Is "faster" said when it should be, and only then: seeded campaigns in which the truth is known."""
 
 import math
-import sys
 import unittest
-from pathlib import Path
 from unittest import mock
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-from lcpbench_report.statistics import pairwise  # noqa: E402
-from lcpbench_report.statistics.holm import holm  # noqa: E402
-from synthetic_campaign import Noise, cells_of, median_times  # noqa: E402
+from lcpbench_report.statistics import pairwise
+from lcpbench_report.statistics.intervals import holm
+from .synthetic_campaign import Noise, cells_of, median_times
 
 INF = math.inf
 SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 60, 150
@@ -188,7 +184,3 @@ class Truth(unittest.TestCase):
             table = pairwise.compare_pairs(times)
             found.append(int((table["verdict"] != pairwise.NO_DIFFERENCE).sum()) // 2)
         return found
-
-
-if __name__ == "__main__":
-    unittest.main()

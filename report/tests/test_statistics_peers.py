@@ -1,24 +1,20 @@
 """What a user pays by size class, the ratio to the peers, ablations: true ratios found, false ones not."""
 
 import math
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-from lcpbench_report.inputs import load_inputs  # noqa: E402
-from lcpbench_report.statistics.ablation import ablation_table  # noqa: E402
-from lcpbench_report.statistics.cells import ablation_cells, cell_table  # noqa: E402
-from lcpbench_report.statistics.class_times import class_table, tied  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from lcpbench_report.statistics.peer_ratio import peer_ratio_table  # noqa: E402
-from synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign  # noqa: E402
+from lcpbench_report.inputs import load_inputs
+from lcpbench_report.statistics.ablation import ablation_table
+from lcpbench_report.statistics.cells import ablation_cells, cell_table
+from lcpbench_report.statistics.class_times import class_table, tied
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.peer_ratio import peer_ratio_table
+from .cases import SharedFolderCase
+from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
 
 INF, NAN = math.inf, math.nan
 
@@ -114,18 +110,18 @@ class ClassTimes(unittest.TestCase):
         np.testing.assert_allclose(row[["over_best", "over_best_low", "over_best_high"]].astype(float), 1.5)
 
 
-class Folder(unittest.TestCase):
+class Folder(SharedFolderCase):
     """All of it, from files."""
 
     FACTORS = {"own": 1.0, "peer": 4.0, "bare": 0.9, "checked": 5.0}
 
     @classmethod
     def setUpClass(cls):
-        with tempfile.TemporaryDirectory() as name:
-            write_campaign(Path(name), cls.FACTORS, tiers=(1e-6,), change=cls.change,
-                           solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "own"},
-                                    "checked": {"ablation": "checked", "base": "peer", "origin": "peer"}})
-            cls.campaign, cls.inputs = load_campaign(Path(name)), load_inputs([Path(name)])
+        super().setUpClass()
+        write_campaign(cls.path, cls.FACTORS, tiers=(1e-6,), change=cls.change,
+                       solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "own"},
+                                "checked": {"ablation": "checked", "base": "peer", "origin": "peer"}})
+        cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
         cls.cells, cls.ablated = cell_table(cls.campaign), ablation_cells(cls.campaign)
 
     @staticmethod
@@ -168,7 +164,3 @@ class Folder(unittest.TestCase):
         ratio = peer_ratio_table(self.cells, {"own"}).set_index("size_class").loc["all"]
         self.assertAlmostEqual(ratio["ratio"], 0.25, delta=0.01)
         self.assertEqual(ratio["peer"], "peer")
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -1,22 +1,18 @@
 """Performance profiles, shifted means and coverage: against values worked out by hand, and their laws."""
 
 import math
-import sys
 import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-from lcpbench_report.statistics import means  # noqa: E402
-from lcpbench_report.statistics.coverage import coverage_table  # noqa: E402
-from lcpbench_report.statistics.intervals import share_interval  # noqa: E402
-from lcpbench_report.statistics.pairwise import pair_shares  # noqa: E402
-from lcpbench_report.statistics.profiles import TAUS, profile, profile_table  # noqa: E402
-from synthetic_campaign import TIME_LIMIT, cells_of  # noqa: E402
+from lcpbench_report.statistics import means
+from lcpbench_report.statistics.coverage import coverage_table
+from lcpbench_report.statistics.intervals import share_interval
+from lcpbench_report.statistics.pairwise import pair_shares
+from lcpbench_report.statistics.profiles import TAUS, profile, profile_table
+from .synthetic_campaign import TIME_LIMIT, cells_of
 
 INF = math.inf
 # Best: a on p (1), b on q (2), nobody on r.
@@ -166,7 +162,3 @@ class Coverage(unittest.TestCase):
             self.assertTrue((table[f"{share}_low"] <= table[share]).all())
             self.assertTrue((table[share] <= table[f"{share}_high"]).all())
         self.assertTrue((table["false_share_high"] > 0).all())  # none seen is not none
-
-
-if __name__ == "__main__":
-    unittest.main()

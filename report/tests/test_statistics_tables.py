@@ -1,27 +1,20 @@
 """From a campaign's folder to its tables: what they hold, and what is refused."""
 
-import contextlib
-import io
 import json
-import sys
-import tempfile
 import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-import analyse  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.statistics import accuracy, means, precision, scaling  # noqa: E402
-from lcpbench_report.statistics.cells import cell_table  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from lcpbench_report.statistics.tables import FOLDER, TABLES  # noqa: E402
-from synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, PARTS, SIZES, TIERS, exclude, fail,  # noqa: E402
-                                write_campaign)
+from lcpbench_report.errors import ReportError
+from lcpbench_report.statistics import distributions, means, precision, scaling
+from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.tables import FOLDER, TABLES
+from .cases import FolderCase, SharedFolderCase, run
+from .synthetic_campaign import (COPIES, EXPONENT, FAMILIES, ORACLE_PER_ROW, PARTS, SIZES, TIERS, exclude, fail,
+                                write_campaign, write_lines)
 
 FACTORS = {"quick": 1.0, "same": 1.0, "slow": 1.1, "liar": 2.0, "limited": 3.0}
 COUNTED = len(FAMILIES) * len(SIZES) * COPIES
@@ -37,25 +30,13 @@ def _change(record: dict) -> dict:
     return record
 
 
-def _run(folder: Path) -> tuple[int, str]:
-    """Exit status and standard error."""
-    error = io.StringIO()
-    with contextlib.redirect_stderr(error):
-        status = analyse.main([str(folder)])
-    return status, error.getvalue()
-
-
-class Tables(unittest.TestCase):
+class Tables(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
-        cls._folder = tempfile.TemporaryDirectory()
-        cls.folder = write_campaign(Path(cls._folder.name), FACTORS, change=_change)
-        cls.status, cls.error = _run(cls.folder)
+        super().setUpClass()
+        cls.folder = write_campaign(cls.path, FACTORS, change=_change)
+        cls.status, cls.out, cls.error = run("analyse", cls.folder)
         cls.tables = {name: pd.read_csv(cls.folder / FOLDER / f"{name}.csv") for name in TABLES}
-
-    @classmethod
-    def tearDownClass(cls):
-        cls._folder.cleanup()
 
     def test_all_is_written_without_a_word(self):
         self.assertEqual((self.status, self.error), (0, ""))
@@ -151,21 +132,19 @@ class Tables(unittest.TestCase):
 
     def test_the_same_files_give_the_same_tables(self):
         before = {path.name: path.read_bytes() for path in (self.folder / FOLDER).iterdir()}
-        self.assertEqual(_run(self.folder)[0], 0)
+        self.assertEqual(run("analyse", self.folder)[0], 0)
         for path in (self.folder / FOLDER).iterdir():
             self.assertEqual(path.read_bytes(), before[path.name], path.name)
 
 
-class Verdicts(unittest.TestCase):
+class Verdicts(FolderCase):
     """From lines to the verdict and the time that counts, one thing at a time."""
 
     def cells(self, change=lambda record: record, edit=lambda line: line, **arguments) -> pd.DataFrame:
-        with tempfile.TemporaryDirectory() as name:
-            folder = write_campaign(Path(name), {"a": 1.0}, tiers=TIERS[:1], copies=2, change=change, **arguments)
-            path = folder / "streams.jsonl"
-            lines = [edit(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
-            path.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-            return cell_table(load_campaign(folder)).set_index("problem")
+        write_campaign(self.folder, {"a": 1.0}, tiers=TIERS[:1], copies=2, change=change, **arguments)
+        path = self.folder / "streams.jsonl"
+        write_lines(path, [edit(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()])
+        return cell_table(load_campaign(self.folder)).set_index("problem")
 
     def test_the_time_is_the_median_of_the_passes_that_were_not_disturbed(self):
         times = [5e-3, 1e-3, 3e-3, 2e-3, 9e-3]
@@ -242,13 +221,11 @@ class Exponents(unittest.TestCase):
         self.assertTrue(0.88 <= robust / seeds <= 0.99, robust / seeds)
 
 
-class Files(unittest.TestCase):
+class Files(FolderCase):
     """A small campaign, and one thing wrong with it."""
 
     def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
+        super().setUp()
         self._write()
 
     def test_a_torn_last_line_is_passed_over_with_a_note(self):
@@ -347,7 +324,7 @@ class Files(unittest.TestCase):
         for name in ("streams.jsonl", "problems.jsonl", "campaign.json"):
             (self.folder / name).unlink()
             self._expect_refused(name)
-        self.assertEqual(_run(self.folder / "nowhere")[0], 2)
+        self.assertEqual(run("analyse", self.folder / "nowhere")[0], 2)
 
     def test_where_nothing_is_verified_the_tables_are_there(self):
         self._write(change=fail)
@@ -374,7 +351,7 @@ class Files(unittest.TestCase):
     def test_answers_against_bounded_references_are_apart(self):
         problem = json.loads(self._lines("problems.jsonl")[0]) | {"reference": "bounded"}
         self._edit_line("problems.jsonl", 0, lambda line: json.dumps(problem))
-        table = accuracy.accuracy_table(cell_table(load_campaign(self.folder)))
+        table = distributions.accuracy_table(cell_table(load_campaign(self.folder)))
         self.assertEqual(set(table.loc[table["reference"] == "bounded", "problems"]), {1})
 
     def test_a_solver_that_solves_nothing_strictly_keeps_its_looser_curves(self):
@@ -398,7 +375,7 @@ class Files(unittest.TestCase):
         (self.folder / name).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
     def _expect_refused(self, *words: str) -> None:
-        status, error = _run(self.folder)
+        status, _, error = run("analyse", self.folder)
         self.assertEqual((status, error.count("\n")), (2, 1), error)
         for word in words:
             self.assertIn(word, error)
@@ -406,10 +383,6 @@ class Files(unittest.TestCase):
             load_campaign(self.folder)
 
     def _expect_headers(self) -> None:
-        self.assertEqual(_run(self.folder), (0, ""))
+        self.assertEqual(run("analyse", self.folder), (0, "", ""))
         for name in TABLES:
             self.assertGreater(len(pd.read_csv(self.folder / FOLDER / f"{name}.csv").columns), 5, name)
-
-
-if __name__ == "__main__":
-    unittest.main()

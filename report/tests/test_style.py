@@ -1,16 +1,10 @@
-"""Run: /usr/bin/python3 -m unittest discover -s report/tests
-
-Looks of solvers: distinct, and the same in every campaign.
+"""Looks of solvers: distinct, and the same in every campaign.
 """
 
-import sys
 import unittest
-from pathlib import Path
 
-_REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-from lcpbench_report.style import solver_styles  # noqa: E402
+from lcpbench_report.style import solver_styles
 
 OWN = ("dantzig", "auto", "semismooth-newton", "lemke", "bpp", "active-set", "pgs", "psor", "nncg", "apgd", "ipopt-qp",
        "ipopt-ncp", "ipm", "hybrid", "new-one", "another")
@@ -70,7 +64,3 @@ class Style(unittest.TestCase):
         self.assertEqual(self.styles["ode-dantzig"].plotly_symbol, "circle-open")
         self.assertEqual(self.styles["auto"].plotly_symbol, "circle")
         self.assertEqual(self.styles["auto"].plotly_dash, "solid")
-
-
-if __name__ == "__main__":
-    unittest.main()

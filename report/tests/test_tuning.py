@@ -1,26 +1,21 @@
 """Tuning: what is drawn, what is chosen, and what is told of a space that does not fit."""
 
-import contextlib
-import io
 import json
 import math
-import sys
-import tempfile
 import unittest
 from pathlib import Path
 
 _REPORT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(_REPORT), str(_REPORT / "tests")]
 
-import numpy as np  # noqa: E402
-import pandas as pd  # noqa: E402
+import numpy as np
+import pandas as pd
 
-import tune  # noqa: E402
-from lcpbench_report.errors import ReportError  # noqa: E402
-from lcpbench_report.statistics.load import load_campaign  # noqa: E402
-from lcpbench_report.tuning import campaign, choice, record  # noqa: E402
-from lcpbench_report.tuning.space import Space, draw, load_spaces  # noqa: E402
-from synthetic_campaign import Noise, cells_of, median_times, write_campaign  # noqa: E402
+from lcpbench_report.errors import ReportError
+from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.tuning import campaign, choice, record
+from lcpbench_report.tuning.space import Space, draw, load_spaces
+from .cases import FolderCase, run
+from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 
 SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
 SMALL = Space("lemke", {"block_start": ["no", "yes"]})
@@ -152,12 +147,7 @@ class Drawing(unittest.TestCase):
         self.assertLess(sum((n - 200) ** 2 / 200 for n in counts.values()), 29.6)  # chi-squared of 10, 0.1 %
 
 
-class Mistakes(unittest.TestCase):
-    def setUp(self):
-        folder = tempfile.TemporaryDirectory()
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
-
+class Mistakes(FolderCase):
     def spaces(self, text: str):
         path = self.folder / "tuning.json"
         path.write_text(text, encoding="utf-8")
@@ -188,11 +178,8 @@ class Mistakes(unittest.TestCase):
 
     def test_of_the_command_line_are_one_line(self):
         for words in (["--budget", "0"], ["--sizes", "10,x"], ["--space", str(self.folder / "none.json")]):
-            told = io.StringIO()
-            with contextlib.redirect_stderr(told):
-                status = tune.main(["--lcpbench", "/bin/true", "--folder", str(self.folder), *words])
-            self.assertEqual(status, 2)
-            self.assertEqual(told.getvalue().count("\n"), 1, told.getvalue())
+            status, _, told = run("tune", "--lcpbench", "/bin/true", "--folder", self.folder, *words)
+            self.assertEqual((status, told.count("\n")), (2, 1), told)
 
     def test_a_tuning_problem_of_another_set_is_refused(self):
         for name, problem in (("smoke", {"id": "a", "sha256": "1"}), ("standard", {"id": "b", "sha256": "2"})):
@@ -210,21 +197,18 @@ class Mistakes(unittest.TestCase):
                 self.assertEqual(campaign.require_disjoint(own / "manifest.json", self.folder), ["standard"])
 
 
-class Record(unittest.TestCase):
+class Record(FolderCase):
     """What is written of a campaign, from its files to the file."""
 
     def test_says_what_was_tried_and_what_is_chosen(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            noise = Noise(problem=0.02)
-            write_campaign(folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=noise)
-            asked = record.Asked(8, 1, DATA / "tuning.json", [10], 21)
-            said: list[str] = []
-            made = record.describe(load_campaign(folder / "c"), {"lemke": SMALL},
-                                   {"lemke": draw(SMALL, asked.budget, asked.seed)}, asked, ["standard"], "2026-01-01",
-                                   said.append)
-            record.write(folder / "tuned.json", made)
-            read = json.loads((folder / "tuned.json").read_text(encoding="utf-8"))
+        write_campaign(self.folder / "c", {"lemke": 1.0, "lemke-try1": 0.5}, tiers=(1e-6,), noise=Noise(problem=0.02))
+        asked = record.Asked(8, 1, DATA / "tuning.json", [10], 21)
+        said: list[str] = []
+        made = record.describe(load_campaign(self.folder / "c"), {"lemke": SMALL},
+                               {"lemke": draw(SMALL, asked.budget, asked.seed)}, asked, ["standard"], "2026-01-01",
+                               said.append)
+        record.write(self.folder / "tuned.json", made)
+        read = json.loads((self.folder / "tuned.json").read_text(encoding="utf-8"))
         self.assertEqual(read, json.loads(json.dumps(made)))
         self.assertEqual(read["schema"], "lcpbench-tuned/1")
         self.assertEqual(read["budget"], 8)
@@ -249,7 +233,3 @@ class Record(unittest.TestCase):
             self.assertEqual([outcome["settings"] for outcome in solver["tried"]], drawn, solver["solver"])
             self.assertIn(solver["chosen"], drawn)
             self.assertEqual(solver["configurations"], min(tuned["budget"], space.size))
-
-
-if __name__ == "__main__":
-    unittest.main()

@@ -26,18 +26,34 @@ ActiveSetOptions ActiveSetOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-ActiveSetSolver::ActiveSetSolver(const ActiveSetOptions& options)
-    : continuation_rows_(options.newton.continuation_rows),
-      patient_(options.blocks),
-      impatient_(Impatient(options.blocks)),
-      newton_(options.newton) {}
+class ActiveSetEngine {
+ public:
+  explicit ActiveSetEngine(const ActiveSetOptions& options)
+      : continuation_rows_(options.newton.continuation_rows),
+        patient_(options.blocks),
+        impatient_(Impatient(options.blocks)),
+        newton_(options.newton) {}
 
-void ActiveSetSolver::DoPrepare(const LcpProblem& problem) {
+  std::string WhyUnsupported(const LcpProblem& problem) const { return patient_.WhyUnsupported(problem); }
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
+ private:
+  bool IsLarge(const LcpProblem& problem) const { return problem.size() >= continuation_rows_; }
+
+  Index continuation_rows_;
+  BppSolver patient_;    // for problems that are not large
+  BppSolver impatient_;  // ends where blocks cycle
+  SemismoothNewtonSolver newton_;
+  bool newton_is_prepared_ = false;
+};
+
+void ActiveSetEngine::Prepare(const LcpProblem& problem) {
   newton_is_prepared_ = false;
   (IsLarge(problem) ? impatient_ : patient_).Prepare(problem);
 }
 
-void ActiveSetSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+void ActiveSetEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   if (!IsLarge(problem)) return patient_.Solve(problem, options, result);
   const Deadline deadline(options);
   impatient_.Solve(problem, options, result);
@@ -61,5 +77,7 @@ void ActiveSetSolver::DoSolve(const LcpProblem& problem, const LcpOptions& optio
   second.iterations += result->iterations;
   *result = std::move(second);
 }
+
+template class EngineSolver<ActiveSetOptions, ActiveSetEngine>;
 
 }  // namespace lcpbench

@@ -10,18 +10,15 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/islands.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/pivoting/tableau_rules.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// Above this rho a tableau counts as failed, whatever the tolerance: other backends do better.
-constexpr double kTableauRho = 1e-9;
-// Backward errors in double of at most this part of what is allowed pass in extended precision, too.
-constexpr double kMargin = 0.1;
 // Where the rows that remain are more than this part of all, the whole problem is as cheap, and is set up already.
 constexpr double kWorthDividing = 0.75;
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
@@ -32,137 +29,11 @@ constexpr Index kRowsPerCut = 16;
 enum class Known { kRight, kUnclear, kWrong };
 
 Known Judge(const SmallPivoting::Answer& answer, double tolerance) {
-  if (!(answer.rho <= kTableauRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
+  if (!(answer.rho <= tableau::kMostRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
   return answer.rho + answer.rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
 }  // namespace
-
-struct AutoSolver::Parts {
-  explicit Parts(const AutoOptions& auto_options)
-      : own(auto_options), whole(auto_options.newton_factorisations, auto_options.self_check) {}
-
-  void PrepareWhole(const LcpProblem& problem) {
-    whole.Prepare(problem);
-    whole_is_ready = true;
-  }
-  SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
-    return {kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, own.self_check};
-  }
-  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
-  bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
-  void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
-
-  AutoOptions own;
-  Index tableau_rows = 0;  // of the prepared problem
-  SmallPivoting tableau;
-  AutoPortfolio whole;  // for all rows
-  bool whole_is_ready = false;
-  bool divides = false;  // whether islands are looked for at all
-
-  GivenFormTest test;  // of problems of one tableau
-
-  // Of problems that are too large for one tableau.
-  IdleRows idle_rows;
-  Islands islands;
-  bool has_islands = false;  // even with all rows
-  Index few_idle_rows = 1;   // fewer cannot cut one island into small ones
-  std::vector<Index> rest;
-  Eigen::VectorXd rest_start;
-  AnswerJudge judge;
-};
-
-bool AutoSolver::Parts::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
-                                   LcpResult* result) {
-  const Known known = Judge(tableau.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance);
-  if (known == Known::kWrong) return false;
-  if (known == Known::kUnclear) {
-    test.SetB(problem);
-    if (!test.Meets(options.tolerance, result->f)) return false;
-  }
-  result->status = LcpStatus::kSolved;
-  result->iterations = tableau.pivots();
-  result->detail = "tableau";
-  return true;
-}
-
-// Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
-bool AutoSolver::Parts::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
-                                   LcpResult* result) {
-  if (!divides) return false;
-  const Index idle = idle_rows.Find(problem);
-  if (idle < few_idle_rows && !has_islands) return false;
-  islands.Find(problem.SparseA(), idle_rows.keep());
-  const double worth = kWorthDividing * static_cast<double>(problem.size());
-  Index large_rows = 0;
-  for (Index k = 0; k < islands.count(); ++k) {
-    const auto rows = static_cast<Index>(islands.rows(k).size());
-    if (rows > tableau_rows) large_rows += rows;
-  }
-  if (static_cast<double>(large_rows) > worth) return false;
-  rest.clear();
-  std::int64_t pivots = 0;
-  for (Index k = 0; k < islands.count(); ++k) {
-    const std::span<const Index> rows = islands.rows(k);
-    const bool solved = static_cast<Index>(rows.size()) <= tableau_rows &&
-                        Judge(tableau.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f),
-                              options.tolerance) != Known::kWrong;  // what is unclear is judged with the whole
-    if (solved) {
-      pivots += tableau.pivots();
-    } else {
-      rest.insert(rest.end(), rows.begin(), rows.end());
-    }
-    if (deadline.Expired()) {
-      result->status = LcpStatus::kTimeLimit;
-      return true;
-    }
-  }
-  result->detail = std::to_string(islands.count()) + " islands, largest " + std::to_string(islands.largest()) +
-                   " rows, " + std::to_string(idle) + " idle rows";
-  result->iterations = pivots;
-  result->status = LcpStatus::kSolved;
-  if (!rest.empty()) SolveRest(problem, options, deadline, result);
-  if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
-  if (!own.self_check) return true;
-  // All parts passed; what joins them, and rows left out, have not been looked at.
-  judge.SetB(problem);
-  judge.Start(options.tolerance);
-  judge.candidate() = result->f;
-  judge.Publish(result);
-  if (judge.tier() <= options.tolerance) return true;
-  result->status = LcpStatus::kNumericalFailure;
-  return false;
-}
-
-void AutoSolver::Parts::SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
-                                  LcpResult* result) {
-  std::sort(rest.begin(), rest.end());
-  const LcpProblem part = Subproblem(problem, rest);
-  const auto m = static_cast<Index>(rest.size());
-  LcpOptions part_options = options;
-  if (options.initial_f != nullptr) {
-    rest_start.resize(m);
-    for (Index k = 0; k < m; ++k) rest_start[k] = (*options.initial_f)[rest[static_cast<size_t>(k)]];
-    part_options.initial_f = &rest_start;
-  }
-  AutoPortfolio portfolio(own.newton_factorisations, own.self_check);
-  portfolio.Prepare(part);
-  LcpResult answer;
-  answer.f.setZero(m);
-  portfolio.Solve(part, part_options, AutoPortfolio::Choice::kByCost, deadline, &answer);
-  result->status = answer.status;
-  result->iterations += answer.iterations;
-  result->detail += "; " + answer.detail;
-  for (Index k = 0; k < m; ++k) result->f[rest[static_cast<size_t>(k)]] = answer.f[k];
-  if (answer.status != LcpStatus::kInfeasible) return;
-  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
-  for (Index k = 0; k < m; ++k) ray[rest[static_cast<size_t>(k)]] = (*answer.farkas_ray)[k];
-  if (VerifyFarkasRay(problem, ray).accepted) {
-    result->farkas_ray = std::move(ray);
-  } else {
-    result->status = LcpStatus::kNumericalFailure;
-  }
-}
 
 AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("auto", settings);
@@ -180,75 +51,199 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-AutoSolver::AutoSolver(AutoOptions options) : options_(options), parts_(std::make_unique<Parts>(options)) {
-  if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
-  for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
-    if (rows < 0 || rows > SmallPivoting::kMaxRows) {
-      throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
+class AutoEngine {
+ public:
+  explicit AutoEngine(const AutoOptions& options)
+      : options_(options), whole_(options.newton_factorisations, options.self_check) {
+    if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
+    for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
+      if (rows < 0 || rows > SmallPivoting::kMaxRows) {
+        throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
+      }
     }
   }
+
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
+  void Reserve(Index max_rows) { tableau_.Reserve(std::min(max_rows, options_.tableau_rows)); }
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
+ private:
+  void PrepareWhole(const LcpProblem& problem) {
+    whole_.Prepare(problem);
+    whole_is_ready_ = true;
+  }
+  SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
+    return {tableau::kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, options_.self_check};
+  }
+  bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
+  bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  void SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+
+  const AutoOptions options_;
+  Index tableau_rows_ = 0;  // of the prepared problem
+  SmallPivoting tableau_;
+  AutoPortfolio whole_;  // for all rows
+  bool whole_is_ready_ = false;
+  bool divides_ = false;  // whether islands are looked for at all
+
+  GivenFormTest test_;  // of problems of one tableau
+
+  // Of problems that are too large for one tableau.
+  IdleRows idle_rows_;
+  Islands islands_;
+  bool has_islands_ = false;  // even with all rows
+  Index few_idle_rows_ = 1;   // fewer cannot cut one island into small ones
+  std::vector<Index> rest_;
+  Eigen::VectorXd rest_start_;
+  AnswerJudge judge_;
+};
+
+bool AutoEngine::TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+                            LcpResult* result) {
+  const Known known = Judge(tableau_.Solve(problem, RequestFor(options, deadline), &result->f), options.tolerance);
+  if (known == Known::kWrong) return false;
+  if (known == Known::kUnclear) {
+    test_.SetB(problem);
+    if (!test_.Meets(options.tolerance, result->f)) return false;
+  }
+  result->status = LcpStatus::kSolved;
+  result->iterations = tableau_.pivots();
+  result->detail = "tableau";
+  return true;
 }
-AutoSolver::~AutoSolver() = default;
 
-std::string AutoSolver::WhyUnsupported(const LcpProblem& problem) const {
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
+// Small islands by tableau, the rest by a portfolio of its own. False if dividing does not pay or led to nothing.
+bool AutoEngine::TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                            LcpResult* result) {
+  if (!divides_) return false;
+  const Index idle = idle_rows_.Find(problem);
+  if (idle < few_idle_rows_ && !has_islands_) return false;
+  islands_.Find(problem.SparseA(), idle_rows_.keep());
+  const double worth = kWorthDividing * static_cast<double>(problem.size());
+  Index large_rows = 0;
+  for (Index k = 0; k < islands_.count(); ++k) {
+    const auto rows = static_cast<Index>(islands_.rows(k).size());
+    if (rows > tableau_rows_) large_rows += rows;
+  }
+  if (static_cast<double>(large_rows) > worth) return false;
+  rest_.clear();
+  std::int64_t pivots = 0;
+  for (Index k = 0; k < islands_.count(); ++k) {
+    const std::span<const Index> rows = islands_.rows(k);
+    const bool solved = static_cast<Index>(rows.size()) <= tableau_rows_ &&
+                        Judge(tableau_.SolvePart(problem, rows, RequestFor(options, &deadline), &result->f),
+                              options.tolerance) != Known::kWrong;  // what is unclear is judged with the whole
+    if (solved) {
+      pivots += tableau_.pivots();
+    } else {
+      rest_.insert(rest_.end(), rows.begin(), rows.end());
+    }
+    if (deadline.Expired()) {
+      result->status = LcpStatus::kTimeLimit;
+      return true;
+    }
+  }
+  result->detail = std::to_string(islands_.count()) + " islands, largest " + std::to_string(islands_.largest()) +
+                   " rows, " + std::to_string(idle) + " idle rows";
+  result->iterations = pivots;
+  result->status = LcpStatus::kSolved;
+  if (!rest_.empty()) SolveRest(problem, options, deadline, result);
+  if (result->status != LcpStatus::kSolved) return result->status != LcpStatus::kNumericalFailure;
+  if (!options_.self_check) return true;
+  // All parts passed; what joins them, and rows left out, have not been looked at.
+  judge_.SetB(problem);
+  judge_.Start(options.tolerance);
+  judge_.candidate() = result->f;
+  judge_.Publish(result);
+  if (judge_.tier() <= options.tolerance) return true;
+  result->status = LcpStatus::kNumericalFailure;
+  return false;
 }
 
-void AutoSolver::Reserve(Index max_rows) { parts_->tableau.Reserve(std::min(max_rows, options_.tableau_rows)); }
+void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline,
+                           LcpResult* result) {
+  std::sort(rest_.begin(), rest_.end());
+  const LcpProblem part = Subproblem(problem, rest_);
+  const auto m = static_cast<Index>(rest_.size());
+  LcpOptions part_options = options;
+  if (options.initial_f != nullptr) {
+    rest_start_.resize(m);
+    for (Index k = 0; k < m; ++k) rest_start_[k] = (*options.initial_f)[rest_[static_cast<size_t>(k)]];
+    part_options.initial_f = &rest_start_;
+  }
+  AutoPortfolio portfolio(options_.newton_factorisations, options_.self_check);
+  portfolio.Prepare(part);
+  LcpResult answer;
+  answer.f.setZero(m);
+  portfolio.Solve(part, part_options, AutoPortfolio::Choice::kByCost, deadline, &answer);
+  result->status = answer.status;
+  result->iterations += answer.iterations;
+  result->detail += "; " + answer.detail;
+  for (Index k = 0; k < m; ++k) result->f[rest_[static_cast<size_t>(k)]] = answer.f[k];
+  if (answer.status != LcpStatus::kInfeasible) return;
+  Eigen::VectorXd ray = Eigen::VectorXd::Zero(problem.size());
+  for (Index k = 0; k < m; ++k) ray[rest_[static_cast<size_t>(k)]] = (*answer.farkas_ray)[k];
+  if (VerifyFarkasRay(problem, ray).accepted) {
+    result->farkas_ray = std::move(ray);
+  } else {
+    result->status = LcpStatus::kNumericalFailure;
+  }
+}
 
-void AutoSolver::DoPrepare(const LcpProblem& problem) {
-  Parts& parts = *parts_;
+void AutoEngine::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
-  parts.tableau_rows = options_.tableau_rows;
-  parts.whole_is_ready = false;
-  parts.divides = n > options_.tableau_rows;
+  tableau_rows_ = options_.tableau_rows;
+  whole_is_ready_ = false;
+  divides_ = n > options_.tableau_rows;
   const bool looks_first = AutoPortfolio::IsLarge(problem) && problem.has_factors();
   if (n > options_.tableau_rows) {
     if (looks_first) {
-      parts.islands.FindByColumns(problem.J(), problem.inverse_mass());
-      parts.divides = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
+      islands_.FindByColumns(problem.J(), problem.inverse_mass());
+      divides_ = static_cast<double>(islands_.largest()) <= kWorthDividing * static_cast<double>(n);
     }
-    if (looks_first && parts.divides) {
-      parts.whole.Classify(problem);  // set up only if the islands turn out to be too large
+    if (looks_first && divides_) {
+      whole_.Classify(problem);  // set up only if the islands turn out to be too large
     } else {
-      parts.PrepareWhole(problem);
+      PrepareWhole(problem);
     }
-    if (parts.whole.suits_tableau()) {
-      parts.tableau_rows = std::max(parts.tableau_rows, options_.hard_tableau_rows);
+    if (whole_.suits_tableau()) {
+      tableau_rows_ = std::max(tableau_rows_, options_.hard_tableau_rows);
     }
   }
-  if (n <= parts.tableau_rows) {
+  if (n <= tableau_rows_) {
     problem.DenseA();
-    parts.tableau.Reserve(n);
-    parts.test.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
+    tableau_.Reserve(n);
+    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
     return;
   }
-  if (!parts.divides) return;
-  parts.tableau.Reserve(parts.tableau_rows, n);
-  parts.idle_rows.Prepare(problem);
-  parts.rest.reserve(static_cast<size_t>(n));
-  parts.judge.Reset(problem, false);
-  parts.islands.Reserve(n);
-  if (!looks_first) parts.islands.Find(problem.SparseA(), parts.idle_rows.keep());
-  parts.has_islands = static_cast<double>(parts.islands.largest()) <= kWorthDividing * static_cast<double>(n);
-  parts.few_idle_rows = n / kRowsPerCut;
+  if (!divides_) return;
+  tableau_.Reserve(tableau_rows_, n);
+  idle_rows_.Prepare(problem);
+  rest_.reserve(static_cast<size_t>(n));
+  judge_.Reset(problem, false);
+  islands_.Reserve(n);
+  if (!looks_first) islands_.Find(problem.SparseA(), idle_rows_.keep());
+  has_islands_ = static_cast<double>(islands_.largest()) <= kWorthDividing * static_cast<double>(n);
+  few_idle_rows_ = n / kRowsPerCut;
 }
 
-void AutoSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  Parts& parts = *parts_;
+void AutoEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const bool may_choose = options.max_iterations == 0;  // the unit of a limit is the backend's
   // Reading the clock costs a tenth of the smallest problems, which a tableau ends in no time.
   std::optional<Deadline> limit;
   auto choice = AutoPortfolio::Choice::kByCost;
   if (std::isfinite(options.time_limit_s) && problem.size() > SmallPivoting::kRowsWithoutClock) limit.emplace(options);
-  if (problem.size() <= parts.tableau_rows) {
-    if (may_choose && parts.TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
+  if (problem.size() <= tableau_rows_) {
+    if (may_choose && TryTableau(problem, options, limit.has_value() ? &*limit : nullptr, result)) return;
     choice = AutoPortfolio::Choice::kRobust;
   }
   const Deadline deadline = limit.value_or(Deadline(options));
-  if (problem.size() > parts.tableau_rows && may_choose && parts.TryIslands(problem, options, deadline, result)) return;
-  if (!parts.whole_is_ready && choice == AutoPortfolio::Choice::kByCost) parts.PrepareWhole(problem);
-  parts.whole.Solve(problem, options, choice, deadline, result);
+  if (problem.size() > tableau_rows_ && may_choose && TryIslands(problem, options, deadline, result)) return;
+  if (!whole_is_ready_ && choice == AutoPortfolio::Choice::kByCost) PrepareWhole(problem);
+  whole_.Solve(problem, options, choice, deadline, result);
 }
+
+template class EngineSolver<AutoOptions, AutoEngine>;
 
 }  // namespace lcpbench

@@ -1,10 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -49,23 +47,7 @@ struct AutoOptions {
 ///
 /// Set-up covers what the problem's structure suggests first; other backends prepare within the solve. Limits are the
 /// backends' own, the time limit is shared. Solve does not allocate up to tableau_rows rows, unless a tableau fails.
-class AutoSolver final : public LcpSolver {
- public:
-  /// @throws InputError for options out of their ranges
-  explicit AutoSolver(AutoOptions options = {});
-  ~AutoSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-  void Reserve(Index max_rows) override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Parts;
-  AutoOptions options_;
-  std::unique_ptr<Parts> parts_;
-};
+using AutoSolver = EngineSolver<AutoOptions, class AutoEngine>;
+extern template class EngineSolver<AutoOptions, AutoEngine>;
 
 }  // namespace lcpbench

@@ -1,15 +1,24 @@
 #pragma once
 
-#include <memory>
+#include <cstdint>
 
 #include "solvers/first_order/sweeps/first_order_options.h"
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
 /// Options of ApgdSolver.
 struct ApgdOptions {
+  static constexpr std::int64_t kDefaultIterations = 20000;  ///< limit where max_iterations is 0
+  /// Of the estimated Lipschitz constant: per iteration, so that steps grow again where the curvature met is small ...
+  static constexpr double kDecay = 0.98;
+  /// ... and at least, after a step that was too long for its own curvature.
+  static constexpr double kGrowth = 1.5;
+  /// Above the curvature of that step: the next one often goes the same way, and must not hang on rounding.
+  static constexpr double kMargin = 1.02;
+  /// It stays at or above this (and at or below n): along directions without curvature steps need not grow for ever.
+  static constexpr double kLeast = 0.1;
+
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Give up the momentum where it points uphill. Without it the bound below holds for the iterates of one run, with it
   /// the iterates stop circling the solution: on the scenes a quarter to a tenth of the iterations.
@@ -43,35 +52,8 @@ struct ApgdOptions {
 ///
 /// [Mazhar, Heyn, Negrut, Tasora, Using Nesterov's method to accelerate multibody dynamics with friction and contact,
 /// ACM Transactions on Graphics 34(3), 2015; restart: O'Donoghue, Candes 2015; t with varying L: Scheinberg, Goldfarb,
-/// Bai 2014.] Departures: Jacobi scaling, so that L = 1 is a lower bound and the start; L and t are coupled, so that
-/// the bound survives steps that grow; the repeated step is sized by the curvature that was measured; w(y) is never
-/// formed for the restart.
-class ApgdSolver final : public LcpSolver {
- public:
-  static constexpr std::int64_t kDefaultIterations = 20000;  ///< limit where max_iterations is 0
-  /// Of the estimated Lipschitz constant: per iteration, so that steps grow again where the curvature met is small ...
-  static constexpr double kDecay = 0.98;
-  /// ... and at least, after a step that was too long for its own curvature.
-  static constexpr double kGrowth = 1.5;
-  /// Above the curvature of that step: the next one often goes the same way, and must not hang on rounding.
-  static constexpr double kMargin = 1.02;
-  /// It stays at or above this (and at or below n): along directions without curvature steps need not grow for ever.
-  static constexpr double kLeast = 0.1;
-
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit ApgdSolver(ApgdOptions options = {});
-  ~ApgdSolver() override;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  struct Workspace;
-  ApgdOptions options_;
-  std::unique_ptr<Workspace> work_;
-};
+/// Bai 2014.] Departures: docs/solvers/first_order.md.
+using ApgdSolver = EngineSolver<ApgdOptions, class ApgdEngine>;
+extern template class EngineSolver<ApgdOptions, ApgdEngine>;
 
 }  // namespace lcpbench

@@ -4,10 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "solvers/first_order/sweeps/paced_passes.h"
-#include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/first_order/sweeps/stopping_test.h"
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 #include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
@@ -56,123 +53,132 @@ Combination LeastEnergy(const Products& of) {
 
 }  // namespace
 
-struct NncgSolver::Workspace {
-  RowWork rows;  // f: the iterate; the sweeps move it from x to y
-  StoppingTest test;
-  Point x;         // where the sweep began
-  Point previous;  // p, the previous step
-  Point extra;     // what the extrapolation adds to y
-  bool has_previous = false;
-  double previous_w = 0;   // p.w at x less p.A p
-  double last_change = 0;  // |z|^2 of the previous iteration
+// rows_.f is the iterate; the sweeps move it from x to y.
+class NncgEngine final : public FirstOrderEngine<NncgOptions> {
+ public:
+  using FirstOrderEngine::FirstOrderEngine;
 
-  const Array& Left(const Array& f, const Array& image) const { return rows.rows->ImageIsRoot() ? image : f; }
+  std::string WhyUnsupported(const LcpProblem& problem) const {
+    return problem.IsNumericallySymmetric() ? FirstOrderEngine::WhyUnsupported(problem) : WhyNotSymmetric(problem);
+  }
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+
+ private:
+  const Array& Left(const Array& f, const Array& image) const { return rows_.rows->ImageIsRoot() ? image : f; }
   Products MakeProducts(double energy) const;
   Combination FletcherReeves();
   bool WantBlock(const Combination& c, std::size_t begin, std::size_t end);
-  void Extrapolate(NncgOptions::Direction direction, double energy);
+  void Extrapolate(double energy);
+
+  Point x_;         // where the sweep began
+  Point previous_;  // p, the previous step
+  Point extra_;     // what the extrapolation adds to y
+  bool has_previous_ = false;
+  double previous_w_ = 0;   // p.w at x less p.A p
+  double last_change_ = 0;  // |z|^2 of the previous iteration
 };
 
 // `energy` is what the sweep gained: z.w + z.A z / 2.
-Products NncgSolver::Workspace::MakeProducts(double energy) const {
-  const Array& y_left = Left(rows.f, rows.image);
-  const Array& x_left = Left(x.f, x.image);
-  const Array& p_left = Left(previous.f, previous.image);
+Products NncgEngine::MakeProducts(double energy) const {
+  const Array& y_left = Left(rows_.f, rows_.image);
+  const Array& x_left = Left(x_.f, x_.image);
+  const Array& p_left = Left(previous_.f, previous_.image);
   ProductSum zz;
   ProductSum zp;
   ProductSum pp;
   const auto add = [&](auto get, std::size_t i) {
     const auto z = get(y_left, i) - get(x_left, i);
-    const auto p = get(previous.image, i);
-    zz.Add(z, get(rows.image, i) - get(x.image, i));
+    const auto p = get(previous_.image, i);
+    zz.Add(z, get(rows_.image, i) - get(x_.image, i));
     zp.Add(z, p);
     pp.Add(get(p_left, i), p);
   };
   ForLanes(
-      rows.image.size(), [&](std::size_t i) { add([](const Array& a, std::size_t j) { return Load(&a[j]); }, i); },
+      rows_.image.size(), [&](std::size_t i) { add([](const Array& a, std::size_t j) { return Load(&a[j]); }, i); },
       [&](std::size_t i) { add([](const Array& a, std::size_t j) { return a[j]; }, i); });
   Products of;
   of.zz = zz.Total();
   of.zw = energy - of.zz / 2;
-  if (!has_previous) return of;
+  if (!has_previous_) return of;
   of.zp = zp.Total();
   of.pp = pp.Total();
-  of.pw = previous_w + of.pp;
+  of.pw = previous_w_ + of.pp;
   return of;
 }
 
-Combination NncgSolver::Workspace::FletcherReeves() {
-  const double change = DotOfDifferences(rows.f, x.f, rows.f, x.f);
-  const double ratio = has_previous && last_change > 0 ? change / last_change : 0.0;
-  last_change = change;
+Combination NncgEngine::FletcherReeves() {
+  const double change = DotOfDifferences(rows_.f, x_.f, rows_.f, x_.f);
+  const double ratio = has_previous_ && last_change_ > 0 ? change / last_change_ : 0.0;
+  last_change_ = change;
   return {1.0, ratio > 1 ? 0.0 : ratio};
 }
 
 // extra.f for a block of rows, before projection. True if that leads out of bounds somewhere.
-bool NncgSolver::Workspace::WantBlock(const Combination& c, std::size_t begin, std::size_t end) {
+bool NncgEngine::WantBlock(const Combination& c, std::size_t begin, std::size_t end) {
   const double more = c.along_sweep - 1;
   LaneMask out{};
   bool one_out = false;
   std::size_t k = begin;
   for (; k + kLanes <= end; k += kLanes) {
-    const Lanes y = Load(&rows.f[k]);
-    const Lanes wanted = more * (y - Load(&x.f[k])) + c.along_previous * Load(&previous.f[k]);
-    Store(&extra.f[k], wanted);
+    const Lanes y = Load(&rows_.f[k]);
+    const Lanes wanted = more * (y - Load(&x_.f[k])) + c.along_previous * Load(&previous_.f[k]);
+    Store(&extra_.f[k], wanted);
     out |= y + wanted < 0;
   }
   for (; k < end; ++k) {
-    extra.f[k] = more * (rows.f[k] - x.f[k]) + c.along_previous * previous.f[k];
-    one_out = one_out || rows.f[k] + extra.f[k] < 0;
+    extra_.f[k] = more * (rows_.f[k] - x_.f[k]) + c.along_previous * previous_.f[k];
+    one_out = one_out || rows_.f[k] + extra_.f[k] < 0;
   }
   return one_out || (out[0] | out[1] | out[2] | out[3]) != 0;
 }
 
-void NncgSolver::Workspace::Extrapolate(NncgOptions::Direction direction, double energy) {
-  const bool optimal = direction == NncgOptions::Direction::kOptimal;
+void NncgEngine::Extrapolate(double energy) {
+  const bool optimal = options_.direction == NncgOptions::Direction::kOptimal;
   Products of;
   if (optimal) of = MakeProducts(energy);
   const Combination c = optimal ? LeastEnergy(of) : FletcherReeves();
   const double more = c.along_sweep - 1;
-  for (std::size_t i = 0; i < rows.image.size(); ++i) {
-    extra.image[i] = more * (rows.image[i] - x.image[i]) + c.along_previous * previous.image[i];
+  for (std::size_t i = 0; i < rows_.image.size(); ++i) {
+    extra_.image[i] = more * (rows_.image[i] - x_.image[i]) + c.along_previous * previous_.image[i];
   }
   double slope = more * (of.zw + of.zz) + c.along_previous * (of.pw + of.zp);  // extra.w at y
   bool clipped = false;
-  for (std::size_t begin = 0; begin < rows.f.size(); begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, rows.f.size());
+  for (std::size_t begin = 0; begin < rows_.f.size(); begin += kBlock) {
+    const std::size_t end = std::min(begin + kBlock, rows_.f.size());
     if (!WantBlock(c, begin, end)) continue;
     for (std::size_t k = begin; k < end; ++k) {
       const auto row = static_cast<Index>(k);
-      const double wanted = extra.f[k];
-      if (rows.f[k] + wanted >= 0 || rows.scaled.IsFree(row)) continue;
+      const double wanted = extra_.f[k];
+      if (rows_.f[k] + wanted >= 0 || rows_.scaled.IsFree(row)) continue;
       clipped = true;
-      extra.f[k] = -rows.f[k];
-      const double back = extra.f[k] - wanted;
-      rows.rows->AddRowToImage(row, back, &extra.image);
-      slope += back * rows.rows->W(row, rows.f, rows.image);
+      extra_.f[k] = -rows_.f[k];
+      const double back = extra_.f[k] - wanted;
+      rows_.rows->AddRowToImage(row, back, &extra_.image);
+      slope += back * rows_.rows->W(row, rows_.f, rows_.image);
     }
   }
   double part = 1;
   double sweep_extra = more * of.zz + c.along_previous * of.zp;  // z.A extra
   if (clipped && optimal) {
     // The plane's minimum is out of bounds: the least energy on the way from y to its projection.
-    const Array& left = Left(extra.f, extra.image);
-    const double curvature = Dot(left, extra.image);
+    const Array& left = Left(extra_.f, extra_.image);
+    const double curvature = Dot(left, extra_.image);
     part = curvature > 0 ? std::clamp(-slope / curvature, 0.0, 1.0) : 0.0;
-    sweep_extra = Dot(left, rows.image) - Dot(left, x.image);
+    sweep_extra = Dot(left, rows_.image) - Dot(left, x_.image);
   }
-  previous_w = of.zw + part * (slope - sweep_extra);
-  for (std::size_t k = 0; k < rows.f.size(); ++k) {
-    const double next = rows.f[k] + part * extra.f[k];
-    previous.f[k] = next - x.f[k];
-    rows.f[k] = next;
+  previous_w_ = of.zw + part * (slope - sweep_extra);
+  for (std::size_t k = 0; k < rows_.f.size(); ++k) {
+    const double next = rows_.f[k] + part * extra_.f[k];
+    previous_.f[k] = next - x_.f[k];
+    rows_.f[k] = next;
   }
-  for (std::size_t i = 0; i < rows.image.size(); ++i) {
-    const double next = rows.image[i] + part * extra.image[i];
-    previous.image[i] = next - x.image[i];
-    rows.image[i] = next;
+  for (std::size_t i = 0; i < rows_.image.size(); ++i) {
+    const double next = rows_.image[i] + part * extra_.image[i];
+    previous_.image[i] = next - x_.image[i];
+    rows_.image[i] = next;
   }
-  has_previous = true;
+  has_previous_ = true;
 }
 
 NncgOptions NncgOptions::FromSettings(const Settings& settings) {
@@ -192,48 +198,37 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-NncgSolver::NncgSolver(NncgOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  work_->test.SetSelfCheck(options.self_check);
-}
-NncgSolver::~NncgSolver() = default;
-
-std::string NncgSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (!problem.IsNumericallySymmetric()) return "A is not symmetric";
-  return WhyNoRows(problem, options_.form);
+void NncgEngine::Prepare(const LcpProblem& problem) {
+  FirstOrderEngine::Prepare(problem, options_.coloured);
+  for (Point* point : {&x_, &previous_, &extra_}) point->Reserve(rows_);
 }
 
-void NncgSolver::DoPrepare(const LcpProblem& problem) {
-  work_->rows.Prepare(problem, options_.form, options_.coloured);
-  work_->test.Prepare(problem);
-  for (Point* point : {&work_->x, &work_->previous, &work_->extra}) point->Reserve(work_->rows);
-}
-
-void NncgSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  Workspace& work = *work_;
-  RowWork& rows = work.rows;
-  rows.Start(problem, options.initial_f);
-  work.has_previous = false;
-  work.test.EndWhenHopeless(options_.end_when_hopeless, options_.least_iterations);
-  PacedPasses passes(options, *rows.rows, rows.scaled.size);
-  bool over = work.test.Begin(problem, options, kDefaultIterations, &rows, &passes, result);
+void NncgEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  rows_.Start(problem, options.initial_f);
+  has_previous_ = false;
+  test_.EndWhenHopeless(options_.end_when_hopeless, options_.least_iterations);
+  PacedPasses passes(options, *rows_.rows, rows_.scaled.size);
+  bool over = test_.Begin(problem, options, NncgOptions::kDefaultIterations, &rows_, &passes, result);
   while (!over) {
-    work.x.f = rows.f;
-    work.x.image = rows.image;
+    x_.f = rows_.f;
+    x_.image = rows_.image;
     StepSums forward;
     StepSums backward;
-    bool in_time = RunSweep(false, 1.0, &rows, &passes, &forward) && RunSweep(true, 1.0, &rows, &passes, &backward);
-    if (in_time && !rows.rows->ImageIsRoot()) {
+    bool in_time = RunSweep(false, 1.0, &passes, &forward) && RunSweep(true, 1.0, &passes, &backward);
+    if (in_time && !rows_.rows->ImageIsRoot()) {
       in_time =
-          passes.Run(false, [&](Index begin, Index end) { rows.rows->AddToImage(begin, end, rows.f, &rows.image); });
+          passes.Run(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, rows_.f, &rows_.image); });
     }
     if (!in_time) {
-      work.test.EndOutOfTime();
+      test_.EndOutOfTime();
       break;
     }
-    work.Extrapolate(options_.direction, forward.energy + backward.energy);
-    over = work.test.Continue(std::sqrt(backward.residual));
+    Extrapolate(forward.energy + backward.energy);
+    over = test_.Continue(std::sqrt(backward.residual));
   }
-  work.test.Finish();
+  test_.Finish();
 }
+
+template class EngineSolver<NncgOptions, NncgEngine>;
 
 }  // namespace lcpbench

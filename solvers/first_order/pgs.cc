@@ -1,8 +1,6 @@
 #include "solvers/first_order/pgs.h"
 
-#include <string>
-
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 
 namespace lcpbench {
 namespace {
@@ -14,8 +12,6 @@ struct ConstantRelaxation {
 };
 
 }  // namespace
-
-struct PgsSolver::Workspace : SweepWorkspace {};
 
 PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("pgs", settings);
@@ -29,20 +25,17 @@ PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-PgsSolver::PgsSolver(PgsOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  work_->test.SetSelfCheck(options.self_check);
+class PgsEngine final : public SweepEngine<PgsOptions> {
+ public:
+  explicit PgsEngine(const PgsOptions& options) : SweepEngine(options) {
+    CheckRelaxation("pgs", "relaxation", options.relaxation);
+  }
 
-  CheckRelaxation("pgs", "relaxation", options.relaxation);
-}
-PgsSolver::~PgsSolver() = default;
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    Run(problem, options, ConstantRelaxation{options_.relaxation}, result);
+  }
+};
 
-std::string PgsSolver::WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
-
-void PgsSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
-
-void PgsSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  ConstantRelaxation relaxation{options_.relaxation};
-  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
-}
+template class EngineSolver<PgsOptions, PgsEngine>;
 
 }  // namespace lcpbench

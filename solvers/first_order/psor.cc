@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 
 namespace lcpbench {
 namespace {
@@ -57,8 +55,6 @@ class AdaptiveRelaxation {
 
 }  // namespace
 
-struct PsorSolver::Workspace : SweepWorkspace {};
-
 PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("psor", settings);
   PsorOptions options;
@@ -72,21 +68,18 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-PsorSolver::PsorSolver(PsorOptions options) : options_(options), work_(std::make_unique<Workspace>()) {
-  work_->test.SetSelfCheck(options.self_check);
+class PsorEngine final : public SweepEngine<PsorOptions> {
+ public:
+  explicit PsorEngine(const PsorOptions& options) : SweepEngine(options) {
+    CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
+  }
 
-  CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
-}
-PsorSolver::~PsorSolver() = default;
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+    test_.EndWhenHopeless(options_.end_when_hopeless);
+    Run(problem, options, AdaptiveRelaxation(options_.first_relaxation), result);
+  }
+};
 
-std::string PsorSolver::WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
-
-void PsorSolver::DoPrepare(const LcpProblem& problem) { work_->Prepare(problem, options_.form, options_.sweep); }
-
-void PsorSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  AdaptiveRelaxation relaxation(options_.first_relaxation);
-  work_->test.EndWhenHopeless(options_.end_when_hopeless);
-  work_->Solve(problem, options_.sweep, options, kDefaultSweeps, &relaxation, result);
-}
+template class EngineSolver<PsorOptions, PsorEngine>;
 
 }  // namespace lcpbench

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "solvers/interior_point/interior_finish.h"
+#include "solvers/lcp/residual.h"
 
 namespace lcpbench {
 namespace {
@@ -33,15 +34,29 @@ HybridOptions HybridOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-HybridSolver::HybridSolver(HybridOptions options)
-    : options_(options),
-      sweeps_(NncgOptions{
-          .end_when_hopeless = true, .least_iterations = options.least_iterations, .self_check = options.self_check}),
-      interior_(IpmOptions{.self_check = options.self_check}) {}
+class HybridEngine {
+ public:
+  explicit HybridEngine(const HybridOptions& options)
+      : options_(options),
+        sweeps_(NncgOptions{
+            .end_when_hopeless = true, .least_iterations = options.least_iterations, .self_check = options.self_check}),
+        interior_(IpmOptions{.self_check = options.self_check}) {}
 
-std::string HybridSolver::WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
+  std::string WhyUnsupported(const LcpProblem& problem) const { return interior_.WhyUnsupported(problem); }
+  void Prepare(const LcpProblem& problem);
+  void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  const IpmStatistics& statistics() const { return interior_.statistics(); }
 
-void HybridSolver::DoPrepare(const LcpProblem& problem) {
+ private:
+  const HybridOptions options_;
+  NncgSolver sweeps_;
+  IpmSolver interior_;
+  GivenFormTest start_test_;
+  bool sweeps_first_ = false;
+  double sweeps_per_factorization_ = 0;  // 0: not known before the interior point is set up
+};
+
+void HybridEngine::Prepare(const LcpProblem& problem) {
   sweeps_per_factorization_ = 0;
   sweeps_first_ = options_.most_iterations > 0 && problem.size() >= kLeastRows;
   if (!sweeps_first_) {
@@ -49,14 +64,14 @@ void HybridSolver::DoPrepare(const LcpProblem& problem) {
     return;
   }
   sweeps_.Prepare(problem);
-  start_test_.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
+  start_test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
   if (problem.size() > kMostRowsAnalysed) return;
   interior_.Prepare(problem);
   const IpmStatistics& factor = interior_.statistics();
   sweeps_per_factorization_ = SweepsPerFactorization(problem, factor.factor_flops, factor.fill);
 }
 
-void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+void HybridEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   const Deadline deadline(options);
   LcpOptions rest = options;
   Eigen::VectorXd start;  // where the next method goes on
@@ -113,5 +128,9 @@ void HybridSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options,
   interior_.UseWarmStart(sweeps_first_ ? IpmSolver::WarmStart::kAfterSweeps : IpmSolver::WarmStart::kFull);
   run(&interior_, "ipm");
 }
+
+const IpmStatistics& HybridSolver::statistics() const { return engine_->statistics(); }
+
+template class EngineSolver<HybridOptions, HybridEngine>;
 
 }  // namespace lcpbench

@@ -1,13 +1,8 @@
 #pragma once
 
-#include <cstdint>
-#include <memory>
-
 #include "solvers/first_order/nncg.h"
 #include "solvers/interior_point/ipm.h"
-#include "solvers/lcp/given_form.h"
-#include "solvers/lcp/settings.h"
-#include "solvers/lcp/solver.h"
+#include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
@@ -43,26 +38,13 @@ struct HybridOptions {
 /// Warm start: where a factorisation takes no longer than 17 sweeps, the active set of initial_f first (IpmSolver), as
 /// far as that is done in the time of 90 sweeps; then the sweeps, from the best iterate. A start whose rho is at least
 /// half that of f = 0 is passed over. Departures: none; the two methods are used as they are.
-class HybridSolver final : public LcpSolver {
+class HybridSolver final : public EngineSolver<HybridOptions, class HybridEngine> {
  public:
-  /// @param options  within their ranges, as FromSettings makes them
-  explicit HybridSolver(HybridOptions options = {});
+  using EngineSolver::EngineSolver;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
   /// Of the interior point, in the latest Prepare and Solve.
-  const IpmStatistics& statistics() const { return interior_.statistics(); }
-
- protected:
-  void DoPrepare(const LcpProblem& problem) override;
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
-
- private:
-  HybridOptions options_;
-  NncgSolver sweeps_;
-  IpmSolver interior_;
-  GivenFormTest start_test_;
-  bool sweeps_first_ = false;
-  double sweeps_per_factorization_ = 0;  // 0: not known before the interior point is set up
+  const IpmStatistics& statistics() const;
 };
+extern template class EngineSolver<HybridOptions, HybridEngine>;
 
 }  // namespace lcpbench

@@ -31,7 +31,7 @@ struct FclibProblem {
 
 /// Matrices as triplets (p rows, i columns, as fclib.h has it), compressed columns or rows; entries of one place add
 /// up. Without the group lcpbench contacts come first, and the id is the file's name without its extension. Read by a
-/// child process, see hdf5_reader.h: memory is in proportion to the file, whatever it promises.
+/// child process, see hdf5_file.h: memory is in proportion to the file, whatever it promises.
 /// @throws InputError naming file, dataset, what was expected and what was found: no such file, a dataset missing or of
 /// another type, sizes that are negative or do not fit each other, a matrix W or R that is not square, indices outside,
 /// what is not finite, mu != 0 (friction is not supported), a row order that is none

@@ -13,6 +13,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/work_counts.h"
@@ -33,119 +34,94 @@ std::mutex& LibraryMutex() {
   return mutex;
 }
 
-// Every option that differs from Ipopt's default, with its reason.
+// Every option that differs from Ipopt's default; docs/solvers/ipopt.md has the measurements.
 //
-// Tolerances. The tier T bounds rho, a 2-norm of min(f, w); Ipopt bounds max-norms of its optimality conditions, of
-// which complementarity is a product: a degenerate row (f = w = 0) has f = w = sqrt(mu) on the central path, so that
-// T = 1e-9 takes mu near 1e-20, and a row of large f far less. No fixed map from T to tol serves both. So the test of
-// the project stops Ipopt from its callback, after every iteration, and Ipopt's own tests are set out of reach.
+// The test of the project stops Ipopt from its callback, after every iteration, and Ipopt's own tests are set out of
+// reach: the tier T bounds a 2-norm of min(f, w), Ipopt max-norms of its optimality conditions, of which
+// complementarity is a product, and no fixed map from T to `tol` serves both.
 void SetOptions(Ipopt::OptionsList* options) {
-  const auto number = [&](const char* name, double value) {
-    if (!options->SetNumericValue(name, value)) throw std::runtime_error(std::string("Ipopt refused option ") + name);
+  constexpr std::pair<const char*, double> kNumbers[] = {
+      // The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6. compl_inf_tol, which
+      // Optimize sets, is a floor of it too.
+      {"mu_min", 1e-40},
+      // Mehrotra mode starts 10 off the bounds. Here |b| = 1 and A has a unit diagonal: forces are of order 1 or less.
+      {"bound_push", 0.1},
+      {"bound_mult_init_val", 0.1},
+      // A relaxed bound f >= -1e-8 would let f and w of one row be negative together.
+      {"bound_relax_factor", 0.0},
+      {"constr_mult_init_max", 0.0},
+      // The warm start is moved off its bounds by us, in proportion to its size.
+      {"warm_start_bound_push", 1e-16},
+      {"warm_start_bound_frac", 1e-16},
+      {"warm_start_slack_bound_push", 1e-16},
+      {"warm_start_slack_bound_frac", 1e-16},
+      {"warm_start_mult_bound_push", 1e-16},
   };
-  const auto integer = [&](const char* name, int value) {
-    if (!options->SetIntegerValue(name, value)) throw std::runtime_error(std::string("Ipopt refused option ") + name);
+  constexpr std::pair<const char*, int> kIntegers[] = {
+      {"print_level", 0},
+      // "Acceptable" points are no answer here: only the tier test is.
+      {"acceptable_iter", 0},
+      // No matching and no scaling inside MUMPS: the program is scaled.
+      {"mumps_permuting_scaling", 0},
+      {"mumps_scaling", 0},
+      // A linear solve is refined only where its residual asks for it.
+      {"min_refinement_steps", 0},
   };
-  const auto text = [&](const char* name, const char* value) {
-    if (!options->SetStringValue(name, value)) throw std::runtime_error(std::string("Ipopt refused option ") + name);
+  constexpr std::pair<const char*, const char*> kTexts[] = {
+      {"sb", "yes"},  // no banner at the first solve of the process
+      // Predictor-corrector steps without line search, with mu_strategy = adaptive and mu_oracle = probing.
+      {"mehrotra_algorithm", "yes"},
+      // Not in the restoration phase: there Ipopt 3.11.9 reads an affine step that nothing has computed, and crashes
+      // (null pointer in PDSearchDirCalculator).
+      {"resto.mehrotra_algorithm", "no"},
+      // The program is Jacobi-scaled already; a second scaling would change what the numbers above mean.
+      {"nlp_scaling_method", "none"},
+      // H and G are constant, so each is evaluated once.
+      {"hessian_constant", "yes"},
+      {"jac_c_constant", "yes"},
+      {"jac_d_constant", "yes"},
+      // The only linear solver in Debian's build.
+      {"linear_solver", "mumps"},
+      // Least-squares problems for x and y: where y is empty or starts at 0 they buy nothing.
+      {"least_square_init_primal", "no"},
+      {"least_square_init_duals", "no"},
+      // Redundant joints make the constraints of the contact form dependent. Regularising them always, not only after
+      // MUMPS has noticed, is what lets those problems converge.
+      {"perturb_always_cd", "yes"},
   };
-  // Silence: no iteration table, and no banner at the first solve of the process.
-  integer("print_level", 0);
-  text("sb", "yes");
-  // tol bounds the overall error and so dominates dual_inf_tol and constr_viol_tol, see Optimize; compl_inf_tol also
-  // floors mu.
-  // The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6.
-  number("mu_min", 1e-40);
-  // "Acceptable" points are no answer here: only the tier test is.
-  integer("acceptable_iter", 0);
-  // Predictor-corrector steps without line search (and with them mu_strategy = adaptive and mu_oracle = probing): made
-  // for convex QPs, and measured to reach 1e-9 on degenerate rows where the default monotone mu stalls. At n = 10 (100)
-  // the others take more time at their best settings: monotone with mu_init = 0.1, a steep decrease and
-  // barrier_tol_factor = 1000 3 % (15 %), adaptive loqo 15 % (30 %), probing without corrector 35 % (45 %),
-  // quality-function 130 % (110 %).
-  text("mehrotra_algorithm", "yes");
-  // Not in the restoration phase, though: there Ipopt 3.11.9 reads an affine step that nothing has computed, and
-  // crashes (null pointer in PDSearchDirCalculator).
-  text("resto.mehrotra_algorithm", "no");
-  // Mehrotra mode starts 10 off the bounds. Here |b| = 1 and A has a unit diagonal, so forces are of order 1 or less:
-  // nearer takes a quarter fewer iterations on small problems, and does not matter on large ones. Between 0.03 and 0.3
-  // the counts differ by 5 %, either way with size and form; 0.01 and 1 take 15 % more.
-  number("bound_push", 0.1);
-  number("bound_mult_init_val", 0.1);
-  // A relaxed bound f >= -1e-8 would let f and w of one row be negative together: complementarity at 1e-9 is then lost.
-  number("bound_relax_factor", 0.0);
-  // The program is Jacobi-scaled already; a second scaling would change what the numbers above mean.
-  text("nlp_scaling_method", "none");
-  // H and G are constant, so each is evaluated once.
-  text("hessian_constant", "yes");
-  text("jac_c_constant", "yes");
-  text("jac_d_constant", "yes");
-  // The only linear solver in Debian's build: MA27, MA57 and PARDISO are loaded at run time from libraries that Debian
-  // does not have, and this Ipopt does not know SPRAL.
-  text("linear_solver", "mumps");
-  // No matching and no scaling inside MUMPS: the program is scaled, and on a KKT matrix with a Jacobi-scaled A neither
-  // changes an iteration (measured). 1 to 3 % faster.
-  integer("mumps_permuting_scaling", 0);
-  integer("mumps_scaling", 0);
-  // A linear solve is refined only where its residual asks for it. The default refines each once more, which changes
-  // no iteration count below n = 1000 and costs 15 to 20 %: a call of this MUMPS takes tens of microseconds whatever n.
-  integer("min_refinement_steps", 0);
-  // Mehrotra mode begins with two least-squares problems, for x and for y. Where y is empty or starts at 0 as well,
-  // they buy nothing: a factorisation saved, the same iterations to within 3 %.
-  text("least_square_init_primal", "no");
-  text("least_square_init_duals", "no");
-  number("constr_mult_init_max", 0.0);
-  // Redundant joints make the constraints of the contact form dependent. Regularising them always, not only after
-  // MUMPS has noticed, is what lets those problems converge.
-  text("perturb_always_cd", "yes");
-  // The warm start is moved off its bounds by us, in proportion to its size; Ipopt's own absolute pushes stay away.
-  number("warm_start_bound_push", 1e-16);
-  number("warm_start_bound_frac", 1e-16);
-  number("warm_start_slack_bound_push", 1e-16);
-  number("warm_start_slack_bound_frac", 1e-16);
-  number("warm_start_mult_bound_push", 1e-16);
+  const auto require = [](bool taken, const char* name) {
+    if (!taken) throw std::runtime_error(std::string("Ipopt refused option ") + name);
+  };
+  for (const auto& [name, value] : kNumbers) require(options->SetNumericValue(name, value), name);
+  for (const auto& [name, value] : kIntegers) require(options->SetIntegerValue(name, value), name);
+  for (const auto& [name, value] : kTexts) require(options->SetStringValue(name, value), name);
 }
 
+// Ipopt's own name of a status.
 std::string_view Name(Ipopt::ApplicationReturnStatus code) {
-  switch (code) {
-    case Ipopt::Solve_Succeeded:
-      return "Solve_Succeeded";
-    case Ipopt::Solved_To_Acceptable_Level:
-      return "Solved_To_Acceptable_Level";
-    case Ipopt::Infeasible_Problem_Detected:
-      return "Infeasible_Problem_Detected";
-    case Ipopt::Search_Direction_Becomes_Too_Small:
-      return "Search_Direction_Becomes_Too_Small";
-    case Ipopt::Diverging_Iterates:
-      return "Diverging_Iterates";
-    case Ipopt::User_Requested_Stop:
-      return "User_Requested_Stop";
-    case Ipopt::Feasible_Point_Found:
-      return "Feasible_Point_Found";
-    case Ipopt::Maximum_Iterations_Exceeded:
-      return "Maximum_Iterations_Exceeded";
-    case Ipopt::Restoration_Failed:
-      return "Restoration_Failed";
-    case Ipopt::Error_In_Step_Computation:
-      return "Error_In_Step_Computation";
-    case Ipopt::Maximum_CpuTime_Exceeded:
-      return "Maximum_CpuTime_Exceeded";
-    case Ipopt::Not_Enough_Degrees_Of_Freedom:
-      return "Not_Enough_Degrees_Of_Freedom";
-    case Ipopt::Invalid_Problem_Definition:
-      return "Invalid_Problem_Definition";
-    case Ipopt::Invalid_Option:
-      return "Invalid_Option";
-    case Ipopt::Invalid_Number_Detected:
-      return "Invalid_Number_Detected";
-    case Ipopt::Unrecoverable_Exception:
-      return "Unrecoverable_Exception";
-    case Ipopt::NonIpopt_Exception_Thrown:
-      return "NonIpopt_Exception_Thrown";
-    case Ipopt::Insufficient_Memory:
-      return "Insufficient_Memory";
-    case Ipopt::Internal_Error:
-      return "Internal_Error";
+  constexpr std::pair<Ipopt::ApplicationReturnStatus, std::string_view> kNames[] = {
+      {Ipopt::Solve_Succeeded, "Solve_Succeeded"},
+      {Ipopt::Solved_To_Acceptable_Level, "Solved_To_Acceptable_Level"},
+      {Ipopt::Infeasible_Problem_Detected, "Infeasible_Problem_Detected"},
+      {Ipopt::Search_Direction_Becomes_Too_Small, "Search_Direction_Becomes_Too_Small"},
+      {Ipopt::Diverging_Iterates, "Diverging_Iterates"},
+      {Ipopt::User_Requested_Stop, "User_Requested_Stop"},
+      {Ipopt::Feasible_Point_Found, "Feasible_Point_Found"},
+      {Ipopt::Maximum_Iterations_Exceeded, "Maximum_Iterations_Exceeded"},
+      {Ipopt::Restoration_Failed, "Restoration_Failed"},
+      {Ipopt::Error_In_Step_Computation, "Error_In_Step_Computation"},
+      {Ipopt::Maximum_CpuTime_Exceeded, "Maximum_CpuTime_Exceeded"},
+      {Ipopt::Not_Enough_Degrees_Of_Freedom, "Not_Enough_Degrees_Of_Freedom"},
+      {Ipopt::Invalid_Problem_Definition, "Invalid_Problem_Definition"},
+      {Ipopt::Invalid_Option, "Invalid_Option"},
+      {Ipopt::Invalid_Number_Detected, "Invalid_Number_Detected"},
+      {Ipopt::Unrecoverable_Exception, "Unrecoverable_Exception"},
+      {Ipopt::NonIpopt_Exception_Thrown, "NonIpopt_Exception_Thrown"},
+      {Ipopt::Insufficient_Memory, "Insufficient_Memory"},
+      {Ipopt::Internal_Error, "Internal_Error"},
+  };
+  for (const auto& [known, name] : kNames) {
+    if (known == code) return name;
   }
   return "unknown status";
 }

@@ -36,38 +36,32 @@ struct QuadraticProgram {
   Entries hessian;                ///< lower triangle of H
   Entries jacobian;               ///< G
 
-  double Objective(const double* x) const;
+  double Objective(const double* x) const {
+    double sum = 0;
+    for (Index j = 0; j < c.size(); ++j) sum += c[j] * x[j];
+    for (size_t k = 0; k < hessian.size(); ++k) {
+      const int i = hessian.row[k];
+      const int j = hessian.column[k];
+      sum += (i == j ? 0.5 : 1.0) * hessian.value[k] * x[i] * x[j];
+    }
+    return sum;
+  }
   /// gradient: one entry per variable
-  void Gradient(const double* x, double* gradient) const;
+  void Gradient(const double* x, double* gradient) const {
+    std::copy_n(c.data(), c.size(), gradient);
+    for (size_t k = 0; k < hessian.size(); ++k) {
+      const int i = hessian.row[k];
+      const int j = hessian.column[k];
+      gradient[i] += hessian.value[k] * x[j];
+      if (i != j) gradient[j] += hessian.value[k] * x[i];
+    }
+  }
   /// values = G x: one entry per constraint
-  void Constraints(const double* x, double* values) const;
+  void Constraints(const double* x, double* values) const {
+    std::fill_n(values, d.size(), 0.0);
+    for (size_t k = 0; k < jacobian.size(); ++k) values[jacobian.row[k]] += jacobian.value[k] * x[jacobian.column[k]];
+  }
 };
-
-inline double QuadraticProgram::Objective(const double* x) const {
-  double sum = 0;
-  for (Index j = 0; j < c.size(); ++j) sum += c[j] * x[j];
-  for (size_t k = 0; k < hessian.size(); ++k) {
-    const int i = hessian.row[k];
-    const int j = hessian.column[k];
-    sum += (i == j ? 0.5 : 1.0) * hessian.value[k] * x[i] * x[j];
-  }
-  return sum;
-}
-
-inline void QuadraticProgram::Gradient(const double* x, double* gradient) const {
-  std::copy_n(c.data(), c.size(), gradient);
-  for (size_t k = 0; k < hessian.size(); ++k) {
-    const int i = hessian.row[k];
-    const int j = hessian.column[k];
-    gradient[i] += hessian.value[k] * x[j];
-    if (i != j) gradient[j] += hessian.value[k] * x[i];
-  }
-}
-
-inline void QuadraticProgram::Constraints(const double* x, double* values) const {
-  std::fill_n(values, d.size(), 0.0);
-  for (size_t k = 0; k < jacobian.size(); ++k) values[jacobian.row[k]] += jacobian.value[k] * x[jacobian.column[k]];
-}
 
 /// A starting point. Multipliers have Ipopt's signs: H x + c + G^T y - z = 0.
 struct Start {

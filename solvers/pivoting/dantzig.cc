@@ -31,10 +31,9 @@ constexpr int kMaxRounds = 10;
 
 // Positions: F = [0, m), of which [0, joints) are bilateral; watched rows [m, q) with f = 0, w >= 0; the driven row q
 // and the waiting rows behind it, [q, open); then rows out of play: dependent bilateral rows and stuck ones.
-class DantzigSolver::Engine final : public PivotBase {
+class DantzigEngine final : public PivotBase {
  public:
-  explicit Engine(DantzigOptions options)
-      : PivotBase(options.rank_tolerance, options.block_start, options.self_check), options_(options) {}
+  explicit DantzigEngine(const DantzigOptions& options) : PivotBase(options), order_(options.order) {}
 
   void Reserve(Index max_rows) override;
 
@@ -54,15 +53,15 @@ class DantzigSolver::Engine final : public PivotBase {
   bool IsSmall(Index p, double norm2) const;
   bool FindViolations();
 
-  Index rates_end() const { return options_.order == DantzigOrder::kIndex ? q_ : open_; }
+  Index rates_end() const { return order_ == DantzigOrder::kIndex ? q_ : open_; }
 
-  const DantzigOptions options_;
+  const DantzigOrder order_;
   Index q_ = 0;
   Eigen::VectorXd dw_;  // rates of w along the direction, by position
 };
 
 // A y = 0 for y = (df_F, 1), so w_q = y.w = y.b but for the rounding of every row of F, each weighted by its |y_i|.
-double DantzigSolver::Engine::NoiseAlongDirection() const {
+double DantzigEngine::NoiseAlongDirection() const {
   const double* df = active_.df();
   const double own = std::abs(lcp_.f[q_]);
   const double* c = lcp_.column(q_);
@@ -73,14 +72,14 @@ double DantzigSolver::Engine::NoiseAlongDirection() const {
   return kNoise * sum;
 }
 
-bool DantzigSolver::Engine::IsSmall(Index p, double norm2) const {
+bool DantzigEngine::IsSmall(Index p, double norm2) const {
   const double df = active_.df()[p];
   return df * df * lcp_.diagonal[p] <= kSmallComponent * kSmallComponent * norm2;
 }
 
 // w_q = 0 but for rounding while row q depends on F through A (df_F, 1) = 0: goes back along that direction, which
 // changes no w, until row q or a row of F that it can replace has f = 0.
-void DantzigSolver::Engine::Retreat(double norm2) {
+void DantzigEngine::Retreat(double norm2) {
   const double* df = active_.df();
   Index leaving = q_;
   double step = lcp_.f[q_];
@@ -106,7 +105,7 @@ void DantzigSolver::Engine::Retreat(double norm2) {
   ++q_;
 }
 
-void DantzigSolver::Engine::Advance(double step, double s, bool singular) {
+void DantzigEngine::Advance(double step, double s, bool singular) {
   const double* df = active_.df();
   double* f = lcp_.f.data();
   double* w = lcp_.w.data();
@@ -120,8 +119,7 @@ void DantzigSolver::Engine::Advance(double step, double s, bool singular) {
 }
 
 // The first row to reach zero along the direction, before w_q does.
-DantzigSolver::Engine::Blocking DantzigSolver::Engine::FindBlocking(double s, double norm2, bool singular,
-                                                                    bool least_index) const {
+DantzigEngine::Blocking DantzigEngine::FindBlocking(double s, double norm2, bool singular, bool least_index) const {
   const double* df = active_.df();
   const double full = singular ? kInfinity : -lcp_.w[q_] / s;
   const double still = singular ? 0 : kDegenerateStep * full;
@@ -155,7 +153,7 @@ DantzigSolver::Engine::Blocking DantzigSolver::Engine::FindBlocking(double s, do
   return blocking;
 }
 
-PivotBase::End DantzigSolver::Engine::Drive(LcpResult* result) {
+PivotBase::End DantzigEngine::Drive(LcpResult* result) {
   int degenerate = 0;
   double s = active_.SetDriven(q_);
   for (;;) {
@@ -207,9 +205,9 @@ PivotBase::End DantzigSolver::Engine::Drive(LcpResult* result) {
   }
 }
 
-PivotBase::End DantzigSolver::Engine::DriveAll(LcpResult* result) {
+PivotBase::End DantzigEngine::DriveAll(LcpResult* result) {
   while (q_ < open_) {
-    if (options_.order == DantzigOrder::kMostNegative) {
+    if (order_ == DantzigOrder::kMostNegative) {
       const auto size = [this](Index p) { return lcp_.w[p] * std::abs(lcp_.w[p]) / lcp_.diagonal[p]; };
       Index worst = q_;
       for (Index p = q_ + 1; p < open_; ++p) {
@@ -240,22 +238,22 @@ PivotBase::End DantzigSolver::Engine::DriveAll(LcpResult* result) {
   return End::kDone;
 }
 
-void DantzigSolver::Engine::Reserve(Index max_rows) {
+void DantzigEngine::Reserve(Index max_rows) {
   if (max_rows <= dw_.size()) return;
   PivotBase::Reserve(max_rows);
   dw_.setZero(max_rows);
 }
 
 // Violated rows wait for another round, the others are watched.
-bool DantzigSolver::Engine::FindViolations() {
+bool DantzigEngine::FindViolations() {
   q_ = SetViolatedApart();
   return q_ < open_;
 }
 
-PivotBase::End DantzigSolver::Engine::Run(LcpResult* result) {
+PivotBase::End DantzigEngine::Run(LcpResult* result) {
   End end = EnterStart(result);
   q_ = violated_;
-  if (end == End::kDone && q_ == m() && options_.order == DantzigOrder::kMostNegative) FindViolations();
+  if (end == End::kDone && q_ == m() && order_ == DantzigOrder::kMostNegative) FindViolations();
   for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {
     end = DriveAll(result);
     if (end != End::kDone) break;
@@ -275,36 +273,14 @@ PivotBase::End DantzigSolver::Engine::Run(LcpResult* result) {
 DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("dantzig", settings);
   DantzigOptions options;
-  options.rank_tolerance =
-      reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
-  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
+  options.Read(&reader);
   if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
     options.order = DantzigOrder::kMostNegative;
   }
-  options.block_start = reader.YesOrNo("block_start", options.block_start);
-  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
-DantzigSolver::DantzigSolver(DantzigOptions options)
-    : max_rows_(options.max_rows), engine_(std::make_unique<Engine>(options)) {}
-DantzigSolver::~DantzigSolver() = default;
-
-std::string DantzigSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (problem.size() > max_rows_) {
-    return std::to_string(problem.size()) + " rows are more than max_rows = " + std::to_string(max_rows_) +
-           " of this dense solver";
-  }
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
-}
-
-void DantzigSolver::Reserve(Index max_rows) { engine_->Reserve(max_rows); }
-
-void DantzigSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
-
-void DantzigSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(problem, options, result);
-}
+template class EngineSolver<DantzigOptions, DantzigEngine>;
 
 }  // namespace lcpbench

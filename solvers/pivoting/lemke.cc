@@ -31,9 +31,9 @@ constexpr int kMaxPaths = 10;
 
 }  // namespace
 
-class LemkeSolver::Engine final : public PivotBase {
+class LemkeEngine final : public PivotBase {
  public:
-  explicit Engine(LemkeOptions options) : PivotBase(options.rank_tolerance, options.block_start, options.self_check) {}
+  explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options) {}
 
   void Reserve(Index max_rows) override;
 
@@ -64,7 +64,7 @@ class LemkeSolver::Engine final : public PivotBase {
   std::vector<Index> ties_;  // positions
 };
 
-void LemkeSolver::Engine::SetCover(double violation) {
+void LemkeEngine::SetCover(double violation) {
   cover_.head(lcp_.n).setZero();
   for (Index p = m(); p < open_; ++p) {
     const double d = violation * GapRoot(p);
@@ -74,7 +74,7 @@ void LemkeSolver::Engine::SetCover(double violation) {
 }
 
 // g = h_w - A h_f for h_w, h_f > 0, so that the point at z = 1 has f_F + e h_f, w + e h_w > 0.
-void LemkeSolver::Engine::SetPerturbation() {
+void LemkeEngine::SetPerturbation() {
   for (Index p = 0; p < joints_; ++p) work_[p] = 0;
   for (Index p = joints_; p < m(); ++p) work_[p] = -Generic(RowAt(p)) / ForceRoot(p);
   first_order_.head(open_).setZero();
@@ -84,7 +84,7 @@ void LemkeSolver::Engine::SetPerturbation() {
 }
 
 // Returns s + |D^1/2 f_F'|_1, which times D^1/2 bounds the terms that w_p' is the sum of.
-double LemkeSolver::Engine::ComputeRates() {
+double LemkeEngine::ComputeRates() {
   double size = 0;
   bool covered = false;
   for (Index p = 0; p < m(); ++p) {
@@ -104,11 +104,11 @@ double LemkeSolver::Engine::ComputeRates() {
 }
 
 // f_p or w_p below this is 0 but for rounding.
-double LemkeSolver::Engine::Noise(Index p) const {
+double LemkeEngine::Noise(Index p) const {
   return kNoise * (p < m() ? largest_force_ / ForceRoot(p) : largest_force_ * GapRoot(p));
 }
 
-bool LemkeSolver::Engine::IsRounding(Index p, double rate, double size) const {
+bool LemkeEngine::IsRounding(Index p, double rate, double size) const {
   if (p < m()) return std::abs(rate) * ForceRoot(p) <= kNoise * size;
   if (std::abs(rate) > kNoise * size * GapRoot(p)) return false;
   const double* a = lcp_.column(p);
@@ -118,7 +118,7 @@ bool LemkeSolver::Engine::IsRounding(Index p, double rate, double size) const {
 }
 
 // What column k of the perturbation (0: g, k: the unit vector of row k - 1) does to f_F and w, by position.
-void LemkeSolver::Engine::ComputePerturbation(Index k) {
+void LemkeEngine::ComputePerturbation(Index k) {
   for (Index p = 0; p < open_; ++p) {
     work_[p] = k == 0 ? perturbation_[RowAt(p)] : static_cast<double>(RowAt(p) == k - 1);
   }
@@ -130,7 +130,7 @@ void LemkeSolver::Engine::ComputePerturbation(Index k) {
 
 // Of the rows in ties_, which reach 0 together, the one that reaches it first in the perturbed problem. `event` < 0:
 // they move by rate_. Otherwise by `rate` along the direction of an exchange, at the z of the event.
-Index LemkeSolver::Engine::BreakTie(const Eigen::VectorXd& rate, Index event) {
+Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
   for (Index k = 0; k <= lcp_.n && ties_.size() > 1; ++k) {
     ComputePerturbation(k);
     const double lag = event < 0 ? 0.0 : first_order_[event] / -rate_[event];
@@ -147,7 +147,7 @@ Index LemkeSolver::Engine::BreakTie(const Eigen::VectorXd& rate, Index event) {
 }
 
 // The row that reaches 0 first as z falls, kNoRow if z does.
-Index LemkeSolver::Engine::NextEvent(double size, double* step) {
+Index LemkeEngine::NextEvent(double size, double* step) {
   double bound = z_;
   ties_.clear();
   const auto steps = [&](Index p) { return (p < m() ? lcp_.f[p] : lcp_.w[p]) / -rate_[p]; };
@@ -167,7 +167,7 @@ Index LemkeSolver::Engine::NextEvent(double size, double* step) {
 }
 
 // The contact of F whose force reaches 0 first along y_.
-Index LemkeSolver::Engine::NextLeaving(Index entering, double norm2, double* step) {
+Index LemkeEngine::NextLeaving(Index entering, double norm2, double* step) {
   double bound = kInfinity;
   ties_.clear();
   const auto steps = [&](Index p) { return lcp_.f[p] / -y_[p]; };
@@ -185,7 +185,7 @@ Index LemkeSolver::Engine::NextLeaving(Index entering, double norm2, double* ste
 }
 
 // Row p, outside F with w_p = 0, enters F, or takes the place of a row that it depends on.
-PivotBase::End LemkeSolver::Engine::EnterOrExchange(Index p, LcpResult* result) {
+PivotBase::End LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
   for (Index event = p;; event = kNoRow) {  // more than once only where rounding spoils the pivot of an exchange
     const double pivot = active_.SetDriven(p);
     const double norm2 = active_.Direction(p);
@@ -218,7 +218,7 @@ PivotBase::End LemkeSolver::Engine::EnterOrExchange(Index p, LcpResult* result) 
   }
 }
 
-PivotBase::End LemkeSolver::Engine::FollowPath(double violation, LcpResult* result) {
+PivotBase::End LemkeEngine::FollowPath(double violation, LcpResult* result) {
   SetCover(violation);
   SetPerturbation();
   z_ = 1;
@@ -250,14 +250,14 @@ PivotBase::End LemkeSolver::Engine::FollowPath(double violation, LcpResult* resu
   return End::kDone;
 }
 
-void LemkeSolver::Engine::Reserve(Index max_rows) {
+void LemkeEngine::Reserve(Index max_rows) {
   if (max_rows <= rate_.size()) return;
   PivotBase::Reserve(max_rows);
   for (Eigen::VectorXd* v : {&cover_, &perturbation_, &rate_, &y_, &first_order_, &work_}) v->setZero(max_rows);
   ties_.reserve(static_cast<size_t>(max_rows));
 }
 
-PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
+PivotBase::End LemkeEngine::Run(LcpResult* result) {
   End end = EnterStart(result);
   const Index in_play = open_;
   for (int path = 0; path < kMaxPaths && end == End::kDone; ++path) {
@@ -281,33 +281,11 @@ PivotBase::End LemkeSolver::Engine::Run(LcpResult* result) {
 LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("lemke", settings);
   LemkeOptions options;
-  options.rank_tolerance =
-      reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
-  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
-  options.block_start = reader.YesOrNo("block_start", options.block_start);
-  options.self_check = reader.SelfCheck();
+  options.Read(&reader);
   reader.Finish();
   return options;
 }
 
-LemkeSolver::LemkeSolver(LemkeOptions options)
-    : max_rows_(options.max_rows), engine_(std::make_unique<Engine>(options)) {}
-LemkeSolver::~LemkeSolver() = default;
-
-std::string LemkeSolver::WhyUnsupported(const LcpProblem& problem) const {
-  if (problem.size() > max_rows_) {
-    return std::to_string(problem.size()) + " rows are more than max_rows = " + std::to_string(max_rows_) +
-           " of this dense solver";
-  }
-  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
-}
-
-void LemkeSolver::Reserve(Index max_rows) { engine_->Reserve(max_rows); }
-
-void LemkeSolver::DoPrepare(const LcpProblem& problem) { engine_->Prepare(problem); }
-
-void LemkeSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(problem, options, result);
-}
+template class EngineSolver<LemkeOptions, LemkeEngine>;
 
 }  // namespace lcpbench

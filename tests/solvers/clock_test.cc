@@ -1,5 +1,5 @@
 // How often own solvers look at the clock, counted with a clock of ours: often enough for a time limit to be kept
-// within 10 % or 20 us (benchmarks/studies/deadline_benchmark.cc measures that), and once is enough for them to end.
+// within 10 % or 20 us (campaigns on sequences measure that), and once is enough for them to end.
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "support/json_field.h"
 
-#include <array>
 #include <gtest/gtest.h>
+#include <array>
 
 #include <functional>
 #include <limits>

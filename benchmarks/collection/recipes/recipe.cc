@@ -5,10 +5,9 @@
 #include <utility>
 #include <variant>
 
-#include "benchmarks/collection/recipes/curvature_changes.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/hard_cases.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/collection/recipes/row_changes.h"
 #include "model/geometry/overloaded.h"
 #include "model/scenes/scene.h"
 #include "support/input_error.h"
@@ -32,7 +31,8 @@ const Entry kChanges[] = {
      SystemChange{[](ContactSystem* s, double a, std::uint64_t seed) { ContrastCurvature(s, a, seed); }}},
     {{"conformal", "convex arcs in concave ones with a radius smaller by the share `amount`"},
      SystemChange{[](ContactSystem* s, double a, std::uint64_t) { MakeConformal(s, a); }}},
-    {{"mass-ratio", "masses multiplied by random factors from 1 to `amount`"}, RowChange{&ChangeMasses}},
+    {{"mass-ratio", "masses multiplied by random factors from 1 to `amount`"},
+     RowChange{[](Instance* i, double a, std::uint64_t seed) { i->problem = SpreadMasses(i->problem, a, seed); }}},
     {{"duplicate-rows", "the share `amount` of the unilateral rows once more"}, RowChange{&DuplicateRows}},
     {{"crowd-contacts", "half of the contacts with a neighbour at `amount` radii of gyration"},
      RowChange{[](Instance* i, double a, std::uint64_t seed) { CrowdContacts(i, kCrowdedShare, a, seed); }}},

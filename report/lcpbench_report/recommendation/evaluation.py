@@ -11,10 +11,8 @@ import math
 import numpy as np
 import pandas as pd
 
-from . import lists
-from .outcomes import Outcomes
-from .regions import Edges
-from .rules import TierTable, choose_candidates, partition, tier_tables
+from .outcomes import Edges, Outcomes
+from .rules import MOST, WITHIN, TierTable, choose_candidates, partition, tier_tables
 
 LEAST_SHARE = 0.9
 
@@ -24,7 +22,7 @@ def evaluate(outcomes: Outcomes) -> dict:
     tables, edges = tier_tables(outcomes), outcomes.edges
     by_family = [row for table in tables for row in held_out(outcomes, table, table.families, edges)]
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]
-    return {"within": lists.WITHIN, "least_share": LEAST_SHARE, "most_candidates": lists.MOST,
+    return {"within": WITHIN, "least_share": LEAST_SHARE, "most_candidates": MOST,
             "divisions": compare_divisions(outcomes),
             "tiers": [_summary(table.tier, by_family, by_seed) for table in tables],
             "families": [_plain(row, "family") for row in by_family], "seeds": [_plain(row, "seed") for row in by_seed]}
@@ -75,12 +73,12 @@ def _judge(found: pd.Series, of_problems: pd.DataFrame, own: list[str]) -> dict:
     solvable = best_own < math.inf
     ratio = (found / best_own)[solvable].fillna(math.inf)
     ratio_all = (found / best_all)[best_all < math.inf].fillna(math.inf)
-    share = float((ratio <= lists.WITHIN).mean()) if len(ratio) else math.nan
+    share = float((ratio <= WITHIN).mean()) if len(ratio) else math.nan
     median = _median(ratio)
-    return {"problems": int(len(ratio)), "right": int((ratio <= lists.WITHIN).sum()), "share": share, "median": median,
+    return {"problems": int(len(ratio)), "right": int((ratio <= WITHIN).sum()), "share": share, "median": median,
             "worst": float(ratio.max()) if len(ratio) else math.nan,
-            "share_all": float((ratio_all <= lists.WITHIN).mean()) if len(ratio_all) else math.nan,
-            "passes": bool(median <= lists.WITHIN and share >= LEAST_SHARE)}
+            "share_all": float((ratio_all <= WITHIN).mean()) if len(ratio_all) else math.nan,
+            "passes": bool(median <= WITHIN and share >= LEAST_SHARE)}
 
 
 def _median(ratio: pd.Series) -> float:

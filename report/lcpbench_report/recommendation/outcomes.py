@@ -15,8 +15,9 @@ from ..statistics.jsonl import is_there, read_lines
 from ..statistics.latency import latency_table
 from ..statistics.load import STREAMS_FILE, load_campaign
 from ..statistics.steps import FILE as STEPS_FILE
-from .regions import Edges
 
+# By feature the ends of its parts: each begins at one and ends before the next; the last one has no end.
+Edges = dict[str, list[float]]
 _TABLES = ("cells.csv", "cells.csv.gz")  # of the folder analysis; the second as an archive has it
 _COLUMNS = ["problem", "family", "weight", "fill", "rows", "solver", "tier", "excluded", "passes", "false_success",
             "time_s"]

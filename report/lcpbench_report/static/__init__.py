@@ -1,12 +1,10 @@
 """Figures and tables for papers: what stands beside the report's page.
 
     canvas                      how figures look and are saved
-    times, profiles, accuracy, coverage, precision, scaling, robustness, sequences, motion
-                                figures; each function returns one, or None where the inputs do not have the part
-    latex, latex_tables         LaTeX tables
+    speed, quality, steps       figures; each function returns one, or None where the inputs do not have the part
     write                       all files
 """
 
-from .write import write_static
+from .write import write_figure_of_times, write_static
 
-__all__ = ["write_static"]
+__all__ = ["write_figure_of_times", "write_static"]

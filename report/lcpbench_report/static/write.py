@@ -5,13 +5,13 @@ import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from .. import choice
+from .. import choice, motion, shown_tables
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
 from ..formats import power
-from . import (accuracy, canvas, coverage, latex_tables, motion, precision, profiles, robustness, scaling, sequences,
-               times)
+from . import canvas, quality, speed, steps
 
+_PACKAGES = r"\usepackage{booktabs}" + "\n" + r"\usepackage{textcomp}"
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 
 
@@ -37,20 +37,20 @@ def write_figures(inputs: Inputs, folder: Path) -> list[Path]:
 def figures(inputs: Inputs) -> Iterator[tuple[str, Callable]]:
     """(name, function that draws it or returns None)"""
     for tier in choice.shown_tiers(inputs):
-        yield f"profile-{power(tier)}", lambda: profiles.profile(inputs, tier)
+        yield f"profile-{power(tier)}", lambda: speed.profile(inputs, tier)
     if len(inputs.cells):
-        yield "time-by-size", lambda: times.by_size(inputs)
-        yield "time-by-family", lambda: times.by_family(inputs)
-        yield "accuracy", lambda: accuracy.distributions(inputs)
-        yield "coverage", lambda: coverage.bars(inputs)
-        yield "work-precision", lambda: precision.work_precision(inputs)
-        yield "scaling", lambda: scaling.exponents(inputs)
-        yield "robustness", lambda: robustness.pathological(inputs)
-        yield "robustness-grids", lambda: robustness.grids(inputs)
-    yield "sequence-latency", lambda: sequences.latency(inputs)
-    yield "sequence-deadlines", lambda: sequences.deadlines(inputs)
-    for scene, level in motion.scenes(inputs):
-        yield f"motion-{Path(scene).stem}-{level}", lambda: motion.errors(inputs, scene, level)
+        yield "time-by-size", lambda: speed.by_size(inputs)
+        yield "time-by-family", lambda: speed.by_family(inputs)
+        yield "accuracy", lambda: quality.distributions(inputs)
+        yield "coverage", lambda: quality.bars(inputs)
+        yield "work-precision", lambda: quality.work_precision(inputs)
+        yield "scaling", lambda: speed.exponents(inputs)
+        yield "robustness", lambda: quality.pathological(inputs)
+        yield "robustness-grids", lambda: quality.grids(inputs)
+    yield "sequence-latency", lambda: steps.latency(inputs)
+    yield "sequence-deadlines", lambda: steps.deadlines(inputs)
+    for scene, level in motion.scenes(inputs.motion):
+        yield f"motion-{Path(scene).stem}-{level}", lambda: steps.errors(inputs, scene, level)
 
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
@@ -59,12 +59,40 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     studied = {} if inputs.motion is None else {"motion": inputs.motion}
     for name, table in (dict(inputs.analysis) | studied).items():
         written.append(_write_csv(table, folder / f"{name}.csv"))
-    for name, text in latex_tables.tables(inputs):
-        written.append(folder / f"{name}.tex")
+    papers = {name: table for name, make in shown_tables.PAPERS.items() if (table := make(inputs)) is not None}
+    texts = {f"{name}.tex": f"% {name}: written by LCPBench, see README.md beside it\n{table.latex()}"
+             for name, table in papers.items()}
+    texts["README.md"] = _readme(list(texts))
+    for name, text in texts.items():
+        written.append(folder / name)
         written[-1].write_text(text, encoding="utf-8")
-    written.append(folder / "README.md")
-    written[-1].write_text(latex_tables.readme([path.name for path in written[:-1]]), encoding="utf-8")
     return written
+
+
+def write_figure_of_times(inputs: Inputs, path: Path) -> None:
+    """The one that README.md shows, where there are sizes enough."""
+    with canvas.look():
+        figure = speed.by_size(inputs)
+        if figure is not None:
+            canvas.save_svg(figure, path)
+            canvas.plt.close(figure)
+
+
+def _readme(tex: list[str]) -> str:
+    """What the folder holds and how a paper uses it."""
+    lines = ["# Tables", "",
+             "`*.csv`: all tables of the analysis, as `lcpbench analyse` writes them, and the study of motion (columns: "
+             "benchmarks/RESULTS.md); large ones are compressed (`.csv.gz`).", ""]
+    if tex:
+        names = ", ".join(f"`{name}`" for name in tex)
+        lines += [f"`*.tex`: the same in short for papers: {names}. They need", "",
+                  *("    " + line for line in _PACKAGES.splitlines()), "",
+                  "and stand in a table of your own, which has the caption:", "",
+                  *("    " + line for line in (r"\begin{table*}", r"  \centering", rf"  \input{{tables/{tex[0]}}}",
+                                               r"  \caption{...}", r"\end{table*}")), "",
+                  "The files are UTF-8 with LaTeX's own commands only. Wide ones fit the width of two columns; "
+                  "`\\resizebox{\\linewidth}{!}{\\input{...}}` (graphicx) fits them to another."]
+    return "\n".join(lines) + "\n"
 
 
 def _write_csv(table, path: Path) -> Path:

@@ -3,15 +3,13 @@
     fields, jsonl, load, steps  read and check the files      (the only modules that touch the campaign's folder)
     cells                 one row per cell, and which time counts
     groups                what is compared with what
-    intervals, holm       confidence intervals and multiple comparisons
-    profiles, pairwise, means, coverage, scaling, precision, accuracy, oracle
+    intervals             confidence intervals and multiple comparisons
+    profiles, pairwise, means, coverage, scaling, precision, distributions, class_times, peer_ratio, ablation
                           one table each, from the table of cells
     latency               the tables of sequences: steps of motions, warm starts, deadlines
-    compare               two cells of the same problem, by their repetitions
     tables                all tables, by name
     same                  two campaigns that must not differ but for times
-    plans, changes        two campaigns of one plan: what became slower, faster or wrong
-    changes_markdown      that as text
+    changes               two campaigns of one plan: what became slower, faster or wrong
 
 Every table is a pure function of the table of cells, or of the passes over sequences; random numbers come from a
 fixed seed.

@@ -8,6 +8,7 @@ from .cells import cell_table
 from .load import Campaign
 from .pairwise import A_FASTER, NO_DIFFERENCE, pairwise_table
 from ..errors import ReportError
+from ..table import Table
 
 SLOWDOWN = "slowdown"
 COLUMNS = ["tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
@@ -34,6 +35,14 @@ def calibration_table(campaign: Campaign) -> pd.DataFrame:
                          "wilcoxon_p_holm": pair["wilcoxon_p_holm"], "expected": expected, "found": pair["verdict"],
                          "right": bool(pair["verdict"] == expected)})
     return pd.DataFrame(rows, columns=COLUMNS)
+
+
+def as_table(found: pd.DataFrame) -> Table:
+    """What was not found as expected in bold."""
+    return Table(["solver", "against", "tier", "problems", "time ratio", "95 % interval", "expected", "found"],
+                 [[f"`{row.solver}`", f"slowed by {row.slowdown:g}" if row.slowdown > 1 else "itself", f"{row.tier:.0e}",
+                   row.problems, f"{row.ratio:.3f}", f"{row.ratio_low:.3f} … {row.ratio_high:.3f}", row.expected,
+                   row.found if row.right else f"**{row.found}**"] for row in found.itertuples()], "llrrrlll")
 
 
 def _known_factors(campaign: Campaign) -> dict[tuple[str, str], float]:

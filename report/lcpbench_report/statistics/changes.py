@@ -8,9 +8,10 @@ are not independent; but it only adds time, and the quickest passes had least of
 
 A regression is a solver, or a solver on a class or family, that is slower by that; a cell that was verified and is not
 any more; or a false success that was none before. Cells that only one of the campaigns has are told, and judged by
-nobody.
+nobody. Builds may differ in which solvers they have and of what version; what every solver was asked must not.
 """
 
+import json
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -22,10 +23,9 @@ from ..errors import ReportError
 from . import pairwise
 from .cells import BELOW_TIER, FALSE_SUCCESS, KEY, VERIFIED, cell_table
 from .groups import COUNTED, GROUP, with_label
-from .holm import holm
-from .intervals import Bootstrap, share_interval
+from .intervals import Bootstrap, holm, share_interval
 from .load import TASK_BUDGET, Campaign
-from .plans import require_same_plan
+from .same import ENVIRONMENT
 from .weighted import weighted_median
 
 SLOWER, FASTER = "slower", "faster"
@@ -35,6 +35,9 @@ _VERDICTS = {pairwise.A_FASTER: FASTER, pairwise.B_FASTER: SLOWER}
 # `ratio` is that of medians, `quickest_ratio` that of the quickest passes; p is the larger of the two.
 SPEED_COLUMNS = ["solver", "size_class", "family", *GROUP, "problems", "ratio", "ratio_low", "ratio_high",
                  "quickest_ratio", "p", "verdict"]
+# Of a solver: what it was asked; `base` and `settings` are of variants alone. The rest describes its build, or is a
+# label (`setting`).
+_ASKED = {"uses_tolerance": None, "tolerance": None, "ablation": None, "base": "", "settings": {}}
 _LEAST_BASES = 6  # fewer cannot reach the level, 2 / 2^5 > 0.05, and would cost the others theirs
 _OF_PROBLEMS = ["set", "counts", "base", "weight", "origin", "fill", "family", "rows", "size_class", "reference"]
 
@@ -104,6 +107,31 @@ def compare_campaigns(old: Campaign, new: Campaign) -> Changes:
     if cells.empty:
         raise ReportError("streams.jsonl", "OLD and NEW have no cell in common", "two campaigns of one plan")
     return Changes(cells, tables[0][~keys[0].isin(keys[1])], tables[1][~keys[1].isin(keys[0])], _speeds(cells))
+
+
+def require_same_plan(old: Campaign, new: Campaign) -> None:
+    """@throws ReportError naming the first key of campaign.json that differs"""
+    ignored = (*ENVIRONMENT, "solvers")
+    for key in [*old.info, *(key for key in new.info if key not in old.info)]:
+        if key not in ignored and old.info.get(key) != new.info.get(key):
+            raise ReportError("campaign.json", f"key '{key}' is {_word(old.info.get(key))} in OLD and "
+                              f"{_word(new.info.get(key))} in NEW", "two campaigns of one plan")
+    asked = [{solver["key"]: {k: solver.get(k, absent) for k, absent in _ASKED.items()} for solver in c.info["solvers"]} for c in (old, new)]
+    for key in asked[0]:
+        if key in asked[1] and asked[0][key] != asked[1][key]:
+            raise ReportError("campaign.json", f"solver {key!r} is {_word(asked[0][key])} in OLD and "
+                              f"{_word(asked[1][key])} in NEW", "two campaigns of one plan")
+    for name, about in old.problems.items():
+        other = new.problems.get(name, about)
+        for key in ("set", "family", "base", "weight", "size_class", "rows", "counts", "reference"):
+            if about[key] != other[key]:
+                raise ReportError("problems.jsonl", f"problem {name!r} has {key} {about[key]!r} in OLD and "
+                                  f"{other[key]!r} in NEW", "two campaigns of one plan")
+
+
+def _word(value) -> str:
+    text = json.dumps(value)
+    return text if len(text) <= 80 else text[:77] + "..."
 
 
 def _speeds(cells: pd.DataFrame) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""Confidence intervals (95 %)."""
+"""Confidence intervals (95 %), and multiple comparisons."""
 
 import math
 
@@ -50,16 +50,12 @@ class Bootstrap:
         order = np.argsort(values, kind="stable")
         return _percentiles(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
 
-    def mean(self, problems, values, weights, among=None) -> tuple[float, float]:
-        """Interval of the weighted mean.
-
-        @param among  1 and 0, where the mean is to be over some of the problems: both sums are drawn
-        """
+    def mean(self, problems, values, weights) -> tuple[float, float]:
+        """Interval of the weighted mean."""
         values, weights, bases = self._sample(values, weights, problems)
         if len(np.unique(bases)) < 2:
             return math.nan, math.nan
-        among = np.ones(len(values)) if among is None else np.asarray(among, dtype=float)
-        part, whole = (self._sums(bases, weights * factor) for factor in (values * among, among))
+        part, whole = self._sums(bases, weights * values), self._sums(bases, weights)
         return _percentiles(part[whole > 0] / whole[whole > 0])
 
     def ratio_of_means(self, problems, first, second, weights, inverse) -> tuple[float, float]:
@@ -150,3 +146,17 @@ def _percentiles(found: np.ndarray) -> tuple[float, float]:
     low = int(_TAIL * (len(found) - 1))
     ordered = np.partition(found, [low, len(found) - 1 - low])
     return float(ordered[low]), float(ordered[len(found) - 1 - low])
+
+
+def holm(p_values) -> np.ndarray:
+    """Adjusted p-values of the step-down procedure (Holm 1979): with p ascending, the largest of min(1, (m - j) p_j)
+    over j = 0..i. Comparing them with a level keeps the probability of any false alarm among the m tests below it.
+
+    NaN is no test: it stays, and does not count among the m.
+    """
+    p = np.asarray(p_values, dtype=float)
+    order = np.argsort(p)[:np.count_nonzero(~np.isnan(p))]  # NaN is sorted last
+    adjusted = np.full(len(p), np.nan)
+    factors = len(order) - np.arange(len(order))
+    adjusted[order] = np.minimum(np.maximum.accumulate(factors * p[order]), 1.0)
+    return adjusted

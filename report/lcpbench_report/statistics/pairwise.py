@@ -19,8 +19,7 @@ from scipy import special, stats
 
 from .cells import EXCLUDED
 from .groups import GROUP, Group, groups
-from .holm import holm
-from .intervals import MARGIN, Bootstrap
+from .intervals import MARGIN, Bootstrap, holm
 from .weighted import weighted_median, weighted_share
 
 LEVEL = 0.05

@@ -49,7 +49,5 @@ def time_ratios(times: pd.DataFrame) -> pd.DataFrame:
 
     A failure stays +inf; a row in which all fail is +inf throughout.
     """
-    clean = times.astype(float).where(np.isfinite(times.astype(float)), np.inf)
-    best = clean.min(axis=1)
-    ratios = clean.div(best.where(np.isfinite(best), 1.0), axis=0)
-    return ratios.where(np.isfinite(clean), np.inf)
+    finite = times.astype(float).where(np.isfinite(times.astype(float)))
+    return finite.div(finite.min(axis=1), axis=0).fillna(np.inf)

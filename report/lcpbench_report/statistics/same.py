@@ -36,6 +36,23 @@ class Part:
     def same(self) -> bool:
         return not (self.only_a or self.only_b or self.differ)
 
+    def lines(self, what: str, most: int) -> list[str]:
+        """In words. @param most  differences of a kind that are listed"""
+        if self.same:
+            return [f"{what}: {self.both}, all the same"]
+        late = f" ({self.out_of_time} of them with a solve that a time limit ended)" if self.out_of_time else ""
+        found = [f"{what}: {self.both} in both, {len(self.differ)} differ{late}; {len(self.only_a)} in A only, "
+                 f"{len(self.only_b)} in B only"]
+        for of_kind in (self.differ, [f"A only: {name}" for name in self.only_a], [f"B only: {name}" for name in self.only_b]):
+            found += [f"  {line}" for line in of_kind[:most]]
+            found += [f"  ... and {len(of_kind) - most} more"] * (len(of_kind) > most)
+        return found
+
+
+def compare(a: Campaign, b: Campaign) -> dict[str, Part]:
+    return {"keys of the plan": differing_plan(a.info, b.info), "problems": differing_problems(a, b),
+            "cells": differing_cells(a, b)}
+
 
 def differing_plan(a: dict, b: dict) -> Part:
     """@param a, b  contents of campaign.json"""

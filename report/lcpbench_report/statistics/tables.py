@@ -7,14 +7,13 @@ from pathlib import Path
 import pandas as pd
 
 from .ablation import ablation_table
-from .accuracy import accuracy_table
 from .cells import ablation_cells, cell_table
 from .class_times import class_table
 from .coverage import coverage_table
+from .distributions import accuracy_table, oracle_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
 from .means import mean_table
-from .oracle import oracle_table
 from .pairwise import pairwise_table
 from .peer_ratio import peer_ratio_table
 from .precision import delivered_table, precision_table
@@ -49,9 +48,6 @@ class Tables(Mapping[str, pd.DataFrame]):
 
     def __contains__(self, name: object) -> bool:
         return name in self._makers
-
-    def get(self, name: str, default=None):
-        return self[name] if name in self._makers else default
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._makers)

@@ -111,3 +111,21 @@ def keys_of(solver: str, count: int) -> list[str]:
 
 def _problems(manifest: Path) -> dict[str, dict]:
     return {problem["id"]: problem for problem in json.loads(manifest.read_text(encoding="utf-8"))["problems"]}
+
+
+def sizes_of(text: str) -> list[int]:
+    """Of --sizes."""
+    words = text.split(",")
+    if not all(word.isdigit() and int(word) for word in words):
+        raise ReportError("--sizes", f"found {text!r}", "rows, divided by commas")
+    return [int(word) for word in words]
+
+
+def chosen_solvers(asked: str | None, declared: list[str], available: list[str]) -> list[str]:
+    """Of --solvers, in the order of the declaration."""
+    there = [key for key in declared if key in available]
+    wanted = there if asked is None else asked.split(",")
+    for key in wanted:
+        if key not in there:
+            raise ReportError("--solvers", f"{key!r} is not declared or not in this build", "some of " + ", ".join(there))
+    return [key for key in there if key in wanted]

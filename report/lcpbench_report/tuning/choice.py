@@ -18,8 +18,7 @@ import numpy as np
 import pandas as pd
 
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS
-from ..statistics.holm import holm
-from ..statistics.intervals import MARGIN
+from ..statistics.intervals import MARGIN, holm
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
 from ..statistics.pairwise import LEVEL, bootstrap_of, compare_two
 

@@ -5,11 +5,9 @@ const tierName = (tier) => {
   const [mantissa, exponent] = tier.toExponential(0).split("e");
   return `${mantissa}e${Number(exponent)}`;
 };
-const nearest = (values, wanted) =>
-  values.reduce((a, b) => Math.abs(Math.log(a / wanted)) <= Math.abs(Math.log(b / wanted)) ? a : b, values[0]);
 
 const view = {
-  family: "*", low: 0, high: Infinity, tier: nearest(DATA.tiers.length ? DATA.tiers : [1e-6], 1e-6), metric: "time", norm: "none",
+  family: "*", low: 0, high: Infinity, tier: nearestTier([...DATA.tiers, ...DATA.tiers.length ? [] : [1e-6]].map((tier) => ({tier})), 1e-6).tier, metric: "time", norm: "none",
   axis: "rows", size: "all", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
   shown: SOLVERS.filter((solver) => solver.shown).map(({key}) => key),
 };
@@ -68,7 +66,7 @@ function changed() {
   drawDirty();
   if (document.getElementById("league")) leagueTable(view);
   for (const chip of document.querySelectorAll("#chips .chip")) chip.setAttribute("aria-pressed", view.shown.includes(chip.dataset.solver));
-  document.getElementById("legend").replaceChildren(...SOLVERS.filter(({key}) => view.shown.includes(key)).map(chipOf));
+  document.getElementById("legend").replaceChildren(...solversShown(view).map(chipOf));
   for (const other of document.querySelectorAll("select[data-choice]")) other.value = choiceOf(other.dataset.choice);
   const picture = document.getElementById("picture");
   picture.hidden = !DATA.pictures.includes(view.family);

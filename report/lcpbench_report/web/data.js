@@ -62,6 +62,15 @@ function cellsOf(solver, tier) {
   return {verdicts: mine.verdicts[key], get: (field) => numbersOf(packed, field)};
 }
 
+const solversShown = (view) => SOLVERS.filter(({key}) => view.shown.includes(key));
+
+/** Of the solvers shown those that have cells at the tier, with these. */
+const cellsShown = (view) => solversShown(view).map((solver) => ({solver, cells: cellsOf(solver.key, view.tier)})).filter(({cells}) => cells);
+
+/** Of rows with a tier the one that is nearest to `wanted`. */
+const nearestTier = (rows, wanted) =>
+  rows.reduce((a, b) => Math.abs(Math.log(a.tier / wanted)) <= Math.abs(Math.log(b.tier / wanted)) ? a : b);
+
 /** Smallest time of a verified answer by problem, over `solvers`; NaN where there is none. */
 function bestTimes(solvers, tier) {
   const best = new Float64Array(COUNT).fill(NaN);

@@ -3,9 +3,7 @@
 
 function leagueRows(view) {
   const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier), rows = [];
-  for (const solver of SOLVERS.filter(({key}) => view.shown.includes(key))) {
-    const cells = cellsOf(solver.key, view.tier);
-    if (!cells || !picked.length) continue;
+  for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
     const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
     const good = picked.filter((i) => cells.verdicts[i] === "v");
     const errors = sorted(good.map((i) => error[i])), weights = good.map((i) => WEIGHTS[i]);

@@ -1,35 +1,14 @@
 #include "solvers/peers/protocol/external_solver.h"
 
-#include <spawn.h>
-#include <sys/resource.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <csignal>
-#include <cstring>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
 #include "solvers/peers/protocol/channel.h"
 #include "support/input_error.h"
 
-extern char** environ;
-
 namespace lcpbench {
 namespace {
-
-using Outcome = Channel::Outcome;
-
-// Which reserves terabytes of address space, in the worker too.
-#ifdef __SANITIZE_ADDRESS__
-constexpr bool kAddressSanitizer = true;
-#else
-constexpr bool kAddressSanitizer = false;
-#endif
 
 using How = WorkerFailure::How;
 
@@ -43,116 +22,50 @@ LcpProblem InForm(const LcpProblem& problem, WantedForm form) {
   return LcpProblem::FromSparse(problem.id(), problem.SparseA(), problem.b(), std::move(bounds), problem.facts());
 }
 
-std::string DescribeEnd(int status) {
-  if (WIFSIGNALED(status)) {
-    const int signal = WTERMSIG(status);
-    return "was killed by signal " + std::to_string(signal) + " (" + strsignal(signal) + ")";
-  }
-  return "ended with exit status " + std::to_string(WEXITSTATUS(status));
-}
-
 }  // namespace
 
-// One worker process and the socket to it.
+// One worker process.
 class ExternalSolver::Process {
  public:
-  explicit Process(const ExternalSolverOptions& options) : name_(options.command.front()), channel_(-1, -1) {
-    int ends[2];
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0) {
-      throw std::runtime_error("worker '" + name_ + "': no socket: " + std::strerror(errno));
-    }
-    socket_ = ends[0];
-    channel_ = Channel(socket_, socket_);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-    std::vector<char*> argv;
-    std::vector<std::string> command = options.command;
-    argv.reserve(command.size() + 1);
-    for (std::string& word : command) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    // Not fork: the libraries of this process may hold locks and have handlers for it.
-    const int error = posix_spawnp(&pid_, argv[0], &actions, nullptr, argv.data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    close(ends[1]);
-    if (error != 0) {
-      close(socket_);
-      throw std::runtime_error("worker '" + name_ + "' cannot be started: " + std::strerror(error));
-    }
-    if (options.memory_limit > 0 && !kAddressSanitizer) {
-      const rlimit limit{options.memory_limit, options.memory_limit};
-      prlimit(pid_, RLIMIT_AS, &limit, nullptr);
-    }
-  }
-  ~Process() {
-    if (pid_ > 0) {
-      channel_.Write(MessageType::kQuit, {}, SteadyNow());
-      Kill();
-    }
-    close(socket_);
-  }
-  Process(const Process&) = delete;
-  Process& operator=(const Process&) = delete;
+  explicit Process(const ExternalSolverOptions& options)
+      : name_("worker '" + options.command.front() + "'"), process_(Start(options)) {}
 
   void Send(MessageType type, const Bytes& payload, double limit_s) {
-    Check(channel_.Write(type, payload, SteadyNow() + limit_s), limit_s);
+    Check(WriteFrame(process_.socket(), type, payload, SteadyNow() + limit_s), limit_s);
   }
 
   Bytes Receive(MessageType expected, double limit_s) {
     MessageType type{};
     Bytes payload;
-    Check(channel_.Read(&type, &payload, SteadyNow() + limit_s), limit_s);
-    if (type != expected) Check(Outcome::kBroken, limit_s);
-    return payload;
+    Check(ReadFrame(process_.socket(), &type, &payload, SteadyNow() + limit_s), limit_s);
+    if (type == expected) return payload;
+    process_.Kill();
+    throw WorkerFailure(How::kBroken, name_ + " sent what is no message of the protocol");
   }
 
  private:
-  void Check(Outcome outcome, double limit_s) {
-    switch (outcome) {
-      case Outcome::kDone:
-        return;
-      case Outcome::kTimeout:
-        Kill();
-        throw WorkerFailure(How::kTimeLimit, "worker '" + name_ + "' gave no answer within " + std::to_string(limit_s) +
-                                                 " s and was killed");
-      case Outcome::kBroken:
-        Kill();
-        throw WorkerFailure(How::kBroken, "worker '" + name_ + "' sent what is no message of the protocol");
-      case Outcome::kClosed:
-        throw WorkerFailure(How::kEnded, "worker '" + name_ + "' " + DescribeEnd(WaitOrKill()));
-    }
+  static SubprocessOptions Start(const ExternalSolverOptions& options) {
+    SubprocessOptions start;
+    start.command = options.command;
+    start.memory_limit = options.memory_limit;
+    return start;
   }
 
-  // Its end of the socket is closed: it is about to end, unless it closed it on purpose.
-  int WaitOrKill() {
-    constexpr double kWait = 1;
-    const double until = SteadyNow() + kWait;
-    int status = 0;
-    while (SteadyNow() < until) {
-      if (waitpid(pid_, &status, WNOHANG) == pid_) {
-        pid_ = 0;
-        return status;
-      }
-      usleep(1000);
+  void Check(Transfer outcome, double limit_s) {
+    if (outcome == Transfer::kTimeout) {
+      process_.Kill();
+      throw WorkerFailure(How::kTimeLimit,
+                          name_ + " gave no answer within " + std::to_string(limit_s) + " s and was killed");
     }
-    return Kill();
-  }
-
-  int Kill() {
-    int status = 0;
-    if (pid_ <= 0) return status;
-    kill(pid_, SIGKILL);
-    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
+    if (outcome == Transfer::kClosed) {
+      // It is about to end, unless it closed its end on purpose.
+      constexpr double kWait = 1;  // s
+      throw WorkerFailure(How::kEnded, name_ + " " + DescribeEnd(process_.WaitOrKill(kWait)));
     }
-    pid_ = 0;
-    return status;
   }
 
   std::string name_;
-  pid_t pid_ = 0;
-  int socket_ = -1;
-  Channel channel_;
+  Subprocess process_;
 };
 
 ExternalSolver::ExternalSolver(ExternalSolverOptions options) : options_(std::move(options)) {

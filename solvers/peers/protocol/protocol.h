@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "solvers/lcp/fresh_pass.h"
-#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -66,6 +66,7 @@ inline constexpr std::uint64_t kLargestPayload = std::uint64_t{1} << 36U;
 
 /// What a frame holds.
 enum class MessageType : std::uint32_t {
+  kNone = 0,  ///< never sent: what is no frame of the protocol
   kHello = 1,
   kProblem = 2,
   kPrepared = 3,

@@ -20,17 +20,15 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 
 class Worker {
  public:
-  Worker(const SolverFactory& make, Channel channel) : make_(make), solver_(make()), channel_(channel) {}
+  Worker(const SolverFactory& make, int out) : make_(make), solver_(make()), out_(out) {}
 
   int Run(const Hello& hello) {
     if (!Send(MessageType::kHello, Encode(hello))) return 1;
     MessageType type{};
     Bytes payload;
     for (;;) {
-      const Channel::Outcome outcome = channel_.Read(&type, &payload, kForever);
-      if (outcome == Channel::Outcome::kClosed) return 0;
-      if (outcome != Channel::Outcome::kDone) return 1;
-      if (type == MessageType::kQuit) return 0;
+      const Transfer outcome = ReadFrame(STDIN_FILENO, &type, &payload, kForever);
+      if (outcome == Transfer::kClosed || type == MessageType::kQuit) return 0;
       if (!Answer(type, payload)) return 1;
     }
   }
@@ -66,7 +64,7 @@ class Worker {
   }
 
   bool Send(MessageType type, const Bytes& payload) {
-    return channel_.Write(type, payload, kForever) == Channel::Outcome::kDone;
+    return WriteFrame(out_, type, payload, kForever) == Transfer::kDone;
   }
 
   bool Solve(const SolveRequest& request) {
@@ -90,7 +88,7 @@ class Worker {
 
   const SolverFactory& make_;
   std::unique_ptr<LcpSolver> solver_;
-  Channel channel_;
+  int out_;
   // Of single solves: as sent, the b that takes the place of the one sent, and the matrix that they share.
   std::optional<ProblemArrays> arrays_;
   std::optional<LcpProblem> problem_;
@@ -106,7 +104,7 @@ int RunWorker(const Hello& hello, const SolverFactory& make) {
   const int out = dup(STDOUT_FILENO);
   if (out < 0 || dup2(STDERR_FILENO, STDOUT_FILENO) < 0) return 1;
   try {
-    return Worker(make, Channel(STDIN_FILENO, out)).Run(hello);
+    return Worker(make, out).Run(hello);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "worker: %s\n", error.what());
     return 1;

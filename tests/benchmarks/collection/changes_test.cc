@@ -8,10 +8,8 @@
 #include <utility>
 
 #include "benchmarks/collection/properties.h"
-#include "benchmarks/collection/recipes/curvature_changes.h"
-#include "benchmarks/collection/recipes/portable_power.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "benchmarks/collection/recipes/row_changes.h"
 #include "model/scenes/scene.h"
 #include "solvers/exact/sparse_rank.h"
 #include "solvers/lcp/verify.h"

@@ -13,7 +13,7 @@
 
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/collection/gzip_input.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/sequences.h"
@@ -221,12 +221,10 @@ TEST_P(CollectionTier, HasFilesOfTheSameProblems) {
   for (const ManifestEntry& entry : manifest.problems) {
     if (entry.origin == "placed") placed.push_back(&entry);
   }
-  std::ifstream file(path, std::ios::binary);
-  GzipBuffer gzip(file);
-  std::istream lines(&gzip);
+  LineReader lines(path);
   std::string line;
   size_t k = 0;
-  while (std::getline(lines, line)) {
+  while (lines.Next(&line)) {
     ASSERT_LT(k, placed.size());
     const ManifestEntry& entry = *placed[k++];
     const LcpProblem problem = ParseLcpRecord(line, entry.id).problem;

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "benchmarks/collection/gzip_input.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
 #include "solvers/lcp/rounding_floor.h"
@@ -33,13 +33,11 @@ TEST_P(References, SolveTheProblemsOrProveThatNothingDoes) {
   for (const ManifestEntry& entry : manifest.problems) entries[entry.id] = &entry;
   for (const ManifestEntry& entry : manifest.fill) entries[entry.id] = &entry;
 
-  std::ifstream file(folder + manifest.references);
-  GzipBuffer gzip(file);
-  std::istream lines(&gzip);
+  LineReader lines(folder + manifest.references);
   ProblemSource source(folder);
   std::string line;
   size_t count = 0;
-  while (std::getline(lines, line)) {
+  while (lines.Next(&line)) {
     const nlohmann::json record = nlohmann::json::parse(line);
     const std::string id = record["id"];
     ++count;

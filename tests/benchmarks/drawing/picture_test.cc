@@ -11,10 +11,10 @@
 
 #include "benchmarks/drawing/picture_outline.h"
 #include "benchmarks/drawing/picture_style.h"
+#include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
 #include "model/shape/mass_properties.h"
-#include "model/shape/outline_piece.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 

@@ -33,14 +33,14 @@ constexpr double kSize = 0.02;
 
 using BodyPairs = std::multiset<std::pair<int, int>>;
 
-class Mechanisms : public testing::TestWithParam<const char*> {
+class Mechanisms : public ::testing::TestWithParam<const char*> {
  protected:
   static ContactSystem Generate(int rows, std::uint64_t seed) { return GenerateScene(GetParam(), rows, seed); }
   static World Start(int rows, std::uint64_t seed) { return StartScene(GetParam(), rows, seed); }
   static bool IsCradle() { return std::string(GetParam()) == "newtons-cradle"; }
 };
 
-std::string ParamName(const testing::TestParamInfo<const char*>& info) {
+std::string ParamName(const ::testing::TestParamInfo<const char*>& info) {
   std::string name(info.param);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -146,7 +146,7 @@ TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Mechanisms,
-                         testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
+                         ::testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
                                          "spinning-drum", "oval-train"),
                          ParamName);
 

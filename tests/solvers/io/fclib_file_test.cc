@@ -20,7 +20,7 @@
 #include <thread>
 #include <vector>
 
-#include "solvers/io/hdf5_writer.h"
+#include "solvers/io/hdf5_file.h"
 #include "support/input_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
@@ -334,7 +334,7 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
 
 TEST_F(FclibFile, WhatIsNoFileOfThisKindIsRefused) {
   ExpectRefused(Path("absent.h5"), "cannot be opened");
-  ExpectRefused(folder_.string(), "expected an HDF5 file, found what is no file");
+  ExpectRefused(folder_.string(), "not a regular file");
   WriteBytes(Path("empty.h5"), "");
   ExpectRefused(Path("empty.h5"), "expected an HDF5 file that libhdf5 can read, found one that it refuses");
   WriteBytes(Path("text.h5"), "this is no HDF5 file at all");

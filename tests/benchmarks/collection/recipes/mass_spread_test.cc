@@ -1,4 +1,4 @@
-#include "benchmarks/collection/recipes/mass_spread.h"
+#include "benchmarks/collection/recipes/changes.h"
 
 #include <gtest/gtest.h>
 

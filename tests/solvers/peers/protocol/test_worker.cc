@@ -61,25 +61,25 @@ class BadSolver : public LcpSolver {
 // What a program must do at the least.
 int ServeVersion1(WantedForm form) {
   constexpr double kForever = 1e9;
-  Channel channel(STDIN_FILENO, STDOUT_FILENO);
   const auto solver = MakeSolver("dantzig");
   std::optional<LcpProblem> problem;
   const Hello hello{1, form, "version-1", "1.0", "none"};
-  channel.Write(MessageType::kHello, Encode(hello), kForever);
+  WriteFrame(STDOUT_FILENO, MessageType::kHello, Encode(hello), kForever);
   MessageType type{};
   Bytes payload;
-  while (channel.Read(&type, &payload, kForever) == Channel::Outcome::kDone) {
+  while (ReadFrame(STDIN_FILENO, &type, &payload, kForever) == Transfer::kDone) {
     if (type == MessageType::kProblem) {
       const ProblemArrays arrays = DecodeProblem(payload, 1);
       const MatrixForm wanted = form == WantedForm::kDense ? MatrixForm::kDense : MatrixForm::kSparse;
       const bool as_wanted = form == WantedForm::kAsGiven || arrays.form == wanted;
       problem = LcpProblem::FromArrays(arrays);
-      channel.Write(MessageType::kPrepared, Encode(Prepared{0.25, as_wanted ? "" : "another form"}), kForever);
+      WriteFrame(STDOUT_FILENO, MessageType::kPrepared, Encode(Prepared{0.25, as_wanted ? "" : "another form"}),
+                 kForever);
     } else if (type == MessageType::kSolve) {
       LcpResult result;
       solver->Solve(*problem, {}, &result);
       result.own_solve_s = 0.5;
-      channel.Write(MessageType::kResult, Encode(result, 1), kForever);
+      WriteFrame(STDOUT_FILENO, MessageType::kResult, Encode(result, 1), kForever);
     } else {
       return type == MessageType::kQuit ? 0 : 1;
     }

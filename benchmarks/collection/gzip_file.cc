@@ -1,0 +1,68 @@
+#include "benchmarks/collection/gzip_file.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{1} << 16U;
+
+gzFile Open(const std::string& path) {
+  if (path == "-") return gzdopen(dup(STDIN_FILENO), "rb");
+  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
+  return gzopen(path.c_str(), "rb");
+}
+
+}  // namespace
+
+LineReader::LineReader(const std::string& path)
+    : name_(path == "-" ? "<stdin>" : path), file_(Open(path), &gzclose_r), block_(kBlock) {
+  if (!file_) throw InputError(path + ": cannot be opened for reading");
+}
+
+bool LineReader::Next(std::string* line) {
+  line->clear();
+  bool any = false;
+  while (at_ < end_ || Fill()) {
+    any = true;
+    const char* begin = block_.data() + at_;
+    const char* stop = std::find(begin, static_cast<const char*>(block_.data()) + end_, '\n');
+    line->append(begin, stop);
+    at_ = static_cast<std::size_t>(stop - block_.data()) + 1;
+    if (at_ <= end_) break;  // else the line goes on in the next block
+  }
+  if (any) ++number_;
+  return any;
+}
+
+bool LineReader::Fill() {
+  const int count = gzread(file_.get(), block_.data(), static_cast<unsigned>(block_.size()));
+  int status = Z_OK;
+  const char* message = gzerror(file_.get(), &status);
+  if (count < 0) throw InputError(name_ + ": the gzip data are damaged, " + message);
+  if (count == 0 && status == Z_BUF_ERROR) throw InputError(name_ + ": the gzip data end early");
+  at_ = 0;
+  end_ = static_cast<std::size_t>(count);
+  return count > 0;
+}
+
+void WriteGzipFile(const std::string& path, const std::string& text) {
+  gzFile file = gzopen(path.c_str(), "wb9");
+  if (file == nullptr) throw InputError(path + ": cannot be opened for writing");
+  constexpr size_t kPortion = size_t{1} << 20U;
+  bool good = true;
+  for (size_t at = 0; good && at < text.size(); at += kPortion) {
+    const auto length = static_cast<unsigned>(std::min(kPortion, text.size() - at));
+    good = gzwrite(file, text.data() + at, length) == static_cast<int>(length);
+  }
+  good = gzclose(file) == Z_OK && good;
+  if (!good) throw InputError(path + ": writing failed");
+}
+
+}  // namespace lcpbench

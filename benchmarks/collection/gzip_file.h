@@ -1,0 +1,40 @@
+#pragma once
+
+#include <zlib.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lcpbench {
+
+/// The lines of a file, plain or compressed by gzip (RFC 1952, several members in a row included).
+class LineReader {
+ public:
+  /// @param path  - for standard input
+  /// @throws InputError where it cannot be opened for reading
+  explicit LineReader(const std::string& path);
+
+  /// The next line without its end; false at the end of the file.
+  /// @throws InputError naming the file where compressed data end early or are damaged; lines before are given first
+  bool Next(std::string* line);
+
+  const std::string& name() const { return name_; }
+  std::size_t number() const { return number_; }  ///< of the last line, from 1
+
+ private:
+  bool Fill();
+
+  std::string name_;
+  std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
+  std::vector<char> block_;
+  std::size_t at_ = 0;
+  std::size_t end_ = 0;
+  std::size_t number_ = 0;
+};
+
+/// Writes `text` compressed by gzip, without name and time: the same text gives the same bytes.
+/// @throws InputError where the file cannot be written
+void WriteGzipFile(const std::string& path, const std::string& text);
+
+}  // namespace lcpbench

@@ -1,0 +1,130 @@
+"""The summary of what changed between two campaigns, as Markdown."""
+
+import pandas as pd
+
+from . import formats
+from .statistics import pairwise
+from .statistics.cells import FALSE_SUCCESS
+from .statistics.changes import ALL, Changes
+from .statistics.groups import COUNTED
+from .statistics.intervals import MARGIN
+from .statistics.load import Campaign
+from .statistics.same import cell_name
+from .table import Table
+
+_SHOWN = 20  # rows of a table
+_ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solver_flags", "build_type", "cpu",
+                "instruction_sets", "cores", "os", "kernel", "hypervisor", "library_threads", "libraries")
+
+
+def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes, shown: int = _SHOWN) -> str:
+    """@param shown  rows of a table at most; what is left out is counted"""
+    lines = [f"# {old.info['name']}: {new_name} against {old_name}", "", _judgement(changes), ""]
+    lines += _environment(old, new)
+    lines += _verdicts(changes, shown)
+    lines += _speeds(changes, shown)
+    lines += _agreement(changes)
+    lines += _only_in_one(changes)
+    return "\n".join(lines).rstrip("\n") + "\n"
+
+
+def _judgement(changes: Changes) -> str:
+    found = [(len(changes.lost), "cell verified before and not now", "cells verified before and not now"),
+             (len(changes.false_successes), "new false success", "new false successes"),
+             (len(changes.slower), "comparison slower", "comparisons slower")]
+    words = formats.words([formats.plural(count, one, many) for count, one, many in found if count])
+    return f"**Regression**: {words}." if changes.regressed else \
+        f"**No regression** in {formats.plural(len(changes.cells), 'cell')}."
+
+
+def _environment(old: Campaign, new: Campaign) -> list[str]:
+    """Only what differs."""
+    a, b = (campaign.info.get("environment", {}) for campaign in (old, new))
+    rows = []
+    for key in _ENVIRONMENT:
+        if isinstance(a.get(key), dict) and isinstance(b.get(key), dict):
+            rows += [[f"{key}.{name}", a[key].get(name, ""), b[key].get(name, "")]
+                     for name in dict.fromkeys([*a[key], *b[key]]) if a[key].get(name) != b[key].get(name)]
+        elif a.get(key) != b.get(key):
+            rows.append([key, a.get(key, ""), b.get(key, "")])
+    if not rows:
+        return ["Both were run in the same environment.", ""]
+    return _table(["environment", "old", "new"], rows)
+
+
+def _verdicts(changes: Changes, shown: int) -> list[str]:
+    wrong = changes.cells.loc[changes.lost.index.union(changes.false_successes.index)]
+    first = wrong["verdict_new"] == FALSE_SUCCESS
+    wrong = pd.concat([wrong[first], wrong[~first]])
+    lines = ["## Wrong", ""]
+    if wrong.empty:
+        lines += ["No cell lost its verified answer, and there is no new false success.", ""]
+    else:
+        lines += _table(["cell", "before", "now", "time before", "limit"],
+                        [[f"`{_name(row)}`", _verdict(row, "old"), _verdict(row, "new"),
+                          formats.seconds(row["time_s_old"]), formats.seconds(row["time_limit_s_new"])]
+                         for _, row in wrong.iterrows()], shown)
+    if not changes.gained.empty:
+        lines += ["Verified now, and not before:", ""]
+        lines += _table(["cell", "before"], [[f"`{_name(row)}`", _verdict(row, "old")]
+                                             for _, row in changes.gained.iterrows()], shown)
+    return lines
+
+
+def _speeds(changes: Changes, shown: int) -> list[str]:
+    lines = []
+    for title, table in (("Slower", changes.slower), ("Faster", changes.faster)):
+        lines += [f"## {title}", ""]
+        if table.empty:
+            lines += ["No solver, nor a solver on a size class or a family.", ""]
+            continue
+        rows = [[f"`{row.solver}`", *("all" if part == ALL else f"`{part}`" for part in (row.size_class, row.family)),
+                 row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
+                 f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}",
+                 f"{row.p:.1g}"] for row in table.itertuples()]
+        lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
+                         "quickest passes", "p"], rows, shown)
+    return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "
+                    f"all problems, by size class and by family. Median ratio of the fresh times of answers that both "
+                    f"verified, problems by their weight, with an interval by bootstrap over families and bases; p of "
+                    f"Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
+                    f"p < {pairwise.LEVEL:g} and an interval beyond {_margin()}, by the medians of the passes and by "
+                    f"the quickest ones.", ""]
+
+
+def _agreement(changes: Changes) -> list[str]:
+    agree, total, low, high = changes.agreement()
+    lines = ["## Agreement", ""]
+    if not total:
+        return lines + ["No cell was verified in both.", ""]
+    return lines + [f"The intervals of the median time overlap in {agree} of {formats.plural(total, 'cell')} that both "
+                    f"verified: {100 * agree / total:.1f} % [{100 * low:.1f}, {100 * high:.1f}]. Median ratio of all "
+                    f"their times: {changes.overall_ratio():.3f}; what differs here moved all solvers alike.", ""]
+
+
+def _only_in_one(changes: Changes) -> list[str]:
+    parts = [(name, table) for name, table in (("OLD", changes.only_old), ("NEW", changes.only_new)) if len(table)]
+    if not parts:
+        return []
+    lines = ["## Only in one", "", "These cells were judged by nothing above.", ""]
+    rows = [[f"`{solver}`", name, len(own)] for name, table in parts
+            for solver, own in table.groupby("solver", sort=False)]
+    return lines + _table(["solver", "only in", "cells"], rows)
+
+
+def _table(head: list[str], rows: list[list], shown: int | None = None) -> list[str]:
+    return [Table(head, rows, "l" * len(head)).markdown(shown)]
+
+
+def _name(row) -> str:
+    return cell_name((row["problem"], row["solver"], row["tier"]))
+
+
+def _verdict(row, when: str) -> str:
+    """With the rule by which a cell was excluded."""
+    rule = row[f"excluded_{when}"]
+    return formats.status(row[f"verdict_{when}"]).replace(":", ": ") + (f": {rule}" if rule else "")
+
+
+def _margin() -> str:
+    return f"{100 * (MARGIN - 1):.0f} %"

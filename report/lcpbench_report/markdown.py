@@ -1,0 +1,151 @@
+"""A report in Markdown, for logs of builds, for messages, and to be kept with the source; and the headline of README.md
+and docs/results.md.
+"""
+
+from . import choice, shown_tables
+from .fairness import limitations
+from .formats import DASH, percent, plural, power, share_of, times
+from .headline_table import Headline, headline
+from .inputs import Inputs
+from .statistics.class_times import ALL, LEAST_FOR_P99
+from .statistics.peer_ratio import RIGHT
+from .summary import false_successes, peers
+from .table import Table
+
+ABLATION_WORDS = ("These versions are in no other table or figure: our solvers without their own check; peers with a check and, where "
+         "it fails, one more solve with a shifted diagonal; our solvers built for the baseline instruction set, for which "
+         "Debian builds the peers' libraries. Time: of the version over its solver, median over the problems that both verify. "
+         "Right and false: of the version, then of its solver. False: false successes and answers below the tier.")
+
+
+# ----- the headline
+
+def caption(inputs: Inputs, found: Headline) -> str:
+    """What a cell says, by which rule it is bold, and where it was measured."""
+    return (f"Fresh times at tier {power(found.tier)}. A fresh time is one interval from the caller's arrays (J by rows, "
+            "inverse masses, b, kinds of rows) to f. Validation, forms of A, ordering, factorizations, fallbacks and the "
+            "solver's own check are inside. The solver object has solved other problems before, but never this one. Peers "
+            "are timed in the same way, each in a process of its own. The time of a class is the median over its problems; "
+            "each of k variants of one base has weight 1/k, and an answer that is not verified counts as infinitely slow. "
+            f"*Right*: share verified. The best are the fastest of those that are right on {percent(RIGHT)}. **Bold**: the "
+            "fastest of all, and every solver tied with it: the 95 % interval of the ratio of their times contains 1. "
+            "Ratios are our time over theirs, problem by problem, with intervals by bootstrap over families and "
+            f"bases{_where(inputs)}.")
+
+
+def short_caption(inputs: Inputs, found: Headline) -> str:
+    """The same in two sentences, for the front page."""
+    return (f"Median time from the caller's arrays to f at tier {power(found.tier)}, everything inside, on problems that the "
+            "solver object has not seen before; an answer that is not verified counts as infinitely slow"
+            f"{_where(inputs)}. Best: the fastest of those that are right on {percent(RIGHT)} (**bold**: the fastest of all, and "
+            "what the 95 % interval does not tell apart from it); ratios are our time over theirs, so above 1 we lose.")
+
+
+def _where(inputs: Inputs) -> str:
+    """Machine, commit and date of the first campaign that has them."""
+    for campaign in inputs.campaigns:
+        environment = campaign.info.get("environment") or {}
+        if not environment:
+            continue
+        commit = str(environment.get("git_commit") or "")[:12]
+        started = str(campaign.info.get("started") or "")[:10]
+        parts = [environment.get("cpu"), environment.get("compiler"), "one thread",
+                 commit and f"commit {commit}" + (" with changes" if environment.get("git_dirty") else ""), started]
+        return " (" + ", ".join(str(part) for part in parts if part) + ")"
+    return ""
+
+
+def details(inputs: Inputs, found: Headline) -> str:
+    """False successes, and the table of all solvers."""
+    lines = [f"The 99 % quantile is given for classes with at least {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
+             "Own solvers first, then the best solver of each peer library, with a second one where the best is not run on "
+             "larger problems. The columns are numbers of rows. After a time stands the share verified, where that is not all, "
+             "and of how many problems, where the solver's budget ended before every problem had its turn (their order is "
+             f"drawn at random). ✗: half or more failed. {DASH}: not run at that size, by a rule declared before the run.", "",
+             shown_tables.by_solver(found).markdown()]
+    if found.left_out:
+        lines.append(f"{plural(len(found.left_out), 'other solver or setting', 'other solvers and settings')} are in the report.\n")
+    absent = [entry["key"] for entry in inputs.solvers if not entry["available"]]
+    if absent:
+        lines.append("Not in this build: " + ", ".join(f"`{key}`" for key in absent) + ".\n")
+    return "\n".join(lines)
+
+
+def full_headline(inputs: Inputs, found: Headline) -> str:
+    """Caption, both tables, and what is said about them."""
+    return "\n".join([caption(inputs, found), "", shown_tables.classes(found).markdown(), peers(found), "",
+                      details(inputs, found)])
+
+
+# ----- ablations
+
+def ablation(inputs: Inputs) -> str:
+    """The table of all size classes together."""
+    table = shown_tables.ablation(inputs, all_only=True)
+    return "This campaign has no ablations.\n" if table is None else f"{ABLATION_WORDS}\n\n{table.markdown()}"
+
+
+def checks(inputs: Inputs) -> str:
+    """A sentence on what our own check changes, at the main tier, over all sizes; empty without such an ablation."""
+    parts = [f"`{of['base']}` is right on {share_of(of['verified_share'])} instead of "
+             f"{share_of(of['base_verified_share'])} and takes {times(of['ratio'])} of the time"
+             for of in shown_tables.ablations(inputs).to_dict("records")
+             if of["ablation"] == "no-self-check" and of["size_class"] == ALL]
+    return f"without it, {'; '.join(parts)}." if parts else ""
+
+
+# ----- the summary
+
+def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
+    """@param lines    what the report finds, a sentence each; they come first
+    @param changes  against an earlier run, in Markdown (changes_markdown)
+    """
+    parts = ["# LCPBench: " + ", ".join(inputs.names), ""]
+    parts += [f"- {line}" for line in lines] + [""] * bool(lines)
+    tier = power(choice.main_tier(inputs))
+    if len(inputs.cells):
+        parts += _part("Which backend", shown_tables.choices(inputs), "Of our solvers that verify nearly as much as any (99 % of "
+                       "the most), the one with the least geometric mean of fresh times, failures entered with the time limit. "
+                       "Redundant: rows of A depend on each other.")
+        parts += ["## Times", "", full_headline(inputs, headline(inputs))]
+        parts += _part("Ablations", shown_tables.ablation(inputs, all_only=True), ABLATION_WORDS)
+        parts += _part("Verified and false", shown_tables.coverage(inputs), "Share of the problems that are verified; ✗ with the "
+                       "number of false successes: answers that a solver called solved and that are not; ↓ with the number of "
+                       "those of a solver that was not asked for this tier.")
+        problems = shown_tables.pathological(inputs)["problem"].nunique()
+        parts += _part("Problems that are meant to break something", shown_tables.robustness(inputs),
+                       f"{problems} problems at tier {tier}; what is missing to that number failed honestly.")
+    parts += _part("Sequences of motions", shown_tables.sequences(inputs), f"Latency of a step from a warm start at tier {tier}, "
+                   "one interval from its arrays to f, and by how much a cold start takes longer.")
+    parts += _environment(inputs)
+    parts += ["## Limitations that affect fairness", "",
+              *(f"- **{subject}.** {sentence}" for subject, sentence in limitations(inputs)), ""]
+    parts += ["## Compared with an earlier run", "",
+              *([changes.replace("\n#", "\n##").replace("# ", "### ", 1)] if changes else []),
+              "    lcpbench compare OLD NEW", "",
+              "reads two campaign folders of one plan and tells what became slower, faster or wrong; its exit status is "
+              "1 for a regression.", ""]
+    if inputs.notes:
+        parts += ["## Notes", "", *(f"- {note}" for note in inputs.notes), ""]
+    return "\n".join(parts)
+
+
+def _part(title: str, table: Table | None, words: str) -> list[str]:
+    return [] if table is None else [f"## {title}", "", words, "", table.markdown()]
+
+
+def _environment(inputs: Inputs) -> list[str]:
+    lines = ["## Measured", ""]
+    for name, campaign in zip(inputs.names, inputs.campaigns):
+        environment = campaign.info.get("environment") or {}
+        known = [environment.get("cpu"), environment.get("os"), environment.get("compiler"), environment.get("flags"),
+                 environment.get("solver_flags")]
+        commit = str(environment.get("git_commit") or "")[:12]
+        if commit:
+            known.append(f"commit {commit}" + (" with changes" if environment.get("git_dirty") else ""))
+        known.append(str(campaign.info.get("started") or "")[:10])
+        count = len(campaign.problems) or len(campaign.sequences)
+        what = "problems" if campaign.problems else "sequences"
+        told = ", ".join(str(part) for part in known if part)
+        lines.append(f"- {name}: {count} {what}" + (f"; {told}" if told else ""))
+    return [*lines, ""]

@@ -1,0 +1,204 @@
+"use strict";
+// The explorer: any metric against any property of the problems; who is the fastest where; performance profiles; exponents.
+
+const METRICS = {
+  time: {title: "fresh time", kind: "seconds", time: true},
+  again: {title: "time of the same matrix with another b", kind: "seconds", time: true},
+  problem: {title: "part of the time: checks, forms of A", kind: "seconds", time: true},
+  prepare: {title: "part of the time: preparation", kind: "seconds", time: true},
+  convert: {title: "part of the time: conversion for a library", kind: "seconds", time: true},
+  solve: {title: "part of the time: solve", kind: "seconds", time: true},
+  iterations: {title: "iterations (each solver's own)", kind: "plain"},
+  rho: {title: "scaled natural residual ρ", kind: "residual"},
+  backward: {title: "largest backward error", kind: "residual"},
+  werror: {title: "error of w against the proved answer", kind: "residual"},
+};
+const AXES = {
+  rows: {title: "rows n", kind: "plain", values: () => Float64Array.from(PROBLEMS.rows)},
+  redundancy: {title: "share of dependent rows", kind: "plain", values: () => unpack(PROBLEMS.redundancy)},
+  mass_ratio: {title: "largest mass ratio", kind: "plain", values: () => unpack(PROBLEMS.mass_ratio)},
+  condition: {title: "condition of A on its range", kind: "residual", values: () => unpack(PROBLEMS.condition)},
+  fraction_active: {title: "share of active rows", kind: "plain", values: () => unpack(PROBLEMS.fraction_active)},
+};
+const MOST_POINTS = 4000;  // more single problems are not drawn: the browser would stall, and nothing be seen
+const LEAST_RESIDUAL = 1e-18;
+
+/** What a time is divided by, by problem, or null; and the words for it. */
+function normaliser(view) {
+  if (!METRICS[view.metric].time || view.norm === "none") return null;
+  if (view.norm === "oracle") return {by: ORACLE, title: " / one factorisation that knows the active set", kind: "ratio"};
+  if (view.norm === "rows") return {by: Float64Array.from(PROBLEMS.rows), title: " per row", kind: "seconds"};
+  if (view.norm === "best") {
+    return {by: bestTimes(view.shown, view.tier), title: " / fastest verified of those shown", kind: "ratio"};
+  }
+  const base = cellsOf(view.norm.slice("solver:".length), view.tier);
+  const values = new Float64Array(COUNT).fill(NaN);
+  if (base) base.get("time").forEach((value, i) => { if (base.verdicts[i] === "v") values[i] = value; });
+  return {by: values, title: ` / fresh time of ${view.norm.slice("solver:".length)}`, kind: "ratio"};
+}
+
+function timesFigure(view) {
+  const picked = selected(view), metric = METRICS[view.metric], axis = AXES[view.axis];
+  const across = axis.values(), norm = normaliser(view), kind = norm ? norm.kind : metric.kind;
+  const solvers = solversShown(view);
+  const withPoints = picked.length * solvers.length <= MOST_POINTS;
+  const traces = [], allX = [], allY = [];
+  for (const {solver, cells} of cellsShown(view)) {
+    const raw = cells.get(view.metric), spread = cells.get("spread");
+    const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
+    for (const i of picked) {
+      let y = norm ? raw[i] / norm.by[i] : raw[i];
+      if (metric.kind === "residual") y = Math.max(y, LEAST_RESIDUAL);
+      if (!(y > 0) || !Number.isFinite(y) || !(across[i] > 0)) continue;
+      const verified = cells.verdicts[i] === "v", into = verified ? good : bad;
+      into.x.push(across[i]);
+      into.y.push(y);
+      const sure = view.metric === "time" && verified && !Number.isNaN(spread[i]) ? ` ± ${percent(spread[i])}` : "";
+      into.text.push(`<b>${solver.key}</b> on ${PROBLEMS.name[i]}<br>${VERDICTS[cells.verdicts[i]]} at ` +
+        `${tierName(view.tier)}<br>${metric.title}: ${KINDS[metric.kind].words(raw[i])}${sure}` +
+        (norm ? `<br>shown: ${KINDS[kind].words(y)}` : "") + `<br>n = ${PROBLEMS.rows[i]}`);
+      if (!verified) continue;
+      // Lines go through means of like problems: of one size, or of a third of a decade.
+      const key = view.axis === "rows" && view.family !== "*" ? across[i] : Math.round(3 * Math.log10(across[i]));
+      if (!groups.has(key)) groups.set(key, {x: [], y: [], weights: []});
+      groups.get(key).x.push(across[i]);
+      groups.get(key).y.push(y);
+      groups.get(key).weights.push(WEIGHTS[i]);
+    }
+    const line = {x: [], y: [], text: []};
+    for (const [, group] of [...groups].sort((a, b) => a[0] - b[0])) {
+      line.x.push(geometricMean(group.x, group.weights));
+      line.y.push(geometricMean(group.y, group.weights));
+      line.text.push(`<b>${solver.key}</b><br>mean of ${group.y.length} verified: ` +
+        `${KINDS[kind].words(line.y[line.y.length - 1])}<br>${axis.title}: ${plain(line.x[line.x.length - 1])}`);
+    }
+    traces.push({type: "scatter", mode: "lines+markers", name: solver.key, ...line, hoverinfo: "text",
+                 line: lineOf(solver), marker: markerOf(solver, withPoints ? 5 : 7)});
+    if (withPoints) {
+      traces.push({type: "scatter", mode: "markers", name: solver.key, ...good, hoverinfo: "text",
+                   marker: markerOf(solver, 5, {opacity: 0.45})});
+      traces.push({type: "scatter", mode: "markers", name: `${solver.key}, not verified`, ...bad, hoverinfo: "text",
+                   marker: {symbol: "x-thin", size: 6, opacity: 0.6, line: {color: solver.colour, width: 1.4}}});
+      allX.push(...bad.x);
+      allY.push(...bad.y);
+    }
+    allX.push(...good.x);
+    allY.push(...good.y);
+  }
+  note("times", traces.length === 0 ? "Nothing that fits is in these results."
+    : withPoints ? "Small marks: single problems (hover for their names); thin crosses: answers that were not verified. " +
+      "Lines: geometric means of verified answers of like size."
+      : "Lines: geometric means of verified answers of like size. Choose a family, or fewer solvers, to see single problems.");
+  return {traces, layout: layoutOf(logAxis(axis.title, axis.kind, allX), logAxis(metric.title + (norm ? norm.title : ""), kind, allY))};
+}
+
+/** Families x sizes: the solver with the least geometric mean among those shown that verify all problems that any does. */
+function winnersFigure(view) {
+  const families = PROBLEMS.families, solvers = solversShown(view);
+  const places = new Map(), picked = selected({...view, family: "*"});
+  for (const i of picked) {
+    const size = CLASSES.findIndex(({low, high}) => PROBLEMS.rows[i] >= low && PROBLEMS.rows[i] <= high);
+    const key = `${PROBLEMS.family[i]}/${size}`;
+    if (!places.has(key)) places.set(key, []);
+    places.get(key).push(i);
+  }
+  const used = families.map((family, f) => f).filter((f) => CLASSES.some((_, c) => places.has(`${f}/${c}`)));
+  const sizes = CLASSES.map((_, c) => c).filter((c) => used.some((f) => places.has(`${f}/${c}`)));
+  const z = [], text = [], labels = [];
+  const cells = solvers.map((solver) => cellsOf(solver.key, view.tier));
+  for (const f of used) {
+    const row = [], hover = [], names = [];
+    for (const c of sizes) {
+      const problems = places.get(`${f}/${c}`) ?? [];
+      const found = solvers.map((solver, s) => {
+        const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
+        const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
+        return {s, verified: good.length, share: weightOf(good),
+                mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
+      });
+      const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
+      const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
+      row.push(ranked.length ? ranked[0].s : null);
+      names.push(ranked.length ? solvers[ranked[0].s].key : "");
+      hover.push(!problems.length ? "no problems" : !ranked.length ? "verified by none" :
+        `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
+        ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>"));
+    }
+    z.push(row);
+    text.push(hover);
+    labels.push(names);
+  }
+  const scale = [], count = Math.max(solvers.length, 1);
+  solvers.forEach((solver, s) => scale.push([s / count, solver.colour], [(s + 1) / count, solver.colour]));
+  const annotations = [];
+  if (!narrow()) {
+    labels.forEach((names, y) => names.forEach((name, x) => name && annotations.push(
+      {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}})));
+  }
+  return {traces: [{type: "heatmap", z, text, hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
+                    zmax: count - 0.5, showscale: false, xgap: 2, ygap: 2, x: sizes.map((_, x) => x), y: used.map((_, y) => y)}],
+          layout: layoutOf(linearAxis("rows n", {tickvals: sizes.map((_, x) => x), ticktext: sizes.map((c) => CLASSES[c].label), showgrid: false}),
+                           linearAxis("", {tickvals: used.map((_, y) => y), ticktext: used.map((f) => families[f]), autorange: "reversed", showgrid: false}),
+                           {annotations}),
+          height: 90 + 24 * used.length};
+}
+
+// ----- performance profiles [Dolan 2002] of the selection, over the solvers shown
+
+const LARGEST_RATIO = 1000;
+
+function profileFigure(view) {
+  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
+  const traces = [], whole = weightOf(picked);
+  let solvable = 0;
+  for (const i of picked) if (!Number.isNaN(best[i])) ++solvable;
+  for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
+    const time = cells.get("time"), good = picked.filter((i) => cells.verdicts[i] === "v");
+    good.sort((a, b) => time[a] / best[a] - time[b] / best[b]);
+    const x = [1], y = [0], text = [];
+    let reached = 0;
+    for (const i of good) {
+      reached += WEIGHTS[i];
+      if (time[i] / best[i] > LARGEST_RATIO) break;
+      x.push(time[i] / best[i]);
+      y.push(Math.min(1, reached / whole));
+    }
+    x.push(LARGEST_RATIO);
+    y.push(y[y.length - 1]);
+    x.forEach((ratio, k) => text.push(`<b>${solver.key}</b><br>${percent(y[k])} of problems within ${plain(ratio)}× of the best<br>` +
+      `${percent(weightOf(good) / whole)} verified in all`));
+    traces.push({type: "scatter", mode: "lines", name: solver.key, x, y, text, hoverinfo: "text",
+                 line: {...lineOf(solver), shape: "hv"}});
+  }
+  note("profile", `${picked.length} problems, each of k variants of one base with weight 1/k, of which ${solvable} are verified by a solver that is shown. What is not verified, ` +
+    "or excluded by rule, never comes in; the height at the right is the share solved." + leftOut(all, picked));
+  return {traces, layout: layoutOf(logAxis("time / fastest verified time of those shown", "ratio", [1, LARGEST_RATIO]),
+                                   linearAxis("share of problems", {range: [-0.01, 1.02], tickformat: ".0%"}))};
+}
+
+// ----- exponents of time over rows
+
+function scalingFigure(view) {
+  const rows = DATA.scaling.filter((row) => view.shown.includes(row.solver) && Math.abs(Math.log(row.tier / view.tier)) < 1e-6 &&
+    (view.family === "*" || row.family === view.family));
+  const traces = [], order = SOLVERS.filter(({key}) => rows.some((row) => row.solver === key));
+  for (const solver of order) {
+    const mine = rows.filter((row) => row.solver === solver.key);
+    const words = mine.map((row) => `<b>${solver.key}</b> on ${row.family}<br>time ~ n^${row.exponent.toFixed(2)} ` +
+      `(${row.exponent_low?.toFixed(2)} to ${row.exponent_high?.toFixed(2)})<br>${row.problems} problems, ${row.rows_min} to ${row.rows_max} rows`);
+    const one = mine.length === 1;
+    traces.push({type: "scatter", mode: "markers", name: solver.key, x: mine.map((row) => row.exponent), y: mine.map(() => solver.key), text: words,
+                 hoverinfo: "text", marker: markerOf(solver, one ? 9 : 6, {opacity: one ? 1 : 0.55}),
+                 error_x: one ? {type: "data", symmetric: false, color: solver.colour, thickness: 1.5,
+                                 array: [mine[0].exponent_high - mine[0].exponent], arrayminus: [mine[0].exponent - mine[0].exponent_low]} : undefined});
+    if (!one) {
+      traces.push({type: "scatter", mode: "markers", name: solver.key, x: [median(mine.map((row) => row.exponent))], y: [solver.key],
+                   hoverinfo: "text", text: [`<b>${solver.key}</b>: median over ${mine.length} families ${median(mine.map((row) => row.exponent)).toFixed(2)}`],
+                   marker: {symbol: "line-ns-open", size: 18, line: {color: INK, width: 2.5}, color: INK}});
+    }
+  }
+  note("scaling", view.family === "*" ? "A mark per family; the bar is their median. Choose a family to see its interval."
+    : "Least squares on the logarithms with Student's 95 % interval.");
+  return {traces, layout: layoutOf(linearAxis("exponent p of time ~ n^p"), linearAxis("", {type: "category", autorange: "reversed"})),
+          height: 110 + 24 * Math.max(order.length, 4)};
+}

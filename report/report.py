@@ -1,0 +1,270 @@
+#!/usr/bin/python3
+"""Everything that is made of the folders of campaigns: tables, the report, comparisons, settings, rules.
+
+    report/report.py analyse build/results/quick
+    report/report.py report standard pathological sequences --motion motion -o build/report/index.html
+
+`report/report.py --help` lists the commands; `lcpbench` has the four that are used most. Exit status: 0; 1 where a
+comparison found a difference; 2 with one line on standard error when the arguments or the files do not fit.
+"""
+
+import argparse
+import datetime
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from lcpbench_report.errors import ReportError  # noqa: E402
+
+# What a command needs is imported when it is run: pandas alone takes a second.
+
+_ROOT = Path(__file__).resolve().parents[1]
+_COMMANDS: dict[str, tuple[Callable[[argparse.Namespace], int | None], tuple]] = {}
+
+
+class Parser(argparse.ArgumentParser):
+    """Tells a mistake in one line, without the usage."""
+
+    def error(self, message: str):
+        self.exit(2, f"{self.prog}: error: {message}\n")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = Parser(prog="report.py", description=__doc__.partition("\n")[0])
+    parsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for name, (act, wanted) in _COMMANDS.items():
+        of_command = parsers.add_parser(name, help=act.__doc__, description=act.__doc__)
+        for words, settings in wanted:
+            of_command.add_argument(*words, **settings)
+    options = parser.parse_args(arguments)
+    try:
+        return _COMMANDS[options.command][0](options) or 0
+    except ReportError as error:
+        print(f"{options.command}: error: {error}", file=sys.stderr)
+    except OSError as error:
+        print(f"{options.command}: error: {error.filename}: {error.strerror}", file=sys.stderr)
+    return 2
+
+
+def _command(name: str, *wanted: tuple):
+    """@param wanted  the arguments, see _file and _word; the function's docstring is the help"""
+    def register(act):
+        _COMMANDS[name] = act, wanted
+        return act
+    return register
+
+
+def _word(*words: str, **settings) -> tuple:
+    """As argparse's add_argument takes them."""
+    return words, settings
+
+
+def _file(*words: str, **settings) -> tuple:
+    return words, {"type": Path, "metavar": "DIR"} | settings
+
+
+def _load(options: argparse.Namespace, *folders: Path) -> list:
+    from lcpbench_report.statistics.load import load_campaign
+
+    campaigns = [load_campaign(folder) for folder in folders]
+    for note in [note for campaign in campaigns for note in campaign.notes]:
+        print(f"{options.command}: note: {note}", file=sys.stderr)
+    return campaigns
+
+
+def _compare(options: argparse.Namespace, old: Path, new: Path) -> tuple[str, bool]:
+    """What changed, as Markdown, and whether it is a regression."""
+    from lcpbench_report.statistics.changes import compare_campaigns
+    from lcpbench_report.changes_markdown import summary
+
+    campaigns = _load(options, old, new)
+    changes = compare_campaigns(*campaigns)
+    return summary(str(old), campaigns[0], str(new), campaigns[1], changes), changes.regressed
+
+
+@_command("analyse", _file("campaign", help="folder of a campaign; tables go to DIR/analysis"))
+def _analyse(options: argparse.Namespace) -> None:
+    """Write the statistics of a campaign's folder as CSV tables."""
+    from lcpbench_report.statistics import tables
+
+    tables.write_tables(*_load(options, options.campaign), options.campaign / tables.FOLDER)
+
+
+@_command("compare", _file("old", metavar="OLD", help="folder of a campaign"),
+          _file("new", metavar="NEW", help="folder of a later one"),
+          _file("-o", "--output", metavar="FILE", help="instead of standard output"))
+def _compare_two(options: argparse.Namespace) -> int:
+    """Tell what changed between two campaigns of one plan, as Markdown; exit status 1 for a regression."""
+    text, regressed = _compare(options, options.old, options.new)
+    if options.output is None:
+        print(text, end="")
+    else:
+        options.output.write_text(text, encoding="utf-8")
+    return int(regressed)
+
+
+@_command("report", _file("campaigns", nargs="+", metavar="FOLDER", help="written by `lcpbench run`"),
+          _file("--motion", help="a folder written by `lcpbench motion`"),
+          _file("--precision", help="a campaign of `--suite precision`"),
+          _file("--ablation", help="a campaign of `--suite ablation`"),
+          _file("--pictures", help="pictures of the scene families (make pictures)"),
+          _file("--previous", help="an earlier run of the first campaign: summary.md tells what changed"),
+          _file("-o", "--output", metavar="OUT.html", default=Path("build/report/index.html"),
+                help="the page [%(default)s]; figures, tables and summary.md go beside it"))
+def _report(options: argparse.Namespace) -> None:
+    """Make a report of campaigns: one interactive page without links, a summary, figures and tables."""
+    from lcpbench_report import markdown, summary
+    from lcpbench_report.inputs import load_inputs
+    from lcpbench_report.static import write_static
+    from lcpbench_report.web import gallery
+    from lcpbench_report.web.page import render
+
+    inputs = load_inputs(options.campaigns, options.motion, options.precision, options.ablation)
+    for note in inputs.notes:
+        print(f"report: note: {note}", file=sys.stderr)
+    folder = options.output.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
+    options.output.write_text(page, encoding="utf-8")
+    # Read anew: a report counts fewer problems than a comparison.
+    changed, _ = _compare(options, options.previous, options.campaigns[0]) if options.previous else ("", False)
+    words = markdown.render(inputs, summary.summary_lines(inputs), changed)
+    (folder / "summary.md").write_text(words, encoding="utf-8")
+    write_static(inputs, folder)
+
+
+@_command("tune", _file("--lcpbench", required=True, metavar="FILE", help="the command"),
+          _file("--data", default=_ROOT / "data", help="of the problem collection"),
+          _file("--space", metavar="FILE", help="what may be set [tuning.json in --data]"),
+          _word("--budget", type=int, default=8,
+                help="configurations of a solver, the default among them [%(default)s]"),
+          _word("--seed", type=int, default=1, help="of the drawing [%(default)s]"),
+          _word("--solvers", metavar="KEYS", help="only these, divided by commas [all of the build]"),
+          _word("--sizes", default="150,600", help="rows of the scenes, besides the smoke tier [%(default)s]"),
+          _word("--problem-seed", type=int, default=21, help="of the scenes [%(default)s]"),
+          _word("--passes", type=int, default=3, help="timed passes over every stream [%(default)s]"),
+          _word("--cpu", type=int, help="the processor that solves are kept on"),
+          _word("--resume", action="store_true", help="go on with the campaign that the folder has"),
+          _file("--folder", default=Path("build/results/tuning"), help="of problems and campaign [%(default)s]"),
+          _file("-o", "--output", metavar="FILE", help="what was chosen [tuned.json in --data]"))
+def _tune(options: argparse.Namespace) -> int:
+    """Tune all solvers with one budget, on problems that nothing is compared on, for `lcpbench run --tuned`."""
+    from lcpbench_report.tuning import campaign, record
+    from lcpbench_report.tuning.space import draw, load_spaces
+
+    if options.budget < 1:
+        raise ReportError("--budget", f"found {options.budget}", "1 or more")
+    space_file = options.space or options.data / "tuning.json"
+    spaces, sizes = load_spaces(space_file), campaign.sizes_of(options.sizes)
+    command = campaign.Command(options.lcpbench)
+    tried = {key: draw(spaces[key], options.budget, options.seed)
+             for key in campaign.chosen_solvers(options.solvers, list(spaces), command.available())}
+    for key in [key for key, configurations in tried.items() if len(configurations) == 1]:
+        print(f"{key}: nothing to tune")
+        del tried[key]
+    if not tried:
+        raise ReportError("--solvers", "none of them has settings to try", "a solver with settings, a larger budget")
+    try:
+        manifest = options.folder / campaign.PROBLEMS / "manifest.json"
+        if not (options.resume and manifest.is_file()):
+            campaign.make_problems(command, options.data, options.folder, sizes, options.problem_seed)
+        others = campaign.require_disjoint(manifest, options.data)
+        print("no tuning problem is in " + ", ".join(others))
+        folder = campaign.run_campaign(command, manifest, options.folder, tried, options.passes, options.cpu,
+                                       options.resume)
+    except campaign.CommandError as error:
+        return error.status
+    asked = record.Asked(options.budget, options.seed, space_file, sizes, options.problem_seed)
+    date = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")
+    output = options.output or options.data / "tuned.json"
+    record.write(output, record.describe(*_load(options, folder), spaces, tried, asked, others, date, print))
+    print(f"{output}: budget {options.budget}, {sum(map(len, tried.values()))} configurations of {len(tried)} solvers")
+    return 0
+
+
+@_command("headline", _file("folders", nargs="+", metavar="FOLDER", help="of a campaign"),
+          _file("--ablation", help="a campaign of `--suite ablation`"),
+          _file("--update", nargs="+", metavar="FILE", help="write the blocks of numbers of these Markdown files, and "
+                "the figure that they show; files without blocks stay as they are"),
+          _file("--root", default=_ROOT, help="of the repository, whose figure and data/ are meant [%(default)s]"))
+def _headline(options: argparse.Namespace) -> None:
+    """Print the headline of campaigns, or write the numbers of README.md and docs/ that result files hold."""
+    from lcpbench_report import markdown, readme_blocks
+    from lcpbench_report.headline_table import headline
+    from lcpbench_report.inputs import load_inputs
+    from lcpbench_report.static import write_figure_of_times
+
+    inputs = load_inputs(options.folders, ablation=options.ablation)
+    found = headline(inputs)
+    if options.update is None:
+        print(markdown.full_headline(inputs, found), end="")
+        return
+    texts = {path: path.read_text(encoding="utf-8") for path in options.update}
+    texts = {path: text for path, text in texts.items() if readme_blocks.has_blocks(text)}
+    if not texts:
+        raise ReportError(", ".join(map(str, options.update)), "no block of numbers",
+                          "'<!-- numbers:NAME -->' and, after it, '<!-- end -->'")
+    source = readme_blocks.Source(inputs, found, options.root)
+    # All before the first is written.
+    filled = {path: readme_blocks.fill(text, readme_blocks.Page(source, path)) for path, text in texts.items()}
+    write_figure_of_times(inputs, options.root / readme_blocks.FIGURE)
+    for path, text in filled.items():
+        path.write_text(text, encoding="utf-8")
+
+
+@_command("recommendation", _file("campaigns", nargs="+", help="folder of a campaign on problems, or on sequences"),
+          _file("--features", required=True, metavar="FILE", help="of all problems: `lcpbench recommend --features`"),
+          _word("--leave-out", default="", metavar="FAMILIES",
+                help="make the rules without these families (commas), and do not try them"),
+          _file("-o", "--output", required=True, metavar="FILE", help="JSON"))
+def _recommendation(options: argparse.Namespace) -> None:
+    """Make the rules of `lcpbench recommend` of campaigns, and try them on families that they were not made of."""
+    from lcpbench_report.recommendation import evaluation, record
+    from lcpbench_report.recommendation.outcomes import read_outcomes, read_sequences
+
+    outcomes = read_outcomes(options.campaigns, options.features)
+    made = record.make(outcomes, read_sequences(options.campaigns),
+                       frozenset(filter(None, options.leave_out.split(","))))
+    record.write(made, options.output)
+    if made["evaluation"]:
+        print(evaluation.as_text(made["evaluation"]))
+    print(f"{options.output}: {len(made['regions'])} regions")
+
+
+@_command("archive", _file("campaign", help="folder of a campaign, or of `lcpbench motion`"),
+          _file("output", metavar="OUT", help="the folder to write"))
+def _archive(options: argparse.Namespace) -> None:
+    """Make a small folder of that of a campaign or of motions, to be kept: rounded to few digits and compressed."""
+    from lcpbench_report.archive import archive
+
+    for name, size in archive(options.campaign, options.output).items():
+        print(f"{options.output / name}: {size / 1e6:.2f} MB")
+
+
+@_command("calibrate", _file("campaign", help="a campaign with variants, see `make calibrate`"))
+def _calibrate(options: argparse.Namespace) -> int:
+    """Tell whether a campaign finds no difference where there is none, and a slow-down where there is one."""
+    from lcpbench_report.statistics import calibration
+
+    found = calibration.calibration_table(*_load(options, options.campaign))
+    print(calibration.as_table(found).markdown(), end="")
+    return 0 if found["right"].all() else 1
+
+
+@_command("same", _file("a", metavar="A", help="folder of a campaign"),
+          _file("b", metavar="B", help="folder of another one"),
+          _word("--show", type=int, default=10, help="differences of a kind that are listed [%(default)s]"))
+def _same(options: argparse.Namespace) -> int:
+    """Tell whether two campaigns have the same results apart from times, such as a merged one and the whole."""
+    from lcpbench_report.statistics import same
+
+    parts = same.compare(*_load(options, options.a, options.b))
+    for what, part in parts.items():
+        print("\n".join(part.lines(what, options.show)))
+    return 0 if all(part.same for part in parts.values()) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

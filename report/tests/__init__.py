@@ -1,0 +1,1 @@
+"""Run: /usr/bin/python3 -m unittest discover -s report/tests -t report"""

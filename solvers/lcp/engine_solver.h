@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "solvers/lcp/settings.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// An own solver: options in its header, an engine in its .cc. The engine is the class that does the work, and the
+/// header says no more of it than its name:
+///
+///     using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;
+///     extern template class EngineSolver<PgsOptions, PgsEngine>;
+///
+/// The .cc file defines the engine and ends with `template class EngineSolver<PgsOptions, PgsEngine>;`. An engine has
+///     explicit PgsEngine(const PgsOptions&);                           throws InputError for options out of range
+///     std::string WhyUnsupported(const LcpProblem&) const;             optional: LcpSolver::WhyUnsupported
+///     void Reserve(Index max_rows);                                    optional: LcpSolver::Reserve
+///     void Prepare(const LcpProblem&);                                 LcpSolver::DoPrepare
+///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
+/// none of them virtual. A solver with more to tell than LcpSolver asks is a class on this one.
+template <typename SolverOptions, typename SolverEngine>
+class EngineSolver : public LcpSolver {
+ public:
+  using Options = SolverOptions;
+  using Engine = SolverEngine;
+
+  /// @throws InputError for options out of their ranges, which FromSettings never makes
+  explicit EngineSolver(const Options& options = {});
+  ~EngineSolver() override;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override;
+  void Reserve(Index max_rows) override;
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override;
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
+
+  const std::unique_ptr<Engine> engine_;
+};
+
+/// WhyUnsupported of solvers for symmetric A.
+inline std::string WhyNotSymmetric(const LcpProblem& problem) {
+  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric";
+}
+
+template <typename Options, typename Engine>
+EngineSolver<Options, Engine>::EngineSolver(const Options& options) : engine_(std::make_unique<Engine>(options)) {}
+
+template <typename Options, typename Engine>
+EngineSolver<Options, Engine>::~EngineSolver() = default;
+
+template <typename Options, typename Engine>
+std::string EngineSolver<Options, Engine>::WhyUnsupported(const LcpProblem& problem) const {
+  if constexpr (requires { engine_->WhyUnsupported(problem); }) return engine_->WhyUnsupported(problem);
+  return {};
+}
+
+template <typename Options, typename Engine>
+void EngineSolver<Options, Engine>::Reserve(Index max_rows) {
+  if constexpr (requires { engine_->Reserve(max_rows); }) engine_->Reserve(max_rows);
+}
+
+template <typename Options, typename Engine>
+void EngineSolver<Options, Engine>::DoPrepare(const LcpProblem& problem) {
+  engine_->Prepare(problem);
+}
+
+template <typename Options, typename Engine>
+void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
+  engine_->Solve(problem, options, result);
+}
+
+}  // namespace lcpbench
