@@ -5,9 +5,11 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <string>
+#include <tuple>
 #include <vector>
 
-#include "benchmarks/drawing/picture_parts.h"
+#include "benchmarks/drawing/picture_layout.h"
 #include "benchmarks/drawing/svg_text.h"
 #include "model/detection/detection.h"
 #include "model/scenes/parts.h"
@@ -18,6 +20,211 @@ namespace {
 
 // Bodies smaller than this show no centre of mass [px].
 constexpr double kSmallBody = 24;
+
+/// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, the joint's symbol.
+enum class RowKind { kPlain, kActive, kOpen, kDegenerate, kJoint };
+inline constexpr std::array kRowKinds{RowKind::kPlain, RowKind::kActive, RowKind::kOpen, RowKind::kDegenerate,
+                                      RowKind::kJoint};
+
+/// Everything that the parts of a picture are drawn from. Sizes in pixels.
+struct Picture {
+  Picture(const ContactSystem& drawn, const AssembledLcp& assembled, const Eigen::VectorXd* forces,
+          const Eigen::VectorXd* accelerations, const Loads* drawn_loads);
+
+  const ContactSystem& system;
+  const AssembledLcp& lcp;
+  const Eigen::VectorXd* f;
+  const Loads* loads;
+  Layout layout;
+  std::string id;  ///< prefix of all identifiers
+  std::vector<RowKind> kinds;
+  double line = 1;         ///< stroke width of edges
+  double mark = 3;         ///< radius of a contact's mark
+  double arrow = 1;        ///< stroke width of forces
+  double hatch = 9;        ///< depth of the hatching of unbounded bodies
+  double connector = 4;    ///< half width of springs, dampers and of rods' ends
+  double arrow_scale = 0;  ///< [px/N]; 0 without forces
+
+ private:
+  void Classify(const Eigen::VectorXd* w);
+};
+
+/// Where springs and dampers are fastened, world frame.
+std::vector<Vec2> EndsOf(const ContactSystem& system, const Loads* loads) {
+  std::vector<Vec2> ends;
+  const auto add = [&](const auto& connectors) {
+    for (const auto& connector : connectors) {
+      for (const Attachment& end : {connector.end1, connector.end2}) {
+        ends.push_back(ToWorld(system.bodies[static_cast<std::size_t>(end.body)], end.point));
+      }
+    }
+  };
+  if (loads == nullptr) return ends;
+  add(loads->springs);
+  add(loads->dampers);
+  return ends;
+}
+
+Picture::Picture(const ContactSystem& drawn, const AssembledLcp& assembled, const Eigen::VectorXd* forces,
+                 const Eigen::VectorXd* accelerations, const Loads* drawn_loads)
+    : system(drawn),
+      lcp(assembled),
+      f(forces),
+      loads(drawn_loads),
+      layout(MakeLayout(drawn, assembled, EndsOf(drawn, drawn_loads))),
+      id(Identifier(drawn.name)) {
+  Classify(accelerations);
+  hatch = std::clamp(0.4 * layout.body_size, 4.0, 9.0);
+  connector = std::clamp(0.09 * layout.body_size, 1.2, 6.0);
+  // Neither small bodies nor crowded rows shall drown in marks.
+  const double area =
+      layout.width * layout.drawing_height() / static_cast<double>(std::max<std::size_t>(1, lcp.rows.size()));
+  const double spacing = std::sqrt(area);
+  const double crowd = layout.body_size > 0 ? std::min(layout.body_size, 1.5 * spacing) : 1.5 * spacing;
+  mark = std::clamp(0.06 * crowd, 0.9, 4.5);
+  line = std::clamp(0.045 * crowd, 0.4, 1.8);
+  arrow = std::clamp(0.05 * crowd, 0.8, 2.2);
+  if (f == nullptr) return;
+  double largest = 0;
+  for (Index i = 0; i < f->size(); ++i) {
+    if (std::isfinite((*f)[i])) largest = std::max(largest, std::abs((*f)[i]));
+  }
+  if (largest > 0) arrow_scale = std::clamp(crowd, 8.0, 80.0) / largest;
+}
+
+void Picture::Classify(const Eigen::VectorXd* w) {
+  const auto n = static_cast<Index>(lcp.rows.size());
+  kinds.assign(lcp.rows.size(), RowKind::kPlain);
+  const bool solved = f != nullptr && w != nullptr && n > 0;
+  // In one unit, sqrt(A_ii) f and w / sqrt(A_ii), so that rows and the two sides compare.
+  Eigen::VectorXd force(solved ? n : 0);
+  Eigen::VectorXd motion(solved ? n : 0);
+  for (Index i = 0; i < force.size(); ++i) {
+    const double diagonal = lcp.problem.DiagonalA()[i];
+    const double root = diagonal > 0 ? std::sqrt(diagonal) : 1;
+    force[i] = root * (*f)[i];
+    motion[i] = (*w)[i] / root;
+  }
+  constexpr double kZero = 1e-9;
+  const double threshold = solved ? kZero * std::max(force.cwiseAbs().maxCoeff(), motion.cwiseAbs().maxCoeff()) : 0;
+  for (Index i = 0; i < n; ++i) {
+    RowKind& kind = kinds[static_cast<std::size_t>(i)];
+    if (lcp.rows[static_cast<std::size_t>(i)].bilateral) {
+      kind = RowKind::kJoint;
+    } else if (solved) {
+      kind = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
+             : force[i] > motion[i]                     ? RowKind::kActive
+                                                        : RowKind::kOpen;
+    }
+  }
+}
+
+std::string Stroke(double width, std::string_view color = kInkColor, std::string_view fill = "none") {
+  return "\" fill=\"" + std::string(fill) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" + Px(width) +
+         "\"/>";
+}
+
+double StrokeOf(double half) { return std::clamp(0.3 * half, 0.5, 1.5); }
+
+/// Across from-to, with the length of a pixel.
+struct Axes {
+  Vec2 along;
+  Vec2 across;
+  double length;
+};
+Axes AxesOf(Vec2 from, Vec2 to) {
+  const double length = Norm(to - from);
+  const Vec2 along = length > 0 ? (1 / length) * (to - from) : Vec2{1, 0};
+  return {along, Perp(along), length};
+}
+
+void AppendArrow(Vec2 from, Vec2 to, double width, std::string_view color, std::string* out) {
+  const Vec2 along = to - from;
+  const double length = Norm(along);
+  if (!(length > 0)) return;
+  const Vec2 unit = (1 / length) * along;
+  const double head = std::min(4 * width, 0.6 * length);
+  const Vec2 neck = to - head * unit;
+  const Vec2 side = (0.45 * head) * Perp(unit);
+  *out += "<path d=\"M" + Px(from) + "L" + Px(neck) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" +
+          Px(width) + "\" stroke-linecap=\"butt\"/><path d=\"M" + Px(to) + "L" + Px(neck + side) + "L" +
+          Px(neck - side) + "Z\" fill=\"" + std::string(color) + "\"/>\n";
+}
+
+std::string PinShape(Vec2 at, double radius) {
+  return "<circle cx=\"" + Px(at.x) + "\" cy=\"" + Px(at.y) + "\" r=\"" + Px(radius) +
+         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
+}
+
+std::string SliderShape(Vec2 at, Vec2 normal, double radius) {
+  const Vec2 n = (0.8 * radius) * normal;
+  const Vec2 t = (1.4 * radius) * Perp(normal);
+  return "<path d=\"M" + Px(at + n + t) + "L" + Px(at + n - t) + "L" + Px(at - n - t) + "L" + Px(at - n + t) + "Z" +
+         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
+}
+
+std::string SpringShape(Vec2 from, Vec2 to, double half) {
+  const auto [along, across, length] = AxesOf(from, to);
+  constexpr int kCoils = 6;
+  // A sixth of the length on either side stays straight.
+  std::string path = "<path d=\"M" + Px(from);
+  for (int k = 0; k <= 2 * kCoils; ++k) {
+    const double share = 1.0 / 6 + (2.0 / 3) * k / (2 * kCoils);
+    const double side = k == 0 || k == 2 * kCoils ? 0 : (k % 2 == 0 ? -1 : 1);
+    path += "L" + Px(from + (share * length) * along + (side * half) * across);
+  }
+  return path + "L" + Px(to) + Stroke(StrokeOf(half));
+}
+
+std::string DamperShape(Vec2 from, Vec2 to, double half) {
+  const auto [along, across, length] = AxesOf(from, to);
+  const Vec2 bottom = from + (0.35 * length) * along;
+  const Vec2 piston = from + (0.52 * length) * along;
+  const Vec2 rim = from + (0.65 * length) * along;
+  const Vec2 side = half * across;
+  return "<path d=\"M" + Px(from) + "L" + Px(bottom) + "M" + Px(rim + side) + "L" + Px(bottom + side) + "L" +
+         Px(bottom - side) + "L" + Px(rim - side) + "M" + Px(piston + 0.7 * side) + "L" + Px(piston - 0.7 * side) +
+         "M" + Px(piston) + "L" + Px(to) + Stroke(StrokeOf(half));
+}
+
+std::string RodShape(Vec2 from, Vec2 to, double half) {
+  const std::string line = "<path d=\"M" + Px(from) + "L" + Px(to);
+  return line + Stroke(2 * half) + line + Stroke(2 * half - std::min(1.6, half), "#FFFFFF") + PinShape(from, half) +
+         PinShape(to, half);
+}
+
+std::string RopeShape(Vec2 from, Vec2 to, double length, double half) {
+  const double span = Norm(to - from);
+  // The sag of a shallow parabola of that length; slack on the screen only where it can be seen.
+  const double slack = std::min(length - span, span);
+  const double sag = slack > 1e-3 * span ? std::sqrt(0.375 * span * slack) : 0;
+  const Vec2 control = 0.5 * (from + to) + Vec2{0, 2 * sag};
+  const double dot = std::max(0.8, 0.35 * half);
+  return "<path d=\"M" + Px(from) + "Q" + Px(control) + " " + Px(to) + Stroke(StrokeOf(half)) + "<circle cx=\"" +
+         Px(from.x) + "\" cy=\"" + Px(from.y) + "\" r=\"" + Px(dot) + "\"/><circle cx=\"" + Px(to.x) + "\" cy=\"" +
+         Px(to.y) + "\" r=\"" + Px(dot) + "\"/>";
+}
+
+std::string MarkShape(RowKind kind, double radius) {
+  const std::string stroke = "\" stroke-width=\"" + Px(std::max(0.5, 0.3 * radius)) + "\"/>";
+  const std::string disc = "<circle r=\"" + Px(radius) + "\" fill=\"";
+  switch (kind) {
+    case RowKind::kPlain:
+      return disc + "#777777\"/>";
+    case RowKind::kActive:
+      return disc + std::string(kForceColor) + "\"/>";
+    case RowKind::kDegenerate:
+      return disc + "#FFFFFF\" stroke=\"" + std::string(kForceColor) + stroke;
+    case RowKind::kOpen: {
+      const std::string h = Px(1.35 * radius);
+      return "<path d=\"M0 -" + h + "L" + h + " 0L0 " + h + "L-" + h + " 0Z\" fill=\"#FFFFFF\" stroke=\"" +
+             std::string(kInkColor) + stroke;
+    }
+    case RowKind::kJoint:
+      break;
+  }
+  return {};
+}
 
 std::string PatternId(const Picture& picture, const Body& body) {
   return picture.id + (IsDriven(body) ? "-driven" : "-fixed");
@@ -102,6 +309,25 @@ void AppendBody(const Picture& picture, const Body& body, std::string* out) {
   *out += "</g>\n";
 }
 
+void AppendPatterns(const Picture& picture, std::string* out) {
+  for (const bool driven : {false, true}) {
+    const auto& colors = driven ? kDrivenFill : kFixedFill;
+    *out += "<pattern id=\"" + picture.id + (driven ? "-driven" : "-fixed") +
+            "\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(" +
+            (driven ? "-45" : "45") + ")\"><rect width=\"6\" height=\"6\" fill=\"" + std::string(colors[0]) +
+            "\"/><line x1=\"0\" y1=\"0\" x2=\"0\" y2=\"6\" stroke=\"" + std::string(colors[1]) +
+            "\" stroke-width=\"1.6\"/></pattern>\n";
+  }
+}
+
+void AppendBodies(const Picture& picture, std::string* out) {
+  for (const bool fixed : {true, false}) {
+    for (const Body& body : picture.system.bodies) {
+      if (body.fixed == fixed) AppendBody(picture, body, out);
+    }
+  }
+}
+
 const Body& BodyOf(const Picture& picture, int index) { return picture.system.bodies[static_cast<std::size_t>(index)]; }
 
 Vec2 PageOf(const Picture& picture, const Attachment& at) {
@@ -178,23 +404,14 @@ void AppendSpringsAndDampers(const Picture& picture, std::string* out) {
   }
 }
 
-std::string Stroke(double width, std::string_view color = kInkColor, std::string_view fill = "none") {
-  return "\" fill=\"" + std::string(fill) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" + Px(width) +
-         "\"/>";
-}
-
-double StrokeOf(double half) { return std::clamp(0.3 * half, 0.5, 1.5); }
-
-/// Across from-to, with the length of a pixel.
-struct Axes {
-  Vec2 along;
-  Vec2 across;
-  double length;
-};
-Axes AxesOf(Vec2 from, Vec2 to) {
-  const double length = Norm(to - from);
-  const Vec2 along = length > 0 ? (1 / length) * (to - from) : Vec2{1, 0};
-  return {along, Perp(along), length};
+void AppendConnectors(const Picture& picture, std::string* out) {
+  for (const Constraint& joint : picture.system.constraints) {
+    if (joint.type == ConstraintType::kPathJoint) AppendJointPath(picture, joint, out);
+  }
+  if (picture.loads != nullptr) AppendSpringsAndDampers(picture, out);
+  for (const RowInfo& row : picture.lcp.rows) {
+    AppendJoint(picture, row, picture.system.constraints[static_cast<std::size_t>(row.constraint)], out);
+  }
 }
 
 /// One force on the page; the two rows of a pin give one.
@@ -310,6 +527,36 @@ class ForceLabels {
   Box page_;
   std::vector<Box> taken_;
 };
+
+void AppendMarks(const Picture& picture, std::string* out) {
+  // Once each: a scene may have thousands of rows.
+  for (const RowKind kind : kRowKinds) {
+    if (kind == RowKind::kJoint) continue;
+    *out += "<g id=\"" + MarkId(picture, kind) + "\">" + MarkShape(kind, picture.mark) + "</g>\n";
+  }
+}
+
+void AppendRows(const Picture& picture, std::string* out) {
+  const auto& rows = picture.lcp.rows;
+  for (const RowInfo& row : rows) {
+    if (IsContact(picture, row)) AppendNormal(picture, row, out);
+  }
+  std::vector<Force> forces = CollectForces(picture);
+  for (const Force& force : forces) AppendArrow(force.from, force.to, picture.arrow, kForceColor, out);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!IsContact(picture, rows[i])) continue;
+    const Vec2 p = PointOf(picture, rows[i]);
+    *out += "<use href=\"#" + MarkId(picture, picture.kinds[i]) + "\" x=\"" + Px(p.x) + "\" y=\"" + Px(p.y) + "\"/>\n";
+  }
+  // The largest first: they say most.
+  constexpr std::size_t kMaxLabels = 40;
+  constexpr double kSmallestLabelled = 30;  // body size [px]
+  const bool readable = picture.layout.body_size == 0 || picture.layout.body_size >= kSmallestLabelled;
+  if (forces.size() > kMaxLabels || !readable) return;
+  ForceLabels labels(picture, forces);
+  std::stable_sort(forces.begin(), forces.end(), [](const Force& a, const Force& b) { return a.newtons > b.newtons; });
+  for (const Force& force : forces) labels.Append(force, out);
+}
 
 // All in pixels.
 constexpr double kLine = 24;
@@ -445,6 +692,16 @@ void AddScales(const Picture& picture, Flow* flow) {
   });
 }
 
+double AppendLegend(const Picture& picture, double top, std::string* out) {
+  Flow flow(top, out);
+  AddEdges(picture, &flow);
+  AddBodies(picture, &flow);
+  AddContacts(picture, &flow);
+  AddConnectors(picture, &flow);
+  AddScales(picture, &flow);
+  return flow.bottom() - top;
+}
+
 constexpr double kTitleHeight = 40;  // [px]
 
 std::string Count(std::size_t count, const char* one, const char* many) {
@@ -461,22 +718,6 @@ void AppendTitle(const Picture& picture, const std::string& caption, std::string
           std::string(kInkColor) + "\">" + Escape(picture.system.name) +
           "<tspan font-weight=\"normal\" font-size=\"13\" dx=\"14\" fill=\"#555555\">" + Escape(text) +
           "</tspan></text>\n";
-}
-
-/// Where springs and dampers are fastened, world frame.
-std::vector<Vec2> EndsOf(const ContactSystem& system, const Loads* loads) {
-  std::vector<Vec2> ends;
-  const auto add = [&](const auto& connectors) {
-    for (const auto& connector : connectors) {
-      for (const Attachment& end : {connector.end1, connector.end2}) {
-        ends.push_back(ToWorld(system.bodies[static_cast<std::size_t>(end.body)], end.point));
-      }
-    }
-  };
-  if (loads == nullptr) return ends;
-  add(loads->springs);
-  add(loads->dampers);
-  return ends;
 }
 
 /// The scene once, as a definition that every strip is a window on.
@@ -515,221 +756,6 @@ std::string Render(const Picture& picture, const std::string& caption) {
 }
 
 }  // namespace
-
-bool IsDriven(const Body& body) {
-  return body.fixed && (Norm(body.v) > 0 || body.omega != 0 || Norm(body.acceleration) > 0 || body.alpha != 0);
-}
-
-void AppendPatterns(const Picture& picture, std::string* out) {
-  for (const bool driven : {false, true}) {
-    const auto& colors = driven ? kDrivenFill : kFixedFill;
-    *out += "<pattern id=\"" + picture.id + (driven ? "-driven" : "-fixed") +
-            "\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(" +
-            (driven ? "-45" : "45") + ")\"><rect width=\"6\" height=\"6\" fill=\"" + std::string(colors[0]) +
-            "\"/><line x1=\"0\" y1=\"0\" x2=\"0\" y2=\"6\" stroke=\"" + std::string(colors[1]) +
-            "\" stroke-width=\"1.6\"/></pattern>\n";
-  }
-}
-
-void AppendBodies(const Picture& picture, std::string* out) {
-  for (const bool fixed : {true, false}) {
-    for (const Body& body : picture.system.bodies) {
-      if (body.fixed == fixed) AppendBody(picture, body, out);
-    }
-  }
-}
-
-std::string SpringShape(Vec2 from, Vec2 to, double half) {
-  const auto [along, across, length] = AxesOf(from, to);
-  constexpr int kCoils = 6;
-  // A sixth of the length on either side stays straight.
-  std::string path = "<path d=\"M" + Px(from);
-  for (int k = 0; k <= 2 * kCoils; ++k) {
-    const double share = 1.0 / 6 + (2.0 / 3) * k / (2 * kCoils);
-    const double side = k == 0 || k == 2 * kCoils ? 0 : (k % 2 == 0 ? -1 : 1);
-    path += "L" + Px(from + (share * length) * along + (side * half) * across);
-  }
-  return path + "L" + Px(to) + Stroke(StrokeOf(half));
-}
-
-std::string DamperShape(Vec2 from, Vec2 to, double half) {
-  const auto [along, across, length] = AxesOf(from, to);
-  const Vec2 bottom = from + (0.35 * length) * along;
-  const Vec2 piston = from + (0.52 * length) * along;
-  const Vec2 rim = from + (0.65 * length) * along;
-  const Vec2 side = half * across;
-  return "<path d=\"M" + Px(from) + "L" + Px(bottom) + "M" + Px(rim + side) + "L" + Px(bottom + side) + "L" +
-         Px(bottom - side) + "L" + Px(rim - side) + "M" + Px(piston + 0.7 * side) + "L" + Px(piston - 0.7 * side) +
-         "M" + Px(piston) + "L" + Px(to) + Stroke(StrokeOf(half));
-}
-
-std::string RodShape(Vec2 from, Vec2 to, double half) {
-  const std::string line = "<path d=\"M" + Px(from) + "L" + Px(to);
-  return line + Stroke(2 * half) + line + Stroke(2 * half - std::min(1.6, half), "#FFFFFF") + PinShape(from, half) +
-         PinShape(to, half);
-}
-
-std::string RopeShape(Vec2 from, Vec2 to, double length, double half) {
-  const double span = Norm(to - from);
-  // The sag of a shallow parabola of that length; slack on the screen only where it can be seen.
-  const double slack = std::min(length - span, span);
-  const double sag = slack > 1e-3 * span ? std::sqrt(0.375 * span * slack) : 0;
-  const Vec2 control = 0.5 * (from + to) + Vec2{0, 2 * sag};
-  const double dot = std::max(0.8, 0.35 * half);
-  return "<path d=\"M" + Px(from) + "Q" + Px(control) + " " + Px(to) + Stroke(StrokeOf(half)) + "<circle cx=\"" +
-         Px(from.x) + "\" cy=\"" + Px(from.y) + "\" r=\"" + Px(dot) + "\"/><circle cx=\"" + Px(to.x) + "\" cy=\"" +
-         Px(to.y) + "\" r=\"" + Px(dot) + "\"/>";
-}
-
-std::string PinShape(Vec2 at, double radius) {
-  return "<circle cx=\"" + Px(at.x) + "\" cy=\"" + Px(at.y) + "\" r=\"" + Px(radius) +
-         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
-}
-
-std::string SliderShape(Vec2 at, Vec2 normal, double radius) {
-  const Vec2 n = (0.8 * radius) * normal;
-  const Vec2 t = (1.4 * radius) * Perp(normal);
-  return "<path d=\"M" + Px(at + n + t) + "L" + Px(at + n - t) + "L" + Px(at - n - t) + "L" + Px(at - n + t) + "Z" +
-         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
-}
-
-void AppendConnectors(const Picture& picture, std::string* out) {
-  for (const Constraint& joint : picture.system.constraints) {
-    if (joint.type == ConstraintType::kPathJoint) AppendJointPath(picture, joint, out);
-  }
-  if (picture.loads != nullptr) AppendSpringsAndDampers(picture, out);
-  for (const RowInfo& row : picture.lcp.rows) {
-    AppendJoint(picture, row, picture.system.constraints[static_cast<std::size_t>(row.constraint)], out);
-  }
-}
-
-void AppendArrow(Vec2 from, Vec2 to, double width, std::string_view color, std::string* out) {
-  const Vec2 along = to - from;
-  const double length = Norm(along);
-  if (!(length > 0)) return;
-  const Vec2 unit = (1 / length) * along;
-  const double head = std::min(4 * width, 0.6 * length);
-  const Vec2 neck = to - head * unit;
-  const Vec2 side = (0.45 * head) * Perp(unit);
-  *out += "<path d=\"M" + Px(from) + "L" + Px(neck) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" +
-          Px(width) + "\" stroke-linecap=\"butt\"/><path d=\"M" + Px(to) + "L" + Px(neck + side) + "L" +
-          Px(neck - side) + "Z\" fill=\"" + std::string(color) + "\"/>\n";
-}
-
-std::string MarkShape(RowKind kind, double radius) {
-  const std::string stroke = "\" stroke-width=\"" + Px(std::max(0.5, 0.3 * radius)) + "\"/>";
-  const std::string disc = "<circle r=\"" + Px(radius) + "\" fill=\"";
-  switch (kind) {
-    case RowKind::kPlain:
-      return disc + "#777777\"/>";
-    case RowKind::kActive:
-      return disc + std::string(kForceColor) + "\"/>";
-    case RowKind::kDegenerate:
-      return disc + "#FFFFFF\" stroke=\"" + std::string(kForceColor) + stroke;
-    case RowKind::kOpen: {
-      const std::string h = Px(1.35 * radius);
-      return "<path d=\"M0 -" + h + "L" + h + " 0L0 " + h + "L-" + h + " 0Z\" fill=\"#FFFFFF\" stroke=\"" +
-             std::string(kInkColor) + stroke;
-    }
-    case RowKind::kJoint:
-      break;
-  }
-  return {};
-}
-
-void AppendMarks(const Picture& picture, std::string* out) {
-  // Once each: a scene may have thousands of rows.
-  for (const RowKind kind : kRowKinds) {
-    if (kind == RowKind::kJoint) continue;
-    *out += "<g id=\"" + MarkId(picture, kind) + "\">" + MarkShape(kind, picture.mark) + "</g>\n";
-  }
-}
-
-void AppendRows(const Picture& picture, std::string* out) {
-  const auto& rows = picture.lcp.rows;
-  for (const RowInfo& row : rows) {
-    if (IsContact(picture, row)) AppendNormal(picture, row, out);
-  }
-  std::vector<Force> forces = CollectForces(picture);
-  for (const Force& force : forces) AppendArrow(force.from, force.to, picture.arrow, kForceColor, out);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!IsContact(picture, rows[i])) continue;
-    const Vec2 p = PointOf(picture, rows[i]);
-    *out += "<use href=\"#" + MarkId(picture, picture.kinds[i]) + "\" x=\"" + Px(p.x) + "\" y=\"" + Px(p.y) + "\"/>\n";
-  }
-  // The largest first: they say most.
-  constexpr std::size_t kMaxLabels = 40;
-  constexpr double kSmallestLabelled = 30;  // body size [px]
-  const bool readable = picture.layout.body_size == 0 || picture.layout.body_size >= kSmallestLabelled;
-  if (forces.size() > kMaxLabels || !readable) return;
-  ForceLabels labels(picture, forces);
-  std::stable_sort(forces.begin(), forces.end(), [](const Force& a, const Force& b) { return a.newtons > b.newtons; });
-  for (const Force& force : forces) labels.Append(force, out);
-}
-
-double AppendLegend(const Picture& picture, double top, std::string* out) {
-  Flow flow(top, out);
-  AddEdges(picture, &flow);
-  AddBodies(picture, &flow);
-  AddContacts(picture, &flow);
-  AddConnectors(picture, &flow);
-  AddScales(picture, &flow);
-  return flow.bottom() - top;
-}
-
-Picture::Picture(const ContactSystem& drawn, const AssembledLcp& assembled, const Eigen::VectorXd* forces,
-                 const Eigen::VectorXd* accelerations, const Loads* drawn_loads)
-    : system(drawn),
-      lcp(assembled),
-      f(forces),
-      loads(drawn_loads),
-      layout(MakeLayout(drawn, assembled, EndsOf(drawn, drawn_loads))),
-      id(Identifier(drawn.name)) {
-  Classify(accelerations);
-  hatch = std::clamp(0.4 * layout.body_size, 4.0, 9.0);
-  connector = std::clamp(0.09 * layout.body_size, 1.2, 6.0);
-  // Neither small bodies nor crowded rows shall drown in marks.
-  const double area =
-      layout.width * layout.drawing_height() / static_cast<double>(std::max<std::size_t>(1, lcp.rows.size()));
-  const double spacing = std::sqrt(area);
-  const double crowd = layout.body_size > 0 ? std::min(layout.body_size, 1.5 * spacing) : 1.5 * spacing;
-  mark = std::clamp(0.06 * crowd, 0.9, 4.5);
-  line = std::clamp(0.045 * crowd, 0.4, 1.8);
-  arrow = std::clamp(0.05 * crowd, 0.8, 2.2);
-  if (f == nullptr) return;
-  double largest = 0;
-  for (Index i = 0; i < f->size(); ++i) {
-    if (std::isfinite((*f)[i])) largest = std::max(largest, std::abs((*f)[i]));
-  }
-  if (largest > 0) arrow_scale = std::clamp(crowd, 8.0, 80.0) / largest;
-}
-
-void Picture::Classify(const Eigen::VectorXd* w) {
-  const auto n = static_cast<Index>(lcp.rows.size());
-  kinds.assign(lcp.rows.size(), RowKind::kPlain);
-  const bool solved = f != nullptr && w != nullptr && n > 0;
-  // In one unit, sqrt(A_ii) f and w / sqrt(A_ii), so that rows and the two sides compare.
-  Eigen::VectorXd force(solved ? n : 0);
-  Eigen::VectorXd motion(solved ? n : 0);
-  for (Index i = 0; i < force.size(); ++i) {
-    const double diagonal = lcp.problem.DiagonalA()[i];
-    const double root = diagonal > 0 ? std::sqrt(diagonal) : 1;
-    force[i] = root * (*f)[i];
-    motion[i] = (*w)[i] / root;
-  }
-  constexpr double kZero = 1e-9;
-  const double threshold = solved ? kZero * std::max(force.cwiseAbs().maxCoeff(), motion.cwiseAbs().maxCoeff()) : 0;
-  for (Index i = 0; i < n; ++i) {
-    RowKind& kind = kinds[static_cast<std::size_t>(i)];
-    if (lcp.rows[static_cast<std::size_t>(i)].bilateral) {
-      kind = RowKind::kJoint;
-    } else if (solved) {
-      kind = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
-             : force[i] > motion[i]                     ? RowKind::kActive
-                                                        : RowKind::kOpen;
-    }
-  }
-}
 
 std::string RenderSvg(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd* f,
                       const Eigen::VectorXd* w, const PictureExtras& extras) {

@@ -92,6 +92,10 @@ EdgeKind KindOf(const OutlineCurve& curve) {
                     curve);
 }
 
+bool IsDriven(const Body& body) {
+  return body.fixed && (Norm(body.v) > 0 || body.omega != 0 || Norm(body.acceleration) > 0 || body.alpha != 0);
+}
+
 Vec2 ToWorld(const Body& body, Vec2 p) { return body.x + Rotate(SinCos(body.theta), p); }
 
 std::vector<double> FlatParameters(const OutlineEdge& piece, double flatness) {

@@ -28,6 +28,9 @@ struct PageMap {
   }
 };
 
+/// A fixed body that moves, or begins to, as prescribed.
+bool IsDriven(const Body& body);
+
 Vec2 ToWorld(const Body& body, Vec2 p);
 
 /// The piece as path commands of SVG, which Path2D of browsers reads too: arcs and ellipses as A, Bezier curves as C,

@@ -22,7 +22,7 @@
 #include "model/geometry/broad_phase.h"
 #include "model/motion/contact_finder.h"
 #include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "support/exit_status.h"
 
 namespace lcpbench {
@@ -39,7 +39,7 @@ constexpr double kTolerance = 1e-7;
 // What every stage leaves to the next.
 struct Workload {
   Workload(const SceneFamily& family, int rows)
-      : system(family.generate(rows, kSeed)), finder(SetInMotion(system, Loads{})), lcp(AssembleContactLcp(system)) {
+      : system(family.generate(rows, kSeed)), finder(WorldUnderGravity(system, {})), lcp(AssembleContactLcp(system)) {
     for (const Body& body : system.bodies) {
       outlines.push_back(OutlineOf(body));
       if (!outlines.back().loops.empty()) boxes.push_back(BoxOf(PlaceOutline(outlines.back(), body.x, body.theta)));

@@ -27,13 +27,11 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 
 }  // namespace
 
-bool IsSameFeature(const Feature& a, const Feature& b) { return a == b; }
-
 bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b) {
   if (a.body1 != b.body1 || a.body2 != b.body2 || a.type != b.type) return false;
   const double arms = Norm(at_a.R1) + Norm(at_a.R2);
   const double apart = std::max(Norm(at_a.R1 - at_b.R1), Norm(at_a.R2 - at_b.R2));
-  const bool same_features = IsSameFeature(a.feature1, b.feature1) && IsSameFeature(a.feature2, b.feature2);
+  const bool same_features = a.feature1 == b.feature1 && a.feature2 == b.feature2;
   if (same_features) return (!a.s1 && !a.s2) || apart <= kApart * arms;
   return apart <= kSamePlace * arms && Norm(at_a.n - at_b.n) <= kSamePlace;
 }
@@ -94,7 +92,7 @@ bool ContactWatch::LiesOn(const Surface& surface, const Body& body, const Featur
   const Vec2 local_arm = Rotate(back, arm);
   const Vec2 local_normal = Rotate(back, outward);
   return std::any_of(surface.spans.begin(), surface.spans.end(), [&](const NormalSpan& span) {
-    if (!IsSameFeature(span.feature(), feature)) return false;
+    if (!(span.feature() == feature)) return false;
     if (span.kind() == NormalSpan::Kind::kVertex) return span.cone().Contains(local_normal, flush_angle_);
     return span.Holds(local_arm, local_normal);
   });

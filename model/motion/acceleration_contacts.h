@@ -68,9 +68,6 @@ class ContactWatch {
   double thinnest_ = 0;
 };
 
-/// The same kind and numbers, bit for bit.
-bool IsSameFeature(const Feature& a, const Feature& b);
-
 /// Whether two constraints stand for one contact: the same features of the same bodies, or closest points and normals
 /// that agree within kSamePlace (an edge and its neighbour at a smooth join). Curves can have several contacts with the
 /// same features, kApart of the arms from each other at least.

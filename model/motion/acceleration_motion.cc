@@ -113,10 +113,7 @@ AccelerationMotion::AccelerationMotion(World world, const AccelerationOptions& o
   UpdateContacts({}, watch_.Find(world_.bodies, range_));
 }
 
-void AccelerationMotion::Advance(double duration) {
-  if (!(std::isfinite(duration) && duration > 0)) {
-    throw InputError("motion: the duration must be finite and > 0, found " + NumberText(duration));
-  }
+void AccelerationMotion::Move(double duration) {
   const double end = time_ + duration;
   try {
     while (status_ == MotionStatus::kMoving && time_ < end) Step(end);
@@ -125,8 +122,6 @@ void AccelerationMotion::Advance(double duration) {
     detail_ = failure.detail;
   }
 }
-
-void AccelerationMotion::SetBodies(const MotionState& state) { flow_.Place(state, time_, &world_.bodies); }
 
 void AccelerationMotion::FollowJoints() {
   FollowPathJoints(world_.bodies, world_.joints);
@@ -212,10 +207,7 @@ void AccelerationMotion::CorrectPositions() {
   const double threshold = options_.position_threshold * options_.contact_tolerance;
   ContactSystem system = SystemOf(contacts_);
   const AssembledLcp lcp = AssembleContactLcp(system);
-  for (const RowInfo& row : lcp.rows) {
-    double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
-    worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
-  }
+  NoteGaps(lcp.rows);
   if (WorstViolation(lcp.rows) <= threshold) return;
   const auto solve = [this](const LcpProblem& problem, LcpResult* result) { solver_.Solve(problem, nullptr, result); };
   ProjectPositions(kCorrectionGoal * threshold, solve, &system);
@@ -365,7 +357,7 @@ void AccelerationMotion::Step(double end) {
   next_step_ = std::clamp(suggested, options_.shortest_step, options_.largest_step);
   const bool whole = !reached->at_event && reached->step == end - begin.time;
   time_ = whole ? end : begin.time + reached->step;
-  SetBodies(reached->state);
+  flow_.Place(reached->state, time_, &world_.bodies);
   ++statistics_.steps;
   FollowJoints();
   std::vector<Constraint> known = contacts_;

@@ -7,7 +7,6 @@
 #include "model/motion/acceleration_contacts.h"
 #include "model/motion/acceleration_events.h"
 #include "model/motion/acceleration_flow.h"
-#include "model/motion/acceleration_solver.h"
 #include "model/motion/impact.h"
 #include "model/motion/motion.h"
 
@@ -86,11 +85,9 @@ class AccelerationMotion final : public Motion {
   /// @throws InputError for an invalid world or options
   AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver);
 
-  void Advance(double duration) override;
-
  private:
+  void Move(double duration) override;
   void Step(double end);
-  void SetBodies(const MotionState& state);
   // The contacts of the present positions: known ones that are still there, and those found.
   void UpdateContacts(const std::vector<Constraint>& known, const std::vector<Constraint>& found);
   // The joints of the present positions.

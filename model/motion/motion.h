@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -8,9 +10,11 @@
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
+#include "model/geometry/curve.h"
 #include "model/motion/motion_level.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 
@@ -62,7 +66,12 @@ class Motion {
 
   /// Moves on by `duration` [s], > 0 and finite, or until status() is not kMoving any more.
   /// @throws InputError for a duration that is not, and where geometry is singular (assembly.h, detection.h)
-  virtual void Advance(double duration) = 0;
+  void Advance(double duration) {
+    if (!(std::isfinite(duration) && duration > 0)) {
+      throw InputError("motion: the duration must be finite and > 0, found " + NumberText(duration));
+    }
+    Move(duration);
+  }
 
   /// Now. Path joints on general curves have as s1, s2 where they are, or were a step ago.
   const World& world() const { return world_; }
@@ -75,6 +84,15 @@ class Motion {
 
  protected:
   explicit Motion(World world) : world_(std::move(world)) { RequireValid(world_); }
+
+  virtual void Move(double duration) = 0;
+  /// Notes the worst gaps of an instant in the statistics.
+  void NoteGaps(const std::vector<RowInfo>& rows) {
+    for (const RowInfo& row : rows) {
+      double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
+      worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+    }
+  }
 
   World world_;
   double time_ = 0;

@@ -109,8 +109,7 @@ VelocityMotion::VelocityMotion(World world, const VelocityOptions& options, LcpS
   if (std::isfinite(size)) size_ = size;
 }
 
-void VelocityMotion::Advance(double duration) {
-  if (!(std::isfinite(duration) && duration > 0)) throw InputError("motion: expected a finite duration > 0");
+void VelocityMotion::Move(double duration) {
   // A quotient that rounding put just above a whole number is that number.
   constexpr double kWhole = 1e-9;
   const double count = std::max(1.0, std::ceil(duration / options_.step - kWhole));
@@ -174,13 +173,6 @@ double VelocityMotion::DepthTerm(const RowInfo& row, bool contact, double h) con
   return c;
 }
 
-void VelocityMotion::NoteGaps(const std::vector<RowInfo>& rows) {
-  for (const RowInfo& row : rows) {
-    double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
-    worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
-  }
-}
-
 void VelocityMotion::GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows) {
   const std::vector<std::optional<int>> previous = matching_.Follow(system, rows);
   guess_ = Eigen::VectorXd::Zero(static_cast<Index>(rows.size()));
@@ -241,7 +233,7 @@ LcpResult VelocityMotion::Solve(const ContactSystem& system, const AssembledLcp&
   }
 }
 
-void VelocityMotion::Move(const Eigen::VectorXd& v_new, double h) {
+void VelocityMotion::MoveBodies(const Eigen::VectorXd& v_new, double h) {
   for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
     Body& body = world_.bodies[i];
     const Vec2 v{v_new[Column(i)], v_new[Column(i) + 1]};
@@ -281,7 +273,7 @@ void VelocityMotion::Step(double h) {
     return;
   }
   impulses_ = result.f;
-  Move(AfterImpulses(lcp.problem, result.f, v_free), h);
+  MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
   time_ += h;
   ++statistics_.steps;
 }

@@ -63,9 +63,6 @@ class VelocityMotion final : public Motion {
   /// @throws InputError for an invalid world (RequireValid) or options outside their ranges
   VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver);
 
-  /// By the least number of equal steps of at most VelocityOptions::step.
-  void Advance(double duration) override;
-
   /// The smallest width or height of a movable body's outline in its body frame [m]; 1 where none has an outline.
   double size() const { return size_; }
 
@@ -73,15 +70,16 @@ class VelocityMotion final : public Motion {
   /// What a step is repeated with when no solution exists.
   enum class Relaxation { kNone, kDepth, kKinematic };
 
+  /// By the least number of equal steps of at most VelocityOptions::step.
+  void Move(double duration) override;
   void Step(double h);
   Eigen::VectorXd FreeVelocity(double h) const;
   double LargestSpeed(const Eigen::VectorXd& v_free) const;
   std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::vector<RowInfo>& rows) const;
   double DepthTerm(const RowInfo& row, bool contact, double h) const;
-  void NoteGaps(const std::vector<RowInfo>& rows);
   void GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows);
   LcpResult Solve(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd& v_free, double h);
-  void Move(const Eigen::VectorXd& v_new, double h);
+  void MoveBodies(const Eigen::VectorXd& v_new, double h);
 
   VelocityOptions options_;
   LcpSolver& solver_;

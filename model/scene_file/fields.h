@@ -2,7 +2,9 @@
 
 #include <initializer_list>
 #include <string>
+#include <utility>
 
+#include "model/contact/system.h"
 #include "model/geometry/vec2.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
@@ -15,6 +17,12 @@ namespace lcpbench {
 /// products of a few of them stay within double's range.
 inline constexpr double kLargestNumber = 1e30;
 inline constexpr std::size_t kLongestName = 200;  ///< [bytes]
+/// A joint's "type".
+inline constexpr std::initializer_list<std::pair<const char*, ConstraintType>> kJointTypes = {
+    {"pin", ConstraintType::kPin},
+    {"path", ConstraintType::kPathJoint},
+    {"rod", ConstraintType::kRod},
+    {"rope", ConstraintType::kRope}};
 
 double ReadNumber(const JsonField& field);
 double ReadPositive(const JsonField& field);

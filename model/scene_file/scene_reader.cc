@@ -1,18 +1,340 @@
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
+#include <vector>
 
-#include "model/scene_file/body_reader.h"
+#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
-#include "model/scene_file/joint_reader.h"
 #include "model/scene_file/json_document.h"
-#include "model/scene_file/load_reader.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scene_file/shape_reader.h"
 
 namespace lcpbench {
 namespace {
+
+/// The shapes of a scene file by their names.
+using NamedShapes = std::map<std::string, SceneShape>;
+
+/// The bodies of a scene file, and what joints and loads need to speak of them by their names and drawings.
+struct SceneBodies {
+  std::vector<Body> bodies;
+  /// origins[i]: the body frame's origin in the frame that bodies[i] is drawn in: its centre of mass, (0, 0) if fixed.
+  std::vector<Vec2> origins;
+  std::map<std::string, int> index_of;
+
+  Body& operator[](int index) { return bodies[static_cast<std::size_t>(index)]; }
+  const Body& operator[](int index) const { return bodies[static_cast<std::size_t>(index)]; }
+
+  /// The body that a field names.
+  int Find(const JsonField& name) const;
+  /// The point of the drawing that a field states, in body coordinates.
+  Vec2 ReadPoint(const JsonField& field, int body) const;
+  /// A body-frame point in the world.
+  Vec2 WorldPoint(int body, Vec2 point) const;
+  /// The body-frame point that lies now where a field states, in the world.
+  Vec2 ReadPlace(const JsonField& field, int body) const;
+};
+
+bool IsZero(Vec2 p) { return p.x == 0 && p.y == 0; }
+
+// By reference where it is named: shapes may be long, and shared by many bodies.
+class ShapeOf {
+ public:
+  ShapeOf(const JsonField& body, const std::string& body_name, const NamedShapes& shapes) {
+    if (!body.Has("shape")) return;
+    const JsonField field = body["shape"];
+    if (!field.IsString()) {
+      inline_ = ReadShape(field, body_name);
+      return;
+    }
+    const auto found = shapes.find(field.String());
+    if (found == shapes.end()) field.Mismatch("the name of one of the file's \"shapes\", or a shape");
+    named_ = &found->second;
+  }
+
+  /// Null for a body without a shape.
+  const SceneShape* get() const { return inline_ ? &*inline_ : named_; }
+
+ private:
+  std::optional<SceneShape> inline_;
+  const SceneShape* named_ = nullptr;
+};
+
+// Mass, inertia and, returned, the body frame's origin in the drawing.
+Vec2 ReadMass(const JsonField& field, const SceneShape* shape, Body* body) {
+  const bool is_region = shape != nullptr && shape->is_region;
+  const Vec2 centroid = is_region && !body->fixed ? shape->per_density.center : Vec2{};
+  if (field.Has("density")) {
+    for (const char* other : {"mass", "inertia", "center_of_mass"}) {
+      if (field.Has(other)) field[other].Fail("does not go with \"density\", which determines it");
+    }
+    const double density = ReadPositive(field["density"]);
+    if (!is_region) field["density"].Fail("a body without a closed shape has no area: state mass and inertia");
+    body->mass = density * shape->per_density.area;
+    body->inertia = density * shape->per_density.inertia;
+    return centroid;
+  }
+  if (field.Has("mass")) body->mass = ReadPositive(field["mass"]);
+  if (field.Has("inertia")) body->inertia = ReadPositive(field["inertia"]);
+  if (body->fixed) {
+    if (field.Has("center_of_mass")) field["center_of_mass"].Fail("a fixed body has none: its frame is the drawing's");
+    return {};
+  }
+  if (!field.Has("mass"))
+    field.Fail("expected \"density\" or \"mass\": only a fixed body (\"fixed\": true) needs neither");
+  if (!field.Has("inertia")) {
+    if (field.Has("center_of_mass")) field["center_of_mass"].Fail("needs \"inertia\" beside it, about that point");
+    if (!is_region) field.Fail("expected \"inertia\": a body without a shape has none of its own");
+    body->inertia = body->mass / shape->per_density.area * shape->per_density.inertia;
+    return centroid;
+  }
+  return ReadVector(field, "center_of_mass", centroid);
+}
+
+void ReadState(const JsonField& field, Vec2 origin, Body* body) {
+  body->x = ReadVector(field, "position", {});
+  body->theta = ReadNumber(field, "angle", 0);
+  body->v = ReadVector(field, "velocity", {});
+  body->omega = ReadNumber(field, "angular_velocity", 0);
+  for (const char* key : {"acceleration", "angular_acceleration"}) {
+    if (field.Has(key) && !body->fixed)
+      field[key].Fail("is prescribed for fixed bodies only; others follow their loads");
+  }
+  body->acceleration = ReadVector(field, "acceleration", {});
+  body->alpha = ReadNumber(field, "angular_acceleration", 0);
+  // A body whose frame is the drawing's keeps its numbers to the sign of zero.
+  if (IsZero(origin)) return;
+  const Vec2 arm = Rotate(SinCos(body->theta), origin);
+  body->x = body->x + arm;
+  body->v = body->v + body->omega * Perp(arm);
+}
+
+bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
+
+Vec2 InRange(Vec2 point, const JsonField& field) {
+  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
+  return point;
+}
+
+// What is derived from numbers in range may lie outside: of every body that is read, all numbers can be written.
+void RequireInRange(const Body& body, const JsonField& field) {
+  const auto positive = [](double value) { return value >= 1 / kLargestNumber && value <= kLargestNumber; };
+  if (!positive(body.mass)) field.Fail("the mass must lie within 1e-30..1e30, but is " + Text(body.mass));
+  if (!positive(body.inertia)) field.Fail("the inertia must lie within 1e-30..1e30, but is " + Text(body.inertia));
+  if (!IsInRange(body.x)) field.Fail("the position of the centre of mass must lie within -1e30..1e30");
+  if (!IsInRange(body.v)) field.Fail("the velocity of the centre of mass must lie within -1e30..1e30");
+  for (const OutlineEdge& edge : body.outline) {
+    const auto* arc = std::get_if<ArcEdge>(&edge.edge);
+    if (!(Reach(edge) <= kLargestNumber) || (arc != nullptr && !positive(arc->radius))) {
+      field.Fail("lengths must lie within 1e-30..1e30, but not those of its " + Describe(ToFeature(edge.edge)));
+    }
+  }
+}
+
+Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
+  field.RequireOnlyKeys({"name", "shape", "fixed", "density", "mass", "inertia", "center_of_mass", "position", "angle",
+                         "velocity", "angular_velocity", "acceleration", "angular_acceleration"});
+  Body body;
+  body.name = ReadName(field["name"]);
+  body.fixed = field.Has("fixed") && field["fixed"].Boolean();
+  const ShapeOf shape_of(field, body.name, shapes);
+  const SceneShape* shape = shape_of.get();
+  if (shape != nullptr && !shape->is_region && !body.fixed) {
+    field["shape"].Fail("open outline: only a fixed body may have \"chains\", a movable one needs a closed shape");
+  }
+  *origin = ReadMass(field, shape, &body);
+  ReadState(field, *origin, &body);
+  if (shape != nullptr) {
+    body.outline = AllPieces(IsZero(*origin) ? shape->outline : Transformed(shape->outline, 0, -*origin));
+  }
+  RequireInRange(body, field);
+  return body;
+}
+
+int SceneBodies::Find(const JsonField& name) const {
+  const auto found = index_of.find(name.String());
+  if (found == index_of.end()) name.Mismatch("the name of a body");
+  return found->second;
+}
+
+Vec2 SceneBodies::ReadPoint(const JsonField& field, int body) const {
+  const Vec2 drawn = ReadVector(field);
+  const Vec2 origin = origins[static_cast<std::size_t>(body)];
+  return IsZero(origin) ? drawn : InRange(drawn - origin, field);
+}
+
+Vec2 SceneBodies::WorldPoint(int body, Vec2 point) const {
+  return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point);
+}
+
+Vec2 SceneBodies::ReadPlace(const JsonField& field, int body) const {
+  const Rotation r = SinCos((*this)[body].theta);
+  return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
+}
+
+/// @param most_edges  of all bodies together, so that many bodies of one long shape stay an error
+SceneBodies ReadBodies(const JsonField& field, const NamedShapes& shapes, std::size_t most_edges) {
+  SceneBodies result;
+  std::size_t edges = 0;
+  for (const JsonField& item : field.Items()) {
+    Vec2 origin;
+    Body body = ReadBody(item, shapes, &origin);
+    edges += body.outline.size();
+    if (edges > most_edges) {
+      item.Fail("more than " + std::to_string(most_edges) + " edges in all, the most for a file of this length");
+    }
+    if (!result.index_of.emplace(body.name, static_cast<int>(result.bodies.size())).second) {
+      item["name"].Fail("another body has the same name");
+    }
+    result.bodies.push_back(std::move(body));
+    result.origins.push_back(origin);
+  }
+  return result;
+}
+
+class JointReader {
+ public:
+  JointReader(const JsonField& field, const SceneBodies& bodies) : field_(field), bodies_(bodies) {}
+
+  Constraint Read() {
+    joint_.type = field_["type"].Choice(kJointTypes);
+    joint_.body1 = bodies_.Find(field_["body1"]);
+    joint_.body2 = bodies_.Find(field_["body2"]);
+    if (joint_.body1 == joint_.body2) field_["body2"].Fail("expected another body than body1");
+    if (joint_.type == ConstraintType::kPin) {
+      ReadPin();
+    } else if (joint_.type == ConstraintType::kPathJoint) {
+      ReadPath();
+    } else {
+      ReadConnector();
+    }
+    return joint_;
+  }
+
+ private:
+  Vec2 Point(const char* key, int body) const { return bodies_.ReadPoint(field_[key], body); }
+
+  void ReadPin() {
+    if (field_.Has("at")) {
+      field_.RequireOnlyKeys({"type", "body1", "body2", "at"});
+      joint_.feature1 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body1)};
+      joint_.feature2 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body2)};
+      return;
+    }
+    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
+    ReadPoints();
+  }
+
+  void ReadPoints() {
+    joint_.feature1 = Vertex{Point("point1", joint_.body1)};
+    joint_.feature2 = Vertex{Point("point2", joint_.body2)};
+  }
+
+  void ReadConnector() {
+    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "length"});
+    ReadPoints();
+    if (field_.Has("length")) {
+      joint_.length = ReadPositive(field_["length"]);
+      return;
+    }
+    const Vec2 p1 = bodies_.WorldPoint(joint_.body1, std::get<Vertex>(joint_.feature1).p);
+    const Vec2 p2 = bodies_.WorldPoint(joint_.body2, std::get<Vertex>(joint_.feature2).p);
+    joint_.length = Norm(p1 - p2);
+    if (!(joint_.length >= 1 / kLargestNumber && joint_.length <= kLargestNumber)) {
+      field_.Fail("the points coincide (distance " + Text(joint_.length) +
+                  "): expected \"length\", or points apart from each other");
+    }
+  }
+
+  void ReadPath() {
+    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "edge1", "edge2", "s1", "s2", "nominal_gap"});
+    const bool edge_on_1 = field_.Has("edge1");
+    if (edge_on_1 == field_.Has("edge2") || edge_on_1 == field_.Has("point1") || !edge_on_1 == field_.Has("point2")) {
+      field_.Fail("expected point1 and edge2, or edge1 and point2");
+    }
+    joint_.feature1 = edge_on_1 ? Edge("edge1", joint_.body1) : Vertex{Point("point1", joint_.body1)};
+    joint_.feature2 = edge_on_1 ? Vertex{Point("point2", joint_.body2)} : Edge("edge2", joint_.body2);
+    if (field_.Has("s1")) joint_.s1 = ReadNumber(field_["s1"]);
+    if (field_.Has("s2")) joint_.s2 = ReadNumber(field_["s2"]);
+    joint_.nominal_gap = ReadNumber(field_, "nominal_gap", 0);
+  }
+
+  // An edge of the body's shape by its number, or one of the joint's own.
+  Feature Edge(const char* key, int body) const {
+    const JsonField edge = field_[key];
+    OutlineCurve curve;
+    if (edge.IsObject()) {
+      const Vec2 origin = bodies_.origins[static_cast<std::size_t>(body)];
+      const OutlinePiece piece = ReadEdge(edge, std::nullopt).piece;
+      const bool moves = origin.x != 0 || origin.y != 0;
+      const OutlinePiece moved = moves ? Transformed(piece, 0, -origin) : piece;
+      if (!(Reach(moved) <= kLargestNumber)) edge.Fail("lengths must lie below 1e30");
+      curve = moved.edge;
+    } else {
+      const std::vector<OutlineEdge>& outline = bodies_[body].outline;
+      if (outline.empty()) edge.Mismatch("an edge as an object: the body has no shape");
+      curve = outline[static_cast<std::size_t>(edge.IndexBelow(outline.size()))].edge;
+    }
+    return std::visit([](const auto& e) -> Feature { return e; }, curve);
+  }
+
+  const JsonField& field_;
+  const SceneBodies& bodies_;
+  Constraint joint_;
+};
+
+std::vector<Constraint> ReadJoints(const JsonField& field, const SceneBodies& bodies) {
+  std::vector<Constraint> joints;
+  for (const JsonField& item : field.Items()) joints.push_back(JointReader(item, bodies).Read());
+  return joints;
+}
+
+// Every load that acts between two bodies is tried out: what it refuses at the start is an error of the file.
+Loads ReadLoads(const JsonField& field, SceneBodies* bodies) {
+  field.RequireOnlyKeys({"springs", "dampers", "thrusters", "wrenches", "attraction"});
+  const auto attachment = [&](const JsonField& item, const char* body_key, const char* point_key) -> Attachment {
+    const int body = bodies->Find(item[body_key]);
+    return {body, item.Has(point_key) ? bodies->ReadPoint(item[point_key], body) : Vec2{}};
+  };
+  const auto for_each = [&field](const char* key, std::initializer_list<const char*> keys, const auto& read) {
+    if (!field.Has(key)) return;
+    for (const JsonField& item : field[key].Items()) {
+      item.RequireOnlyKeys(keys);
+      read(item);
+    }
+  };
+  Loads loads;
+  for_each("springs", {"body1", "point1", "body2", "point2", "stiffness", "rest_length"}, [&](const JsonField& item) {
+    loads.springs.push_back({attachment(item, "body1", "point1"), attachment(item, "body2", "point2"),
+                             ReadNonNegative(item["stiffness"]), ReadNonNegative(item["rest_length"])});
+    AtField(item, [&] { ApplySpring(loads.springs.back(), bodies->bodies); });
+  });
+  for_each("dampers", {"body1", "point1", "body2", "point2", "coefficient"}, [&](const JsonField& item) {
+    loads.dampers.push_back({attachment(item, "body1", "point1"), attachment(item, "body2", "point2"),
+                             ReadNonNegative(item["coefficient"])});
+    AtField(item, [&] { ApplyDamper(loads.dampers.back(), bodies->bodies); });
+  });
+  for_each("thrusters", {"body", "point", "force"}, [&](const JsonField& item) {
+    loads.thrusters.push_back({attachment(item, "body", "point"), ReadVector(item["force"])});
+  });
+  for_each("wrenches", {"body", "point", "force", "torque"}, [&](const JsonField& item) {
+    loads.wrenches.push_back(
+        {attachment(item, "body", "point"), ReadVector(item, "force", {}), ReadNumber(item, "torque", 0)});
+  });
+  if (field.Has("attraction")) {
+    const JsonField item = field["attraction"];
+    item.RequireOnlyKeys({"strength", "softening"});
+    loads.attraction = {ReadNumber(item["strength"]), item.Has("softening") ? ReadNonNegative(item["softening"]) : 0};
+    AtField(item, [&] { ApplyMutualAttraction(*loads.attraction, bodies->bodies); });
+  }
+  ClearLoads(bodies->bodies);
+  return loads;
+}
 
 // An edge with every number stated takes more bytes than this; the rest is for gears and for shapes used many times.
 constexpr std::size_t kBytesPerEdge = 8;

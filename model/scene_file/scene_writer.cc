@@ -9,6 +9,8 @@
 
 #include "model/detection/detection.h"
 #include "model/geometry/overloaded.h"
+#include "model/motion/make_motion.h"
+#include "model/scene_file/fields.h"
 #include "model/scene_file/scene_file.h"
 #include "model/shape/outline_checks.h"
 
@@ -120,7 +122,7 @@ class Writer {
 
   Json Motion() const {
     Json motion;
-    if (scene_.level) motion["level"] = *scene_.level == MotionLevel::kAcceleration ? "acceleration" : "velocity";
+    if (scene_.level) motion["level"] = ToString(*scene_.level);
     if (scene_.step) motion["step"] = *scene_.step;
     if (scene_.restitution) motion["restitution"] = *scene_.restitution;
     return motion;
@@ -165,20 +167,8 @@ class Writer {
 
   Json Joint(const Constraint& joint) const {
     Json json;
-    switch (joint.type) {
-      case ConstraintType::kPin:
-        json["type"] = "pin";
-        break;
-      case ConstraintType::kPathJoint:
-        json["type"] = "path";
-        break;
-      case ConstraintType::kRod:
-        json["type"] = "rod";
-        break;
-      case ConstraintType::kRope:
-      case ConstraintType::kContact:
-        json["type"] = "rope";
-        break;
+    for (const auto& [name, type] : kJointTypes) {
+      if (type == joint.type) json["type"] = name;
     }
     json["body1"] = Name(joint.body1);
     json["body2"] = Name(joint.body2);
@@ -207,33 +197,32 @@ class Writer {
   Json AllLoads() const {
     const Loads& loads = world_.loads;
     Json json;
-    for (const Spring& spring : loads.springs) {
+    const auto between = [this](const auto& load) {
       Json item;
-      AddEnd(&item, "1", spring.end1);
-      AddEnd(&item, "2", spring.end2);
+      AddEnd(&item, "1", load.end1);
+      AddEnd(&item, "2", load.end2);
+      return item;
+    };
+    const auto at = [this](const auto& load) {
+      Json item;
+      AddEnd(&item, "", load.at);
+      return item;
+    };
+    for (const Spring& spring : loads.springs) {
+      Json& item = json["springs"].emplace_back(between(spring));
       item["stiffness"] = spring.stiffness;
       item["rest_length"] = spring.rest_length;
-      json["springs"].push_back(item);
     }
     for (const Damper& damper : loads.dampers) {
-      Json item;
-      AddEnd(&item, "1", damper.end1);
-      AddEnd(&item, "2", damper.end2);
-      item["coefficient"] = damper.coefficient;
-      json["dampers"].push_back(item);
+      json["dampers"].emplace_back(between(damper))["coefficient"] = damper.coefficient;
     }
     for (const Thruster& thruster : loads.thrusters) {
-      Json item;
-      AddEnd(&item, "", thruster.at);
-      item["force"] = ToJson(thruster.force);
-      json["thrusters"].push_back(item);
+      json["thrusters"].emplace_back(at(thruster))["force"] = ToJson(thruster.force);
     }
     for (const Wrench& wrench : loads.wrenches) {
-      Json item;
-      AddEnd(&item, "", wrench.at);
+      Json& item = json["wrenches"].emplace_back(at(wrench));
       Add(&item, "force", wrench.force);
       Add(&item, "torque", wrench.torque);
-      json["wrenches"].push_back(item);
     }
     if (loads.attraction) {
       json["attraction"] = {{"strength", loads.attraction->strength}, {"softening", loads.attraction->softening}};

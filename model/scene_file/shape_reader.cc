@@ -2,16 +2,269 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <optional>
+#include <string>
 #include <tuple>
 #include <utility>
 
-#include "model/scene_file/edge_reader.h"
+#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
 #include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
+namespace {
+
+constexpr double kFullTurn = 2 * std::numbers::pi;
+// How far a stated point may be from a stated curve, relative to the curve's size: as outlines may be open.
+constexpr double kOnCurve = 1e-9;
+
+enum class Turn { kLeft, kRight };
+
+Turn ReadTurn(const JsonField& object) {
+  return object["turns"].Choice<Turn>({{"left", Turn::kLeft}, {"right", Turn::kRight}});
+}
+
+// Material lies on the left: inside a curve that turns left.
+Side SideOf(Turn turn) { return turn == Turn::kLeft ? Side::kConvex : Side::kConcave; }
+
+// From one angle to the other in the sense of the turn; from an angle to itself, all the way round.
+OutlinePiece Swept(OutlineCurve curve, double s_begin, double s_end, Turn turn) {
+  if (turn == Turn::kLeft && !(s_end > s_begin)) s_end += kFullTurn;
+  if (turn == Turn::kRight && !(s_end < s_begin)) s_end -= kFullTurn;
+  return {curve, s_begin, s_end};
+}
+
+Vec2 Begin(const JsonField& edge, std::optional<Vec2> begin) {
+  if (!begin)
+    edge.Fail("expected a point to begin at: a path's start, or a form of the edge that states its own begin");
+  return *begin;
+}
+
+// The centre of the circle of that radius through p and q, seen from an arc that turns and is the long one or not.
+Vec2 CenterThrough(const JsonField& edge, Vec2 p, Vec2 q, double radius, Turn turn, bool is_long) {
+  const Vec2 half = 0.5 * (q - p);
+  const double length = Norm(half);
+  if (!(length > 0)) edge.Fail("zero-length edge: it ends where it begins, " + Text(p));
+  const double square = (radius - length) * (radius + length);
+  // A half circle: its ends may be further apart than its diameter by rounding.
+  if (square < -kOnCurve * radius * radius) {
+    edge.Fail("the curve is too small to reach from " + Text(p) + " to " + Text(q));
+  }
+  const double height = std::sqrt(std::max(square, 0.0));
+  const bool center_on_left = (turn == Turn::kLeft) != is_long;
+  return p + half + ((center_on_left ? height : -height) / length) * Perp(half);
+}
+
+bool ReadLong(const JsonField& edge) { return edge.Has("long") && edge["long"].Boolean(); }
+
+// The parameter range of a form that states the whole curve: s_begin and s_end, or all of it in the sense of "turns".
+struct Range {
+  double begin = 0;
+  double end = 0;
+  Side side = Side::kConvex;
+};
+
+Range ReadRange(const JsonField& edge) {
+  if (!edge.Has("s_begin") && !edge.Has("s_end")) {
+    const Turn turn = ReadTurn(edge);
+    return turn == Turn::kLeft ? Range{0, kFullTurn, SideOf(turn)} : Range{kFullTurn, 0, SideOf(turn)};
+  }
+  const double begin = ReadNumber(edge["s_begin"]);
+  const double end = ReadNumber(edge["s_end"]);
+  const Side side = begin < end ? Side::kConvex : Side::kConcave;
+  if (edge.Has("turns") && SideOf(ReadTurn(edge)) != side) {
+    edge["turns"].Fail("a curve turns left where s_begin < s_end, and right where s_begin > s_end");
+  }
+  return {begin, end, side};
+}
+
+DrawnEdge Whole(const OutlinePiece& piece) { return {piece, CurvePoint(piece.edge, piece.s_end)}; }
+
+DrawnEdge ReadLine(const JsonField& line, std::optional<Vec2> begin) {
+  line.RequireOnlyKeys({"from", "to", "s_begin", "s_end"});
+  const Vec2 a = line.Has("from") ? ReadVector(line["from"]) : Begin(line, begin);
+  const Vec2 b = ReadVector(line["to"]);
+  return Whole({StraightEdge{a, b}, ReadNumber(line, "s_begin", 0), ReadNumber(line, "s_end", 1)});
+}
+
+DrawnEdge ArcAbout(Vec2 center, double radius, Vec2 p, Vec2 q, Turn turn) {
+  return {Swept(ArcEdge{center, radius, SideOf(turn)}, AngleOf(p - center), AngleOf(q - center), turn), q};
+}
+
+DrawnEdge ReadBulgingArc(const JsonField& arc, Vec2 p) {
+  arc.RequireOnlyKeys({"to", "bulge"});
+  const Vec2 q = ReadVector(arc["to"]);
+  const double bulge = ReadNumber(arc["bulge"]);
+  constexpr double kStrongest = 1e6;
+  if (!(std::abs(bulge) <= kStrongest) || bulge == 0) {
+    arc["bulge"].Mismatch("a number other than 0 within -1e6..1e6, tan(sweep / 4)");
+  }
+  const Vec2 half = 0.5 * (q - p);
+  const double length = Norm(half);
+  if (!(length > 0)) arc.Fail("zero-length edge: it ends where it begins, " + Text(p));
+  // With t = tan(sweep / 4), tan(sweep / 2) = 2 t / (1 - t^2) and sin(sweep / 2) = 2 t / (1 + t^2).
+  const Vec2 center = p + half + ((1 - bulge) * (1 + bulge) / (2 * bulge)) * Perp(half);
+  const double radius = length * (1 + bulge * bulge) / (2 * std::abs(bulge));
+  return ArcAbout(center, radius, p, q, bulge > 0 ? Turn::kLeft : Turn::kRight);
+}
+
+DrawnEdge ReadSweptArc(const JsonField& arc, Vec2 p) {
+  arc.RequireOnlyKeys({"center", "sweep"});
+  const Vec2 center = ReadVector(arc["center"]);
+  const double sweep = ReadNumber(arc["sweep"]);
+  const double s_begin = AngleOf(p - center);
+  const ArcEdge edge{center, Norm(p - center), SideOf(sweep < 0 ? Turn::kRight : Turn::kLeft)};
+  return Whole({edge, s_begin, s_begin + sweep});
+}
+
+DrawnEdge ReadCenteredArc(const JsonField& arc, Vec2 p) {
+  arc.RequireOnlyKeys({"to", "center", "turns"});
+  const Vec2 q = ReadVector(arc["to"]);
+  const Vec2 center = ReadVector(arc["center"]);
+  const double radius = Norm(p - center);
+  const double other = Norm(q - center);
+  if (!(std::abs(radius - other) <= kOnCurve * std::max(radius, other))) {
+    arc.Fail("begin and end are not equally far from the center, but " + Text(radius) + " and " + Text(other));
+  }
+  return ArcAbout(center, radius, p, q, ReadTurn(arc));
+}
+
+DrawnEdge ReadArcOfRadius(const JsonField& arc, Vec2 p) {
+  arc.RequireOnlyKeys({"to", "radius", "turns", "long"});
+  const Vec2 q = ReadVector(arc["to"]);
+  const double radius = ReadPositive(arc["radius"]);
+  const Turn turn = ReadTurn(arc);
+  return ArcAbout(CenterThrough(arc, p, q, radius, turn, ReadLong(arc)), radius, p, q, turn);
+}
+
+DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
+  arc.RequireOnlyKeys({"to", "bulge", "radius", "turns", "long", "center", "sweep", "s_begin", "s_end"});
+  if (arc.Has("bulge")) return ReadBulgingArc(arc, Begin(arc, begin));
+  if (arc.Has("sweep")) return ReadSweptArc(arc, Begin(arc, begin));
+  if (arc.Has("to") && arc.Has("center")) return ReadCenteredArc(arc, Begin(arc, begin));
+  if (arc.Has("to")) return ReadArcOfRadius(arc, Begin(arc, begin));
+  arc.RequireOnlyKeys({"center", "radius", "s_begin", "s_end", "turns"});
+  const Vec2 center = ReadVector(arc["center"]);
+  const double radius = ReadPositive(arc["radius"]);
+  const Range range = ReadRange(arc);
+  return Whole({ArcEdge{center, radius, range.side}, range.begin, range.end});
+}
+
+// A point in the frame of an ellipse's axes.
+template <class Oval>
+Vec2 InAxes(const Oval& oval, Vec2 p) {
+  const Rotation r = SinCos(oval.phi);
+  return Rotate({r.cos, -r.sin}, p - oval.center);
+}
+
+Vec2 Scaled(const EllipseEdge& e, Vec2 in_axes) { return {in_axes.x / e.a, in_axes.y / e.b}; }
+
+// The parameter of a point that lies on the curve.
+double ParameterAt(const EllipseEdge& e, Vec2 p, const JsonField& edge) {
+  const Vec2 unit = Scaled(e, InAxes(e, p));
+  const double size = Norm(unit);
+  if (!(std::abs(size - 1) <= kOnCurve)) {
+    edge.Fail("the point " + Text(p) + " is not on the ellipse, but on one " + Text(size) + " times as large");
+  }
+  return AngleOf(unit);
+}
+
+double ParameterAt(const SuperellipseEdge& e, Vec2 p, const JsonField& edge) {
+  const Vec2 q = InAxes(e, p);
+  const double c = std::abs(q.x) / e.a;
+  const double d = std::abs(q.y) / e.b;
+  const double large = std::max(c, d);
+  const double size = large > 0 ? large * RootOfOnePlusPower(std::min(c, d) / large, e.m) : 0;
+  if (!(std::abs(size - 1) <= kOnCurve)) {
+    edge.Fail("the point " + Text(p) + " is not on the superellipse, but on one " + Text(size) + " times as large");
+  }
+  return AngleOf(q);
+}
+
+// What ellipse and superellipse share: all of the curve stated, with a range of parameters or the points it joins.
+template <class Oval>
+DrawnEdge ReadStatedOval(const JsonField& edge, Oval oval, std::optional<Vec2> begin) {
+  oval.center = ReadVector(edge["center"]);
+  if (!edge.Has("to")) {
+    const Range range = ReadRange(edge);
+    oval.side = range.side;
+    return Whole({oval, range.begin, range.end});
+  }
+  const Vec2 p = Begin(edge, begin);
+  const Vec2 q = ReadVector(edge["to"]);
+  const Turn turn = ReadTurn(edge);
+  oval.side = SideOf(turn);
+  return {Swept(oval, ParameterAt(oval, p, edge), ParameterAt(oval, q, edge), turn), q};
+}
+
+DrawnEdge ReadEllipse(const JsonField& edge, std::optional<Vec2> begin) {
+  EllipseEdge e;
+  e.a = ReadPositive(edge["a"]);
+  e.b = ReadPositive(edge["b"]);
+  e.phi = ReadNumber(edge, "phi", 0);
+  if (edge.Has("center")) {
+    edge.RequireOnlyKeys({"center", "a", "b", "phi", "to", "turns", "s_begin", "s_end"});
+    return ReadStatedOval(edge, e, begin);
+  }
+  edge.RequireOnlyKeys({"to", "a", "b", "phi", "turns", "long"});
+  const Vec2 p = Begin(edge, begin);
+  const Vec2 q = ReadVector(edge["to"]);
+  const Turn turn = ReadTurn(edge);
+  e.side = SideOf(turn);
+  // On the unit circle that the ellipse is the image of.
+  const Vec2 u = Scaled(e, InAxes(e, p));
+  const Vec2 v = Scaled(e, InAxes(e, q));
+  const Vec2 middle = CenterThrough(edge, u, v, 1, turn, ReadLong(edge));
+  e.center = Rotate(SinCos(e.phi), {e.a * middle.x, e.b * middle.y});
+  return {Swept(e, AngleOf(u - middle), AngleOf(v - middle), turn), q};
+}
+
+DrawnEdge ReadSuperellipse(const JsonField& edge, std::optional<Vec2> begin) {
+  edge.RequireOnlyKeys({"center", "a", "b", "m", "phi", "to", "turns", "s_begin", "s_end"});
+  SuperellipseEdge e;
+  e.a = ReadPositive(edge["a"]);
+  e.b = ReadPositive(edge["b"]);
+  e.m = edge["m"].Integer();
+  if (e.m < 2 || e.m % 2 != 0 || e.m > kMaxSuperellipseExponent) {
+    edge["m"].Mismatch("an even integer in 2.." + std::to_string(kMaxSuperellipseExponent));
+  }
+  e.phi = ReadNumber(edge, "phi", 0);
+  return ReadStatedOval(edge, e, begin);
+}
+
+DrawnEdge ReadBezier(const JsonField& edge, std::optional<Vec2> begin) {
+  edge.RequireOnlyKeys({"control1", "control2", "to", "points", "s_begin", "s_end"});
+  BezierEdge bezier;
+  if (!edge.Has("points")) {
+    edge.RequireOnlyKeys({"control1", "control2", "to"});
+    bezier.P = {Begin(edge, begin), ReadVector(edge["control1"]), ReadVector(edge["control2"]), ReadVector(edge["to"])};
+    return {{bezier, 0, 1}, bezier.P[3]};
+  }
+  edge.RequireOnlyKeys({"points", "s_begin", "s_end"});
+  const std::vector<JsonField> points = edge["points"].Items(bezier.P.size());
+  for (std::size_t k = 0; k < points.size(); ++k) bezier.P[k] = ReadVector(points[k]);
+  return Whole({bezier, ReadNumber(edge, "s_begin", 0), ReadNumber(edge, "s_end", 1)});
+}
+
+}  // namespace
+
+DrawnEdge ReadEdge(const JsonField& edge, std::optional<Vec2> begin) {
+  const std::string kind = OnlyKey(edge, {"line", "arc", "ellipse", "superellipse", "bezier"});
+  const JsonField form = edge[kind.c_str()];
+  const DrawnEdge drawn = [&] {
+    if (kind == "line") return ReadLine(form, begin);
+    if (kind == "arc") return ReadArc(form, begin);
+    if (kind == "ellipse") return ReadEllipse(form, begin);
+    if (kind == "superellipse") return ReadSuperellipse(form, begin);
+    return ReadBezier(form, begin);
+  }();
+  AtField(form, [&] { RequireValidPiece(drawn.piece, "edge"); });
+  return drawn;
+}
+
 namespace {
 
 // Edges join if the gap is below this, relative to the lengths they are computed from: as in OutlineOf (detection.h).

@@ -1,25 +1,14 @@
 // boxes-and-discs: a stepped brick wall in running bond with discs in its joints and on its steps.
 //
-// A brick stands flat on two others: four vertex contacts (two corners of its own, two of the bricks below) against
-// three degrees of freedom, so that A is rank deficient (rank 0.72 of the rows at 1000) and f is far from unique: what
-// every stack of boxes in a physics engine looks like. Discs wedged in the joints between bricks of a course push them
-// apart, which couples the vertical stack to horizontal motion and to rotation; discs lie in the corners of the steps.
-// Vertex/straight and arc/straight contacts, all at rest: gamma = 0.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 10-40 % at 10 rows, 24-39 % at 100, 19-33 % at 1000, 23-33 % at 3000;
-// from 1000 on another 8-20 % have f = w = 0 in a basic solution.
-//
 // Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
 //
-// In motion: upright, every body stirred a little (start.h), settling.
+// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -36,29 +25,31 @@ constexpr double kWeight = 0.4 * kGravity;
 constexpr double kJointShare = 0.8;  ///< of the joints hold a disc
 constexpr double kStepShare = 0.8;   ///< of the steps hold a disc
 
-class Wall {
+class Wall final : public SceneBuilder {
  public:
-  Wall(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
-    floor_ = AddBody(system, "floor", MakeFixed("floor"));
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
+    floor_ = Add("floor", MakeFixed("floor"));
     // A pyramid on `base` bricks brings 2 rows a brick in the lowest course and 4 above, 3 a joint disc and 2 a step
     // disc: about 2 base^2 + 3/2 kJointShare base (base - 1) + 4 kStepShare base.
     const double square = 2 + 1.5 * kJointShare;
     const double linear = 4 * kStepShare - 1.5 * kJointShare;
-    const double base = (std::sqrt(linear * linear + 4 * square * rows) - linear) / (2 * square);
+    const double base = (std::sqrt(linear * linear + 4 * square * rows_) - linear) / (2 * square);
     base_ = std::max(1, static_cast<int>(std::ceil(base)));
-  }
-
-  void Build() {
     for (int course = 0; course < base_; ++course) {
       if (!BuildCourse(course)) break;
     }
     CloseCount();
     const double reach = kPitch * (base_ + 1);
-    system_->bodies[static_cast<std::size_t>(floor_)].outline = {
-        WholeEdge({std::max(loose_x_, reach), 0}, {-kPitch, 0})};
+    Get(floor_).outline = {WholeEdge({std::max(loose_x_, reach), 0}, {-kPitch, 0})};
   }
 
-  int courses() const { return courses_; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + courses_), .gust = 2 * kGravity}, &random_);
+  }
+
+  void Launch(World* world) override { Stir(world, kStir, seed_); }
 
  private:
   /// False when the rows are used up but for fewer than the next element needs.
@@ -67,7 +58,7 @@ class Wall {
     for (int j = 0; j < base_ - course; ++j) {
       if (left_ < (course == 0 ? 2 : 4)) return false;
       bricks.push_back(AddBrick(course, j));
-      if (j > 0 && random_->Uniform() < kJointShare) {
+      if (j > 0 && random_.Uniform() < kJointShare) {
         if (left_ < 3) return false;
         AddJointDisc(course, j, bricks);
       }
@@ -75,7 +66,7 @@ class Wall {
     below_ = bricks;
     ++courses_;
     for (const int side : {-1, 1}) {
-      if (random_->Uniform() >= kStepShare) continue;
+      if (random_.Uniform() >= kStepShare) continue;
       if (left_ < 2) return false;
       AddStepDisc(course, side);
     }
@@ -87,7 +78,7 @@ class Wall {
 
   int AddBrick(int course, int j) {
     const Vec2 x{BrickX(course, j), (course + 0.5) * kHeight};
-    const int brick = AddBody(system_, "brick", MakeBox(x, kLength, kHeight, kDensity));
+    const int brick = Add("brick", MakeBox(x, kLength, kHeight, kDensity));
     last_brick_ = brick;
     if (course == 0) {
       for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
@@ -118,7 +109,7 @@ class Wall {
 
   /// In the corner between the course's end brick and the step (or floor) that it leaves free: two rows.
   void AddStepDisc(int course, int side) {
-    const double radius = random_->Uniform(0.25, 0.45) * kHeight;
+    const double radius = random_.Uniform(0.25, 0.45) * kHeight;
     const int last = base_ - course - 1;
     const double face = BrickX(course, side < 0 ? 0 : last) + side * kLength / 2;
     const int disc = AddDisc({face + side * radius, course * kHeight + radius}, radius);
@@ -137,14 +128,14 @@ class Wall {
     constexpr double kRadius = 0.3 * kLength / 2;
     loose_x_ = kPitch * (base_ + 1);
     for (int k = 0; last_brick_ >= 0 && k < 3 && left_ > 0; ++k) {
-      const Vec2 brick = system_->bodies[static_cast<std::size_t>(last_brick_)].x;
+      const Vec2 brick = Get(last_brick_).x;
       const double offset = (k == 0 ? 0 : k == 1 ? -1 : 1) * 2.2 * kRadius;
       const int disc = AddDisc(brick + Vec2{offset, kHeight / 2 + kRadius}, kRadius);
       Touch(disc, Circle(kRadius), last_brick_, Edge(2));
     }
     while (left_ > 0) {
       if (left_ >= 2) {
-        const int brick = AddBody(system_, "brick", MakeBox({loose_x_, kHeight / 2}, kLength, kHeight, kDensity));
+        const int brick = Add("brick", MakeBox({loose_x_, kHeight / 2}, kLength, kHeight, kDensity));
         for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
       } else {
         Touch(AddDisc({loose_x_, kRadius}, kRadius), Circle(kRadius), floor_, Floor());
@@ -154,22 +145,14 @@ class Wall {
   }
 
   int AddDisc(Vec2 x, double radius) {
-    Body disc = MakeDisc(x, radius, kDensity * random_->Uniform(1, 4));
-    disc.theta = random_->Uniform(-kPi, kPi);
-    return AddBody(system_, "disc", disc);
+    Body disc = MakeDisc(x, radius, kDensity * random_.Uniform(1, 4));
+    disc.theta = random_.Uniform(-kPi, kPi);
+    return Add("disc", disc);
   }
 
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(system_, body1, feature1, body2, feature2);
-    --left_;
-  }
   static Vertex Corner(int corner) { return {BoxCorner(kLength, kHeight, corner)}; }
   static StraightEdge Edge(int edge) { return BoxEdge(kLength, kHeight, edge); }
-  static StraightEdge Floor() { return {{1, 0}, {}}; }
 
-  ContactSystem* system_;
-  int left_;  ///< rows still to be made
-  Random* random_;
   int floor_ = 0;
   int base_ = 1;  ///< bricks in the lowest course
   int courses_ = 0;
@@ -179,21 +162,6 @@ class Wall {
   std::vector<int> steps_;  ///< end bricks of the course before
 };
 
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("boxes-and-discs", rows, seed);
-  Wall wall(&system, rows, &random);
-  wall.Build();
-  ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + wall.courses()), .gust = 2 * kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
-  Stir(&world, kStir, seed);
-  return world;
-}
-
 }  // namespace
 
 extern const SceneFamily kBoxesAndDiscs{
@@ -201,8 +169,7 @@ extern const SceneFamily kBoxesAndDiscs{
     "Brick wall in running bond with discs in joints and on steps",
     "Flat contacts by pairs of vertices: more rows than degrees of freedom, many ties, and rotation coupled "
     "to translation - the everyday, highly redundant load of a physics engine.",
-    &Generate,
-    &Start,
+    &Make<Wall>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,16 +1,5 @@
 // cam-follower: a row of cams, coupled by rods to turn together, each lifting a spring-loaded follower in a guide.
 //
-// Bilateral rows of three kinds (pins, coupling rods, path joints along the guides) around few contacts: arc, straight
-// flank and ellipse against rollers, knife edges and flat faces. The rods couple the whole row, so that a push on any
-// follower is felt by every cam: A is block tridiagonal, which tells methods that use this from those that fill a dense
-// matrix. Half of the followers have some play in their guide and lean on one wall of it, instead of being kept by path
-// joints: two contacts of straight edges each, which open when the follower tilts away. Curvature changes from cam to
-// cam and enters gamma with the cams' angular velocity. J has full rank (Jacobi-scaled condition number of A 2e4 at 200
-// rows, 5e5 at 1000).
-//
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 33-60 % at 10 rows, 28-41 % at 100, 35-40 % at
-// 1000, 32-36 % at 3000.
-//
 // A coupled cam with its follower makes six rows, a cam of prescribed motion with follower three, one that carries a
 // loose ball one row.
 //
@@ -26,9 +15,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
@@ -119,24 +106,27 @@ Top TopForFace(const Body& cam) {
   return *top;
 }
 
-class CamRow {
+class CamRow final : public SceneBuilder {
  public:
-  CamRow(ContactSystem* system, int rows, Random* random)
-      : system_(system), random_(random), speed_(random->Sign() * random->Uniform(kMinSpeed, kMaxSpeed)) {
-    const double crank_angle = random->Uniform(kPi / 4, 3 * kPi / 4);
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
+    const double sense = random_.Sign();
+    speed_ = sense * random_.Uniform(kMinSpeed, kMaxSpeed);
+    const double crank_angle = random_.Uniform(kPi / 4, 3 * kPi / 4);
     const Rotation crank = SinCos(crank_angle);
     crank_ = kCrank * Vec2{crank.cos, crank.sin};
-    frame_ = AddBody(system, "frame", MakeFixed("frame"));
+    frame_ = Add("frame", MakeFixed("frame"));
 
     constexpr int kDriven = 6;
     constexpr int kDriving = 3;
-    for (int ball = 0; ball < rows % kDriving; ++ball) AddBall(AddDrivingCam(false));
-    int left = rows / kDriving;
+    for (int ball = 0; ball < rows_ % kDriving; ++ball) AddBall(AddDrivingCam(false));
+    int left = rows_ / kDriving;
     const int driving = left == 0 ? 0 : (left % 2 == 1 ? 1 : 2);
     for (int k = 0; k < driving; ++k) AddFollower(AddDrivingCam(true));
     for (left -= driving; left > 0; left -= kDriven / kDriving) AddFollower(AddDrivenCam());
 
-    std::vector<OutlineEdge>& outline = system->bodies[static_cast<std::size_t>(frame_)].outline;
+    std::vector<OutlineEdge>& outline = Get(frame_).outline;
     outline.push_back(WholeEdge({axle_.x + kFloorBeyond, kFloor}, {-kFloorBeyond, kFloor}));
     for (const double x : walls_) {
       const Vec2 low{x, kWallBottom};
@@ -148,26 +138,30 @@ class CamRow {
     }
   }
 
-  const std::vector<Spring>& springs() const { return springs_; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = 3 * kGravity}, &random_);
+    for (const Spring& spring : springs_) ApplySpring(spring, system_.bodies);
+    LoadEnds(&system_);
+  }
+
+  void Launch(World* world) override { world->loads.springs = springs_; }
 
  private:
   static constexpr double kFloor = -1;
   static constexpr double kFloorBeyond = 5;  // balls fall off and roll away
   static constexpr double kBallRadius = 0.07;
 
-  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
-
   /// A cam, its axle at the drawing's origin: a hull of two circles or an eccentric ellipse.
   Outline DrawShape(bool oval_allowed) {
-    if (oval_allowed && random_->Uniform() < 0.3) {
-      const double a = random_->Uniform(0.16, 0.2);
-      const double b = random_->Uniform(0.1, 0.14);
-      const double eccentricity = random_->Uniform(0.02, 0.06);
+    if (oval_allowed && random_.Uniform() < 0.3) {
+      const double a = random_.Uniform(0.16, 0.2);
+      const double b = random_.Uniform(0.1, 0.14);
+      const double eccentricity = random_.Uniform(0.02, 0.06);
       return Transformed(Ellipse(a, b), 0, {eccentricity, 0});
     }
-    const double base = random_->Uniform(0.12, 0.16);
-    const double nose = random_->Uniform(0.04, 0.07);
-    const double distance = random_->Uniform(0.15, 0.2);
+    const double base = random_.Uniform(0.12, 0.16);
+    const double nose = random_.Uniform(0.04, 0.07);
+    const double distance = random_.Uniform(0.15, 0.2);
     return Cam(base, nose, distance);
   }
 
@@ -179,10 +173,10 @@ class CamRow {
 
   int AddDrivingCam(bool oval_allowed) {
     Body cam = MakeKinematic("motor " + std::to_string(cams_), DrawShape(oval_allowed));
-    cam.theta = random_->Uniform(0, 2 * kPi);
+    cam.theta = random_.Uniform(0, 2 * kPi);
     cam.x = NextAxle();
     cam.omega = speed_;
-    last_cam_ = AddBody(system_, "motor", cam);
+    last_cam_ = Add("motor", cam);
     return last_cam_;
   }
 
@@ -190,54 +184,54 @@ class CamRow {
     Body cam = MakeBody(DrawShape(true), kCamDensity);
     const Vec2 axle_point = -cam.x;
     cam.name.clear();
-    cam.theta = random_->Uniform(0, 2 * kPi);
+    cam.theta = random_.Uniform(0, 2 * kPi);
     const Vec2 axle = NextAxle();
     const Vec2 arm = -Rotate(SinCos(cam.theta), axle_point);
     cam.x = axle + arm;
     cam.omega = speed_;
     cam.v = speed_ * Perp(arm);
     const int before = last_cam_;
-    last_cam_ = AddBody(system_, "cam", cam);
-    AddPin(system_, last_cam_, axle_point, frame_, axle);
+    last_cam_ = Add("cam", cam);
+    AddPin(&system_, last_cam_, axle_point, frame_, axle);
     const Vec2 crank_before = axle - Vec2{kSpacing, 0} + crank_;
-    AddRod(system_, last_cam_, BodyPoint(Get(last_cam_), axle + crank_), before, BodyPoint(Get(before), crank_before));
+    AddRod(&system_, last_cam_, BodyPoint(Get(last_cam_), axle + crank_), before, BodyPoint(Get(before), crank_before));
     return last_cam_;
   }
 
   void AddBall(int cam) {
-    const double x = axle_.x + random_->Uniform(-kMaxOffset, kMaxOffset);
+    const double x = axle_.x + random_.Uniform(-kMaxOffset, kMaxOffset);
     const Top top = *TopForCircle(Get(cam), x, kBallRadius);
-    const int ball = AddBody(system_, "ball", MakeDisc({x, top.height}, kBallRadius, kFollowerDensity));
-    AddContact(system_, ball, Circle(kBallRadius), cam, top.feature);
+    const int ball = Add("ball", MakeDisc({x, top.height}, kBallRadius, kFollowerDensity));
+    Touch(ball, Circle(kBallRadius), cam, top.feature);
     RideAlong(ball);
   }
 
   /// The vertical velocity at which the last contact, of that body, lasts.
   void RideAlong(int body) {
-    const ContactRow row = LastRow(*system_);
+    const ContactRow row = LastRow(system_);
     Get(body).v.y = -row.d_dot / row.J[1];
   }
 
   void AddFollower(int cam) {
     const bool oval = std::holds_alternative<EllipseEdge>(Get(cam).outline[0].edge);
-    const double x = axle_.x + random_->Uniform(-kMaxOffset, kMaxOffset);
-    const double half_width = random_->Uniform(0.06, 0.09);
-    const double kind = random_->Uniform();
+    const double x = axle_.x + random_.Uniform(-kMaxOffset, kMaxOffset);
+    const double half_width = random_.Uniform(0.06, 0.09);
+    const double kind = random_.Uniform();
     int body = -1;
     if (oval || kind < 0.35) {
       const Top top = TopForFace(Get(cam));
       // A face wide enough for the highest point of every cam in every position.
       const double width = 0.5;
       body = AddFollowerBody(Tappet(width, half_width), {x, top.height});
-      AddContact(system_, body, Underside(body), cam, top.feature);
+      Touch(body, Underside(body), cam, top.feature);
     } else if (kind < 0.7) {
       const Top top = *TopForCircle(Get(cam), x, half_width);
       body = AddFollowerBody(Roller(half_width), {x, top.height});
-      AddContact(system_, body, Underside(body), cam, top.feature);
+      Touch(body, Underside(body), cam, top.feature);
     } else {
       const Top top = *TopForCircle(Get(cam), x, 0);
       body = AddFollowerBody(KnifeEdge(half_width), {x, top.height});
-      AddContact(system_, body, Vertex{BodyPoint(Get(body), {x, top.height})}, cam, top.feature);
+      Touch(body, Vertex{BodyPoint(Get(body), {x, top.height})}, cam, top.feature);
     }
     RideAlong(body);
     AddGuide(body, x, half_width);
@@ -254,7 +248,7 @@ class CamRow {
     Body body = MakeBody(outline, kFollowerDensity);
     body.name.clear();
     body.x = body.x + at;
-    return AddBody(system_, "follower", body);
+    return Add("follower", body);
   }
 
   static OutlineLoop Polygon(const std::vector<Vec2>& corners) {
@@ -292,11 +286,11 @@ class CamRow {
   }
 
   void AddGuide(int body, double x, double half_width) {
-    if (random_->Uniform() < 0.5) {
+    if (random_.Uniform() < 0.5) {
       const StraightEdge axis{{x, 0}, {x, 1}};
       // The axis passes the centre of mass at a distance of rounding.
       const double aside = x - Get(body).x.x;
-      for (const double height : {-0.1, 0.2}) AddPathJoint(system_, body, {aside, height}, frame_, axis);
+      for (const double height : {-0.1, 0.2}) AddPathJoint(&system_, body, {aside, height}, frame_, axis);
       return;
     }
     // The follower's left side lies on the wall's right face from the wall's bottom up to the follower's top.
@@ -311,8 +305,8 @@ class CamRow {
     }
     const Vec2 corner{face - follower.x.x, top};
     const Vec2 below{corner.x, kWallBottom - follower.x.y};
-    AddContact(system_, body, Vertex{corner}, frame_, wall);
-    AddContact(system_, body, StraightEdge{corner, below}, frame_, Vertex{{face, kWallBottom}});
+    Touch(body, Vertex{corner}, frame_, wall);
+    Touch(body, StraightEdge{corner, below}, frame_, Vertex{{face, kWallBottom}});
   }
 
   /// Compressed between the frame and the follower's centre of mass.
@@ -323,13 +317,11 @@ class CamRow {
     spring.end2 = {body, {x - follower.x.x, 0}};
     spring.rest_length = kSpringRest;
     const double compression = kSpringRest - (kSpringAnchor - follower.x.y);
-    spring.stiffness = random_->Uniform(kMinPreload, kMaxPreload) * follower.mass * kGravity / compression;
+    spring.stiffness = random_.Uniform(kMinPreload, kMaxPreload) * follower.mass * kGravity / compression;
     springs_.push_back(spring);
   }
 
-  ContactSystem* system_;
-  Random* random_;
-  double speed_;
+  double speed_ = 0;
   Vec2 crank_;
   Vec2 axle_;
   int frame_ = -1;
@@ -339,26 +331,6 @@ class CamRow {
   std::vector<Spring> springs_;
 };
 
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("cam-follower", rows, seed);
-  const CamRow cams(&system, rows, &random);
-  ApplyLoads(&system, {.weight = kGravity, .gust = 3 * kGravity}, &random);
-  for (const Spring& spring : cams.springs()) ApplySpring(spring, system.bodies);
-  LoadEnds(&system);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("cam-follower", rows, seed);
-  const CamRow cams(&system, rows, &random);
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  loads.springs = cams.springs();
-  return SetInMotion(std::move(system), std::move(loads));
-}
-
 }  // namespace
 
 extern const SceneFamily kCamFollower{
@@ -366,8 +338,7 @@ extern const SceneFamily kCamFollower{
     "Row of coupled cams with spring-loaded followers in guides",
     "Pins, coupling rods and path joints around few contacts of arcs, flanks and ellipses; the rods couple "
     "the whole row, which tells methods that use a band from those that fill a dense matrix.",
-    &Generate,
-    &Start,
+    &Make<CamRow>,
     MotionLevel::kVelocity,
     1e-3};
 

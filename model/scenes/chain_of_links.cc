@@ -1,14 +1,5 @@
 // chain-of-links: links joined by pins, lying over a turning drum.
 //
-// Two pin rows for every contact: the chain is stiff along itself and loose across, its tension is a long sum over the
-// links, and each contact force is what the tension's turn at that link leaves of it. Methods that treat joints one by
-// one pass tension on by one link a sweep; direct ones see a band. Links have different lengths, so that their contact
-// (straight edge on arc) lies off their middles; chain and drum turn about the drum's centre together, and gamma holds
-// the centripetal terms. J has full rank (Jacobi-scaled condition number of A 1.2e4 at 200 rows, 1.7e5 at 1000).
-//
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 50-75 % at 10 rows, 29-41 % at 100, 32-39 % at
-// 1000, 30-33 % at 3000.
-//
 // k links make 3 k - 2 rows; what is missing is closed by a rope from the chain's end to a peg that turns with the
 // drum, and by a ball on the first link, one row each. (Ropes at both ends would nearly be a self-stress, with forces
 // beyond all loads.)
@@ -23,9 +14,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
@@ -55,38 +44,40 @@ Vec2 TurnedClockwise(Vec2 direction, double near, double far) {
   return (1 / Norm(turned)) * turned;
 }
 
-class Chain {
+class Chain final : public SceneBuilder {
  public:
-  Chain(ContactSystem* system, int rows, Random* random) : system_(system) {
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
     constexpr int kRowsPerLink = 3;
-    const int links = (rows + 2) / kRowsPerLink;
-    const int missing = (rows + 2) % kRowsPerLink;
+    const int links = (rows_ + 2) / kRowsPerLink;
+    const int missing = (rows_ + 2) % kRowsPerLink;
     std::vector<double> arms;  // arms[i] from joint i to the contacts on both its sides
     double length = 0;
     for (int joint = 0; joint <= links; ++joint) {
-      arms.push_back(random->Uniform(kMinArm, kMaxArm));
+      arms.push_back(random_.Uniform(kMinArm, kMaxArm));
       length += 2 * arms.back();
     }
     const double drum = std::max(kMinDrum, length / kSpan - kLinkRadius);
     rim_ = {{}, drum, Side::kConvex};
-    const double centripetal = kCentripetal * kGravity * random->Uniform(0.3, 1);
-    speed_ = random->Sign() * std::sqrt(centripetal / drum);
+    const double centripetal = kCentripetal * kGravity * random_.Uniform(0.3, 1);
+    speed_ = random_.Sign() * std::sqrt(centripetal / drum);
     Body body = MakeFixed("drum");
     body.omega = speed_;
     body.outline = {FullCircle({}, drum, Side::kConvex)};
-    drum_ = AddBody(system, "drum", body);
+    drum_ = Add("drum", body);
     if (missing > 0) {
       Body peg = MakeFixed("peg");
       peg.omega = speed_;
-      peg_ = AddBody(system, "peg", peg);
+      peg_ = Add("peg", peg);
     }
 
     Body casing = MakeFixed("casing");
     casing.outline = {FullCircle({}, drum + kCasing, Side::kConcave)};
-    AddBody(system, "casing", casing);
+    Add("casing", casing);
 
     const double covered = std::min(kSpan, length / drum);
-    const double lean = random->Uniform(-0.2, 0.2);
+    const double lean = random_.Uniform(-0.2, 0.2);
     const Rotation start = SinCos(kPi / 2 + covered / 2 + lean);
     Vec2 joint{start.cos, start.sin};
     for (int link = 0; link < links; ++link) {
@@ -99,6 +90,12 @@ class Chain {
       joint = TurnedClockwise(foot, height, ahead);
       if (link == links - 1 && missing > 0) AddRope(joint, ahead);
     }
+  }
+
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    // A push across a taut chain is borne by many times its tension: no squeeze.
+    LoadEnds(&system_, {.squeeze = 0});
   }
 
  private:
@@ -117,18 +114,18 @@ class Chain {
     body.x = (rim_.radius + kLinkRadius) * foot + ((ahead - behind) / 2) * along;
     TurnAboutOrigin(&body, speed_);
     const Link previous = last_;
-    last_ = {AddBody(system_, "link", body), half};
-    if (previous.body >= 0) AddPin(system_, last_.body, {-half, 0}, previous.body, {previous.half, 0});
-    AddContact(system_, last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, rim_);
+    last_ = {Add("link", body), half};
+    if (previous.body >= 0) AddPin(&system_, last_.body, {-half, 0}, previous.body, {previous.half, 0});
+    Touch(last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, rim_);
   }
 
   /// A ball on the outer side of the last link, above its contact point.
   void AddBall(Vec2 foot) {
     Body body = MakeDisc((rim_.radius + 2 * kLinkRadius + kBallRadius) * foot, kBallRadius, kDensity);
     TurnAboutOrigin(&body, speed_);
-    const int ball = AddBody(system_, "ball", body);
+    const int ball = Add("ball", body);
     const StraightEdge top{{last_.half, kLinkRadius}, {-last_.half, kLinkRadius}};
-    AddContact(system_, ball, Circle(kBallRadius), last_.body, top);
+    Touch(ball, Circle(kBallRadius), last_.body, top);
   }
 
   /// From the chain's end at the joint, in direction `joint` (unit), to a peg on the drum ahead of it. `arm` is the
@@ -139,34 +136,16 @@ class Chain {
     const double distance = std::sqrt(height * height + arm * arm);
     const double sine = kRope / distance;
     const Vec2 end = distance * Rotate({std::sqrt((1 - sine) * (1 + sine)), -sine}, joint);
-    system_->bodies[static_cast<std::size_t>(peg_)].outline = {FullCircle(end, kPegRadius, Side::kConvex)};
-    lcpbench::AddRope(system_, last_.body, {last_.half, 0}, peg_, end);
+    Get(peg_).outline = {FullCircle(end, kPegRadius, Side::kConvex)};
+    lcpbench::AddRope(&system_, last_.body, {last_.half, 0}, peg_, end);
   }
 
-  ContactSystem* system_;
   ArcEdge rim_;
   double speed_ = 0;
   int drum_ = -1;
   int peg_ = -1;
   Link last_;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("chain-of-links", rows, seed);
-  const Chain chain(&system, rows, &random);
-  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
-  // A push across a taut chain is borne by many times its tension: no squeeze.
-  LoadEnds(&system, {.squeeze = 0});
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("chain-of-links", rows, seed);
-  const Chain chain(&system, rows, &random);
-  return WorldUnderGravity(std::move(system), {0, -kGravity});
-}
 
 }  // namespace
 
@@ -175,8 +154,7 @@ extern const SceneFamily kChainOfLinks{
     "Chain of pinned links lying over a turning drum",
     "Two pin rows for every contact, and a tension that sums up along the chain: stiff along, loose "
     "across, which tells direct methods from those that pass forces on link by link.",
-    &Generate,
-    &Start,
+    &Make<Chain>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,16 +1,8 @@
 // disc-pile: discs of many sizes and masses, dropped one after the other into a box.
 //
-// Every disc falls at a random place and rolls down over those that lie there until it touches two supports, so that
-// each brings two rows for the two degrees of freedom that contacts can push on: isostatic. J has full rank, A is
-// nonsingular and f unique, but masses spread by up to a factor 100 and every force depends on all that lies above it:
-// the Jacobi-scaled A has condition number 6e4 at 200 rows and 1e8 at 1000. Against discs-in-v this tells rank
-// deficiency apart from mere ill-conditioning.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 19-26 % at 100, 15-21 % at 1000, 17-18 % at 3000.
-//
 // An odd count is closed by a disc that stands on the crest of the pile: one row.
 //
-// In motion: upright, every body stirred a little (start.h), settling.
+// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -19,9 +11,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -239,40 +229,77 @@ class Pile {
   std::vector<std::vector<std::vector<int>>> columns_;
 };
 
-/// Adds the bodies of the pile and their contacts to a system whose first body is the box.
-class PileScene {
+/// The first body is the box.
+class PileScene final : public SceneBuilder {
  public:
-  PileScene(ContactSystem* system, double width, Random* random) : system_(system), width_(width), random_(random) {
-    AddBody(system, "box", MakeFixed("box"));
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
+    const int count = rows_ / 2;
+    width_ = (kMinRadius + kMaxRadius) * std::max(3.0, kBoxAspect * std::sqrt(static_cast<double>(count)));
+    Pile pile(width_);
+    Add("box", MakeFixed("box"));
+
+    Disc crest{{width_ / 2, 0}, 0};  // the highest disc; before the first, a point of the floor
+    int crest_support = kFloor;
+    constexpr int kMaxTries = 10000;
+    for (int i = 0; i < count; ++i) {
+      const double r = random_.Uniform(kMinRadius, kMaxRadius);
+      std::optional<Resting> rest;
+      for (int attempt = 0; !rest && attempt < kMaxTries; ++attempt) {
+        const double direction = random_.Sign();
+        rest = pile.Drop(r, random_.Uniform(r, width_ - r), direction);
+      }
+      if (!rest) throw std::logic_error("disc-pile: no place for disc " + std::to_string(i));
+      const Disc disc{rest->c, r};
+      pile.Add(disc);
+      const int body = AddDisc(disc);
+      Rest(body, rest->support1);
+      Rest(body, rest->support2);
+      if (disc.c.y + disc.r > crest.c.y + crest.r) {
+        crest = disc;
+        crest_support = i;
+      }
+    }
+    if (rows_ % 2 == 1) {
+      // Smaller than the disc that it stands on, so that it clears the walls.
+      const double r = crest_support == kFloor ? kMinRadius : random_.Uniform(0.5, 0.9) * crest.r;
+      crest = {crest.c + Vec2{0, crest.r + r}, r};
+      Rest(AddDisc(crest), crest_support);
+    }
+    const double height = crest.c.y + crest.r;
+    Get(0).outline = {WholeEdge({width_, height}, {width_, 0}), WholeEdge({width_, 0}, {}), WholeEdge({}, {0, height})};
   }
 
-  int Add(const Disc& disc) {
+  void Load() override {
+    const double layers = std::sqrt(1.0 + rows_ / 2);
+    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random_);
+  }
+
+  void Launch(World* world) override { Stir(world, kStir, seed_); }
+
+ private:
+  int AddDisc(const Disc& disc) {
     // Densities from 20 to 320: with the radii, masses spread over a factor 100.
     // One draw per statement: within an expression the order of evaluation is the compiler's choice, and with it the
     // bits.
-    const double share = random_->Uniform(1, 2);
-    const double density = 20 * share * static_cast<double>(1 << random_->Integer(4));
+    const double share = random_.Uniform(1, 2);
+    const double density = 20 * share * static_cast<double>(1 << random_.Integer(4));
     Body body = MakeDisc(disc.c, disc.r, density);
     // Nothing depends on a disc's angle; a nonzero one exercises the frames.
-    body.theta = random_->Uniform(-kPi, kPi);
+    body.theta = random_.Uniform(-kPi, kPi);
     radii_.push_back(disc.r);
-    return AddBody(system_, "disc", std::move(body));
+    return Add("disc", std::move(body));
   }
 
-  void Touch(int body, int support) {
+  void Rest(int body, int support) {
     if (support >= 0) {
-      AddContact(system_, body, Circle(Radius(body)), support + 1, Circle(Radius(support + 1)));
+      Touch(body, Circle(Radius(body)), support + 1, Circle(Radius(support + 1)));
     } else {
-      AddContact(system_, body, Circle(Radius(body)), 0, Side(support));
+      Touch(body, Circle(Radius(body)), 0, Side(support));
     }
   }
 
-  void DrawBox(double height) {
-    system_->bodies[0].outline = {WholeEdge({width_, height}, {width_, 0}), WholeEdge({width_, 0}, {}),
-                                  WholeEdge({}, {0, height})};
-  }
-
- private:
   double Radius(int body) const { return radii_[static_cast<std::size_t>(body) - 1]; }
   StraightEdge Side(int support) const {
     if (support == kFloor) return {{width_, 0}, {}};
@@ -280,59 +307,9 @@ class PileScene {
     return {{width_, 1}, {width_, 0}};
   }
 
-  ContactSystem* system_;
-  double width_;
-  Random* random_;
+  double width_ = 0;
   std::vector<double> radii_;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("disc-pile", rows, seed);
-  const int count = rows / 2;
-  const double width = (kMinRadius + kMaxRadius) * std::max(3.0, kBoxAspect * std::sqrt(static_cast<double>(count)));
-  Pile pile(width);
-  PileScene scene(&system, width, &random);
-
-  Disc crest{{width / 2, 0}, 0};  // the highest disc; before the first, a point of the floor
-  int crest_support = kFloor;
-  constexpr int kMaxTries = 10000;
-  for (int i = 0; i < count; ++i) {
-    const double r = random.Uniform(kMinRadius, kMaxRadius);
-    std::optional<Resting> rest;
-    for (int attempt = 0; !rest && attempt < kMaxTries; ++attempt) {
-      const double direction = random.Sign();
-      rest = pile.Drop(r, random.Uniform(r, width - r), direction);
-    }
-    if (!rest) throw std::logic_error("disc-pile: no place for disc " + std::to_string(i));
-    const Disc disc{rest->c, r};
-    pile.Add(disc);
-    const int body = scene.Add(disc);
-    scene.Touch(body, rest->support1);
-    scene.Touch(body, rest->support2);
-    if (disc.c.y + disc.r > crest.c.y + crest.r) {
-      crest = disc;
-      crest_support = i;
-    }
-  }
-  if (rows % 2 == 1) {
-    // Smaller than the disc that it stands on, so that it clears the walls.
-    const double r = crest_support == kFloor ? kMinRadius : random.Uniform(0.5, 0.9) * crest.r;
-    crest = {crest.c + Vec2{0, crest.r + r}, r};
-    scene.Touch(scene.Add(crest), crest_support);
-  }
-  scene.DrawBox(crest.c.y + crest.r);
-
-  const double layers = std::sqrt(1.0 + count);
-  ApplyLoads(&system, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
-  Stir(&world, kStir, seed);
-  return world;
-}
 
 }  // namespace
 
@@ -341,8 +318,7 @@ extern const SceneFamily kDiscPile{
     "Pile of discs of many sizes and masses in a box",
     "Isostatic, masses spread by up to a factor 100: A is nonsingular but ill-conditioned, which tells "
     "methods whose speed depends on conditioning from direct ones.",
-    &Generate,
-    &Start,
+    &Make<PileScene>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,14 +1,5 @@
 // disc-track: a chain of touching discs that slides along the inside of a circular track.
 //
-// Convex arcs in a concave one, and the only curvature that holds bodies in: all centres turn about the track's centre
-// with one angular velocity, so that every gap rate is zero while the track rows carry the centripetal term (gamma <
-// 0). Discs have an eccentric insert and spin, so that contacts turn them and gamma differs from row to row. Each disc
-// touches the track and two neighbours: A is nonsingular (Jacobi-scaled condition number 6e3 at 200 rows, 2e5 at 1000)
-// and narrowly banded, f unique, and a sparse method needs O(n) where a dense one needs O(n^3). Thrust travels along
-// the whole chain.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 20-70 % at 10 rows, 15-35 % at 100, 20-27 % at 1000, 16-23 % at 3000.
-//
 // k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
 //
 // In motion: the track lies on a plane that is nearly level. In an upright one discs would fall from the top of the
@@ -18,9 +9,7 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -66,56 +55,58 @@ EccentricDisc MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Ran
   return disc;
 }
 
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("disc-track", rows, seed);
-  const int chain = (rows + 1) / 2;
-  const bool straggler = rows % 2 == 0;
+class Track final : public SceneBuilder {
+ public:
+  using SceneBuilder::SceneBuilder;
 
-  std::vector<double> radii;
-  double length = 0;
-  for (int i = 0; i < chain; ++i) {
-    radii.push_back(random.Uniform(kMinRadius, kMaxRadius));
-    length += 2 * radii.back();
+  void Build() override {
+    const int chain = (rows_ + 1) / 2;
+    const bool straggler = rows_ % 2 == 0;
+
+    std::vector<double> radii;
+    double length = 0;
+    for (int i = 0; i < chain; ++i) {
+      radii.push_back(random_.Uniform(kMinRadius, kMaxRadius));
+      length += 2 * radii.back();
+    }
+    const double track = length / kSpan + 3 * kMaxRadius;
+    const double turning = random_.Sign() * std::sqrt(kCentripetal * kGravity / track);
+    const ArcEdge track_arc{{}, track, Side::kConcave};
+    Body fixed = MakeFixed("track");
+    fixed.outline = {FullCircle({}, track, Side::kConcave)};
+    const int track_body = Add("track", fixed);
+
+    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
+    Vec2 direction{start.cos, start.sin};
+    ArcEdge last_rim;
+    const auto add = [&](double r) {
+      const Vec2 center = (track - r) * direction;
+      const EccentricDisc disc = MakeEccentricDisc(center, r, turning * Perp(center), &random_);
+      last_rim = disc.rim;
+      const int body = Add("disc", disc.body);
+      Touch(body, disc.rim, track_body, track_arc);
+      return body;
+    };
+
+    for (int i = 0; i < chain; ++i) {
+      const double r = radii[static_cast<std::size_t>(i)];
+      if (i > 0) direction = NextAlongArc(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
+      const ArcEdge previous_rim = last_rim;
+      const int body = add(r);
+      if (i > 0) Touch(body, last_rim, body - 1, previous_rim);
+    }
+    if (straggler) {
+      // Leaves the place of one disc free behind the chain.
+      direction = NextAlongArc(direction, radii.back(), kMinRadius, track);
+      direction = NextAlongArc(direction, kMinRadius, kMinRadius, track);
+      add(kMinRadius);
+    }
   }
-  const double track = length / kSpan + 3 * kMaxRadius;
-  const double turning = random.Sign() * std::sqrt(kCentripetal * kGravity / track);
-  const ArcEdge track_arc{{}, track, Side::kConcave};
-  Body fixed = MakeFixed("track");
-  fixed.outline = {FullCircle({}, track, Side::kConcave)};
-  const int track_body = AddBody(&system, "track", fixed);
 
-  const Rotation start = SinCos(random.Uniform(0, 2 * kPi));
-  Vec2 direction{start.cos, start.sin};
-  ArcEdge last_rim;
-  const auto add = [&](double r) {
-    const Vec2 center = (track - r) * direction;
-    const EccentricDisc disc = MakeEccentricDisc(center, r, turning * Perp(center), &random);
-    last_rim = disc.rim;
-    const int body = AddBody(&system, "disc", disc.body);
-    AddContact(&system, body, disc.rim, track_body, track_arc);
-    return body;
-  };
+  void Load() override { ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_); }
 
-  for (int i = 0; i < chain; ++i) {
-    const double r = radii[static_cast<std::size_t>(i)];
-    if (i > 0) direction = NextAlongArc(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
-    const ArcEdge previous_rim = last_rim;
-    const int body = add(r);
-    if (i > 0) AddContact(&system, body, last_rim, body - 1, previous_rim);
-  }
-  if (straggler) {
-    // Leaves the place of one disc free behind the chain.
-    direction = NextAlongArc(direction, radii.back(), kMinRadius, track);
-    direction = NextAlongArc(direction, kMinRadius, kMinRadius, track);
-    add(kMinRadius);
-  }
-
-  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kPlane * kGravity}); }
+  void Launch(World* world) override { world->loads.gravity = {0, -kPlane * kGravity}; }
+};
 
 }  // namespace
 
@@ -124,8 +115,7 @@ extern const SceneFamily kDiscTrack{
     "Chain of spinning discs sliding inside a concave track",
     "Convex arcs in a concave one with centripetal terms; A is nonsingular and narrowly banded, which tells "
     "methods that use sparsity from those that fill a dense matrix.",
-    &Generate,
-    &Start,
+    &Make<Track>,
     MotionLevel::kAcceleration,
     1e-2};
 

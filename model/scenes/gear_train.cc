@@ -1,15 +1,5 @@
 // gear-train: gears on pins, each in mesh with the next, driven by a motor.
 //
-// Each gear brings a pin to the frame (two bilateral rows) and one tooth contact with the gear before (one unilateral
-// row), so that J is square on the gears' degrees of freedom and of full rank: A is nonsingular, and its Schur
-// complement in the pins is tridiagonal. Two thirds of the rows are bilateral, which tells methods that eliminate
-// joints from those that carry them as inequalities; tooth contacts lie on either flank at random, so that active and
-// separating contacts alternate without pattern. Flanks are circular arcs that turn: gamma is nonzero in every
-// tooth contact (Jacobi-scaled condition number of A 2e4 at 200 rows, 5e5 at 1000).
-//
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 25-75 % at 10 rows, 38-68 % at 100, 48-54 % at
-// 1000, 50-54 % at 3000.
-//
 // k gears make 3 k rows; what is missing is closed by rollers on the motor's teeth, one row each. Gears turn at the
 // speeds at which their teeth stay in contact, and are placed where the ratios deviate least from those of the counts
 // of teeth, so that they do not drift along a long train.
@@ -28,9 +18,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
@@ -201,28 +189,32 @@ class MeshSearch {
   Mesh best_;
 };
 
-class GearTrain {
+class GearTrain final : public SceneBuilder {
  public:
-  GearTrain(ContactSystem* system, int rows, Random* random) : system_(system), random_(random) {
-    Body frame = MakeFixed("frame");
-    frame_ = AddBody(system, "frame", frame);
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
+    frame_ = Add("frame", MakeFixed("frame"));
     AddMotor();
-    for (int rollers = 0; rollers < rows % kRowsPerGear; ++rollers) AddRoller(rollers);
-    for (int gear = 0; gear < rows / kRowsPerGear; ++gear) AddGear(gear % 2 == 0 ? 1 : -1);
+    for (int rollers = 0; rollers < rows_ % kRowsPerGear; ++rollers) AddRoller(rollers);
+    for (int gear = 0; gear < rows_ / kRowsPerGear; ++gear) AddGear(gear % 2 == 0 ? 1 : -1);
     const double right = last_axle_.x + kFloorBeyond;
-    system->bodies[static_cast<std::size_t>(frame_)].outline = {WholeEdge({right, kFloor}, {-kFloorBeyond, kFloor})};
+    Get(frame_).outline = {WholeEdge({right, kFloor}, {-kFloorBeyond, kFloor})};
   }
 
-  /// Brakes: a torque against each gear's sense of rotation, up to that of its weight at the pitch circle.
-  std::vector<Wrench> Brakes() {
-    std::vector<Wrench> brakes;
-    for (std::size_t i = 0; i < system_->bodies.size(); ++i) {
-      const Body& body = system_->bodies[i];
+  /// With brakes: a torque against each gear's sense of rotation, up to that of its weight at the pitch circle.
+  void Launch(World* world) override {
+    for (std::size_t i = 0; i < world->bodies.size(); ++i) {
+      const Body& body = world->bodies[i];
       if (body.fixed || body.omega == 0) continue;
-      const double torque = body.mass * kGravity * kModule * random_->Uniform(0.2, 1);
-      brakes.push_back({{static_cast<int>(i), {}}, {}, body.omega > 0 ? -torque : torque});
+      const double torque = body.mass * kGravity * kModule * random_.Uniform(0.2, 1);
+      world->loads.wrenches.push_back({{static_cast<int>(i), {}}, {}, body.omega > 0 ? -torque : torque});
     }
-    return brakes;
+  }
+
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    LoadEnds(&system_);
   }
 
  private:
@@ -237,20 +229,20 @@ class GearTrain {
       for (int teeth = kMinTeeth; teeth <= kMaxTeeth; ++teeth) all.push_back(MakeGearKind(teeth));
       return all;
     }();
-    return kinds[static_cast<std::size_t>(random_->Integer(kMaxTeeth - kMinTeeth + 1))];
+    return kinds[static_cast<std::size_t>(random_.Integer(kMaxTeeth - kMinTeeth + 1))];
   }
-  const Body& Last() const { return system_->bodies[static_cast<std::size_t>(last_)]; }
+  const Body& Last() const { return Get(last_); }
 
   void AddMotor() {
     last_kind_ = &DrawKind();
     Body motor = last_kind_->body;
     motor.name = "motor";
     motor.fixed = true;
-    motor.theta = random_->Uniform(0, 2 * kPi);
-    const double sense = random_->Sign();
-    pitch_speed_ = sense * random_->Uniform(kMaxSpeed / 2, kMaxSpeed);
+    motor.theta = random_.Uniform(0, 2 * kPi);
+    const double sense = random_.Sign();
+    pitch_speed_ = sense * random_.Uniform(kMaxSpeed / 2, kMaxSpeed);
     motor.omega = pitch_speed_ / last_kind_->pitch_radius;
-    last_ = AddBody(system_, "motor", motor);
+    last_ = Add("motor", motor);
     last_axle_ = WorldPoint(motor, last_kind_->axle);
   }
 
@@ -266,8 +258,8 @@ class GearTrain {
     const Vec2 direction = Direction(motor.theta + (land.s_begin + land.s_end) / 2);
     Body roller = MakeDisc(last_axle_ + (last_kind_->tip_radius + radius) * direction, radius, kDensity);
     roller.v = VelocityAt(motor, last_axle_ + last_kind_->tip_radius * direction);
-    const int body = AddBody(system_, "roller", roller);
-    AddContact(system_, body, Circle(radius), last_, std::get<ArcEdge>(land.edge));
+    const int body = Add("roller", roller);
+    Touch(body, Circle(radius), last_, std::get<ArcEdge>(land.edge));
   }
 
   void AddGear(double up) {
@@ -278,8 +270,8 @@ class GearTrain {
     // A candidate is tried on a system of the two gears alone.
     for (int k = 0; k < kCandidates && best_error > kRatioSlack; ++k) {
       const GearKind& kind = DrawKind();
-      const double incline = up * random_->Uniform(kMinIncline, kMaxIncline);
-      const std::size_t side = random_->Uniform() < 0.5 ? 0 : 1;
+      const double incline = up * random_.Uniform(kMinIncline, kMaxIncline);
+      const std::size_t side = random_.Uniform() < 0.5 ? 0 : 1;
       const Vec2 axle = last_axle_ + (last_kind_->pitch_radius + kind.pitch_radius) * Direction(incline);
       const std::optional<Mesh> mesh = MeshSearch(*last_kind_, Last(), kind, axle, side).Run();
       if (!mesh) continue;
@@ -301,41 +293,20 @@ class GearTrain {
       best_axle = axle;
     }
     best.bodies[1].name.clear();
-    const int gear = AddBody(system_, "gear", best.bodies[1]);
-    AddPin(system_, gear, best_kind->axle, frame_, best_axle);
-    AddContact(system_, gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);
+    const int gear = Add("gear", best.bodies[1]);
+    AddPin(&system_, gear, best_kind->axle, frame_, best_axle);
+    Touch(gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);
     last_ = gear;
     last_kind_ = best_kind;
     last_axle_ = best_axle;
   }
 
-  ContactSystem* system_;
-  Random* random_;
   int frame_ = -1;
   int last_ = -1;
   const GearKind* last_kind_ = nullptr;
   Vec2 last_axle_;
   double pitch_speed_ = 0;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("gear-train", rows, seed);
-  const GearTrain train(&system, rows, &random);
-  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
-  LoadEnds(&system);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("gear-train", rows, seed);
-  GearTrain train(&system, rows, &random);
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  loads.wrenches = train.Brakes();
-  return SetInMotion(std::move(system), std::move(loads));
-}
 
 }  // namespace
 
@@ -344,8 +315,7 @@ extern const SceneFamily kGearTrain{
     "Train of gears on pins driven by a motor",
     "Two bilateral rows for every tooth contact, on flanks at random: tells methods that eliminate joints "
     "from those that carry them along, with gamma from turning arcs in every row.",
-    &Generate,
-    &Start,
+    &Make<GearTrain>,
     MotionLevel::kVelocity,
     1e-3};
 

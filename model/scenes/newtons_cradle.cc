@@ -1,16 +1,5 @@
 // newtons-cradle: a row of pendulums that touch.
 //
-// Balls of different radii and masses hang side by side from a beam, on rods (one bilateral row), ropes (one unilateral
-// row) or rigid arms (a pin, two bilateral rows), and swing together, so that all have one velocity and touch at one
-// height. Nothing but the neighbours stops a push, so that squeezed balls form blocks as long as the row itself, and a
-// force depends on balls far away: tells methods that carry information one neighbour per sweep from those that solve
-// at once. (Random pushes along a line of bodies leave few gaps: blocks merge until their accelerations increase along
-// the row.) Gusts lift balls against their weight: it is mostly ropes that go slack. gamma is the centripetal term of
-// the supports. J has full rank, and A is banded (Jacobi-scaled condition number 5e3 at 200 rows, 1e5 at 1000).
-//
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 12-33 % at 10 rows, 6-13 % at 100, 9-11 % at
-// 1000, 9-12 % at 3000.
-//
 // k balls make 2 k - 1 rows, and one more for each rigid arm: their number sets the parity.
 //
 // In motion: equal balls on rods with small gaps, the first one or two lifted and let go. The gaps matter: touching
@@ -24,9 +13,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -93,60 +80,61 @@ void DrawBeam(Body* beam, double left, double right) {
                    WholeEdge({left, corner.y}, {left, 0})};
 }
 
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("newtons-cradle", rows, seed);
-  const Counts counts = CountsFor(rows);
-  const std::vector<bool> is_arm = DrawArms(counts, &random);
-  const Rotation angle = SinCos(random.Uniform(-kMaxAngle, kMaxAngle));
-  const Vec2 hang = kLength * Vec2{angle.sin, -angle.cos};
-  const double speed = random.Uniform(-kMaxSpeed, kMaxSpeed);
-  const int beam = AddBody(&system, "beam", MakeFixed("beam"));
+class Cradle final : public SceneBuilder {
+ public:
+  using SceneBuilder::SceneBuilder;
 
-  double x = 0;
-  double last_radius = 0;
-  for (int k = 0; k < counts.balls; ++k) {
-    const double radius = random.Uniform(kMinRadius, kMaxRadius);
-    const double density = random.Uniform(kMinDensity, kMaxDensity);
-    const bool rope = random.Uniform() < kRopeShare;
-    if (k > 0) x += last_radius + radius;
-    last_radius = radius;
-    const bool arm = is_arm[static_cast<std::size_t>(k)];
-    Body body = MakeDisc(Vec2{x, 0} + hang, radius, density);
-    body.v = speed * Perp(hang);
-    if (arm) body.omega = speed;
-    const int ball = AddBody(&system, "ball", body);
-    Hang(&system, ball, beam, {x, 0}, arm ? Support::kArm : (rope ? Support::kRope : Support::kRod));
-    if (k > 0) {
-      const auto& previous = std::get<ArcEdge>(system.bodies[static_cast<std::size_t>(ball) - 1].outline[0].edge);
-      AddContact(&system, ball, Circle(radius), ball - 1, previous);
+  void Build() override {
+    const Counts counts = CountsFor(rows_);
+    const std::vector<bool> is_arm = DrawArms(counts, &random_);
+    const Rotation angle = SinCos(random_.Uniform(-kMaxAngle, kMaxAngle));
+    const Vec2 hang = kLength * Vec2{angle.sin, -angle.cos};
+    const double speed = random_.Uniform(-kMaxSpeed, kMaxSpeed);
+    const int beam = Add("beam", MakeFixed("beam"));
+
+    double x = 0;
+    double last_radius = 0;
+    for (int k = 0; k < counts.balls; ++k) {
+      const double radius = random_.Uniform(kMinRadius, kMaxRadius);
+      const double density = random_.Uniform(kMinDensity, kMaxDensity);
+      const bool rope = random_.Uniform() < kRopeShare;
+      if (k > 0) x += last_radius + radius;
+      last_radius = radius;
+      const bool arm = is_arm[static_cast<std::size_t>(k)];
+      Body body = MakeDisc(Vec2{x, 0} + hang, radius, density);
+      body.v = speed * Perp(hang);
+      if (arm) body.omega = speed;
+      const int ball = Add("ball", body);
+      Hang(&system_, ball, beam, {x, 0}, arm ? Support::kArm : (rope ? Support::kRope : Support::kRod));
+      if (k > 0) {
+        const auto& previous = std::get<ArcEdge>(Get(ball - 1).outline[0].edge);
+        Touch(ball, Circle(radius), ball - 1, previous);
+      }
     }
+    DrawBeam(&Get(beam), -2 * kMaxRadius, x + 2 * kMaxRadius);
   }
-  DrawBeam(&system.bodies[static_cast<std::size_t>(beam)], -2 * kMaxRadius, x + 2 * kMaxRadius);
-  ApplyLoads(&system, {.weight = kGravity, .gust = 2.5 * kGravity}, &random);
-  LoadEnds(&system);
-  return system;
-}
 
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("newtons-cradle", rows, seed);
-  const Counts counts = CountsFor(rows);
-  const std::vector<bool> is_arm = DrawArms(counts, &random);
-  const int lifted = counts.balls > 2 ? 1 + random.Integer(2) : 1;
-  const double spacing = 2 * kBallRadius * (1 + kGapShare / 2);
-  const Rotation lift = SinCos(-kLiftAngle);
-  const int beam = AddBody(&system, "beam", MakeFixed("beam"));
-  for (int k = 0; k < counts.balls; ++k) {
-    const Vec2 anchor{k * spacing, 0};
-    const Vec2 hang = kLength * (k < lifted ? Vec2{lift.sin, -lift.cos} : Vec2{0, -1});
-    const int ball = AddBody(&system, "ball", MakeDisc(anchor + hang, kBallRadius, kBallDensity));
-    Hang(&system, ball, beam, anchor, is_arm[static_cast<std::size_t>(k)] ? Support::kArm : Support::kRod);
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = 2.5 * kGravity}, &random_);
+    LoadEnds(&system_);
   }
-  DrawBeam(&system.bodies[static_cast<std::size_t>(beam)], -2 * kMaxRadius,
-           (counts.balls - 1) * spacing + 2 * kMaxRadius);
-  return WorldUnderGravity(std::move(system), {0, -kGravity});
-}
+
+  void BuildMoving() override {
+    const Counts counts = CountsFor(rows_);
+    const std::vector<bool> is_arm = DrawArms(counts, &random_);
+    const int lifted = counts.balls > 2 ? 1 + random_.Integer(2) : 1;
+    const double spacing = 2 * kBallRadius * (1 + kGapShare / 2);
+    const Rotation lift = SinCos(-kLiftAngle);
+    const int beam = Add("beam", MakeFixed("beam"));
+    for (int k = 0; k < counts.balls; ++k) {
+      const Vec2 anchor{k * spacing, 0};
+      const Vec2 hang = kLength * (k < lifted ? Vec2{lift.sin, -lift.cos} : Vec2{0, -1});
+      const int ball = Add("ball", MakeDisc(anchor + hang, kBallRadius, kBallDensity));
+      Hang(&system_, ball, beam, anchor, is_arm[static_cast<std::size_t>(k)] ? Support::kArm : Support::kRod);
+    }
+    DrawBeam(&Get(beam), -2 * kMaxRadius, (counts.balls - 1) * spacing + 2 * kMaxRadius);
+  }
+};
 
 }  // namespace
 
@@ -155,8 +143,7 @@ extern const SceneFamily kNewtonsCradle{
     "Row of touching pendulums on rods, ropes and arms",
     "Squeezed balls form blocks as long as the row, and ropes go slack: tells methods that pass pushes on "
     "one neighbour a sweep from those that solve at once.",
-    &Generate,
-    &Start,
+    &Make<Cradle>,
     MotionLevel::kAcceleration,
     1e-2,
     1};

@@ -1,14 +1,5 @@
 // oval-train: a train on a closed oval track, its cars kept on it by two path joints each.
 //
-// Path joints (a point of a body on an ellipse or superellipse of another) are the bilateral rows, and couplings the
-// unilateral ones: at random, ropes that only pull and round buffers that only push. Braking and pulling parts of the
-// train thus alternate, and the active set is a matter of all loads along it. A's Schur complement in the path joints
-// is tridiagonal. The track's curvature enters gamma with the square of the speed, and near the flat sides of a
-// superellipse it vanishes. J has full rank (Jacobi-scaled condition number of A 2e3 at 200 rows, 5e4 at 1000).
-//
-// Rows with w > 0 at the solution, of the unilateral rows, seeds 1 to 5: 67 % at 10 rows, 42-67 % at 100, 45-52 % at
-// 1000, 49-52 % at 3000.
-//
 // k cars make 3 k - 1 rows; what is missing is closed by a trolley with a single path joint (one row), coupled to the
 // last car (two rows).
 //
@@ -23,9 +14,7 @@
 #include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
@@ -127,25 +116,27 @@ struct Coupling {
   double radius2 = 0;
 };
 
-class Train {
+class Train final : public SceneBuilder {
  public:
-  Train(ContactSystem* system, int rows, Random* random) : system_(system), random_(random), track_(EllipseEdge{}, 1) {
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
     constexpr int kRowsPerCar = 3;
-    const int cars = (rows + 1) / kRowsPerCar;
-    const int missing = (rows + 1) % kRowsPerCar;
+    const int cars = (rows_ + 1) / kRowsPerCar;
+    const int missing = (rows_ + 1) % kRowsPerCar;
     double length = 2 * kMaxRope;
     std::vector<double> wheelbases;
     for (int i = 0; i < cars; ++i) {
-      wheelbases.push_back(random->Uniform(kMinWheelbase, kMaxWheelbase));
+      wheelbases.push_back(random_.Uniform(kMinWheelbase, kMaxWheelbase));
       couplings_.push_back(DrawCoupling());
       length += wheelbases.back() + couplings_.back().distance;
     }
     if (missing == 1 && cars > 0) couplings_.back() = FreeEnd();
     LayTrack(length);
 
-    s_ = random->Uniform(0, 2 * kPi);
+    s_ = random_.Uniform(0, 2 * kPi);
     // The speed of the first joint; the others follow from the distances between them.
-    speed_ = random->Sign() * std::sqrt(kCentripetal * kGravity * size_);
+    speed_ = random_.Sign() * std::sqrt(kCentripetal * kGravity * size_);
     Coupling before;
     before.radius2 = kMinEnd;
     for (int i = 0; i < cars; ++i) {
@@ -157,30 +148,39 @@ class Train {
     if (missing > 0) AddTrolley(before, missing == 2 && cars > 0);
   }
 
-  int first_car() const { return first_car_; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    LoadEnds(&system_);
+  }
+
+  void Launch(World* world) override {
+    if (first_car_ < 0) return;
+    const Body& car = world->bodies[static_cast<std::size_t>(first_car_)];
+    // The car's x axis points along the track the way the parameter grows.
+    const double sense = Dot(car.v, Rotate(SinCos(car.theta), {1, 0})) > 0 ? 1 : -1;
+    world->loads.thrusters = {{{first_car_, {}}, {sense * kThrust * car.mass * kGravity, 0}}};
+  }
 
  private:
-  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
-
   Coupling DrawCoupling() {
     Coupling coupling;
-    coupling.rope = random_->Uniform() < 0.5;
-    coupling.distance = coupling.rope ? random_->Uniform(kMinRope, kMaxRope) : random_->Uniform(kMinBuffer, kMaxBuffer);
-    coupling.radius1 = coupling.rope ? random_->Uniform(kMinEnd, kMaxEnd) : coupling.distance / 2;
-    coupling.radius2 = coupling.rope ? random_->Uniform(kMinEnd, kMaxEnd) : coupling.distance - coupling.radius1;
+    coupling.rope = random_.Uniform() < 0.5;
+    coupling.distance = coupling.rope ? random_.Uniform(kMinRope, kMaxRope) : random_.Uniform(kMinBuffer, kMaxBuffer);
+    coupling.radius1 = coupling.rope ? random_.Uniform(kMinEnd, kMaxEnd) : coupling.distance / 2;
+    coupling.radius2 = coupling.rope ? random_.Uniform(kMinEnd, kMaxEnd) : coupling.distance - coupling.radius1;
     return coupling;
   }
   static Coupling FreeEnd() { return {true, 2 * kMaxRope, kMinEnd, kMinEnd}; }
 
   void LayTrack(double length) {
-    const double aspect = random_->Uniform(kMinAspect, kMaxAspect);
-    const bool superellipse = random_->Uniform() < 0.5;
+    const double aspect = random_.Uniform(kMinAspect, kMaxAspect);
+    const bool superellipse = random_.Uniform() < 0.5;
     const double perimeter = Track(Oval(1, aspect, superellipse), 1).Perimeter();
     size_ = std::max(kMinTrack, length / (kOccupied * perimeter));
     track_ = Track(Oval(size_, aspect * size_, superellipse), size_);
     Body body = MakeFixed("track");
     body.outline = {{track_.curve(), 0, 2 * kPi}};
-    track_body_ = AddBody(system_, "track", body);
+    track_body_ = Add("track", body);
   }
 
   Feature TrackFeature() const {
@@ -217,10 +217,10 @@ class Train {
     const Vec2 arm = Rotate(SinCos(body.theta), -rear_joint);
     body.x = p1 + arm;
     body.v = v1 + body.omega * Perp(arm);
-    const int car = AddBody(system_, "car", body);
+    const int car = Add("car", body);
     if (index == 0) first_car_ = car;
-    AddPathJoint(system_, car, rear_joint, track_body_, TrackFeature(), s1);
-    AddPathJoint(system_, car, front_joint, track_body_, TrackFeature(), s_);
+    AddPathJoint(&system_, car, rear_joint, track_body_, TrackFeature(), s1);
+    AddPathJoint(&system_, car, front_joint, track_body_, TrackFeature(), s_);
     if (index > 0) Couple(car, rear_joint, before);
     last_car_ = car;
     last_joint_ = front_joint;
@@ -229,10 +229,10 @@ class Train {
 
   void Couple(int body, Vec2 joint, const Coupling& coupling) {
     if (coupling.rope) {
-      AddRope(system_, body, joint, last_car_, last_joint_);
+      AddRope(&system_, body, joint, last_car_, last_joint_);
     } else {
-      AddContact(system_, body, ArcEdge{joint, coupling.radius2, Side::kConvex}, last_car_,
-                 ArcEdge{last_joint_, coupling.radius1, Side::kConvex});
+      Touch(body, ArcEdge{joint, coupling.radius2, Side::kConvex}, last_car_,
+            ArcEdge{last_joint_, coupling.radius1, Side::kConvex});
     }
   }
 
@@ -240,14 +240,12 @@ class Train {
     const double radius = coupled ? before.radius2 : kTrolleyRadius;
     Body body = MakeDisc(track_.Point(s_), radius, kDensity);
     body.v = speed_ * track_.Tangent(s_);
-    const int trolley = AddBody(system_, "trolley", body);
-    AddPathJoint(system_, trolley, {}, track_body_, TrackFeature(), s_);
+    const int trolley = Add("trolley", body);
+    AddPathJoint(&system_, trolley, {}, track_body_, TrackFeature(), s_);
     if (coupled) Couple(trolley, {}, before);
   }
 
-  ContactSystem* system_;
-  Random* random_;
-  Track track_;
+  Track track_{EllipseEdge{}, 1};
   double size_ = 0;
   std::vector<Coupling> couplings_;
   int track_body_ = -1;
@@ -258,30 +256,6 @@ class Train {
   double speed_ = 0;
 };
 
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("oval-train", rows, seed);
-  const Train train(&system, rows, &random);
-  ApplyLoads(&system, {.weight = kGravity, .gust = 2 * kGravity}, &random);
-  LoadEnds(&system);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("oval-train", rows, seed);
-  const Train train(&system, rows, &random);
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  if (train.first_car() >= 0) {
-    const Body& car = system.bodies[static_cast<std::size_t>(train.first_car())];
-    // The car's x axis points along the track the way the parameter grows.
-    const double sense = Dot(car.v, Rotate(SinCos(car.theta), {1, 0})) > 0 ? 1 : -1;
-    loads.thrusters = {{{train.first_car(), {}}, {sense * kThrust * car.mass * kGravity, 0}}};
-  }
-  return SetInMotion(std::move(system), std::move(loads));
-}
-
 }  // namespace
 
 extern const SceneFamily kOvalTrain{
@@ -289,8 +263,7 @@ extern const SceneFamily kOvalTrain{
     "Train on a closed oval track, coupled by ropes and buffers",
     "Two path joints a car on an ellipse or superellipse, couplings that only pull or only push: the "
     "active set is a matter of the loads along the whole train.",
-    &Generate,
-    &Start,
+    &Make<Train>,
     MotionLevel::kVelocity,
     1e-3};
 

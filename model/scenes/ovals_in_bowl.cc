@@ -1,13 +1,5 @@
 // ovals-in-bowl: ellipses of many shapes and sizes, at all angles, piled up in a round bowl.
 //
-// General curves: every contact point is found by a search, and A, b depend on the curvature there. Normals miss the
-// centres of mass, so that contact forces turn the bodies: each brings two rows against three degrees of freedom. J has
-// full rank, A is nonsingular and f unique, with the whole pile above in every force (Jacobi-scaled condition number
-// 100 at 200 rows, 160 at 1000). The pile swings in the bowl as one, and the ovals on its surface spin in
-// their cradles besides, all gap rates zero: gamma is nonzero in every row.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 20-60 % at 10 rows, 19-28 % at 100, 20-22 % at 1000, 20-21 % at 3000.
-//
 // As a sequence: the swinging pile under gravity alone.
 //
 // Ovals fill the bowl from its bottom, each in the lowest pocket of the pile's surface (oval_front.h): k ovals make
@@ -21,9 +13,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/oval_front.h"
-#include "model/scenes/packing_parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -57,39 +47,30 @@ NewOval RandomOval(double scale, Random* random) {
   return made;
 }
 
-class OvalScene {
+class OvalScene final : public SceneBuilder {
  public:
-  OvalScene(ContactSystem* system, int rows, Random* random)
-      : system_(system),
-        random_(random),
-        count_((rows + 1) / 2),
-        radius_(4 * kMaxAxis + std::sqrt(2 * kMeanArea * count_ / (kPi * kPacking))),
-        front_(radius_, kMaxAxis) {
-    Body bowl = MakeFixed("bowl");
-    AddBody(system, "bowl", bowl);
-    layers_ = std::sqrt(1.0 + count_);
-    const double weight = kWeight / std::sqrt(layers_);
-    swing_ = random->Sign() * std::sqrt(kCentripetal * weight / radius_);
-  }
+  using SceneBuilder::SceneBuilder;
 
-  void Build(bool on_crest) {
-    const NewOval first = RandomOval(1, random_);
-    const Vec2 slanted{random_->Uniform(-0.2, 0.2), -1};
+  void Build() override {
+    Add("bowl", MakeFixed("bowl"));
+    swing_ = random_.Sign() * std::sqrt(kCentripetal * weight_ / radius_);
+    const NewOval first = RandomOval(1, &random_);
+    const Vec2 slanted{random_.Uniform(-0.2, 0.2), -1};
     front_.AddFirst(first.oval, (1 / Norm(slanted)) * slanted);
     Adopt(first.theta, {kLeftBowl, kLeftBowl});
     for (int i = 1; i < count_; ++i) {
       for (int attempt = 0;; ++attempt) {
         if (attempt == kMaxTries) throw std::logic_error("ovals-in-bowl: no place for oval " + std::to_string(i));
-        const NewOval oval = RandomOval(1, random_);
+        const NewOval oval = RandomOval(1, &random_);
         const auto supports = front_.Add(oval.oval);
         if (!supports) continue;
         Adopt(oval.theta, *supports);
         break;
       }
     }
-    for (int attempt = 0; on_crest; ++attempt) {
+    for (int attempt = 0; rows_ % 2 == 0; ++attempt) {
       if (attempt == kMaxTries) throw std::logic_error("ovals-in-bowl: no place on the crest");
-      const NewOval oval = RandomOval(0.6, random_);
+      const NewOval oval = RandomOval(0.6, &random_);
       const auto support = front_.AddOnCrest(oval.oval);
       if (!support) continue;
       Adopt(oval.theta, {*support, *support});
@@ -99,7 +80,7 @@ class OvalScene {
     DrawBowl();
   }
 
-  double weight() const { return kWeight / std::sqrt(layers_); }
+  void Load() override { ApplyLoads(&system_, {.weight = weight_, .gust = kGravity}, &random_); }
 
  private:
   static constexpr int kMaxTries = 1000;
@@ -110,26 +91,26 @@ class OvalScene {
   void Adopt(double theta, const OvalSupports& supports) {
     const int k = static_cast<int>(front_.ovals().size()) - 1;
     const PlacedOval& oval = front_.ovals()[static_cast<std::size_t>(k)];
-    const double density = 40 * random_->Uniform(1, 4);
-    AddBody(system_, "oval", MakeOval(oval.c, theta, oval.a, oval.b, density));
+    const double density = 40 * random_.Uniform(1, 4);
+    Add("oval", MakeOval(oval.c, theta, oval.a, oval.b, density));
     supports_.push_back(supports);
     bears_.push_back(false);
-    Touch(k, supports.left);
-    if (supports.right != supports.left) Touch(k, supports.right);
+    Rest(k, supports.left);
+    if (supports.right != supports.left) Rest(k, supports.right);
   }
 
-  void Touch(int k, int support) {
+  void Rest(int k, int support) {
     const PlacedOval& oval = front_.ovals()[static_cast<std::size_t>(k)];
     const OvalGap gap = GapTo(oval, support);
     if (IsBowl(support)) {
-      AddContact(system_, k + 1, Oval(oval.a, oval.b), 0, ArcEdge{{}, radius_, Side::kConcave});
+      Touch(k + 1, Oval(oval.a, oval.b), 0, ArcEdge{{}, radius_, Side::kConcave});
     } else {
       const PlacedOval& other = front_.ovals()[static_cast<std::size_t>(support)];
-      AddContact(system_, k + 1, Oval(oval.a, oval.b), support + 1, Oval(other.a, other.b));
-      system_->constraints.back().s2 = Parameter(other, gap.n);
+      Touch(k + 1, Oval(oval.a, oval.b), support + 1, Oval(other.a, other.b));
+      system_.constraints.back().s2 = Parameter(other, gap.n);
       bears_[static_cast<std::size_t>(support)] = true;
     }
-    system_->constraints.back().s1 = Parameter(oval, -gap.n);
+    system_.constraints.back().s1 = Parameter(oval, -gap.n);
   }
 
   OvalGap GapTo(const PlacedOval& oval, int support) const {
@@ -144,13 +125,13 @@ class OvalScene {
 
   void SetVelocities() {
     for (std::size_t k = 0; k < supports_.size(); ++k) {
-      Body& body = system_->bodies[k + 1];
+      Body& body = system_.bodies[k + 1];
       body.v = swing_ * Perp(body.x);
       body.omega = swing_;
       if (bears_[k]) continue;
       // One more motion keeps both gaps, n.dv + (R x n) dw = 0: spin with the displacement that it forces.
       const PlacedOval& oval = front_.ovals()[k];
-      const double spin = random_->Uniform(-kMaxSpin, kMaxSpin);
+      const double spin = random_.Uniform(-kMaxSpin, kMaxSpin);
       const OvalGap gap1 = GapTo(oval, supports_[k].left);
       const OvalGap gap2 = GapTo(oval, supports_[k].right);
       const double rate1 = -spin * Cross(-SupportOf(oval, gap1.n).arm, gap1.n);
@@ -171,30 +152,17 @@ class OvalScene {
     for (const PlacedOval& oval : front_.ovals()) top = std::max(top, oval.c.y + 2 * oval.a);
     const double rim = std::clamp(top / radius_, -0.9, 0.9);
     const double angle = AngleOf({std::sqrt(1 - rim * rim), rim});
-    system_->bodies[0].outline = {OutlineEdge{ArcEdge{{}, radius_, Side::kConcave}, angle + 2 * kPi, kPi - angle}};
+    system_.bodies[0].outline = {OutlineEdge{ArcEdge{{}, radius_, Side::kConcave}, angle + 2 * kPi, kPi - angle}};
   }
 
-  ContactSystem* system_;
-  Random* random_;
-  int count_;
-  double radius_;
-  OvalFront front_;
-  double layers_ = 1;
+  const int count_ = (rows_ + 1) / 2;
+  const double radius_ = 4 * kMaxAxis + std::sqrt(2 * kMeanArea * count_ / (kPi * kPacking));
+  const double weight_ = kWeight / std::sqrt(std::sqrt(1.0 + count_));
+  OvalFront front_{radius_, kMaxAxis};
   double swing_ = 0;  ///< angular velocity of the pile about the bowl's middle [rad/s]
   std::vector<OvalSupports> supports_;
   std::vector<bool> bears_;  ///< whether anything rests on it
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("ovals-in-bowl", rows, seed);
-  OvalScene scene(&system, rows, &random);
-  scene.Build(rows % 2 == 0);
-  ApplyLoads(&system, {.weight = scene.weight(), .gust = kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kGravity}); }
 
 }  // namespace
 
@@ -203,8 +171,7 @@ extern const SceneFamily kOvalsInBowl{
     "Pile of ellipses in a round bowl",
     "General curves whose contact points must be searched, normals that miss the centres of mass, b that "
     "depends on curvature; nonsingular, with every force depending on the whole pile above.",
-    &Generate,
-    &Start,
+    &Make<OvalScene>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -37,10 +37,35 @@ Vec2 BoxCorner(double width, double height, int corner);
 /// Edge 0..3 of a box in its body frame: bottom, right, top, left.
 StraightEdge BoxEdge(double width, double height, int edge);
 
+/// The oval with semi-axes a and b about its body's origin, a along the body's x axis.
+EllipseEdge Oval(double a, double b);
+/// A homogeneous ellipse about x, turned by theta [rad]: mass pi a b density, inertia m (a^2 + b^2) / 4.
+Body MakeOval(Vec2 x, double theta, double a, double b, double density);
+
+/// A homogeneous ring about x, inner < outer radius: mass pi (R^2 - r^2) density, inertia m (R^2 + r^2) / 2.
+Body MakeRing(Vec2 x, double outer_radius, double inner_radius, double density);
+
+/// A box with quarter-circle corners about its body's origin. 0 < corner, 2 corner < width and height.
+struct RoundedBoxShape {
+  double width = 1;
+  double height = 1;
+  double corner = 0.1;
+
+  /// Arc at corner 0..3, counter-clockwise from the lower left (as BoxCorner).
+  ArcEdge Corner(int corner_index) const;
+  /// The straight part of edge 0..3: bottom, right, top, left (as BoxEdge).
+  StraightEdge Edge(int edge) const;
+};
+/// A homogeneous one about x.
+Body MakeRoundedBox(Vec2 x, const RoundedBoxShape& shape, double density);
+
 /// Of two discs that touch each other and the inside of an arc of radius `arc`, one after the other counter-clockwise:
 /// the unit direction from the arc's centre to the second disc's, given that to the first. In the triangle with sides
 /// a = arc - r1, b = arc - r2 and r1 + r2, sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b), and a - b = r2 - r1.
 Vec2 NextAlongArc(Vec2 direction, double r1, double r2, double arc);
+
+/// The point at these distances from two others, the one on the left of the way from the first to the second.
+Vec2 NotchPoint(Vec2 center1, double reach1, Vec2 center2, double reach2);
 
 /// Appends and returns the index; a body without a name gets "<kind> <index>".
 int AddBody(ContactSystem* system, std::string_view kind, Body body);

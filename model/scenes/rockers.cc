@@ -1,15 +1,5 @@
 // rockers: a row of rocking bodies with round bottoms and straight tops, on a floor, carrying discs, boxes and poles.
 //
-// Every contact kind that turning bodies make: arc on straight floor, arc to arc, corner on arc, and discs, corners and
-// flat boxes on straight edges that turn. Rockers rotate at several rad/s about arc centres that all travel at one
-// speed, and riders slide on their tops, so that every gap rate is zero while gamma is nonzero on about 85 % of the
-// rows: a model with a wrong velocity-product term gives every solver a wrong b here. Elements are added one by one
-// with no more rows than degrees of freedom, so that J has full rank: A is nonsingular (Jacobi-scaled condition number
-// 6e3 at 200 rows, 1.5e5 at 1000), f unique, and the problem solvable in spite of gamma (MODEL.md section 8, property
-// 3).
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 10-50 % at 10 rows, 20-38 % at 100, 26-28 % at 1000, 27-29 % at 3000.
-//
 // A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
 //
 // In motion: the same in upright gravity, a fifth as fast.
@@ -18,9 +8,7 @@
 #include <cmath>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -70,27 +58,36 @@ struct Rocker {
   Vec2 top_normal;   ///< world, outward
 };
 
-class RockerRow {
+class RockerRow final : public SceneBuilder {
  public:
-  RockerRow(ContactSystem* system, int rows, Random* random)
-      : system_(system), left_(rows), random_(random), drift_(random->Uniform(-2, 2)) {
-    floor_ = AddBody(system, "floor", MakeFixed("floor"));
-  }
+  using SceneBuilder::SceneBuilder;
 
-  void Build() {
+  void Build() override {
+    drift_ = random_.Uniform(-2, 2);
+    floor_ = Add("floor", MakeFixed("floor"));
     AddRocker(NewRadius(), 0);
     while (left_ > 0) {
       AddRider();
-      if (left_ >= 3 && random_->Uniform() < 0.25) {
+      if (left_ >= 3 && random_.Uniform() < 0.25) {
         const Corner corner = AddSpacer();
         if (left_ >= 2) AddRockerAtCorner(corner);
       } else if (left_ >= 2) {
         AddTouchingRocker();
-        if (left_ >= 2 && random_->Uniform() < 0.4) AddNotchDisc();
+        if (left_ >= 2 && random_.Uniform() < 0.4) AddNotchDisc();
       }
       if (left_ == 1) AddRoller();
     }
-    system_->bodies[static_cast<std::size_t>(floor_)].outline = {WholeEdge({end_ + 1, 0}, {-1, 0})};
+    Get(floor_).outline = {WholeEdge({end_ + 1, 0}, {-1, 0})};
+  }
+
+  void Load() override { ApplyLoads(&system_, {.weight = 0.3 * kGravity, .gust = 2 * kGravity}, &random_); }
+
+  void Launch(World* world) override {
+    // Gap rates are linear in the velocities: they stay 0.
+    for (Body& body : world->bodies) {
+      body.v = kCalm * body.v;
+      body.omega = kCalm * body.omega;
+    }
   }
 
  private:
@@ -100,14 +97,7 @@ class RockerRow {
     Vec2 world;
   };
 
-  double NewRadius() { return random_->Uniform(kMinRadius, kMaxRadius); }
-  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
-  static StraightEdge Floor() { return {{1, 0}, {}}; }
-
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(system_, body1, feature1, body2, feature2);
-    --left_;
-  }
+  double NewRadius() { return random_.Uniform(kMinRadius, kMaxRadius); }
 
   /// A rocker whose arc is centred at height `radius` above floor point x: one row.
   void AddRocker(double radius, double x) {
@@ -120,8 +110,8 @@ class RockerRow {
     // The plain body with a round ballast of radius / 6 at a random place: moves the centre of mass off the axis.
     const double mass = unit_.area * radius * radius * kDensity;
     const double ballast_radius = radius / 6;
-    const double ballast = kPi * ballast_radius * ballast_radius * kDensity * random_->Uniform(0, 20);
-    const Vec2 ballast_at = (0.6 * radius) * Vec2{random_->Uniform(-1, 1), random_->Uniform(-1, 0)};
+    const double ballast = kPi * ballast_radius * ballast_radius * kDensity * random_.Uniform(0, 20);
+    const Vec2 ballast_at = (0.6 * radius) * Vec2{random_.Uniform(-1, 1), random_.Uniform(-1, 0)};
     const Vec2 centroid{0, unit_.centroid * radius};
     Body body;
     body.mass = mass + ballast;
@@ -129,8 +119,8 @@ class RockerRow {
     const double inertia_center = unit_.inertia * radius * radius * radius * radius * kDensity +
                                   ballast * (ballast_radius * ballast_radius / 2 + Dot(ballast_at, ballast_at));
     body.inertia = inertia_center - body.mass * Dot(offset, offset);
-    body.theta = random_->Uniform(-kMaxTilt, kMaxTilt);
-    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    body.theta = random_.Uniform(-kMaxTilt, kMaxTilt);
+    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
     const Rotation tilt = SinCos(body.theta);
     const Vec2 arm = Rotate(tilt, offset);
     body.x = rocker.center + arm;
@@ -143,7 +133,7 @@ class RockerRow {
     rocker.top_normal = Perp(rocker.top_tangent);
     rocker.top_middle = rocker.center + radius * top.sin * rocker.top_normal;
     body.outline = {{rocker.arc, kPi - kTopAngle, 2 * kPi + kTopAngle}, WholeEdge(rocker.top.a, rocker.top.b)};
-    rocker.body = AddBody(system_, "rocker", body);
+    rocker.body = Add("rocker", body);
     Touch(rocker.body, rocker.arc, floor_, Floor());
   }
 
@@ -160,12 +150,12 @@ class RockerRow {
 
   /// A box on the floor whose upper left corner touches the last rocker's arc: three rows.
   Corner AddSpacer() {
-    const double height = random_->Uniform(0.5, 0.9) * kMinRadius;
-    const double width = random_->Uniform(0.6, 1) * kMinRadius;
+    const double height = random_.Uniform(0.5, 0.9) * kMinRadius;
+    const double width = random_.Uniform(0.6, 1) * kMinRadius;
     const double x = last_.center.x + HalfChord(last_.radius, height) + width / 2;
     Body body = MakeBox({x, height / 2}, width, height, kDensity);
     body.v = {drift_, 0};
-    const int box = AddBody(system_, "spacer", body);
+    const int box = Add("spacer", body);
     for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, floor_, Floor());
     Touch(box, Vertex{BoxCorner(width, height, 3)}, last_.body, last_.arc);
     end_ = x + width / 2;
@@ -182,24 +172,19 @@ class RockerRow {
 
   /// A small disc in the notch above the contact of the last two rockers: two rows.
   void AddNotchDisc() {
-    const double reach1 = previous_.radius + kNotchRadius;
-    const double reach2 = last_.radius + kNotchRadius;
-    const Vec2 between = last_.center - previous_.center;
-    const double distance = Norm(between);
-    const double along = (reach1 * reach1 - reach2 * reach2 + distance * distance) / (2 * distance);
-    const Vec2 unit = (1 / distance) * between;
-    const Vec2 center = previous_.center + along * unit + std::sqrt(reach1 * reach1 - along * along) * Perp(unit);
+    const Vec2 center =
+        NotchPoint(previous_.center, previous_.radius + kNotchRadius, last_.center, last_.radius + kNotchRadius);
     Body body = MakeDisc(center, kNotchRadius, 4 * kDensity);
     body.v = {drift_, 0};
-    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
-    const int disc = AddBody(system_, "disc", body);
+    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    const int disc = Add("disc", body);
     Touch(disc, Circle(kNotchRadius), previous_.body, previous_.arc);
     Touch(disc, Circle(kNotchRadius), last_.body, last_.arc);
   }
 
   /// Something on the last rocker's top, or nothing: none to two rows.
   void AddRider() {
-    const double choice = random_->Uniform();
+    const double choice = random_.Uniform();
     if (choice < 0.3) {
       AddDiscRider();
     } else if (choice < 0.55) {
@@ -209,52 +194,52 @@ class RockerRow {
     }
   }
 
-  Vec2 TopPoint(double share) const {
-    return last_.top_middle + (share * last_.radius * random_->Uniform(-1, 1)) * last_.top_tangent;
+  Vec2 TopPoint(double share) {
+    return last_.top_middle + (share * last_.radius * random_.Uniform(-1, 1)) * last_.top_tangent;
   }
   /// Velocity of what slides over the last rocker's top at world point p.
   Vec2 SlidingVelocity(Vec2 p) {
     const Body& rocker = Get(last_.body);
-    return rocker.v + rocker.omega * Perp(p - rocker.x) + random_->Uniform(-kMaxSlip, kMaxSlip) * last_.top_tangent;
+    return rocker.v + rocker.omega * Perp(p - rocker.x) + random_.Uniform(-kMaxSlip, kMaxSlip) * last_.top_tangent;
   }
 
   void AddDiscRider() {
-    const double radius = random_->Uniform(0.15, 0.3) * last_.radius;
+    const double radius = random_.Uniform(0.15, 0.3) * last_.radius;
     const Vec2 p = TopPoint(0.35);
     Body body = MakeDisc(p + radius * last_.top_normal, radius, kDensity);
-    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
     // The foot of the centre on a turning line: the rim's own spin has no component along the normal there.
     body.v = SlidingVelocity(p);
-    Touch(AddBody(system_, "disc", body), Circle(radius), last_.body, last_.top);
+    Touch(Add("disc", body), Circle(radius), last_.body, last_.top);
   }
 
   /// A slender box that stands on one corner.
   void AddPoleRider() {
     const double width = 0.14 * last_.radius;
-    const double height = random_->Uniform(0.5, 0.8) * last_.radius;
-    const double side = random_->Sign();  // one draw per statement: the order within an expression is not defined
-    const double lean = side * random_->Uniform(0.1, 0.3);
+    const double height = random_.Uniform(0.5, 0.8) * last_.radius;
+    const double side = random_.Sign();  // one draw per statement: the order within an expression is not defined
+    const double lean = side * random_.Uniform(0.1, 0.3);
     const Vec2 p = TopPoint(0.25);
     // Turned to the left it stands on its left corner.
     const Vec2 corner = BoxCorner(width, height, lean > 0 ? 0 : 1);
     Body body = MakeBox({}, width, height, 2 * kDensity);
     body.theta = Get(last_.body).theta + lean;
-    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
     const Vec2 arm = Rotate(SinCos(body.theta), corner);
     body.x = p - arm;
     body.v = SlidingVelocity(p) - body.omega * Perp(arm);
-    Touch(AddBody(system_, "pole", body), Vertex{corner}, last_.body, last_.top);
+    Touch(Add("pole", body), Vertex{corner}, last_.body, last_.top);
   }
 
   /// A box that lies flat on the top and so turns with it: two rows.
   void AddBoxRider() {
-    const double width = random_->Uniform(0.4, 0.7) * last_.radius;
-    const double height = random_->Uniform(0.2, 0.4) * last_.radius;
+    const double width = random_.Uniform(0.4, 0.7) * last_.radius;
+    const double height = random_.Uniform(0.2, 0.4) * last_.radius;
     Body body = MakeBox(TopPoint(0.25) + (height / 2) * last_.top_normal, width, height, kDensity);
     body.theta = Get(last_.body).theta;
     body.omega = Get(last_.body).omega;
     body.v = SlidingVelocity(body.x);
-    const int box = AddBody(system_, "box", body);
+    const int box = Add("box", body);
     for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, last_.body, last_.top);
   }
 
@@ -264,39 +249,18 @@ class RockerRow {
     end_ += 2 * kMaxRadius;
     Body body = MakeDisc({end_, radius}, radius, kDensity);
     body.v = {drift_, 0};
-    body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
-    Touch(AddBody(system_, "disc", body), Circle(radius), floor_, Floor());
+    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    Touch(Add("disc", body), Circle(radius), floor_, Floor());
     end_ += radius;
   }
 
-  ContactSystem* system_;
-  int left_;  ///< rows still to be made
-  Random* random_;
-  double drift_;  ///< common speed of all arc centres [m/s]
+  double drift_ = 0;  ///< common speed of all arc centres [m/s]
   const UnitRocker unit_ = MakeUnitRocker();
   int floor_ = 0;
   double end_ = 0;  ///< right end of the row so far
   Rocker last_;
   Rocker previous_;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("rockers", rows, seed);
-  RockerRow(&system, rows, &random).Build();
-  ApplyLoads(&system, {.weight = 0.3 * kGravity, .gust = 2 * kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
-  // Gap rates are linear in the velocities: they stay 0.
-  for (Body& body : world.bodies) {
-    body.v = kCalm * body.v;
-    body.omega = kCalm * body.omega;
-  }
-  return world;
-}
 
 }  // namespace
 
@@ -305,8 +269,7 @@ extern const SceneFamily kRockers{
     "Row of rocking bodies carrying discs, boxes and poles",
     "Every contact kind on turning edges, nonzero velocity-product terms on most rows, full rank: "
     "moderate sizes that most methods should solve, with b that depends on curvature.",
-    &Generate,
-    &Start,
+    &Make<RockerRow>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,16 +1,5 @@
 // roller-bearing: bearings with rows of rollers between concentric races, side by side and on top of one another.
 //
-// A shaft turns in one to three rings that turn in one another, with a row of rollers between each two: convex arcs on
-// a convex race and in a concave one, the closest fit of curvatures in any family. Load rollers touch both races, the
-// spacers between them one race and both neighbours; a spacer's place is left free in every row. A roller that is held
-// by both races cannot give way: A is rank deficient (rank 0.83 of the rows at 1000) and a load on the shaft spreads
-// over half the rollers in proportions that f leaves open. Rings are bodies with dozens of contacts, dense blocks in A.
-// The outer rings stand in rows on the floor of a frame and on one another, and pass on what presses on them. Rollers
-// orbit, each row at its own speed, with all gap rates zero: every race row has a centripetal term (gamma != 0).
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 20-80 % at 10 rows, 16-27 % at 100, 9-11 % at 1000, 8-10 % at 3000;
-// from 100 on another 11-18 % have f = w = 0 in a basic solution.
-//
 // As a sequence: the same speeds under gravity, with a load on every shaft.
 //
 // The last bearing ends where the rows do; a single row left is a disc on its top (or, alone, on the floor).
@@ -21,9 +10,7 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/packing_parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -71,24 +58,33 @@ struct Roller {
   double distance = 0;  ///< from the middle
 };
 
-class Bearings {
+class Bearings final : public SceneBuilder {
  public:
-  Bearings(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
-    frame_ = AddBody(system, "frame", MakeFixed("frame"));
-    columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rows) / kSizes[0].rows))));
-  }
+  using SceneBuilder::SceneBuilder;
 
-  void Build() {
+  void Build() override {
+    frame_ = Add("frame", MakeFixed("frame"));
+    columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rows_) / kSizes[0].rows))));
     while (left_ >= 2) AddBearing();
     if (left_ == 1) AddTopDisc();
     const double width = (2 * columns_ + 1) * kOuterRadius;
     const int stories = 1 + count_ / columns_;
     const double height = 2 * kOuterRadius * stories;
-    system_->bodies[static_cast<std::size_t>(frame_)].outline = {WholeEdge({width, height}, {width, 0}),
-                                                                 WholeEdge({width, 0}, {}), WholeEdge({}, {0, height})};
+    Get(frame_).outline = {WholeEdge({width, height}, {width, 0}), WholeEdge({width, 0}, {}),
+                           WholeEdge({}, {0, height})};
   }
 
-  int count() const { return count_; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + count_), .gust = kGravity}, &random_);
+  }
+
+  void Launch(World* world) override {
+    for (std::size_t i = 0; i < world->bodies.size(); ++i) {
+      const Body& body = world->bodies[i];
+      if (!body.name.starts_with("shaft")) continue;
+      world->loads.wrenches.push_back({{static_cast<int>(i), {}}, {0, -kShaftLoad * body.mass * kGravity}, 0});
+    }
+  }
 
  private:
   /// At the next place of the rows of bearings: two rows for its outer ring, the others inside.
@@ -103,10 +99,10 @@ class Bearings {
     std::vector<double> roller_radii;
     double shaft_radius = bore - (size.roller_rows - 1) * kInnerThickness;
     for (int k = 0; k < size.roller_rows; ++k) {
-      roller_radii.push_back(random_->Uniform(size.min_radius, size.max_radius));
+      roller_radii.push_back(random_.Uniform(size.min_radius, size.max_radius));
       shaft_radius -= 2 * roller_radii.back();
     }
-    const int ring = AddBody(system_, "outer ring", MakeRing(middle, kOuterRadius, bore, kDensity));
+    const int ring = Add("outer ring", MakeRing(middle, kOuterRadius, bore, kDensity));
     rings_.push_back(ring);
     ++count_;
     const ArcEdge rim = Circle(kOuterRadius);
@@ -123,14 +119,14 @@ class Bearings {
 
     if (left_ < 2) return;
     Races races{middle, -1, -1, shaft_radius, 0, 0};
-    races.inner = AddBody(system_, "shaft", MakeDisc(middle, shaft_radius, kDensity));
+    races.inner = Add("shaft", MakeDisc(middle, shaft_radius, kDensity));
     for (int k = 0; k < size.roller_rows; ++k) {
       const bool last = k + 1 == size.roller_rows;
       races.outer_radius = last ? bore : races.inner_radius + 2 * roller_radii[static_cast<std::size_t>(k)];
       const double rim_radius = races.outer_radius + kInnerThickness;
-      races.outer = last ? ring : AddBody(system_, "ring", MakeRing(middle, rim_radius, races.outer_radius, kDensity));
-      const double speed = std::sqrt(random_->Uniform(0.1, 1) * kCentripetal * kGravity / races.pitch_radius());
-      races.orbit = random_->Sign() * speed;
+      races.outer = last ? ring : Add("ring", MakeRing(middle, rim_radius, races.outer_radius, kDensity));
+      const double speed = std::sqrt(random_.Uniform(0.1, 1) * kCentripetal * kGravity / races.pitch_radius());
+      races.orbit = random_.Sign() * speed;
       FillRow(races);
       races.inner = races.outer;
       races.inner_radius = rim_radius;
@@ -142,7 +138,7 @@ class Bearings {
     // Free between the last and the first, over the load rollers' radius.
     constexpr double kSlack = 0.3;
     const double r = races.roller_radius();
-    const Rotation start = SinCos(random_->Uniform(0, 2 * kPi));
+    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
     Vec2 direction{start.cos, start.sin};
     const Vec2 first = races.pitch_radius() * direction;
     Roller previous;
@@ -151,8 +147,8 @@ class Bearings {
       Roller next{-1, r, races.pitch_radius()};
       bool on_inner = true;
       if (k % 2 == 1) {
-        next.radius = r * random_->Uniform(kMinSpacer, kMaxSpacer);
-        on_inner = random_->Uniform() < 0.5;
+        next.radius = r * random_.Uniform(kMinSpacer, kMaxSpacer);
+        on_inner = random_.Uniform() < 0.5;
         next.distance = on_inner ? races.inner_radius + next.radius : races.outer_radius - next.radius;
       }
       if (k > 0) {
@@ -182,58 +178,30 @@ class Bearings {
   }
 
   int AddRoller(const Races& races, Vec2 from_middle, double radius) {
-    Body roller = MakeDisc(races.middle + from_middle, radius, kDensity * random_->Uniform(1, 2));
+    Body roller = MakeDisc(races.middle + from_middle, radius, kDensity * random_.Uniform(1, 2));
     roller.v = races.orbit * Perp(from_middle);
     // As if rolling on the inner race at rest; no row depends on it.
     roller.omega = races.orbit * Norm(from_middle) / radius;
-    return AddBody(system_, "roller", roller);
+    return Add("roller", roller);
   }
 
   /// One row on top of the last bearing, or on the floor.
   void AddTopDisc() {
     constexpr double kRadius = 0.1;
     if (rings_.empty()) {
-      Touch(AddBody(system_, "disc", MakeDisc({kOuterRadius, kRadius}, kRadius, kDensity)), Circle(kRadius), frame_,
+      Touch(Add("disc", MakeDisc({kOuterRadius, kRadius}, kRadius, kDensity)), Circle(kRadius), frame_,
             StraightEdge{{1, 0}, {}});
       return;
     }
-    const Vec2 top = system_->bodies[static_cast<std::size_t>(rings_.back())].x + Vec2{0, kOuterRadius + kRadius};
-    Touch(AddBody(system_, "disc", MakeDisc(top, kRadius, kDensity)), Circle(kRadius), rings_.back(),
-          Circle(kOuterRadius));
+    const Vec2 top = Get(rings_.back()).x + Vec2{0, kOuterRadius + kRadius};
+    Touch(Add("disc", MakeDisc(top, kRadius, kDensity)), Circle(kRadius), rings_.back(), Circle(kOuterRadius));
   }
 
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(system_, body1, feature1, body2, feature2);
-    --left_;
-  }
-
-  ContactSystem* system_;
-  int left_;  ///< rows still to be made
-  Random* random_;
   int frame_ = 0;
   int columns_ = 1;
   int count_ = 0;
   std::vector<int> rings_;  ///< outer ones
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("roller-bearing", rows, seed);
-  Bearings bearings(&system, rows, &random);
-  bearings.Build();
-  ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + bearings.count()), .gust = kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  World world = WorldUnderGravity(Generate(rows, seed), {0, -kGravity});
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) {
-    const Body& body = world.bodies[i];
-    if (!body.name.starts_with("shaft")) continue;
-    world.loads.wrenches.push_back({{static_cast<int>(i), {}}, {0, -kShaftLoad * body.mass * kGravity}, 0});
-  }
-  return world;
-}
 
 }  // namespace
 
@@ -242,8 +210,7 @@ extern const SceneFamily kRollerBearing{
     "Rollers between concentric races",
     "Convex arcs in concave ones, highly redundant, with rings that touch hundreds of rollers: dense "
     "blocks in A, which tell methods that form A from those that work with J.",
-    &Generate,
-    &Start,
+    &Make<Bearings>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,16 +1,7 @@
 // rounded-wall: a toothed brick wall in running bond, of bricks with rounded corners.
 //
-// Rounded boxes have no vertices: flush faces touch where one brick's corner arc begins on the other's straight face,
-// arc/straight contacts at both ends of the overlap. A brick stands on two others (four rows) and most joints between
-// bricks of a course are closed (two rows): up to six rows a brick against three degrees of freedom, the most redundant
-// of the walls: A is rank deficient (rank 0.53 of the rows at 1000). Weight and thrust spread over a whole triangle of
-// bricks below, and sideways along courses.
-//
 // Corner radii are random, from two ranges that alternate along a course, so that the ends of two faces' overlap never
 // coincide (where they do, the contact's features are ambiguous). All at rest: gamma = 0.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 40-60 % at 10 rows, 39-52 % at 100, 24-48 % at 1000, 21-37 % at 3000;
-// from 100 on another 3-29 % have f = w = 0 in a basic solution.
 //
 // As a sequence: the wall on a plane that leans by a sixth, down which its courses slide.
 //
@@ -21,9 +12,7 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/packing_parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -51,16 +40,15 @@ struct Brick {
   RoundedBoxShape shape;
 };
 
-class RoundedWall {
+class RoundedWall final : public SceneBuilder {
  public:
-  RoundedWall(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
-    floor_ = AddBody(system, "floor", MakeFixed("floor"));
-    const double rows_per_brick = 4 + 2 * kClosedShare;
-    const double aspect = random->Uniform(kMinAspect, kMaxAspect);
-    base_ = std::max(2, static_cast<int>(std::sqrt(aspect * rows / rows_per_brick)));
-  }
+  using SceneBuilder::SceneBuilder;
 
-  void Build() {
+  void Build() override {
+    floor_ = Add("floor", MakeFixed("floor"));
+    const double rows_per_brick = 4 + 2 * kClosedShare;
+    const double aspect = random_.Uniform(kMinAspect, kMaxAspect);
+    base_ = std::max(2, static_cast<int>(std::sqrt(aspect * rows_ / rows_per_brick)));
     std::vector<Brick> below;
     for (;; ++courses_) {
       const std::vector<Brick> course = BuildCourse(below);
@@ -68,10 +56,14 @@ class RoundedWall {
       below = course;
     }
     const double end = CloseCount();
-    system_->bodies[static_cast<std::size_t>(floor_)].outline = {WholeEdge({end, 0}, {-kPitch, 0})};
+    Get(floor_).outline = {WholeEdge({end, 0}, {-kPitch, 0})};
   }
 
-  int courses() const { return courses_ + 1; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + (courses_ + 1)), .gust = 2 * kGravity}, &random_);
+  }
+
+  void Launch(World* world) override { world->loads.gravity = kGravity * Vec2{kLean, -std::sqrt(1 - kLean * kLean)}; }
 
  private:
   /// Odd courses begin and end half a brick further in.
@@ -85,7 +77,7 @@ class RoundedWall {
     const int shift = courses_ % 2 == 1 ? 0 : -1;
     bool closed_left = false;
     for (int j = 0; j < count; ++j) {
-      const bool closed_right = j + 1 < count && random_->Uniform() < kClosedShare;
+      const bool closed_right = j + 1 < count && random_.Uniform() < kClosedShare;
       const int first = std::max(0, j + shift);
       const int last = std::min(static_cast<int>(below.size()) - 1, j + shift + 1);
       const int supports = courses_ == 0 ? 1 : last - first + 1;
@@ -109,9 +101,9 @@ class RoundedWall {
     const double end = (j + 1 + 0.5 * (courses_ % 2)) * kPitch - (closed_right ? 0 : kHalfJoint);
     const double* range = (j + courses_) % 2 == 0 ? kSharp : kBlunt;
     Brick brick;
-    brick.shape = {end - begin, kHeight, kHeight * random_->Uniform(range[0], range[1])};
+    brick.shape = {end - begin, kHeight, kHeight * random_.Uniform(range[0], range[1])};
     const Vec2 x{(begin + end) / 2, (courses_ + 0.5) * kHeight};
-    brick.body = AddBody(system_, "brick", MakeRoundedBox(x, brick.shape, kDensity));
+    brick.body = Add("brick", MakeRoundedBox(x, brick.shape, kDensity));
     return brick;
   }
 
@@ -135,45 +127,22 @@ class RoundedWall {
     double x = kPitch * (base_ + 1);
     while (left_ > 0) {
       if (left_ >= 2) {
-        const RoundedBoxShape shape{kPitch, kHeight, kHeight * random_->Uniform(kBlunt[0], kBlunt[1])};
-        const int brick = AddBody(system_, "brick", MakeRoundedBox({x, kHeight / 2}, shape, kDensity));
+        const RoundedBoxShape shape{kPitch, kHeight, kHeight * random_.Uniform(kBlunt[0], kBlunt[1])};
+        const int brick = Add("brick", MakeRoundedBox({x, kHeight / 2}, shape, kDensity));
         for (const int corner : {0, 1}) Touch(brick, shape.Corner(corner), floor_, Floor());
       } else {
         constexpr double kRadius = kHeight / 2;
-        Touch(AddBody(system_, "disc", MakeDisc({x, kRadius}, kRadius, kDensity)), Circle(kRadius), floor_, Floor());
+        Touch(Add("disc", MakeDisc({x, kRadius}, kRadius, kDensity)), Circle(kRadius), floor_, Floor());
       }
       x += 1.5 * kPitch;
     }
     return x;
   }
 
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(system_, body1, feature1, body2, feature2);
-    --left_;
-  }
-  static StraightEdge Floor() { return {{1, 0}, {}}; }
-
-  ContactSystem* system_;
-  int left_;  ///< rows still to be made
-  Random* random_;
   int floor_ = 0;
   int base_ = 2;     ///< bricks in even courses
   int courses_ = 0;  ///< complete ones
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("rounded-wall", rows, seed);
-  RoundedWall wall(&system, rows, &random);
-  wall.Build();
-  ApplyLoads(&system, {.weight = kWeight / std::sqrt(1.0 + wall.courses()), .gust = 2 * kGravity}, &random);
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  const Vec2 down{kLean, -std::sqrt(1 - kLean * kLean)};
-  return WorldUnderGravity(Generate(rows, seed), kGravity * down);
-}
 
 }  // namespace
 
@@ -182,8 +151,7 @@ extern const SceneFamily kRoundedWall{
     "Wall of bricks with rounded corners",
     "Flat contacts through corner arcs, up to six rows a brick against three degrees of freedom: the most "
     "redundant wall, with A far from full rank.",
-    &Generate,
-    &Start,
+    &Make<RoundedWall>,
     MotionLevel::kVelocity,
     1e-3};
 

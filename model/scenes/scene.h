@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string_view>
 
@@ -10,6 +11,8 @@
 
 namespace lcpbench {
 
+class SceneBuilder;
+
 /// A named, seeded family of scenes: for every number of rows and seed one acceleration-level problem, and a world in
 /// motion that meets a sequence of them.
 struct SceneFamily {
@@ -17,10 +20,11 @@ struct SceneFamily {
   std::string_view title;    ///< a few words
   std::string_view purpose;  ///< what the family tells apart, one or two sentences
   /// The system with exactly `rows` rows (>= 1); the same seed gives the same bits on every x86-64 machine.
-  ContactSystem (*generate)(int rows, std::uint64_t seed);
+  ContactSystem generate(int rows, std::uint64_t seed) const;
   /// The sequence form: the world that starts moving, its size meant as in `generate` (as many rows where all bodies
   /// touch). The same bits for the same seed.
-  World (*start)(int rows, std::uint64_t seed);
+  World start(int rows, std::uint64_t seed) const;
+  std::unique_ptr<SceneBuilder> (*make)(std::string_view key, int rows, std::uint64_t seed);
   /// The level that suits the scene: kVelocity for piles, where event location would stall.
   MotionLevel level;
   /// Time between two problems of its sequence, and the time step at the velocity level [s].

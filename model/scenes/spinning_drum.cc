@@ -1,16 +1,5 @@
 // spinning-drum: balls and ovals between the baffles of a turning drum.
 //
-// A kinematic body that does not merely stand: the drum turns and speeds up, so that its prescribed angular
-// acceleration enters b through the baffles, and everything turns with it, so that every row carries velocity-product
-// terms. Piles of balls (convex arcs in a concave one, against each other and against straight baffles) and chains of
-// ovals (general curves in the arc and against each other) lie in sectors that know nothing of each other: A falls into
-// blocks, which tells methods that find or use independent parts from those whose cost grows with the whole. Loads
-// pull every way, and the same sector is full at the bottom and falling at the top. The common motion meets every
-// constraint, so that the problem is solvable for every seed. J has full rank, and A is well conditioned (Jacobi-scaled
-// 2e2 at 200 and at 1000 rows).
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 10-20 % at 10 rows, 21-35 % at 100, 14-22 % at 1000, 13-22 % at 3000.
-//
 // Balls bring two rows each; a chain of k ovals 2 k - 1.
 //
 // In motion: the drum turns at constant speed about as fast as holds the bodies to its wall, and those at the top fall.
@@ -22,9 +11,7 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
-#include "model/scenes/parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
@@ -105,35 +92,46 @@ Vec2 Turned(Vec2 direction, double sine) {
   return (1 / Norm(turned)) * turned;
 }
 
-class Drum {
+class Drum final : public SceneBuilder {
  public:
-  Drum(ContactSystem* system, int rows, Random* random) : system_(system) {
-    const std::vector<Sector> sectors = PlanSectors(rows, random);
+  using SceneBuilder::SceneBuilder;
+
+  void Build() override {
+    const std::vector<Sector> sectors = PlanSectors(rows_, &random_);
     double length = 0;
     for (const Sector& sector : sectors) length += sector.Length();
     // Centres lie inside the wall, where the same lengths take larger angles.
     radius_ = std::max(kMinDrum, length / (2 * kPi * kFilledShare) + 2 * kMaxRadius);
     wall_ = {{}, radius_, Side::kConcave};
     Body drum = MakeFixed("drum");
-    const double centripetal = kGravity * random->Uniform(kMinCentripetal, kMaxCentripetal);
-    drum.omega = random->Sign() * std::sqrt(centripetal / radius_);
-    drum.alpha = kSpinUp * kGravity / radius_ * random->Uniform(-1, 1);
-    drum_ = AddBody(system, "drum", drum);
+    const double centripetal = kGravity * random_.Uniform(kMinCentripetal, kMaxCentripetal);
+    drum.omega = random_.Sign() * std::sqrt(centripetal / radius_);
+    drum.alpha = kSpinUp * kGravity / radius_ * random_.Uniform(-1, 1);
+    drum_ = Add("drum", drum);
 
-    const Rotation start = SinCos(random->Uniform(0, 2 * kPi));
+    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
     Vec2 ray{start.cos, start.sin};
     for (const Sector& sector : sectors) {
       baffles_.push_back(ray);
       ray = sector.ovals ? AddOvals(sector, ray) : AddBalls(sector, ray);
     }
     Draw();
-    for (Body& body : system->bodies) {
+    for (Body& body : system_.bodies) {
       if (!body.fixed) TurnAboutOrigin(&body, drum.omega);
     }
   }
 
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kGravity, .gust = kGravity}, &random_);
+    LoadEnds(&system_, {.squeeze = 50, .burst = 100});
+  }
+
+  void Launch(World* world) override {
+    // Constant speed: a drum that speeds up would leave every scale behind.
+    for (Body& body : world->bodies) body.alpha = 0;
+  }
+
  private:
-  Body& Get(int body) { return system_->bodies[static_cast<std::size_t>(body)]; }
   static Vec2 SideOf(Vec2 ray) { return (kBaffleWidth / 2) * Perp(ray); }
   /// The counter-clockwise face of a baffle, in the direction of travel around the drum's inside.
   StraightEdge Face(Vec2 ray) const {
@@ -147,12 +145,10 @@ class Drum {
     double radius = 0;
   };
 
-  Ball AddBall(Vec2 center, double radius) {
-    return {AddBody(system_, "ball", MakeDisc(center, radius, kDensity)), center, radius};
-  }
+  Ball AddBall(Vec2 center, double radius) { return {Add("ball", MakeDisc(center, radius, kDensity)), center, radius}; }
 
-  void Touch(const Ball& ball, const Ball& other) {
-    AddContact(system_, ball.body, Circle(ball.radius), other.body, Circle(other.radius));
+  void TouchBalls(const Ball& ball, const Ball& other) {
+    Touch(ball.body, Circle(ball.radius), other.body, Circle(other.radius));
   }
 
   /// A pile on the counter-clockwise side of the baffle at `ray`: a row along the wall and shorter rows in its notches.
@@ -167,11 +163,11 @@ class Drum {
         direction = NextAlongArc(direction, layer.back().radius, r, radius_);
       }
       const Ball ball = AddBall((radius_ - r) * direction, r);
-      AddContact(system_, ball.body, Circle(r), drum_, wall_);
+      Touch(ball.body, Circle(r), drum_, wall_);
       if (layer.empty()) {
-        AddContact(system_, ball.body, Circle(r), drum_, Face(ray));
+        Touch(ball.body, Circle(r), drum_, Face(ray));
       } else {
-        Touch(ball, layer.back());
+        TouchBalls(ball, layer.back());
       }
       layer.push_back(ball);
     }
@@ -183,8 +179,8 @@ class Drum {
       std::vector<Ball> above;
       for (std::size_t k = 0; k + 1 < layer.size() && left > 0; ++k, --left) {
         above.push_back(AddNotchBall(layer[k], layer[k + 1]));
-        Touch(above.back(), layer[k]);
-        Touch(above.back(), layer[k + 1]);
+        TouchBalls(above.back(), layer[k]);
+        TouchBalls(above.back(), layer[k + 1]);
       }
       layer = above;
     }
@@ -194,13 +190,7 @@ class Drum {
   /// On the inner side of two balls, touching both.
   Ball AddNotchBall(const Ball& ball1, const Ball& ball2) {
     const double r = kNotchShare * std::min(ball1.radius, ball2.radius);
-    const double reach1 = ball1.radius + r;
-    const double reach2 = ball2.radius + r;
-    const Vec2 between = ball2.center - ball1.center;
-    const double distance = Norm(between);
-    const Vec2 unit = (1 / distance) * between;
-    const double along = (reach1 * reach1 - reach2 * reach2 + distance * distance) / (2 * distance);
-    return AddBall(ball1.center + along * unit + std::sqrt(reach1 * reach1 - along * along) * Perp(unit), r);
+    return AddBall(NotchPoint(ball1.center, ball1.radius + r, ball2.center, ball2.radius + r), r);
   }
 
   /// Equal ovals that lie on the wall along their long sides, side by side. Two of them touch on the ray halfway
@@ -222,16 +212,16 @@ class Drum {
       oval.name.clear();
       oval.x = c * direction;
       oval.theta = AngleOf(Perp(direction));
-      const int body = AddBody(system_, "oval", oval);
-      AddContact(system_, body, rim, drum_, wall_);
-      system_->constraints.back().s1 = -kPi / 2;
+      const int body = Add("oval", oval);
+      Touch(body, rim, drum_, wall_);
+      system_.constraints.back().s1 = -kPi / 2;
       if (k > 0) {
         // Towards the oval before; mirrored for that one.
         const Vec2 normal{-Dot(Perp(edge), Perp(direction)), Dot(Perp(edge), direction)};
         const double s = AngleOf({a * normal.x, b * normal.y});
-        AddContact(system_, body, rim, body - 1, rim);
-        system_->constraints.back().s1 = s;
-        system_->constraints.back().s2 = kPi - s;
+        Touch(body, rim, body - 1, rim);
+        system_.constraints.back().s1 = s;
+        system_.constraints.back().s2 = kPi - s;
       }
       edge = Turned(direction, half_sine);
     }
@@ -258,30 +248,11 @@ class Drum {
     Get(drum_).outline = std::move(outline);
   }
 
-  ContactSystem* system_;
   double radius_ = 0;
   ArcEdge wall_;
   int drum_ = -1;
   std::vector<Vec2> baffles_;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("spinning-drum", rows, seed);
-  const Drum drum(&system, rows, &random);
-  ApplyLoads(&system, {.weight = kGravity, .gust = kGravity}, &random);
-  LoadEnds(&system, {.squeeze = 50, .burst = 100});
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("spinning-drum", rows, seed);
-  const Drum drum(&system, rows, &random);
-  // Constant speed: a drum that speeds up would leave every scale behind.
-  for (Body& body : system.bodies) body.alpha = 0;
-  return WorldUnderGravity(std::move(system), {0, -kGravity});
-}
 
 }  // namespace
 
@@ -290,8 +261,7 @@ extern const SceneFamily kSpinningDrum{
     "Balls and ovals between the baffles of a turning drum",
     "A kinematic body whose motion and acceleration enter b, and independent sectors of balls and general "
     "curves: tells methods that use blocks from those whose cost grows with the whole.",
-    &Generate,
-    &Start,
+    &Make<Drum>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,16 +1,8 @@
 // tall-stacks: stacks of boxes, discs and ovals, heavy on light, many of them with a heavy beam across three.
 //
-// The masses of a stack differ by a ratio of 10 to 10^6 (the first group's is 10^6, the others draw a power of ten),
-// the heaviest never below the lightest: all light with the heaviest on top, rising by decades from the floor, or light
-// and heavy by turns. Forces differ as much, and the light bodies between heavy ones make A ill-conditioned for any
-// scaling (of the Jacobi-scaled A without the dependent rows 6e6 to 3e7 at 200 and at 1000 rows): methods that sweep
-// locally need as many sweeps as the mass ratio, and an absolute tolerance means nothing.
-//
 // Contacts are flat (box on box or floor, two rows), round on flat, and round on round (one row); discs and ovals roll
 // and slide over one another, so that gamma is nonzero there and depends on curvature. A beam stands on three stacks of
 // the same height and overhangs by its own contacts: rank 0.97 of the rows at 1000.
-//
-// Rows with w > 0 at the solution, seeds 1 to 5: 10-50 % at 10 rows, 14-40 % at 100, 20-23 % at 1000, 23 % at 3000.
 //
 // The topmost and heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others
 // either way: one that presses down closes its whole stack.
@@ -23,9 +15,7 @@
 #include <cmath>
 #include <vector>
 
-#include "model/scenes/packing_parts.h"
-#include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
@@ -73,41 +63,43 @@ struct Top {
   double y = 0;  ///< of the uppermost point
 };
 
-class Stacks {
+class Stacks final : public SceneBuilder {
  public:
-  Stacks(ContactSystem* system, int rows, Random* random) : system_(system), left_(rows), random_(random) {
-    floor_ = AddBody(system, "floor", MakeFixed("floor"));
-  }
+  using SceneBuilder::SceneBuilder;
 
-  void Build() {
+  void Build() override {
+    floor_ = Add("floor", MakeFixed("floor"));
     int decades = kMostDecades;
     while (left_ > 0) {
-      const auto profile = static_cast<Profile>(random_->Integer(3));
+      const auto profile = static_cast<Profile>(random_.Integer(3));
       if (left_ >= kGroupRows) {
         AddGroup(profile, decades);
       } else {
         AddSingle(profile, decades);
       }
-      decades = 1 + random_->Integer(kMostDecades);
+      decades = 1 + random_.Integer(kMostDecades);
       lift_ = !lift_;
       axis_ += kSpacing;
     }
-    system_->bodies[static_cast<std::size_t>(floor_)].outline = {WholeEdge({axis_, 0}, {-kSpacing, 0})};
+    Get(floor_).outline = {WholeEdge({axis_, 0}, {-kSpacing, 0})};
   }
 
-  const std::vector<int>& lifted() const { return lifted_; }
+  void Load() override {
+    ApplyLoads(&system_, {.weight = kWeight, .gust = kGravity}, &random_);
+    for (const int heavy : lifted_) Get(heavy).force.y = std::abs(Get(heavy).force.y);
+  }
 
  private:
   /// Three legs of the same height with a beam across.
   void AddGroup(Profile profile, int decades) {
-    const int bodies = kMinBodies + random_->Integer(kMaxBodies - kMinBodies + 1);
+    const int bodies = kMinBodies + random_.Integer(kMaxBodies - kMinBodies + 1);
     const double height = bodies * kStorey;
     const double first = axis_;
     const double mass = kLightest * PowerOfTen(decades);
     std::vector<Top> tops;
     for (int leg = 0; leg < kLegs; ++leg, axis_ += kSpacing) {
       // As many bodies or one less, so that legs differ.
-      const int own = bodies - random_->Integer(2);
+      const int own = bodies - random_.Integer(2);
       std::vector<Element> elements;
       double sum = 0;
       for (int k = 0; k < own; ++k) {
@@ -124,7 +116,7 @@ class Stacks {
     axis_ -= kSpacing;
     const double width = axis_ - first + kSpacing / 2;
     const Vec2 x{(first + axis_) / 2, height + kBeamHeight / 2};
-    const int beam = AddBody(system_, "beam", MakeBox(x, width, kBeamHeight, mass / (width * kBeamHeight)));
+    const int beam = Add("beam", MakeBox(x, width, kBeamHeight, mass / (width * kBeamHeight)));
     if (lift_) lifted_.push_back(beam);
     for (const Top& top : tops) {
       if (top.kind == Kind::kBox) {
@@ -137,7 +129,7 @@ class Stacks {
 
   /// A stack that ends where the rows do.
   void AddSingle(Profile profile, int decades) {
-    const int bodies = std::min(left_, kMinBodies + random_->Integer(kMaxBodies - kMinBodies + 1));
+    const int bodies = std::min(left_, kMinBodies + random_.Integer(kMaxBodies - kMinBodies + 1));
     Top top = FloorTop();
     for (int k = 0; k < bodies && left_ > 0; ++k) {
       Element element = Scaled(NewElement(), kStorey);
@@ -149,10 +141,10 @@ class Stacks {
 
   Element NewElement() {
     Element element;
-    const double draw = random_->Uniform();
+    const double draw = random_.Uniform();
     element.kind = draw < 0.45 ? Kind::kBox : draw < 0.7 ? Kind::kDisc : Kind::kOval;
-    element.height = random_->Uniform(kMinShare, 1);
-    element.width = random_->Uniform(0.9, 1.8) * element.height;
+    element.height = random_.Uniform(kMinShare, 1);
+    element.width = random_.Uniform(0.9, 1.8) * element.height;
     return element;
   }
 
@@ -198,9 +190,9 @@ class Stacks {
       name = "oval";
       body = MakeOval(x, 0, w / 2, h / 2, 4 * mass / (kPi * w * h));
     }
-    body.v = {random_->Uniform(-kMaxSpeed, kMaxSpeed), 0};
-    if (element.kind != Kind::kBox) body.omega = random_->Uniform(-kMaxSpin, kMaxSpin);
-    const Top top{AddBody(system_, name, body), element.kind, w, h, below.y + h};
+    body.v = {random_.Uniform(-kMaxSpeed, kMaxSpeed), 0};
+    if (element.kind != Kind::kBox) body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    const Top top{Add(name, body), element.kind, w, h, below.y + h};
     if (lift_ && mass == heaviest) lifted_.push_back(top.body);
     if (element.kind == Kind::kBox && below.kind == Kind::kBox) {
       // The narrower one's corners on the other's face.
@@ -229,37 +221,18 @@ class Stacks {
   }
 
   void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(system_, body1, feature1, body2, feature2);
-    Constraint& contact = system_->constraints.back();
+    SceneBuilder::Touch(body1, feature1, body2, feature2);
+    Constraint& contact = system_.constraints.back();
     // Ovals are upright: touched from below at s = -pi/2 and from above at pi/2.
     if (std::holds_alternative<EllipseEdge>(feature1)) contact.s1 = -kPi / 2;
     if (std::holds_alternative<EllipseEdge>(feature2)) contact.s2 = kPi / 2;
-    --left_;
   }
 
-  ContactSystem* system_;
-  int left_;  ///< rows still to be made
-  Random* random_;
   int floor_ = 0;
   double axis_ = 0;   ///< x of the next stack
   bool lift_ = true;  ///< the heaviest bodies of the stacks being built
   std::vector<int> lifted_;
 };
-
-ContactSystem Generate(int rows, std::uint64_t seed) {
-  Random random(seed);
-  ContactSystem system = EmptyScene("tall-stacks", rows, seed);
-  Stacks stacks(&system, rows, &random);
-  stacks.Build();
-  ApplyLoads(&system, {.weight = kWeight, .gust = kGravity}, &random);
-  for (const int heavy : stacks.lifted()) {
-    Vec2& force = system.bodies[static_cast<std::size_t>(heavy)].force;
-    force.y = std::abs(force.y);
-  }
-  return system;
-}
-
-World Start(int rows, std::uint64_t seed) { return WorldUnderGravity(Generate(rows, seed), {0, -kGravity}); }
 
 }  // namespace
 
@@ -268,8 +241,7 @@ extern const SceneFamily kTallStacks{
     "Stacks with mass ratios up to a million",
     "Heavy bodies on light ones: forces and the eigenvalues of A spread over as many orders of magnitude, "
     "which tells direct methods from those that sweep locally, and relative from absolute tolerances.",
-    &Generate,
-    &Start,
+    &Make<Stacks>,
     MotionLevel::kVelocity,
     1e-3};
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -183,6 +184,13 @@ inline std::uint64_t HashOf(const ContactSystem& system) {
     hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
   }
   return hash;
+}
+
+/// Eigenvalues of the Jacobi-scaled A, ascending.
+inline Eigen::VectorXd ScaledEigenvalues(const LcpProblem& problem) {
+  const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd scaled = root.asDiagonal() * problem.DenseA() * root.asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
 }
 
 }  // namespace lcpbench::testing

@@ -275,6 +275,8 @@ TEST(SceneFileErrors, LoadsNameWhatDoesNotFit) {
       {"a spring of no direction",
        WithLoads(R"("springs": [{"body1": "a", "body2": "b", "stiffness": 1, "rest_length": 1}])"),
        "/loads/springs/0: ", "length 0"},
+      {"a negative damper", WithLoads(R"("dampers": [{"body1": "a", "body2": "b", "coefficient": -1}])"),
+       "/loads/dampers/0/coefficient: ", "expected a number >= 0"},
       {"a damper of no direction", WithLoads(R"("dampers": [{"body1": "a", "body2": "b", "coefficient": 1}])"),
        "/loads/dampers/0: ", "length 0"},
       {"a thruster on nothing", WithLoads(R"("thrusters": [{"body": "c", "force": [0, 1]}])"),

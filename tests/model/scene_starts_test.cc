@@ -14,7 +14,7 @@
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {

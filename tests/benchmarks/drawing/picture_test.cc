@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 #include <string>
@@ -12,8 +13,10 @@
 #include "benchmarks/drawing/picture_style.h"
 #include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
+#include "model/scenes/scene.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -161,6 +164,45 @@ TEST(Pictures, LabelForcesWhereThereIsRoomOnly) {
     const std::string svg = RenderSvg(system, AssembleContactLcp(system), &f, &w);
     EXPECT_EQ(Count(svg, ">19.6 N<"), count == 1 ? 1 : 0);
     EXPECT_NE(svg.find("active, f &gt; 0 (" + std::to_string(count) + ")"), std::string::npos);
+  }
+}
+
+TEST(RenderSvg, DrawsEveryBodyOfEveryFamilyInWellFormedSvg) {
+  for (const SceneFamily& family : AllScenes()) {
+    for (const int rows : {1, 12, 150, 400}) {
+      const ContactSystem system = family.generate(rows, 2);
+      const AssembledLcp lcp = AssembleContactLcp(system);
+      const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(rows, 0, 1);
+      const Eigen::VectorXd w = Eigen::VectorXd::Zero(rows);
+      for (const bool solved : {false, true}) {
+        const std::string svg = RenderSvg(system, lcp, solved ? &f : nullptr, solved ? &w : nullptr);
+        // Every '<' opens a tag, a closing tag matches the last open one, and none stays open.
+        std::vector<std::string> open;
+        for (std::size_t at = svg.find('<'); at != std::string::npos; at = svg.find('<', at + 1)) {
+          const std::size_t end = svg.find('>', at);
+          ASSERT_NE(end, std::string::npos);
+          const std::string tag = svg.substr(at + 1, end - at - 1);
+          ASSERT_EQ(tag.find('<'), std::string::npos) << tag;
+          ASSERT_EQ(std::count(tag.begin(), tag.end(), '"') % 2, 0) << tag;
+          const std::string name = tag.substr(0, tag.find(' '));
+          if (tag.front() == '/') {
+            ASSERT_FALSE(open.empty());
+            ASSERT_EQ(open.back(), name.substr(1));
+            open.pop_back();
+          } else if (tag.back() != '/') {
+            open.push_back(name);
+          }
+        }
+        EXPECT_TRUE(open.empty());
+        EXPECT_EQ(svg.find("nan"), std::string::npos);
+        EXPECT_EQ(svg.find("inf"), std::string::npos);
+        for (const Body& body : system.bodies) {
+          EXPECT_NE(svg.find("<title>" + body.name + ","), std::string::npos) << body.name;
+        }
+      }
+      const Eigen::VectorXd wrong = Eigen::VectorXd::Zero(rows + 1);
+      EXPECT_THROW(RenderSvg(system, lcp, &wrong, nullptr), InputError);
+    }
   }
 }
 

@@ -23,6 +23,7 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/model/scene_checks.h"
 
 namespace lcpbench {
 namespace {
@@ -32,14 +33,14 @@ constexpr double kSize = 0.02;
 
 using BodyPairs = std::multiset<std::pair<int, int>>;
 
-class Mechanisms : public testing::TestWithParam<const char*> {
+class Mechanisms : public ::testing::TestWithParam<const char*> {
  protected:
   static ContactSystem Generate(int rows, std::uint64_t seed) { return GenerateScene(GetParam(), rows, seed); }
   static World Start(int rows, std::uint64_t seed) { return StartScene(GetParam(), rows, seed); }
   static bool IsCradle() { return std::string(GetParam()) == "newtons-cradle"; }
 };
 
-std::string ParamName(const testing::TestParamInfo<const char*>& info) {
+std::string ParamName(const ::testing::TestParamInfo<const char*>& info) {
   std::string name(info.param);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
@@ -67,43 +68,11 @@ Eigen::ArrayXd ScaledAcceleration(const LcpProblem& problem, LcpSolver* solver, 
 
 const Body& BodyOf(const ContactSystem& system, int i) { return system.bodies[static_cast<std::size_t>(i)]; }
 
-TEST_P(Mechanisms, GiveExactlyTheRowsAskedFor) {
-  std::vector<int> sizes;
-  for (int rows = 1; rows <= 70; ++rows) sizes.push_back(rows);
-  for (const int rows : {127, 300, 1000, 1001, 1002, 1003}) sizes.push_back(rows);
-  for (const int rows : sizes) {
-    for (const std::uint64_t seed : {0ULL, 1ULL, 2ULL, 12345678901234567ULL, ~0ULL}) {
-      const ContactSystem system = Generate(rows, seed);
-      int count = 0;
-      for (const Constraint& c : system.constraints) count += c.type == ConstraintType::kPin ? 2 : 1;
-      ASSERT_EQ(count, rows) << system.name;
-    }
-    ASSERT_EQ(static_cast<int>(AssembleContactLcp(Generate(rows, 1)).rows.size()), rows);
-  }
-}
-
-TEST_P(Mechanisms, MeetEveryConstraintAndMoveWithIt) {
-  for (const int rows : {1, 2, 3, 5, 10, 11, 12, 40, 100, 1000, 10000}) {
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const ContactSystem system = Generate(rows, seed);
-      double speed = 1;
-      for (const Body& body : system.bodies) speed = std::max(speed, Norm(body.v));
-      for (const RowInfo& row : AssembleContactLcp(system).rows) {
-        ASSERT_LE(std::abs(row.d), 1e-9 * kSize) << system.name;
-        ASSERT_LE(std::abs(row.d_dot), 1e-10 * speed) << system.name;
-      }
-    }
-  }
-}
-
 TEST_P(Mechanisms, HaveFullRank) {
   for (const int rows : {10, 40, 200}) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const LcpProblem problem = AssembleContactLcp(Generate(rows, seed)).problem;
-      const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();
-      const Eigen::MatrixXd scaled = root.asDiagonal() * problem.DenseA() * root.asDiagonal();
-      const Eigen::VectorXd values =
-          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
+      const Eigen::VectorXd values = lcpbench::testing::ScaledEigenvalues(problem);
       EXPECT_GE(values.minCoeff(), 1e-9 * values.maxCoeff()) << rows << " rows, seed " << seed;
     }
   }
@@ -121,21 +90,6 @@ double SeparatingShare(const ContactSystem& system, LcpSolver* solver) {
     if (w[static_cast<Index>(i)] > 1e-7) ++separating;
   }
   return static_cast<double>(separating) / unilateral;
-}
-
-TEST_P(Mechanisms, MixActiveAndSeparatingRows) {
-  const auto dense = MakeSolver("dantzig");
-  const auto sparse = FindSolver("ipm").available ? MakeSolver("ipm") : nullptr;
-  for (const int rows : {10, 30, 100, 300, 1000, 3000}) {
-    LcpSolver* solver = rows < 1000 ? dense.get() : sparse.get();
-    if (solver == nullptr) continue;
-    for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const ContactSystem system = Generate(rows, seed);
-      const double share = SeparatingShare(system, solver);
-      EXPECT_GE(share, 0.05) << system.name;
-      EXPECT_LE(share, 0.80) << system.name;
-    }
-  }
 }
 
 // With a handful of contacts it takes the loads at the ends to mix them for every seed.
@@ -175,28 +129,6 @@ TEST_P(Mechanisms, StartAsWorldsWhoseOutlinesTouchWhereListed) {
   }
 }
 
-TEST_P(Mechanisms, StartFromTheSameBitsForTheSameSeed) {
-  for (const int rows : {1, 10, 100}) {
-    const World first = Start(rows, 7);
-    const World again = Start(rows, 7);
-    ASSERT_EQ(first.bodies.size(), again.bodies.size());
-    for (std::size_t i = 0; i < first.bodies.size(); ++i) {
-      const Body& p = first.bodies[i];
-      const Body& q = again.bodies[i];
-      for (const auto& [a, b] : {std::pair(p.x.x, q.x.x),
-                                 {p.x.y, q.x.y},
-                                 {p.theta, q.theta},
-                                 {p.v.x, q.v.x},
-                                 {p.v.y, q.v.y},
-                                 {p.omega, q.omega},
-                                 {p.mass, q.mass},
-                                 {p.inertia, q.inertia}}) {
-        ASSERT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b)) << p.name;
-      }
-    }
-  }
-}
-
 TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
   // Free motion for a time h opens no row by more than O(h^2): velocities lie along the constraints of the world, too.
   constexpr double kStep = 1e-4;
@@ -214,25 +146,9 @@ TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Families, Mechanisms,
-                         testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
+                         ::testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
                                          "spinning-drum", "oval-train"),
                          ParamName);
-
-// As SceneBits in scenes_test.cc: the same in every build.
-TEST(MechanismBits, AreTheSameInEveryBuild) {
-  constexpr std::pair<const char*, std::uint64_t> kHashes[] = {
-      {"gear-train", 0xf2575fbc4f9fdf69U},     {"cam-follower", 0x6c1283daf4c1348eU},
-      {"newtons-cradle", 0x7a44b5a50bd63deeU}, {"chain-of-links", 0x37e32774ea00c571U},
-      {"spinning-drum", 0x2ad60bd510411c12U},  {"oval-train", 0xf7b261fde833db2fU},
-  };
-  for (const auto& [key, expected] : kHashes) {
-    std::uint64_t hash = 0xcbf29ce484222325U;
-    for (const char c : FormatLcpRecord(AssembleContactLcp(GenerateScene(key, 60, 5)).problem, true)) {
-      hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-    }
-    EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
-  }
-}
 
 TEST(GearTrain, TurnsAlternatelyAtTheRatioOfTheTeeth) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {

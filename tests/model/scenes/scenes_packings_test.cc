@@ -15,10 +15,10 @@
 #include "model/geometry/trig.h"
 #include "model/motion/contact_finder.h"
 #include "model/scenes/oval_front.h"
-#include "model/scenes/packing_parts.h"
+#include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
@@ -313,13 +313,6 @@ TEST(PackingWorlds, KeepGravityAloneOfTheLoads) {
   }
 }
 
-/// Eigenvalues of the Jacobi-scaled A.
-Eigen::VectorXd ScaledEigenvalues(const LcpProblem& problem) {
-  const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd scaled = root.asDiagonal() * problem.DenseA() * root.asDiagonal();
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues();
-}
-
 TEST(PackingRanks, AreAsTheFamiliesSay) {
   constexpr double kZero = 1e-11;
   constexpr int kRows = 300;
@@ -329,26 +322,14 @@ TEST(PackingRanks, AreAsTheFamiliesSay) {
                                                                       {"tall-stacks", {0.95, 0.995}},
                                                                       {"billiards-break", {0.65, 0.8}}};
   for (const auto& [key, share] : shares) {
-    const Eigen::VectorXd values = ScaledEigenvalues(AssembleContactLcp(GenerateScene(key, kRows, 1)).problem);
+    const Eigen::VectorXd values =
+        lcpbench::testing::ScaledEigenvalues(AssembleContactLcp(GenerateScene(key, kRows, 1)).problem);
     const auto rank = (values.array() > kZero * values.maxCoeff()).count();
     EXPECT_GE(static_cast<double>(rank), share.first * kRows) << key;
     EXPECT_LE(static_cast<double>(rank), share.second * kRows) << key;
     if (std::string_view(key) == "tall-stacks") {
       EXPECT_GE(values.maxCoeff() / values[kRows - rank], 1e6);
     }
-  }
-}
-
-// As SceneBits: made by the release build, changed only when a family is changed on purpose.
-TEST(PackingBits, AreTheSameInEveryBuild) {
-  constexpr std::pair<const char*, std::uint64_t> kHashes[] = {
-      {"ovals-in-bowl", 0x38eb736fa9b35dfeU},   {"roller-bearing", 0xe1f331c3999e1155U},
-      {"rounded-wall", 0x46a1ad4bae996c12U},    {"tall-stacks", 0xc6580d27ae6c7df6U},
-      {"billiards-break", 0xa4f31903312b05bfU},
-  };
-  for (const auto& [key, expected] : kHashes) {
-    const std::uint64_t hash = HashOf(GenerateScene(key, 60, 5));
-    EXPECT_EQ(hash, expected) << key << ": 0x" << std::hex << hash;
   }
 }
 

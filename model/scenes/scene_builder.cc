@@ -1,26 +1,18 @@
-#include "model/scenes/start.h"
+#include "model/scenes/scene_builder.h"
 
 #include <cmath>
 #include <utility>
 
-#include "model/scenes/random.h"
-
 namespace lcpbench {
 
-World SetInMotion(ContactSystem system, Loads loads) {
+World WorldUnderGravity(ContactSystem system, Vec2 gravity) {
   for (Body& body : system.bodies) {
     body.force = {};
     body.torque = 0;
   }
   World world = WorldOf(system);
-  world.loads = std::move(loads);
+  world.loads.gravity = gravity;
   return world;
-}
-
-World WorldUnderGravity(ContactSystem system, Vec2 gravity) {
-  Loads loads;
-  loads.gravity = gravity;
-  return SetInMotion(std::move(system), std::move(loads));
 }
 
 void Stir(World* world, double speed, std::uint64_t seed) {
@@ -34,6 +26,21 @@ void Stir(World* world, double speed, std::uint64_t seed) {
     body.v = body.v + speed * v;
     body.omega += speed * spin / std::sqrt(body.inertia / body.mass);
   }
+}
+
+ContactSystem SceneFamily::generate(int rows, std::uint64_t seed) const {
+  const std::unique_ptr<SceneBuilder> scene = make(key, rows, seed);
+  scene->Build();
+  scene->Load();
+  return std::move(scene->system());
+}
+
+World SceneFamily::start(int rows, std::uint64_t seed) const {
+  const std::unique_ptr<SceneBuilder> scene = make(key, rows, seed);
+  scene->BuildMoving();
+  World world = WorldUnderGravity(std::move(scene->system()), {0, -kGravity});
+  scene->Launch(&world);
+  return world;
 }
 
 }  // namespace lcpbench
