@@ -41,10 +41,6 @@ _FOLDER_CYCLES = set()
 _FILE_CYCLES = {
     # The interface of a solver holds its options, its engine takes them.
     ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
-    # Internal parts take and return the types of the interface that they serve.
-    ("model/contact/closest_points", "model/contact/closest_search"),
-    # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
-    ("model/shape/outline_checks", "model/shape/mass_properties"),
 }
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance

@@ -123,7 +123,8 @@ def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
             if peer is not None and peer.mean < best.mean:
                 after.append(f"faster: {_key(peer.solver)} {formats.ratio(peer.mean / best.mean)}×")
         row = rows.setdefault((found.size_class, found.redundant), {"problems": found.problems})
-        row[found.tier] = "\n".join(filter(None, [f"{_key(best.solver)} {seconds(best.mean)}", "; ".join(after)]))
+        name = f"**{_key(best.solver)}**" if detailed else _key(best.solver)
+        row[found.tier] = "\n".join(filter(None, [f"{name} {seconds(best.mean)}", "; ".join(after)]))
     return _table(["rows", "redundant", *["problems"] * detailed, *(f"tier {power(tier)}" for tier in tiers)],
                   [[size_class(key), "yes" if redundant else "no", *[row["problems"]] * detailed,
                     *(row.get(tier, DASH) for tier in tiers)] for (key, redundant), row in rows.items()],

@@ -6,8 +6,7 @@ from pathlib import Path
 
 from lcpbench_report.inputs import Inputs, load_inputs
 from .synthetic_campaign import exclude, fail, write_campaign
-from .synthetic_report import write_motion
-from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
+from .synthetic_report import write_motion, write_steps
 
 OWN = ("auto", "dantzig", "pgs")
 # Of one library two methods: the second is quicker, and not given large problems; of another two settings: the
@@ -48,14 +47,6 @@ def _of_sets(numbers):
         return problem | {"set": "standard" if index % 4 else "pathological",
                           "grid": "mass ratio" if index % 4 == 1 else ""}
     return change
-
-
-def write_steps(folder: Path) -> Path:
-    passes = [one_pass(name, solver, mode, [time * (1 + 0.01 * k) for k in range(STEPS)],
-                       failed=(3,) * (solver == "pgs"))
-              for name, _ in SEQUENCES for solver, time in (("auto", 1e-5), ("pgs", 5e-5))
-              for mode in ("cold", "warm", "deadline-1ms")]
-    return write_sequences(folder, passes, (("auto", "own"), ("pgs", "own")))
 
 
 def _fail_some(record: dict) -> dict:

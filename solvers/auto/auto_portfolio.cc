@@ -9,14 +9,11 @@
 #include "solvers/auto/islands.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {
 namespace {
 
-// Nanoseconds of an nncg iteration, by row of the matrix-free form and by entry of A in the assembled one: measured
-// together with ActiveBlockChoice::StepTime, and compared with it only.
-constexpr double kNncgTimePerRow = 8;
-constexpr double kNncgTimePerEntry = 1.5;
 // What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
 // well, and half of what the Newton method needs on redundant rows.
 constexpr double kFactorisationsOfBpp = 6;
@@ -136,9 +133,7 @@ void AutoPortfolio::Classify(const LcpProblem& problem) {
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   Classify(problem);
-  nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
-                   ? kNncgTimePerRow * static_cast<double>(problem.size())
-                   : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
+  nncg_time_ = CostModel::Sweep(problem);
   nncg_limit_ = 0;
   psor_limit_ = 0;
   has_bpp_ = false;

@@ -5,21 +5,13 @@
 #include <limits>
 #include <stdexcept>
 
+#include "solvers/linear_algebra/cost_model.h"
+
 namespace lcpbench {
 namespace {
 
 constexpr Index kAxes = BodySpace::kAxes;
 constexpr int kNone = -1;
-
-// Nanoseconds, measured on scenes of 10^3 to 10^5 rows; only their ratios matter, and only to time, not to answers.
-constexpr double kFlopBySupernodes = 0.08;
-constexpr double kFlopByColumns = 0.5;
-constexpr double kFactorEntry = 4;    // of L, besides its flop
-constexpr double kSolveEntry = 8;     // of L, a solve and its refinement
-constexpr double kRow = 15;           // of setting up K
-constexpr double kConvertEntry = 3;   // of a factor by supernodes into one by columns
-constexpr double kUpdateEntry = 0.8;  // of L, for each row that changes
-constexpr double kUpdateRow = 300;
 
 // Refinement ends when the residual is rounding, (|r| + |x|) times this, or falls by less than kSlow.
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
@@ -69,7 +61,7 @@ void BodyActiveBlock::Analyze(const LcpProblem& problem) {
   bodies_.Prepare(problem, {}, /*will_update=*/true);
   if (bodies_.analyses() > 0) {
     by_supernodes_ = bodies_.factor().is_supernodal();
-    flop_time_ = by_supernodes_ ? kFlopBySupernodes : kFlopByColumns;
+    flop_time_ = by_supernodes_ ? CostModel::kSupernodalFlop : CostModel::kColumnFlop;
     FindPaths();
   }
   for (Eigen::VectorXd* v : {&diagonal_, &theta_, &right_, &residual_, &x_, &step_}) v->setZero(n_);
@@ -79,11 +71,13 @@ void BodyActiveBlock::Analyze(const LcpProblem& problem) {
   valid_ = false;
 }
 
-double BodyActiveBlock::factor_time() const { return NewFactorTime() + kSolveEntry * bodies_.factor().fill(); }
+double BodyActiveBlock::factor_time() const {
+  return NewFactorTime() + CostModel::kSolveEntry * bodies_.factor().fill();
+}
 
 double BodyActiveBlock::NewFactorTime() const {
-  return flop_time_ * bodies_.factor().flops() + kFactorEntry * bodies_.factor().fill() +
-         kRow * static_cast<double>(n_);
+  return flop_time_ * bodies_.factor().flops() + CostModel::kFactorEntry * bodies_.factor().fill() +
+         CostModel::kBodyRow * static_cast<double>(n_);
 }
 
 Index BodyActiveBlock::CountDependentRows() const {
@@ -119,9 +113,9 @@ void BodyActiveBlock::FactorAnew() {
 }
 
 double BodyActiveBlock::UpdateTime() const {
-  double time = updated_ || !by_supernodes_ ? 0.0 : kConvertEntry * bodies_.factor().fill();
+  double time = updated_ || !by_supernodes_ ? 0.0 : CostModel::kConvertEntry * bodies_.factor().fill();
   for (const std::vector<int>* rows : {&entering_, &leaving_}) {
-    for (const int i : *rows) time += kUpdateRow + kUpdateEntry * path_[At(bodies_.row(i).first)];
+    for (const int i : *rows) time += CostModel::kUpdateRow + CostModel::kUpdateEntry * path_[At(bodies_.row(i).first)];
   }
   return time;
 }

@@ -1,9 +1,9 @@
 """Writes data/recommendation.json, schema "lcpbench-recommendation/1" (benchmarks/RESULTS.md)."""
 
-import json
 from pathlib import Path
 
 from ..errors import ReportError
+from ..statistics.jsonl import text_of
 from . import evaluation, rules
 from .outcomes import Outcomes
 
@@ -34,20 +34,5 @@ def _without_end(regions: list[dict]) -> list[dict]:
 
 
 def write(made: dict, path: Path) -> None:
-    """The same rules are always the same bytes; lists and objects that hold no others are on one line."""
-    path.write_text(_text(made, "") + "\n", "utf-8")
-
-
-def _text(value, indent: str) -> str:
-    flat = not isinstance(value, dict | list) or not any(isinstance(e, dict | list) for e in _elements(value))
-    if flat:
-        return json.dumps(value, ensure_ascii=False)
-    inner = indent + " "
-    if isinstance(value, dict):
-        parts = [f"{inner}{json.dumps(key)}: {_text(element, inner)}" for key, element in value.items()]
-        return "{\n" + ",\n".join(parts) + "\n" + indent + "}"
-    return "[\n" + ",\n".join(inner + _text(element, inner) for element in value) + "\n" + indent + "]"
-
-
-def _elements(value):
-    return value.values() if isinstance(value, dict) else value
+    """The same rules are always the same bytes."""
+    path.write_text(text_of(made) + "\n", "utf-8")

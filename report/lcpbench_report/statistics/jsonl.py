@@ -1,4 +1,4 @@
-"""Reads a file of JSON lines that a process may have been appending to when it was stopped."""
+"""Reads files of JSON, and of JSON lines that a process may have been appending to when it was stopped; writes JSON."""
 
 import json
 import lzma
@@ -7,6 +7,32 @@ from pathlib import Path
 from typing import BinaryIO
 
 from ..errors import ReportError
+
+
+def read_object(path: Path, schema: str, expected: str = "the files of a campaign, benchmarks/RESULTS.md") -> dict:
+    """@throws ReportError where the file is missing or no JSON object of this schema"""
+    if not path.is_file():
+        raise ReportError(path.name, f"missing in {path.parent}", expected)
+    try:
+        found = json.loads(path.read_bytes().decode("utf-8"))
+    except ValueError as error:
+        raise ReportError(path.name, str(error), "JSON") from error
+    if not isinstance(found, dict) or found.get("schema") != schema:
+        word = found.get("schema") if isinstance(found, dict) else found
+        raise ReportError(path.name, f"schema is {str(word)[:60]!r}", f"{schema!r}")
+    return found
+
+
+def text_of(value, indent: str = "") -> str:
+    """JSON that reviews as a difference: lists and objects that hold no others are on one line."""
+    elements = value.values() if isinstance(value, dict) else value
+    if not isinstance(value, dict | list) or not any(isinstance(element, dict | list) for element in elements):
+        return json.dumps(value, ensure_ascii=False)
+    inner = indent + " "
+    if isinstance(value, dict):
+        parts = [f"{inner}{json.dumps(key)}: {text_of(element, inner)}" for key, element in value.items()]
+        return "{\n" + ",\n".join(parts) + "\n" + indent + "}"
+    return "[\n" + ",\n".join(inner + text_of(element, inner) for element in value) + "\n" + indent + "]"
 
 
 def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:

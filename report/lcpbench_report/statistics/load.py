@@ -3,7 +3,6 @@
 Nothing is repaired in silence: what does not fit raises ReportError naming file, line and key.
 """
 
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -13,7 +12,7 @@ import numpy as np
 
 from ..errors import ReportError
 from .fields import Tiers, check_fields, check_numbers, check_places, check_word, kinds_of, numbers_of
-from .jsonl import is_there, read_lines
+from .jsonl import is_there, read_lines, read_object
 from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
 
@@ -118,15 +117,7 @@ def load_campaign(folder: Path) -> Campaign:
 
 
 def _read_info(path: Path) -> dict:
-    if not path.is_file():
-        raise ReportError(path.name, f"missing in {path.parent}", "the files of a campaign, benchmarks/RESULTS.md")
-    try:
-        info = json.loads(path.read_bytes().decode("utf-8"))
-    except ValueError as error:
-        raise ReportError(path.name, str(error), "JSON") from error
-    if not isinstance(info, dict) or info.get("schema") != SCHEMA:
-        found = info.get("schema") if isinstance(info, dict) else info
-        raise ReportError(path.name, f"schema is {str(found)[:60]!r}", f"{SCHEMA!r}")
+    info = read_object(path, SCHEMA)
     check_fields(path.name, info, _CAMPAIGN)
     check_fields(f"{path.name}: limits", info["limits"], _LIMITS)
     for index, solver in enumerate(info["solvers"]):

@@ -1,7 +1,6 @@
 """data/tuned.json: what was tried with which budget, on what, and what was chosen (benchmarks/RESULTS.md)."""
 
 import hashlib
-import json
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 from ..statistics.cells import cell_table
+from ..statistics.jsonl import text_of
 from ..statistics.load import Campaign
 from . import choice
 from .campaign import TIER, keys_of
@@ -54,15 +54,7 @@ def file_hash(path: Path) -> str:
 
 
 def write(path: Path, record: dict) -> None:
-    """A line per configuration: the file reviews as a difference."""
-    head = {key: value for key, value in record.items() if key != "solvers"}
-    lines = ["{", *(f" {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()), ' "solvers": [']
-    blocks = []
-    for solver in record["solvers"]:
-        fields = [f"   {json.dumps(key)}: {json.dumps(value)}," for key, value in solver.items() if key != "tried"]
-        tried = ",\n".join(f"    {json.dumps(outcome)}" for outcome in solver["tried"])
-        blocks.append("\n".join(["  {", *fields, '   "tried": [', tried, "   ]", "  }"]))
-    path.write_text("\n".join([*lines, ",\n".join(blocks), " ]", "}", ""]), encoding="utf-8")
+    path.write_text(text_of(record) + "\n", encoding="utf-8")
 
 
 def _solver(cells: pd.DataFrame, space: Space, configurations: list[Configuration], spent: dict[str, float],

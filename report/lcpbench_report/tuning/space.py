@@ -1,6 +1,5 @@
 """The declared space of settings (data/tuning.json) and the configurations that are drawn from it."""
 
-import json
 import math
 import random
 from dataclasses import dataclass
@@ -8,6 +7,7 @@ from pathlib import Path
 
 from ..errors import ReportError
 from ..statistics.fields import check_fields
+from ..statistics.jsonl import read_object
 
 SCHEMA = "lcpbench-tuning/1"
 _SOLVER = {"solver": "name", "settings": "object"}
@@ -50,13 +50,7 @@ def draw(space: Space, budget: int, seed: int) -> list[Configuration]:
 
 def load_spaces(path: Path) -> dict[str, Space]:
     """@throws ReportError for the first thing that does not fit; whether solvers and settings exist says `lcpbench`"""
-    try:
-        content = json.loads(path.read_bytes().decode("utf-8"))
-    except ValueError as error:
-        raise ReportError(path.name, str(error), "JSON") from error
-    if not isinstance(content, dict) or content.get("schema") != SCHEMA:
-        found = content.get("schema") if isinstance(content, dict) else content
-        raise ReportError(path.name, f"schema is {str(found)[:60]!r}", f"{SCHEMA!r}")
+    content = read_object(path, SCHEMA, "the settings that may be tried")
     check_fields(path.name, content, {"solvers": "list"})
     spaces: dict[str, Space] = {}
     for index, record in enumerate(content["solvers"]):
