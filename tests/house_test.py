@@ -39,8 +39,6 @@ _FOLDER_CYCLES = set()
 # Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
 # is implemented with Y, and Y.h needs the types of X.h.
 _FILE_CYCLES = {
-    # The interface of a solver holds its options, its engine takes them.
-    ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
 }
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance
