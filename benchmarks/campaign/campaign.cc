@@ -292,7 +292,8 @@ class Campaign {
       if (round == 0) journal_.WriteExcluded(pass);
       return;
     }
-    if (round > 0 && !journal_.Find(key)->completed) return;
+    const Journal::Judgement* first = journal_.Find(key);
+    if (round > 0 && (first == nullptr || !first->completed)) return;
     SequenceRequest request;
     request.sequence = pass.about;
     request.file = SequencePath(options_.folder, pass.about);

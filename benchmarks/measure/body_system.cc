@@ -37,12 +37,14 @@ BodySystem MakeBodySystem(const LcpProblem& problem, const std::vector<Index>& r
   const auto for_each_entry = [&](const auto& take) {
     for (std::size_t k = 0; k < rows.size(); ++k) {
       for (SparseMatrix::InnerIterator it(problem.J(), rows[k]); it; ++it) {
-        if (it.value() != 0 && inverse_mass[it.col()] > 0) take(static_cast<int>(k), it.col(), it.value());
+        if (inverse_mass[it.col()] > 0) take(static_cast<int>(k), it.col(), it.value());
       }
     }
   };
   std::vector<bool> takes_part(At(inverse_mass.size() / kPerBody), false);
-  for_each_entry([&](int, Index column, double) { takes_part[At(column / kPerBody)] = true; });
+  for_each_entry([&](int, Index column, double value) {
+    if (value != 0) takes_part[At(column / kPerBody)] = true;
+  });
 
   BodySystem system;
   system.first = {0};
@@ -64,6 +66,7 @@ BodySystem MakeBodySystem(const LcpProblem& problem, const std::vector<Index>& r
   Triplets weighted;  // W^1/2 J_F
   Triplets touches;   // rows x bodies
   for_each_entry([&](int k, Index column, double value) {
+    if (unknown_of[At(column)] == kNone) return;
     const double diagonal = std::max(problem.DiagonalA()[rows[At(k)]], std::numeric_limits<double>::min());
     weighted.emplace_back(k, unknown_of[At(column)], std::sqrt(kStiffness / diagonal) * value);
     touches.emplace_back(k, number_of[At(column / kPerBody)], 1);

@@ -108,7 +108,9 @@ TEST(BodySystem, AnOrderOfBodiesKeepsTheUnknownsOfABodyTogether) {
   for (Index k = 1; k < order.size(); ++k) {
     const int body = BodyOf(system, order[k]);
     EXPECT_LE(body, BodyOf(system, order[k - 1]));
-    if (body == BodyOf(system, order[k - 1])) EXPECT_EQ(order[k], order[k - 1] + 1);
+    if (body == BodyOf(system, order[k - 1])) {
+      EXPECT_EQ(order[k], order[k - 1] + 1);
+    }
   }
 }
 

@@ -421,8 +421,7 @@ TEST_F(RecommendCommand, MistakesAreOneLineAndStatusTwo) {
       {Path("nowhere.jsonl"), "cannot be opened"},
       {Path("empty.jsonl"), "is empty"},
       {Path("torn.jsonl"), "torn.jsonl:1: field 'previous': expected a row of the line before"},
-      {"--scene disc-pile --rules " + Path("empty.jsonl"),
-       "expected the JSON that report/report.py recommendation writes"}};
+      {"--scene disc-pile --rules " + Path("empty.jsonl"), "not valid JSON"}};
   for (const auto& [arguments, expected] : mistakes) ExpectMistake("recommend " + arguments, expected);
 }
 
