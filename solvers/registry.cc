@@ -1,6 +1,9 @@
 #include "solvers/registry.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -134,26 +137,50 @@ std::string NotOurs(const LcpProblem& /*problem*/, double /*tolerance*/) {
   return "another project's solver: we promise nothing for it";
 }
 
+// Where worker programs are: the environment variable LCPBENCH_WORKER_DIR, else the folder of the build, else that of
+// the installation. The first that holds the peer's; the last one's path if none does.
+std::string WorkerPath(const PeerEntry& peer) {
+  std::string path;
+  const char* chosen = std::getenv("LCPBENCH_WORKER_DIR");
+  for (const char* folder : {chosen, LCPBENCH_BUILD_WORKER_DIR, LCPBENCH_INSTALL_WORKER_DIR}) {
+    if (folder == nullptr) continue;
+    path = std::string(folder) + "/lcpbench-worker-" + std::string(peer.project.folder);
+    if (access(path.c_str(), X_OK) == 0) break;
+  }
+  return path;
+}
+
+std::unique_ptr<ExternalSolver> MakeExternal(std::vector<std::string> command, const Settings& settings) {
+  ExternalSolverOptions options;
+  options.command = std::move(command);
+  for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
+  return std::make_unique<ExternalSolver>(std::move(options));
+}
+
 SolverEntry EntryOf(const PeerEntry& peer) {
-  SolverEntry entry{std::string(peer.key),
-                    std::string(peer.method),
-                    std::string(peer.library),
-                    peer.available,
-                    peer.uses_tolerance,
-                    &NotOurs,
-                    {},
-                    SolverOrigin::kPeer,
-                    std::string(peer.licence)};
+  constexpr std::string_view built = " " LCPBENCH_PEERS " ";
+  SolverEntry entry;
+  entry.key = peer.key;
+  entry.method = peer.method;
+  entry.source = peer.project.library;
+  entry.available = built.find(" " + std::string(peer.project.folder) + " ") != std::string_view::npos;
+  entry.uses_tolerance = peer.uses_tolerance;
+  entry.why_not_guaranteed = &NotOurs;
+  entry.origin = SolverOrigin::kPeer;
+  entry.licence = peer.project.licence;
   entry.method_class = peer.method_class;
   entry.library_defaults = peer.has_library_defaults();
-  if (peer.available) {
-    entry.make = [&peer](const Settings& settings) { return MakePeer(peer, settings); };
-  }
+  if (!entry.available) return entry;
+  entry.make = [&peer](const Settings& settings) {
+    auto solver = MakeExternal({WorkerPath(peer), std::string(peer.key)}, settings);
+    // Only the worker knows its settings: a wrong one is the user's mistake, and told before any problem is read.
+    if (!settings.empty()) solver->Greet();
+    return solver;
+  };
   return entry;
 }
 
-// Keys that result files and scripts of earlier versions name.
-// And short ones.
+// Keys that result files and scripts of earlier versions name, and short ones.
 std::string_view PresentKey(std::string_view key) {
   if (key == "suitesparse") return "ipm";
   return key == "ssn" ? "semismooth-newton" : key;
@@ -174,6 +201,12 @@ std::vector<SolverEntry>& Solvers() {
 std::string_view SolverEntry::tolerance() const {
   if (library_defaults) return "default";
   return uses_tolerance ? "follows" : "direct";
+}
+
+std::string SizeRefusal(const SolverEntry& solver, Index rows) {
+  const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class);
+  if (!limit || rows <= limit->largest) return {};
+  return "not above n = " + std::to_string(limit->largest) + ": " + std::string(limit->reason);
 }
 
 std::span<const SolverEntry> AllSolvers() { return Solvers(); }
@@ -293,12 +326,7 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
       entry.ablation = "baseline";
     }
   }
-  entry.make = [command](const Settings& settings) -> std::unique_ptr<LcpSolver> {
-    ExternalSolverOptions options;
-    options.command = command;
-    for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
-    return std::make_unique<ExternalSolver>(std::move(options));
-  };
+  entry.make = [command](const Settings& settings) { return MakeExternal(command, settings); };
   RegisterSolver(std::move(entry));
 }
 

@@ -38,7 +38,7 @@ struct SolverEntry {
   std::string licence = "Apache-2.0";        ///< SPDX expression: of our code, or of the peer's library
   std::string base = {};                     ///< of a variant (RegisterSolverVariant): the key it is another setting of
   Settings settings = {};                    ///< of a variant: what it adds to what `make` is given
-  /// What limits its size (exclusion_rules.h).
+  /// What limits its size (SizeLimitOf).
   MethodClass method_class = MethodClass::kAnySize;
   /// A library's own options, never asked for the tier's tolerance.
   bool library_defaults = false;
@@ -50,6 +50,10 @@ struct SolverEntry {
   /// What the requested tolerance is to it: "follows", "direct" (the method has none) or "default" (library_defaults).
   std::string_view tolerance() const;
 };
+
+/// "" where a solver is given problems of this size in campaigns, else the rule by which it is not (SizeLimitOf). What
+/// is larger and allowed is ended by the time limit.
+std::string SizeRefusal(const SolverEntry& solver, Index rows);
 
 /// Writes the key, for listings of tests.
 inline std::ostream& operator<<(std::ostream& out, const SolverEntry& entry) { return out << entry.key; }

@@ -21,24 +21,30 @@ constexpr double kSecondsBetweenSynchronisations = 2;
 
 }  // namespace
 
+std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expected,
+                             const std::function<void(const nlohmann::json& line, const std::string& text)>& take) {
+  std::ifstream lines(path);
+  if (!lines) throw InputError(path + ": cannot be opened for reading");
+  std::uintmax_t bytes = 0;
+  std::size_t number = 0;
+  for (std::string line; std::getline(lines, line) && !lines.eof();) {
+    ++number;
+    try {
+      take(nlohmann::json::parse(line), line);
+    } catch (const nlohmann::json::exception&) {
+      throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found another line");
+    }
+    bytes += line.size() + 1;
+  }
+  return bytes;
+}
+
 AppendOnlyFile::AppendOnlyFile(const std::string& path, const std::string& expected,
                                const std::function<void(const nlohmann::json& line)>& take)
     : path_(path) {
   std::uintmax_t whole = 0;
-  {
-    std::ifstream lines(path);
-    std::string line;
-    std::size_t number = 0;
-    while (std::getline(lines, line)) {
-      if (lines.eof()) break;  // without its line feed: torn
-      ++number;
-      try {
-        take(nlohmann::json::parse(line));
-      } catch (const nlohmann::json::exception&) {
-        throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found another line");
-      }
-      whole += line.size() + 1;
-    }
+  if (std::filesystem::exists(path)) {
+    whole = ReadJsonLines(path, expected, [&take](const nlohmann::json& line, const std::string&) { take(line); });
   }
   std::error_code error;
   if (std::filesystem::exists(path) && std::filesystem::file_size(path) > whole) {

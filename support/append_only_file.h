@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -7,15 +8,21 @@
 
 namespace lcpbench {
 
+/// Hands over every line of a file of JSON lines but a last one that was torn.
+/// @param expected  what a line is, for error texts
+/// @param take      the line as JSON and as text; may throw nlohmann::json::exception for what is no such line
+/// @return bytes of these lines
+/// @throws InputError where the file cannot be read, or has another line, naming file and line
+std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expected,
+                             const std::function<void(const nlohmann::json& line, const std::string& text)>& take);
+
 /// A file of JSON lines that is appended to and never changed: what a campaign has run so far. Every append is written
 /// by one call, so that a killed campaign loses at most what was in flight, and a machine that goes down the last two
 /// seconds; a last line that was torn is cut off when the file is opened again.
 class AppendOnlyFile {
  public:
-  /// Opens or creates the file and hands over every line that it has.
-  /// @param expected  what a line is, for error texts
-  /// @param take      may throw nlohmann::json::exception for what is no such line
-  /// @throws InputError where it cannot be written, or has another line, naming file and line
+  /// Opens or creates the file and hands over every line that it has, as ReadJsonLines.
+  /// @throws InputError as ReadJsonLines, and where it cannot be written
   AppendOnlyFile(const std::string& path, const std::string& expected,
                  const std::function<void(const nlohmann::json& line)>& take);
   ~AppendOnlyFile();

@@ -50,12 +50,18 @@ void JsonField::RequireOnlyKeys(std::initializer_list<const char*> known) const 
   }
 }
 
+size_t JsonField::Size(std::optional<size_t> size) const {
+  if (!value_.is_array() || (size && value_.size() != *size)) {
+    Mismatch(size ? "an array of " + std::to_string(*size) : "an array");
+  }
+  return value_.size();
+}
+
 std::vector<JsonField> JsonField::Items(std::optional<size_t> size) const {
-  const std::string expected = size ? "an array of " + std::to_string(*size) : "an array";
-  if (!value_.is_array() || (size && value_.size() != *size)) Mismatch(expected);
+  const size_t count = Size(size);
   std::vector<JsonField> items;
-  items.reserve(value_.size());
-  for (size_t i = 0; i < value_.size(); ++i) items.emplace_back(value_[i], where_, path_ + "/" + std::to_string(i));
+  items.reserve(count);
+  for (size_t i = 0; i < count; ++i) items.push_back(Item(i));
   return items;
 }
 

@@ -27,10 +27,14 @@ class JsonField {
   void RequireOnlyKeys(std::initializer_list<const char*> known) const;
   /// Members of an array, of `size` items if one is given.
   std::vector<JsonField> Items(std::optional<size_t> size = std::nullopt) const;
+  /// The same for long arrays: how many there are, and one of them.
+  size_t Size(std::optional<size_t> size = std::nullopt) const;
+  JsonField Item(size_t i) const { return {value_[i], where_, path_ + "/" + std::to_string(i)}; }
 
   bool IsNull() const { return value_.is_null(); }
   bool IsArray() const { return value_.is_array(); }
   bool IsString() const { return value_.is_string(); }
+  bool IsNumber() const { return value_.is_number(); }
   bool IsObject() const { return value_.is_object(); }
   double Number() const;
   std::optional<double> NumberOrNull() const;

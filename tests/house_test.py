@@ -34,25 +34,13 @@ _MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|solvers/c)/|solvers/regis
 _GENERATED = {"git_revision.h"}
 
 # Includes that close a cycle of folders, from -> to.
-_FOLDER_CYCLES = {
-    # A campaign runs its sequences, which are planned, journalled and given to workers as its other tasks are.
-    ("benchmarks/campaign", "benchmarks/campaign/sequences"),
-}
+_FOLDER_CYCLES = set()
 
 # Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
 # is implemented with Y, and Y.h needs the types of X.h.
 _FILE_CYCLES = {
     # The interface of a solver holds its options, its engine takes them.
     ("solvers/interior_point/ipm_run", "solvers/interior_point/ipm"),
-    # A problem is made of a caller's arrays, which can be taken of a problem; its dense A is assembled elsewhere.
-    ("solvers/lcp/problem", "solvers/lcp/dense_assembly"),
-    ("solvers/lcp/problem", "solvers/lcp/problem_arrays"),
-    # Internal parts take and return the types of the interface that they serve.
-    ("model/contact/closest_points", "model/contact/closest_search"),
-    ("solvers/batch/solve_batch", "solvers/batch/instructions"),
-    ("solvers/exact/flint_matrix", "solvers/exact/exact_lcp"),
-    # The aspect ratio of an outline comes from its moments of area, and only valid outlines have moments.
-    ("model/shape/outline_checks", "model/shape/mass_properties"),
 }
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance

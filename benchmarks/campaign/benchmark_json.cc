@@ -1,15 +1,14 @@
 #include "benchmarks/campaign/benchmark_json.h"
 
-#include <benchmark/benchmark.h>
-
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/campaign_plan.h"
+#include "support/append_only_file.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -20,20 +19,13 @@ struct Times {
   std::string failure;
 };
 
-void ForEachLine(const std::string& path, const std::function<void(const nlohmann::json& line)>& take) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
-  std::string line;
-  while (std::getline(file, line) && !file.eof()) take(nlohmann::json::parse(line));
-}
-
 std::map<std::string, Times> TimesByName(const std::filesystem::path& folder) {
   std::map<std::string, std::vector<std::string>> problems;  // by size class
-  ForEachLine((folder / "problems.jsonl").string(), [&](const nlohmann::json& line) {
+  ReadJsonLines(folder / "problems.jsonl", "a problem", [&](const nlohmann::json& line, const std::string&) {
     problems[line.at("size_class").get<std::string>()].push_back(line.at("problem").get<std::string>());
   });
   std::map<std::string, Times> cells;
-  ForEachLine((folder / "streams.jsonl").string(), [&](const nlohmann::json& line) {
+  ReadJsonLines(folder / "streams.jsonl", "a pass", [&](const nlohmann::json& line, const std::string&) {
     if (!line.at("excluded").get<std::string>().empty()) return;
     const std::vector<std::string>& names = problems.at(line.at("size_class").get<std::string>());
     const auto first = line.at("first").get<std::size_t>();
@@ -59,42 +51,30 @@ std::map<std::string, Times> TimesByName(const std::filesystem::path& folder) {
 }  // namespace
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
-  using Run = benchmark::BenchmarkReporter::Run;
-  const auto cells = TimesByName(folder);
-  std::ofstream out(path);
-  if (!out) throw InputError(path + ": cannot be written");
-  benchmark::JSONReporter reporter;
-  reporter.SetOutputStream(&out);
-  reporter.SetErrorStream(&out);
-  reporter.ReportContext(benchmark::BenchmarkReporter::Context());
-  std::int64_t index = 0;
-  for (const auto& [name, times] : cells) {
-    Run run;
-    run.run_name.function_name = name;
-    run.family_index = index++;
-    run.per_family_instance_index = 0;
-    run.statistics = nullptr;
-    run.time_unit = benchmark::kNanosecond;
-    run.iterations = 1;
-    run.repetitions = static_cast<std::int64_t>(times.fresh_s.size());
-    std::vector<Run> runs;
-    if (times.fresh_s.empty() && times.failure.empty()) continue;  // verified, and not timed
-    for (const double time : times.fresh_s) {
-      run.repetition_index = static_cast<std::int64_t>(runs.size());
-      run.real_accumulated_time = time;
-      run.cpu_accumulated_time = time;
-      runs.push_back(run);
+  using Json = nlohmann::ordered_json;
+  Json benchmarks = Json::array();
+  for (const auto& [name, times] : TimesByName(folder)) {
+    const auto add = [&, &of = name](std::size_t repetitions, double seconds) -> Json& {
+      const double nanoseconds = 1e9 * seconds;
+      benchmarks.push_back({{"name", of},
+                            {"run_name", of},
+                            {"run_type", "iteration"},
+                            {"repetitions", repetitions},
+                            {"iterations", 1},
+                            {"real_time", nanoseconds},
+                            {"cpu_time", nanoseconds},
+                            {"time_unit", "ns"}});
+      return benchmarks.back();
+    };
+    for (std::size_t k = 0; k < times.fresh_s.size(); ++k) {
+      add(times.fresh_s.size(), times.fresh_s[k])["repetition_index"] = k;
     }
-    if (runs.empty()) {
-      run.repetition_index = 0;
-      run.repetitions = 1;
-      run.error_occurred = true;
-      run.error_message = times.failure;
-      runs.push_back(run);
-    }
-    reporter.ReportRuns(runs);
+    if (!times.fresh_s.empty() || times.failure.empty()) continue;  // without either: verified, and not timed
+    add(1, 0).update({{"error_occurred", true}, {"error_message", times.failure}});
   }
-  reporter.Finalize();
+  const Json campaign = ReadCampaignFile((std::filesystem::path(folder) / "campaign.json").string());
+  std::ofstream out(path);
+  out << Json{{"context", campaign.at("environment")}, {"benchmarks", benchmarks}}.dump(2) << '\n';
   out.close();
   if (!out) throw InputError(path + ": cannot be written");
 }

@@ -14,11 +14,10 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_file.h"
-#include "benchmarks/campaign/exclusion_rules.h"
 #include "benchmarks/campaign/journal.h"
 #include "benchmarks/campaign/problem_file.h"
-#include "benchmarks/campaign/sequences/sequence_campaign.h"
-#include "benchmarks/campaign/sequences/sequence_plan.h"
+#include "benchmarks/campaign/result_fields.h"
+#include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
@@ -31,63 +30,72 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kCampaignFile = "campaign.json";
-constexpr const char* kStreamsFile = "streams.jsonl";
 constexpr const char* kProblemsFile = "problems.jsonl";
-constexpr const char* kStepsFile = "steps.jsonl";
 
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
 
-WorkerOptions WorkerFor(const CampaignPlan& plan, const CampaignOptions& options) {
-  WorkerOptions worker;
-  worker.memory_bytes = plan.memory_bytes;
-  worker.cpu = options.cpu;
-  worker.solver_arguments = options.solver_arguments;
-  return worker;
-}
-
-std::vector<Task> TasksOfShard(const CampaignPlan& plan, const CampaignOptions& options,
-                               const std::vector<PlannedProblem>& problems) {
-  std::vector<Task> tasks;
-  for (Task& task : PlanTasks(plan, problems)) {
-    const std::string about = std::string(problems[task.begin].size_class->key) + "|" + std::to_string(task.first);
-    if (IsInShard(about, task.solver, options.shard, options.shards)) tasks.push_back(std::move(task));
-  }
-  return tasks;
+bool HasSequences(const std::vector<Manifest>& manifests) {
+  return std::any_of(manifests.begin(), manifests.end(),
+                     [](const Manifest& manifest) { return !manifest.sequences.empty(); });
 }
 
 class Campaign {
  public:
+  /// @param problems, manifests  must outlive the object
   Campaign(const CampaignPlan& plan, const CampaignOptions& options, const std::vector<PlannedProblem>& problems,
-           std::string environment_hash)
+           const std::vector<Manifest>& manifests, const std::string& environment_hash)
       : plan_(plan),
+        options_(options),
         problems_(problems),
-        environment_hash_(std::move(environment_hash)),
-        journal_(In(options.folder, kStreamsFile)),
-        worker_(WorkerFor(plan, options)),
-        tasks_(TasksOfShard(plan, options, problems)) {}
+        tasks_(TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)),
+        passes_(TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)),
+        journal_(options.folder, HasSequences(manifests), environment_hash) {}
 
   // False where it was interrupted. The caller keeps the Interruption.
   bool Run() {
-    if (tasks_.empty()) return true;
+    StartWorker();
     for (int round = 0; round <= plan_.passes; ++round) {
-      ProgressBar bar(round == 0 ? "judging" : "pass " + std::to_string(round), static_cast<double>(tasks_.size()));
-      for (const std::size_t k : OrderOfRound(tasks_, plan_.seed, round)) {
-        const Task& task = tasks_[k];
-        if (Interruption::Requested()) return false;
-        if (round == 0) {
-          Judge(task);
-        } else {
-          Time(task, PassKind::kFresh, round);
-          if (round == 1) Time(task, PassKind::kParts, round);
-          if (round == 1) Time(task, PassKind::kAgain, round);
-        }
-        bar.Advance(1, Summary());
-      }
+      const bool done =
+          VisitAll(tasks_, round, round == 0 ? "judging" : "pass " + std::to_string(round), [&](const Task& task) {
+            if (round == 0) return Judge(task);
+            Time(task, PassKind::kFresh, round);
+            if (round > 1) return;
+            Time(task, PassKind::kParts, round);
+            Time(task, PassKind::kAgain, round);
+          });
+      if (!done) return false;
+    }
+    if (!MakeSequences()) return false;
+    StartWorker();  // with all its memory
+    for (int round = 0; round < plan_.passes; ++round) {
+      const std::string title = "sequences, round " + std::to_string(round);
+      if (!VisitAll(passes_, round, title, [&](const Task& pass) { RunPass(pass, round); })) return false;
     }
     return !Interruption::Requested();
   }
 
  private:
+  void StartWorker() {
+    WorkerOptions worker;
+    worker.memory_bytes = plan_.memory_bytes;
+    worker.cpu = options_.cpu;
+    worker.solver_arguments = options_.solver_arguments;
+    worker_ = std::make_unique<WorkerProcess>(worker);
+  }
+
+  // Every task once, in another order each round. False where it was interrupted.
+  template <typename Visit>
+  bool VisitAll(const std::vector<Task>& tasks, int round, const std::string& title, const Visit& visit) {
+    if (tasks.empty()) return true;
+    ProgressBar bar(title, static_cast<double>(tasks.size()));
+    for (const std::size_t k : OrderOfRound(tasks, plan_.seed, round)) {
+      if (Interruption::Requested()) return false;
+      visit(tasks[k]);
+      bar.Advance(1, Summary());
+    }
+    return true;
+  }
+
   const PlannedProblem& ProblemOf(const Task& task, std::size_t place) const { return problems_[task.begin + place]; }
   ProblemName NameOf(const Task& task, std::size_t place) const {
     const PlannedProblem& problem = ProblemOf(task, place);
@@ -96,16 +104,12 @@ class Campaign {
   double LimitOf(const Task& task, std::size_t place) const {
     return TimeLimitOf(plan_, ProblemOf(task, place).entry->properties.rows);
   }
-  std::string ClassOf(const Task& task) const { return std::string(problems_[task.begin].size_class->key); }
-  TaskKey KeyOf(const Task& task, double tier) const { return {task, ClassOf(task), tier}; }
 
-  // The rule by which a problem of a task is not tried: declared beforehand. "" for none.
+  // Declared beforehand: what ran out of time at a looser tier is not tried at stricter ones. "" for no rule.
   std::string RuleFor(const Task& task, std::size_t place) const {
-    std::string refusal = SizeRefusal(FindSolver(task.solver), ProblemOf(task, place).entry->properties.rows);
-    if (!refusal.empty()) return refusal;
     for (const double tier : plan_.tiers) {
       if (tier <= task.tier) continue;
-      const Journal::Judgement* looser = journal_.Find(KeyOf(task, tier));
+      const Journal::Judgement* looser = journal_.Find(TaskKey(task, tier));
       if (looser != nullptr && looser->out_of_time.count(place) > 0) return OutOfTimeRule(tier);
     }
     return {};
@@ -113,29 +117,31 @@ class Campaign {
 
   // Pass 0: every problem by itself, with its limits, as far as the budget goes.
   void Judge(const Task& task) {
-    if (journal_.Has(KeyOf(task, task.judged.back()), "judge", 0)) return;
-    if (!task.excluded.empty()) {
-      journal_.WriteExcluded(task, ClassOf(task), environment_hash_);
-      return;
-    }
+    if (journal_.Has(TaskKey(task, task.judged.back()), "judge", 0)) return;
+    if (!task.excluded.empty()) return journal_.WriteExcluded(task);
     std::vector<Judged> judged;
     double spent = 0;
-    for (std::size_t place = 0; place < task.end - task.begin && spent <= plan_.budgets.judge_s; ++place) {
+    for (std::size_t place = 0; place < task.count() && spent <= plan_.budgets.judge_s; ++place) {
       Judged one;
-      one.excluded = RuleFor(task, place);
+      one.excluded = SizeRefusal(FindSolver(task.solver), ProblemOf(task, place).entry->properties.rows);
+      if (one.excluded.empty()) one.excluded = RuleFor(task, place);
       if (one.excluded.empty()) {
         const double start = SteadyNow();
         one.reply =
-            worker_.Run(JudgeRequest{NameOf(task, place), task.solver, task.tier, task.judged, LimitOf(task, place)});
-        spent += one.reply.fresh_s ? *one.reply.fresh_s : SteadyNow() - start;
+            worker_->Run(JudgeRequest{NameOf(task, place), task.solver, task.tier, task.judged, LimitOf(task, place)});
+        const double took = SteadyNow() - start;
+        const std::vector<nlohmann::json>& records = one.reply.records;
+        spent += !records.empty() && records[0]["first_s"].is_number() ? records[0]["first_s"].get<double>() : took;
         // A job scheduler that has asked for the end and waited kills all processes at once: no outcome of the
         // solver's.
-        if (Interruption::Requested() && one.reply.claim == "crashed") return;
-        Count(one.reply);
+        if (Interruption::Requested() && one.reply.outcome == "crashed") return;
+        // The last is of the strictest tier.
+        if (records.empty() || records.back()["passes"] != true) ++failures_;
+        if (!records.empty() && records.back()["false_success"] == true) ++false_successes_;
       }
       judged.push_back(std::move(one));
     }
-    journal_.WriteJudged(task, ClassOf(task), judged, environment_hash_);
+    journal_.WriteJudged(task, judged);
   }
 
   // What is timed in a pass, and what the solver object and the processor are warmed with before: other problems than
@@ -149,7 +155,7 @@ class Campaign {
     request.kind = kind;
     request.tolerance = task.tier;
     std::vector<std::size_t> verified;
-    const Journal::Judgement& loosest = *journal_.Find(KeyOf(task, task.judged.front()));
+    const Journal::Judgement& loosest = *journal_.Find(TaskKey(task, task.judged.front()));
     for (std::size_t place = 0; place < loosest.attempted; ++place) {
       if (loosest.unverified.count(place) > 0) continue;
       verified.push_back(place);
@@ -176,7 +182,7 @@ class Campaign {
   }
 
   void Time(const Task& task, PassKind kind, int pass) {
-    const TaskKey key = KeyOf(task, task.judged.back());
+    const TaskKey key(task, task.judged.back());
     const Journal::Judgement* judgement = journal_.Find(key);
     if (judgement == nullptr || journal_.Has(key, KindKey(kind), pass)) return;
     TimedRequest request;
@@ -187,37 +193,34 @@ class Campaign {
                             : kind == PassKind::kParts ? budgets.parts_s
                                                        : budgets.again_s;
     if (request.pass.budget_s <= 0) return;
-    for (std::size_t place = 0; place < task.end - task.begin; ++place) request.stream.push_back(NameOf(task, place));
+    for (std::size_t place = 0; place < task.count(); ++place) request.stream.push_back(NameOf(task, place));
     request.solver = task.solver;
     request.judged = task.judged;
     request.other_b_seed = plan_.seed;
-    int reruns = 0;
-    bool disturbed = false;
-    const TimedReply reply = RunUndisturbed(request, &reruns, &disturbed);
-    if (Interruption::Requested() && reply.outcome != "completed") return;
-    journal_.WriteTimed(task, ClassOf(task), kind, pass, request.pass.group, reply, reruns, disturbed,
-                        environment_hash_);
+    const TimedRun run = RunUndisturbed(request);
+    if (Interruption::Requested() && run.reply.outcome != "completed") return;
+    journal_.WriteTimed(task, kind, pass, request.pass.group, run);
   }
 
   // Again where the machine disturbed it; of several runs the one that was disturbed least, whatever came out.
-  TimedReply RunUndisturbed(const TimedRequest& request, int* reruns, bool* disturbed) {
-    TimedReply best;
+  TimedRun RunUndisturbed(const TimedRequest& request) {
+    TimedRun best;
     double least = std::numeric_limits<double>::infinity();
     for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
-      TimedReply reply = worker_.Run(request);
-      if (reply.outcome != "completed" && request.pass.order.size() > 1) return RunOneByOne(request, reply);
-      if (!reply.disturbance) return reply;
+      TimedReply reply = worker_->Run(request);
+      if (reply.outcome != "completed" && request.pass.order.size() > 1) return {RunOneByOne(request, reply)};
+      if (!reply.disturbance) return {std::move(reply)};
       const double fast_s = std::min(journal_.FastProbe(), reply.disturbance->probe_s);
       const double found = DisturbanceOf(plan_.noise, *reply.disturbance, fast_s);
       if (found < least) {
         least = found;
-        best = std::move(reply);
+        best.reply = std::move(reply);
       }
-      *reruns = run;
-      *disturbed = least > 0;
-      if (!*disturbed) break;
+      best.reruns = run;
+      best.disturbed = least > 0;
+      if (!best.disturbed) break;
     }
-    if (*disturbed) ++disturbed_;
+    if (best.disturbed) ++disturbed_;
     return best;
   }
 
@@ -226,33 +229,86 @@ class Campaign {
     TimedReply all;
     all.outcome = ended.outcome;
     all.detail = ended.detail;
-    all.seconds.resize(request.stream.size());
     all.failed.resize(request.judged.size());
     for (const std::uint32_t place : request.pass.order) {
       if (Interruption::Requested()) break;
       TimedRequest one = request;
       one.pass.order = {place};
       one.pass.group = 1;
-      const TimedReply reply = worker_.Run(one);
-      if (reply.outcome == "completed" && reply.seconds.size() == all.seconds.size()) {
-        all.seconds[place] = reply.seconds[place];
+      const TimedReply reply = worker_->Run(one);
+      for (const auto& [field, seconds] : reply.times) {
+        all.times[field].resize(request.stream.size());
+        all.times[field][place] = seconds.at(place);
       }
       for (std::size_t tier = 0; tier < all.failed.size(); ++tier) {
-        if (reply.outcome != "completed") {
-          all.failed[tier].push_back(place);
-        } else {
-          all.failed[tier].insert(all.failed[tier].end(), reply.failed[tier].begin(), reply.failed[tier].end());
-        }
+        const bool failed = reply.outcome != "completed" || !reply.failed.at(tier).empty();
+        if (failed) all.failed[tier].push_back(place);
       }
+    }
+    for (const TimeField& field : TimeFields()) {
+      if (field.kind == request.pass.kind) all.times[field.name].resize(request.stream.size());
     }
     return all;
   }
 
-  void Count(const JudgeReply& reply) {
-    const auto strictest = std::min_element(reply.verdicts.begin(), reply.verdicts.end(),
-                                            [](const auto& a, const auto& b) { return a.tier < b.tier; });
-    if (strictest == reply.verdicts.end() || !strictest->passes) ++failures_;
-    if (strictest != reply.verdicts.end() && strictest->false_success) ++false_successes_;
+  // All sequences that are needed, before their first solve: those that are there are checked, the others made.
+  bool MakeSequences() {
+    // Exact solves cost about the square of the rows.
+    const auto weight_of = [](const SequenceEntry& entry) {
+      return static_cast<double>(entry.problems * entry.most_rows * entry.most_rows);
+    };
+    std::set<std::string> seen;
+    std::map<std::string, const SequenceEntry*> missing;
+    double weight = 0;
+    for (const Task& pass : passes_) {
+      if (!pass.excluded.empty() || !seen.insert(pass.about).second) continue;
+      const std::string path = SequencePath(options_.folder, pass.about);
+      if (fs::exists(path)) {
+        ReadSequenceFile(path, pass.sequence->sha256);
+      } else {
+        missing[pass.about] = pass.sequence;
+        weight += weight_of(*pass.sequence);
+      }
+    }
+    if (missing.empty()) return true;
+    ProgressBar bar("sequences", weight);
+    for (const auto& [id, entry] : missing) {
+      try {
+        WriteSequenceFile(*entry, SequencePath(options_.folder, id));
+      } catch (const Interrupted&) {
+        return false;
+      }
+      bar.Advance(weight_of(*entry), id);
+    }
+    return true;
+  }
+
+  // Passes that did not complete in round 0 are not visited again.
+  void RunPass(Task pass, int round) {
+    const TaskKey key(pass, pass.tier);
+    if (journal_.Has(key, "", round)) return;
+    if (pass.excluded.empty()) pass.excluded = RuleFor(pass, 0);
+    if (!pass.excluded.empty()) {
+      if (round == 0) journal_.WriteExcluded(pass);
+      return;
+    }
+    if (round > 0 && !journal_.Find(key)->completed) return;
+    SequenceRequest request;
+    request.sequence = pass.about;
+    request.file = SequencePath(options_.folder, pass.about);
+    request.sha256 = pass.sequence->sha256;
+    request.solver = pass.solver;
+    request.tier = pass.tier;
+    request.judged = pass.judged;
+    request.warm = pass.warm;
+    request.deadline_s = pass.deadline_s;
+    request.time_per_row_s = plan_.time_per_row_s;
+    request.least_s = plan_.least_s;
+    request.most_s = plan_.most_s;
+    request.budget_s = plan_.pass_budget_s;
+    const SequenceReply reply = worker_->Run(request);
+    if (reply.outcome != "completed") ++failures_;
+    journal_.WritePass(pass, round, reply);
   }
 
   std::string Summary() const {
@@ -261,11 +317,12 @@ class Campaign {
   }
 
   const CampaignPlan& plan_;
+  const CampaignOptions& options_;
   const std::vector<PlannedProblem>& problems_;
-  std::string environment_hash_;
-  Journal journal_;
-  WorkerProcess worker_;
   std::vector<Task> tasks_;
+  std::vector<Task> passes_;  // over sequences
+  Journal journal_;
+  std::unique_ptr<WorkerProcess> worker_;
   std::int64_t failures_ = 0;
   std::int64_t false_successes_ = 0;
   std::int64_t disturbed_ = 0;
@@ -327,12 +384,14 @@ std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignO
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
   std::vector<std::string> names;
-  for (const Task& task : TasksOfShard(plan, options, problems)) {
+  for (const Task& task : TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)) {
     for (std::size_t k = task.begin; k < task.end; ++k) {
       names.push_back(CellName(problems[k].entry->id, task.solver, task.tier));
     }
   }
-  for (std::string& name : PassNames(plan, options, manifests)) names.push_back(std::move(name));
+  for (const Task& pass : TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)) {
+    names.push_back(PassName(pass));
+  }
   return names;
 }
 
@@ -344,12 +403,11 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
   const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests, problems));
-  Campaign campaign(plan, options, problems, environment);
+  Campaign campaign(plan, options, problems, manifests, environment);
   if (options.on_start) options.on_start();
   WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, problems);
   const Interruption interruption;
-  const bool done = campaign.Run() && RunSequences(plan, options, manifests, WorkerFor(plan, options), environment);
-  return done ? 0 : Interruption::ExitStatus();
+  return campaign.Run() ? 0 : Interruption::ExitStatus();
 }
 
 void MergeCampaigns(const std::vector<std::string>& folders, const std::string& output) {
@@ -357,71 +415,41 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   if (fs::exists(In(output, kCampaignFile))) throw InputError(output + ": has a campaign already");
   const nlohmann::ordered_json first = ReadCampaignFile(In(folders.front(), kCampaignFile));
   // Sorted, so that the folders' order does not matter. All folders have the same problems, in the same order.
-  std::vector<std::string> problems;
-  // By sequence, solver, tier, mode, round.
-  std::map<std::tuple<std::string, std::string, double, std::string, int>, std::string> passes;
-  bool has_passes = false;
-  std::map<std::tuple<TaskKey, std::string, int>, std::string> lines;
+  std::map<std::string, std::map<LineKey, std::string>> lines;  // by file
   for (const std::string& folder : folders) {
     if (!SameCampaign(ReadCampaignFile(In(folder, kCampaignFile)), first)) {
       throw InputError(folder + ": expected the campaign of " + folders.front() + ", found another plan");
     }
-    const auto for_each = [&folder](const char* file, const auto& take) {
-      std::ifstream text(In(folder, file));
-      if (!text) throw InputError(In(folder, file) + ": cannot be opened for reading");
-      std::string line;
-      while (std::getline(text, line) && !text.eof()) {
-        try {
-          take(nlohmann::json::parse(line), line);
-        } catch (const nlohmann::json::exception&) {
-          throw InputError(In(folder, file) + ": expected lines of a campaign, found another");
-        }
-      }
-    };
-    if (folder == folders.front()) {
-      for_each(kProblemsFile, [&](const nlohmann::json&, const std::string& line) { problems.push_back(line); });
+    for (const char* file : {kStreamsFile, kStepsFile}) {
+      if (file == kStepsFile && !fs::exists(In(folder, file))) continue;  // of a campaign without sequences
+      std::map<LineKey, std::string>& merged = lines[file];
+      ReadJsonLines(In(folder, file), "a line of a campaign", [&](const nlohmann::json& json, const std::string& line) {
+        const LineKey key = KeyOfLine(json);
+        if (merged.emplace(key, line).second) return;
+        const TaskKey& task = std::get<TaskKey>(key);
+        throw InputError(folder + ": " + task.solver + " on " + task.about + " at " + task.tier +
+                         " is in another folder already");
+      });
     }
-    for_each(kStreamsFile, [&](const nlohmann::json& json, const std::string& line) {
-      const TaskKey key(json);
-      if (!lines.emplace(std::tuple(key, json.at("kind").get<std::string>(), json.at("pass").get<int>()), line)
-               .second) {
-        throw InputError(folder + ": " + key.solver + " on " + key.size_class + " rows at " + key.tier +
-                         " is in another folder already");
-      }
-    });
-    if (!fs::exists(In(folder, kStepsFile))) continue;  // of a campaign without sequences
-    has_passes = true;
-    for_each(kStepsFile, [&](const nlohmann::json& json, const std::string& line) {
-      const std::tuple key(json.at("sequence").get<std::string>(), json.at("solver").get<std::string>(),
-                           json.at("tier").get<double>(), json.at("mode").get<std::string>(),
-                           json.at("round").get<int>());
-      if (!passes.emplace(key, line).second) {
-        throw InputError(folder + ": " +
-                         PassName(std::get<0>(key), std::get<1>(key), std::get<2>(key), std::get<3>(key)) +
-                         " is in another folder already");
-      }
-    });
   }
-  const auto found = static_cast<std::size_t>(
-      std::count_if(lines.begin(), lines.end(), [](const auto& line) { return std::get<1>(line.first) == "judge"; }));
+  const auto& streams = lines[kStreamsFile];
+  const auto found = static_cast<std::size_t>(std::count_if(
+      streams.begin(), streams.end(), [](const auto& line) { return std::get<std::string>(line.first) == "judge"; }));
   if (const auto planned = first.at("lines").get<std::size_t>(); found < planned) {
     std::cerr << "merge: note: " << found << " of " << planned << " tasks: a shard is missing, or not at its end"
               << std::endl;
   }
   std::error_code error;
   fs::create_directories(output, error);
+  fs::copy_file(In(folders.front(), kProblemsFile), In(output, kProblemsFile), error);
   if (error) throw InputError(output + ": cannot be created: " + error.message());
-  const auto write = [&output](const char* file, const auto& all, const auto& text_of) {
-    std::ofstream out(In(output, file));
-    for (const auto& line : all) out << text_of(line) << '\n';
-    out.close();
-    if (!out) throw InputError(In(output, file) + ": cannot be written");
-  };
-  const auto second = [](const auto& line) { return line.second; };
   WriteCampaignFile(In(output, kCampaignFile), first);
-  write(kProblemsFile, problems, [](const std::string& line) { return line; });
-  write(kStreamsFile, lines, second);
-  if (has_passes) write(kStepsFile, passes, second);
+  for (const auto& [file, merged] : lines) {
+    std::ofstream out(In(output, file.c_str()));
+    for (const auto& [key, line] : merged) out << line << '\n';
+    out.close();
+    if (!out) throw InputError(In(output, file.c_str()) + ": cannot be written");
+  }
 }
 
 }  // namespace lcpbench

@@ -5,13 +5,11 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <system_error>
 
-#include "benchmarks/campaign/exclusion_rules.h"
-#include "benchmarks/campaign/sequences/sequence_campaign.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/measure/environment.h"
-#include "benchmarks/measure/hardware_counters.h"
 #include "solvers/peers/tier_settings.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
@@ -22,6 +20,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kSchema = "lcpbench-campaign/2";
+constexpr std::array kOrigins = {"own", "peer", "external"};  // SolverOrigin
 
 // What a key stands for. Only peers whose stopping options were chosen by the rule of tier_settings.h run tuned under
 // their own key; our solvers, and peers without such options, run as they are.
@@ -29,20 +28,8 @@ const char* SettingOf(const SolverEntry& solver) {
   if (!solver.base.empty()) return "variant";
   const auto table = TierTable();
   const bool tuned =
-      std::any_of(table.begin(), table.end(), [&solver](const TierOption& row) { return row.key == solver.key; });
+      std::any_of(table.begin(), table.end(), [&solver](const TierSettings& row) { return row.key == solver.key; });
   return tuned ? "tuned" : "default";
-}
-
-const char* OriginKey(SolverOrigin origin) {
-  switch (origin) {
-    case SolverOrigin::kOwn:
-      return "own";
-    case SolverOrigin::kPeer:
-      return "peer";
-    case SolverOrigin::kExternal:
-      return "external";
-  }
-  return "unknown";
 }
 
 // UTC, ISO 8601.
@@ -75,7 +62,7 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                                {"setting", SettingOf(entry)},
                                {"base", entry.base},
                                {"settings", entry.settings},
-                               {"origin", OriginKey(entry.origin)},
+                               {"origin", kOrigins.at(static_cast<std::size_t>(entry.origin))},
                                {"uses_tolerance", entry.uses_tolerance},
                                {"tolerance", entry.tolerance()},
                                {"ablation", entry.ablation},
@@ -112,19 +99,31 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
                    {"least_cpu_share", plan.noise.least_cpu_share},
                    {"most_reruns", plan.noise.most_reruns}};
   json["size_limits"] = Json::array();
-  for (const SizeLimit& limit : SizeLimits()) {
-    json["size_limits"].push_back({{"solver", limit.solver}, {"largest", limit.largest}, {"reason", limit.reason}});
+  for (const SolverEntry& solver : AllSolvers()) {
+    const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class);
+    if (!limit) continue;
+    json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
   }
   json["lines"] = 0;
   for (const Task& task : PlanTasks(plan, problems)) {
     json["lines"] = json["lines"].get<std::size_t>() + task.judged.size();
   }
-  DescribeSequences(plan, manifests, &json);
+  for (const Manifest& manifest : manifests) {
+    for (const SequenceEntry& entry : manifest.sequences) {
+      json["sequences"].push_back({{"sequence", entry.id},
+                                   {"set", manifest.name},
+                                   {"family", entry.family},
+                                   {"rows", entry.start.rows},
+                                   {"most_rows", entry.most_rows},
+                                   {"steps", entry.problems}});
+    }
+  }
+  if (json.contains("sequences")) {
+    json["deadlines_s"] = plan.deadlines_s;
+    json["pass_budget_s"] = plan.pass_budget_s;
+  }
   json["started"] = Now();
-  json["environment"] = ToJson(DescribeEnvironment());
-  const HardwareCounters counters;
-  json["environment"]["counters"] = counters.names();
-  json["environment"]["counters_refused"] = counters.refusal();
+  json["environment"] = DescribeEnvironment();
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;
 }

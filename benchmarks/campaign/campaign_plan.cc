@@ -9,7 +9,6 @@
 #include <tuple>
 #include <utility>
 
-#include "benchmarks/campaign/exclusion_rules.h"
 #include "model/scenes/random.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
@@ -31,6 +30,33 @@ std::uint64_t Mixed(std::uint64_t value) {
   return value ^ (value >> 31U);
 }
 
+std::string ShortTier(double tier) {
+  char text[16];
+  std::snprintf(text, sizeof text, "%.0e", tier);
+  return text;
+}
+
+std::vector<double> LoosestFirst(const CampaignPlan& plan) {
+  std::vector<double> tiers = plan.tiers;
+  std::sort(tiers.begin(), tiers.end(), std::greater<>());
+  return tiers;
+}
+
+// The task at every tier that its solver tells apart.
+void AddByTier(Task task, const CampaignPlan& plan, std::vector<Task>* tasks) {
+  task.judged = LoosestFirst(plan);
+  task.tier = task.judged.back();
+  if (!FindSolver(task.solver).uses_tolerance) {
+    tasks->push_back(std::move(task));
+    return;
+  }
+  for (const double tier : LoosestFirst(plan)) {
+    task.tier = tier;
+    task.judged = {tier};
+    tasks->push_back(task);
+  }
+}
+
 }  // namespace
 
 double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fast_probe_s) {
@@ -45,10 +71,14 @@ double TimeLimitOf(const CampaignPlan& plan, Index rows) {
 }
 
 std::string CellName(const std::string& problem, const std::string& solver, double tier) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0e", tier);
-  return "solve/" + problem + "/" + solver + "/" + text;
+  return "solve/" + problem + "/" + solver + "/" + ShortTier(tier);
 }
+
+std::string PassName(const Task& pass) {
+  return "steps/" + pass.about + "/" + pass.solver + "/" + ShortTier(pass.tier) + "/" + pass.mode;
+}
+
+std::string OutOfTimeRule(double tier) { return "out of time at the looser tier " + ShortTier(tier); }
 
 void RequireValid(const CampaignPlan& plan) {
   const auto require = [](bool holds, const std::string& expected) {
@@ -103,8 +133,6 @@ std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::ve
 
 std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems) {
   constexpr Index kMostRowsTogether = 10'000;
-  std::vector<double> loosest_first = plan.tiers;
-  std::sort(loosest_first.begin(), loosest_first.end(), std::greater<>());
   std::vector<Task> tasks;
   std::size_t first_of_class = 0;
   for (std::size_t begin = 0; begin < problems.size();) {
@@ -117,19 +145,57 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
     for (const std::string& key : plan.solvers) {
       const SolverEntry& solver = FindSolver(key);
       if (!solver.available) continue;
-      Task task{key, 0, loosest_first, begin, end, begin - first_of_class, "", size_class->stream > 0};
       Index least_rows = problems[begin].entry->properties.rows;
       for (std::size_t k = begin; k < end; ++k) least_rows = std::min(least_rows, problems[k].entry->properties.rows);
+      Task task;
+      task.solver = key;
+      task.about = size_class->key;
       task.excluded = SizeRefusal(solver, least_rows);
-      for (const double tier : solver.uses_tolerance ? loosest_first : std::vector<double>{loosest_first.back()}) {
-        task.tier = tier;
-        if (solver.uses_tolerance) task.judged = {tier};
-        tasks.push_back(task);
-      }
+      task.begin = begin;
+      task.end = end;
+      task.first = begin - first_of_class;
+      task.is_stream = size_class->stream > 0;
+      AddByTier(std::move(task), plan, &tasks);
     }
     begin = end;
   }
   return tasks;
+}
+
+std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifest>& manifests) {
+  constexpr double kMillisecond = 1e-3;
+  std::vector<Task> passes;
+  for (const Manifest& manifest : manifests) {
+    for (const SequenceEntry& entry : manifest.sequences) {
+      for (const std::string& key : plan.solvers) {
+        const SolverEntry& solver = FindSolver(key);
+        if (!solver.available) continue;
+        Task task;
+        task.solver = solver.key;
+        task.about = entry.id;
+        task.excluded = SizeRefusal(solver, entry.most_rows);
+        task.sequence = &entry;
+        for (const char* mode : {"cold", "warm"}) {
+          task.mode = mode;
+          AddByTier(task, plan, &passes);
+          task.warm = true;
+        }
+        task.judged = LoosestFirst(plan);
+        task.tier = task.judged.back();
+        for (const double deadline : plan.deadlines_s) {
+          char text[32];
+          std::snprintf(text, sizeof text, "deadline-%gms", deadline / kMillisecond);
+          task.mode = text;
+          task.deadline_s = deadline;
+          passes.push_back(task);
+        }
+      }
+    }
+  }
+  const std::regex filter(plan.filter);
+  std::erase_if(passes,
+                [&](const Task& pass) { return !plan.filter.empty() && !std::regex_search(PassName(pass), filter); });
+  return passes;
 }
 
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round) {
@@ -157,14 +223,19 @@ std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round) {
   std::vector<std::size_t> groups(tasks.size(), 0);
   for (std::size_t k = 1; k < tasks.size(); ++k) {
-    const bool same = tasks[k].begin == tasks[k - 1].begin && tasks[k].solver == tasks[k - 1].solver;
+    const bool same = tasks[k].about == tasks[k - 1].about && tasks[k].first == tasks[k - 1].first &&
+                      tasks[k].solver == tasks[k - 1].solver;
     groups[k] = groups[k - 1] + (same ? 0 : 1);
   }
   return ShuffleGroups(groups, seed, round);
 }
 
-bool IsInShard(const std::string& about, const std::string& solver, int k, int n) {
-  return Hash(about + "|" + solver) % static_cast<std::uint64_t>(n) == static_cast<std::uint64_t>(k - 1);
+std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n) {
+  std::erase_if(tasks, [k, n](const Task& task) {
+    const std::string about = task.sequence != nullptr ? task.about : task.about + "|" + std::to_string(task.first);
+    return Hash(about + "|" + task.solver) % static_cast<std::uint64_t>(n) != static_cast<std::uint64_t>(k - 1);
+  });
+  return tasks;
 }
 
 }  // namespace lcpbench

@@ -43,7 +43,7 @@ struct CampaignPlan {
   std::vector<std::string> manifests;  ///< paths
   std::vector<std::string> solvers;    ///< registry keys
   std::vector<double> tiers = {1e-3, 1e-6, 1e-9};
-  /// Regular expression that "solve/<problem>/" must contain, and PassName of sequences; "" for all.
+  /// Regular expression that "solve/<problem>/" must contain, and PassName; "" for all.
   std::string filter;
   Index most_rows = 0;     ///< no larger problems; 0: all
   bool fills = true;       ///< streams are filled up with the manifests' problems of further seeds
@@ -56,7 +56,7 @@ struct CampaignPlan {
   double most_s = 2;
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
   NoiseRule noise;
-  // Of the manifests' sequences (sequence_plan.h).
+  // Of the manifests' sequences.
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
   TuningSource tuning;
@@ -74,25 +74,43 @@ struct PlannedProblem {
 /// @param manifests  must outlive the result
 std::vector<PlannedProblem> PlanProblems(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
 
-/// Solver x size class x tier: what is judged, timed and recorded together. Above 10^4 rows every problem is a task of
-/// its own, for the memory's sake. A solver whose settings do not depend on the tolerance has one task, at the
-/// strictest tier, for all.
+/// What is run, judged, timed and recorded together, of one solver at one tier. Either consecutive problems of a size
+/// class; above 10^4 rows every problem is a task of its own, for the memory's sake. Or a pass over a sequence, in a
+/// mode:
+///   cold             every step from f = 0
+///   warm             every step from the solver's own answer to the one before, rows that are new from 0
+///   deadline-0.1ms   warm at the strictest tier, every step within the deadline; judged at all tiers
+/// A solver whose settings do not depend on the tolerance has one task, at the strictest tier, for all tiers.
 struct Task {
   std::string solver;
-  double tier = 0;
+  std::string about;           ///< key of the size class, or id of the sequence
+  double tier = 0;             ///< asked for
   std::vector<double> judged;  ///< tiers, loosest first
-  std::size_t begin = 0;       ///< of PlanProblems
-  std::size_t end = 0;
+  std::string excluded;        ///< the rule by which none of it is run; "" for none
+  // Of problems.
+  std::size_t begin = 0;   ///< of PlanProblems
+  std::size_t end = 0;     ///< after the last
   std::size_t first = 0;   ///< of its size class, the place of `begin`
-  std::string excluded;    ///< the rule by which none of it is run; "" for none
   bool is_stream = false;  ///< its class is timed as a stream
+  // Of a sequence.
+  const SequenceEntry* sequence = nullptr;  ///< null: problems
+  std::string mode;
+  bool warm = false;
+  double deadline_s = 0;  ///< 0: none
+
+  std::size_t count() const { return end - begin; }
 };
 
 /// All tasks, by class, problem, solver and tier, the loosest tier first. Solvers that are not in the build have none.
 std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems);
 
+/// All passes over the manifests' sequences, in the same order. @param manifests  must outlive the result
+std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifest>& manifests);
+
 /// "solve/<problem>/<solver>/<tier>", for lists and Google Benchmark's JSON.
 std::string CellName(const std::string& problem, const std::string& solver, double tier);
+/// "steps/<sequence>/<solver>/<tier>/<mode>"
+std::string PassName(const Task& pass);
 
 /// What one solve may take [s].
 double TimeLimitOf(const CampaignPlan& plan, Index rows);
@@ -101,14 +119,17 @@ double TimeLimitOf(const CampaignPlan& plan, Index rows);
 /// seed and the round. The same on every machine.
 std::vector<std::size_t> ShuffleGroups(const std::vector<std::size_t>& group_of_cell, std::uint64_t seed, int round);
 
-/// The order of a round: the tiers of a task together, these groups shuffled by the plan's seed and the round.
+/// The order of a round: tasks of one solver about the same together, these groups shuffled by the seed and the round.
 std::vector<std::size_t> OrderOfRound(const std::vector<Task>& tasks, std::uint64_t seed, int round);
 
-/// Whether something is in shard k of n (k from 1): by a hash of what it is about and the solver, so that shards do not
-/// depend on the order, and the tiers of one solver stay together.
-bool IsInShard(const std::string& about, const std::string& solver, int k, int n);
+/// Tasks of shard k of n (k from 1): by a hash of what they are about and the solver, so that shards do not depend on
+/// the order, and the tiers of one solver stay together.
+std::vector<Task> TasksOfShard(std::vector<Task> tasks, int k, int n);
 
-/// "" where the plan can be run. @throws InputError naming what cannot
+/// What a solver is excluded by at stricter tiers after it ran out of time at `tier` on the same problem.
+std::string OutOfTimeRule(double tier);
+
+/// @throws InputError naming what cannot
 void RequireValid(const CampaignPlan& plan);
 
 }  // namespace lcpbench

@@ -1,34 +1,37 @@
 #pragma once
 
 #include <compare>
-#include <limits>
-#include <map>
+#include <memory>
 #include <set>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/campaign/task_messages.h"
+#include "benchmarks/campaign/messages.h"
 #include "support/append_only_file.h"
 
 namespace lcpbench {
 
-/// A tier as text: equal numbers are equal whatever they were read from.
-std::string TierText(double tier);
-
-/// What a line of streams.jsonl is of.
+/// What a line of streams.jsonl or steps.jsonl is of.
 struct TaskKey {
-  TaskKey(const Task& task, const std::string& size_class, double of_tier);
+  /// @param tier  of those that the task is judged at; of a sequence the one asked for
+  TaskKey(const Task& task, double tier);
   explicit TaskKey(const nlohmann::json& line);
 
   std::string solver;
-  std::string size_class;
-  std::size_t first;
-  std::string tier;
+  std::string about;  ///< size class or sequence
+  std::size_t first;  ///< 0 of sequences
+  std::string tier;   ///< as text: equal numbers are equal whatever they were read from
+  std::string mode;   ///< "" of problems
 
   // NOLINTNEXTLINE(modernize-use-nullptr): the checker takes the comparison with 0 inside for a pointer's
   auto operator<=>(const TaskKey&) const = default;
 };
+
+/// A line: its task, its kind ("" of sequences), and the number of its pass or round.
+using LineKey = std::tuple<TaskKey, std::string, int>;
+LineKey KeyOfLine(const nlohmann::json& line);
 
 /// A problem's judgement within a task, or the rule by which it was not tried.
 struct Judged {
@@ -36,23 +39,31 @@ struct Judged {
   std::string excluded;
 };
 
-/// What has been run of a campaign: streams.jsonl (RESULTS.md). Every line is written before the next task begins
-/// (append_only_file.h).
+/// A timed pass, how often it was run again because the machine disturbed it, and whether it still did.
+struct TimedRun {
+  TimedReply reply;
+  int reruns = 0;
+  bool disturbed = false;
+};
+
+/// What has been run of a campaign: streams.jsonl and, where it has sequences, steps.jsonl (RESULTS.md). Every line is
+/// written before the next task begins (append_only_file.h).
 class Journal {
  public:
-  /// Opens or creates the file and reads what it has.
-  /// @throws InputError where it cannot be written, or has a line of something else
-  explicit Journal(const std::string& path);
+  /// Opens or creates the files and reads what they have.
+  /// @throws InputError where one cannot be written, or has a line of something else
+  Journal(const std::string& folder, bool has_sequences, std::string environment_hash);
 
   bool Has(const TaskKey& key, const std::string& kind, int pass) const;
 
-  /// Of a task that was judged, by the place of its problems; at the tiers of its key.
+  /// Of a task that was judged, by the place of its problems, at the tier of its key; of a sequence from its round 0.
   struct Judgement {
     std::size_t attempted = 0;
     std::set<std::size_t> unverified;   ///< of those that were attempted
-    std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit
+    std::set<std::size_t> out_of_time;  ///< stopped, or killed, at the time limit; of a sequence 0 where that ended it
     double median_s = 0;                ///< of the observed times of verified answers; of timed passes, once there are
     double timed_s = 0;                 ///< spent in timed passes so far
+    bool completed = false;             ///< of a sequence
   };
   /// Null where the task was not judged, or is excluded.
   const Judgement* Find(const TaskKey& key) const;
@@ -62,25 +73,34 @@ class Journal {
   double FastProbe() const;
 
   /// A line per tier that the task is judged at. @param judged  of the problems that had their turn, in order
-  void WriteJudged(const Task& task, const std::string& size_class, const std::vector<Judged>& judged,
-                   const std::string& environment_hash);
-  void WriteExcluded(const Task& task, const std::string& size_class, const std::string& environment_hash);
-  /// @param pass   from 1
-  /// @param reruns  how often it was run again because the machine disturbed it, and whether it still did
-  void WriteTimed(const Task& task, const std::string& size_class, PassKind kind, int pass, std::uint32_t group,
-                  const TimedReply& reply, int reruns, bool disturbed, const std::string& environment_hash);
+  void WriteJudged(const Task& task, const std::vector<Judged>& judged);
+  /// Nothing of it is run, by its rule.
+  void WriteExcluded(const Task& task);
+  /// @param pass  from 1
+  void WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_t group, const TimedRun& run);
+  void WritePass(const Task& task, int round, const SequenceReply& reply);
 
  private:
   void Note(const nlohmann::json& line);
-  void Append(const std::vector<nlohmann::ordered_json>& lines);
+  // The lines of a task for which there is none yet, at every tier that it is judged at; `complete(k, &line)` adds to
+  // the one of the k-th tier.
+  template <typename Complete>
+  void WriteByTier(const Task& task, const char* kind, int pass, const Complete& complete);
+  void Append(AppendOnlyFile* file, const std::vector<nlohmann::ordered_json>& lines);
 
+  std::string environment_hash_;
   std::vector<double> probes_;  // ascending
-  std::set<std::tuple<TaskKey, std::string, int>> done_;
+  std::set<LineKey> done_;
   std::map<TaskKey, Judgement> judged_;
-  AppendOnlyFile file_;  // last: it tells the others what it has
+  // Last: they tell the others what they have.
+  AppendOnlyFile streams_;
+  std::unique_ptr<AppendOnlyFile> steps_;
 };
 
 /// "fresh", "parts" or "again".
 const char* KindKey(PassKind kind);
+
+inline constexpr const char* kStreamsFile = "streams.jsonl";
+inline constexpr const char* kStepsFile = "steps.jsonl";
 
 }  // namespace lcpbench

@@ -8,10 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/measure/oracle.h"
 #include "benchmarks/measure/progress.h"
-#include "support/input_error.h"
+#include "support/append_only_file.h"
 
 namespace lcpbench {
 namespace {
@@ -30,53 +31,23 @@ nlohmann::json EntriesOf(const std::string& path) {
   return entries;
 }
 
-std::set<std::string> IdsOf(const std::string& path) {
-  std::set<std::string> ids;
-  std::ifstream file(path);
-  std::string line;
-  while (std::getline(file, line)) {
-    if (file.eof()) break;
-    ids.insert(nlohmann::json::parse(line).at("problem").get<std::string>());
+Json Describe(DescribedProblem of, const References& references) {
+  const std::optional<KnownAnswer> answer = references.Find(of.problem);
+  if (answer && answer->f.size() > 0) {
+    if (std::isfinite(*answer->reference.floor)) of.floor = answer->reference.floor;
+    const double oracle_s = TimeOracle(of.problem, answer->f, *answer->reference.w);
+    if (oracle_s > 0) of.oracle_s = oracle_s;
   }
-  return ids;
-}
-
-Json Describe(const Manifest& manifest, const PlannedProblem& planned, const nlohmann::json& known, double weight,
-              const LcpProblem& problem, const References& references) {
-  const ManifestEntry& entry = *planned.entry;
-  Json line;
-  line["problem"] = entry.id;
-  line["set"] = manifest.name;
-  line["family"] = entry.family;
-  line["grid"] = entry.grid;
-  line["base"] = entry.base;
-  line["weight"] = weight;
-  line["origin"] = entry.origin;
-  line["fill"] = entry.fill;
-  line["size_class"] = planned.size_class->key;
-  line["rows"] = problem.size();
-  line["bilateral"] = problem.bilateral_rows().size();
-  for (const char* field : {"redundancy", "condition", "mass_ratio", "fraction_active"}) {
-    line[field] = known.value(field, nlohmann::json(nullptr));
-  }
-  const std::optional<KnownAnswer> answer = references.Find(problem);
-  line["reference"] = entry.reference.kind;
-  line["counts"] = true;
-  line["oracle_s"] = nullptr;
-  line["floor"] = nullptr;
-  if (!answer.has_value() || answer->f.size() == 0) return line;
-  if (std::isfinite(*answer->reference.floor)) line["floor"] = *answer->reference.floor;
-  const double oracle_s = TimeOracle(problem, answer->f, *answer->reference.w).best();
-  if (oracle_s > 0) line["oracle_s"] = oracle_s;
-  return line;
+  return RecordOf<DescribedProblem>(ProblemFields(), of);
 }
 
 }  // namespace
 
 void WriteProblems(const std::string& path, const std::vector<Manifest>& manifests,
                    const std::vector<std::string>& paths, const std::vector<PlannedProblem>& problems) {
-  const std::set<std::string> done = IdsOf(path);
-  std::ofstream file(path, std::ios::app);
+  std::set<std::string> done;
+  AppendOnlyFile file(path, "a problem of a campaign",
+                      [&done](const auto& line) { done.insert(line.at("problem").template get<std::string>()); });
   if (problems.size() <= done.size()) return;
   struct Set {
     Set(const Manifest& manifest, const std::string& manifest_path)
@@ -100,12 +71,10 @@ void WriteProblems(const std::string& path, const std::vector<Manifest>& manifes
     const ManifestEntry& entry = *planned.entry;
     if (done.count(entry.id) > 0) continue;
     Set& set = *sets[planned.manifest];
-    file << Describe(manifests[planned.manifest], planned, set.known.value(entry.id, nlohmann::json::object()),
-                     weights.at(entry.base), set.source.Get(entry), set.references)
-                .dump()
-         << '\n'
-         << std::flush;
-    if (!file) throw InputError(path + ": writing failed");
+    const nlohmann::json known = set.known.value(entry.id, nlohmann::json::object());
+    const LcpProblem problem = set.source.Get(entry);
+    file.Append({Describe({manifests[planned.manifest].name, planned, known, problem, weights.at(entry.base), {}, {}},
+                          set.references)});
     bar.Advance(1, entry.id);
   }
 }

@@ -4,7 +4,6 @@
 #include <memory>
 #include <string_view>
 
-#include "benchmarks/campaign/exclusion_rules.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

@@ -18,7 +18,7 @@ struct ReferenceFloor {
 /// Own solvers with their default options are asked one by one, with `tolerance` and a time limit for each. An answer
 /// counts where it passes tier `tolerance` relative to *its own* floor, and the least floor of those wins. The first
 /// answer settles it unless its floor exceeds `tolerance`: a smaller floor changes no verdict.
-/// Sizes at which a solver is not run in a campaign (SizeLimits) hold here, too. Solvers that are not in the build are
+/// Sizes at which a solver is not run in a campaign (SizeRefusal) hold here, too. Solvers that are not in the build are
 /// passed over. Costs a solve, up to four where the first one's floor matters or nothing is verified.
 ///
 /// @param tolerance     the strictest tier that will be judged, in (0, 1)

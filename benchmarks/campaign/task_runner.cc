@@ -8,13 +8,13 @@
 #include <string_view>
 #include <utility>
 
+#include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/another_b.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/size_classes.h"
 #include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/peak_memory.h"
-#include "solvers/lcp/metric_table.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "support/input_error.h"
@@ -43,32 +43,8 @@ struct TaskRunner::Problem {
 
 namespace {
 
-using Json = nlohmann::json;
-
 // Larger problems are made again when they are wanted again.
 constexpr Index kMostRowsKept = 10'000;
-
-TierVerdict Describe(const Verdict& verdict, LcpStatus claim, double tier) {
-  TierVerdict described;
-  described.tier = tier;
-  described.passes = verdict.passes;
-  if (verdict.best_tier > 0) described.best_tier = verdict.best_tier;
-  described.at_floor = verdict.at_floor;
-  described.false_success = verdict.false_success;
-  described.false_infeasible = verdict.false_infeasible;
-  described.proved_infeasible = claim == LcpStatus::kInfeasible && verdict.farkas && verdict.farkas->accepted;
-  described.reason = verdict.reason;
-  return described;
-}
-
-Json Describe(const Metrics& metrics) {
-  Json json = Json::object();
-  for (const MetricEntry& entry : AllMetrics()) {
-    const double value = metrics.*entry.value;
-    json[std::string(entry.key)] = std::isfinite(value) && value != -1 ? Json(value) : Json(nullptr);
-  }
-  return json;
-}
 
 // Counts allocations while it lives.
 class AllocationWatch {
@@ -124,35 +100,32 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const std::function<void
   options.time_factorisations = true;
   const ProblemArrays arrays = ProblemArrays::Of(given.problem);
 
-  JudgeReply reply;
   begin();
   LcpSolver& solver = pool_.Get(entry);
   LcpResult result;
+  double first_s = -1;
+  double peak_bytes = -1;
+  double formed_on_host_s = -1;
+  std::int64_t allocated = -1;
   if (entry.origin == SolverOrigin::kOwn) {
     ResetPeak();
     const AllocationWatch allocations;
     const double start = SteadyNow();
     solver.Solve(LcpProblem::FromArrays(arrays), options, &result);
-    const double fresh_s = SteadyNow() - start;
-    if (AllocationsAreCounted()) reply.allocations = allocations.count();
-    reply.fresh_s = fresh_s;
-    if (result.factor_s >= 0 && fresh_s > 0) reply.factor_share = result.factor_s / fresh_s;
-    reply.peak_bytes = PeakBytes();
+    first_s = SteadyNow() - start;
+    if (AllocationsAreCounted()) allocated = allocations.count();
+    peak_bytes = PeakBytes();
   } else {
     solver.Solve(given.problem, options, &result);
-    if (result.own_fresh_s >= 0) reply.fresh_s = result.own_fresh_s;
-    if (const auto* external = dynamic_cast<ExternalSolver*>(&solver); external && external->formed_on_host_s() > 0) {
-      reply.formed_on_host_s = external->formed_on_host_s();
-    }
+    first_s = result.own_fresh_s;
+    const auto* external = dynamic_cast<ExternalSolver*>(&solver);
+    if (external != nullptr && external->formed_on_host_s() > 0) formed_on_host_s = external->formed_on_host_s();
+    result.factor_s = -1;  // not known of other processes
   }
-
-  reply.claim = ToString(result.status);
-  reply.iterations = result.iterations;
-  reply.detail = result.detail;
+  JudgeReply reply;
   for (const double tier : request.judged) {
     const Verdict verdict = Verify(given.problem, result, tier, &given.reference);
-    reply.verdicts.push_back(Describe(verdict, result.status, tier));
-    reply.metrics = Describe(verdict.metrics);
+    reply.records.push_back(DescribeAnswer({result, verdict, first_s, peak_bytes, formed_on_host_s, allocated}));
   }
   return reply;
 }
@@ -225,23 +198,16 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void
   // This thread waits while another process solves.
   if (FindSolver(request.solver).origin != SolverOrigin::kOwn) reply.disturbance->cpu_share = 1;
 
-  const std::size_t count = request.stream.size();
-  const bool has_parts = request.pass.kind == PassKind::kParts;
-  reply.seconds.resize(count);
-  for (auto* part : {&reply.problem_s, &reply.prepare_s, &reply.convert_s, &reply.solve_s}) {
-    if (has_parts) part->resize(count);
+  for (const TimeField& field : TimeFields()) {
+    if (field.kind != request.pass.kind) continue;
+    auto& seconds = reply.times[field.name];
+    seconds.resize(request.stream.size());
+    for (std::size_t k = 0; k < pass.size(); ++k) seconds[request.pass.order[k]] = pass[k].*field.seconds;
   }
   reply.failed.resize(request.judged.size());
   for (std::size_t k = 0; k < pass.size(); ++k) {
     const std::uint32_t place = request.pass.order[k];
     const PassEntry& entry = pass[k];
-    reply.seconds[place] = entry.seconds;
-    if (has_parts) {
-      reply.problem_s[place] = entry.problem_s;
-      reply.prepare_s[place] = entry.prepare_s;
-      reply.convert_s[place] = entry.convert_s;
-      reply.solve_s[place] = entry.solve_s;
-    }
     const Problem& given = problem(place);
     std::vector<bool> passes;
     if (request.pass.kind == PassKind::kAgain) {

@@ -8,7 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "benchmarks/campaign/task_messages.h"
+#include "benchmarks/campaign/messages.h"
 #include "benchmarks/measure/solver_pool.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/lcp/problem.h"

@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <functional>
-#include <optional>
+#include <memory>
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/sequences/sequence_cell.h"
-#include "benchmarks/campaign/task_messages.h"
+#include "benchmarks/campaign/messages.h"
+#include "support/subprocess.h"
 
 namespace lcpbench {
 
@@ -24,21 +24,17 @@ struct WorkerOptions {
 
 /// This program run again as a worker that runs one request after the other, so that a solver that crashes, hangs or
 /// takes all memory is an outcome. It lives on from request to request; one that ended is started anew.
+///
+/// Run never throws for what the solver does: the reply's outcome is then crashed, killed or out_of_memory, with the
+/// reason in detail.
+/// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
 class WorkerProcess {
  public:
-  explicit WorkerProcess(const WorkerOptions& options);
-  ~WorkerProcess();
-  WorkerProcess(const WorkerProcess&) = delete;
-  WorkerProcess& operator=(const WorkerProcess&) = delete;
+  explicit WorkerProcess(WorkerOptions options) : options_(std::move(options)) {}
 
-  /// Never throws for what the solver does: the reply's claim is then crashed, killed or out_of_memory, with the reason
-  /// in detail.
-  /// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
   JudgeReply Run(const JudgeRequest& request);
-  /// A timed pass. The reply's outcome says how the worker ended.
   TimedReply Run(const TimedRequest& request);
-  /// A pass over a sequence; every step has its own limit, and the reply's outcome says how the worker ended.
-  SequenceReply Run(const SequenceRequest& request);
+  SequenceReply Run(const SequenceRequest& request);  ///< every step has its own limit
 
  private:
   // What may follow a mark: how long it may take [s], and its name in texts.
@@ -46,20 +42,12 @@ class WorkerProcess {
     double limit_s;
     std::string name;
   };
-  // The reply to a request; none where the worker ended: then `how` is crashed, killed or out_of_memory.
-  std::optional<std::string> Ask(const std::string& request,
-                                 const std::function<Phase(const std::string& mark)>& phase_of, std::string* how,
-                                 std::string* detail);
-  void Start();
-  void End();
-  // A line, or none: then `how` says why.
-  bool ReadLine(double limit_s, std::string* line, std::string* how);
+  template <typename Message, typename Answer>
+  void Ask(const Message& request, const std::function<Phase(const std::string& mark)>& phase_of, Answer* answer);
+  double WithGrace(double limit_s) const { return limit_s * (1 + options_.grace_share) + options_.grace_s; }
 
   WorkerOptions options_;
-  int pid_ = -1;
-  int to_ = -1;
-  int from_ = -1;
-  std::string buffer_;
+  std::unique_ptr<Subprocess> process_;
 };
 
 /// What the worker does: requests on standard input, one line each; replies on standard output. Lines that begin with

@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "model/scenes/scene.h"
@@ -28,7 +29,8 @@ std::string DescribeSource(const SolverEntry& entry) {
 }  // namespace
 
 void AddListCommand(CLI::App& app, CommandRun& run) {
-  CLI::App* list = app.add_subcommand("list", "Lists solvers, scenes or metrics, the key first on each line");
+  CLI::App* list = app.add_subcommand(
+      "list", "Lists solvers, scenes, metrics or fields of result files, the key first on each line");
   list->require_subcommand(1);
   list->add_subcommand("solvers", "Backends: key, method, source")->callback([&run] {
     run = [] {
@@ -50,6 +52,16 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   list->add_subcommand("metrics", "Metrics of the verdict: key, formula")->callback([&run] {
     run = [] {
       for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
+      return 0;
+    };
+  });
+  CLI::App* fields =
+      list->add_subcommand("fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");
+  const auto as_json = std::make_shared<bool>(false);
+  fields->add_flag("--json", *as_json, "As one JSON object, by which report/ checks what it reads");
+  fields->callback([as_json, &run] {
+    run = [as_json] {
+      std::cout << (*as_json ? ResultSchemaJson().dump(1) + "\n" : ResultSchemaMarkdown()) << std::flush;
       return 0;
     };
   });

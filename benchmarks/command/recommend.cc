@@ -5,7 +5,6 @@
 #include <iostream>
 #include <memory>
 
-#include "benchmarks/campaign/exclusion_rules.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/solver_options.h"

@@ -5,7 +5,6 @@
 #include "benchmarks/command/commands.h"
 #include "model/records/replay.h"
 #include "model/records/replay_record.h"
-#include "model/records/replay_summary.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "model/shape/outline_piece.h"
+#include "model/geometry/feature.h"
 
 namespace lcpbench {
 

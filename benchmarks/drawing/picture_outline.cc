@@ -6,9 +6,9 @@
 #include <variant>
 
 #include "benchmarks/drawing/svg_text.h"
+#include "model/geometry/feature.h"
 #include "model/geometry/overloaded.h"
 #include "model/scenes/parts.h"
-#include "model/shape/outline_piece.h"
 
 namespace lcpbench {
 namespace {

@@ -9,11 +9,8 @@
 namespace {
 bool is_counting = false;
 std::atomic<long> allocations = 0;
-std::atomic<long> bytes = 0;
-void Count(std::size_t size) {
-  if (!is_counting) return;
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  bytes.fetch_add(static_cast<long>(size), std::memory_order_relaxed);
+void Count() {
+  if (is_counting) allocations.fetch_add(1, std::memory_order_relaxed);
 }
 }  // namespace
 #ifdef __clang__
@@ -27,27 +24,27 @@ void* __libc_realloc(void* old, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 
 void* malloc(std::size_t size) noexcept {
-  Count(size);
+  Count();
   return __libc_malloc(size);
 }
 void* calloc(std::size_t count, std::size_t size) noexcept {
-  Count(count * size);
+  Count();
   return __libc_calloc(count, size);
 }
 void* realloc(void* old, std::size_t size) noexcept {
-  Count(size);
+  Count();
   return __libc_realloc(old, size);
 }
 void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
-  Count(size);
+  Count();
   return __libc_memalign(alignment, size);
 }
 void* memalign(std::size_t alignment, std::size_t size) noexcept {
-  Count(size);
+  Count();
   return __libc_memalign(alignment, size);
 }
 int posix_memalign(void** result, std::size_t alignment, std::size_t size) noexcept {
-  Count(size);
+  Count();
   void* memory = __libc_memalign(alignment, size);
   if (memory == nullptr) return ENOMEM;
   *result = memory;
@@ -61,12 +58,10 @@ namespace lcpbench {
 #ifdef LCPBENCH_COUNTS_ALLOCATIONS
 bool AllocationsAreCounted() { return true; }
 long AllocationCount() { return allocations; }
-long AllocatedBytes() { return bytes; }
 void CountAllocations(bool on) { is_counting = on; }
 #else
 bool AllocationsAreCounted() { return false; }
 long AllocationCount() { return 0; }
-long AllocatedBytes() { return 0; }
 void CountAllocations(bool /*on*/) {}
 #endif
 

@@ -16,8 +16,12 @@ struct BodySystem {
   ColumnMatrix lower;
   std::vector<int> column_of;  ///< of each unknown: its column of J
   std::vector<int> first;      ///< of each body: its first unknown; one more entry, the number of unknowns
-  ColumnMatrix graph;          ///< bodies x bodies, both triangles without the diagonal: 1 where they share a row
+  /// Bodies x bodies: an entry where two share a row; values and the diagonal mean nothing.
+  ColumnMatrix graph;
   int bodies() const { return static_cast<int>(first.size()) - 1; }
+  /// An order of bodies, of the graph for little fill, as one of the unknowns. Ordering bodies takes a graph a third of
+  /// the size, and unknowns of a body, which have the same neighbours, end up beside each other all the same.
+  Eigen::VectorXi Expand(const Eigen::VectorXi& bodies) const;
 };
 
 /// Row i has the stiffness kStiffness / A_ii: stiff against the masses and far from the limits of double.

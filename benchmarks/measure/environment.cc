@@ -9,9 +9,9 @@
 #include <boost/version.hpp>
 #include <cstring>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 #include "build_info.h"
 #include "git_revision.h"
@@ -53,6 +53,10 @@ std::string Kernel() {
   return uname(&names) == 0 ? std::string(names.sysname) + " " + names.release : "unknown";
 }
 
+std::string Version(int major, int minor, int patch) {
+  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(patch);
+}
+
 // CPUID leaf 1 says whether there is one, leaf 0x40000000 who.
 std::string Hypervisor() {
 #if defined(__x86_64__)
@@ -76,52 +80,29 @@ std::string Hypervisor() {
 
 }  // namespace
 
-Environment DescribeEnvironment() {
-  Environment environment;
-  environment.version = kVersion;
-  environment.git_commit = kGitCommit;
-  environment.git_dirty = kGitDirty;
-  environment.compiler = kCompiler;
-  environment.flags = kFlags;
-  environment.solver_flags = kSolverFlags;
-  environment.build_type = kBuildType;
-  environment.cpu = FirstValue("/proc/cpuinfo", "model name", ':');
-  environment.instruction_sets = InstructionSets();
-  environment.kernel = Kernel();
-  environment.hypervisor = Hypervisor();
-  environment.cores = static_cast<int>(std::thread::hardware_concurrency());
-  environment.memory_bytes = static_cast<long long>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
-  environment.os = FirstValue("/etc/os-release", "PRETTY_NAME", '=');
-  environment.library_threads = LimitLibraryThreads(1);
-  environment.libraries = LibraryVersions();
-  environment.libraries.emplace_back("nlohmann-json", std::to_string(NLOHMANN_JSON_VERSION_MAJOR) + "." +
-                                                          std::to_string(NLOHMANN_JSON_VERSION_MINOR) + "." +
-                                                          std::to_string(NLOHMANN_JSON_VERSION_PATCH));
-  environment.libraries.emplace_back("Boost", std::to_string(BOOST_VERSION / 100000) + "." +
-                                                  std::to_string(BOOST_VERSION / 100 % 1000) + "." +
-                                                  std::to_string(BOOST_VERSION % 100));
-  return environment;
-}
-
-nlohmann::ordered_json ToJson(const Environment& environment) {
+nlohmann::ordered_json DescribeEnvironment() {
+  nlohmann::ordered_json libraries = nlohmann::ordered_json::object();
+  for (const auto& [name, version] : LibraryVersions()) libraries[name] = version;
+  libraries["nlohmann-json"] =
+      Version(NLOHMANN_JSON_VERSION_MAJOR, NLOHMANN_JSON_VERSION_MINOR, NLOHMANN_JSON_VERSION_PATCH);
+  libraries["Boost"] = Version(BOOST_VERSION / 100000, BOOST_VERSION / 100 % 1000, BOOST_VERSION % 100);
   nlohmann::ordered_json json;
-  json["version"] = environment.version;
-  json["git_commit"] = environment.git_commit;
-  json["git_dirty"] = environment.git_dirty;
-  json["compiler"] = environment.compiler;
-  json["flags"] = environment.flags;
-  json["solver_flags"] = environment.solver_flags;
-  json["build_type"] = environment.build_type;
-  json["cpu"] = environment.cpu;
-  json["instruction_sets"] = environment.instruction_sets;
-  json["kernel"] = environment.kernel;
-  json["hypervisor"] = environment.hypervisor;
-  json["cores"] = environment.cores;
-  json["memory_bytes"] = environment.memory_bytes;
-  json["os"] = environment.os;
-  json["library_threads"] = environment.library_threads;
-  json["libraries"] = nlohmann::ordered_json::object();
-  for (const auto& [name, version] : environment.libraries) json["libraries"][name] = version;
+  json["version"] = kVersion;
+  json["git_commit"] = kGitCommit;
+  json["git_dirty"] = kGitDirty;
+  json["compiler"] = kCompiler;
+  json["flags"] = kFlags;               // of all our code
+  json["solver_flags"] = kSolverFlags;  // added in solvers/
+  json["build_type"] = kBuildType;
+  json["cpu"] = FirstValue("/proc/cpuinfo", "model name", ':');
+  json["instruction_sets"] = InstructionSets();
+  json["kernel"] = Kernel();
+  json["hypervisor"] = Hypervisor();
+  json["cores"] = static_cast<int>(std::thread::hardware_concurrency());
+  json["memory_bytes"] = static_cast<long long>(sysconf(_SC_PHYS_PAGES)) * sysconf(_SC_PAGE_SIZE);
+  json["os"] = FirstValue("/etc/os-release", "PRETTY_NAME", '=');
+  json["library_threads"] = LimitLibraryThreads(1);  // of BLAS and OpenMP
+  json["libraries"] = std::move(libraries);
   return json;
 }
 

@@ -2,22 +2,21 @@
 
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string>
-#include <vector>
+#include <span>
 
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
 
-/// What can be said of a problem before it is solved, at the cost of forming A once. Which of it matters for the choice
-/// of a solver the reference results say (rules.h).
+/// What can be said of a problem before it is solved, at the cost of forming A once; nothing where it is not known.
+/// Which of it matters for the choice of a solver the reference results say (rules.h).
 struct ProblemFeatures {
-  double rows = 0;
-  double bilateral = 0;        ///< share of the rows
-  double couplings = 0;        ///< stored entries of A per row
-  double diagonal_spread = 1;  ///< largest over smallest of the positive diagonal entries of A
-  double islands = 0;          ///< sets of rows without any coupling between them
-  double largest_island = 0;   ///< share of the rows
+  std::optional<double> rows;
+  std::optional<double> bilateral;        ///< share of the rows
+  std::optional<double> couplings;        ///< stored entries of A per row
+  std::optional<double> diagonal_spread;  ///< largest over smallest of the positive diagonal entries of A
+  std::optional<double> islands;          ///< sets of rows without any coupling between them
+  std::optional<double> largest_island;   ///< share of the rows
   /// Of the movable bodies that the rows touch: largest over smallest mass. Not known without the factors of A.
   std::optional<double> mass_spread;
   /// Share of the rows that depend on others for sure: in every island rows beyond the columns of J that can move and
@@ -28,11 +27,12 @@ struct ProblemFeatures {
 /// O(entries of A), plus what forming A costs.
 ProblemFeatures MeasureFeatures(const LcpProblem& problem);
 
-/// The names of all features, as the members are called.
-const std::vector<std::string>& FeatureNames();
-
-/// One feature by its name; empty where it is not known. @throws InputError naming the known ones
-std::optional<double> FeatureNamed(const ProblemFeatures& features, const std::string& name);
+/// A feature by its name, as the member is called.
+struct NamedFeature {
+  const char* name;
+  std::optional<double> ProblemFeatures::*value;
+};
+std::span<const NamedFeature> AllFeatures();
 
 /// A member per feature, null where it is not known.
 nlohmann::ordered_json Describe(const ProblemFeatures& features);

@@ -8,11 +8,11 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "benchmarks/campaign/median_interval.h"
 #include "benchmarks/campaign/reference_floor.h"
-#include "benchmarks/campaign/sequences/sequence_cell.h"
+#include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
+#include "benchmarks/measure/quantile.h"
 #include "benchmarks/measure/speed_probe.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -21,10 +21,12 @@ namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFloorTimeLimit = 10;  // [s]
+constexpr double kBudget = 60;          // of a pass [s]
+constexpr NoiseRule kNoise;
 // Copies of a problem that stands alone: enough for a quantile, and no more rows than a worker reads in a second.
 constexpr double kMostCopies = 40;
 constexpr double kMostCopiedRows = 20'000;
@@ -77,10 +79,10 @@ class Study {
       if (tier != plan.tolerance) request_.judged.push_back(tier);
     }
     std::sort(request_.judged.rbegin(), request_.judged.rend());
-    request_.time_per_row_s = plan.time_per_row_s;
-    request_.least_s = plan.least_s;
-    request_.most_s = plan.most_s;
-    request_.budget_s = plan.budget_s;
+    request_.time_per_row_s = 1e-3;
+    request_.least_s = 0.2;
+    request_.most_s = kBudget;
+    request_.budget_s = kBudget;
     for (const std::string& key : plan.solvers) {
       for (const bool warm : {false, true}) {
         if (warm && !steps.rows_are_known) continue;
@@ -120,7 +122,7 @@ class Study {
   static WorkerOptions OptionsOf(const MeasurementPlan& plan) {
     WorkerOptions options;
     options.solver_arguments = plan.solver_arguments;
-    options.memory_bytes = plan.memory_bytes;
+    options.memory_bytes = std::uint64_t{8} << 30U;
     options.cpu = plan.cpu;
     return options;
   }
@@ -130,16 +132,16 @@ class Study {
     request_.solver = entrant->found.solver;
     request_.warm = entrant->found.warm;
     SequenceReply reply;
-    for (int run = 0; run <= plan_.noise.most_reruns; ++run) {
+    for (int run = 0; run <= kNoise.most_reruns; ++run) {
       const double before = ProbeSpeed();
       reply = worker_.Run(request_);
       const double probe = std::max(before, ProbeSpeed());
       fast_probe_s_ = std::min({fast_probe_s_, before, probe});
-      const bool disturbed = DisturbanceOf(plan_.noise, {probe, 1, 0}, fast_probe_s_) > 0;
+      const bool disturbed = DisturbanceOf(kNoise, {probe, 1, 0}, fast_probe_s_) > 0;
       if (!disturbed || reply.outcome != "completed") break;
-      if (run == plan_.noise.most_reruns) ++entrant->found.disturbed;
+      if (run == kNoise.most_reruns) ++entrant->found.disturbed;
     }
-    if (!reply.results.contains("reached")) reply.results = NothingReached(request_.judged, steps_);
+    if (reply.results.is_null()) reply.results = StepRecord(request_.judged, plan_.tolerance).Results(steps_);
     Add(round, reply, entrant);
   }
 

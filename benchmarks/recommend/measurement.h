@@ -15,13 +15,6 @@ struct MeasurementPlan {
   int rounds = 5;                             ///< passes of every solver over the steps, each round in another order
   std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
   int cpu = -1;                               ///< the processor that solves are kept on; -1: any
-  // A solve may take time_per_row_s times its rows, within [least_s, most_s]; a pass budget_s.
-  double time_per_row_s = 1e-3;
-  double least_s = 0.2;
-  double most_s = 60;
-  double budget_s = 60;
-  std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solver's process
-  NoiseRule noise;
 };
 
 /// What the passes of one solver over the steps found, from cold starts or from warm ones.

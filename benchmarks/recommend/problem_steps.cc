@@ -43,10 +43,8 @@ std::optional<std::vector<int>> PreviousRows(const Json& line, std::size_t rows,
   try {
     if (line.contains("previous")) {
       auto previous = line.at("previous").get<std::vector<int>>();
-      bool fits = previous.size() == rows;
-      for (const int row : previous) fits = fits && row >= -1 && row < static_cast<int>(rows_before);
-      if (fits) return previous;
-      throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+      RequirePrevious(previous, static_cast<Index>(rows), rows_before, where);
+      return previous;
     }
     if (!line.contains("motion")) return std::nullopt;
     const Json& motion = line.at("motion");
@@ -106,9 +104,7 @@ ProblemSteps Moving(const std::string& scene_name, int size, std::uint64_t seed,
     if (met.problem.size() == 0 || met.result.status != LcpStatus::kSolved) return;
     if (met.kind == MotionProblemKind::kAcceleration && taken) return;
     taken = taken || met.kind == MotionProblemKind::kAcceleration;
-    std::vector<int> previous;
-    for (const std::optional<int>& row : matching.Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
-    found.steps.push_back({met.problem, std::move(previous), {}});
+    found.steps.push_back({met.problem, PreviousRows(&matching, met), {}});
   });
   for (int k = 0; k < steps && motion->status() == MotionStatus::kMoving; ++k) {
     taken = false;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/campaign/sequences/sequence_file.h"
+#include "benchmarks/campaign/sequence_file.h"
 
 namespace lcpbench {
 

@@ -1,9 +1,10 @@
 #include "benchmarks/recommend/ranking.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <tuple>
+
+#include "benchmarks/measure/quantile.h"
 
 namespace lcpbench {
 namespace {
@@ -91,16 +92,6 @@ Assessment Assess(const Measurement& measured, const RecommendationRequest& requ
 }
 
 }  // namespace
-
-double Quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
-  const double place = q * static_cast<double>(values.size() - 1);
-  const auto below = static_cast<size_t>(std::floor(place));
-  const double part = place - std::floor(place);
-  // Neither 0 times infinity nor the difference of two infinities is a number.
-  if (part == 0 || std::isinf(values[below])) return values[below];
-  return values[below] + part * (values[below + 1] - values[below]);
-}
 
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,
                                          const RecommendationRequest& request) {

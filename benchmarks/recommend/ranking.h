@@ -18,7 +18,7 @@ struct RecommendationRequest {
 /// A measurement, judged by the request.
 struct Assessment {
   Measurement measured;
-  // Of the steps' latencies [s]: linear interpolation between order statistics (Hyndman & Fan 1996, definition 7).
+  // Of the steps' latencies [s] (Quantile).
   double p50_s = 0;
   double p99_s = 0;
   double max_s = 0;
@@ -33,8 +33,5 @@ struct Assessment {
 /// and time. What is equal stays in the order given.
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,
                                          const RecommendationRequest& request);
-
-/// The q-quantile, q in [0, 1], of one value or more; infinite values are larger than any other.
-double Quantile(std::vector<double> values, double q);
 
 }  // namespace lcpbench

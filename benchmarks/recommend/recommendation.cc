@@ -96,18 +96,18 @@ std::string Heading(const Recommendation& all) {
 
 std::string FeaturesLine(const Recommendation& all) {
   std::string text;
-  for (const std::string& name : FeatureNames()) {
-    const std::optional<double> value = FeatureNamed(all.features, name);
-    text += (text.empty() ? "" : ", ") + name + " " + (value ? NumberText(*value) : "not known");
+  for (const NamedFeature& feature : AllFeatures()) {
+    const std::optional<double> value = all.features.*feature.value;
+    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + (value ? NumberText(*value) : "not known");
   }
   return (all.problems > 1 ? "features of the largest: " : "features: ") + text + "\n";
 }
 
 std::string RegionLine(const Recommendation& all) {
   std::string text;
-  for (const auto& [name, ends] : all.region.where) {
-    text += (text.empty() ? "" : ", ") + name + " " + NumberText(ends.first) + " to " +
-            (std::isfinite(ends.second) ? "below " + NumberText(ends.second) : "any");
+  for (const auto& [feature, least, end] : all.region.where) {
+    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + NumberText(least) + " to " +
+            (std::isfinite(end) ? "below " + NumberText(end) : "any");
   }
   return "reference: " + std::to_string(all.region.problems) + " problems with " + text + " at tier " +
          ShortText(all.region.tier) + ", of " + all.made_of + "\n";
@@ -202,7 +202,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
   json["deadline_s"] = all.request.deadline_s ? Json(*all.request.deadline_s) : Json(nullptr);
   json["features"] = Describe(all.features);
   Json where = Json::object();
-  for (const auto& [name, ends] : all.region.where) where[name] = {ends.first, FiniteOrNull(ends.second)};
+  for (const auto& [feature, least, end] : all.region.where) where[feature.name] = {least, FiniteOrNull(end)};
   json["reference"] = {{"rules", all.rules_file},         {"campaigns", all.made_of},
                        {"tier", all.region.tier},         {"where", where},
                        {"problems", all.region.problems}, {"candidates", all.region.candidates}};

@@ -9,6 +9,7 @@
 
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {
@@ -18,101 +19,60 @@ using Json = nlohmann::json;
 constexpr const char* kSchema = "lcpbench-recommendation/1";
 // Tiers are equal that were written as the same number.
 constexpr double kSameTier = 1 + 1e-6;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A JSON value with the place it was found at, for messages.
-class Field {
- public:
-  Field(const Json& json, std::string place) : json_(json), place_(std::move(place)) {}
+double NumberWithin(const JsonField& field, double least, double most) {
+  const double value = field.Number();
+  if (value >= least && value <= most) return value;
+  field.Mismatch("a number of " + Json(least).dump() + " to " + Json(most).dump());
+}
 
-  Field At(const std::string& name) const {
-    if (!json_.is_object() || !json_.contains(name)) Refuse("an object with the member '" + name + "'");
-    return {json_.at(name), place_ + "/" + name};
-  }
-  std::vector<Field> Elements() const {
-    if (!json_.is_array()) Refuse("a list");
-    std::vector<Field> elements;
-    for (size_t k = 0; k < json_.size(); ++k) elements.emplace_back(json_.at(k), place_ + "/" + std::to_string(k));
-    return elements;
-  }
-  std::map<std::string, Field> Members() const {
-    if (!json_.is_object()) Refuse("an object");
-    std::map<std::string, Field> members;
-    for (const auto& [name, value] : json_.items()) members.emplace(name, Field(value, place_ + "/" + name));
-    return members;
-  }
-  std::string Text() const {
-    if (!json_.is_string()) Refuse("a text");
-    return json_.get<std::string>();
-  }
-  double Number(double least, double most) const {
-    const auto text = [](double value) { return Json(value).dump(); };
-    if (!json_.is_number()) Refuse("a number");
-    const auto value = json_.get<double>();
-    if (!(value >= least && value <= most)) Refuse("a number of " + text(least) + " to " + text(most));
-    return value;
-  }
-  double Share() const { return Number(0, 1); }
-  // Without an upper end, null.
-  double End() const {
-    if (json_.is_null()) return std::numeric_limits<double>::infinity();
-    if (!json_.is_number()) Refuse("a number or null");
-    return json_.get<double>();
-  }
-  std::string SolverKey() const {
-    std::string key = Text();
-    const auto all = AllSolvers();
-    const bool known = std::any_of(all.begin(), all.end(), [&](const SolverEntry& entry) { return entry.key == key; });
-    if (!known) Refuse("the key of a solver");
-    return key;
-  }
-  std::vector<std::string> SolverKeys() const {
-    std::vector<std::string> keys;
-    for (const Field& element : Elements()) keys.push_back(element.SolverKey());
-    return keys;
-  }
-  [[noreturn]] void Refuse(const std::string& expected) const {
-    constexpr size_t kLongest = 60;
-    std::string found = json_.dump(-1, ' ', false, Json::error_handler_t::replace);
-    if (found.size() > kLongest) found = found.substr(0, kLongest) + "...";
-    throw InputError(place_ + ": expected " + expected + ", found " + found);
-  }
+std::string SolverKey(const JsonField& field) {
+  std::string key = field.String();
+  const auto all = AllSolvers();
+  const bool known = std::any_of(all.begin(), all.end(), [&](const SolverEntry& entry) { return entry.key == key; });
+  if (!known) field.Mismatch("the key of a solver");
+  return key;
+}
 
- private:
-  const Json& json_;
-  std::string place_;
-};
+std::vector<std::string> SolverKeys(const JsonField& field) {
+  std::vector<std::string> keys;
+  for (const JsonField& element : field.Items()) keys.push_back(SolverKey(element));
+  return keys;
+}
 
-RecommendationRegion ParseRegion(const Field& field) {
+RecommendationRegion ParseRegion(const JsonField& field) {
   RecommendationRegion region;
-  region.tier = field.At("tier").Number(std::numeric_limits<double>::min(), 1);
-  for (const auto& [name, ends] : field.At("where").Members()) {
-    const auto& names = FeatureNames();
-    if (std::find(names.begin(), names.end(), name) == names.end()) ends.Refuse("a feature's name, not '" + name + "'");
-    const std::vector<Field> pair = ends.Elements();
-    if (pair.size() != 2) ends.Refuse("two numbers, the second may be null");
-    region.where[name] = {pair[0].End(), pair[1].End()};
+  region.tier = NumberWithin(field["tier"], std::numeric_limits<double>::min(), 1);
+  for (const auto& [name, ends] : field["where"].Members()) {
+    const auto features = AllFeatures();
+    const auto known = std::find_if(features.begin(), features.end(),
+                                    [&key = name](const auto& feature) { return feature.name == key; });
+    if (known == features.end()) ends.Mismatch("a feature's name, not '" + name + "'");
+    const std::vector<JsonField> pair = ends.Items(2);
+    region.where.push_back({*known, pair[0].Number(), pair[1].NumberOrNull().value_or(kInfinity)});
   }
-  region.problems = static_cast<int>(field.At("problems").Number(0, 1e9));
-  region.candidates = field.At("candidates").SolverKeys();
-  if (region.candidates.empty()) field.At("candidates").Refuse("one solver or more");
-  region.peers = field.At("peers").SolverKeys();
-  for (const Field& solver : field.At("solvers").Elements()) {
+  region.problems = static_cast<int>(NumberWithin(field["problems"], 0, 1e9));
+  region.candidates = SolverKeys(field["candidates"]);
+  if (region.candidates.empty()) field["candidates"].Mismatch("one solver or more");
+  region.peers = SolverKeys(field["peers"]);
+  for (const JsonField& solver : field["solvers"].Items()) {
     region.solvers.push_back(
-        {solver.At("solver").SolverKey(), solver.At("verified").Share(), solver.At("within").Share()});
+        {SolverKey(solver["solver"]), NumberWithin(solver["verified"], 0, 1), NumberWithin(solver["within"], 0, 1)});
   }
   return region;
 }
 
-std::string ParseCampaign(const Field& field) {
+std::string ParseCampaign(const JsonField& field) {
   constexpr size_t kShortHash = 12;
-  return field.At("name").Text() + " (commit " + field.At("commit").Text().substr(0, kShortHash) + ", " +
-         field.At("cpu").Text() + ")";
+  return field["name"].String() + " (commit " + field["commit"].String().substr(0, kShortHash) + ", " +
+         field["cpu"].String() + ")";
 }
 
 bool Contains(const RecommendationRegion& region, const ProblemFeatures& features) {
-  for (const auto& [name, ends] : region.where) {
-    const std::optional<double> value = FeatureNamed(features, name);
-    if (value && !(*value >= ends.first && *value < ends.second)) return false;
+  for (const auto& [feature, least, end] : region.where) {
+    const std::optional<double> value = features.*feature.value;
+    if (value && !(*value >= least && *value < end)) return false;
   }
   return true;
 }
@@ -123,29 +83,23 @@ RecommendationRules ReadRecommendationRules(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   if (!file) throw InputError(path + ": cannot be opened for reading");
   const std::string text(std::istreambuf_iterator<char>(file), {});
-  Json json;
-  try {
-    json = Json::parse(text);
-  } catch (const Json::exception& error) {
-    throw InputError(path + ": expected the JSON that report/report.py recommendation writes, found " + error.what());
-  }
-  const Field root(json, path + ": ");
-  const Field schema = root.At("schema");
-  if (schema.Text() != kSchema) schema.Refuse(std::string("\"") + kSchema + "\"");
+  const Json json = ParseJsonObject(text, path);
+  const JsonField root(json, path);
+  if (root["schema"].String() != kSchema) root["schema"].Mismatch(std::string("\"") + kSchema + "\"");
   RecommendationRules rules;
   rules.file = path;
-  for (const Field& campaign : root.At("campaigns").Elements()) {
+  for (const JsonField& campaign : root["campaigns"].Items()) {
     rules.made_of += (rules.made_of.empty() ? "" : ", ") + ParseCampaign(campaign);
   }
-  for (const Field& region : root.At("regions").Elements()) rules.regions.push_back(ParseRegion(region));
-  if (rules.regions.empty()) root.At("regions").Refuse("one region or more");
+  for (const JsonField& region : root["regions"].Items()) rules.regions.push_back(ParseRegion(region));
+  if (rules.regions.empty()) root["regions"].Mismatch("one region or more");
   return rules;
 }
 
 const RecommendationRegion& FindRegion(const RecommendationRules& rules, const ProblemFeatures& features,
                                        double tolerance) {
   double tier = 0;
-  double strictest = std::numeric_limits<double>::infinity();
+  double strictest = kInfinity;
   for (const RecommendationRegion& region : rules.regions) {
     if (region.tier <= tolerance * kSameTier) tier = std::max(tier, region.tier);
     strictest = std::min(strictest, region.tier);

@@ -1,8 +1,6 @@
 #pragma once
 
-#include <map>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "benchmarks/recommend/features.h"
@@ -19,8 +17,12 @@ struct ReferenceRecord {
 /// A part of the space of features, at one tier, and which solvers are worth trying there.
 struct RecommendationRegion {
   double tier = 0;
-  /// By feature: at least the first, less than the second.
-  std::map<std::string, std::pair<double, double>> where;
+  struct Range {
+    NamedFeature feature;
+    double least = 0;
+    double end = 0;  ///< less than this; may be infinite
+  };
+  std::vector<Range> where;
   int problems = 0;                      ///< reference problems there
   std::vector<std::string> candidates;   ///< registry keys, the most useful first
   std::vector<std::string> peers;        ///< the same, of other projects' solvers

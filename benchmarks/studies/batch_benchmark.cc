@@ -2,9 +2,9 @@
 // beside one problem after another by `auto` and `dantzig` in the same run.
 //
 // A batch: 512 seeds of one scene family, so that lanes hold different problems. The table has nanoseconds per problem
-// and the ratio to `auto`, the share of problems that lanes left to `auto`, and how many of the 512 answers the verifier
-// refused. `dense` is the form without LcpProblem objects. Set-up (DenseA, symmetry) is not timed.
-// Takes the options of Google Benchmark (--benchmark_filter=disc-pile, --benchmark_min_time=0.05, ...).
+// and the ratio to `auto`, the share of problems that lanes left to `auto`, and how many of the 512 answers the
+// verifier refused. `dense` is the form without LcpProblem objects. Set-up (DenseA, symmetry) is not timed. Takes the
+// options of Google Benchmark (--benchmark_filter=disc-pile, --benchmark_min_time=0.05, ...).
 
 #include <benchmark/benchmark.h>
 

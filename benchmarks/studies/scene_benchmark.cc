@@ -1,6 +1,6 @@
 // Times what comes before a solve, stage by stage, for every scene family at 10^3 to 10^5 rows: generating the scene,
-// finding its contacts from the outlines of its bodies, assembling J, gamma and b, forming A. The table has microseconds
-// per row, the most memory resident at a time and the exponent p of time ~ rows^p.
+// finding its contacts from the outlines of its bodies, assembling J, gamma and b, forming A. The table has
+// microseconds per row, the most memory resident at a time and the exponent p of time ~ rows^p.
 // --largest=N (a power of ten) goes on to N rows or stops there. Takes the options of Google Benchmark besides
 // (--benchmark_filter=disc-pile, ...).
 
@@ -39,9 +39,7 @@ constexpr double kTolerance = 1e-7;
 // What every stage leaves to the next.
 struct Workload {
   Workload(const SceneFamily& family, int rows)
-      : system(family.generate(rows, kSeed)),
-        finder(SetInMotion(system, Loads{})),
-        lcp(AssembleContactLcp(system)) {
+      : system(family.generate(rows, kSeed)), finder(SetInMotion(system, Loads{})), lcp(AssembleContactLcp(system)) {
     for (const Body& body : system.bodies) {
       outlines.push_back(OutlineOf(body));
       if (!outlines.back().loops.empty()) boxes.push_back(BoxOf(PlaceOutline(outlines.back(), body.x, body.theta)));
@@ -128,9 +126,10 @@ void RegisterAll(int largest) {
     for (int rows = kSmallest; rows <= largest; rows *= 10) {
       for (const Stage& stage : kStages) {
         const std::string name = std::string(family.key) + "/" + stage.name + "/" + std::to_string(rows);
-        benchmark::RegisterBenchmark(name.c_str(), [&family, rows, &stage](benchmark::State& state) {
-          Time(family, rows, stage, state);
-        })->Unit(benchmark::kMillisecond)->MinTime(kLeastTime);
+        benchmark::RegisterBenchmark(
+            name.c_str(), [&family, rows, &stage](benchmark::State& state) { Time(family, rows, stage, state); })
+            ->Unit(benchmark::kMillisecond)
+            ->MinTime(kLeastTime);
       }
     }
   }
@@ -153,6 +152,5 @@ int main(int argc, char** argv) {
     return lcpbench::kMisuse;
   }
   lcpbench::RegisterAll(largest);
-  return lcpbench::RunStudy(static_cast<int>(end - argv), argv,
-                            {"Microseconds per row, and p of time ~ rows^p", 1e6});
+  return lcpbench::RunStudy(static_cast<int>(end - argv), argv, {"Microseconds per row, and p of time ~ rows^p", 1e6});
 }

@@ -84,6 +84,7 @@ class TableReporter : public benchmark::ConsoleReporter {
       std::printf(grows ? "  p = %.2f\n" : "\n", grows ? Exponent(points) : 0);
     }
     for (const auto& [method, by_size] : means) {
+      if (by_size.begin()->second.second == 1) continue;  // of one subject
       std::printf("%-36s", ("geometric mean/" + method).c_str());
       for (const auto& [size, mean] : by_size) {
         std::printf("  %8.0f: %9.3f", size, study_.scale * std::exp(mean.first / mean.second));

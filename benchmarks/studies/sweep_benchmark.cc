@@ -1,8 +1,8 @@
 // Times one matrix-free pass over two-body rows against the bandwidth floor: a pass that reads every row, and reads and
 // writes every f and every number of the bodies, once each and in order, and computes nothing else.
 //
-// Rows: the scene disc-pile at 10^3 to 10^6 contacts. The table has nanoseconds per contact, and the ratio to the floor.
-// Takes the options of Google Benchmark (--benchmark_filter=coloured, --benchmark_repetitions=5, ...).
+// Rows: the scene disc-pile at 10^3 to 10^6 contacts. The table has nanoseconds per contact, and the ratio to the
+// floor. Takes the options of Google Benchmark (--benchmark_filter=coloured, --benchmark_repetitions=5, ...).
 
 #include <benchmark/benchmark.h>
 

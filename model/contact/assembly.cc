@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "model/contact/closest_points.h"
-#include "model/contact/connector_row.h"
 #include "model/contact/contact_row.h"
 #include "model/geometry/trig.h"
 #include "support/input_error.h"
@@ -27,19 +26,7 @@ std::string SystemText(const ContactSystem& system) {
 }
 
 const char* TypeText(ConstraintType type) {
-  switch (type) {
-    case ConstraintType::kContact:
-      return "contact";
-    case ConstraintType::kPathJoint:
-      return "path joint";
-    case ConstraintType::kPin:
-      return "pin";
-    case ConstraintType::kRod:
-      return "rod";
-    case ConstraintType::kRope:
-      return "rope";
-  }
-  return "constraint";
+  return std::array{"contact", "path joint", "pin", "rod", "rope"}[static_cast<size_t>(type)];
 }
 
 // Why a body cannot be assembled; null where it can.
@@ -126,8 +113,7 @@ class Assembler {
           AddNormalRow(i, Regularity::kLocalMinimum);
           break;
         case ConstraintType::kPathJoint:
-          if (std::holds_alternative<Vertex>(constraint.feature1) ==
-              std::holds_alternative<Vertex>(constraint.feature2)) {
+          if (IsVertex(constraint.feature1) == IsVertex(constraint.feature2)) {
             throw InputError("a path joint needs one vertex and one edge; feature 1: " + Describe(constraint.feature1) +
                              "; feature 2: " + Describe(constraint.feature2));
           }
@@ -169,17 +155,9 @@ class Assembler {
                                                     {constraint.feature2, body2.x, rotation_[Body2(i)], body2.theta},
                                                     {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
     const ContactRow row = ComputeContactRow(closest, body1, body2);
-    RowInfo info;
-    info.constraint = static_cast<int>(i);
-    info.axis = 'n';
-    info.bilateral = constraint.type != ConstraintType::kContact;
-    info.p1 = body1.x + closest.R1;
-    info.p2 = body2.x + closest.R2;
-    info.n = closest.n;
-    info.d = closest.d;
-    info.d_dot = row.d_dot;
-    info.gamma = row.gamma;
-    AddRow(i, info, row.J);
+    AddRow({static_cast<int>(i), 'n', constraint.type != ConstraintType::kContact, body1.x + closest.R1,
+            body2.x + closest.R2, closest.n, closest.d, row.d_dot, row.gamma},
+           row.J);
   }
 
   // The attachment points of a constraint between two vertices.
@@ -205,19 +183,11 @@ class Assembler {
                                                    body2, constraint.length);
     const bool rod = constraint.type == ConstraintType::kRod;
     const double sign = rod ? 1 : -1;
-    RowInfo info;
-    info.constraint = static_cast<int>(i);
-    info.axis = 'n';
-    info.bilateral = rod;
-    info.p1 = body1.x + points.R1;
-    info.p2 = body2.x + points.R2;
-    info.n = sign * points.n;
-    info.d = sign * (points.d - constraint.length);
-    info.d_dot = sign * row.d_dot;
-    info.gamma = sign * row.gamma;
     std::array<double, 6> J = row.J;
     for (double& entry : J) entry *= sign;
-    AddRow(i, info, J);
+    AddRow({static_cast<int>(i), 'n', rod, body1.x + points.R1, body2.x + points.R2, sign * points.n,
+            sign * (points.d - constraint.length), sign * row.d_dot, sign * row.gamma},
+           J);
   }
 
   void AddPinRows(size_t i) {
@@ -227,21 +197,15 @@ class Assembler {
     const Body& body2 = system_.bodies[Body2(i)];
     const PinRows pin = ComputePinRows(vertex1, rotation_[Body1(i)], body1, vertex2, rotation_[Body2(i)], body2);
     for (const size_t axis : {size_t{0}, size_t{1}}) {
-      RowInfo info;
-      info.constraint = static_cast<int>(i);
-      info.axis = axis == 0 ? 'x' : 'y';
-      info.bilateral = true;
-      info.p1 = body1.x + pin.R1;
-      info.p2 = body2.x + pin.R2;
-      info.n = axis == 0 ? Vec2{1, 0} : Vec2{0, 1};
-      info.d = pin.g[axis];
-      info.d_dot = pin.g_dot[axis];
-      info.gamma = pin.gamma[axis];
-      AddRow(i, info, pin.J[axis]);
+      const bool x = axis == 0;
+      AddRow({static_cast<int>(i), x ? 'x' : 'y', true, body1.x + pin.R1, body2.x + pin.R2, x ? Vec2{1, 0} : Vec2{0, 1},
+              pin.g[axis], pin.g_dot[axis], pin.gamma[axis]},
+             pin.J[axis]);
     }
   }
 
-  void AddRow(size_t i, const RowInfo& info, const std::array<double, 6>& J) {
+  void AddRow(const RowInfo& info, const std::array<double, 6>& J) {
+    const auto i = static_cast<size_t>(info.constraint);
     const std::array<double, 3>& a1 = acceleration_[Body1(i)];
     const std::array<double, 3>& a2 = acceleration_[Body2(i)];
     double b = 0;

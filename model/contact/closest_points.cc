@@ -1,12 +1,11 @@
 #include "model/contact/closest_points.h"
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <utility>
 #include <variant>
 
-#include "model/contact/closest_search.h"
-#include "model/geometry/double_double.h"
-#include "model/geometry/placed_shapes.h"
+#include "model/geometry/safeguarded_newton.h"
 #include "model/geometry/smooth_curve.h"
 #include "support/input_error.h"
 
@@ -22,6 +21,102 @@ struct Pair {
                      "; feature 2: " + Describe(feature2.feature));
   }
 };
+
+// A vertex or an arc, by its centre of curvature: the world-frame arm U from the body's centre of mass. T is double,
+// or DoubleDouble where lengths cancel.
+template <class T>
+struct Round {
+  VecOf<T> U;
+  double rho = 0;  // signed radius; 0 for a vertex
+  bool is_vertex = false;
+  Rotation rotation;
+
+  CurvaturePair curvature() const { return is_vertex ? CurvaturePair{0, 1} : CurvaturePair{1, 1 / rho}; }
+  // The angle, in the body frame, of the point with the world-frame outward normal N; none for a vertex.
+  std::optional<double> Parameter(Vec2 N) const {
+    if (is_vertex) return std::nullopt;
+    const Vec2 u = Rotate({rotation.cos, -rotation.sin}, rho > 0 ? N : -N);
+    return std::atan2(u.y, u.x);
+  }
+};
+
+// A straight edge: the world-frame arm of its start, its direction and outward normal.
+template <class T>
+struct Line {
+  VecOf<T> A;
+  VecOf<T> direction;
+  VecOf<T> normal;
+  T length{};
+};
+
+template <class T>
+Round<T> PlaceRound(const PlacedFeature& placed, Angles angles) {
+  const VecOf<T> turn = TurnOf<T>(placed.rotation, placed.theta, angles);
+  if (const auto* vertex = std::get_if<Vertex>(&placed.feature)) {
+    return {Turn(turn, Lift<T>(vertex->p)), 0, true, placed.rotation};
+  }
+  const auto& arc = std::get<ArcEdge>(placed.feature);
+  const double rho = SignOf(arc.side) * arc.radius;
+  return {Turn(turn, Lift<T>(arc.center)), rho, false, placed.rotation};
+}
+
+template <class T>
+Line<T> PlaceLine(const PlacedFeature& placed, Angles angles) {
+  const auto& edge = std::get<StraightEdge>(placed.feature);
+  const VecOf<T> turn = TurnOf<T>(placed.rotation, placed.theta, angles);
+  const VecOf<T> along = Lift<T>(edge.b) - Lift<T>(edge.a);
+  const VecOf<T> direction = Turn(turn, Unit(along));
+  return {Turn(turn, Lift<T>(edge.a)), direction, -Perp(direction), Norm(along)};
+}
+
+// x1 - x2, without rounding where T has room for it.
+template <class T>
+VecOf<T> Difference(Vec2 x1, Vec2 x2) {
+  return {T(x1.x) - T(x2.x), T(x1.y) - T(x2.y)};
+}
+
+// R x n, by the shorter of the two arms that give it.
+template <class T>
+double Moment(VecOf<T> R, VecOf<T> U, VecOf<T> n) {
+  return ToDouble(Dot(U, U) > Dot(R, R) ? Cross(R, n) : Cross(U, n));
+}
+
+// One body's closest point.
+template <class T>
+struct End {
+  VecOf<T> R;
+  double moment = 0;
+  CurvaturePair curvature;
+  std::optional<double> s;
+};
+
+// N: the outward normal of that body.
+template <class T>
+End<T> EndOf(const Round<T>& round, VecOf<T> N, VecOf<T> n) {
+  const VecOf<T> R = round.U + T(round.rho) * N;
+  return {R, Moment(R, round.U, n), round.curvature(), round.Parameter(ToVec2(N))};
+}
+
+template <class T>
+End<T> EndOf(const Line<T>& line, VecOf<T> R, VecOf<T> n) {
+  return {R, ToDouble(Cross(R, n)), {1, 0}, ToDouble(Dot(line.direction, R - line.A) / line.length)};
+}
+
+template <class T>
+ClosestPoints Join(VecOf<T> n, T d, const End<T>& end1, const End<T>& end2) {
+  ClosestPoints c;
+  c.n = ToVec2(n);
+  c.d = ToDouble(d);
+  c.R1 = ToVec2(end1.R);
+  c.R2 = ToVec2(end2.R);
+  c.moment1 = end1.moment;
+  c.moment2 = end2.moment;
+  c.curvature1 = end1.curvature;
+  c.curvature2 = end2.curvature;
+  c.s1 = end1.s;
+  c.s2 = end2.s;
+  return c;
+}
 
 // All geometry is relative to the centres of mass, dx = x1 - x2, so that nothing is lost far from the world's origin.
 template <class T>
@@ -41,21 +136,7 @@ ClosestPoints Solve(const Round<T>& round1, const Round<T>& round2, VecOf<T> dx,
   }
   const T sigma(ToDouble(rho_sum) > 0 ? 1.0 : -1.0);
   const VecOf<T> n = {sigma * between.x / distance, sigma * between.y / distance};
-  const VecOf<T> R1 = round1.U - T(round1.rho) * n;
-  const VecOf<T> R2 = round2.U + T(round2.rho) * n;
-  ClosestPoints c;
-  c.n = ToVec2(n);
-  c.d = ToDouble(sigma * distance - rho_sum);
-  c.R1 = ToVec2(R1);
-  c.R2 = ToVec2(R2);
-  c.moment1 = Moment(R1, round1.U, n);
-  c.moment2 = Moment(R2, round2.U, n);
-  c.curvature1 = round1.curvature();
-  c.curvature2 = round2.curvature();
-  c.owner = round2.is_vertex ? 1 : 2;
-  c.s1 = round1.Parameter(-c.n);
-  c.s2 = round2.Parameter(c.n);
-  return c;
+  return Join(n, sigma * distance - rho_sum, EndOf(round1, -n, n), EndOf(round2, n, n));
 }
 
 template <class T>
@@ -64,21 +145,7 @@ ClosestPoints Solve(const Round<T>& round1, const Line<T>& line2, VecOf<T> dx) {
   const VecOf<T> U_from_2 = dx + round1.U;
   const T rho(round1.rho);
   const T d = Dot(n, U_from_2 - line2.A) - rho;
-  const VecOf<T> R1 = round1.U - rho * n;
-  const VecOf<T> R2 = U_from_2 - (rho + d) * n;
-  ClosestPoints c;
-  c.n = ToVec2(n);
-  c.d = ToDouble(d);
-  c.R1 = ToVec2(R1);
-  c.R2 = ToVec2(R2);
-  c.moment1 = Moment(R1, round1.U, n);
-  c.moment2 = ToDouble(Cross(R2, n));
-  c.curvature1 = round1.curvature();
-  c.curvature2 = {1, 0};
-  c.owner = 2;
-  c.s1 = round1.Parameter(-c.n);
-  c.s2 = ToDouble(Dot(line2.direction, R2 - line2.A) / line2.length);
-  return c;
+  return Join(n, d, EndOf(round1, -n, n), EndOf(line2, U_from_2 - (rho + d) * n, n));
 }
 
 template <class T>
@@ -120,15 +187,8 @@ ClosestPoints SolveClosedForm(const Pair& pair) {
   return c;
 }
 
-bool HasVertex(const ClosestPoints& c) { return c.curvature1.is_vertex() || c.curvature2.is_vertex(); }
-
-double SingularThreshold(const ClosestPoints& c) {
-  const double scale = std::abs(c.curvature1.s) + std::abs(c.curvature2.s) + c.curvature_floor;
-  return kSingularD * (HasVertex(c) ? 1 : scale);
-}
-
 bool IsRegular(const ClosestPoints& c, Regularity required) {
-  const double threshold = SingularThreshold(c);
+  const double threshold = kSingularD * c.curvature_scale();
   return c.D() > threshold || (c.D() < -threshold && required == Regularity::kNonzeroD);
 }
 
@@ -138,8 +198,8 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
   if (!(std::abs(Dot(c.n, c.n) - 1) <= kUnitTolerance)) {
     pair.Refuse("the normal is not a unit vector: a length is too small or too large for double");
   }
-  const bool vertex = HasVertex(c);
-  const double threshold = SingularThreshold(c);
+  const bool vertex = c.has_vertex();
+  const double threshold = kSingularD * c.curvature_scale();
   const double D = c.D();
   if (IsRegular(c, required)) return;
   if (D < -threshold) {
@@ -152,11 +212,284 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
               (vertex ? "normal is undefined" : "contact point is not unique"));
 }
 
+using Wide = DoubleDouble;
+using Place = CurvePlace<Wide>;
+using Jet = CurveJet<Wide>;
+
+// The chord between the unit vectors a and -b: 0 where they are opposite, monotone in the angle up to parallel.
+double NotOpposite(VecOf<Wide> a, VecOf<Wide> b) { return ToDouble(Norm(a + b)); }
+
+constexpr const char* kDiverged = "the search for the closest points does not converge from its start";
+
+bool AreOpposite(VecOf<Wide> a, VecOf<Wide> b) { return ToDouble(Dot(a, b)) < 0; }
+
+End<Wide> EndOf(const SmoothCurve& curve, const Place& place, const Jet& jet, VecOf<Wide> n) {
+  return {jet.c, ToDouble(Cross(jet.c, n)), {1, ToDouble(jet.kappa)}, curve.Parameter(place)};
+}
+
+// Where a search came to: the closest points if the outward normals face each other there.
+struct Foot {
+  ClosestPoints closest;
+  bool faces = true;
+};
+
+// Newton's method from `start`; `foot` gives the Foot at places.
+template <std::size_t count, class Evaluate, class FootAt>
+void Finish(const std::array<const SmoothCurve*, count>& curves, const CurvePlaces<count>& start,
+            const Evaluate& evaluate, const FootAt& foot_at, StationaryPoints* found) {
+  constexpr double kNearlySingular = 1e-6;
+  const NewtonEnding<count> ending = SafeguardedNewton<count>(curves, start, evaluate);
+  Foot foot = foot_at(ending.places);
+  ClosestPoints& c = foot.closest;
+  for (const SmoothCurve* curve : curves) c.curvature_floor += curve->curvature_floor();
+  if (!ending.converged) {
+    const bool singular = ending.nearly_solved && std::abs(c.D()) <= kNearlySingular * c.curvature_scale();
+    found->is_beyond_end = false;
+    found->failure = singular ? "curvature match, or vertex at a centre of curvature: the search for the closest "
+                                "points ends where D = 0"
+                              : kDiverged;
+    return;
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (curves[k]->Holds(ending.places[k])) continue;
+    found->is_beyond_end = true;
+    found->failure = "the closest point lies beyond the end of the Bezier curve (s = " +
+                     std::to_string(curves[k]->Parameter(ending.places[k])) + ", expected 0 <= s <= 1)";
+    return;
+  }
+  if (foot.faces) {
+    found->points.push_back(c);
+  } else {
+    found->is_beyond_end = false;
+    found->failure = kDiverged;
+  }
+}
+
+// A vertex or arc on body 1 and a curve on body 2.
+class RoundAndCurve {
+ public:
+  RoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, Angles angles)
+      : round_(PlaceRound<Wide>(round1, angles)),
+        curve_(curve2, angles),
+        q_(Difference<Wide>(round1.x, curve2.x) + round_.U) {}
+
+  void Search(std::optional<double> s2, StationaryPoints* found) const {
+    if (s2) return FinishFrom(curve_.FromParameter(*s2), found);
+    const Vec2 q = ToVec2(q_);
+    const auto residual = [&](double tau) {
+      const CurveJet<double> jet = curve_.At(curve_.Place(tau));
+      return Dot(jet.d1, q - jet.c);
+    };
+    const std::vector<double> samples = curve_.Samples(EvenDirections());
+    double before = residual(samples[0]);
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      const double after = residual(samples[i]);
+      if ((before < 0) != (after < 0)) {
+        FinishFrom(curve_.WidePlace(NarrowedSignChange(samples[i - 1], samples[i], residual)), found);
+      }
+      before = after;
+    }
+  }
+
+ private:
+  void FinishFrom(const Place& start, StationaryPoints* found) const {
+    const auto equations = [&](const CurvePlaces<1>& at) {
+      const Jet jet = curve_.At(at[0]);
+      const VecOf<Wide> to_q = q_ - jet.c;
+      const Wide g = Dot(jet.d1, to_q);
+      const Wide slope = Dot(jet.d2, to_q) - Dot(jet.d1, jet.d1);
+      return CurveEquations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve_.size()};
+    };
+    const auto foot = [&](const CurvePlaces<1>& at) {
+      const Jet jet = curve_.At(at[0]);
+      const VecOf<Wide> n = jet.N;
+      return Foot{Join(n, Dot(n, q_ - jet.c) - Wide(round_.rho), EndOf(round_, -n, n), EndOf(curve_, at[0], jet, n))};
+    };
+    Finish<1>({&curve_}, {start}, equations, foot, found);
+  }
+
+  Round<Wide> round_;
+  SmoothCurve curve_;
+  VecOf<Wide> q_;  // the centre, from the curve's centre of mass
+};
+
+// A curve on body 1 and a straight edge on body 2.
+class CurveAndLine {
+ public:
+  CurveAndLine(const PlacedFeature& curve1, const PlacedFeature& line2, Angles angles)
+      : curve_(curve1, angles), line_(PlaceLine<Wide>(line2, angles)), dx_(Difference<Wide>(curve1.x, line2.x)) {}
+
+  void Search(std::optional<double> s1, StationaryPoints* found) const {
+    if (s1) return FinishFrom(curve_.FromParameter(*s1), found);
+    for (const double tau : curve_.WithNormal(-ToVec2(line_.normal))) FinishFrom(curve_.WidePlace(tau), found);
+  }
+
+ private:
+  void FinishFrom(const Place& start, StationaryPoints* found) const {
+    const VecOf<Wide> n = line_.normal;
+    const auto equations = [&](const CurvePlaces<1>& at) {
+      const Jet jet = curve_.At(at[0]);
+      return CurveEquations<1>{{-Dot(jet.d1, n) / Dot(jet.d2, n)}, NotOpposite(jet.N, n)};
+    };
+    const auto foot = [&](const CurvePlaces<1>& at) {
+      const Jet jet = curve_.At(at[0]);
+      const VecOf<Wide> p1 = dx_ + jet.c;
+      const Wide d = Dot(n, p1 - line_.A);
+      return Foot{Join(n, d, EndOf(curve_, at[0], jet, n), EndOf(line_, p1 - d * n, n)), AreOpposite(jet.N, n)};
+    };
+    Finish<1>({&curve_}, {start}, equations, foot, found);
+  }
+
+  SmoothCurve curve_;
+  Line<Wide> line_;
+  VecOf<Wide> dx_;  // from body 2's centre of mass to body 1's
+};
+
+class CurveAndCurve {
+ public:
+  CurveAndCurve(const PlacedFeature& curve1, const PlacedFeature& curve2, Angles angles)
+      : curve1_(curve1, angles),
+        curve2_(curve2, angles),
+        dx_(Difference<Wide>(curve1.x, curve2.x)),
+        size_(curve1_.size() + curve2_.size()) {}
+
+  void Search(std::optional<double> s1, std::optional<double> s2, StationaryPoints* found) const {
+    if (!s1 && !s2) return SearchAll(found);
+    if (s1 && s2) return FinishFrom({curve1_.FromParameter(*s1), curve2_.FromParameter(*s2)}, found);
+    const SmoothCurve& known = s1 ? curve1_ : curve2_;
+    const SmoothCurve& other = s1 ? curve2_ : curve1_;
+    const Place place = known.FromParameter(s1 ? *s1 : *s2);
+    for (const double tau : other.WithNormal(-ToVec2(known.At(place).N))) {
+      const Place facing = other.WidePlace(tau);
+      FinishFrom(s1 ? CurvePlaces<2>{place, facing} : CurvePlaces<2>{facing, place}, found);
+    }
+  }
+
+ private:
+  // Where the other curve faces a sample of the leading one, on which of its pieces, and how far along the leading
+  // one's tangent it lies.
+  struct Facing {
+    double tau = 0;
+    int piece = 0;
+    double offset = 0;
+  };
+
+  std::vector<Facing> FacingPlaces(const SmoothCurve& lead, const SmoothCurve& other, Vec2 from_lead,
+                                   double tau) const {
+    const CurveJet<double> jet = lead.At(lead.Place(tau));
+    std::vector<Facing> all;
+    for (const double facing : other.WithNormal(-jet.N)) {
+      const CurveJet<double> there = other.At(other.Place(facing));
+      const Vec2 between = (there.c - jet.c) + from_lead;
+      all.push_back({facing, other.Piece(facing), Dot(Perp(jet.N), between)});
+    }
+    return all;
+  }
+
+  void SearchAll(StationaryPoints* found) const {
+    // A Bezier curve leads: an oval has a facing place for every normal, a Bezier curve only for some.
+    const bool second_leads = curve1_.is_oval() && !curve2_.is_oval();
+    const SmoothCurve& lead = second_leads ? curve2_ : curve1_;
+    const SmoothCurve& other = second_leads ? curve1_ : curve2_;
+    const Vec2 dx = ToVec2(dx_);
+    const Vec2 from_lead = second_leads ? dx : -dx;
+    const auto facing_on = [&](double tau, int piece) -> std::optional<Facing> {
+      for (const Facing& facing : FacingPlaces(lead, other, from_lead, tau)) {
+        if (facing.piece == piece) return facing;
+      }
+      return std::nullopt;
+    };
+    const std::vector<double> samples = lead.Samples(other.FacingNormals());
+    std::vector<Facing> before = FacingPlaces(lead, other, from_lead, samples[0]);
+    for (size_t i = 1; i < samples.size(); ++i) {
+      std::vector<Facing> after = FacingPlaces(lead, other, from_lead, samples[i]);
+      for (const Facing& b : before) {
+        for (const Facing& a : after) {
+          if (a.piece != b.piece || (a.offset < 0) == (b.offset < 0)) continue;
+          const double tau = NarrowedSignChange(samples[i - 1], samples[i], [&](double at) {
+            const std::optional<Facing> facing = facing_on(at, a.piece);
+            return facing ? facing->offset : b.offset;
+          });
+          const std::optional<Facing> facing = facing_on(tau, a.piece);
+          if (!facing) continue;
+          const Place lead_place = lead.WidePlace(tau);
+          const Place other_place = other.WidePlace(facing->tau);
+          FinishFrom(second_leads ? CurvePlaces<2>{other_place, lead_place} : CurvePlaces<2>{lead_place, other_place},
+                     found);
+        }
+      }
+      before = std::move(after);
+    }
+  }
+
+  void FinishFrom(const CurvePlaces<2>& start, StationaryPoints* found) const {
+    const auto equations = [&](const CurvePlaces<2>& at) {
+      const Jet j1 = curve1_.At(at[0]);
+      const Jet j2 = curve2_.At(at[1]);
+      const VecOf<Wide> between = dx_ + (j1.c - j2.c);
+      const Wide parallel = Cross(j1.d1, j2.d1);
+      const Wide normal = Dot(between, j2.d1);
+      const Wide parallel_by_1 = Cross(j1.d2, j2.d1);
+      const Wide parallel_by_2 = Cross(j1.d1, j2.d2);
+      const Wide normal_by_1 = Dot(j1.d1, j2.d1);
+      const Wide normal_by_2 = Dot(between, j2.d2) - Dot(j2.d1, j2.d1);
+      const Wide determinant = parallel_by_1 * normal_by_2 - parallel_by_2 * normal_by_1;
+      const double turned = NotOpposite(j1.N, j2.N);
+      const double offset = ToDouble(normal / Norm(j2.d1)) / size_;
+      return CurveEquations<2>{{(parallel_by_2 * normal - normal_by_2 * parallel) / determinant,
+                                (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
+                               std::sqrt(turned * turned + offset * offset)};
+    };
+    const auto foot = [&](const CurvePlaces<2>& at) {
+      const Jet j1 = curve1_.At(at[0]);
+      const Jet j2 = curve2_.At(at[1]);
+      const VecOf<Wide> n = j2.N;
+      const Wide d = Dot(n, dx_ + (j1.c - j2.c));
+      return Foot{Join(n, d, EndOf(curve1_, at[0], j1, n), EndOf(curve2_, at[1], j2, n)), AreOpposite(j1.N, n)};
+    };
+    Finish<2>({&curve1_, &curve2_}, start, equations, foot, found);
+  }
+
+  SmoothCurve curve1_;
+  SmoothCurve curve2_;
+  VecOf<Wide> dx_;  // from body 2's centre of mass to body 1's
+  double size_;
+};
+
+// All numbers of a curve, with its kind: for an order of curves that knows nothing of bodies 1 and 2.
+std::vector<double> Numbers(const PlacedFeature& placed) {
+  std::vector<double> numbers = NumbersOf(placed.feature);
+  numbers.insert(numbers.end(), {placed.rotation.cos, placed.rotation.sin, placed.x.x, placed.x.y});
+  return numbers;
+}
+
+// With feature 2 a general curve, and feature 1 too (in the order of their numbers) or no straight edge; or with
+// feature 1 a general curve and feature 2 a straight edge.
+bool IsInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2) {
+  const bool first = IsSearched(feature1.feature);
+  if (first && IsSearched(feature2.feature)) return !(Numbers(feature2) < Numbers(feature1));
+  const Feature& other = first ? feature2.feature : feature1.feature;
+  return first == std::holds_alternative<StraightEdge>(other);
+}
+
+StationaryPoints SearchInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2, const SearchStart& start,
+                               Angles angles) {
+  StationaryPoints found;
+  if (!IsSearched(feature2.feature)) {
+    CurveAndLine(feature1, feature2, angles).Search(start.s1, &found);
+  } else if (IsSearched(feature1.feature)) {
+    CurveAndCurve(feature1, feature2, angles).Search(start.s1, start.s2, &found);
+  } else {
+    RoundAndCurve(feature1, feature2, angles).Search(start.s2, &found);
+  }
+  return found;
+}
+
 // Of the stationary points, the regular one whose gap is closest to the nominal one; of irregular ones if need be, so
 // that the refusal can say what is wrong with it.
 ClosestPoints SolveBySearch(const Pair& pair, const SearchStart& start, Regularity required, Angles angles) {
   const StationaryPoints found = SearchStationaryPoints(pair.feature1, pair.feature2, start, angles);
-  if (found.points.empty()) pair.Refuse(found.failure_text);
+  if (found.points.empty()) pair.Refuse(found.failure);
   const auto is_better = [&](const ClosestPoints& a, const ClosestPoints& b) {
     const bool a_regular = IsRegular(a, required);
     if (a_regular != IsRegular(b, required)) return a_regular;
@@ -180,9 +513,26 @@ ClosestPoints Swapped(const ClosestPoints& c) {
   swapped.moment1 = -c.moment2;
   swapped.moment2 = -c.moment1;
   std::swap(swapped.curvature1, swapped.curvature2);
-  swapped.owner = 3 - c.owner;
   std::swap(swapped.s1, swapped.s2);
   return swapped;
+}
+
+StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
+                                        const SearchStart& start, Angles angles) {
+  if (!std::isfinite(start.s1.value_or(0)) || !std::isfinite(start.s2.value_or(0))) {
+    return {{}, "a start value of the search is not finite"};
+  }
+  StationaryPoints found;
+  if (IsInOrder(feature1, feature2)) {
+    found = SearchInOrder(feature1, feature2, start, angles);
+  } else {
+    found = SearchInOrder(feature2, feature1, {start.s2, start.s1, start.nominal_gap}, angles);
+    for (ClosestPoints& c : found.points) c = Swapped(c);
+  }
+  if (found.points.empty() && found.failure.empty()) {
+    found.failure = "the features have no stationary point of the distance";
+  }
+  return found;
 }
 
 ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeature& feature2, const SearchStart& start,
@@ -190,7 +540,7 @@ ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeatu
   RequireValid(feature1.feature);
   RequireValid(feature2.feature);
   const Pair pair{feature1, feature2};
-  const bool search = SmoothCurve::Holds(feature1.feature) || SmoothCurve::Holds(feature2.feature);
+  const bool search = IsSearched(feature1.feature) || IsSearched(feature2.feature);
   const ClosestPoints c = search ? SolveBySearch(pair, start, required) : SolveClosedForm(pair);
   RequireRegular(c, required, pair);
   return c;

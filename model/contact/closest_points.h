@@ -1,8 +1,11 @@
 #pragma once
 
+#include <cmath>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "model/geometry/curve.h"
+#include "model/geometry/double_double.h"
 #include "model/geometry/placed_feature.h"
 #include "model/geometry/vec2.h"
 
@@ -32,14 +35,16 @@ struct ClosestPoints {
   CurvaturePair curvature2;
   /// Where a general curve can be flat, what counts as curved [1/m]; joins |kappa1| + |kappa2| in the test of D.
   double curvature_floor = 0;
-  /// The body whose edge defines n: of two curved edges body 2, by convention, but of an arc and a general curve the
-  /// curve's. Never changes n.
-  int owner = 2;
   /// Curve parameters of p1, p2 (feature.h); none for a vertex. For information and as the next search's start: no row
   /// depends on them, and angles (in (-pi, pi]) come from the library's atan2.
   std::optional<double> s1;
   std::optional<double> s2;
 
+  bool has_vertex() const { return curvature1.is_vertex() || curvature2.is_vertex(); }
+  /// What D is compared with: 1 of vertex and edge, the curvatures of two edges [1/m].
+  double curvature_scale() const {
+    return has_vertex() ? 1 : std::abs(curvature1.s) + std::abs(curvature2.s) + curvature_floor;
+  }
   /// D = r1 s2 + s1 r2 + d s1 s2: the curvature of the distance along the edges, > 0 at a local minimum.
   double D() const {
     return curvature1.r * curvature2.s + curvature1.s * curvature2.r + d * (curvature1.s * curvature2.s);
@@ -60,19 +65,16 @@ inline constexpr double kSingularD = 1e-10;
 ///   vertex or arc / straight (q on the edge's line):   d = n.(c - q) - rho,   n the edge's normal
 ///   vertex or arc / vertex or arc:                     d = sigma |c1 - c2| - (rho1 + rho2),
 ///                                                      n = sigma (c1 - c2) / |c1 - c2|,  sigma = sign(rho1 + rho2)
-///   anything / ellipse, superellipse, Bezier curve:    SearchStationaryPoints (closest_search.h)
+///   anything / ellipse, superellipse, Bezier curve:    SearchStationaryPoints (below)
 /// with c the centre of curvature or the vertex and rho the signed radius: +R convex, -R concave, 0 vertex. A general
 /// curve enters by its 2-jet at the closest point, its osculating circle there, and so must be searched anew at every
 /// configuration. [MODEL.md section 4]
 ///
-/// The first two are closed forms, O(1), evaluated in double. Where an arc is nearly straight, its radius or its
-/// centre's arm more than kFarCenter times the contact arms and the gap, they are evaluated in DoubleDouble: the gap is
-/// then a difference of lengths that a double cannot hold. And where the edges nearly match, so that turning one of
-/// them by e moves the contact point by more than kFarCenter e times the arms, cos theta and sin theta are taken to 32
-/// digits too, of arcs and general curves alike.
+/// The first two are closed forms, O(1), evaluated in double; in DoubleDouble where an arc is nearly straight
+/// (kFarCenter) or the edges nearly match (docs/geometry.md).
 /// Corrects the paper's gap and normal of concave arcs and its gap of an arc on a straight edge. [MODEL.md section 11,
 /// errata 2, 5, 11]
-/// Swapping the features swaps the result bit by bit (n changes sign), but for the owner of two curved edges.
+/// Swapping the features swaps the result bit by bit (n changes sign).
 /// @throws InputError naming the condition and both features, for invalid geometry (RequireValid), vertex/vertex,
 ///         straight/straight, equal radii of a convex and a concave arc, a search that does not converge or leaves a
 ///         Bezier curve, and wherever `required` does not hold
@@ -81,6 +83,34 @@ ClosestPoints FindClosestPoints(const PlacedFeature& feature1, const PlacedFeatu
 
 /// The same closest points with bodies 1 and 2 exchanged.
 ClosestPoints Swapped(const ClosestPoints& c);
+
+/// The stationary points of the distance that a search found, and, where one of its starts led to none, why.
+struct StationaryPoints {
+  std::vector<ClosestPoints> points;
+  std::string failure;  ///< in words, for the error that a caller may throw
+  /// The failure is that the stationary point lies beyond the end of a Bezier curve.
+  bool is_beyond_end = false;
+};
+
+/// Closest points of two features of which at least one is an ellipse, superellipse or Bezier curve. Unknown are the
+/// places on the general curves alone, because a vertex or arc is where its centre is and a straight edge is its
+/// normal:
+///   centre q (vertex or arc) / curve:  c'.(q - c) = 0
+///   straight, outward normal N / curve: c'.N = 0 with the outward normals opposite
+///   curve / curve:                      c1' x c2' = 0 with the outward normals opposite, c2'.(p1 - p2) = 0
+/// These stay regular at d = 0, where "the connecting line is normal to both" degenerates, and their Jacobians, taken
+/// exactly from the 2-jets, are singular only where D = 0.
+///
+/// With start values (s1, s2): Newton's method from there (safeguarded_newton.h); a curve pair with one start value
+/// takes those places of the other curve that face it. Without: every stationary point that samples of one curve
+/// bracket; two that are closer together than the samples can escape. In DoubleDouble, so that n, d and the curvatures
+/// are accurate to the last digit of a double whatever D. 3 to 15 microseconds, without start values 0.05 to 0.5 ms.
+/// docs/geometry.md says how.
+/// Swapping the features swaps every result bit by bit.
+/// @param feature1, feature2  valid; two general curves, or one and any other feature
+/// @param angles  exact ones take about 10 microseconds each and need the features' theta
+StationaryPoints SearchStationaryPoints(const PlacedFeature& feature1, const PlacedFeature& feature2,
+                                        const SearchStart& start, Angles angles = Angles::kRounded);
 
 /// A double keeps 16 digits of a length; beyond this ratio the closed forms would lose more than one of them.
 inline constexpr double kFarCenter = 16;

@@ -1,5 +1,9 @@
 #include "model/contact/contact_row.h"
 
+#include <cmath>
+
+#include "support/input_error.h"
+
 namespace lcpbench {
 
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {
@@ -22,7 +26,6 @@ ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, co
   row.d_dot = Dot(n, dv) + (w1 * closest.moment1 - w2 * closest.moment2);
   // t.(omega z x R) = omega n.R
   const double u = Dot(t, dv) + (w1 * n_R1 - w2 * n_R2);
-  row.slip = u;
   const double turning = r1 * s2 * w1 + s1 * r2 * w2;
   const double turning_squared = r1 * s2 * (w1 * w1) + s1 * r2 * (w2 * w2);
   row.omega_n = (s1 * s2 * u + turning) / D;
@@ -47,6 +50,32 @@ PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body
   pin.g_dot = {g_dot.x, g_dot.y};
   pin.gamma = {gamma.x, gamma.y};
   return pin;
+}
+
+ConnectorRow ComputeConnectorRow(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
+                                 const Rotation& rotation2, const Body& body2, double length) {
+  RequireValid(Vertex{vertex1});
+  RequireValid(Vertex{vertex2});
+  if (!(length > 0 && std::isfinite(length))) {
+    throw InputError("the length of a rod or rope must be finite and > 0, found " + NumberText(length));
+  }
+  ConnectorRow connector;
+  ClosestPoints& points = connector.points;
+  points.R1 = Rotate(rotation1, vertex1);
+  points.R2 = Rotate(rotation2, vertex2);
+  const Vec2 between = (body1.x - body2.x) + (points.R1 - points.R2);
+  points.d = Norm(between);
+  if (!(points.d > kSingularD * length)) {
+    throw InputError("zero distance: the two attachment points coincide, a rod or rope has no direction; point 1: " +
+                     Describe(Vertex{vertex1}) + "; point 2: " + Describe(Vertex{vertex2}));
+  }
+  points.n = {between.x / points.d, between.y / points.d};
+  points.moment1 = Cross(points.R1, points.n);
+  points.moment2 = Cross(points.R2, points.n);
+  points.curvature1 = {0, 1};
+  points.curvature2 = {0, 1};
+  connector.row = ComputeContactRow(points, body1, body2);
+  return connector;
 }
 
 }  // namespace lcpbench

@@ -4,7 +4,7 @@
 
 #include "model/contact/body.h"
 #include "model/contact/closest_points.h"
-#include "model/geometry/vec2.h"
+#include "model/geometry/trig.h"
 
 namespace lcpbench {
 
@@ -13,12 +13,11 @@ struct ContactRow {
   std::array<double, 6> J{};
   double d_dot = 0;    ///< d' [m/s]
   double gamma = 0;    ///< velocity-product term of d'' [m/s^2]
-  double slip = 0;     ///< u = t.(v1(p1) - v2(p2)) [m/s], t = Perp(n)
-  double omega_n = 0;  ///< n' = omega_n t [rad/s]
+  double omega_n = 0;  ///< n' = omega_n t [rad/s], t = Perp(n)
 };
 
-/// J = [n, R1 x n, -n, -R2 x n], and by the unified curvature formula, exact at any gap d, for every kind, side and
-/// owner of the normal,
+/// J = [n, R1 x n, -n, -R2 x n], and by the unified curvature formula, exact at any gap d, for every kind and
+/// side,
 ///     gamma   = -omega1^2 n.R1 + omega2^2 n.R2 + (s1 s2 u^2 + 2 u (r1 s2 omega1 + s1 r2 omega2)
 ///               - r1 r2 (omega1 - omega2)^2 - d (r1 s2 omega1^2 + s1 r2 omega2^2)) / D,
 ///     omega_n = (s1 s2 u + r1 s2 omega1 + s1 r2 omega2) / D.   [MODEL.md sections 3, 4; Neumann, Curved Edge Physics]
@@ -47,5 +46,23 @@ struct PinRows {
 /// @param vertex1, vertex2  the joint's points in the body frames, rotations as SinCos(theta)
 PinRows ComputePinRows(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
                        const Rotation& rotation2, const Body& body2);
+
+/// The distance between a point of body 1 and a point of body 2, as rods and ropes constrain it. World frame.
+struct ConnectorRow {
+  ClosestPoints points;  ///< n = (p1 - p2)/|p1 - p2| from body 2 to body 1, d = D = |p1 - p2| > 0 [m]
+  ContactRow row;        ///< d' = J v, d'' = J a + gamma
+};
+
+/// The vertex/vertex row: (r, s) = (0, 1) on both sides of the unified formula, so that
+///     J = [n, R1 x n, -n, -R2 x n],   gamma = -omega1^2 n.R1 + omega2^2 n.R2 + u^2/d.   [MODEL.md sections 4, 6]
+/// O(1). A rod is w = 0 on d - L; a rope is unilateral on L - d, with J and gamma negated (assembly.h).
+/// Swapping the bodies swaps the row bit by bit (n changes sign). Vertex/vertex *contacts* are another matter: as they
+/// close, d -> 0 and n is lost, so FindClosestPoints refuses them.
+/// @param vertex1, vertex2  the attachment points in the body frames, rotations as SinCos(theta)
+/// @param length            the connector's length L [m]
+/// @throws InputError unless L is finite and > 0, and the points are finite and farther apart than kSingularD L: of
+///         points that coincide the direction is undefined, and nearer ones it is mostly rounding
+ConnectorRow ComputeConnectorRow(Vec2 vertex1, const Rotation& rotation1, const Body& body1, Vec2 vertex2,
+                                 const Rotation& rotation2, const Body& body2, double length);
 
 }  // namespace lcpbench

@@ -15,14 +15,8 @@ namespace {
 // What the broad phase compares: all spans of a body, or one of a body that has many.
 struct Block {
   int body = 0;
-  int first_span = 0;
-  int spans = 0;
+  SpanRange spans;
 };
-
-BoundingBox Inflated(const BoundingBox& box, Vec2 shift, double margin) {
-  const Vec2 around{margin, margin};
-  return {box.lower + shift - around, box.upper + shift + around};
-}
 
 void AppendBlocks(int body, const PlacedOutline& placed, double margin, std::vector<Block>* blocks,
                   std::vector<BoundingBox>* boxes) {
@@ -30,12 +24,8 @@ void AppendBlocks(int body, const PlacedOutline& placed, double margin, std::vec
   const int step = count > kManySpans ? 1 : count;
   for (int first = 0; first < count; first += step) {
     BoundingBox all = placed.boxes[static_cast<std::size_t>(first)];
-    for (int k = first + 1; k < first + step; ++k) {
-      const BoundingBox& box = placed.boxes[static_cast<std::size_t>(k)];
-      all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
-      all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
-    }
-    blocks->push_back({body, first, step});
+    for (int k = first + 1; k < first + step; ++k) all = Union(all, placed.boxes[static_cast<std::size_t>(k)]);
+    blocks->push_back({body, {first, step}});
     boxes->push_back(Inflated(all, placed.x, margin));
   }
 }
@@ -60,18 +50,6 @@ void RequireValid(const Body& body, const Outline& outline) {
   for (std::size_t loop = 0; loop < outline.loops.size(); ++loop) {
     for (std::size_t piece = 0; piece < outline.loops[loop].size(); ++piece) {
       RequireValidPiece(outline.loops[loop][piece], "body '" + body.name + "', " + PieceName(outline, loop, piece));
-    }
-  }
-}
-
-void SearchBlocks(const PlacedOutline& body1, const Block& block1, const PlacedOutline& body2, const Block& block2,
-                  const GapRange& range, std::vector<GapMinimum>* minima) {
-  const double reach = std::max(range.gap, range.penetration);
-  for (int i = block1.first_span; i < block1.first_span + block1.spans; ++i) {
-    const BoundingBox box = Inflated(body1.boxes[static_cast<std::size_t>(i)], body1.x - body2.x, 1.001 * reach);
-    for (int j = block2.first_span; j < block2.first_span + block2.spans; ++j) {
-      if (!Overlap(box, body2.boxes[static_cast<std::size_t>(j)])) continue;
-      FindGapMinima(body1, i, body2, j, range, minima);
     }
   }
 }
@@ -119,7 +97,7 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
     try {
       for (; k < pairs.size() && bodies_of(pairs[k]) == std::pair(i, j); ++k) {
         if (skip) continue;
-        SearchBlocks(placed1, block(pairs[k].first), placed2, block(pairs[k].second), range, &minima);
+        FindGapMinima(placed1, block(pairs[k].first).spans, placed2, block(pairs[k].second).spans, range, &minima);
       }
     } catch (const InputError& error) {
       throw InputError("contact of body 1 '" + body1.name + "' and body 2 '" + body2.name + "': " + error.what());
@@ -145,13 +123,11 @@ Outline OutlineOf(const Body& body) {
   Outline outline{body.name, {}};
   Vec2 end;
   for (const OutlineEdge& edge : body.outline) {
-    OutlinePiece piece{{}, edge.s_begin, edge.s_end};
-    std::visit([&](const auto& e) { piece.edge = e; }, edge.edge);
-    const Vec2 begin = CurvePoint(piece.edge, piece.s_begin);
-    const bool joins = !outline.loops.empty() && Norm(begin - end) <= kJoined * Reach(piece);
+    const Vec2 begin = CurvePoint(edge.edge, edge.s_begin);
+    const bool joins = !outline.loops.empty() && Norm(begin - end) <= kJoined * Reach(edge);
     if (!joins) outline.loops.emplace_back();
-    outline.loops.back().push_back(piece);
-    end = CurvePoint(piece.edge, piece.s_end);
+    outline.loops.back().push_back(edge);
+    end = CurvePoint(edge.edge, edge.s_end);
   }
   return outline;
 }

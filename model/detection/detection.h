@@ -24,15 +24,11 @@ struct DetectionOptions {
 /// -penetration <= d <= tolerance, as kContact constraints with the features of the two edges (or edge and vertex), and
 /// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts, and excluded pairs none. Of convex
 /// corners the vertices are features; vertex against vertex is not reported [MODEL.md section 2]. At joins of edges a
-/// contact is reported for one of the two (narrow_phase.h). Straight edges that lie on each other, tilted by up to
-/// about 0.6 degrees, give the contacts at both ends of their overlap if both gaps are contacts: a body at rest on its
-/// flat side keeps two contacts while it tilts within the tolerance, whether its side ends in corners or goes over
-/// smoothly into arcs or curves. A superellipse of m > 2 that stands on a straight edge on a point of zero curvature is
-/// a curvature match, D = 0 [MODEL.md section 5], and refused where D is zero to rounding: tilted by less than 2e-16 (m
-/// = 4) to 2e-12 rad, m <= 100. Tilted more it has its one contact, with a small D and so a large velocity-product
-/// term. Broad phase by FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a
-/// feature. O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2, features
-/// along the outlines), whatever the order of the search.
+/// contact is reported for one of the two. Straight edges that lie on each other, tilted by up to about 0.6 degrees,
+/// give the contacts at both ends of their overlap if both gaps are contacts. A superellipse of m > 2 that stands on a
+/// straight edge on a point of zero curvature is refused where D is zero to rounding (docs/geometry.md). Broad phase by
+/// FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a feature. O(n log n) for
+/// bodies of similar size; contacts come in lexicographic order of (body1 < body2, features along the outlines).
 /// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); null for none.
 ///                  Pieces valid as RequireValidPiece demands, which is checked; loops may be open chains
 /// @throws InputError for invalid options or pieces, and for a curvature match, naming the bodies and both features

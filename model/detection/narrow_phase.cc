@@ -7,8 +7,6 @@
 #include <tuple>
 #include <utility>
 
-#include "model/contact/closest_search.h"
-#include "model/geometry/curve.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -24,11 +22,6 @@ constexpr double kNormalRounding = 1e-14;
 constexpr double kNearlyFlush = 1e-2;
 /// Normals equal up to this are the same, for minima at the same place.
 constexpr double kSameNormal = 1e-6;
-
-Vec2 Unit(Vec2 a) {
-  const double length = Norm(a);
-  return {a.x / length, a.y / length};
-}
 
 double SingularThreshold(const CurvaturePair& c1, const CurvaturePair& c2) {
   const bool vertex = c1.is_vertex() || c2.is_vertex();
@@ -343,8 +336,8 @@ class SpanPair {
       const StationaryPoints found = SearchStationaryPoints(placed1, placed2, start);
       if (found.points.empty()) {
         // A foot just beyond the end of a Bezier curve is one of the next edge.
-        if (found.failure == SearchFailure::kBeyondEnd || is_beside_cone_) return;
-        throw InputError(found.failure_text + "; feature 1: " + Describe(span1_.feature()) +
+        if (found.is_beyond_end || is_beside_cone_) return;
+        throw InputError(found.failure + "; feature 1: " + Describe(span1_.feature()) +
                          "; feature 2: " + Describe(span2_.feature()));
       }
       closest = found.points.front();
@@ -389,20 +382,6 @@ class SpanPair {
   std::vector<GapMinimum>* minima_;
 };
 
-BoundingBox Shifted(const BoundingBox& box, Vec2 shift, double margin) {
-  const Vec2 around{margin, margin};
-  return {box.lower + shift - around, box.upper + shift + around};
-}
-
-BoundingBox Union(const std::vector<BoundingBox>& boxes) {
-  BoundingBox all = boxes.front();
-  for (const BoundingBox& box : boxes) {
-    all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
-    all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
-  }
-  return all;
-}
-
 }  // namespace
 
 PlacedOutline PlaceOutline(const Outline& outline, Vec2 x, double theta) {
@@ -415,9 +394,18 @@ PlacedOutline PlaceOutline(const Outline& outline, Vec2 x, double theta) {
   return placed;
 }
 
-void FindGapMinima(const PlacedOutline& body1, int span1, const PlacedOutline& body2, int span2, const GapRange& range,
-                   std::vector<GapMinimum>* minima) {
-  SpanPair(body1, span1, body2, span2, range, minima).Search();
+void FindGapMinima(const PlacedOutline& body1, SpanRange spans1, const PlacedOutline& body2, SpanRange spans2,
+                   const GapRange& range, std::vector<GapMinimum>* minima) {
+  // A little more than the range, and the rounding of centres far from the world's origin.
+  constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+  const double margin = 1.001 * std::max(range.gap, range.penetration) + kRounding * (Norm(body1.x) + Norm(body2.x));
+  for (int i = spans1.first; i < spans1.first + spans1.count; ++i) {
+    const BoundingBox box = Inflated(body1.boxes[static_cast<std::size_t>(i)], body1.x - body2.x, margin);
+    for (int j = spans2.first; j < spans2.first + spans2.count; ++j) {
+      if (!Overlap(box, body2.boxes[static_cast<std::size_t>(j)])) continue;
+      SpanPair(body1, i, body2, j, range, minima).Search();
+    }
+  }
 }
 
 void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std::vector<GapMinimum>* minima) {
@@ -444,27 +432,8 @@ void RemoveRepeated(const PlacedOutline& body1, const PlacedOutline& body2, std:
 
 std::vector<GapMinimum> FindGapMinima(const PlacedOutline& body1, const PlacedOutline& body2, const GapRange& range) {
   std::vector<GapMinimum> minima;
-  if (body1.spans.empty() || body2.spans.empty()) return minima;
-  const double reach = std::max(range.gap, range.penetration);
-  const Vec2 dx = body1.x - body2.x;
-  const BoundingBox all1 = Union(body1.boxes);
-  const BoundingBox all2 = Union(body2.boxes);
-  // Rounding of centres far from the world's origin.
-  const double margin = reach + 16 * std::numeric_limits<double>::epsilon() * (Norm(body1.x) + Norm(body2.x));
-  std::vector<int> near1;
-  std::vector<int> near2;
-  for (std::size_t i = 0; i < body1.spans.size(); ++i) {
-    if (Overlap(Shifted(body1.boxes[i], dx, margin), all2)) near1.push_back(static_cast<int>(i));
-  }
-  for (std::size_t j = 0; j < body2.spans.size(); ++j) {
-    if (Overlap(Shifted(body2.boxes[j], -dx, margin), all1)) near2.push_back(static_cast<int>(j));
-  }
-  for (const int i : near1) {
-    const BoundingBox box = Shifted(body1.boxes[static_cast<std::size_t>(i)], dx, margin);
-    for (const int j : near2) {
-      if (Overlap(box, body2.boxes[static_cast<std::size_t>(j)])) FindGapMinima(body1, i, body2, j, range, &minima);
-    }
-  }
+  FindGapMinima(body1, {0, static_cast<int>(body1.spans.size())}, body2, {0, static_cast<int>(body2.spans.size())},
+                range, &minima);
   RemoveRepeated(body1, body2, &minima);
   return minima;
 }

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <array>
 #include <optional>
 #include <vector>
 
-#include "model/contact/body.h"
-#include "model/contact/closest_points.h"
 #include "model/geometry/broad_phase.h"
 #include "model/shape/outline.h"
 
@@ -32,14 +29,6 @@ class NormalCone {
   Width width_;
 };
 
-/// A point of a span, found by its normal.
-struct SpanPoint {
-  Vec2 arm;  ///< from the body's centre of mass, world axes [m]
-  CurvaturePair curvature;
-  /// Where it is on its curve: (s, 0) of a Bezier curve, a vector at the angle s of an oval.
-  Vec2 place;
-};
-
 /// A part of a body's outline along which the outward normal turns one way only, so that a point is known by its
 /// normal: a convex corner (the normal turns, the point stays), a straight edge (the reverse), an arc, or a part of a
 /// general curve between its axes (oval) or inflections (Bezier) that turns by at most a quarter turn. A Bezier part
@@ -48,7 +37,7 @@ struct SpanPoint {
 class NormalSpan {
  public:
   /// What the span is a part of.
-  enum class Kind { kVertex, kJoin, kStraight, kArc, kOval, kBezier };
+  enum class Kind { kVertex, kJoin, kStraight, kArc, kCurve };
 
   /// Feet may lie this far beyond a span's ends, relative to its chord, and normals beyond its cone [rad]: what joins
   /// are open by, and how much straight edges may lack to count as flush.
@@ -62,10 +51,8 @@ class NormalSpan {
 
   static NormalSpan OfVertex(Vec2 p, Vec2 first_normal, Vec2 last_normal, Rotation rotation);
   static NormalSpan OfJoin(Vec2 p, Vec2 normal, Rotation rotation);
-  static NormalSpan OfStraight(const OutlineCurve& curve, double s_begin, double s_end, Rotation rotation);
-  static NormalSpan OfArc(const ArcEdge& arc, double s_begin, double s_end, Rotation rotation);
-  static NormalSpan OfOval(const OutlineCurve& oval, double s_begin, double s_end, Rotation rotation);
-  static NormalSpan OfBezier(const BezierEdge& edge, double s_begin, double s_end, bool convex, Rotation rotation);
+  /// The part s_begin..s_end of an edge, as NormalCuts (feature.h) cuts it.
+  static NormalSpan OfPiece(const OutlineCurve& curve, double s_begin, double s_end, Rotation rotation);
 
   Kind kind() const { return kind_; }
   bool is_round() const { return kind_ == Kind::kVertex || kind_ == Kind::kArc; }
@@ -107,27 +94,19 @@ class NormalSpan {
   bool Holds(Vec2 arm, Vec2 outward) const;
 
  private:
-  NormalSpan(Kind kind, const Feature& feature, NormalCone cone);
-  SpanPoint EllipseAt(Vec2 local) const;
-  SpanPoint SuperellipseAt(Vec2 local) const;
-  SpanPoint BezierAt(Vec2 n) const;
+  NormalSpan(Kind kind, const Feature& feature, NormalCone cone) : kind_(kind), feature_(feature), cone_(cone) {}
 
   Kind kind_;
   Feature feature_;
   NormalCone cone_;
   double sign_ = 1;  // -1 concave
-  double angle_ = 0;
   Vec2 begin_;
   Vec2 end_;
   Vec2 center_;  // vertex, arc, oval
   double radius_ = 0;
-  double a_ = 1;  // oval
-  double b_ = 1;
-  int m_ = 2;
-  Rotation turn_;            // oval: from its axes to the world's
-  std::array<Vec2, 4> P_{};  // Bezier, world axes
-  double s_begin_ = 0;
-  double s_end_ = 1;
+  double semi_axis_ = 0;  // the greater one of an oval
+  OutlineCurve turned_;   // the edge in world axes
+  TurnedPiece piece_;
   bool is_flat_end_ = false;             // vertex, join
   std::optional<Vec2> straight_before_;  // vertex, join
   std::optional<Vec2> straight_after_;

@@ -48,33 +48,30 @@ struct AxisStatistics {
   double resolution() const { return size > 0 ? spread / size : spread; }
 };
 
-template <class Lower, class Upper>
-AxisStatistics Measure(std::span<const BoundingBox> boxes, const Lower& lower, const Upper& upper) {
+AxisStatistics Measure(std::span<const BoundingBox> boxes, double Vec2::*axis) {
   constexpr double kOutliers = 0.02;
   constexpr double kTypicalShare = 0.75;
   std::vector<double> values;
   values.reserve(boxes.size());
-  AxisStatistics axis;
-  for (const BoundingBox& box : boxes) values.push_back(upper(box) / 2 - lower(box) / 2);
-  axis.size = 2 * Quantile(kTypicalShare, &values);
+  AxisStatistics found;
+  for (const BoundingBox& box : boxes) values.push_back(box.upper.*axis / 2 - box.lower.*axis / 2);
+  found.size = 2 * Quantile(kTypicalShare, &values);
   values.clear();
-  for (const BoundingBox& box : boxes) values.push_back(lower(box));
-  axis.low = Quantile(kOutliers, &values);
-  axis.spread = 2 * (Quantile(1 - kOutliers, &values) / 2 - axis.low / 2);
-  return axis;
+  for (const BoundingBox& box : boxes) values.push_back(box.lower.*axis);
+  found.low = Quantile(kOutliers, &values);
+  found.spread = 2 * (Quantile(1 - kOutliers, &values) / 2 - found.low / 2);
+  return found;
 }
 
 class Sweep {
  public:
   explicit Sweep(std::span<const BoundingBox> boxes) {
-    const auto left = [](const BoundingBox& box) { return box.lower.x; };
-    const auto right = [](const BoundingBox& box) { return box.upper.x; };
-    const auto bottom = [](const BoundingBox& box) { return box.lower.y; };
-    const auto top = [](const BoundingBox& box) { return box.upper.y; };
-    const AxisStatistics x = Measure(boxes, left, right);
-    const AxisStatistics y = Measure(boxes, bottom, top);
+    const AxisStatistics x = Measure(boxes, &Vec2::x);
+    const AxisStatistics y = Measure(boxes, &Vec2::y);
     const bool along_x = x.resolution() >= y.resolution();
     across_ = along_x ? y : x;
+    double Vec2::*along = along_x ? &Vec2::x : &Vec2::y;
+    double Vec2::*across = along_x ? &Vec2::y : &Vec2::x;
     const double most = static_cast<double>(boxes.size()) + 1;
     const double wanted = across_.resolution() < most ? std::floor(across_.resolution()) + 1 : most;
     strips_.resize(static_cast<std::size_t>(wanted));
@@ -82,8 +79,7 @@ class Sweep {
     boxes_.reserve(boxes.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       const BoundingBox& b = boxes[i];
-      SweepBox box = along_x ? SweepBox{b.lower.x, b.upper.x, b.lower.y, b.upper.y}
-                             : SweepBox{b.lower.y, b.upper.y, b.lower.x, b.upper.x};
+      SweepBox box{b.lower.*along, b.upper.*along, b.lower.*across, b.upper.*across};
       box.index = static_cast<int>(i);
       box.first_strip = StripAt(box.across_lower);
       box.last_strip = StripAt(box.across_upper);

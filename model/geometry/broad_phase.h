@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,6 +17,17 @@ struct BoundingBox {
 
 inline bool Overlap(const BoundingBox& p, const BoundingBox& q) {
   return p.lower.x <= q.upper.x && q.lower.x <= p.upper.x && p.lower.y <= q.upper.y && q.lower.y <= p.upper.y;
+}
+
+inline BoundingBox Union(const BoundingBox& p, const BoundingBox& q) {
+  return {{std::min(p.lower.x, q.lower.x), std::min(p.lower.y, q.lower.y)},
+          {std::max(p.upper.x, q.upper.x), std::max(p.upper.y, q.upper.y)}};
+}
+
+/// The box moved by `shift` and widened by `margin` on every side.
+inline BoundingBox Inflated(const BoundingBox& box, Vec2 shift, double margin) {
+  const Vec2 around{margin, margin};
+  return {box.lower + shift - around, box.upper + shift + around};
 }
 
 /// All pairs of overlapping (or touching) boxes: the candidates for contacts between bodies.

@@ -1,51 +1,105 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <string>
+#include <vector>
 
-#include "model/geometry/feature.h"
+#include "model/geometry/area_moments.h"
+#include "model/geometry/trig.h"
 #include "model/geometry/vec2.h"
 
 namespace lcpbench {
 
-/// An edge at one parameter: everything that contact needs of it, in the body frame.
-struct EdgePoint {
-  Vec2 c;            ///< c(s) [m]
-  Vec2 d1;           ///< c'(s), by the edge's own parameter (feature.h)
-  Vec2 d2;           ///< c''(s)
-  Vec2 N;            ///< outward unit normal, away from the material
-  double kappa = 0;  ///< signed curvature [1/m]: > 0 convex, 0 straight, < 0 concave
+// What the files of the single curves (straight_edge.h, arc.h, oval.h, bezier.h) share; feature.h says what a curve is.
+
+/// Which side of a closed curve holds the material: convex = inside, concave = outside.
+enum class Side { kConvex, kConcave };
+
+constexpr double SignOf(Side side) { return side == Side::kConvex ? 1 : -1; }
+
+/// How closest points of a curve are found: in closed form, of a line or a circle, or by a search along it.
+enum class CurveKind { kStraight, kArc, kSearched };
+
+/// How a feature enters the curvature formulas: (r, s) = (1, kappa) for an edge of signed curvature kappa [1/m] (> 0
+/// convex, 0 straight, < 0 concave), (0, 1) for a vertex. [MODEL.md section 4]
+struct CurvaturePair {
+  double r = 1;
+  double s = 0;
+  bool is_vertex() const { return r == 0; }
 };
 
-/// Evaluates an edge at s: O(1), O(log m) for a superellipse. Evaluated with 32 digits and then rounded, so that all of
-/// it is accurate to the last digit or two but for what the given s rounds away.
-///   N = (c'_y, -c'_x)/|c'|,  kappa = (c' x c'')/|c'|^3  for material on the left, as of straight edges, Bezier curves
-///   and convex ovals; both change sign for concave ones.   [MODEL.md section 1]
-/// A superellipse's curvature is taken from its implicit equation X^m + Y^m = 1, X = |x|/a, Y = |y|/b,
-///   kappa = (m-1) (X Y)^(m-2) / (a b)^2 / ((X^(m-1)/a)^2 + (Y^(m-1)/b)^2)^(3/2),
-/// which has no difference in it: at the flat points of m > 2 it is 0, not rounding noise.
-/// @param edge  any feature but a vertex, valid (RequireValid)
-/// @param s     finite; beyond the ends of a straight edge or Bezier curve: of the line, of the polynomials
-/// @throws InputError for a vertex and for an s that is not finite
-EdgePoint EvaluateEdge(const Feature& edge, double s);
+/// A point of a curve, found by its normal.
+struct SpanPoint {
+  Vec2 arm;  ///< from the body's centre of mass, world axes [m]
+  CurvaturePair curvature;
+  /// Where it is on its curve: (s, 0) of a Bezier curve, a vector at the angle s of an oval.
+  Vec2 place;
+};
 
-/// The largest m of a superellipse: beyond it the corners are sharper than any use of the curve.
-inline constexpr int kMaxSuperellipseExponent = 1000;
+/// The piece s_begin..s_end of a curve that has been turned into the world's axes, `turn` being those of an oval.
+struct TurnedPiece {
+  double s_begin = 0;
+  double s_end = 1;
+  Rotation turn;
+};
+
+/// What encloses a piece of a curve that turns by less than 180 degrees: it lies within `height` of its chord, and its
+/// directions of travel lie in the cone from `first` to `second`, whichever way round is less than 180 degrees.
+struct Enclosure {
+  double height = 0;
+  Vec2 first;
+  Vec2 second;
+};
+
 /// How slender a (super)ellipse may be: the ratio of its semi-axes.
 inline constexpr double kMaxAspectRatio = 1e6;
-
-/// What a feature of a contact or a piece of an outline must satisfy, in words, where it does not; else empty: every
-/// number is finite; lengths, radii and semi-axes are > 0 with finite curvatures; semi-axes differ by a factor of at
-/// most kMaxAspectRatio; m is even and in 2..kMaxSuperellipseExponent; and a Bezier curve's speed |c'| vanishes nowhere
-/// on [0, 1] (beyond 1e-10 of its largest control step).
-std::string WhyInvalid(const Feature& feature);
-
-/// @throws InputError naming the condition and the feature, unless WhyInvalid is empty
-void RequireValid(const Feature& feature);
-
-/// One line for error texts: the kind and its numbers.
-std::string Describe(const Feature& feature);
+/// The largest m of a superellipse: beyond it the corners are sharper than any use of the curve.
+inline constexpr int kMaxSuperellipseExponent = 1000;
 
 /// The shortest text that reads back as the same double.
 std::string NumberText(double value);
+
+/// A curve at a place (smooth_curve.h), over double or DoubleDouble: derivatives by tau (oval) or s (Bezier), arms from
+/// the body's centre of mass in world axes.
+template <class T>
+struct CurveJet {
+  VecOf<T> c;
+  VecOf<T> d1;
+  VecOf<T> d2;
+  VecOf<T> N;  ///< outward unit normal
+  T kappa{};   ///< signed curvature
+};
+
+template <class T>
+T Cubed(T x) {
+  return x * x * x;
+}
+
+/// x^n, n >= 0, by repeated squaring: the same bits everywhere.
+template <class T>
+T IntegerPower(T x, int n) {
+  T power(1);
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) power = power * x;
+    x = x * x;
+  }
+  return power;
+}
+
+/// The greater of |x| and |y|.
+double Largest(Vec2 p);
+/// a / |a|, or 0 for 0.
+Vec2 UnitOrZero(Vec2 a);
+double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b);
+/// Whether v points into the cone of less than 180 degrees between u1 and u2.
+bool InCone(Vec2 v, Vec2 u1, Vec2 u2);
+
+/// The range s_begin..s_end cut into equal parts: their ends, s_begin first.
+std::vector<double> EqualCuts(double s_begin, double s_end, int parts);
+/// The same for angles: parts of at most a quarter turn, two or more.
+std::vector<double> QuarterCuts(double s_begin, double s_end);
+/// The offset of the apex from the chord's middle, of the triangle of chord and end tangents of an arc of an ellipse.
+Vec2 EllipseApexOffset(double a, double b, double phi, double s_begin, double s_end);
 
 }  // namespace lcpbench

@@ -81,7 +81,6 @@ inline DoubleDouble SquareRoot(DoubleDouble a) {
   const double root = std::sqrt(a.hi);
   return FastTwoSum(root, (a - TwoProduct(root, root)).hi / (2 * root));
 }
-inline double SquareRoot(double a) { return std::sqrt(a); }
 
 constexpr DoubleDouble Absolute(DoubleDouble a) { return a.hi < 0 ? -a : a; }
 inline double Absolute(double a) { return std::abs(a); }
@@ -89,56 +88,6 @@ inline double Absolute(double a) { return std::abs(a); }
 /// To the nearest double.
 constexpr double ToDouble(DoubleDouble a) { return a.hi; }
 constexpr double ToDouble(double a) { return a; }
-
-/// A vector of the plane over double or DoubleDouble, for formulas that are evaluated in both.
-template <class T>
-struct VecOf {
-  T x{};
-  T y{};
-};
-
-template <class T>
-constexpr VecOf<T> operator+(VecOf<T> a, VecOf<T> b) {
-  return {a.x + b.x, a.y + b.y};
-}
-template <class T>
-constexpr VecOf<T> operator-(VecOf<T> a, VecOf<T> b) {
-  return {a.x - b.x, a.y - b.y};
-}
-template <class T>
-constexpr VecOf<T> operator-(VecOf<T> a) {
-  return {-a.x, -a.y};
-}
-template <class T>
-constexpr VecOf<T> operator*(T s, VecOf<T> a) {
-  return {s * a.x, s * a.y};
-}
-template <class T>
-constexpr T Dot(VecOf<T> a, VecOf<T> b) {
-  return a.x * b.x + a.y * b.y;
-}
-template <class T>
-constexpr T Cross(VecOf<T> a, VecOf<T> b) {
-  return a.x * b.y - a.y * b.x;
-}
-template <class T>
-constexpr VecOf<T> Perp(VecOf<T> a) {
-  return {-a.y, a.x};
-}
-template <class T>
-T Norm(VecOf<T> a) {
-  return SquareRoot(a.x * a.x + a.y * a.y);
-}
-template <class T>
-VecOf<T> Unit(VecOf<T> a) {
-  const T norm = Norm(a);
-  return {a.x / norm, a.y / norm};
-}
-/// The vector a turned by the angle of the unit vector r = (cos, sin).
-template <class T>
-constexpr VecOf<T> Turn(VecOf<T> r, VecOf<T> a) {
-  return {r.x * a.x - r.y * a.y, r.y * a.x + r.x * a.y};
-}
 
 template <class T>
 constexpr VecOf<T> Lift(Vec2 a) {

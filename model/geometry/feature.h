@@ -1,65 +1,49 @@
 #pragma once
 
-#include <array>
+#include <string>
 #include <variant>
 
-#include "model/geometry/vec2.h"
+#include "model/geometry/arc.h"
+#include "model/geometry/bezier.h"
+#include "model/geometry/oval.h"
+#include "model/geometry/straight_edge.h"
 
 namespace lcpbench {
 
-/// Which side of a closed curve holds the material: convex = inside, concave = outside.
-enum class Side { kConvex, kConcave };
+/// A corner of an outline, or a point of attachment.
+struct Vertex {
+  static constexpr const char* kName = "vertex";
+  Vec2 p;
+
+  template <class Self, class Visit>
+  static void Fields(Self& v, const Visit& visit) {
+    visit("p", v.p);
+  }
+  bool operator==(const Vertex&) const = default;
+  static std::string WhyInvalid() { return ""; }
+};
+
+/// The edges that outlines are made of: a closed set. A curve is a struct of its numbers, in a file of its own, with
+///   kName, kKind     its name in records; how closest points of it are found
+///   kIsAngle         s is an angle [rad], of a curve with a side; else s lies in [0, 1]
+///   Fields           visits all its numbers with their names, in a fixed order. A Vec2 is a point of the body frame,
+///                    `phi` an angle from the body's x axis; a curve of angles without phi takes s from that axis
+///   WhyInvalid       what its numbers, finite, must satisfy, in words, where they do not; else ""
+///   Reach            the lengths that its points are computed from [m]: their rounding errors are a few epsilon of it
+///   Point, Direction at s: the point; a vector in the direction of dp/ds of unspecified length > 0, 0 where a Bezier
+///                    curve's derivative vanishes. The same bits everywhere
+///   AtNormal         of a piece turned into the world's axes: the point with outward normal n, its curvature and place
+///   EnclosedCuts     values of s that cut a piece into two parts or more that Enclose can hold, in the sense of
+///                    travel, with both ends
+///   NormalCuts       of kSearched: the same, so that each part turns one way and by at most a quarter turn
+///   AppendMoments    the moments of the region between a piece and its chord (area_moments.h)
+/// Curves of kSearched also give SmoothCurve (smooth_curve.h) what it asks. Everything else reaches these through one
+/// std::visit, so that a curve that lacks one of them does not compile.
+using OutlineCurve = std::variant<StraightEdge, ArcEdge, EllipseEdge, SuperellipseEdge, BezierEdge>;
 
 /// Body-frame features of an outline. Features are meant locally, around a contact point: a straight edge stands for
 /// its line, an arc for its circle, an ellipse or superellipse for the whole oval; a Bezier curve ends at s = 0 and 1.
-struct Vertex {
-  Vec2 p;
-};
-
-/// From a to b with the material on the left; the outward normal is on the right-hand side.
-struct StraightEdge {
-  Vec2 a;
-  Vec2 b;
-};
-
-/// center + radius (cos s, sin s); radius > 0. Signed curvature +1/radius (convex) or -1/radius (concave).
-struct ArcEdge {
-  Vec2 center;
-  double radius = 1;
-  Side side = Side::kConvex;
-};
-
-/// center + R(phi) (a cos s, b sin s); semi-axes a, b > 0, in either order.
-struct EllipseEdge {
-  Vec2 center;
-  double a = 1;
-  double b = 1;
-  double phi = 0;  ///< [rad] from the body's x axis to the semi-axis a
-  Side side = Side::kConvex;
-};
-
-/// center + R(phi) r(s) (cos s, sin s), r(s) = ((cos s/a)^m + (sin s/b)^m)^(-1/m): s is the polar angle. m even, >= 2;
-/// m = 2 is an ellipse (with another parameter), and for m > 2 the curvature is 0 where the curve crosses its axes.
-struct SuperellipseEdge {
-  Vec2 center;
-  double a = 1;
-  double b = 1;
-  int m = 4;
-  double phi = 0;  ///< [rad] as of the ellipse
-  Side side = Side::kConvex;
-};
-
-/// The cubic Bezier curve of the control points P, s in [0, 1], material on the left of increasing s. It may turn
-/// either way, so the sign of its curvature varies along it. Its speed |c'| must not vanish.
-struct BezierEdge {
-  std::array<Vec2, 4> P;
-};
-
-/// A closed set: a new kind fails to compile until every visitor handles it.
 using Feature = std::variant<Vertex, StraightEdge, ArcEdge, EllipseEdge, SuperellipseEdge, BezierEdge>;
-
-/// The edges that outlines are made of. A closed set, too.
-using OutlineCurve = std::variant<StraightEdge, ArcEdge, EllipseEdge, SuperellipseEdge, BezierEdge>;
 
 /// The piece s_begin..s_end of an edge, by the parameter s of its declaration: one part of a body's outline. The
 /// material lies on the left of the direction of travel: s_begin < s_end on straight and Bezier edges and on convex
@@ -69,5 +53,55 @@ struct OutlineEdge {
   double s_begin = 0;
   double s_end = 1;
 };
+/// The name under which outlines, their checks and their mass properties speak of a piece.
+using OutlinePiece = OutlineEdge;
+
+Feature ToFeature(const OutlineCurve& curve);
+inline bool IsVertex(const Feature& feature) { return std::holds_alternative<Vertex>(feature); }
+/// Whether closest points are found by a search along the feature, from and to a parameter s.
+bool IsSearched(const Feature& feature);
+
+inline Vec2 CurvePoint(const OutlineCurve& curve, double s) {
+  return std::visit([s](const auto& e) { return e.Point(s); }, curve);
+}
+inline Vec2 CurveDirection(const OutlineCurve& curve, double s) {
+  return std::visit([s](const auto& e) { return e.Direction(s); }, curve);
+}
+/// The lengths that the piece's points are computed from [m].
+double Reach(const OutlinePiece& piece);
+
+/// c -> R(rotation) c + shift. `angle` is the rotation's angle [rad], added to phi, or to the curve parameters of arcs.
+OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift);
+
+/// Visits all Vec2 of a feature or curve, which are its points of the body frame.
+template <class Curve, class Visit>
+void ForEachPoint(Curve& curve, const Visit& visit) {
+  const auto take = [&](const char* /*name*/, auto& value) {
+    if constexpr (requires { value.x; }) visit(value);
+    if constexpr (requires { value[0].x; }) {
+      for (auto& p : value) visit(p);
+    }
+  };
+  std::visit([&](auto& e) { e.Fields(e, take); }, curve);
+}
+
+/// All numbers of a feature in the order of its Fields, the side as 0 (convex) or 1, after the kind's own number.
+std::vector<double> NumbersOf(const Feature& feature);
+
+/// What a feature of a contact or a piece of an outline must satisfy, in words, where it does not; else empty: every
+/// number is finite; lengths, radii and semi-axes are > 0 with finite curvatures; semi-axes differ by a factor of at
+/// most kMaxAspectRatio; m is even and in 2..kMaxSuperellipseExponent; and a Bezier curve's speed |c'| vanishes nowhere
+/// on [0, 1] (beyond 1e-10 of its largest control step).
+std::string WhyInvalid(const Feature& feature);
+
+/// @throws InputError naming the condition and the feature, unless WhyInvalid is empty
+void RequireValid(const Feature& feature);
+
+/// @throws InputError, beginning with `where`, unless the edge is valid (WhyInvalid) and the parameter range is one the
+///         kind allows, in the sense of travel that its side demands
+void RequireValidPiece(const OutlinePiece& piece, const std::string& where);
+
+/// One line for error texts: the kind and its numbers.
+std::string Describe(const Feature& feature);
 
 }  // namespace lcpbench

@@ -2,9 +2,8 @@
 
 #include <optional>
 
+#include "model/geometry/double_double.h"
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
-#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 
@@ -17,12 +16,8 @@ struct PlacedFeature {
   std::optional<double> theta = std::nullopt;
 };
 
-/// How a feature enters the curvature formulas: (r, s) = (1, kappa) for an edge of signed curvature kappa [1/m] (> 0
-/// convex, 0 straight, < 0 concave), (0, 1) for a vertex. [MODEL.md section 4]
-struct CurvaturePair {
-  double r = 1;
-  double s = 0;
-  bool is_vertex() const { return r == 0; }
-};
+/// The (cos, sin) of a rotation by theta; a double has room for rounded angles only.
+template <class T>
+VecOf<T> TurnOf(Rotation rotation, std::optional<double> theta, Angles angles);
 
 }  // namespace lcpbench

@@ -1,41 +1,26 @@
 #pragma once
 
 #include <array>
+#include <functional>
+#include <tuple>
 #include <vector>
 
 #include "model/geometry/double_double.h"
-#include "model/geometry/feature.h"
-#include "model/geometry/placed_shapes.h"
+#include "model/geometry/placed_feature.h"
 
 namespace lcpbench {
 
 /// A place on a curve, free of trigonometric functions so that a search can move it in any arithmetic. Oval:
 /// (cos tau, sin tau), with tau the parameter of the oval as an affine image of the unit one; Bezier: (s, 0).
 template <class T>
-struct CurvePlace {
-  T x{};
-  T y{};
-};
+using CurvePlace = VecOf<T>;
 
-/// A curve at a place: derivatives by tau (oval) or s (Bezier), arms from the body's centre of mass in world axes.
-template <class T>
-struct CurveJet {
-  VecOf<T> c;
-  VecOf<T> d1;
-  VecOf<T> d2;
-  VecOf<T> N;  ///< outward unit normal
-  T kappa{};   ///< signed curvature
-};
-
-/// An ellipse, superellipse or Bezier curve of a body, prepared for many evaluations, in double
-/// (brackets) and DoubleDouble (answers). Ovals are searched by tau, not by their own parameter: tau spreads over a
-/// flat oval as evenly as over a round one, which a superellipse's polar angle does not.
+/// A curve of kSearched (IsSearched, feature.h) of a body, prepared for many evaluations, in double (brackets) and
+/// DoubleDouble (answers). Ovals are searched by tau, not by their own parameter: tau spreads over a flat oval as
+/// evenly as over a round one, which a superellipse's polar angle does not.
 class SmoothCurve {
  public:
-  /// Whether `feature` is of a kind that is searched along: ellipse, superellipse, Bezier.
-  static bool Holds(const Feature& feature);
-
-  /// @param placed  its feature valid, of a kind that Holds
+  /// @param placed  its feature valid
   /// @param angles  of the body (where its theta is given) and of an oval's axes, for DoubleDouble
   explicit SmoothCurve(const PlacedFeature& placed, Angles angles = Angles::kRounded);
 
@@ -47,28 +32,40 @@ class SmoothCurve {
   double curvature_floor() const { return curvature_floor_; }
 
   template <class T>
-  CurveJet<T> At(const CurvePlace<T>& place) const;
+  CurveJet<T> At(const CurvePlace<T>& place) const {
+    const auto& frame = std::get<Frame<T>>(frames_);
+    return is_oval_ ? oval_.Jet(frame.turn, frame.offset, place) : BezierEdge::Jet(frame.P, place.x);
+  }
 
   /// The place of the edge's own parameter s.
   CurvePlace<DoubleDouble> FromParameter(double s) const;
   /// The edge's own parameter; an angle in (-pi, pi], from the library's atan2: for information.
   double Parameter(const CurvePlace<DoubleDouble>& place) const;
-
   /// The place of tau or s.
   CurvePlace<double> Place(double tau) const;
+  CurvePlace<DoubleDouble> WidePlace(double tau) const;
   /// Moves by `step` in tau (exactly by 2 atan(step/2), which needs no trigonometry) or s (held to the curve's
   /// neighbourhood, kBezierMargin beyond its ends).
   CurvePlace<DoubleDouble> Moved(const CurvePlace<DoubleDouble>& place, DoubleDouble step) const;
+  /// Whether a place is on the curve: a Bezier curve has ends.
+  bool Holds(const CurvePlace<DoubleDouble>& place) const {
+    return is_oval_ || (place.x.hi >= -kEndSlack && place.x.hi <= 1 + kEndSlack);
+  }
 
   /// The values of tau or s with outward normal n (at most one of them on a monotone piece), for starting from: up to
   /// rounding and the library's pow and atan2.
   std::vector<double> WithNormal(Vec2 n) const;
-
   /// The piece, between inflections, that s lies on; an oval is one piece. Within a piece the normal turns one way.
   int Piece(double tau) const;
-  /// Ends and inflections of a Bezier curve; empty for an oval.
-  const std::vector<double>& ends() const { return ends_; }
 
+  /// The values of tau or s that the curve is sampled at to bracket stationary points, ascending: kSamples spread
+  /// evenly, ends and inflections, and those with the given outward normals. An oval's first comes again at the end, a
+  /// turn later.
+  std::vector<double> Samples(const std::vector<Vec2>& outward_normals) const;
+  /// The normals that face its evenly spread points and its ends.
+  std::vector<Vec2> FacingNormals() const;
+
+  static constexpr int kSamples = 128;
   static constexpr double kBezierMargin = 0.25;
   /// How far beyond s = 0 or 1 a closest point still counts as the end's own.
   static constexpr double kEndSlack = 1e-6;
@@ -80,26 +77,22 @@ class SmoothCurve {
     VecOf<T> turn;              // oval: (cos, sin) of theta + phi
     VecOf<T> offset;            // oval: its centre
     std::array<VecOf<T>, 4> P;  // Bezier
-    void Set(const PlacedFeature& placed, Angles angles);
   };
   template <class T>
-  const Frame<T>& FrameOf() const;
-  template <class T>
-  CurveJet<T> OvalAt(const CurvePlace<T>& place) const;
-  template <class T>
-  CurveJet<T> BezierAt(T s) const;
+  void SetFrame(const PlacedFeature& placed, const BezierEdge& bezier, Angles angles);
 
   bool is_oval_ = true;
-  bool by_polar_angle_ = false;  // superellipse: its own parameter is the polar angle, not tau
-  double a_ = 1;
-  double b_ = 1;
-  int m_ = 2;
-  double sign_ = 1;  // -1 concave
+  OvalShape oval_;
   double size_ = 1;
   double curvature_floor_ = 0;
-  std::vector<double> ends_;
-  Frame<double> frame_;
-  Frame<DoubleDouble> wide_frame_;
+  std::vector<double> ends_;  // and inflections of a Bezier curve
+  std::tuple<Frame<double>, Frame<DoubleDouble>> frames_;
 };
+
+/// SmoothCurve::kSamples directions, evenly spread over the plane.
+std::vector<Vec2> EvenDirections();
+
+/// Narrows a bracket of a sign change of f to about 1e-9 of itself, by bisection: f may be steep or flat at its ends.
+double NarrowedSignChange(double low, double high, const std::function<double(double)>& f);
 
 }  // namespace lcpbench

@@ -1,26 +1,68 @@
 #pragma once
 
 #include <cmath>
+#include <type_traits>
 
 namespace lcpbench {
 
-/// A vector of the plane. Plain double arithmetic in a fixed order, so that the model gives the same bits everywhere.
-struct Vec2 {
-  double x = 0;
-  double y = 0;
-};
+inline double SquareRoot(double a) { return std::sqrt(a); }
 
-constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
-constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
-constexpr Vec2 operator-(Vec2 a) { return {-a.x, -a.y}; }
-constexpr Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
-constexpr double Dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+/// A vector of the plane over double, or over DoubleDouble (double_double.h) for formulas that are evaluated in both.
+/// Plain arithmetic in a fixed order, so that the model gives the same bits everywhere.
+template <class T>
+struct VecOf {
+  T x{};
+  T y{};
+  bool operator==(const VecOf&) const = default;
+};
+using Vec2 = VecOf<double>;
+
+template <class T>
+constexpr VecOf<T> operator+(VecOf<T> a, VecOf<T> b) {
+  return {a.x + b.x, a.y + b.y};
+}
+template <class T>
+constexpr VecOf<T> operator-(VecOf<T> a, VecOf<T> b) {
+  return {a.x - b.x, a.y - b.y};
+}
+template <class T>
+constexpr VecOf<T> operator-(VecOf<T> a) {
+  return {-a.x, -a.y};
+}
+template <class T>
+constexpr VecOf<T> operator*(std::type_identity_t<T> s, VecOf<T> a) {
+  return {s * a.x, s * a.y};
+}
+template <class T>
+constexpr T Dot(VecOf<T> a, VecOf<T> b) {
+  return a.x * b.x + a.y * b.y;
+}
 /// The scalar a_x b_y - a_y b_x.
-constexpr double Cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+template <class T>
+constexpr T Cross(VecOf<T> a, VecOf<T> b) {
+  return a.x * b.y - a.y * b.x;
+}
 /// z-hat x a: a turned by +90 degrees.
-constexpr Vec2 Perp(Vec2 a) { return {-a.y, a.x}; }
+template <class T>
+constexpr VecOf<T> Perp(VecOf<T> a) {
+  return {-a.y, a.x};
+}
 /// sqrt, not hypot: correctly rounded on every machine.
-inline double Norm(Vec2 a) { return std::sqrt(a.x * a.x + a.y * a.y); }
+template <class T>
+T Norm(VecOf<T> a) {
+  return SquareRoot(a.x * a.x + a.y * a.y);
+}
+inline double Norm(Vec2 a) { return Norm<double>(a); }
+template <class T>
+VecOf<T> Unit(VecOf<T> a) {
+  const T norm = Norm(a);
+  return {a.x / norm, a.y / norm};
+}
+/// The vector a turned by the angle of the unit vector r = (cos, sin).
+template <class T>
+constexpr VecOf<T> Turn(VecOf<T> r, VecOf<T> a) {
+  return {r.x * a.x - r.y * a.y, r.y * a.x + r.x * a.y};
+}
 inline bool IsFinite(Vec2 a) { return std::isfinite(a.x) && std::isfinite(a.y); }
 
 }  // namespace lcpbench

@@ -6,16 +6,12 @@
 #include <variant>
 
 #include "model/contact/closest_points.h"
-#include "model/contact/connector_row.h"
 #include "model/contact/contact_row.h"
 #include "model/detection/detection.h"
-#include "model/geometry/overloaded.h"
 #include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {
-
-bool Same(Vec2 a, Vec2 b) { return a.x == b.x && a.y == b.y; }
 
 bool HasOutline(const Body& body) { return !body.outline.empty(); }
 
@@ -31,33 +27,7 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 
 }  // namespace
 
-bool IsSameFeature(const Feature& a, const Feature& b) {
-  if (a.index() != b.index()) return false;
-  return std::visit(Overloaded{[&](const Vertex& p) { return Same(p.p, std::get<Vertex>(b).p); },
-                               [&](const StraightEdge& p) {
-                                 const auto& q = std::get<StraightEdge>(b);
-                                 return Same(p.a, q.a) && Same(p.b, q.b);
-                               },
-                               [&](const ArcEdge& p) {
-                                 const auto& q = std::get<ArcEdge>(b);
-                                 return Same(p.center, q.center) && p.radius == q.radius && p.side == q.side;
-                               },
-                               [&](const EllipseEdge& p) {
-                                 const auto& q = std::get<EllipseEdge>(b);
-                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.phi == q.phi &&
-                                        p.side == q.side;
-                               },
-                               [&](const SuperellipseEdge& p) {
-                                 const auto& q = std::get<SuperellipseEdge>(b);
-                                 return Same(p.center, q.center) && p.a == q.a && p.b == q.b && p.m == q.m &&
-                                        p.phi == q.phi && p.side == q.side;
-                               },
-                               [&](const BezierEdge& p) {
-                                 const auto& q = std::get<BezierEdge>(b);
-                                 return std::equal(p.P.begin(), p.P.end(), q.P.begin(), Same);
-                               }},
-                    a);
-}
+bool IsSameFeature(const Feature& a, const Feature& b) { return a == b; }
 
 bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint& b, const TouchPoint& at_b) {
   if (a.body1 != b.body1 || a.body2 != b.body2 || a.type != b.type) return false;

@@ -1,25 +1,14 @@
 #include "model/motion/path_joints.h"
 
-#include <variant>
-
 #include "model/contact/closest_points.h"
 #include "model/geometry/trig.h"
 
 namespace lcpbench {
-namespace {
-
-bool IsCurve(const Feature& feature) {
-  return std::holds_alternative<EllipseEdge>(feature) || std::holds_alternative<SuperellipseEdge>(feature) ||
-         std::holds_alternative<BezierEdge>(feature);
-}
-
-}  // namespace
-
 void FollowPathJoints(std::span<const Body> bodies, std::span<Constraint> constraints) {
   for (Constraint& joint : constraints) {
     if (joint.type != ConstraintType::kPathJoint) continue;
-    const bool curve1 = IsCurve(joint.feature1);
-    const bool curve2 = IsCurve(joint.feature2);
+    const bool curve1 = IsSearched(joint.feature1);
+    const bool curve2 = IsSearched(joint.feature2);
     if (!curve1 && !curve2) continue;
     const Body& body1 = bodies[static_cast<std::size_t>(joint.body1)];
     const Body& body2 = bodies[static_cast<std::size_t>(joint.body2)];

@@ -7,8 +7,6 @@
 #include <utility>
 #include <variant>
 
-#include "model/geometry/overloaded.h"
-
 namespace lcpbench {
 namespace {
 
@@ -21,26 +19,8 @@ class KeyText {
     text_.append(bytes, sizeof value);
   }
   void Add(int value) { Add(static_cast<double>(value)); }
-  void Add(Vec2 value) {
-    Add(value.x);
-    Add(value.y);
-  }
-  void Add(Side side) { Add(static_cast<int>(side)); }
-
   void Add(const Feature& feature) {
-    Add(static_cast<int>(feature.index()));
-    std::visit(
-        Overloaded{
-            [this](const Vertex& vertex) { Add(vertex.p); },
-            [this](const StraightEdge& edge) { AddAll(edge.a, edge.b); },
-            [this](const ArcEdge& arc) { AddAll(arc.center, arc.radius, arc.side); },
-            [this](const EllipseEdge& edge) { AddAll(edge.center, edge.a, edge.b, edge.phi, edge.side); },
-            [this](const SuperellipseEdge& edge) { AddAll(edge.center, edge.a, edge.b, edge.m, edge.phi, edge.side); },
-            [this](const BezierEdge& edge) {
-              for (const Vec2 point : edge.P) Add(point);
-            },
-        },
-        feature);
+    for (const double number : NumbersOf(feature)) Add(number);
   }
 
   template <typename... Values>

@@ -1,8 +1,11 @@
 #include "model/records/records.h"
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "model/contact/assembly.h"
@@ -27,38 +30,36 @@ Body ParseBody(const JsonField& field) {
   return body;
 }
 
-Side ParseSide(const JsonField& field) {
-  return field.Choice<Side>({{"convex", Side::kConvex}, {"concave", Side::kConcave}});
+void Read(const JsonField& field, Vec2* p) { *p = field.Pair<Vec2>(); }
+void Read(const JsonField& field, double* number) { *number = field.Number(); }
+void Read(const JsonField& field, int* number) { *number = field.Integer(); }
+void Read(const JsonField& field, Side* side) {
+  *side = field.Choice<Side>({{"convex", Side::kConvex}, {"concave", Side::kConcave}});
+}
+void Read(const JsonField& field, std::array<Vec2, 4>* points) {
+  const std::vector<JsonField> items = field.Items();
+  if (items.size() != points->size()) field.Mismatch("an array of four points");
+  for (size_t i = 0; i < items.size(); ++i) Read(items[i], &(*points)[i]);
 }
 
-Feature ParseFeature(const JsonField& field) {
-  const std::string type = field["type"].String();
-  if (type == "vertex") return Vertex{field["p"].Pair<Vec2>()};
-  if (type == "straight") return StraightEdge{field["a"].Pair<Vec2>(), field["b"].Pair<Vec2>()};
-  if (type == "arc") return ArcEdge{field["center"].Pair<Vec2>(), field["radius"].Number(), ParseSide(field["side"])};
-  if (type == "ellipse") {
-    return EllipseEdge{field["center"].Pair<Vec2>(), field["a"].Number(), field["b"].Number(), field["phi"].Number(),
-                       ParseSide(field["side"])};
+// Of the kinds of features from number `kind` on, the one that `type` names.
+template <size_t kind = 0>
+Feature ParseFeature(const JsonField& field, const std::string& type, const std::string& known = "") {
+  if constexpr (kind == std::variant_size_v<Feature>) {
+    throw UnsupportedFeatureError("unsupported feature '" + type + "' at " + field.Path() + ": expected one of" +
+                                  known);
+  } else {
+    std::variant_alternative_t<kind, Feature> feature;
+    if (type != feature.kName) return ParseFeature<kind + 1>(field, type, known + " " + feature.kName);
+    feature.Fields(feature, [&](const char* name, auto& value) { Read(field[name], &value); });
+    return feature;
   }
-  if (type == "superellipse") {
-    return SuperellipseEdge{field["center"].Pair<Vec2>(), field["a"].Number(),   field["b"].Number(),
-                            field["m"].Integer(),         field["phi"].Number(), ParseSide(field["side"])};
-  }
-  if (type == "bezier") {
-    const std::vector<JsonField> points = field["P"].Items();
-    BezierEdge edge;
-    if (points.size() != edge.P.size()) field["P"].Mismatch("an array of four points");
-    for (size_t i = 0; i < points.size(); ++i) edge.P[i] = points[i].Pair<Vec2>();
-    return edge;
-  }
-  throw UnsupportedFeatureError("unsupported feature '" + type + "' at " + field.Path() +
-                                ": expected vertex, straight, arc, ellipse, superellipse or bezier");
 }
 
 // What single constraints and those of a system share, once the type is known.
 void ParseFeatures(const JsonField& field, Constraint* constraint) {
-  constraint->feature1 = ParseFeature(field["feature1"]);
-  constraint->feature2 = ParseFeature(field["feature2"]);
+  constraint->feature1 = ParseFeature(field["feature1"], field["feature1"]["type"].String());
+  constraint->feature2 = ParseFeature(field["feature2"], field["feature2"]["type"].String());
   if (field.Has("s1")) constraint->s1 = field["s1"].NumberOrNull();
   if (field.Has("s2")) constraint->s2 = field["s2"].NumberOrNull();
   if (field.Has("nominal_gap")) constraint->nominal_gap = field["nominal_gap"].Number();
@@ -66,13 +67,16 @@ void ParseFeatures(const JsonField& field, Constraint* constraint) {
   if (has_length) constraint->length = field["length"].Number();
 }
 
+constexpr std::initializer_list<std::pair<const char*, ConstraintType>> kJoints = {
+    {"unilateral", ConstraintType::kContact},
+    {"path", ConstraintType::kPathJoint},
+    {"pin", ConstraintType::kPin},
+    {"rod", ConstraintType::kRod},
+    {"rope", ConstraintType::kRope}};
+
 Constraint ParseConstraint(const JsonField& field) {
   Constraint constraint;
-  constraint.type = field["type"].Choice<ConstraintType>({{"unilateral", ConstraintType::kContact},
-                                                          {"path", ConstraintType::kPathJoint},
-                                                          {"pin", ConstraintType::kPin},
-                                                          {"rod", ConstraintType::kRod},
-                                                          {"rope", ConstraintType::kRope}});
+  constraint.type = field["type"].Choice<ConstraintType>(kJoints);
   constraint.body1 = field["body1"].Integer();
   constraint.body2 = field["body2"].Integer();
   ParseFeatures(field, &constraint);
@@ -83,11 +87,8 @@ Constraint ParseConstraint(const JsonField& field) {
 ConstraintType TypeOfSingle(const JsonField& record) {
   if (!record.Has("kind")) return ConstraintType::kContact;
   const std::string kind = record["kind"].String();
-  if (kind == "pin") return ConstraintType::kPin;
-  if (kind == "path") return ConstraintType::kPathJoint;
-  if (kind == "rod") return ConstraintType::kRod;
-  if (kind == "rope") return ConstraintType::kRope;
-  return ConstraintType::kContact;
+  const auto* joint = std::find_if(kJoints.begin(), kJoints.end(), [&](const auto& j) { return kind == j.first; });
+  return joint == kJoints.end() ? ConstraintType::kContact : joint->second;
 }
 
 bool IsSystem(const JsonField& record) { return record.Has("bodies") || record.Has("contacts"); }

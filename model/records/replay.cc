@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <iomanip>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 #include "model/contact/assembly.h"
@@ -50,27 +52,10 @@ double AttachmentDistance(const RecordedContact& contact, const std::vector<Body
 }
 
 std::string KindText(const RecordedContact& contact) {
-  switch (contact.kind) {
-    case RecordedKind::kVertexStraight:
-      return "vertex_straight";
-    case RecordedKind::kVertexCurved:
-      return contact.radius2 < 0 ? "vertex_curved_concave" : "vertex_curved";
-    case RecordedKind::kStraightCurved:
-      return "straight_curved";
-    case RecordedKind::kCurvedCurved:
-      return contact.radius1 < 0 || contact.radius2 < 0 ? "curved_curved_concave" : "curved_curved";
-    case RecordedKind::kVertexVertex:
-      return "vertex_vertex";
-    case RecordedKind::kJoint:
-      return contact.fixed_normal ? "joint_world" : "joint";
-    case RecordedKind::kPathJoint:
-      return "path_joint";
-    case RecordedKind::kRod:
-      return "rod";
-    case RecordedKind::kRope:
-      return "rope";
-  }
-  return "unknown";
+  const bool concave = (contact.kind == RecordedKind::kVertexCurved && contact.radius2 < 0) ||
+                       (contact.kind == RecordedKind::kCurvedCurved && (contact.radius1 < 0 || contact.radius2 < 0));
+  const bool world = contact.kind == RecordedKind::kJoint && contact.fixed_normal;
+  return std::string(Name(contact.kind)) + (concave ? "_concave" : "") + (world ? "_world" : "");
 }
 
 std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact, const std::vector<Body>& bodies) {
@@ -128,25 +113,16 @@ struct RowSum {
   }
 };
 
-}  // namespace
+bool Agrees(double deviation) { return deviation <= kReplayTolerance; }
 
-CorrectionText Text(Correction correction) {
-  switch (correction) {
-    case Correction::kNormalDerivative:
-      return {"normal-derivative", "-vn^2/rho"};
-    case Correction::kVertexAboveEdge:
-      return {"vertex-above-edge", "-d (omega1 - omega2)^2"};
-    case Correction::kVertexAboveVertex:
-      return {"vertex-above-vertex", "2 omega1 u"};
-    case Correction::kJointAxis:
-      return {"joint-axis", "-2 omega2 u"};
-    case Correction::kRodLength:
-      return {"rod-length", "u^2 (1/L - 1/l)"};
-    case Correction::kPathGap:
-      return {"path-gap", "kappa u^2/(1 + kappa d) - n'.dv"};
-  }
-  return {"unknown", ""};
+// Two digits: deviations are compared by magnitude only.
+std::string Short(double value) {
+  std::ostringstream text;
+  text << std::setprecision(2) << value;
+  return text.str();
 }
+
+}  // namespace
 
 RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& bodies) {
   const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
@@ -158,6 +134,11 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
   constraint.body2 = contact.body2;
   constraint.nominal_gap = d;
   rebuilt.weight = {1, 0};
+  const double kappa =
+      contact.kind == RecordedKind::kPathJoint ? PathCurvature(contact, RelativeVelocity(contact, bodies)) : 0;
+  // What most kinds join.
+  constraint.feature1 = VertexAt(body1, contact.R1);
+  constraint.feature2 = VertexAt(body2, contact.R2);
   switch (contact.kind) {
     case RecordedKind::kVertexStraight:
       // Both arms lead to the edge; the vertex is d above it.
@@ -165,7 +146,6 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
       break;
     case RecordedKind::kVertexCurved:
-      constraint.feature1 = VertexAt(body1, contact.R1);
       constraint.feature2 = ArcAbout(body2, contact.U2, contact.radius2 - d);
       break;
     case RecordedKind::kStraightCurved:
@@ -180,20 +160,15 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       constraint.type = ConstraintType::kRod;
       // Both arms lead to vertex 2.
       constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
-      constraint.feature2 = VertexAt(body2, contact.R2);
       constraint.length = d;
       rebuilt.gap_offset = d;
       break;
     case RecordedKind::kJoint:
       constraint.type = ConstraintType::kPin;
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      constraint.feature2 = VertexAt(body2, contact.R2);
       rebuilt.weight = {contact.n.x, contact.n.y};
       break;
     case RecordedKind::kPathJoint: {
       constraint.type = ConstraintType::kPathJoint;
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      const double kappa = PathCurvature(contact, RelativeVelocity(contact, bodies));
       // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
       const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
       constraint.feature2 =
@@ -202,15 +177,11 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
     }
     case RecordedKind::kRod:
       constraint.type = ConstraintType::kRod;
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      constraint.feature2 = VertexAt(body2, contact.R2);
       constraint.length = -contact.radius2;
       rebuilt.weight = {-1, 0};
       break;
     case RecordedKind::kRope:
       constraint.type = ConstraintType::kRope;
-      constraint.feature1 = VertexAt(body1, contact.R1);
-      constraint.feature2 = VertexAt(body2, contact.R2);
       // radius2 is the current distance; the rope is longer by its slack.
       constraint.length = d - contact.radius2;
       break;
@@ -266,5 +237,148 @@ ReplayResult Replay(const ReplayRecord& record) {
 }
 
 double ScaledDeviation(double x, double reference) { return std::abs(x - reference) / (1 + std::abs(reference)); }
+
+void ReplaySummary::Largest::Take(double value, const std::string& record_id) {
+  // Not a number counts as the largest of all.
+  if (value > deviation || std::isnan(value)) {
+    deviation = value;
+    id = record_id;
+  }
+}
+
+void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where) {
+  ++records_;
+  for (size_t i = 0; i < result.rows.size(); ++i) {
+    const ReplayRow& row = result.rows[i];
+    const double before = ScaledDeviation(row.ours, row.recorded);
+    const double after = ScaledDeviation(row.ours, row.corrected());
+    Tally& tally = kinds_[row.kind];
+    ++tally.rows;
+    if (Agrees(before)) ++tally.agree_before;
+    if (Agrees(after)) ++tally.agree_after;
+    tally.before.Take(before, record.id);
+    tally.after.Take(after, record.id);
+    tally.geometry.Take(row.geometry_deviation, record.id);
+    for (size_t k = 0; k < kCorrectionCount; ++k) {
+      if (row.added[k] == 0) continue;
+      ++corrections_[k].rows;
+      corrections_[k].largest.Take(std::abs(row.added[k]), record.id);
+    }
+    if (!Agrees(after)) {
+      left_over_.push_back(
+          {where, record.id, "b[" + std::to_string(i) + "] (" + row.kind + ")", row.corrected(), row.ours});
+    }
+  }
+  Largest of_record;
+  LeftOver worst{where, record.id, "", 0, 0};
+  for (Eigen::Index i = 0; i < result.A.rows(); ++i) {
+    for (Eigen::Index j = 0; j < result.A.cols(); ++j) {
+      const double deviation = ScaledDeviation(result.A(i, j), record.A(i, j));
+      A_.Take(deviation, record.id);
+      const double so_far = of_record.deviation;
+      of_record.Take(deviation, record.id);
+      if (!(of_record.deviation > so_far)) continue;
+      worst.what = "A[" + std::to_string(i) + "][" + std::to_string(j) + "] (" +
+                   result.rows[static_cast<size_t>(i)].kind + ", " + result.rows[static_cast<size_t>(j)].kind + ")";
+      worst.recorded = record.A(i, j);
+      worst.ours = result.A(i, j);
+    }
+  }
+  if (Agrees(of_record.deviation)) {
+    ++records_with_equal_A_;
+  } else {
+    left_over_.push_back(worst);
+  }
+}
+
+ReplaySummary::Tally ReplaySummary::Total() const {
+  Tally total;
+  for (const auto& [kind, tally] : kinds_) {
+    total.rows += tally.rows;
+    total.agree_before += tally.agree_before;
+    total.agree_after += tally.agree_after;
+    total.before.Take(tally.before.deviation, tally.before.id);
+    total.after.Take(tally.after.deviation, tally.after.id);
+    total.geometry.Take(tally.geometry.deviation, tally.geometry.id);
+  }
+  return total;
+}
+
+std::string ReplaySummary::Table() const {
+  constexpr size_t kMostLeftOver = 20;
+  std::ostringstream out;
+  const auto line = [&](const std::string& kind, const Tally& tally) {
+    out << std::left << std::setw(24) << kind << std::right << std::setw(7) << tally.rows << std::setw(9)
+        << tally.agree_before << std::setw(9) << Short(tally.before.deviation) << std::setw(9) << tally.agree_after
+        << std::setw(9) << Short(tally.after.deviation) << std::setw(11) << Short(tally.geometry.deviation) << "\n";
+  };
+  const Tally total = Total();
+  out << records_ << " records, " << total.rows << " rows; numbers agree within " << kReplayTolerance
+      << " (1 + |recorded|)\n\n"
+      << "A: " << records_with_equal_A_ << " of " << records_ << " records agree, largest deviation "
+      << Short(A_.deviation) << (A_.id.empty() ? "" : " in " + A_.id) << "\n\n"
+      << "b without the stabilisation term\n"
+      << "                                     as recorded         corrected     n, d, d'\n"
+      << "kind                       rows    agree  largest    agree  largest    largest\n";
+  for (const auto& [kind, tally] : kinds_) line(kind, tally);
+  line("total", total);
+  out << "\ncorrections             rows     largest  in record   added to the recorded b\n";
+  for (size_t k = 0; k < kCorrectionCount; ++k) {
+    const CorrectionText& text = kCorrectionTexts[k];
+    out << std::left << std::setw(20) << text.key << std::right << std::setw(8) << corrections_[k].rows << std::setw(12)
+        << Short(corrections_[k].largest.deviation) << "  " << std::left << std::setw(12) << corrections_[k].largest.id
+        << text.formula << "\n";
+  }
+  if (!left_over_.empty()) out << "\nleft over: " << left_over_.size() << "\n" << std::setprecision(17);
+  for (size_t i = 0; i < left_over_.size() && i < kMostLeftOver; ++i) {
+    const LeftOver& left = left_over_[i];
+    out << left.where << ": " << left.id << ": " << left.what << ": corrected " << left.recorded << ", ours "
+        << left.ours << "\n";
+  }
+  if (left_over_.size() > kMostLeftOver) out << "... (--json lists all)\n";
+  return out.str();
+}
+
+std::string ReplaySummary::Json() const {
+  using Json = nlohmann::ordered_json;
+  Json kinds = Json::array();
+  for (const auto& [kind, tally] : kinds_) {
+    kinds.push_back({{"kind", kind},
+                     {"rows", tally.rows},
+                     {"agree_before", tally.agree_before},
+                     {"largest_before", tally.before.deviation},
+                     {"agree_after", tally.agree_after},
+                     {"largest_after", tally.after.deviation},
+                     {"largest_geometry", tally.geometry.deviation}});
+  }
+  Json corrections = Json::array();
+  for (size_t k = 0; k < kCorrectionCount; ++k) {
+    const CorrectionText& text = kCorrectionTexts[k];
+    corrections.push_back({{"key", text.key},
+                           {"formula", text.formula},
+                           {"rows", corrections_[k].rows},
+                           {"largest", corrections_[k].largest.deviation}});
+  }
+  Json left_over = Json::array();
+  for (const LeftOver& left : left_over_) {
+    left_over.push_back({{"where", left.where},
+                         {"id", left.id},
+                         {"what", left.what},
+                         {"recorded", left.recorded},
+                         {"ours", left.ours},
+                         {"deviation", ScaledDeviation(left.ours, left.recorded)}});
+  }
+  const Json out = {
+      {"records", records_},
+      {"rows", Total().rows},
+      {"tolerance", kReplayTolerance},
+      {"agrees", AllAgree()},
+      {"A", {{"records", records_}, {"agree", records_with_equal_A_}, {"largest", A_.deviation}, {"id", A_.id}}},
+      {"kinds", std::move(kinds)},
+      {"corrections", std::move(corrections)},
+      {"left_over", std::move(left_over)}};
+  // A name may hold any bytes.
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 }  // namespace lcpbench

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,39 +19,32 @@ namespace lcpbench {
 /// system. The software's b departs from the second derivative of the gap in the ways that Correction lists; with them,
 /// recorded b - extra + corrections is what this model computes. A needs no correction.
 
-/// What the mathematics demands and the software does otherwise. Written with the software's own quantities:
-/// dv = v1(U1) - v2(U2) the relative velocity at the ends of the centre arms, vn = n.dv, u = t.dv, t = Perp(n), rho the
-/// signed radius that it divides by.
+/// What the mathematics demands and the software does otherwise; docs/physics.md derives the terms. Written with the
+/// software's own quantities: dv = v1(U1) - v2(U2) the relative velocity at the ends of the centre arms, vn = n.dv, u =
+/// t.dv, t = Perp(n), rho the signed radius that it divides by.
 enum class Correction {
-  /// It sets n' = dv/rho, whose part along n is not perpendicular to n: n is a unit vector, so n' = (u/rho) t.
-  /// Where q = n'.dv is used (curved edge 2, vertex/vertex, rods, ropes):  -vn^2/rho.
-  kNormalDerivative,
-  /// A vertex of body 1 above a straight edge is taken to be where its foot is (R1 leads to p2). The vertex is at
-  /// p1 = p2 + d n, where t.v1 differs by omega1 d and n.a1 by -omega1^2 d; and the edge point below it adds -omega2^2
-  /// d:
-  /// 2 omega2 (u + omega1 d) - omega1^2 d - omega2^2 d - 2 omega2 u = -d (omega1 - omega2)^2.
-  kVertexAboveEdge,
-  /// The same of two vertices:  (u + omega1 d)^2/d - omega1^2 d - u^2/d = 2 omega1 u.
-  kVertexAboveVertex,
-  /// A joint's pair of rows says p1 = p2, along two axes. Its A has the arms of axes that are fixed in the world (an
-  /// axis turning with body 2 would have t.(p1 - p2) added to its arm), its b the term 2 omega2 u of turning ones:
-  /// -2 omega2 u.
-  kJointAxis,
-  /// It divides by a rod's rest length L; the distance is l = |p1 - p2|:  u^2 (1/L - 1/l).
-  kRodLength,
-  /// A point at distance d from a path of curvature kappa = n'.t/u on a fixed body: n' turns slower by 1 + kappa d:
-  /// kappa u^2/(1 + kappa d) - n'.dv.
-  kPathGap,
+  kNormalDerivative,   ///< its n' = dv/rho is not perpendicular to n:  -vn^2/rho
+  kVertexAboveEdge,    ///< a vertex taken to be where its foot is:  -d (omega1 - omega2)^2
+  kVertexAboveVertex,  ///< the same of two vertices:  2 omega1 u
+  kJointAxis,          ///< the arms of fixed axes with the term of turning ones:  -2 omega2 u
+  kRodLength,          ///< it divides by the rest length L; the distance is l = |p1 - p2|:  u^2 (1/L - 1/l)
+  kPathGap,            ///< n' of a path at distance d turns slower by 1 + kappa d:  kappa u^2/(1 + kappa d) - n'.dv
 };
 
 inline constexpr size_t kCorrectionCount = 6;
 
-/// A correction for readers.
+/// The corrections for readers, by Correction.
 struct CorrectionText {
   const char* key;
   const char* formula;
 };
-CorrectionText Text(Correction correction);
+inline constexpr std::array<CorrectionText, kCorrectionCount> kCorrectionTexts = {
+    {{"normal-derivative", "-vn^2/rho"},
+     {"vertex-above-edge", "-d (omega1 - omega2)^2"},
+     {"vertex-above-vertex", "2 omega1 u"},
+     {"joint-axis", "-2 omega2 u"},
+     {"rod-length", "u^2 (1/L - 1/l)"},
+     {"path-gap", "kappa u^2/(1 + kappa d) - n'.dv"}}};
 
 /// One recorded row against this model's.
 struct ReplayRow {
@@ -93,5 +87,62 @@ ReplayResult Replay(const ReplayRecord& record);
 
 /// |x - reference| / (1 + |reference|): how deviations are measured here.
 double ScaledDeviation(double x, double reference);
+
+/// Two numbers agree when their ScaledDeviation is at most this.
+inline constexpr double kReplayTolerance = 1e-9;
+
+/// What many replayed records amount to: agreement per contact kind and of A, the sizes of the corrections, and every
+/// number that is left over.
+class ReplaySummary {
+ public:
+  /// @param where  "file:line", for the list of what is left over
+  void Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where);
+
+  size_t records() const { return records_; }
+  /// A agrees on every record, and b, corrected, on every row.
+  bool AllAgree() const { return left_over_.empty(); }
+
+  /// For people: several lines, the first few of what is left over last.
+  std::string Table() const;
+  /// One JSON object on one line: {records, rows, tolerance, agrees, A {records, agree, largest, id}, kinds [{kind,
+  /// rows, agree_before, largest_before, agree_after, largest_after, largest_geometry}], corrections [{key, formula,
+  /// rows, largest}], left_over [{where, id, what, recorded, ours, deviation}]}.
+  std::string Json() const;
+
+ private:
+  struct Largest {
+    double deviation = 0;
+    std::string id;
+    void Take(double value, const std::string& record_id);
+  };
+  struct Tally {
+    size_t rows = 0;
+    size_t agree_before = 0;
+    size_t agree_after = 0;
+    Largest before;
+    Largest after;
+    Largest geometry;
+  };
+  struct Size {
+    size_t rows = 0;
+    Largest largest;  ///< [m/s^2], not scaled
+  };
+  struct LeftOver {
+    std::string where;
+    std::string id;
+    std::string what;
+    double recorded = 0;  ///< corrected
+    double ours = 0;
+  };
+
+  Tally Total() const;
+
+  size_t records_ = 0;
+  size_t records_with_equal_A_ = 0;
+  Largest A_;
+  std::map<std::string, Tally> kinds_;
+  std::array<Size, kCorrectionCount> corrections_;
+  std::vector<LeftOver> left_over_;
+};
 
 }  // namespace lcpbench

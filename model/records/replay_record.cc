@@ -17,6 +17,7 @@ struct KindName {
   bool radius2;
 };
 
+// In the order of RecordedKind.
 constexpr std::array kKinds = {
     KindName{"vertex_straight", RecordedKind::kVertexStraight, false, false},
     KindName{"vertex_curved", RecordedKind::kVertexCurved, false, true},
@@ -100,6 +101,8 @@ RecordedContact ParseContact(const JsonField& field, const std::vector<Body>& bo
 }
 
 }  // namespace
+
+const char* Name(RecordedKind kind) { return kKinds[static_cast<size_t>(kind)].name; }
 
 ReplayRecord ParseReplayRecord(std::string_view line, const std::string& where) {
   const nlohmann::json json = ParseJsonObject(line, where);

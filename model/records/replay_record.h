@@ -26,6 +26,9 @@ enum class RecordedKind {
   kRope,
 };
 
+/// As recorded, such as "vertex_straight".
+const char* Name(RecordedKind kind);
+
 /// One row as recorded, world frame, SI units. Body 1 gets +f n; n points from body 2 to body 1, but for rods and ropes
 /// from attachment 1 to attachment 2, which is the direction of their pull.
 struct RecordedContact {

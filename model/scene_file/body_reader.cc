@@ -102,7 +102,7 @@ void RequireInRange(const Body& body, const JsonField& field) {
   for (const OutlineEdge& edge : body.outline) {
     const auto* arc = std::get_if<ArcEdge>(&edge.edge);
     if (!(Reach(edge) <= kLargestNumber) || (arc != nullptr && !positive(arc->radius))) {
-      field.Fail("lengths must lie within 1e-30..1e30, but not those of its " + DescribeCurve(edge.edge));
+      field.Fail("lengths must lie within 1e-30..1e30, but not those of its " + Describe(ToFeature(edge.edge)));
     }
   }
 }

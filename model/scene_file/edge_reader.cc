@@ -5,7 +5,6 @@
 #include <numbers>
 #include <string>
 
-#include "model/geometry/angle.h"
 #include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
 

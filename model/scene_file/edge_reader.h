@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "model/shape/outline_piece.h"
+#include "model/geometry/feature.h"
 #include "support/json_field.h"
 
 namespace lcpbench {

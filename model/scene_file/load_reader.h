@@ -8,7 +8,7 @@ namespace lcpbench {
 
 /// Reads "loads", without gravity, which stands at the top of the file; scene_file.h lists the forms.
 /// @param bodies  whose forces and torques are used to try the loads out, and 0 afterwards
-/// @throws InputError naming the JSON path, also for loads that forces.h refuses at the start of the motion
+/// @throws InputError naming the JSON path, also for loads that loads.h refuses at the start of the motion
 Loads ReadLoads(const JsonField& field, SceneBodies* bodies);
 
 }  // namespace lcpbench

@@ -69,7 +69,7 @@ namespace lcpbench {
 //         "dampers": [{"body1", "point1", "body2", "point2", "coefficient"}],
 //         "thrusters": [{"body", "point", "force"}],              force turns with the body
 //         "wrenches": [{"body", "point", "force", "torque"}],     force fixed in the world
-//         "attraction": {"strength", "softening"}}                forces.h; every point [centre of mass]
+//         "attraction": {"strength", "softening"}}                loads.h; every point [centre of mass]
 //
 // Numbers lie within +-1e30, those that must be positive above 1e-30. Edges of all bodies together: at most 100000
 // plus an eighth of the file's bytes, so that memory is proportional to the file's length.

@@ -26,7 +26,6 @@
 #include <utility>
 #include <vector>
 
-#include "model/geometry/angle.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "model/contact/closest_points.h"
-#include "model/contact/connector_row.h"
+#include "model/contact/contact_row.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
 

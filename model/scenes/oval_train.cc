@@ -20,14 +20,13 @@
 #include <utility>
 #include <vector>
 
-#include "model/geometry/angle.h"
+#include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
 #include "model/scenes/start.h"
 #include "model/shape/mass_properties.h"
-#include "model/shape/outline_piece.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {

@@ -19,7 +19,6 @@
 #include <string>
 #include <vector>
 
-#include "model/geometry/angle.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/oval_front.h"
 #include "model/scenes/packing_parts.h"

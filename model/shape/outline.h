@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "model/geometry/vec2.h"
-#include "model/shape/outline_piece.h"
+#include "model/geometry/feature.h"
 
 namespace lcpbench {
 

@@ -4,13 +4,14 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numbers>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "model/geometry/broad_phase.h"
-#include "model/shape/mass_properties.h"
-#include "model/shape/outline_meeting.h"
+#include "model/shape/outline_moments.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -26,6 +27,154 @@ constexpr double kMaxRelativeTolerance = 1e-4;
 // Comparisons of pieces, per outline and per edge, before edges count as too near to be told apart.
 constexpr int kBudget = 1000000;
 constexpr int kBudgetPerEdge = 1000;
+
+BoundingBox BoxOf(Vec2 a, Vec2 b) { return Union({a, a}, {b, b}); }
+
+// The boxes keep segments apart that follow each other on one line, whose sides are mere rounding.
+bool Intersect(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  if (!Overlap(BoxOf(a, b), BoxOf(c, d))) return false;
+  const double c_side = Cross(b - a, c - a);
+  const double d_side = Cross(b - a, d - a);
+  const double a_side = Cross(d - c, a - c);
+  const double b_side = Cross(d - c, b - c);
+  return ((c_side > 0) != (d_side > 0)) && ((a_side > 0) != (b_side > 0));
+}
+
+double SegmentDistance(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  if (Intersect(a, b, c, d)) return 0;
+  return std::min(
+      {DistanceToSegment(a, c, d), DistanceToSegment(b, c, d), DistanceToSegment(c, a, b), DistanceToSegment(d, a, b)});
+}
+
+// A piece of a curve that turns by less than 180 degrees, enclosed: every point of it lies within `height` of its
+// chord. Halving it divides the height by about four.
+class EnclosedPiece {
+ public:
+  // @param curve  kept by reference: must outlive the piece
+  EnclosedPiece(const OutlineCurve& curve, double s_begin, double s_end)
+      : curve_(&curve),
+        s_begin_(s_begin),
+        s_end_(s_end),
+        begin_(CurvePoint(curve, s_begin)),
+        end_(CurvePoint(curve, s_end)),
+        enclosure_(std::visit([&](const auto& e) { return e.Enclose(s_begin, s_end, begin_, end_); }, curve)) {}
+
+  Vec2 begin() const { return begin_; }
+  Vec2 end() const { return end_; }
+  double height() const { return enclosure_.height; }
+  double chord() const { return Norm(end_ - begin_); }
+  // The directions of travel lie in the cone from its `first` to its `second`.
+  const Enclosure& enclosure() const { return enclosure_; }
+  bool can_split() const { return middle() != s_begin_ && middle() != s_end_; }
+  EnclosedPiece FirstHalf() const { return {*curve_, s_begin_, middle()}; }
+  EnclosedPiece SecondHalf() const { return {*curve_, middle(), s_end_}; }
+  // Contains the piece, and `margin` around it.
+  BoundingBox Bounds(double margin) const { return Inflated(BoxOf(begin_, end_), {}, height() + margin); }
+
+ private:
+  double middle() const { return s_begin_ + (s_end_ - s_begin_) / 2; }
+
+  const OutlineCurve* curve_;
+  double s_begin_;
+  double s_end_;
+  Vec2 begin_;
+  Vec2 end_;
+  Enclosure enclosure_;
+};
+
+bool ConesOverlap(const EnclosedPiece& p, const EnclosedPiece& q) {
+  // Seen from the joint p runs backwards.
+  const Vec2 p1 = -p.enclosure().first;
+  const Vec2 p2 = -p.enclosure().second;
+  const Vec2 q1 = q.enclosure().first;
+  const Vec2 q2 = q.enclosure().second;
+  return InCone(p1, q1, q2) || InCone(p2, q1, q2) || InCone(q1, p1, p2) || InCone(q2, p1, p2);
+}
+
+// Cuts a piece into two or more that EnclosedPiece can hold: curves into equal parts of at most a quarter turn of the
+// parameter, Bezier edges until each turns by less than 90 degrees.
+// @return false if a Bezier edge's derivative vanishes on the way: no piece around that point is turned by so little
+bool AppendEnclosed(const OutlinePiece& piece, std::vector<EnclosedPiece>* pieces) {
+  const std::vector<double> cuts =
+      std::visit([&](const auto& e) { return e.EnclosedCuts(piece.s_begin, piece.s_end); }, piece.edge);
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) pieces->emplace_back(piece.edge, cuts[k], cuts[k + 1]);
+  return !cuts.empty();
+}
+
+// What is known of two pieces.
+enum class Meeting {
+  kApart,      // proved
+  kMeet,       // they come as near as the tolerance
+  kUndecided,  // the budget of comparisons is used up
+};
+
+// Whether two pieces come nearer to each other than `tolerance` [m].
+// @param budget  comparisons left; each takes one
+Meeting FindMeeting(const EnclosedPiece& first, const EnclosedPiece& second, double tolerance, int* budget) {
+  std::vector<std::pair<EnclosedPiece, EnclosedPiece>> open = {{first, second}};
+  while (!open.empty()) {
+    if (--*budget < 0) return Meeting::kUndecided;
+    const auto [p, q] = open.back();
+    open.pop_back();
+    const double heights = p.height() + q.height();
+    if (SegmentDistance(p.begin(), p.end(), q.begin(), q.end()) > heights + tolerance) continue;
+    const bool split_p = p.height() >= q.height();
+    if (heights <= tolerance || !(split_p ? p : q).can_split()) return Meeting::kMeet;
+    if (split_p) {
+      open.emplace_back(p.FirstHalf(), q);
+      open.emplace_back(p.SecondHalf(), q);
+    } else {
+      open.emplace_back(p, q.FirstHalf());
+      open.emplace_back(p, q.SecondHalf());
+    }
+  }
+  return Meeting::kApart;
+}
+
+// The same for q beginning where p ends: whether they meet anywhere else, or leave the joint in the same direction.
+// @param joint  pieces shorter than this [m] are not looked into: what then still runs the same way makes a cusp
+Meeting FindMeetingBeyondJoint(const EnclosedPiece& first, const EnclosedPiece& second, double tolerance, double joint,
+                               int* budget) {
+  EnclosedPiece p = first;
+  EnclosedPiece q = second;
+  while (ConesOverlap(p, q)) {
+    if (--*budget < 0) return Meeting::kUndecided;
+    const bool split_p = p.chord() >= q.chord();
+    if ((split_p ? p : q).chord() <= joint || !(split_p ? p : q).can_split()) return Meeting::kMeet;
+    // The half away from the joint against all of the other; the other half goes on.
+    const EnclosedPiece away = split_p ? p.FirstHalf() : q.SecondHalf();
+    const Meeting meeting = FindMeeting(away, split_p ? q : p, tolerance, budget);
+    if (meeting != Meeting::kApart) return meeting;
+    if (split_p) {
+      p = p.SecondHalf();
+    } else {
+      q = q.FirstHalf();
+    }
+  }
+  return Meeting::kApart;
+}
+
+// How often a closed loop of pieces runs counter-clockwise around a point that is further than `tolerance` from it.
+int WindingNumber(const std::vector<EnclosedPiece>& loop, Vec2 point, double tolerance) {
+  std::vector<EnclosedPiece> open = loop;
+  double angle = 0;
+  while (!open.empty()) {
+    const EnclosedPiece piece = open.back();
+    open.pop_back();
+    // While the point is clear of the enclosure, the piece can be pulled taut onto its chord without passing over it.
+    const bool clear = DistanceToSegment(point, piece.begin(), piece.end()) > piece.height();
+    if (!clear && piece.height() > tolerance && piece.can_split()) {
+      open.push_back(piece.FirstHalf());
+      open.push_back(piece.SecondHalf());
+      continue;
+    }
+    const Vec2 from = piece.begin() - point;
+    const Vec2 to = piece.end() - point;
+    // Only the nearest whole number of turns counts, so that the library's atan2 is exact enough.
+    angle += std::atan2(Cross(from, to), Dot(from, to));
+  }
+  return static_cast<int>(std::lround(angle / (2 * std::numbers::pi)));
+}
 
 class OutlineCheck {
  public:
@@ -54,7 +203,7 @@ class OutlineCheck {
     throw InputError(where + ": " + condition);
   }
   std::string Name(std::size_t loop, std::size_t piece) const {
-    return PieceName(outline_, loop, piece) + " (" + DescribeCurve(outline_.loops[loop][piece].edge) + ")";
+    return PieceName(outline_, loop, piece) + " (" + Describe(ToFeature(outline_.loops[loop][piece].edge)) + ")";
   }
   std::string Name(const Owner& owner) const { return Name(owner.loop, owner.piece); }
 
@@ -94,18 +243,13 @@ class OutlineCheck {
   }
 
   void CheckSize() {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    Vec2 lower{kInfinity, kInfinity};
-    Vec2 upper{-kInfinity, -kInfinity};
+    BoundingBox box{pieces_[0][0].begin(), pieces_[0][0].begin()};
     for (const auto& loop : pieces_) {
       for (const EnclosedPiece& piece : loop) {
-        for (const Vec2 p : {piece.begin(), piece.end()}) {
-          lower = {std::min(lower.x, p.x), std::min(lower.y, p.y)};
-          upper = {std::max(upper.x, p.x), std::max(upper.y, p.y)};
-        }
+        for (const Vec2 p : {piece.begin(), piece.end()}) box = Union(box, {p, p});
       }
     }
-    extent_ = Norm(upper - lower);
+    extent_ = Norm(box.upper - box.lower);
     if (!(extent_ > kMinExtent)) {
       Refuse(LoopName(outline_, 0), "zero-length edges: the extent must be above 1e-60");
     }

@@ -20,11 +20,10 @@ inline constexpr double kTouchTolerance = 1e-10;
 ///   edges that meet other than at their joint, of the same loop or of two, and vertices of zero angle (cusps);
 ///   an outer boundary that runs clockwise, a hole that runs counter-clockwise; a hole outside the outer boundary or
 ///   inside another hole; an aspect ratio of the whole outline, the root of the ratio of its principal second moments
-///   of area (a / b of an ellipse, length / width of a box, 1 of a ring), beyond kMaxAspectRatio (curve.h).
-/// Meeting edges are found by subdivision: a piece of an edge lies within a distance h of its chord, h falls with the
-/// square of its length, and chords further apart than h1 + h2 prove that pieces do not meet. Neighbours are told apart
-/// by the cones of their tangents at the joint. About O(n log n) for n edges that stay clear of each other; edges that
-/// run along each other at a gap g cost O(sqrt(extent / g)) more.
+///   of area (a / b of an ellipse, length / width of a box, 1 of a ring), beyond kMaxAspectRatio
+///   (model/geometry/curve.h).
+/// About O(n log n) for n edges that stay clear of each other; edges that run along each other at a gap g cost
+/// O(sqrt(extent / g)) more. How meetings are found: docs/geometry.md.
 /// @throws InputError, one line naming the outline, the loop, the edge and what was expected
 void RequireValid(const Outline& outline);
 

@@ -1,10 +1,11 @@
 #include "model/shape/shapes.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 #include <string>
+#include <utility>
 
-#include "model/geometry/angle.h"
 #include "model/geometry/trig.h"
 #include "model/shape/outline_checks.h"
 #include "support/input_error.h"
@@ -14,13 +15,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-void Require(bool holds, const char* shape, const char* condition) {
+void Require(bool holds, const char* shape, const std::string& condition) {
   if (!holds) throw InputError(std::string(shape) + ": " + condition);
 }
 
-void RequirePositive(double value, const char* shape, const char* parameter) {
-  if (!(value > 0) || !std::isfinite(value)) {
-    throw InputError(std::string(shape) + ": " + parameter + " must be finite and > 0");
+void RequirePositive(const char* shape, std::initializer_list<std::pair<const char*, double>> parameters) {
+  for (const auto& [name, value] : parameters) {
+    Require(value > 0 && std::isfinite(value), shape, name + std::string(" must be finite and > 0"));
   }
 }
 
@@ -59,13 +60,12 @@ OutlinePiece ArcThrough(Vec2 p, Vec2 q, double radius) {
 }  // namespace
 
 Outline Disc(double radius) {
-  RequirePositive(radius, "disc", "the radius");
+  RequirePositive("disc", {{"the radius", radius}});
   return Checked({"disc", {{ConvexArc({}, radius, 0, 2 * kPi)}}});
 }
 
 Outline Box(double width, double height) {
-  RequirePositive(width, "box", "the width");
-  RequirePositive(height, "box", "the height");
+  RequirePositive("box", {{"the width", width}, {"the height", height}});
   const double x = width / 2;
   const double y = height / 2;
   return Checked({"box",
@@ -74,9 +74,7 @@ Outline Box(double width, double height) {
 }
 
 Outline RoundedBox(double width, double height, double corner_radius) {
-  RequirePositive(width, "rounded box", "the width");
-  RequirePositive(height, "rounded box", "the height");
-  RequirePositive(corner_radius, "rounded box", "the corner radius");
+  RequirePositive("rounded box", {{"the width", width}, {"the height", height}, {"the corner radius", corner_radius}});
   const double r = corner_radius;
   const double x = width / 2;
   const double y = height / 2;
@@ -91,8 +89,7 @@ Outline RoundedBox(double width, double height, double corner_radius) {
 }
 
 Outline Capsule(double length, double radius) {
-  RequirePositive(length, "capsule", "the length");
-  RequirePositive(radius, "capsule", "the radius");
+  RequirePositive("capsule", {{"the length", length}, {"the radius", radius}});
   const double x = length / 2;
   const double r = radius;
   return Checked({"capsule",
@@ -101,13 +98,12 @@ Outline Capsule(double length, double radius) {
 }
 
 Outline HalfDisc(double radius) {
-  RequirePositive(radius, "half disc", "the radius");
+  RequirePositive("half disc", {{"the radius", radius}});
   return Checked({"half disc", {{Straight({-radius, 0}, {radius, 0}), ConvexArc({}, radius, 0, kPi)}}});
 }
 
 Outline DShape(double straight, double radius) {
-  RequirePositive(straight, "D-shape", "the straight part");
-  RequirePositive(radius, "D-shape", "the radius");
+  RequirePositive("D-shape", {{"the straight part", straight}, {"the radius", radius}});
   const double x = -straight;
   const double r = radius;
   return Checked({"D-shape",
@@ -116,30 +112,27 @@ Outline DShape(double straight, double radius) {
 }
 
 Outline Ring(double outer_radius, double inner_radius) {
-  RequirePositive(outer_radius, "ring", "the outer radius");
-  RequirePositive(inner_radius, "ring", "the inner radius");
+  RequirePositive("ring", {{"the outer radius", outer_radius}, {"the inner radius", inner_radius}});
   Require(inner_radius < outer_radius, "ring", "the inner radius must be below the outer");
   return Checked({"ring", {{ConvexArc({}, outer_radius, 0, 2 * kPi)}, {ConcaveArc({}, inner_radius, 2 * kPi, 0)}}});
 }
 
 Outline Ellipse(double a, double b) {
-  RequirePositive(a, "ellipse", "the semi-axis a");
-  RequirePositive(b, "ellipse", "the semi-axis b");
+  RequirePositive("ellipse", {{"the semi-axis a", a}, {"the semi-axis b", b}});
   return Checked({"ellipse", {{OutlinePiece{EllipseEdge{{}, a, b, 0, Side::kConvex}, 0, 2 * kPi}}}});
 }
 
 Outline Superellipse(double a, double b, int m) {
-  RequirePositive(a, "superellipse", "the semi-axis a");
-  RequirePositive(b, "superellipse", "the semi-axis b");
+  RequirePositive("superellipse", {{"the semi-axis a", a}, {"the semi-axis b", b}});
   return Checked({"superellipse", {{OutlinePiece{SuperellipseEdge{{}, a, b, m, 0, Side::kConvex}, 0, 2 * kPi}}}});
 }
 
 Outline Gear(const GearShape& shape) {
   constexpr int kMinTeeth = 3;
   Require(shape.teeth >= kMinTeeth, "gear", "expected at least 3 teeth");
-  RequirePositive(shape.root_radius, "gear", "the root radius");
-  RequirePositive(shape.tip_radius, "gear", "the tip radius");
-  RequirePositive(shape.flank_radius, "gear", "the flank radius");
+  RequirePositive("gear", {{"the root radius", shape.root_radius},
+                           {"the tip radius", shape.tip_radius},
+                           {"the flank radius", shape.flank_radius}});
   Require(shape.root_radius < shape.tip_radius, "gear", "the root radius must be below the tip radius");
   Require(shape.tip_share > 0 && shape.tip_share <= shape.foot_share && shape.foot_share < 1, "gear",
           "expected 0 < tip share <= foot share < 1");
@@ -163,9 +156,8 @@ Outline Gear(const GearShape& shape) {
 }
 
 Outline Cam(double base_radius, double nose_radius, double distance) {
-  RequirePositive(base_radius, "cam", "the base radius");
-  RequirePositive(nose_radius, "cam", "the nose radius");
-  RequirePositive(distance, "cam", "the distance");
+  RequirePositive("cam",
+                  {{"the base radius", base_radius}, {"the nose radius", nose_radius}, {"the distance", distance}});
   Require(nose_radius <= base_radius, "cam", "the nose radius must not exceed the base radius");
   const double c = (base_radius - nose_radius) / distance;
   Require(c < 1, "cam", "the distance must exceed the difference of the radii");
@@ -183,9 +175,9 @@ Outline Cam(double base_radius, double nose_radius, double distance) {
 }
 
 Outline Bowl(double outer_radius, double inner_radius, double half_opening) {
-  RequirePositive(outer_radius, "bowl", "the outer radius");
-  RequirePositive(inner_radius, "bowl", "the inner radius");
-  RequirePositive(half_opening, "bowl", "half the opening angle");
+  RequirePositive("bowl", {{"the outer radius", outer_radius},
+                           {"the inner radius", inner_radius},
+                           {"half the opening angle", half_opening}});
   Require(inner_radius < outer_radius, "bowl", "the inner radius must be below the outer");
   Require(half_opening < kPi, "bowl", "half the opening angle must be below pi");
   const double lip = outer_radius / 2 - inner_radius / 2;

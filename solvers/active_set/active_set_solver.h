@@ -18,24 +18,13 @@ struct ActiveSetOptions {
   static ActiveSetOptions FromSettings(const Settings& settings);
 };
 
-/// Primal-dual active sets for problems of any size, on sparse factors that are updated where few rows change sides.
+/// Primal-dual active sets for problems of any size, on sparse factors that are updated where few rows change sides:
+/// block pivoting with proximal steps (BppSolver), and from SemismoothNewtonOptions::continuation_rows on, where blocks
+/// cycle, continuation (SemismoothNewtonSolver), which cannot cycle, instead of BppSolver's costly safeguards. Both on
+/// a block in contact or in body space, whichever is predicted to be cheaper (ActiveBlockChoice).
 ///
-/// Two methods that ask for a factor of the active block with one shift after the other, and leave all work to it:
-/// 1. Block pivoting with proximal steps (BppSolver): violated rows change sides all together. 4 to 15 factorisations
-///    where contacts are not redundant, whatever n. Its safeguards against cycling, a heavier shift and single
-///    exchanges, cost hundreds of factorisations on large redundant problems; so there, from
-///    SemismoothNewtonOptions::continuation_rows on, it ends where blocks cycle, and
-/// 2. SemismoothNewtonSolver goes on, by continuation from a shift of 1: the exchange goes as far as a convex function
-///    falls, so that cycling cannot happen.
-/// Both on a block in contact or in body space, whichever is predicted to be cheaper (ActiveBlockChoice); the one in
-/// body space is updated (BodyActiveBlock).
-///
-/// Guaranteed: symmetric positive semidefinite A, as those two, which see; nothing in double precision. An answer is
-/// claimed only if it meets the tolerance in the given form, infeasibility only with a ray that VerifyFarkasRay takes.
-/// Warm start, other ways of ending, limits of time: as the two methods. Unit of `iterations` and max_iterations:
-/// factors asked for, new or updated, of both together.
-///
-/// Cost: set-up of the second method where the first one ends, besides those of the methods.
+/// Guarantees, warm start, ways of ending, limits of time: those of the two methods. Unit of iterations and
+/// max_iterations: factors asked for, new or updated, of both together.
 using ActiveSetSolver = EngineSolver<ActiveSetOptions, class ActiveSetEngine>;
 extern template class EngineSolver<ActiveSetOptions, ActiveSetEngine>;
 

@@ -11,7 +11,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/answers/zero_row_ray.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"
@@ -81,7 +81,6 @@ class BppEngine {
   bool Load();
   void SetStart();
   void StartCold();
-  double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
   End Run(LcpResult* result);
 
   // The proximal step from center_: on return active_, f_ solve the problem of A + shift D.
@@ -112,7 +111,6 @@ class BppEngine {
   ActiveBlock* block_ = nullptr;
   bool through_bodies_ = false;
   ScaledVectors scaled_;
-  std::vector<char> bilateral_;
 
   // One call.
   double tolerance_ = 0;
@@ -147,17 +145,12 @@ void BppSolver::Engine::SolveActive() {
 // Fills violated_, ascending. Signs are judged relative to the rounding of forces and gaps.
 Index BppSolver::Engine::FindViolated(bool of_shifted) {
   const Index n = f_.size();
-  double largest = 0;
-  double size = 0;
-  for (Index i = 0; i < n; ++i) {
-    const double force = std::abs(f_[i]) * ForceRoot(i);
-    largest = std::max(largest, force);
-    size += force;
-  }
+  const double largest = LargestForce();
+  const double size = f_.cwiseAbs().dot(root_);
   const double force_noise = of_shifted ? kForceNoise * kEpsilon / shift_ * largest : 0.0;
   violated_.clear();
   for (Index i = 0; i < n; ++i) {
-    if (bilateral_[At(i)] != 0 || scaled_.can_act[At(i)] == 0) continue;
+    if (scaled_.is_joint(i) || !scaled_.acts(i)) continue;
     const bool violated = active_[At(i)] != 0 ? f_[i] * ForceRoot(i) < -force_noise
                                               : w_[i] < -(kNoise * size * GapRoot(i) + kNoise * std::abs(scaled_.b[i]));
     if (violated) violated_.push_back(i);
@@ -295,9 +288,7 @@ void BppSolver::Engine::Prepare(const LcpProblem& problem) {
        {&root_, &f_, &w_, &center_, &shifted_, &residual_, &direction_, &image_, &preconditioned_, &ray_}) {
     v->setZero(n);
   }
-  scaled_.Resize(n);
-  bilateral_.assign(At(n), 0);
-  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
+  scaled_.Reset(problem);
   for (std::vector<char>* v : {&active_, &active_shifted_}) v->assign(At(n), 0);
   violated_.reserve(At(n));
 }
@@ -309,17 +300,6 @@ bool BppSolver::Engine::Load() {
   root_ = (scaled_.diagonal / unit_).cwiseSqrt();
   block_->Load(*problem_, scaled_.scale);
   return true;
-}
-
-// rho up to a factor, of forces f and w = A f + b.
-double BppSolver::Engine::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
-  double sum = 0;
-  for (Index i = 0; i < f.size(); ++i) {
-    const double d = scaled_.diagonal[i];
-    const double r = bilateral_[At(i)] != 0 ? w[i] : std::min(d * f[i], w[i]);
-    sum += r * r / d;
-  }
-  return std::sqrt(sum);
 }
 
 void BppSolver::Engine::StartCold() {
@@ -334,20 +314,20 @@ void BppSolver::Engine::StartCold() {
 void BppSolver::Engine::SetStart() {
   StartCold();
   if (initial_f_ == nullptr) return;
-  const double cold = Residual(f_, scaled_.b);
+  const double cold = scaled_.Residual(f_, scaled_.b);
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) {
-    if (scaled_.can_act[At(i)] == 0) continue;
+    if (!scaled_.acts(i)) continue;
     const double force = scaled_.ScaledForce(i, (*initial_f_)[i]);
-    f_[i] = bilateral_[At(i)] != 0 ? force : std::max(force, 0.0);
-    if (bilateral_[At(i)] == 0) largest = std::max(largest, f_[i] * ForceRoot(i));
+    f_[i] = scaled_.is_joint(i) ? force : std::max(force, 0.0);
+    if (!scaled_.is_joint(i)) largest = std::max(largest, f_[i] * ForceRoot(i));
   }
   block_->Multiply(f_.data(), w_.data());
   w_ += scaled_.b;
   started_warm_ = true;
-  const bool near = Residual(f_, w_) <= kUsefulForces * cold;
+  const bool near = scaled_.Residual(f_, w_) <= kUsefulForces * cold;
   for (Index i = 0; i < f_.size(); ++i) {
-    if (bilateral_[At(i)] != 0 || scaled_.can_act[At(i)] == 0) continue;
+    if (scaled_.is_joint(i) || !scaled_.acts(i)) continue;
     const bool acts = near ? scaled_.diagonal[i] * f_[i] > w_[i] : f_[i] * ForceRoot(i) > kWarmThreshold * largest;
     active_[At(i)] = acts ? 1 : 0;
   }
@@ -357,17 +337,13 @@ void BppSolver::Engine::SetStart() {
 // Forces up to `least` are 0.
 void BppSolver::Engine::GiveForces(double least, Eigen::VectorXd* f) const {
   for (Index i = 0; i < f->size(); ++i) {
-    const double force = bilateral_[At(i)] != 0 ? std::abs(f_[i]) : f_[i];
+    const double force = scaled_.is_joint(i) ? std::abs(f_[i]) : f_[i];
     const bool acts = force * ForceRoot(i) > least;
     (*f)[i] = acts ? scaled_.GivenForce(i, f_[i]) : 0.0;
   }
 }
 
-double BppSolver::Engine::LargestForce() const {
-  double largest = 0;
-  for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, std::abs(f_[i]) * ForceRoot(i));
-  return largest;
-}
+double BppSolver::Engine::LargestForce() const { return f_.cwiseAbs().cwiseProduct(root_).maxCoeff(); }
 
 // Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row
 // should be 0, the row's backward error is rounding over rounding.
@@ -400,7 +376,7 @@ bool BppSolver::Engine::ClaimRay(LcpResult* result) {
   direction_ = shifted_ - center_;
   for (int pass = 0; pass <= kRayCorrections; ++pass) {
     for (Index i = 0; i < n; ++i) {
-      const bool acts = scaled_.can_act[At(i)] != 0 && (bilateral_[At(i)] != 0 || direction_[i] > 0);
+      const bool acts = scaled_.acts(i) && (scaled_.is_joint(i) || direction_[i] > 0);
       ray_[i] = acts ? direction_[i] * scaled_.scale[i] : 0.0;
     }
     product_.Rho(ray_);  // w = A y + b
@@ -408,7 +384,7 @@ bool BppSolver::Engine::ClaimRay(LcpResult* result) {
     long double b_size = 0;
     long double largest = 0;
     for (Index i = 0; i < n; ++i) {
-      const long double root = scaled_.can_act[At(i)] != 0 ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
+      const long double root = scaled_.acts(i) ? std::sqrt(problem_->DiagonalA()[i]) : 1.0;
       b_dot_y += static_cast<long double>(b[i]) * ray_[i];
       b_size += std::abs(b[i]) / root;
       largest = std::max(largest, std::abs(product_.w(i) - b[i]) / root);
@@ -481,31 +457,22 @@ void BppSolver::Engine::Solve(const LcpProblem& problem, const LcpOptions& optio
   }
   const End end = Run(result);
   result->iterations = factorisations_;
-  char text[160];
   if (end == End::kInfeasible) {
     result->status = LcpStatus::kInfeasible;
   } else if (options_.self_check ? judge_.tier() <= tolerance_ : end == End::kDone) {
     result->status = LcpStatus::kSolved;
-  } else if (end == End::kIterationLimit) {
-    result->status = LcpStatus::kIterationLimit;
-  } else if (end == End::kSingular) {
-    result->status = LcpStatus::kNumericalFailure;
-    result->detail = "A is singular";
-  } else if (end == End::kCycling) {
-    result->status = LcpStatus::kNumericalFailure;
-    result->detail = "blocks cycle";
-  } else if (end == End::kTimeLimit) {
-    result->status = LcpStatus::kTimeLimit;
+  } else if (end == End::kIterationLimit || end == End::kTimeLimit) {
+    result->status = end == End::kTimeLimit ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
+  } else if (end == End::kSingular || end == End::kCycling) {
+    result->detail = end == End::kSingular ? "A is singular" : "blocks cycle";
   } else {
-    result->status = LcpStatus::kNumericalFailure;
+    char text[160];
     std::snprintf(text, sizeof text, "residual %.1e above the tolerance after %d proximal steps, and no proven ray",
                   judge_.tier(), kMaxSteps);
     result->detail = text;
   }
   if (single_exchanges_ > 0) {
-    std::snprintf(text, sizeof text, "%s%lld single exchanges", result->detail.empty() ? "" : "; ",
-                  static_cast<long long>(single_exchanges_));
-    result->detail += text;
+    result->detail += (result->detail.empty() ? "" : "; ") + std::to_string(single_exchanges_) + " single exchanges";
   }
 }
 

@@ -11,16 +11,14 @@ struct BppOptions {
     kAuto,  ///< sparse where its factorisation is predicted to take less time
     kDense,
     kSparse,
-    kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build has not what it takes
-    kAny,     ///< any of these three, by predicted time: the way of ActiveSetSolver
+    kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build does not allow it
+    kAny,     ///< any of these three, by predicted time: the default of ActiveSetSolver
   };
   Form form = Form::kAuto;  ///< see Form
 
-  /// Weight e of the proximal term against diag A at the start, dimensionless. Larger values keep blocks from cycling
-  /// on singular A, smaller ones leave less for the outer loop to do; over the redundant families 1e-9 to 1e-6 took the
-  /// same number of factorisations within 4 %, 1e-4 more. In [1e-11, 1e-2].
-  /// Above 10^4 rows it falls with the square of their number, as the least eigenvalue of A does on chains: the active
-  /// set of the shifted problem would be far from right otherwise.
+  /// Weight e of the proximal term against diag A at the start, dimensionless, in [1e-11, 1e-2]. Larger values keep
+  /// blocks from cycling on singular A, smaller ones leave less for the outer loop to do. Above 10^4 rows it falls with
+  /// the square of their number, as the least eigenvalue of A does on chains.
   double proximal = 1e-8;
 
   /// Where blocks cycle, the weight rises, up to this; single exchanges follow only there. Blocks that cycle at 1e-8
@@ -50,52 +48,37 @@ struct BppOptions {
   static BppOptions FromSettings(const Settings& settings, const char* key = "bpp");
 };
 
-/// Block principal pivoting with a proximal outer loop.
+/// Block principal pivoting with a proximal outer loop. Measurements: docs/solvers/active_set.md.
 ///
 /// Inner method [Kostreva 1978; Portugal, Judice, Vicente 1994]: for a set F of active rows, f_F solves w_F = 0 and
 /// f = 0 elsewhere; all rows with f_i < 0 in F or w_i < 0 outside are violated and change sides together. If `patience`
 /// exchanges in a row do not lower the least number of violated rows, blocks cycle: e (below) rises to 1e-2, then
 /// tenfold each time; and at `largest_proximal` only the violated row of least index changes sides [Murty 1974], until
-/// that number falls. Bilateral rows are always in F. Each set F is one factorisation, the unit of
-/// LcpResult::iterations and max_iterations (default 10 n + 200; typically 4 to 12 are used, whatever n, and 10 to 120
-/// where contacts are redundant).
+/// that number falls. Bilateral rows are always in F. Unit of iterations and max_iterations: sets F, one factorisation
+/// each; default limit 10 n + 200.
 ///
-/// A need not be nonsingular: the inner problem is that of A + e D, D = diag A, with b - e D c in the place of b, which
-/// is a proximal-point step from c [Rockafellar 1976]; its matrix is positive definite. c starts at 0 and moves to the
-/// solution. After each step the answer is polished on A itself: f_F is corrected by conjugate gradients on
-/// A_FF x = -b_F with the factor as preconditioner (e hardly matters then: a few steps, and singular consistent systems
-/// are no trouble), and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
+/// A need not be nonsingular: the inner problem is that of A + e D, D = diag A, with b - e D c in the place of b, a
+/// proximal-point step from c [Rockafellar 1976] with a positive definite matrix. c starts at 0 and moves to the
+/// solution. After each step f_F is corrected on A itself by conjugate gradients on A_FF x = -b_F with the factor as
+/// preconditioner, and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
 ///
-/// Guaranteed: nothing in double precision. In exact arithmetic single exchanges end for positive definite A + e D and
-/// the proximal loop converges for every solvable problem of symmetric PSD A, but the number of single exchanges has no
-/// polynomial bound, and the limit is reached first on problems where blocks cycle. kSolved is claimed only after w was
-/// recomputed by the given form and meets the tolerance.
+/// Guaranteed: nothing in double precision. In exact arithmetic the proximal loop converges for every solvable problem
+/// of symmetric PSD A, without a polynomial bound on single exchanges. kSolved is claimed only after w was recomputed
+/// by the given form and meets the tolerance; kInfeasible only with a ray that VerifyFarkasRay accepts, which a
+/// proximal step that does not shrink is offered as.
 ///
-/// Infeasible problems: the steps of the proximal loop tend to a ray y >= 0, A y = 0, b.y < 0. A step that does not
-/// shrink is offered to VerifyFarkasRay, and kInfeasible is claimed if it accepts; otherwise the solve ends as
-/// kNumericalFailure.
+/// Start: F = all rows. With initial_f whose rho is at most 5 % of the one at f = 0, F = {D f > w} and c = initial_f;
+/// of any other initial_f the set alone counts, F = {initial_f > 0}. Where the first factorisation leaves more than 10
+/// % of the rows violated, or blocks cycle, a warm start is forgotten.
 ///
-/// Start: F = all rows (in contact problems most are active: far fewer exchanges than from F = rows with b < 0). With
-/// initial_f whose rho is at most 5 % of the one at f = 0, F = {D f > w}, and c starts at initial_f instead of 0, which
-/// saves conjugate gradient steps; steps from a farther centre cost more than they save, so of any other initial_f only
-/// the set counts: F = the rows with initial_f_i > 0. Where the first factorisation leaves more than 10 % of the rows
-/// violated, or blocks cycle, a warm start is forgotten.
+/// Scaled by powers of two (ScaledVectors): powers of two in A, b or single rows change no bit. Forms of the factor:
+/// ActiveBlockChoice. Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses
+/// A: O(fill). Solve does not allocate for a prepared problem, unless it reports a failure or a ray. The clock is read
+/// once per factorisation and conjugate gradient step.
 ///
-/// Units: A and b are scaled by powers of two, all comparisons are relative to sqrt(A_ii) in units of one row's, so
-/// that powers of two in A, b or single rows change no bit.
-///
-/// Forms: sparse L D L^T on a pattern analysed in Prepare, which recomputes what a changed row affects only
-/// (SparseActiveBlock); or dense L D L^T from scratch (DenseActiveBlock).
-///
-/// Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses A: O(fill). Solve
-/// does not allocate for a prepared problem, unless it reports a failure or a ray. The clock is read once per
-/// factorisation and conjugate gradient step: a time limit may be exceeded by one factorisation.
-///
-/// Other ways of ending: kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none
-/// was. kUnsupported: A_ii < 0.
-///
-/// Departures from the papers: the proximal loop and polishing; a heavier proximal term against cycles before single
-/// exchanges; bilateral rows; tolerances of sign that follow from the rounding of A + e D.
+/// kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none was. kUnsupported:
+/// A_ii < 0. Departures from the papers: the proximal loop and its correction; a heavier proximal term against cycles;
+/// bilateral rows; tolerances of sign that follow from the rounding of A + e D.
 class BppSolver final : public EngineSolver<BppOptions, class BppEngine> {
  public:
   using EngineSolver::EngineSolver;

@@ -12,7 +12,7 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/answers/zero_row_ray.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"
@@ -79,7 +79,6 @@ constexpr double kGoodEnough = 1e-13;
 constexpr double kFinishProgress = 0.5;
 // Forces below these parts of the largest D^1/2 f are tried as zeros where a row fails in its own units only.
 constexpr double kSnapLevels[] = {1e-15, 1e-13, 1e-10};
-constexpr int kTinyRowSweeps = 4;
 // Rays: components below this part of the largest are rounding, and corrections into the null space.
 constexpr double kRaySupport = 1e-7;
 constexpr int kRayCorrections = 6;
@@ -107,7 +106,6 @@ class SemismoothNewtonEngine {
   enum class End { kGoOn, kStalled, kDone, kInfeasible, kTimeLimit, kIterationLimit };
 
   bool Start(const Eigen::VectorXd* initial_f);
-  double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
   End Factor(double shift);
   Index FindActiveSet(double eps);
   End SolveSubproblem(double eps);
@@ -127,7 +125,7 @@ class SemismoothNewtonEngine {
   End TryRay(LcpResult* result);
   double RhoInDouble();
 
-  bool is_joint(Index p) const { return bilateral_[At(p)] != 0; }
+  bool is_joint(Index p) const { return scaled_.is_joint(p); }
 
   SemismoothNewtonOptions options_;
   std::optional<LcpProblem> problem_;
@@ -144,7 +142,6 @@ class SemismoothNewtonEngine {
   bool continuation_ = false;  // still
   bool exact_ = false;         // u solves the latest subproblem
   ScaledVectors scaled_;
-  std::vector<char> bilateral_;
   Eigen::VectorXd c_, u_, w_;      // proximal centre, dual point, A u + b
   Eigen::VectorXd step_, step_w_;  // u' - u and A (u' - u)
   Eigen::VectorXd inverse_;        // 1 / (eps D)
@@ -167,24 +164,12 @@ void SemismoothNewtonSolver::Engine::Prepare(const LcpProblem& problem) {
     judge_.Reset(problem, blocks_.is_dense(block_));
   }
   judged_.f.setZero(n_);
-  scaled_.Resize(n_);
+  scaled_.Reset(problem);
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_, &f_, &residual_, &f_trial_}) {
     v->setZero(n_);
   }
-  for (std::vector<char>* v : {&in_F_, &bilateral_}) v->assign(At(n_), 0);
-  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
+  in_F_.assign(At(n_), 0);
   stack_.reserve(At(n_));
-}
-
-// rho up to a factor, of forces f and w = A f + b.
-double SemismoothNewtonSolver::Engine::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
-  double sum = 0;
-  for (Index p = 0; p < n_; ++p) {
-    const double d = scaled_.diagonal[p];
-    const double r = is_joint(p) ? w[p] : std::min(d * f[p], w[p]);
-    sum += r * r / d;
-  }
-  return std::sqrt(sum);
 }
 
 // True if there is a warm start that is worth trying; else c = 0.
@@ -194,15 +179,15 @@ bool SemismoothNewtonSolver::Engine::Start(const Eigen::VectorXd* initial_f) {
   best_rho_ = kInfinity;
   bool warm = false;
   if (initial_f != nullptr) {
-    const double cold_residual = Residual(c_, scaled_.b);
+    const double cold_residual = scaled_.Residual(c_, scaled_.b);
     for (Index p = 0; p < n_; ++p) {
       const double given = scaled_.ScaledForce(p, (*initial_f)[p]);
       c_[p] = is_joint(p) ? given : std::max(given, 0.0);
-      if (scaled_.can_act[At(p)] == 0) c_[p] = 0;
+      if (!scaled_.acts(p)) c_[p] = 0;
     }
     block_->Multiply(c_.data(), w_.data());
     w_ += scaled_.b;
-    warm = Residual(c_, w_) <= kUsefulStart * cold_residual;
+    warm = scaled_.Residual(c_, w_) <= kUsefulStart * cold_residual;
     if (!warm) c_.setZero();
   }
   if (!warm) w_ = scaled_.b;
@@ -220,7 +205,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::Factor(doubl
 Eigen::Index SemismoothNewtonSolver::Engine::FindActiveSet(double eps) {
   Index changed = 0;
   for (Index p = 0; p < n_; ++p) {
-    const bool is_in = scaled_.can_act[At(p)] != 0 && (is_joint(p) || c_[p] * eps * scaled_.diagonal[p] - w_[p] > 0);
+    const bool is_in = scaled_.acts(p) && (is_joint(p) || c_[p] * eps * scaled_.diagonal[p] - w_[p] > 0);
     changed += is_in != (in_F_[At(p)] != 0) ? 1 : 0;
     in_F_[At(p)] = is_in ? 1 : 0;
   }
@@ -233,7 +218,7 @@ double SemismoothNewtonSolver::Engine::Slope(double t, double* curvature) const 
   double second = curvature_;
   for (Index p = 0; p < n_; ++p) {
     const double f = c_[p] - (w_[p] + t * step_w_[p]) * inverse_[p];
-    const bool counts = scaled_.can_act[At(p)] != 0 && (f > 0 || is_joint(p));
+    const bool counts = scaled_.acts(p) && (f > 0 || is_joint(p));
     slope -= counts ? f * step_w_[p] : 0;
     second += counts ? step_w_[p] * step_w_[p] * inverse_[p] : 0;
   }
@@ -353,7 +338,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpProblem& problem, const LcpO
       // The two are the same where u solves the subproblem, but w / eps magnifies the rounding of w.
       double next = exact_ && continuation_ ? u_[p] : c_[p] - w_[p] * inverse_[p];
       if (!is_joint(p)) next = std::max(next, 0.0);
-      if (scaled_.can_act[At(p)] == 0) next = 0;
+      if (!scaled_.acts(p)) next = 0;
       growth_[p] = next - c_[p];
       c_[p] = next;
     }
@@ -366,7 +351,7 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpProblem& problem, const LcpO
     }
     const std::int64_t steps = factors_ - before;
     RestartFromCenter();
-    const double rho = Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale);
+    const double rho = scaled_.Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale);
     if (rho < best_rho_) {
       f_ = c_;
       Publish(rho, result);
@@ -395,31 +380,17 @@ void SemismoothNewtonSolver::Engine::Solve(const LcpProblem& problem, const LcpO
     }
   }
   result->iterations = factors_;
-  switch (end) {
-    case End::kDone:
-      result->status = LcpStatus::kSolved;
-      break;
-    case End::kInfeasible:
-      result->status = LcpStatus::kInfeasible;
-      break;
-    case End::kTimeLimit:
-      result->status = LcpStatus::kTimeLimit;
-      break;
-    case End::kIterationLimit:
-      result->status = LcpStatus::kIterationLimit;
-      break;
-    case End::kStalled:
-    case End::kGoOn: {
-      if (IsAnswer(result)) {
-        result->status = LcpStatus::kSolved;
-        break;
-      }
-      char text[96];
-      std::snprintf(text, sizeof text, "rho %.1e after %d proximal steps, and no proven ray", best_rho_,
-                    kMaxProximalSteps);
-      result->detail = text;
-      break;
-    }
+  if (end == End::kDone || ((end == End::kStalled || end == End::kGoOn) && IsAnswer(result))) {
+    result->status = LcpStatus::kSolved;
+  } else if (end == End::kInfeasible) {
+    result->status = LcpStatus::kInfeasible;
+  } else if (end == End::kTimeLimit || end == End::kIterationLimit) {
+    result->status = end == End::kTimeLimit ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
+  } else {
+    char text[96];
+    std::snprintf(text, sizeof text, "rho %.1e after %d proximal steps, and no proven ray", best_rho_,
+                  kMaxProximalSteps);
+    result->detail = text;
   }
 }
 
@@ -441,7 +412,7 @@ double SemismoothNewtonSolver::StepTime() const { return engine_->StepTime(); }
 double SemismoothNewtonSolver::Engine::RhoInDouble() {
   block_->Multiply(f_.data(), residual_.data());
   residual_ += scaled_.b;
-  return Residual(f_, residual_) / (scaled_.b_norm * scaled_.b_scale);
+  return scaled_.Residual(f_, residual_) / (scaled_.b_norm * scaled_.b_scale);
 }
 
 void SemismoothNewtonSolver::Engine::GiveForces(Eigen::VectorXd* f) const {
@@ -536,7 +507,7 @@ Eigen::Index SemismoothNewtonSolver::Engine::FindWrongRows() {
   }
   stack_.clear();
   for (Index p = 0; p < n_; ++p) {
-    if (is_joint(p) || scaled_.can_act[At(p)] == 0) continue;
+    if (is_joint(p) || !scaled_.acts(p)) continue;
     const double d = scaled_.diagonal[p];
     const double x = in_F_[At(p)] != 0 ? f_[p] : residual_[p];
     const double size = in_F_[At(p)] != 0 ? d * x * x / force : x * x / (d * gap);
@@ -574,7 +545,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::FinishFromSt
   for (Index p = 0; p < n_; ++p) {
     if (!is_joint(p)) f_[p] = std::max(f_[p], 0.0);
   }
-  if (RhoInDouble() < Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale)) {
+  if (RhoInDouble() < scaled_.Residual(c_, w_) / (scaled_.b_norm * scaled_.b_scale)) {
     c_ = f_;
     u_ = f_;
     w_ = residual_;
@@ -602,20 +573,6 @@ bool SemismoothNewtonSolver::Engine::RepairTinyRows(LcpResult* result) {
     result->f.swap(f_trial_);
     return true;
   }
-  // Forces that should be a tiny positive number: the failing rows are relaxed one by one, in their own units.
-  f_trial_ = result->f;
-  for (int k = 0; k < kTinyRowSweeps && !deadline_->Expired(); ++k) {
-    test_.Rho(f_trial_);
-    for (Index p = 0; p < n_; ++p) {
-      const Index i = p;
-      if (scaled_.can_act[At(p)] == 0 || test_.RowMeets(tolerance_, f_trial_, i)) continue;
-      const double f = f_trial_[i] - static_cast<double>(test_.w(i)) / problem_->DiagonalA()[i];
-      f_trial_[i] = is_joint(p) ? f : std::max(f, 0.0);
-    }
-    if (!test_.Meets(tolerance_, f_trial_)) continue;
-    result->f.swap(f_trial_);
-    return true;
-  }
   return false;
 }
 
@@ -633,7 +590,7 @@ SemismoothNewtonSolver::Engine::End SemismoothNewtonSolver::Engine::TryRay(LcpRe
     stack_.pop_back();
     for (SparseMatrix::InnerIterator it(problem_->SparseA(), p); it; ++it) {
       const Index q = it.col();
-      if (in_F_[At(q)] != 0 || it.value() == 0 || scaled_.can_act[At(q)] == 0) continue;
+      if (in_F_[At(q)] != 0 || it.value() == 0 || !scaled_.acts(q)) continue;
       if (!(is_joint(q) ? std::abs(growth_[q]) > 0 : growth_[q] > kRaySupport * largest)) continue;
       in_F_[At(q)] = 1;
       stack_.push_back(q);

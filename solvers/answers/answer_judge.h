@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <limits>
-#include <optional>
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/residual.h"
@@ -38,19 +37,12 @@ class AnswerJudge {
   const Eigen::VectorXd& latest_w() const { return latest_is_best_ ? w_best_ : w_; }
 
  private:
-  template <typename Real>
-  void ComputeWByFactors(Eigen::Matrix<Real, Eigen::Dynamic, 1>* body);
-
-  void ComputeWInExtendedPrecision();
-
-  std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
-  ResidualEstimate estimate_;
+  Residual<double> estimate_;
+  Residual<long double> extended_;
   double tolerance_ = 0;
   double tier_ = std::numeric_limits<double>::infinity();
   bool latest_is_best_ = false;
   Eigen::VectorXd f_, w_, w_best_;
-  Eigen::VectorXd body_;  // a value per column of J
-  Eigen::Matrix<long double, Eigen::Dynamic, 1> body_extended_;
 };
 
 }  // namespace lcpbench

@@ -2,21 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "solvers/auto/islands.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {
 namespace {
 
-// Nanoseconds of an nncg iteration, by row of the matrix-free form and by entry of A in the assembled one: measured
-// together with ActiveBlockChoice::StepTime, and compared with it only.
-constexpr double kNncgTimePerRow = 8;
-constexpr double kNncgTimePerEntry = 1.5;
 // What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
 // well, and half of what the Newton method needs on redundant rows.
 constexpr double kFactorisationsOfBpp = 6;
@@ -32,7 +29,7 @@ constexpr std::int64_t kMostFactorisationsOfBpp = 24;
 
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
-constexpr double kFewCircles = 0.25;
+constexpr double kFewCycles = 0.25;
 // Below, block pivoting is set up in so short a time that it pays where the same rows are solved again and again.
 constexpr Index kLeastRowsOfSweepsAlone = 5000;
 // A dense A of 0.2 GB, and minutes.
@@ -46,28 +43,6 @@ constexpr std::int64_t kSweepsOfLarge = HybridOptions{}.most_iterations;
 constexpr bool kHasHybrid = false;
 constexpr std::int64_t kSweepsOfLarge = 0;
 #endif
-
-BppOptions EndWhenSingular(bool self_check) {
-  BppOptions options;
-  options.end_when_singular = true;
-  options.self_check = self_check;
-  return options;
-}
-
-template <typename Options>
-Options EndWhenHopeless(bool self_check) {
-  Options options;
-  options.end_when_hopeless = true;
-  options.self_check = self_check;
-  return options;
-}
-
-template <typename Options>
-Options WithSelfCheck(bool self_check) {
-  Options options;
-  options.self_check = self_check;
-  return options;
-}
 
 // More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
 bool RowsOutnumberFreedoms(const LcpProblem& problem) {
@@ -87,9 +62,9 @@ bool RowsOutnumberFreedoms(const LcpProblem& problem) {
   return problem.size() > freedoms;
 }
 
-// Circles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
-// about 1 in a packing of discs. Rows of one body, or of one pair more, make no circle. O(nnz J log)
-double CirclesPerBody(const LcpProblem& problem) {
+// Cycles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
+// about 1 in a packing of discs. Rows of one body, or of one pair more, make no cycle. O(nnz J log)
+double CyclesPerBody(const LcpProblem& problem) {
   constexpr Index kAxes = 3;
   const SparseMatrix& J = problem.J();
   std::vector<std::pair<Index, Index>> pairs;
@@ -104,22 +79,12 @@ double CirclesPerBody(const LcpProblem& problem) {
   }
   std::sort(pairs.begin(), pairs.end());
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-  std::vector<Index> parent(static_cast<size_t>(J.cols() / kAxes + 1));
-  std::iota(parent.begin(), parent.end(), Index{0});
-  const auto root = [&](Index i) {
-    while (parent[static_cast<size_t>(i)] != i) {
-      parent[static_cast<size_t>(i)] = parent[static_cast<size_t>(parent[static_cast<size_t>(i)])];
-      i = parent[static_cast<size_t>(i)];
-    }
-    return i;
-  };
-  Index circles = 0;
-  for (const auto& [first, second] : pairs) {
-    const Index a = root(first), b = root(second);
-    if (a == b) ++circles;
-    parent[static_cast<size_t>(a)] = b;
-  }
-  return static_cast<double>(circles) / static_cast<double>(parent.size());
+  const Index bodies = J.cols() / kAxes + 1;
+  DisjointSets joined;
+  joined.Reset(bodies);
+  const auto cycles = std::count_if(pairs.begin(), pairs.end(),
+                                    [&](const auto& pair) { return !joined.Join(pair.first, pair.second); });
+  return static_cast<double>(cycles) / static_cast<double>(bodies);
 }
 
 }  // namespace
@@ -127,14 +92,18 @@ double CirclesPerBody(const LcpProblem& problem) {
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
     : newton_factorisations_(newton_factorisations),
       self_check_(self_check),
-      psor_(EndWhenHopeless<PsorOptions>(self_check)),
-      nncg_(EndWhenHopeless<NncgOptions>(self_check)),
-      bpp_(EndWhenSingular(self_check)),
-      newton_(WithSelfCheck<SemismoothNewtonOptions>(self_check)),
+      psor_({.end_when_hopeless = true, .self_check = self_check}),
+      nncg_({.end_when_hopeless = true, .self_check = self_check}),
+      bpp_({.end_when_singular = true, .self_check = self_check}),
+      newton_({.self_check = self_check}),
 #ifdef LCPBENCH_WITH_SUITESPARSE
-      hybrid_(WithSelfCheck<HybridOptions>(self_check)),
+      hybrid_({.self_check = self_check}),
 #endif
-      dantzig_(WithSelfCheck<DantzigOptions>(self_check)) {
+      dantzig_([self_check] {
+        DantzigOptions options;
+        options.self_check = self_check;
+        return options;
+      }()) {
 }
 
 // Up to which number of iterations nncg may go for the price of so many factorisations.
@@ -164,16 +133,14 @@ void AutoPortfolio::Classify(const LcpProblem& problem) {
 
 void AutoPortfolio::Prepare(const LcpProblem& problem) {
   Classify(problem);
-  nncg_time_ = problem.has_factors() && problem.has_two_body_rows()
-                   ? kNncgTimePerRow * static_cast<double>(problem.size())
-                   : kNncgTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
+  nncg_time_ = CostModel::Sweep(problem);
   nncg_limit_ = 0;
   psor_limit_ = 0;
   has_bpp_ = false;
   if (is_redundant_ && is_large_) {
     // Sweeps and their limits are hybrid's own.
   } else if (is_large_ && problem.size() >= kLeastRowsOfSweepsAlone && problem.has_factors() &&
-             problem.has_two_body_rows() && CirclesPerBody(problem) > kFewCircles) {
+             problem.has_two_body_rows() && CyclesPerBody(problem) > kFewCycles) {
     nncg_limit_ = kSweepsOfLarge;
   } else if (is_redundant_) {
     newton_.Prepare(problem);
@@ -235,7 +202,7 @@ void AutoPortfolio::Remember(const Eigen::VectorXd& f) {
 
 // Residuals are taken here and not where points are remembered: mostly the next backend arrives.
 void AutoPortfolio::TakeTheBest(LcpResult* result) {
-  test_.Reset(*problem_, GivenFormTest::Columns::kWhenNeeded);
+  test_.Reset(*problem_, GivenFormTest::Rows::kGivenWhenNeeded);
   long double least = test_.Rho(result->f);
   for (std::size_t k = 0; k < reached_count_; ++k) {
     const long double rho = test_.Rho(reached_[k]);

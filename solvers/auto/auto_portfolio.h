@@ -9,7 +9,7 @@
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/psor.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/dantzig.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -21,23 +21,9 @@ namespace lcpbench {
 /// What AutoSolver asks for problems that are too large for a tableau: backends in the order of what they are predicted
 /// to cost, each one starting from what the one before it reached. Internal to solvers/.
 ///
-/// Predictions come from the structure: what a factorisation takes (fill), what an nncg iteration takes (rows), and
-/// whether rows outnumber the degrees of freedom of the bodies, which makes A singular.
-///
-/// - Rows outnumber freedoms, or the first factor of block pivoting shows that many rows depend on others: block
-///   pivoting would cycle. nncg first, for as long as its own rate of convergence promises less than the Newton method
-///   costs; not where A is dense, of which a sweep costs too much.
-/// - Otherwise block pivoting with few factorisations; where these cost much more than nncg's iterations, as in dense
-///   packings, psor and nncg go first in the same way, and often arrive: psor where its rate promises to cost even
-///   less, which eight sweeps tell. What they leave is a good guess of the active set. From 5000 rows on
-///   packings get sweeps, then `hybrid`, and A is never formed.
-/// - Then, up to kSmallRows rows, the semismooth Newton method; above, `hybrid`: it needs 10 to 40 factorisations where
-///   that one needs a hundred or does not arrive (discs-in-v, boxes-and-discs, rounded-wall, billiards-break). Large
-///   problems with redundant rows begin there.
-/// - Then the others of the two, and Dantzig pivoting where a dense A is small. They have hardly ever been needed.
-///
-/// A backend that would need more memory than there is refuses (MemoryRefusal), and the next one is asked. Where none
-/// arrives, the answer is the point of least rho that any of them ended at.
+/// Predictions come from the structure; docs/solvers/auto.md says which backend comes when. One that would need more
+/// memory than there is refuses (MemoryRefusal), and the next one is asked. Where none arrives, the answer is the point
+/// of least rho that any of them ended at.
 class AutoPortfolio {
  public:
   AutoPortfolio(std::int64_t newton_factorisations, bool self_check);

@@ -10,18 +10,15 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
 #include "solvers/auto/islands.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/small_pivoting.h"
+#include "solvers/pivoting/tableau_rules.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// Above this rho a tableau counts as failed, whatever the tolerance: other backends do better.
-constexpr double kTableauRho = 1e-9;
-// Backward errors in double of at most this part of what is allowed pass in extended precision, too.
-constexpr double kMargin = 0.1;
 // Where the rows that remain are more than this part of all, the whole problem is as cheap, and is set up already.
 constexpr double kWorthDividing = 0.75;
 // Fewer idle rows than one in so many are not likely to cut an island into pieces of a tableau's size: the longest
@@ -32,7 +29,7 @@ constexpr Index kRowsPerCut = 16;
 enum class Known { kRight, kUnclear, kWrong };
 
 Known Judge(const SmallPivoting::Answer& answer, double tolerance) {
-  if (!(answer.rho <= kTableauRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
+  if (!(answer.rho <= tableau::kMostRho && answer.rho <= tolerance && answer.rows_meet)) return Known::kWrong;
   return answer.rho + answer.rounding <= tolerance ? Known::kRight : Known::kUnclear;
 }
 
@@ -77,7 +74,7 @@ class AutoEngine {
     whole_is_ready_ = true;
   }
   SmallPivoting::Request RequestFor(const LcpOptions& options, const Deadline* deadline) const {
-    return {kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, options_.self_check};
+    return {tableau::kMargin * std::sqrt(options.tolerance), options.initial_f, deadline, options_.self_check};
   }
   bool TryTableau(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, LcpResult* result);
   bool TryIslands(const LcpProblem& problem, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
@@ -217,7 +214,7 @@ void AutoEngine::Prepare(const LcpProblem& problem) {
   if (n <= tableau_rows_) {
     problem.DenseA();
     tableau_.Reserve(n);
-    test_.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
+    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
     return;
   }
   if (!divides_) return;

@@ -1,6 +1,7 @@
 #include "solvers/auto/islands.h"
 
 #include <algorithm>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -73,12 +74,12 @@ Index IdleRows::Find(const LcpProblem& problem) {
   return idle;
 }
 
-void Islands::Reserve(Index max_rows) {
-  for (std::vector<Index>* v : {&parent_, &island_, &order_}) v->reserve(At(max_rows));
-  begin_.reserve(At(max_rows) + 1);
+void DisjointSets::Reset(Index n) {
+  parent_.resize(At(n));
+  std::iota(parent_.begin(), parent_.end(), Index{0});
 }
 
-Index Islands::Root(Index i) {
+Index DisjointSets::Root(Index i) {
   while (parent_[At(i)] != i) {
     parent_[At(i)] = parent_[At(parent_[At(i)])];
     i = parent_[At(i)];
@@ -86,55 +87,54 @@ Index Islands::Root(Index i) {
   return i;
 }
 
-void Islands::Start(Index n) {
-  parent_.resize(At(n));
-  for (Index i = 0; i < n; ++i) parent_[At(i)] = i;
-}
-
-// The least row is the root, so that islands come in the order of their first rows.
-void Islands::Join(Index i, Index j) {
+bool DisjointSets::Join(Index i, Index j) {
   const Index a = Root(i);
   const Index b = Root(j);
   parent_[At(std::max(a, b))] = std::min(a, b);
+  return a != b;
+}
+
+void Islands::Reserve(Index max_rows) {
+  joined_.Reset(max_rows);
+  for (std::vector<Index>* v : {&island_, &order_, &begin_, &filled_}) v->reserve(At(max_rows) + 1);
 }
 
 void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
   const Index n = A.rows();
-  Start(n);
+  joined_.Reset(n);
   for (Index i = 0; i < n; ++i) {
     if (keep[At(i)] == 0) continue;
     for (SparseMatrix::InnerIterator it(A, i); it && it.col() < i; ++it) {
-      if (it.value() != 0 && keep[At(it.col())] != 0) Join(it.col(), i);
+      if (it.value() != 0 && keep[At(it.col())] != 0) joined_.Join(it.col(), i);
     }
   }
-  Collect(&keep);
+  Collect(n, &keep);
 }
 
 void Islands::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
   const Index n = J.rows();
-  Start(n);
+  joined_.Reset(n);
   std::vector<Index> last_row(At(J.cols()), -1);
   for (Index i = 0; i < n; ++i) {
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
       if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
       Index& last = last_row[At(it.col())];
-      if (last >= 0) Join(last, i);
+      if (last >= 0) joined_.Join(last, i);
       last = i;
     }
   }
-  Collect(nullptr);
+  Collect(n, nullptr);
 }
 
 // Numbers the islands of the rows with (*keep)[i] != 0, and sorts their rows.
-void Islands::Collect(const std::vector<char>* keep) {
-  const auto n = static_cast<Index>(parent_.size());
+void Islands::Collect(Index n, const std::vector<char>* keep) {
   const auto left_out = [keep](Index i) { return keep != nullptr && (*keep)[At(i)] == 0; };
   island_.assign(At(n), -1);
   Index count = 0;
   begin_.assign(1, 0);
   for (Index i = 0; i < n; ++i) {
     if (left_out(i)) continue;
-    const Index root = Root(i);
+    const Index root = joined_.Root(i);
     if (root == i) {
       island_[At(i)] = count++;
       begin_.push_back(0);
@@ -148,10 +148,9 @@ void Islands::Collect(const std::vector<char>* keep) {
     begin_[At(k) + 1] += begin_[At(k)];
   }
   order_.resize(At(begin_.back()));
-  // Counting sort; parent_ is done with and counts what each island has got.
-  for (Index k = 0; k < count; ++k) parent_[At(k)] = begin_[At(k)];
+  filled_.assign(begin_.begin(), begin_.end() - 1);
   for (Index i = 0; i < n; ++i) {
-    if (!left_out(i)) order_[At(parent_[At(island_[At(i)])]++)] = i;
+    if (!left_out(i)) order_[At(filled_[At(island_[At(i)])]++)] = i;
   }
 }
 

@@ -29,6 +29,19 @@ class IdleRows {
   std::vector<char> bilateral_, has_twin_, keep_;
 };
 
+/// A partition of 0, ..., n - 1 that only gets coarser. Only Reset allocates.
+class DisjointSets {
+ public:
+  void Reset(Index n);
+  /// The least member of the set of i.
+  Index Root(Index i);
+  /// False if i and j were in one set already.
+  bool Join(Index i, Index j);
+
+ private:
+  std::vector<Index> parent_;
+};
+
 /// The parts of an LCP that no entry of A connects: each may be solved by itself.
 class Islands {
  public:
@@ -46,12 +59,10 @@ class Islands {
   Index largest() const { return largest_; }
 
  private:
-  Index Root(Index i);
-  void Start(Index n);
-  void Join(Index i, Index j);
-  void Collect(const std::vector<char>* keep);
+  void Collect(Index n, const std::vector<char>* keep);
 
-  std::vector<Index> parent_, island_, order_, begin_;
+  DisjointSets joined_;
+  std::vector<Index> island_, order_, begin_, filled_;
   Index largest_ = 0;
 };
 

@@ -17,10 +17,6 @@ struct LanesAvx2 {
   static V Load(const double* from) { return _mm256_load_pd(from); }
   static void Store(double* to, V v) { _mm256_store_pd(to, v); }
   static V Set(double x) { return _mm256_set1_pd(x); }
-  static V Add(V a, V b) { return _mm256_add_pd(a, b); }
-  static V Sub(V a, V b) { return _mm256_sub_pd(a, b); }
-  static V Mul(V a, V b) { return _mm256_mul_pd(a, b); }
-  static V Div(V a, V b) { return _mm256_div_pd(a, b); }
   static V Fma(V a, V b, V c) { return _mm256_fmadd_pd(a, b, c); }
   static V Fnma(V a, V b, V c) { return _mm256_fnmadd_pd(a, b, c); }
   static V Max(V a, V b) { return _mm256_max_pd(a, b); }
@@ -40,16 +36,6 @@ struct LanesAvx2 {
   static bool Any(M m) { return _mm256_movemask_pd(m) != 0; }
   static unsigned Bits(M m) { return static_cast<unsigned>(_mm256_movemask_pd(m)); }
   static M FromBits(unsigned bits) { return _mm256_castsi256_pd(Lanes(bits)); }
-
-  static V PowerOfHalf(V a, long long from) {
-    const __m256i e = _mm256_srli_epi64(_mm256_castpd_si256(a), 52);
-    const __m256i half = _mm256_srli_epi64(_mm256_add_epi64(e, _mm256_set1_epi64x(1)), 1);
-    return _mm256_castsi256_pd(_mm256_slli_epi64(_mm256_sub_epi64(_mm256_set1_epi64x(from), half), 52));
-  }
-  static V PowerOf(V a, long long from) {
-    const __m256i e = _mm256_srli_epi64(_mm256_castpd_si256(a), 52);
-    return _mm256_castsi256_pd(_mm256_slli_epi64(_mm256_sub_epi64(_mm256_set1_epi64x(from), e), 52));
-  }
 
   static void LoadTransposed(const double* const* from, std::size_t offset, int count, V* to) {
     for (int l = 0; l < 4; ++l) {

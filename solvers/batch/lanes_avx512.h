@@ -17,10 +17,6 @@ struct LanesAvx512 {
   static V Load(const double* from) { return _mm512_load_pd(from); }
   static void Store(double* to, V v) { _mm512_store_pd(to, v); }
   static V Set(double x) { return _mm512_set1_pd(x); }
-  static V Add(V a, V b) { return _mm512_add_pd(a, b); }
-  static V Sub(V a, V b) { return _mm512_sub_pd(a, b); }
-  static V Mul(V a, V b) { return _mm512_mul_pd(a, b); }
-  static V Div(V a, V b) { return _mm512_div_pd(a, b); }
   static V Fma(V a, V b, V c) { return _mm512_fmadd_pd(a, b, c); }    ///< a b + c
   static V Fnma(V a, V b, V c) { return _mm512_fnmadd_pd(a, b, c); }  ///< c - a b
   static V Max(V a, V b) { return _mm512_max_pd(a, b); }
@@ -39,18 +35,6 @@ struct LanesAvx512 {
   static bool Any(M m) { return m != 0; }
   static unsigned Bits(M m) { return m; }
   static M FromBits(unsigned bits) { return static_cast<M>(bits); }
-
-  /// 2^x with the biased exponent `from` - (E + 1) / 2, E that of a > 0: from = 1535 gives s with s^2 a in [1, 4).
-  static V PowerOfHalf(V a, long long from) {
-    const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
-    const __m512i half = _mm512_srli_epi64(_mm512_add_epi64(e, _mm512_set1_epi64(1)), 1);
-    return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), half), 52));
-  }
-  /// 2^x with the biased exponent `from` - E: from = 2046 gives s with s a in [1, 2).
-  static V PowerOf(V a, long long from) {
-    const __m512i e = _mm512_srli_epi64(_mm512_castpd_si512(a), 52);
-    return _mm512_castsi512_pd(_mm512_slli_epi64(_mm512_sub_epi64(_mm512_set1_epi64(from), e), 52));
-  }
 
   /// to[j] has from[l][offset + j] in lane l, j < count <= kWidth; nothing beyond is read.
   static void LoadTransposed(const double* const* from, std::size_t offset, int count, V* to) {

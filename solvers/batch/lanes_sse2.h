@@ -17,10 +17,6 @@ struct LanesSse2 {
   static V Load(const double* from) { return _mm_load_pd(from); }
   static void Store(double* to, V v) { _mm_store_pd(to, v); }
   static V Set(double x) { return _mm_set1_pd(x); }
-  static V Add(V a, V b) { return _mm_add_pd(a, b); }
-  static V Sub(V a, V b) { return _mm_sub_pd(a, b); }
-  static V Mul(V a, V b) { return _mm_mul_pd(a, b); }
-  static V Div(V a, V b) { return _mm_div_pd(a, b); }
   static V Fma(V a, V b, V c) { return _mm_add_pd(_mm_mul_pd(a, b), c); }
   static V Fnma(V a, V b, V c) { return _mm_sub_pd(c, _mm_mul_pd(a, b)); }
   static V Max(V a, V b) { return _mm_max_pd(a, b); }
@@ -42,16 +38,6 @@ struct LanesSse2 {
   static unsigned Bits(M m) { return static_cast<unsigned>(_mm_movemask_pd(m)); }
   static M FromBits(unsigned bits) {
     return _mm_castsi128_pd(_mm_set_epi64x((bits & 2U) != 0 ? -1 : 0, (bits & 1U) != 0 ? -1 : 0));
-  }
-
-  static V PowerOfHalf(V a, long long from) {
-    const __m128i e = _mm_srli_epi64(_mm_castpd_si128(a), 52);
-    const __m128i half = _mm_srli_epi64(_mm_add_epi64(e, _mm_set1_epi64x(1)), 1);
-    return _mm_castsi128_pd(_mm_slli_epi64(_mm_sub_epi64(_mm_set1_epi64x(from), half), 52));
-  }
-  static V PowerOf(V a, long long from) {
-    const __m128i e = _mm_srli_epi64(_mm_castpd_si128(a), 52);
-    return _mm_castsi128_pd(_mm_slli_epi64(_mm_sub_epi64(_mm_set1_epi64x(from), e), 52));
   }
 
   static void LoadTransposed(const double* const* from, std::size_t offset, int count, V* to) {

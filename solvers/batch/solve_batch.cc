@@ -7,18 +7,43 @@
 #include <limits>
 #include <string>
 
-#include "solvers/batch/instructions.h"
+#include "solvers/batch/kernel.h"
 #include "solvers/batch/worker_pool.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
+#include "solvers/pivoting/tableau_rules.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// See solvers/auto/auto_solver.cc: a lane of a larger rho counts as failed, and the margin of backward errors in
-// double.
-constexpr double kLaneRho = 1e-9;
-constexpr double kMargin = 0.1;
+struct Kernel {
+  BatchInstructions instructions;
+  std::string_view name;
+  std::size_t lanes;
+  BatchKernel solve;
+  bool (*is_available)();
+};
+
+// The widest last.
+constexpr std::array kKernels{
+    Kernel{BatchInstructions::kSse2, "sse2", 2, &SolveGroupSse2, [] { return true; }},
+    Kernel{BatchInstructions::kAvx2, "avx2", 4, &SolveGroupAvx2,
+           [] { return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0; }},
+    Kernel{BatchInstructions::kAvx512, "avx512", 8, &SolveGroupAvx512,
+           [] {
+             return __builtin_cpu_supports("fma") != 0 && __builtin_cpu_supports("avx512f") != 0 &&
+                    __builtin_cpu_supports("avx512dq") != 0 && __builtin_cpu_supports("avx512vl") != 0;
+           }},
+};
+
+const Kernel& FindKernel(BatchInstructions instructions) {
+  for (auto kernel = kKernels.rbegin(); kernel != kKernels.rend(); ++kernel) {
+    const bool is_wanted = instructions == BatchInstructions::kBest || kernel->instructions == instructions;
+    if (is_wanted && kernel->is_available()) return *kernel;
+  }
+  throw InputError("batch: this machine has no " + std::string(ToString(instructions)));
+}
+
 // Groups that a thread takes at a time.
 constexpr std::size_t kChunk = 4;
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
@@ -32,9 +57,24 @@ std::uint32_t BilateralMask(const LcpProblem& problem) {
 
 }  // namespace
 
+std::string_view ToString(BatchInstructions instructions) {
+  for (const Kernel& kernel : kKernels) {
+    if (kernel.instructions == instructions) return kernel.name;
+  }
+  return "best";
+}
+
+std::vector<BatchInstructions> AvailableBatchInstructions() {
+  std::vector<BatchInstructions> available;
+  for (const Kernel& kernel : kKernels) {
+    if (kernel.is_available()) available.push_back(kernel.instructions);
+  }
+  return available;
+}
+
 struct BatchSolver::Implementation {
   explicit Implementation(const BatchOptions& batch_options)
-      : entry(FindBatchKernel(batch_options.instructions)), pool(CheckedThreads(batch_options)) {
+      : kernel(FindKernel(batch_options.instructions)), pool(CheckedThreads(batch_options)) {
     for (int i = 0; i < batch_options.threads; ++i) {
       fallback.push_back(std::make_unique<AutoSolver>(batch_options.fallback));
     }
@@ -80,27 +120,18 @@ struct BatchSolver::Implementation {
     others = starts[1];
     end = count;
     for (std::size_t p = 0; p < count; ++p) order[starts[rows[p]]++] = p;
-    struct Shared {
-      Implementation* self;
-      Batch* batch;
-    } shared{this, batch};
-    pool.Run(
-        [](void* context, int worker) {
-          auto* both = static_cast<Shared*>(context);
-          both->self->Work(both->batch, static_cast<std::size_t>(worker));
-        },
-        &shared);
+    pool.Run([this, batch](int worker) { Work(batch, static_cast<std::size_t>(worker)); });
   }
 
   template <typename Batch>
   void Work(Batch* batch, std::size_t worker) {
-    const auto lanes = static_cast<std::size_t>(entry.lanes);
+    const std::size_t lanes = kernel.lanes;
     const std::size_t chunk = kChunk * lanes;
     BatchGroup group;
-    group.rho_limit = std::min(kLaneRho, options.tolerance / 2);
+    group.rho_limit = std::min(tableau::kMostRho, options.tolerance / 2);
     group.rounding_limit = options.tolerance / 2;
     group.close_rho_limit = options.tolerance;
-    group.row_limit = kMargin * std::sqrt(options.tolerance);
+    group.row_limit = tableau::kMargin * std::sqrt(options.tolerance);
     for (;;) {
       const std::size_t first = next.fetch_add(chunk, std::memory_order_relaxed);
       if (first >= end) return;
@@ -112,7 +143,7 @@ struct BatchSolver::Implementation {
         for (std::size_t l = 0; l < used; ++l) group.items[l] = batch->Item(order[p + l]);
         for (std::size_t l = used; l < lanes; ++l) group.items[l] = group.items[0];
         group.met = group.close = 0;
-        if (!TimeIsUp()) entry.kernel(&group);
+        if (!TimeIsUp()) kernel.solve(&group);
         for (std::size_t l = 0; l < used; ++l) {
           const bool met = (group.met >> l & 1U) != 0;
           const bool close = (group.close >> l & 1U) != 0;
@@ -140,7 +171,7 @@ struct BatchSolver::Implementation {
     batch->Fallback(p, fallback[worker].get(), rest, &scratch[worker]);
   }
 
-  BatchKernelEntry entry;
+  const Kernel& kernel;
   std::vector<std::unique_ptr<AutoSolver>> fallback;  // one per thread
   std::vector<LcpResult> scratch;
   std::vector<GivenFormTest> tests;
@@ -178,7 +209,7 @@ struct ProblemBatch {
             static_cast<int>(problem.size())};
   }
   bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) const {
-    test->Reset(problems[p], GivenFormTest::Columns::kWhenNeeded);
+    test->Reset(problems[p], GivenFormTest::Rows::kGivenWhenNeeded);
     return test->Meets(options.tolerance, results[p].f);
   }
   void Accept(std::size_t p, int pivots) { Answer(p, LcpStatus::kSolved, pivots, "lanes"); }
@@ -216,7 +247,7 @@ struct RawBatch {
             static_cast<int>(n)};
   }
   bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) {
-    test->Reset(Problem(p), GivenFormTest::Columns::kWhenNeeded);
+    test->Reset(Problem(p), GivenFormTest::Rows::kGivenWhenNeeded);
     return test->Meets(options.tolerance, Forces(p));
   }
   void Accept(std::size_t p, int /*pivots*/) { SetStatus(p, LcpStatus::kSolved); }
@@ -281,7 +312,7 @@ void BatchSolver::Solve(const DenseBatch& batch, const LcpOptions& options, doub
 }
 
 Index BatchSolver::fallbacks() const { return implementation_->fallbacks; }
-BatchInstructions BatchSolver::instructions() const { return implementation_->entry.instructions; }
+BatchInstructions BatchSolver::instructions() const { return implementation_->kernel.instructions; }
 
 void SolveBatch(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results,
                 const BatchOptions& batch_options) {

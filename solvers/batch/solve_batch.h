@@ -43,23 +43,16 @@ struct DenseBatch {
 
 /// Solves many small LCPs at once: one problem per SIMD lane, in double precision.
 ///
-/// Method: principal pivoting on a symmetric tableau, the principal transform of (A, b) for the active set F [Tucker
-/// 1963; Cottle, Pang, Stone, sec. 4.1] in the signs of the sweep operator [Goodnight 1979], of which one triangle is
-/// kept. Lanes cannot branch, so the order of pivots is the same in all of them: the rows in turn, 0 to n - 1, again
-/// and again, from the fourth sweep on up and down in turn, which breaks most cycles; a row is exchanged in the lanes
-/// where it has the wrong sign just then and its pivot is more than rounding, and nothing changes in the others.
-/// Bilateral rows enter first and stay. A lane is done when a sweep moves none of its rows. Powers of two scale rows
-/// and b, so that units do not matter. Departure from Murty's rule, which goes back to row 0 after every pivot: fewer
-/// sweeps, but no proof of finiteness, not even for positive definite A.
+/// Method: principal pivoting on a symmetric tableau, rows in one order for all lanes (docs/solvers/batch.md). Powers
+/// of two scale rows and b, so that units do not matter.
 ///
 /// Every lane is checked by the given A and b as AutoSolver checks its tableau: rho <= 1e-9 and at most the tolerance
 /// in double with all that rounding can hide of it, and every row's backward error <= sqrt(tolerance) / 10; one step of
 /// refinement comes before where rho > 1e-13. Where rho alone meets the tolerance, extended precision decides, by the
-/// problem's given form. A lane
-/// that did not finish, or does not pass, goes to AutoSolver: its answers, statuses, rays and details are those of
-/// AutoSolver, and so is the guaranteed class: symmetric positive semidefinite A of any rank. So do problems with more
-/// than kMaxRows rows, with other bounds, with nonsymmetric A, and all problems if options.max_iterations is set, whose
-/// unit is that of a single backend. A failure leaves what AutoSolver leaves.
+/// problem's given form. A lane that did not finish, or does not pass, goes to AutoSolver: its answers, statuses, rays
+/// and details are those of AutoSolver, and so is the guaranteed class: symmetric positive semidefinite A of any rank.
+/// So do problems with more than kMaxRows rows, with other bounds, with nonsymmetric A, and all problems if
+/// options.max_iterations is set, whose unit is that of a single backend. A failure leaves what AutoSolver leaves.
 ///
 /// Cost: about n pivots of n^2 / 2 fused operations for a whole vector of problems, two to four times, plus reading A.
 /// Equal sizes share vectors; sizes that do not fill one share with the next.

@@ -5,6 +5,7 @@
 
 #include "solvers/batch/kernel.h"
 #include "solvers/batch/unroll.h"
+#include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
@@ -56,48 +57,29 @@ class TableauKernel {
   // a lane that cycles costs its neighbours the rest.
   static constexpr int kMaxSweeps = 12;
   static constexpr int kUpwardSweeps = 3;
-  // The same three as in small_pivoting.cc: a pivot below this part of A_ii is rounding, and the row depends on F;
-  // violations below this part of the largest force (and of 1, the scaled b) are; and rho up to here is not refined.
-  static constexpr double kLeastPivot = 1e-11;
-  static constexpr double kNoise = 1e-14;
-  static constexpr double kGoodEnough = 1e-13;
+  static constexpr double kLeastPivot = tableau::kLeastPivot;
+  static constexpr double kNoise = tableau::kNoise;
+  static constexpr double kGoodEnough = tableau::kGoodEnoughInLanes;
+
+  // The biased exponents of numbers > 0, and powers of two by them.
+  using Exponents [[gnu::vector_size(sizeof(V))]] = unsigned long long;
+  static Exponents ExponentOf(V a) { return reinterpret_cast<Exponents>(a) >> 52U; }
+  static V PowerOfTwo(Exponents biased) { return reinterpret_cast<V>(biased << 52U); }
 
   static constexpr int At(int i, int j) { return i * (i + 1) / 2 + j; }  // j <= i
 
-  // f(j) for j < i.
-  template <typename I, typename F>
+  // f(j) for j < i, unrolled if asked for; then i is a constant.
+  template <bool is_unrolled = kUnroll, typename I, typename F>
   [[gnu::always_inline]] static void EachUpTo(I i, const F& f) {
-    if constexpr (kUnroll) {
+    if constexpr (is_unrolled) {
       EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
     } else {
       for (int j = 0; j < i; ++j) f(j);
     }
   }
-  template <int kEnd, typename F>
+  template <int end, bool is_unrolled = kUnroll, typename F>
   [[gnu::always_inline]] static void Each(const F& f) {
-    if constexpr (kUnroll) {
-      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
-    } else {
-      for (int i = 0; i < kEnd; ++i) f(i);
-    }
-  }
-
-  // The same for the pass of an exchange.
-  template <typename I, typename F>
-  [[gnu::always_inline]] static void EachInPassUpTo(I i, const F& f) {
-    if constexpr (kUnrollPass) {
-      EachUnrolled(std::make_integer_sequence<int, I::value>{}, f);
-    } else {
-      for (int j = 0; j < i; ++j) f(j);
-    }
-  }
-  template <int kEnd, typename F>
-  [[gnu::always_inline]] static void EachInPass(const F& f) {
-    if constexpr (kUnrollPass) {
-      EachUnrolled(std::make_integer_sequence<int, kEnd>{}, f);
-    } else {
-      for (int i = 0; i < kEnd; ++i) f(i);
-    }
+    EachUpTo<is_unrolled>(std::integral_constant<int, end>{}, f);
   }
 
   void Load() {
@@ -174,31 +156,31 @@ class TableauKernel {
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
       const M acts = L::Less(zero, d);
-      const V s = L::Select(acts, L::PowerOfHalf(d, 1535), one);
+      // s^2 d in [1, 4)
+      const V s = L::Select(acts, PowerOfTwo(1535U - ((ExponentOf(d) + 1U) >> 1U)), one);
       scale_[i] = s;
-      const V q = L::Mul(b_[i], s);
+      const V q = b_[i] * s;
       q_[i] = q;
       sign_[i] = zero;
       largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
     });
-    const V top = L::Min(largest, L::Set(0x1p1022));
-    const V t = L::Select(L::Less(zero, top), L::PowerOf(top, 2046), one);
+    const V top = L::Min(largest, L::Set(0x1p1022));  // t top in [1, 2)
+    const V t = L::Select(L::Less(zero, top), PowerOfTwo(2046U - ExponentOf(top)), one);
     b_scale_ = t;
-    inverse_b_scale_ = L::Div(one, t);
+    inverse_b_scale_ = one / t;
     V norm = zero;
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-      const V q = L::Mul(q_[i], t);
+      const V q = q_[i] * t;
       q_[i] = q;
       norm = L::Fma(q, q, norm);
     });
     b_square_ = L::Select(L::Less(zero, norm), norm, one);
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
-      EachUpTo(i, [&](auto j)
-                      LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = L::Mul(L::Mul(matrix_[At(i, j)], s), scale_[j]); });
-      const V d = L::Mul(L::Mul(matrix_[At(i, i)], s), s);
+      EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
+      const V d = matrix_[At(i, i)] * s * s;
       tableau_[At(i, i)] = d;
-      least_[i] = L::Mul(L::Set(kLeastPivot), d);
+      least_[i] = L::Set(kLeastPivot) * d;
     });
     noise_ = L::Set(-kNoise);
     pivots_ = zero;
@@ -235,14 +217,14 @@ class TableauKernel {
     const V size = L::Xor(a, sign);
     const M m = L::Both(Wanted(k, joints), L::Less(least_[k], size));
     moved_ = L::Either(moved_, m);
-    const V inverse_size = L::Div(L::Set(1), size);
+    const V inverse_size = L::Set(1) / size;
     const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
     const V factor = L::Select(m, inverse_size, L::Set(1));
     sign_[k] = L::Xor(sign, L::Masked(m, L::Set(-0.0)));
-    q_[k] = L::Mul(q_[k], factor);
-    noise_ = L::Min(noise_, L::Mul(L::Set(-kNoise), L::Masked(m, L::Abs(q_[k]))));
-    pivots_ = L::Add(pivots_, L::Masked(m, L::Set(1)));
-    return {inverse, factor, L::Select(m, L::Sub(L::Set(0), inverse), a)};
+    q_[k] = q_[k] * factor;
+    noise_ = L::Min(noise_, L::Set(-kNoise) * L::Masked(m, L::Abs(q_[k])));
+    pivots_ = pivots_ + L::Masked(m, L::Set(1));
+    return {inverse, factor, L::Select(m, L::Set(0) - inverse, a)};
   }
 
   // Exchanges rows k and k + 1 where lanes want that, both in one pass over the tableau: it is the stores that count.
@@ -253,23 +235,23 @@ class TableauKernel {
     const V kq = q_[k];
     const V lk = tableau_[At(l, k)];
     const Move first = Decide(k, joints, tableau_[At(k, k)]);
-    const V first_y = L::Mul(lk, first.inverse);
-    const V first_q = L::Mul(kq, first.inverse);
+    const V first_y = lk * first.inverse;
+    const V first_q = kq * first.inverse;
     q_[l] = L::Fnma(lk, first_q, q_[l]);
     const V lq = q_[l];
-    const V moved_lk = L::Mul(lk, first.factor);
+    const V moved_lk = lk * first.factor;
     const Move second = Decide(l, joints, L::Fnma(lk, first_y, tableau_[At(l, l)]));
-    const V second_y = L::Mul(moved_lk, second.inverse);
-    const V second_q = L::Mul(lq, second.inverse);
+    const V second_y = moved_lk * second.inverse;
+    const V second_q = lq * second.inverse;
     tableau_[At(k, k)] = L::Fnma(moved_lk, second_y, first.diagonal);
-    tableau_[At(l, k)] = L::Mul(moved_lk, second.factor);
+    tableau_[At(l, k)] = moved_lk * second.factor;
     tableau_[At(l, l)] = second.diagonal;
     q_[k] = L::Fnma(moved_lk, second_q, q_[k]);
 
     V y0[N];
     V y1[N];
     y0[k] = y0[l] = y1[k] = y1[l] = L::Set(0);
-    EachInPass<kPanels>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
+    Each<kPanels, kUnrollPass>([&](auto pair) LCPBENCH_INLINE_LAMBDA {
       if (pair == panel) return;
       const auto i = Twice(pair);
       V x0[2];
@@ -277,13 +259,13 @@ class TableauKernel {
       for (int r = 0; r < 2; ++r) {
         x0[r] = tableau_[pair < panel ? At(k, i + r) : At(i + r, k)];
         x1[r] = L::Fnma(x0[r], first_y, tableau_[pair < panel ? At(l, i + r) : At(i + r, l)]);
-        y0[i + r] = L::Mul(x0[r], first.inverse);
-        y1[i + r] = L::Mul(x1[r], second.inverse);
+        y0[i + r] = x0[r] * first.inverse;
+        y1[i + r] = x1[r] * second.inverse;
         q_[i + r] = L::Fnma(x1[r], second_q, L::Fnma(x0[r], first_q, q_[i + r]));
       }
       V* const upper = tableau_ + At(i, 0);
       V* const lower = tableau_ + At(i + 1, 0);
-      EachInPassUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
+      EachUpTo<kUnrollPass>(i, [&](auto j) LCPBENCH_INLINE_LAMBDA {
         if (kUnroll && j / 2 == panel) return;  // else overwritten below
         upper[j] = L::Fnma(x1[0], y1[j], L::Fnma(x0[0], y0[j], upper[j]));
         lower[j] = L::Fnma(x1[1], y1[j], L::Fnma(x0[1], y0[j], lower[j]));
@@ -292,8 +274,8 @@ class TableauKernel {
       lower[i] = L::Fnma(x1[1], y1[i], L::Fnma(x0[1], y0[i], lower[i]));
       lower[i + 1] = L::Fnma(x1[1], y1[i + 1], L::Fnma(x0[1], y0[i + 1], lower[i + 1]));
       for (int r = 0; r < 2; ++r) {
-        tableau_[pair < panel ? At(k, i + r) : At(i + r, k)] = L::Fnma(x1[r], second_y, L::Mul(x0[r], first.factor));
-        tableau_[pair < panel ? At(l, i + r) : At(i + r, l)] = L::Mul(x1[r], second.factor);
+        tableau_[pair < panel ? At(k, i + r) : At(i + r, k)] = L::Fnma(x1[r], second_y, x0[r] * first.factor);
+        tableau_[pair < panel ? At(l, i + r) : At(i + r, l)] = x1[r] * second.factor;
       }
     });
   }
@@ -303,9 +285,9 @@ class TableauKernel {
     const V zero = L::Set(0);
     V size = zero;
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
-      const V force = L::Masked(L::SignOf(sign_[i]), L::Sub(zero, q_[i]));
-      f_[i] = L::Mul(L::Select(joint_[i], force, L::Max(force, zero)), L::Mul(scale_[i], inverse_b_scale_));
-      size = L::Add(size, L::Abs(force));
+      const V force = L::Masked(L::SignOf(sign_[i]), zero - q_[i]);
+      f_[i] = L::Select(joint_[i], force, L::Max(force, zero)) * (scale_[i] * inverse_b_scale_);
+      size = size + L::Abs(force);
     });
     size_ = size;
   }
@@ -329,22 +311,22 @@ class TableauKernel {
           odd = L::Fma(a, f_[j], odd);
         }
       });
-      const V w = L::Add(even, odd);
+      const V w = even + odd;
       w_[i] = w;
       const V d = matrix_[At(i, i)];
-      const V force = L::Mul(d, f_[i]);
+      const V force = d * f_[i];
       const V defect = L::Select(joint_[i], w, L::Min(force, w));
-      const V r = L::Mul(L::Mul(defect, scale_[i]), b_scale_);
+      const V r = defect * scale_[i] * b_scale_;
       sum = L::Fma(r, r, sum);
       // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
       const V b = b_[i];
-      const V least = L::Add(L::Max(L::Abs(force), L::Abs(L::Sub(w, b))), L::Abs(b));
-      met = L::Both(met, L::LessEqual(L::Abs(defect), L::Mul(limit, least)));
+      const V least = L::Max(L::Abs(force), L::Abs(w - b)) + L::Abs(b);
+      met = L::Both(met, L::LessEqual(L::Abs(defect), limit * least));
       solid = L::Both(solid, L::LessEqual(L::Set(0), d));
     });
     rows_met_ = met;
     solid_ = solid;
-    rho_square_ = L::Div(L::Mul(L::Set(4), sum), b_square_);
+    rho_square_ = L::Set(4) * sum / b_square_;
   }
 
   // f_F -= A_FF^-1 w_F in the lanes of `poor`, kept where rho falls.
@@ -353,7 +335,7 @@ class TableauKernel {
     V before[N];
     for (int i = 0; i < N; ++i) {
       before[i] = q_[i];
-      w_[i] = L::Masked(L::Both(poor, L::SignOf(sign_[i])), L::Mul(L::Mul(w_[i], scale_[i]), b_scale_));
+      w_[i] = L::Masked(L::Both(poor, L::SignOf(sign_[i])), w_[i] * scale_[i] * b_scale_);
     }
     for (int i = 0; i < N; ++i) {
       V sum = q_[i];
@@ -372,7 +354,7 @@ class TableauKernel {
   void Judge() {
     // SmallPivoting::Answer::rounding, squared, with D_ii = 4 for forces and b.
     constexpr double kRounding = 2 * (N + 8) * std::numeric_limits<double>::epsilon() * 2 * 2;
-    const V rounding = L::Div(L::Mul(L::Set(kRounding * kRounding * N), L::Mul(size_, size_)), b_square_);
+    const V rounding = L::Set(kRounding * kRounding * N) * (size_ * size_) / b_square_;
     const M clear = L::LessEqual(rounding, L::Set(group_.rounding_limit * group_.rounding_limit));
     const M right =
         L::Both(L::Both(solid_, clear), L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
@@ -390,9 +372,9 @@ class TableauKernel {
     for (int i = 0; i < N; ++i) {
       V size = L::Abs(b_[i]);
       for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
-      const V force = L::Mul(matrix_[At(i, i)], f_[i]);
+      const V force = matrix_[At(i, i)] * f_[i];
       const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(force, w_[i])));
-      met = L::Both(met, L::LessEqual(defect, L::Mul(limit, size)));
+      met = L::Both(met, L::LessEqual(defect, limit * size));
     }
     return met;
   }

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <condition_variable>
-#include <cstdint>
+#include <barrier>
 #include <exception>
+#include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
 #include <vector>
 
 /// Internal to solvers/batch/.
@@ -14,27 +15,47 @@ namespace lcpbench {
 class WorkerPool {
  public:
   /// @param threads  >= 1, the calling one among them
-  explicit WorkerPool(int threads);
-  ~WorkerPool();
+  explicit WorkerPool(int threads) : start_(threads), done_(threads) {
+    for (int worker = 1; worker < threads; ++worker) {
+      threads_.emplace_back([this, worker] {
+        for (start_.arrive_and_wait(); job_ != nullptr; start_.arrive_and_wait()) {
+          Call(worker);
+          done_.arrive_and_wait();
+        }
+      });
+    }
+  }
+  ~WorkerPool() {
+    job_ = nullptr;
+    start_.arrive_and_wait();
+    for (std::thread& thread : threads_) thread.join();
+  }
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  using Job = void (*)(void* context, int worker);
-  /// job(context, w) once for every w in [0, threads), worker 0 on the calling thread; returns when all have. The first
+  /// job(w) once for every w in [0, threads), worker 0 on the calling thread; returns when all have. The first
   /// exception of any is thrown again here.
-  void Run(Job job, void* context);
+  void Run(const std::function<void(int worker)>& job) {
+    job_ = &job;
+    start_.arrive_and_wait();
+    Call(0);
+    done_.arrive_and_wait();
+    if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+  }
 
  private:
-  void Wait(int worker);
-  void Call(Job job, void* context, int worker);
+  void Call(int worker) {
+    try {
+      (*job_)(worker);
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!error_) error_ = std::current_exception();
+    }
+  }
 
+  std::barrier<> start_, done_;
+  const std::function<void(int)>* job_ = nullptr;  // written before start_ by the caller alone; none: end
   std::mutex mutex_;
-  std::condition_variable start_, done_;
-  std::uint64_t generation_ = 0;
-  std::size_t running_ = 0;
-  bool stop_ = false;
-  Job job_ = nullptr;
-  void* context_ = nullptr;
   std::exception_ptr error_;
   std::vector<std::thread> threads_;
 };

@@ -8,24 +8,8 @@
 /// As frictionless contact: f are normal forces [N], w gap accelerations [m/s^2], positive where bodies separate,
 /// A = J M^-1 J^T [1/kg] and b the gap accelerations at zero force [m/s^2]: the sign of b is that of w.
 ///
-///     double A[] = {2, 1, 1, 2}, b[] = {-5, -6};
-///     lcpbench_problem* problem = NULL;
-///     lcpbench_solver* solver = NULL;
-///     lcpbench_result* result = NULL;
-///     lcpbench_verdict verdict;
-///     if (lcpbench_problem_from_dense(2, A, LCPBENCH_COLUMN_MAJOR, b, NULL, 0, &problem) != LCPBENCH_OK ||
-///         lcpbench_solver_create("auto", NULL, 0, &solver) != LCPBENCH_OK ||
-///         lcpbench_result_create(&result) != LCPBENCH_OK ||
-///         lcpbench_solve(solver, problem, NULL, result) != LCPBENCH_OK ||
-///         lcpbench_verify_result(problem, result, 1e-9, &verdict, sizeof verdict, NULL) != LCPBENCH_OK) {
-///       fprintf(stderr, "%s\n", lcpbench_last_error());
-///     }
-///     lcpbench_result_free(result);
-///     lcpbench_solver_free(solver);
-///     lcpbench_problem_free(problem);
-///
 /// Use: `#include <lcpbench.h>`, link with `-llcpbench` (`pkg-config lcpbench`), or in CMake with lcpbench::c. The
-/// header is C99. Rows, columns and indices count from 0.
+/// header is C99, docs/embedding.md of the sources has an example. Rows, columns and indices count from 0.
 ///
 /// Errors. A call that can fail returns lcpbench_error. LCPBENCH_OK is 0; anything else is a mistake of the caller or a
 /// lack of memory, lcpbench_last_error() says in one line what is wrong and names the argument, and nothing was

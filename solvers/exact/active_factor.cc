@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/exact/rational.h"
+
 namespace lcpbench {
 namespace {
 
@@ -28,8 +30,6 @@ using Matrix = ProximalFactor::Matrix;
 constexpr int kPowerSteps = 8;
 // Parts of the estimated least eigenvalue that are tried in turn.
 constexpr double kTriedParts[] = {0.5, 0.1, 0.01};
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 // Higham's gamma_k.
 double Gamma(double operations) { return operations * kUnitRoundoff / (1 - operations * kUnitRoundoff); }

@@ -7,7 +7,6 @@
 
 #include "solvers/exact/active_factor.h"
 #include "solvers/exact/dyadic_lcp.h"
-#include "solvers/exact/dyadic_refinement.h"
 #include "solvers/exact/exact_solver.h"
 #include "solvers/exact/vertex_search.h"
 #include "solvers/lcp/solver.h"
@@ -30,7 +29,6 @@ constexpr int kPatience = 4;
 // Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
 constexpr double kProximal = 0x1p-30;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
 Index Count(const std::vector<Index>& rows) { return static_cast<Index>(rows.size()); }
 
 void RequireBounded(const LcpProblem& problem) {
@@ -64,16 +62,6 @@ double RootUp(double value) {
   UpperBound root(value);
   root.TakeRoot();
   return root.ToDouble();
-}
-
-Rational ToRational(const BigInteger& number, long bits) {
-  Rational value(number);
-  if (bits >= 0) {
-    mpq_div_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(bits));
-  } else {
-    mpq_mul_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(-bits));
-  }
-  return value;
 }
 
 // One RefineReference.
@@ -135,7 +123,7 @@ class Refinement {
     reference_.dependent = Count(factor->dependent());
     if (!ProveActiveRows(*factor) && !ProveFeasible(*factor)) ProveNearby();
     reference_.f.resize(At(size()));
-    for (Index i = 0; i < size(); ++i) reference_.f[At(i)] = ToRational(f_[At(i)], scale_.force_bits);
+    for (Index i = 0; i < size(); ++i) reference_.f[At(i)] = Shifted(Rational(f_[At(i)]), -scale_.force_bits);
     return std::move(reference_);
   }
 
@@ -377,7 +365,7 @@ class Refinement {
   void SetGaps(Predicate has_gap) {
     reference_.w.setZero(size());
     for (Index i = 0; i < size(); ++i) {
-      if (has_gap(i)) reference_.w[i] = RoundToNearest(ToRational(w_[At(i)], gap_bits()));
+      if (has_gap(i)) reference_.w[i] = RoundToNearest(Shifted(Rational(w_[At(i)]), -gap_bits()));
     }
   }
 
@@ -422,13 +410,7 @@ EnergyCertificate BoundEnergy(const LcpProblem& problem, const std::vector<Ratio
   std::vector<BigInteger> forces(At(n));
   for (Index i = 0; i < n; ++i) {
     if (!problem.is_bilateral(i) && f[At(i)] < 0) throw InputError(problem.id() + ": expected forces >= 0");
-    Rational value = f[At(i)];
-    if (bits >= 0) {
-      mpq_mul_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(bits));
-    } else {
-      mpq_div_2exp(value.backend().data(), value.backend().data(), static_cast<mp_bitcnt_t>(-bits));
-    }
-    forces[At(i)] = numerator(value);
+    forces[At(i)] = numerator(Shifted(f[At(i)], bits));
   }
   std::vector<BigInteger> w;
   lcp.ComputeGaps(forces, bits, &w);

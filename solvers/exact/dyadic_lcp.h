@@ -2,18 +2,26 @@
 
 #include <mpfr.h>
 
-#include <boost/multiprecision/gmp.hpp>
 #include <vector>
 
+#include "solvers/exact/active_factor.h"
+#include "solvers/exact/rational.h"
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
 
-/// Integers of any size: n stands for n 2^-bits, with the bits told beside it.
-using BigInteger = boost::multiprecision::mpz_int;
-
-/// value 2^bits, its fraction cut off.
+/// Integers stand for numbers of 2^-bits, with the bits told beside them: value 2^bits, its fraction cut off.
 BigInteger Scaled(double value, long bits);
+
+/// number 2^-bits as a double, nearly.
+double ToDouble(const BigInteger& number, long bits);
+
+/// The exponent that frexp finds.
+long Exponent(double value);
+
+/// D_ii^1/2, 1 where A_ii = 0.
+double RootOfDiagonal(const LcpProblem& problem, Index i);
 
 /// The problem as its doubles say it, in integers: doubles are integers times powers of two, and so are products and
 /// sums of them. A f + b is then evaluated without any rounding, in one pass over the given form. Internal to
@@ -26,7 +34,7 @@ class DyadicLcp {
   /// Bits of the diagonal of A.
   long matrix_bits() const { return matrix_bits_; }
   /// A_ii 2^matrix_bits.
-  const BigInteger& diagonal(Index i) const { return diagonal_[static_cast<size_t>(i)]; }
+  const BigInteger& diagonal(Index i) const { return diagonal_[At(i)]; }
   /// Forces must have as many bits as this or more, so that gaps have all those of b.
   long least_force_bits() const { return b_bits_ - matrix_bits_; }
 
@@ -69,5 +77,20 @@ class UpperBound {
  private:
   mpfr_t value_;
 };
+
+/// The digits of forces and gaps, and what they are measured by. Internal to solvers/exact/.
+struct DyadicScale {
+  long force_bits = 0;     ///< forces are integers times 2^-force_bits
+  long load_exponent = 0;  ///< |D^-1/2 b|_inf is below 2^load_exponent, and not far
+};
+
+/// w = `target` on the rows of the factor, by iterative refinement: residuals without rounding, changes in doubles.
+/// Until |D^-1/2 (w - target)|_inf <= 2^(load_exponent - goal_bits), or refinements gain nothing any more.
+/// @param target  one integer per row of the factor, digits as of w; empty for zeros
+/// @param w       of the f that is left
+/// @return the number of refinements
+int RefineForces(const LcpProblem& problem, const DyadicLcp& lcp, const DyadicScale& scale,
+                 const ProximalFactor& factor, const std::vector<BigInteger>& target, long goal_bits,
+                 const Deadline& deadline, std::vector<BigInteger>* f, std::vector<BigInteger>* w);
 
 }  // namespace lcpbench

@@ -9,8 +9,6 @@ namespace {
 
 using Json = nlohmann::json;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
 struct Entry {
   Index row;
   Index column;
@@ -21,15 +19,19 @@ struct Entry {
 Rational ToRational(const Json& value) {
   if (!value.is_string()) return Rational(value.get<double>());
   std::string text = value.get<std::string>();
-  const auto parse = [](std::string digits) {
-    const bool negative = digits.front() == '-';
-    const auto first = digits.find_first_not_of("+-0");  // a leading 0 would mean octal
-    boost::multiprecision::mpz_int integer(first == std::string::npos ? "0" : digits.substr(first));
-    return negative ? boost::multiprecision::mpz_int(-integer) : integer;
-  };
-  const auto slash = text.find('/');
-  if (slash == std::string::npos) return Rational(parse(text));
-  return Rational(parse(text.substr(0, slash)), parse(text.substr(slash + 1)));
+  if (text.front() == '+') text.erase(0, 1);
+  Rational rational;
+  mpq_set_str(rational.backend().data(), text.c_str(), 10);
+  mpq_canonicalize(rational.backend().data());
+  return rational;
+}
+
+std::vector<Entry> Entries(const SparseMatrix& matrix) {
+  std::vector<Entry> entries;
+  for (Index i = 0; i < matrix.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) entries.push_back({i, it.col(), Rational(it.value())});
+  }
+  return entries;
 }
 
 // The three forms of a matrix in a record.
@@ -82,11 +84,12 @@ void Multiply(const std::vector<Entry>& J, const std::vector<Rational>& inverse_
   }
 }
 
-void RequireSymmetry(const ExactLcp& lcp) {
-  for (Index i = 0; i < lcp.size; ++i) {
+void SetMatrix(const std::vector<Entry>& entries, ExactLcp* lcp) {
+  for (const Entry& entry : entries) lcp->A[At(entry.row * lcp->size + entry.column)] += entry.value;
+  for (Index i = 0; i < lcp->size; ++i) {
     for (Index j = 0; j < i; ++j) {
-      if (lcp.A[At(i * lcp.size + j)] == lcp.A[At(j * lcp.size + i)]) continue;
-      throw InputError(lcp.id + ": A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
+      if (lcp->A[At(i * lcp->size + j)] == lcp->A[At(j * lcp->size + i)]) continue;
+      throw InputError(lcp->id + ": A is not symmetric: entries (" + std::to_string(i) + ", " + std::to_string(j) +
                        ") and (" + std::to_string(j) + ", " + std::to_string(i) +
                        ") differ; expected a symmetric positive semidefinite matrix, or J and invM");
     }
@@ -115,27 +118,12 @@ ExactLcp ExactFrom(const LcpProblem& problem) {
   ExactLcp lcp = Frame(problem);
   for (Index i = 0; i < lcp.size; ++i) lcp.b[At(i)] = Rational(problem.b()[i]);
   if (problem.has_factors()) {
-    std::vector<Entry> J;
-    for (Index i = 0; i < lcp.size; ++i) {
-      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) J.push_back({i, it.col(), Rational(it.value())});
-    }
     std::vector<Rational> inverse_mass;
     for (const double value : problem.inverse_mass()) inverse_mass.emplace_back(value);
-    Multiply(J, inverse_mass, &lcp);
-    return lcp;
-  }
-  if (problem.given_form() == MatrixForm::kDense) {
-    for (Index i = 0; i < lcp.size; ++i) {
-      for (Index j = 0; j < lcp.size; ++j) lcp.A[At(i * lcp.size + j)] = Rational(problem.DenseA()(i, j));
-    }
+    Multiply(Entries(problem.J()), inverse_mass, &lcp);
   } else {
-    for (Index i = 0; i < lcp.size; ++i) {
-      for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
-        lcp.A[At(i * lcp.size + it.col())] = Rational(it.value());
-      }
-    }
+    SetMatrix(Entries(problem.SparseA()), &lcp);
   }
-  RequireSymmetry(lcp);
   return lcp;
 }
 
@@ -161,8 +149,7 @@ ExactLcp ParseExactLcp(std::string_view line, const std::string& where) {
     Multiply(Entries(matrix, static_cast<Index>(inverse_mass.size())), inverse_mass, &lcp);
     return lcp;
   }
-  for (Entry& entry : Entries(matrix, lcp.size)) lcp.A[At(entry.row * lcp.size + entry.column)] += entry.value;
-  RequireSymmetry(lcp);
+  SetMatrix(Entries(matrix, lcp.size), &lcp);
   return lcp;
 }
 

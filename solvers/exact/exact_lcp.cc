@@ -12,30 +12,26 @@
 namespace lcpbench {
 namespace {
 
-using boost::multiprecision::mpz_int;
-
 // Forces of a guess up to this part of the largest, both in D^1/2 f, are zero.
 constexpr double kGuessedZero = 1e-12;
 // Exact solves from the first guess, before a better one is worth its time; without any guess only f = 0 is tried.
 constexpr std::int64_t kSolvesOfFirstGuess = 2;
 constexpr std::int64_t kSolvesOfNoGuess = 1;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
-mpz_int CommonDenominator(const std::vector<Rational>& values) {
-  mpz_int common = 1;
+BigInteger CommonDenominator(const std::vector<Rational>& values) {
+  BigInteger common = 1;
   for (const Rational& value : values) common = lcm(common, denominator(value));
   return common;
 }
 
 // values times `scale`, which makes integers of them.
-IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const mpz_int& scale) {
+IntegerMatrix Scaled(const std::vector<Rational>& values, Index rows, const BigInteger& scale) {
   const Index columns = rows == 0 ? 1 : static_cast<Index>(values.size()) / rows;
   IntegerMatrix scaled(rows, columns);
   for (Index i = 0; i < rows; ++i) {
     for (Index j = 0; j < columns; ++j) {
       const Rational& value = values[At(i * columns + j)];
-      const mpz_int integer = numerator(value) * (scale / denominator(value));
+      const BigInteger integer = numerator(value) * (scale / denominator(value));
       fmpz_set_mpz(scaled.at(i, j), integer.backend().data());
     }
   }
@@ -127,11 +123,7 @@ class ExactSolve {
     answer_.rank = static_cast<Index>(independent.size());
     answer_.rank_is_proved = n <= options_.most_rows_of_proofs || answer_.rank == n;
     if (!answer_.rank_is_proved) return;
-    std::vector<Index> others;
-    for (const Index i : AllRows(n)) {
-      if (!std::binary_search(independent.begin(), independent.end(), i)) others.push_back(i);
-    }
-    answer_.rank_is_proved = AllDepend(A_, independent, others);
+    answer_.rank_is_proved = AllDepend(A_, independent, OtherRows(n, independent));
   }
 
   void Guess(std::vector<char>* start, std::vector<char>* support) const {
@@ -231,7 +223,7 @@ class ExactSolve {
   const ExactLcp& problem_;
   const ExactOptions& options_;
   Deadline deadline_;
-  mpz_int a_, c_;
+  BigInteger a_, c_;
   IntegerMatrix A_, b_;
   ExactAnswer answer_;
 };
@@ -239,14 +231,14 @@ class ExactSolve {
 // A x in common denominators: sums of rationals would reduce every one of them.
 std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rational>& x) {
   const Index n = problem.size;
-  const mpz_int a = CommonDenominator(problem.A);
-  const mpz_int d = CommonDenominator(x);
-  std::vector<mpz_int> scaled(At(n));
+  const BigInteger a = CommonDenominator(problem.A);
+  const BigInteger d = CommonDenominator(x);
+  std::vector<BigInteger> scaled(At(n));
   for (Index j = 0; j < n; ++j) scaled[At(j)] = numerator(x[At(j)]) * (d / denominator(x[At(j)]));
   std::vector<Rational> product(At(n));
-  const mpz_int unit = a * d;
+  const BigInteger unit = a * d;
   for (Index i = 0; i < n; ++i) {
-    mpz_int sum = 0;
+    BigInteger sum = 0;
     for (Index j = 0; j < n; ++j) {
       const Rational& entry = problem.A[At(i * n + j)];
       if (entry == 0 || scaled[At(j)] == 0) continue;

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <boost/multiprecision/gmp.hpp>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -8,13 +7,11 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/exact/rational.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
-
-/// Rationals of any size, always reduced. Doubles are the exact rationals that they are.
-using Rational = boost::multiprecision::mpq_rational;
 
 /// w = A f + b, w >= 0, f >= 0, f.w = 0, on bilateral rows w = 0 and f free; in exact numbers.
 struct ExactLcp {

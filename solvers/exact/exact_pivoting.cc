@@ -12,19 +12,12 @@ constexpr int kPatience = 3;
 // Dependent rows that are tried as the last one of a guessed ray.
 constexpr size_t kMostRayTries = 16;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
 }  // namespace
 
 // The rows that are wanted, as far as they are independent, bilateral ones first.
 void ExactPivoting::SetBasis(const std::vector<Index>& wanted) {
-  std::vector<Index> rows;
-  for (const Index i : wanted) {
-    if (is_bilateral(i)) rows.push_back(i);
-  }
-  for (const Index i : wanted) {
-    if (!is_bilateral(i)) rows.push_back(i);
-  }
+  std::vector<Index> rows = wanted;
+  std::stable_partition(rows.begin(), rows.end(), [this](Index i) { return is_bilateral(i); });
   basis_ = IndependentRows(A_, rows);
   in_basis_.assign(At(size()), 0);
   for (const Index i : basis_) in_basis_[At(i)] = 1;
@@ -32,20 +25,10 @@ void ExactPivoting::SetBasis(const std::vector<Index>& wanted) {
 
 void ExactPivoting::SolveBasis() {
   ++solves_;
-  const RationalMatrix x = Solve(Block(A_, basis_, basis_), Block(b_, basis_, {0}));  // -f_F
-  fmpz_one(denominator_.get());
-  for (Index k = 0; k < x.rows(); ++k) {
-    fmpz_lcm(denominator_.get(), denominator_.get(), fmpq_denref(x.at(k, 0)));
-  }
+  const IntegerMatrix x = Numerators(Solve(Block(A_, basis_, basis_), Block(b_, basis_, {0})), &denominator_);  // -f_F
   f_ = IntegerMatrix(size(), 1);
   w_ = IntegerMatrix(size(), 1);
-  Integer factor;
-  for (size_t k = 0; k < basis_.size(); ++k) {
-    const fmpq* value = x.at(static_cast<Index>(k), 0);
-    fmpz_divexact(factor.get(), denominator_.get(), fmpq_denref(value));
-    fmpz_mul(f_.at(basis_[k], 0), factor.get(), fmpq_numref(value));
-    fmpz_neg(f_.at(basis_[k], 0), f_.at(basis_[k], 0));
-  }
+  for (size_t k = 0; k < basis_.size(); ++k) fmpz_neg(f_.at(basis_[k], 0), x.at(static_cast<Index>(k), 0));
   for (Index i = 0; i < size(); ++i) {
     if (in_basis(i)) continue;
     fmpz_mul(w_.at(i, 0), b_.at(i, 0), denominator_.get());
@@ -83,10 +66,8 @@ bool ExactPivoting::MakeRay(const std::vector<Index>& independent, Index k, cons
   y[At(k)] = 1;
   for (size_t r = 0; r < independent.size(); ++r) y[At(independent[r])] = -ToRational(d.at(static_cast<Index>(r), 0));
   Rational b_dot_y = 0;
-  Integer one;
-  fmpz_one(one.get());
   for (Index i = 0; i < size(); ++i) {
-    if (y[At(i)] != 0) b_dot_y += ToRational(b_.at(i, 0), one.get()) * y[At(i)];
+    if (y[At(i)] != 0) b_dot_y += ToRational(b_.at(i, 0)) * y[At(i)];
   }
   if (b_dot_y == 0) return false;
   if (b_dot_y > 0) {
@@ -109,17 +90,7 @@ ExactPivoting::End ExactPivoting::PivotOnLeastIndex(Index k) {
   // A column of the tableau: d = A_FF^-1 A_Fk, and the pivot.
   ++solves_;
   const RationalMatrix d = Solve(Block(A_, basis_, basis_), Block(A_, basis_, {k}));
-  fmpq_t pivot, term;
-  fmpq_init(pivot);
-  fmpq_init(term);
-  fmpq_set_fmpz(pivot, A_.at(k, k));
-  for (size_t r = 0; r < basis_.size(); ++r) {
-    fmpq_mul_fmpz(term, d.at(static_cast<Index>(r), 0), A_.at(k, basis_[r]));
-    fmpq_sub(pivot, pivot, term);
-  }
-  const int sign = fmpq_sgn(pivot);
-  fmpq_clear(pivot);
-  fmpq_clear(term);
+  const int sign = SchurDiagonal(A_, basis_, d, 0, k).sign();
   if (sign < 0) return End::kNotSemidefinite;
   if (sign == 0) {
     // The force at k moves no gap: another row leaves for it, or nothing bounds it and y = (-d, 1) is a ray.

@@ -3,12 +3,13 @@
 #include <flint/fmpq_mat.h>
 #include <flint/fmpz_mat.h>
 
-#include <cstddef>
+#include <algorithm>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
 
-#include "solvers/exact/exact_lcp.h"
+#include "solvers/exact/rational.h"
 
 namespace lcpbench {
 
@@ -38,14 +39,8 @@ class IntegerMatrix {
 class RationalMatrix {
  public:
   RationalMatrix(Index rows, Index columns) { fmpq_mat_init(value_, rows, columns); }
-  RationalMatrix(const RationalMatrix& other) : RationalMatrix(other.rows(), other.columns()) {
-    fmpq_mat_set(value_, other.value_);
-  }
   RationalMatrix(RationalMatrix&& other) noexcept : RationalMatrix(0, 0) { fmpq_mat_swap(value_, other.value_); }
-  RationalMatrix& operator=(RationalMatrix other) {
-    fmpq_mat_swap(value_, other.value_);
-    return *this;
-  }
+  RationalMatrix& operator=(RationalMatrix&&) = delete;
   ~RationalMatrix() { fmpq_mat_clear(value_); }
 
   Index rows() const { return fmpq_mat_nrows(value_); }
@@ -63,11 +58,8 @@ class RationalMatrix {
 class Integer {
  public:
   Integer() { fmpz_init(value_); }
-  Integer(const Integer& other) { fmpz_init_set(value_, other.value_); }
-  Integer& operator=(const Integer& other) {
-    fmpz_set(value_, other.value_);
-    return *this;
-  }
+  Integer(const Integer&) = delete;
+  Integer& operator=(const Integer&) = delete;
   ~Integer() { fmpz_clear(value_); }
   fmpz* get() { return value_; }
   const fmpz* get() const { return value_; }
@@ -84,19 +76,20 @@ inline Rational ToRational(const fmpq* from) {
   return to;
 }
 
+inline Rational ToRational(const fmpz* from) {
+  BigInteger to;
+  fmpz_get_mpz(to.backend().data(), from);
+  return Rational(to);
+}
+
 /// numerator / denominator.
 inline Rational ToRational(const fmpz* numerator, const fmpz* denominator) {
-  fmpq_t quotient;
-  fmpq_init(quotient);
-  fmpq_set_fmpz_frac(quotient, numerator, denominator);
-  Rational to = ToRational(quotient);
-  fmpq_clear(quotient);
-  return to;
+  return ToRational(numerator) / ToRational(denominator);
 }
 
 /// 0 to n - 1.
 inline std::vector<Index> AllRows(Index n) {
-  std::vector<Index> rows(static_cast<std::size_t>(n));
+  std::vector<Index> rows(At(n));
   std::iota(rows.begin(), rows.end(), Index{0});
   return rows;
 }
@@ -106,10 +99,18 @@ inline IntegerMatrix Block(const IntegerMatrix& A, const std::vector<Index>& row
   IntegerMatrix block(static_cast<Index>(rows.size()), static_cast<Index>(columns.size()));
   for (Index i = 0; i < block.rows(); ++i) {
     for (Index j = 0; j < block.columns(); ++j) {
-      fmpz_set(block.at(i, j), A.at(rows[static_cast<size_t>(i)], columns[static_cast<size_t>(j)]));
+      fmpz_set(block.at(i, j), A.at(rows[At(i)], columns[At(j)]));
     }
   }
   return block;
+}
+
+/// The rows 0 to n - 1 that are not among `rows`, which ascend.
+inline std::vector<Index> OtherRows(Index n, const std::vector<Index>& rows) {
+  std::vector<Index> others;
+  const std::vector<Index> all = AllRows(n);
+  std::set_difference(all.begin(), all.end(), rows.begin(), rows.end(), std::back_inserter(others));
+  return others;
 }
 
 /// X = A^-1 B for a nonsingular A. Some word operations for small A, p-adic lifting [Dixon 1982] for larger ones.
@@ -118,5 +119,15 @@ inline RationalMatrix Solve(const IntegerMatrix& A, const IntegerMatrix& B) {
   if (A.rows() > 0 && B.columns() > 0) fmpq_mat_solve_fmpz_mat(X.get(), A.get(), B.get());
   return X;
 }
+
+/// The numerators of X over one denominator.
+inline IntegerMatrix Numerators(const RationalMatrix& X, Integer* denominator) {
+  IntegerMatrix numerators(X.rows(), X.columns());
+  fmpq_mat_get_fmpz_mat_matwise(numerators.get(), denominator->get(), X.get());
+  return numerators;
+}
+
+/// Two primes of 62 bits that ranks are taken modulo; of no relation to any input.
+inline constexpr mp_limb_t kPrimes[] = {4611686018427387847UL, 4611686018427387817UL};
 
 }  // namespace lcpbench

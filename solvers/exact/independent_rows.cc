@@ -1,11 +1,8 @@
 #include "solvers/exact/independent_rows.h"
 
+#include <flint/fmpz_poly.h>
 #include <flint/nmod_vec.h>
 #include <flint/ulong_extras.h>
-
-#include <cstdint>
-
-#include "solvers/exact/primes.h"
 
 namespace lcpbench {
 namespace {
@@ -45,60 +42,33 @@ std::vector<Index> IndependentRows(const IntegerMatrix& A, const std::vector<Ind
   return best;
 }
 
+Rational SchurDiagonal(const IntegerMatrix& A, const std::vector<Index>& rows, const RationalMatrix& X, Index column,
+                       Index k) {
+  Rational sum = ToRational(A.at(k, k));
+  for (Index r = 0; r < X.rows(); ++r) sum -= ToRational(X.at(r, column)) * ToRational(A.at(k, rows[At(r)]));
+  return sum;
+}
+
 bool AllDepend(const IntegerMatrix& A, const std::vector<Index>& independent, const std::vector<Index>& others) {
   if (others.empty()) return true;
   const RationalMatrix X = Solve(Block(A, independent, independent), Block(A, independent, others));
-  fmpq_t sum, term;
-  fmpq_init(sum);
-  fmpq_init(term);
-  bool all = true;
-  for (size_t q = 0; q < others.size() && all; ++q) {
-    fmpq_set_fmpz(sum, A.at(others[q], others[q]));
-    for (size_t r = 0; r < independent.size(); ++r) {
-      fmpq_mul_fmpz(term, X.at(static_cast<Index>(r), static_cast<Index>(q)), A.at(others[q], independent[r]));
-      fmpq_sub(sum, sum, term);
-    }
-    all = fmpq_is_zero(sum) != 0;
+  for (size_t q = 0; q < others.size(); ++q) {
+    if (SchurDiagonal(A, independent, X, static_cast<Index>(q), others[q]) != 0) return false;
   }
-  fmpq_clear(sum);
-  fmpq_clear(term);
-  return all;
+  return true;
 }
 
 bool IsPositiveSemidefinite(const IntegerMatrix& A) {
-  const Index n = A.rows();
-  IntegerMatrix rest(A);
-  std::vector<char> done(static_cast<size_t>(n), 0);
-  const auto left = [&done](Index i) { return done[static_cast<size_t>(i)] == 0; };
-  Integer previous, product;
-  fmpz_one(previous.get());
-  for (;;) {
-    Index k = n;
-    for (Index i = 0; i < n && k == n; ++i) {
-      if (!left(i)) continue;
-      if (fmpz_sgn(rest.at(i, i)) < 0) return false;
-      if (fmpz_sgn(rest.at(i, i)) > 0) k = i;
-    }
-    if (k == n) break;
-    done[static_cast<size_t>(k)] = 1;
-    for (Index i = 0; i < n; ++i) {
-      for (Index j = 0; j < n && left(i); ++j) {
-        if (!left(j)) continue;
-        fmpz_mul(product.get(), rest.at(i, k), rest.at(k, j));
-        fmpz_mul(rest.at(i, j), rest.at(i, j), rest.at(k, k));
-        fmpz_sub(rest.at(i, j), rest.at(i, j), product.get());
-        fmpz_divexact(rest.at(i, j), rest.at(i, j), previous.get());
-      }
-    }
-    fmpz_set(previous.get(), rest.at(k, k));
+  fmpz_poly_t polynomial;
+  fmpz_poly_init(polynomial);
+  fmpz_mat_charpoly(polynomial, A.get());
+  bool holds = true;
+  for (Index k = 0; k <= A.rows(); ++k) {
+    const int sign = fmpz_sgn(polynomial->coeffs + k);
+    holds = holds && ((A.rows() - k) % 2 == 0 ? sign >= 0 : sign <= 0);
   }
-  // What is left has a zero diagonal, and must be zero.
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      if (left(i) && left(j) && fmpz_is_zero(rest.at(i, j)) == 0) return false;
-    }
-  }
-  return true;
+  fmpz_poly_clear(polynomial);
+  return holds;
 }
 
 }  // namespace lcpbench

@@ -15,27 +15,6 @@ constexpr double kNull = 1e-11;      // eigenvalues below this part of the large
 constexpr int kGuessSweeps = 20000;  // of the guess; some ms for some tens of rows
 constexpr double kGuessDone = 1e-15;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
-// A positive multiple of the vector in integers.
-IntegerMatrix CommonMultiple(const RationalMatrix& x, Integer* denominator) {
-  fmpz_one(denominator->get());
-  for (Index i = 0; i < x.rows(); ++i) {
-    for (Index j = 0; j < x.columns(); ++j) {
-      fmpz_lcm(denominator->get(), denominator->get(), fmpq_denref(x.at(i, j)));
-    }
-  }
-  IntegerMatrix scaled(x.rows(), x.columns());
-  Integer factor;
-  for (Index i = 0; i < x.rows(); ++i) {
-    for (Index j = 0; j < x.columns(); ++j) {
-      fmpz_divexact(factor.get(), denominator->get(), fmpq_denref(x.at(i, j)));
-      fmpz_mul(scaled.at(i, j), factor.get(), fmpq_numref(x.at(i, j)));
-    }
-  }
-  return scaled;
-}
-
 // A in doubles, each row and column divided by a power of two so that the diagonal is near 1, and f by the same.
 Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
   Eigen::MatrixXd result(A.rows(), A.columns());
@@ -57,22 +36,13 @@ Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
 IntegerMatrix NullBasis(const IntegerMatrix& A) {
   const Index n = A.rows();
   const std::vector<Index> independent = IndependentRows(A, AllRows(n));
-  std::vector<Index> others;
-  for (const Index i : AllRows(n)) {
-    if (!std::binary_search(independent.begin(), independent.end(), i)) others.push_back(i);
-  }
+  const std::vector<Index> others = OtherRows(n, independent);
   const RationalMatrix X = Solve(Block(A, independent, independent), Block(A, independent, others));
-  IntegerMatrix N(n, static_cast<Index>(others.size()));
-  Integer scale, factor;
+  IntegerMatrix N(n, X.columns()), scaled(X.rows(), X.columns()), scale(1, X.columns());
+  fmpq_mat_get_fmpz_mat_colwise(scaled.get(), scale.at(0, 0), X.get());
   for (Index j = 0; j < N.columns(); ++j) {
-    fmpz_one(scale.get());
-    for (Index i = 0; i < X.rows(); ++i) fmpz_lcm(scale.get(), scale.get(), fmpq_denref(X.at(i, j)));
-    for (Index i = 0; i < X.rows(); ++i) {
-      fmpz_divexact(factor.get(), scale.get(), fmpq_denref(X.at(i, j)));
-      fmpz_mul(N.at(independent[At(i)], j), factor.get(), fmpq_numref(X.at(i, j)));
-      fmpz_neg(N.at(independent[At(i)], j), N.at(independent[At(i)], j));
-    }
-    fmpz_set(N.at(others[At(j)], j), scale.get());
+    for (Index i = 0; i < X.rows(); ++i) fmpz_neg(N.at(independent[At(i)], j), scaled.at(i, j));
+    fmpz_set(N.at(others[At(j)], j), scale.at(0, j));
   }
   return N;
 }
@@ -149,7 +119,7 @@ std::optional<LeastNorm> FindLeastNorm(const SolutionSet& set, std::vector<char>
     IntegerMatrix right = Block(set.b, rows, {0});
     fmpz_mat_neg(right.get(), right.get());
     Integer denominator;
-    const IntegerMatrix l = CommonMultiple(Solve(Block(gram, rows, rows), right), &denominator);
+    const IntegerMatrix l = Numerators(Solve(Block(gram, rows, rows), right), &denominator);
     IntegerMatrix product(n, 1);  // A l, in units of 1 / denominator
     fmpz_mat_mul(product.get(), Block(set.A, all, rows).get(), l.get());
 
@@ -204,8 +174,8 @@ std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& de
     fmpq_set(right.at(i, 0), least.at(unilateral[At(i)], 0));
   }
   Integer block_unit, right_unit;  // s = (block_unit / right_unit) s'
-  const IntegerMatrix block_integer = CommonMultiple(block, &block_unit);
-  const IntegerMatrix right_integer = CommonMultiple(right, &right_unit);
+  const IntegerMatrix block_integer = Numerators(block, &block_unit);
+  const IntegerMatrix right_integer = Numerators(right, &right_unit);
   const std::vector<char> none(At(m), 0);
   ExactPivoting pivoting(block_integer, right_integer, none);
   if (pivoting.Run(none, deadline) != ExactPivoting::End::kSolved) {
@@ -226,15 +196,12 @@ std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& de
     fmpq_sub(pull.at(static_cast<Index>(r), 0), least.at(rows[r], 0), s.at(rows[r], 0));
   }
   Integer pull_unit;
-  const IntegerMatrix pull_integer = CommonMultiple(pull, &pull_unit);
+  const IntegerMatrix pull_integer = Numerators(pull, &pull_unit);
   const RationalMatrix l = Solve(Block(set.A, rows, rows), pull_integer);
-  Integer one;
-  fmpz_one(one.get());
   LeastNorm found{std::vector<Rational>(At(n)), std::vector<Rational>(At(n))};
   for (Index i = 0; i < n; ++i) found.f[At(i)] = ToRational(least.at(i, 0));
   for (size_t r = 0; r < rows.size(); ++r) {
-    found.multipliers[At(rows[r])] =
-        ToRational(l.at(static_cast<Index>(r), 0)) * ToRational(one.get(), pull_unit.get());
+    found.multipliers[At(rows[r])] = ToRational(l.at(static_cast<Index>(r), 0)) / ToRational(pull_unit.get());
   }
   return found;
 }
@@ -256,7 +223,7 @@ std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rat
   fmpq_mat_one(Q.get());
   fmpq_mat_sub(Q.get(), Q.get(), projector.get());
   Integer denominator;
-  const IntegerMatrix Q_integer = CommonMultiple(Q, &denominator);
+  const IntegerMatrix Q_integer = Numerators(Q, &denominator);
   IntegerMatrix minus_one(m, 1);
   for (Index i = 0; i < m; ++i) fmpz_set_si(minus_one.at(i, 0), -1);
   const std::vector<char> none(At(m), 0);

@@ -1,7 +1,10 @@
 #include "solvers/exact/lemke_guess.h"
 
+#include <Eigen/Core>
 #include <algorithm>
+#include <boost/multiprecision/eigen.hpp>
 #include <boost/multiprecision/mpfr.hpp>
+#include <numeric>
 
 namespace lcpbench {
 namespace {
@@ -11,8 +14,6 @@ using Float = boost::multiprecision::number<
     boost::multiprecision::et_off>;
 
 constexpr Index kMostPivotsPerRow = 20;
-
-size_t At(Index i) { return static_cast<size_t>(i); }
 
 Float ToFloat(const fmpz* integer) {
   mpz_t value;
@@ -24,39 +25,25 @@ Float ToFloat(const fmpz* integer) {
   return result;
 }
 
-// Dictionary: basic = T nonbasic + q; the variable of column n is the artificial one.
-class Dictionary {
- public:
-  Dictionary(Index rows, Index columns)
-      : rows_(rows), columns_(columns), values_(At(rows * (columns + 1))), basic_(At(rows)), nonbasic_(At(columns)) {}
+using Matrix = Eigen::Matrix<Float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  Float& at(Index i, Index j) { return values_[At(i * (columns_ + 1) + j)]; }
-  Float& constant(Index i) { return at(i, columns_); }
-  int& basic(Index i) { return basic_[At(i)]; }
-  int& nonbasic(Index j) { return nonbasic_[At(j)]; }
+// basic = T nonbasic + q, q the last column; the variable of the column before it is the artificial one.
+struct Dictionary {
+  Matrix values;
+  std::vector<int> basic, nonbasic;
 
   void Pivot(Index row, Index column) {
-    const Float inverse = 1 / at(row, column);
-    for (Index j = 0; j <= columns_; ++j) at(row, j) = j == column ? inverse : Float(-at(row, j) * inverse);
-    for (Index i = 0; i < rows_; ++i) {
-      if (i == row) continue;
-      const Float factor = at(i, column);
-      if (factor == 0) continue;
-      for (Index j = 0; j <= columns_; ++j) {
-        if (j == column) {
-          at(i, j) = factor * at(row, j);
-        } else {
-          at(i, j) += factor * at(row, j);
-        }
-      }
+    const Float inverse = 1 / values(row, column);
+    values.row(row) *= -inverse;
+    values(row, column) = inverse;
+    for (Index i = 0; i < values.rows(); ++i) {
+      const Float factor = values(i, column);
+      if (i == row || factor == 0) continue;
+      values(i, column) = 0;
+      values.row(i) += factor * values.row(row);
     }
-    std::swap(basic_[At(row)], nonbasic_[At(column)]);
+    std::swap(basic[At(row)], nonbasic[At(column)]);
   }
-
- private:
-  Index rows_, columns_;
-  std::vector<Float> values_;
-  std::vector<int> basic_, nonbasic_;
 };
 
 }  // namespace
@@ -78,56 +65,55 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
   for (Index i = 0; i < all; ++i) root[At(i)] = sqrt(ToFloat(A.at(rows[At(i)], rows[At(i)])));
 
   // Joints out of the way: block elimination of the last rows.
-  std::vector<Float> S(At(all * (all + 1)));
-  const auto entry = [&](Index i, Index j) -> Float& { return S[At(i * (all + 1) + j)]; };
+  Matrix S(all, all + 1);
   Float largest = 0;
   for (Index i = 0; i < all; ++i) {
-    for (Index j = 0; j < all; ++j) entry(i, j) = ToFloat(A.at(rows[At(i)], rows[At(j)])) / (root[At(i)] * root[At(j)]);
-    entry(i, all) = ToFloat(b.at(rows[At(i)], 0)) / root[At(i)];
-    largest = std::max(largest, Float(abs(entry(i, all))));
+    for (Index j = 0; j < all; ++j) S(i, j) = ToFloat(A.at(rows[At(i)], rows[At(j)])) / (root[At(i)] * root[At(j)]);
+    S(i, all) = ToFloat(b.at(rows[At(i)], 0)) / root[At(i)];
+    largest = std::max(largest, Float(abs(S(i, all))));
   }
   if (largest == 0) return LemkeGuess{std::vector<char>(At(size), 0), {}};
   std::vector<char> done(At(joints), 0);
   for (Index step = 0; step < joints; ++step) {
     Index k = -1;
     for (Index c = 0; c < joints; ++c) {
-      if (done[At(c)] == 0 && (k < 0 || entry(n + c, n + c) > entry(n + k, n + k))) k = c;
+      if (done[At(c)] == 0 && (k < 0 || S(n + c, n + c) > S(n + k, n + k))) k = c;
     }
     done[At(k)] = 1;
     const Index p = n + k;
-    if (!(entry(p, p) > 0) || deadline.Expired()) return std::nullopt;
+    if (!(S(p, p) > 0) || deadline.Expired()) return std::nullopt;
     for (Index i = 0; i < all; ++i) {
       if (i == p || (i >= n && done[At(i - n)] != 0)) continue;
-      const Float factor = entry(i, p) / entry(p, p);
+      const Float factor = S(i, p) / S(p, p);
       if (factor == 0) continue;
-      for (Index j = 0; j <= all; ++j) entry(i, j) -= factor * entry(p, j);
+      S.row(i) -= factor * S.row(p);
     }
   }
 
   // Variables: w_i is i, f_i is n + i, the artificial one 2 n.
   const Float tiny = pow(Float(10), -2 * kGuessDigits / 3);
-  Dictionary dictionary(n, n + 1);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) dictionary.at(i, j) = entry(i, j);
-    dictionary.at(i, n) = 1;
-    dictionary.constant(i) = entry(i, all) / largest;
-    dictionary.basic(i) = static_cast<int>(i);
-  }
-  for (Index j = 0; j <= n; ++j) dictionary.nonbasic(j) = static_cast<int>(n + j);
+  Dictionary dictionary{Matrix(n, n + 2), std::vector<int>(At(n)), std::vector<int>(At(n + 1))};
+  Matrix& T = dictionary.values;
+  T.leftCols(n) = S.topLeftCorner(n, n);
+  T.col(n).setOnes();
+  const auto constant = [&T, n](Index i) -> const Float& { return T(i, n + 1); };
+  for (Index i = 0; i < n; ++i) T(i, n + 1) = S(i, all) / largest;
+  std::iota(dictionary.basic.begin(), dictionary.basic.end(), 0);
+  std::iota(dictionary.nonbasic.begin(), dictionary.nonbasic.end(), static_cast<int>(n));
   Index row = -1;
   for (Index i = 0; i < n; ++i) {
-    if (dictionary.constant(i) < 0 && (row < 0 || dictionary.constant(i) < dictionary.constant(row))) row = i;
+    if (constant(i) < 0 && (row < 0 || constant(i) < constant(row))) row = i;
   }
   LemkeGuess guess{std::vector<char>(At(size), 0), {}};
   if (row < 0) return guess;
   Index column = n;
   for (Index pivots = 0; pivots < kMostPivotsPerRow * (n + 1); ++pivots) {
     if (deadline.Expired()) return std::nullopt;
-    const int left = dictionary.basic(row);
+    const int left = dictionary.basic[At(row)];
     dictionary.Pivot(row, column);
     if (left == 2 * n) {
       for (Index i = 0; i < n; ++i) {
-        const int variable = dictionary.basic(i);
+        const int variable = dictionary.basic[At(i)];
         if (variable >= n && variable < 2 * n) guess.active[At(rows[At(variable - n)])] = 1;
       }
       return guess;
@@ -135,28 +121,28 @@ std::optional<LemkeGuess> GuessByLemke(const IntegerMatrix& A, const IntegerMatr
     // The complement of what has left comes in.
     const int entering = left < n ? left + static_cast<int>(n) : left - static_cast<int>(n);
     column = 0;
-    while (dictionary.nonbasic(column) != entering) ++column;
+    while (dictionary.nonbasic[At(column)] != entering) ++column;
     row = -1;
     for (Index i = 0; i < n; ++i) {
-      const Float& slope = dictionary.at(i, column);
+      const Float& slope = T(i, column);
       if (!(slope < -tiny)) continue;
       if (row < 0) {
         row = i;
         continue;
       }
-      const Float mine = dictionary.constant(i) * dictionary.at(row, column);
-      const Float other = dictionary.constant(row) * slope;
+      const Float mine = constant(i) * T(row, column);
+      const Float other = constant(row) * slope;
       // Ratios q / -slope: the smaller one leaves, and of equal ones the artificial variable.
       const Float difference = other - mine;
-      if (difference < 0 || (difference == 0 && dictionary.basic(i) == 2 * n)) row = i;
+      if (difference < 0 || (difference == 0 && dictionary.basic[At(i)] == 2 * n)) row = i;
     }
     if (row < 0) {
       guess.support.assign(At(size), 0);
       if (entering >= n) guess.support[At(rows[At(entering - n)])] = 1;
       for (Index i = 0; i < n; ++i) {
-        const int variable = dictionary.basic(i);
+        const int variable = dictionary.basic[At(i)];
         if (variable < n || variable >= 2 * n) continue;
-        if (dictionary.at(i, column) > tiny) guess.support[At(rows[At(variable - n)])] = 1;
+        if (T(i, column) > tiny) guess.support[At(rows[At(variable - n)])] = 1;
       }
       for (const Index joint : bilateral_basis) guess.support[At(joint)] = 1;
       return guess;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/exact/primes.h"
+#include "solvers/exact/flint_matrix.h"
 
 namespace lcpbench {
 namespace {

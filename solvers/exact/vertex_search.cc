@@ -17,8 +17,6 @@ constexpr double kTie = 1e-9;
 constexpr double kDependentStiffness = 1e-9;
 constexpr int kMostPivotsPerRow = 20;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
 }  // namespace
 
 void VertexSearch::Factorise() { factor_.emplace(problem_, basis_, 0.0); }

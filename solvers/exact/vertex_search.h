@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "solvers/exact/dyadic_refinement.h"
+#include "solvers/exact/dyadic_lcp.h"
 
 namespace lcpbench {
 

@@ -5,9 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "solvers/first_order/sweeps/paced_passes.h"
-#include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/first_order/sweeps/stopping_test.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 #include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
@@ -21,12 +19,13 @@ void Extrapolate(const Array& x, const Array& before, double beta, Array* y) {
 
 }  // namespace
 
-class ApgdEngine {
+// rows_.f is x_k.
+class ApgdEngine final : public FirstOrderEngine<ApgdOptions> {
  public:
-  explicit ApgdEngine(const ApgdOptions& options) : options_(options) { test_.SetSelfCheck(options.self_check); }
+  using FirstOrderEngine::FirstOrderEngine;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
+    return problem.IsNumericallySymmetric() ? FirstOrderEngine::WhyUnsupported(problem) : WhyNotSymmetric(problem);
   }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
@@ -35,9 +34,6 @@ class ApgdEngine {
   bool Step(double lipschitz, PacedPasses* passes, StepSums* sums);
   double Curvature() const;
 
-  const ApgdOptions options_;
-  RowWork rows_;  // f: x_k
-  StoppingTest test_;
   Array before_, before_image_;  // x_{k-1}
   Array y_, y_image_;
   Array next_, next_image_;
@@ -73,8 +69,7 @@ ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
 }
 
 void ApgdEngine::Prepare(const LcpProblem& problem) {
-  rows_.Prepare(problem, options_.form, true);
-  test_.Prepare(problem);
+  FirstOrderEngine::Prepare(problem, true);
   for (Array* array : {&before_, &y_, &next_}) array->assign(rows_.f.size(), 0.0);
   for (Array* array : {&before_image_, &y_image_, &next_image_}) {
     array->assign(rows_.image.size(), 0.0);

@@ -52,9 +52,7 @@ struct ApgdOptions {
 ///
 /// [Mazhar, Heyn, Negrut, Tasora, Using Nesterov's method to accelerate multibody dynamics with friction and contact,
 /// ACM Transactions on Graphics 34(3), 2015; restart: O'Donoghue, Candes 2015; t with varying L: Scheinberg, Goldfarb,
-/// Bai 2014.] Departures: Jacobi scaling, so that L = 1 is a lower bound and the start; L and t are coupled, so that
-/// the bound survives steps that grow; the repeated step is sized by the curvature that was measured; w(y) is never
-/// formed for the restart.
+/// Bai 2014.] Departures: docs/solvers/first_order.md.
 using ApgdSolver = EngineSolver<ApgdOptions, class ApgdEngine>;
 extern template class EngineSolver<ApgdOptions, ApgdEngine>;
 

@@ -4,10 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "solvers/first_order/sweeps/paced_passes.h"
-#include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/first_order/sweeps/stopping_test.h"
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 #include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
@@ -56,12 +53,13 @@ Combination LeastEnergy(const Products& of) {
 
 }  // namespace
 
-class NncgEngine {
+// rows_.f is the iterate; the sweeps move it from x to y.
+class NncgEngine final : public FirstOrderEngine<NncgOptions> {
  public:
-  explicit NncgEngine(const NncgOptions& options) : options_(options) { test_.SetSelfCheck(options.self_check); }
+  using FirstOrderEngine::FirstOrderEngine;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
+    return problem.IsNumericallySymmetric() ? FirstOrderEngine::WhyUnsupported(problem) : WhyNotSymmetric(problem);
   }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
@@ -73,9 +71,6 @@ class NncgEngine {
   bool WantBlock(const Combination& c, std::size_t begin, std::size_t end);
   void Extrapolate(double energy);
 
-  const NncgOptions options_;
-  RowWork rows_;  // f: the iterate; the sweeps move it from x to y
-  StoppingTest test_;
   Point x_;         // where the sweep began
   Point previous_;  // p, the previous step
   Point extra_;     // what the extrapolation adds to y
@@ -204,8 +199,7 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
 }
 
 void NncgEngine::Prepare(const LcpProblem& problem) {
-  rows_.Prepare(problem, options_.form, options_.coloured);
-  test_.Prepare(problem);
+  FirstOrderEngine::Prepare(problem, options_.coloured);
   for (Point* point : {&x_, &previous_, &extra_}) point->Reserve(rows_);
 }
 
@@ -220,7 +214,7 @@ void NncgEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
     x_.image = rows_.image;
     StepSums forward;
     StepSums backward;
-    bool in_time = RunSweep(false, 1.0, &rows_, &passes, &forward) && RunSweep(true, 1.0, &rows_, &passes, &backward);
+    bool in_time = RunSweep(false, 1.0, &passes, &forward) && RunSweep(true, 1.0, &passes, &backward);
     if (in_time && !rows_.rows->ImageIsRoot()) {
       in_time =
           passes.Run(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, rows_.f, &rows_.image); });

@@ -35,33 +35,23 @@ struct NncgOptions {
 };
 
 /// Nonsmooth nonlinear conjugate gradients on symmetric projected Gauss-Seidel sweeps. A sweep forward and backward
-/// takes x to y; z = y - x is its step, which on the rows that carry force is the gradient of the energy,
-/// preconditioned by symmetric Gauss-Seidel. The iterate then moves on along z and the previous step p:
+/// takes x to y; its step is z = y - x. The iterate then moves on along z and the previous step p:
 ///     optimal:          x' = P(x + alpha z + beta p), (alpha, beta) least for the energy 1/2 f.A f + b.f; where the
 ///                       projection P onto f >= 0 cuts something off, the point of least energy between y and it
 ///     Fletcher-Reeves:  x' = P(y + beta p), beta = |z|^2 / |z of the previous iteration|^2, and beta = 0 (restart) if
 ///                       that is above 1.
-/// Where no row is projected the optimal rule *is* linear conjugate gradients with that preconditioner, iterate by
-/// iterate (conjugate gradients minimise over that plane), so it needs no separate restart: a p that has become useless
-/// gets beta = 0 by itself.
 ///
 /// Matrix class: symmetric PSD. Optimal: the energy after an iteration is at most that of the sweep alone, so w
 /// converges wherever the problem is solvable, as for pgs; a numerically nonsymmetric A is refused. Sweeps in
 /// proportion to the longest chain of bodies, not to its square. Infeasible problems end at a limit.
 ///
 /// Unit of `iterations`: one symmetric sweep (two sweeps of pgs) with its step; default limit kDefaultIterations.
-///
 /// Cost of an iteration: two sweeps, five passes over vectors of n rows and of 4 numbers per body (together about as
 /// much as another sweep), and one product per row that the projection cuts off. Assembled: one product with A more.
-/// The body velocities S^T f of the matrix-free form are linear in f, so that every product u.A v of the search is a
-/// dot product of velocities. Products with w are of the size of |z|^2: they come from the energy that the steps of the
-/// sweep add up, never from differences of energies, of which rounding leaves nothing below rho = 1e-8.
-///
 /// Stopping, failures, warm start, clock, allocation: as pgs.
 ///
 /// [Silcowitz, Niebe, Erleben, Nonsmooth Newton and nonlinear conjugate gradient methods for interactive contact force
-/// problems: VRIPHYS 2009; The Visual Computer 2010.] Departures: the optimal rule; projection after the extrapolation;
-/// symmetric instead of forward sweeps, without which z is no gradient in any metric.
+/// problems: VRIPHYS 2009; The Visual Computer 2010.] Departures: docs/solvers/first_order.md.
 using NncgSolver = EngineSolver<NncgOptions, class NncgEngine>;
 extern template class EngineSolver<NncgOptions, NncgEngine>;
 

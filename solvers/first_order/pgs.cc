@@ -1,8 +1,6 @@
 #include "solvers/first_order/pgs.h"
 
-#include <string>
-
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 
 namespace lcpbench {
 namespace {
@@ -27,23 +25,15 @@ PgsOptions PgsOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-class PgsEngine {
+class PgsEngine final : public SweepEngine<PgsOptions> {
  public:
-  explicit PgsEngine(const PgsOptions& options) : options_(options) {
+  explicit PgsEngine(const PgsOptions& options) : SweepEngine(options) {
     CheckRelaxation("pgs", "relaxation", options.relaxation);
-    work_.test.SetSelfCheck(options.self_check);
   }
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
-  void Prepare(const LcpProblem& problem) { work_.Prepare(problem, options_.form, options_.sweep); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    ConstantRelaxation relaxation{options_.relaxation};
-    work_.Solve(problem, options_.sweep, options, PgsOptions::kDefaultSweeps, &relaxation, result);
+    Run(problem, options, ConstantRelaxation{options_.relaxation}, result);
   }
-
- private:
-  const PgsOptions options_;
-  SweepWorkspace work_;
 };
 
 template class EngineSolver<PgsOptions, PgsEngine>;

@@ -14,13 +14,11 @@ struct PgsOptions {
   using Form = RowForm;     ///< assembled rows, or matrix-free
   Form form = Form::kAuto;  ///< by predicted time
 
-  /// Measured on the scenes, coloured sweeps converge like forward ones (within 5 %) and take less than half the time.
+  /// Coloured sweeps converge like forward ones and take less than half the time.
   SweepOrder sweep = SweepOrder::kColoured;
 
-  /// omega in (0, 2). 1 is Gauss-Seidel; no other constant is better on all problems: over-relaxation gains on long
-  /// chains (there the best omega tends to 2) and loses on redundant contacts.
-  double relaxation = 1.0;
-  bool self_check = true;  ///< SettingsReader::SelfCheck
+  double relaxation = 1.0;  ///< omega in (0, 2); 1 is Gauss-Seidel
+  bool self_check = true;   ///< SettingsReader::SelfCheck
 
   /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation` and
   /// `self_check`.
@@ -35,29 +33,20 @@ struct PgsOptions {
 /// Matrix class. Symmetric PSD with omega in (0, 2): each step lowers the energy 1/2 f.A f + b.f, and w converges
 /// wherever the problem is solvable. The rate is linear at best and has no useful bound: expect sweeps in proportion to
 /// the square of the longest chain of bodies. A nonsymmetric A is taken by the assembled form without any promise;
-/// a negative A_ii is refused. On an infeasible problem f grows without bound; this solver does not prove that, it ends
-/// at its limit.
+/// a negative A_ii is refused. On an infeasible problem f grows without bound, and the solve ends at its limit.
 ///
 /// Unit of `iterations`: sweeps, a symmetric pair counts twice; default limit kDefaultSweeps. Warm start: initial_f,
-/// clipped at 0.
+/// clipped at 0. Cost of a sweep: one multiply-add per entry of A, or 12 per two-body row. Memory: A, or J.
 ///
-/// Cost. The sweeps run on the Jacobi-scaled problem (unit diagonal), where no step divides. Assembled: 12 bytes and
-/// one multiply-add per entry of A. Matrix-free: with S = D^-1/2 J M^-1/2 the scaled matrix is S S^T, so that one copy
-/// of S serves the product and the update; a two-body row is one cache line, 12 multiply-adds (measured: 5 ns in the
-/// given order, where rows wait for their neighbours, 2 ns coloured). Memory: A, or J.
+/// Stopping: solvers/first_order/sweeps/stopping_test.h. rho of the scaled problem at every 32nd sweep and where steps
+/// look small enough; kSolved only after rho and the backward error pass by the given form in extended precision.
 ///
-/// Stopping: solvers/first_order/sweeps/stopping_test.h. rho of the scaled problem, with w made afresh, at every 32nd
-/// sweep and at sweeps whose own steps look small enough; kSolved only after rho and the backward error pass by the
-/// *given* form in extended precision.
-///
-/// A failure leaves in f the iterate of least rho among those checked (the start is; the last one is, but at a time
-/// limit of less than 30 sweeps). Stagnation is not told apart from slow convergence: it ends as kIterationLimit or
-/// kTimeLimit. kNumericalFailure: overflow. The clock is read about every 20 us, so also within a sweep; a check itself
-/// is not interrupted. Solve allocates nothing once prepared.
+/// A failure leaves in f the iterate of least rho among those checked. Stagnation ends as kIterationLimit or
+/// kTimeLimit, overflow as kNumericalFailure. The clock is read about every 20 us, so also within a sweep. Solve
+/// allocates nothing once prepared.
 ///
 /// [Cottle, Pang, Stone, The Linear Complementarity Problem, sec. 5.3; Cryer 1971 for the relaxation and its
-/// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012 and earlier physics engines.] Departures:
-/// bilateral rows in place among the unilateral ones; colours per block of rows instead of over all; the stopping test.
+/// convergence; matrix-free rows as in Tonge, Benevolenski, Voroshilov 2012.] More: docs/solvers/first_order.md.
 using PgsSolver = EngineSolver<PgsOptions, class PgsEngine>;
 extern template class EngineSolver<PgsOptions, PgsEngine>;
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-
-#include "solvers/first_order/sweeps/sweep_loop.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 
 namespace lcpbench {
 namespace {
@@ -70,24 +68,16 @@ PsorOptions PsorOptions::FromSettings(const Settings& settings) {
   return options;
 }
 
-class PsorEngine {
+class PsorEngine final : public SweepEngine<PsorOptions> {
  public:
-  explicit PsorEngine(const PsorOptions& options) : options_(options) {
+  explicit PsorEngine(const PsorOptions& options) : SweepEngine(options) {
     CheckRelaxation("psor", "first-relaxation", options.first_relaxation);
-    work_.test.SetSelfCheck(options.self_check);
   }
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
-  void Prepare(const LcpProblem& problem) { work_.Prepare(problem, options_.form, options_.sweep); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    AdaptiveRelaxation relaxation(options_.first_relaxation);
-    work_.test.EndWhenHopeless(options_.end_when_hopeless);
-    work_.Solve(problem, options_.sweep, options, PsorOptions::kDefaultSweeps, &relaxation, result);
+    test_.EndWhenHopeless(options_.end_when_hopeless);
+    Run(problem, options, AdaptiveRelaxation(options_.first_relaxation), result);
   }
-
- private:
-  const PsorOptions options_;
-  SweepWorkspace work_;
 };
 
 template class EngineSolver<PsorOptions, PsorEngine>;

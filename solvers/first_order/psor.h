@@ -33,19 +33,10 @@ struct PsorOptions {
 /// the best one obeys (lambda + omega - 1)^2 = lambda omega^2 mu^2, mu the spectral radius of Jacobi's method, and the
 /// best omega is 2 / (1 + sqrt(1 - mu^2)) [Young 1971, sec. 6.2; adaptively: Hageman, Young 1981, ch. 9]. The norm of
 /// the steps over eight sweeps gives lambda, lambda gives mu, mu gives the next omega. At or above the best omega the
-/// rate is about omega - 1 and tells nothing of mu: then omega goes back towards 1 by a tenth. Contacts that join and
-/// leave only disturb the measurement.
+/// rate is about omega - 1 and tells nothing of mu: then omega goes back towards 1 by a tenth.
 ///
-/// Matrix class: as pgs; omega stays within (0, 2), so no sweep raises the energy. Compared with omega = 1 (measured):
-/// a half to a fifteenth of the sweeps on piles, bearings and chains, no help against mass ratios of a million.
-///
-/// Unit of `iterations`, cost, stopping, failures, warm start, clock: as pgs. Adapting costs nothing but the sum of the
-/// squares of the steps, which the sweep makes anyway.
-///
-/// Parameters beside first_relaxation stand in psor.cc, each with its reason. Departures from the source: the measured
-/// omega is held at or below 1.9, because contact matrices are not consistently ordered and close to 2 the fast modes
-/// decay too slowly (limit 1.98: twice the sweeps on large piles); no test whether the rate has settled, because the
-/// active set moves.
+/// Matrix class: as pgs; omega stays within (0, 2), so no sweep raises the energy. Unit of `iterations`, cost,
+/// stopping, failures, warm start, clock: as pgs. More: docs/solvers/first_order.md.
 using PsorSolver = EngineSolver<PsorOptions, class PsorEngine>;
 extern template class EngineSolver<PsorOptions, PsorEngine>;
 

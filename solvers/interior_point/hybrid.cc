@@ -5,7 +5,7 @@
 #include <string>
 
 #include "solvers/interior_point/interior_finish.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 
 namespace lcpbench {
 namespace {
@@ -64,7 +64,7 @@ void HybridEngine::Prepare(const LcpProblem& problem) {
     return;
   }
   sweeps_.Prepare(problem);
-  start_test_.Reset(problem, GivenFormTest::Columns::kWhenNeeded);
+  start_test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
   if (problem.size() > kMostRowsAnalysed) return;
   interior_.Prepare(problem);
   const IpmStatistics& factor = interior_.statistics();

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/linear_algebra/cost_model.h"
+
 namespace lcpbench {
 namespace {
 
@@ -17,20 +19,10 @@ constexpr double kNear = 5;  // times the tolerance: rho from which ...
 constexpr std::int64_t kSweepsWhereNear = 300;
 constexpr double kWorthSweeps = 1e6;  // flop; below, going on is as cheap, and exact
 
-// Nanoseconds of an nncg iteration by row and by entry of an assembled A, and of a factorisation with its solves, by
-// flop and by entry of the factor. Measured together on one machine; their ratios matter only.
-constexpr double kSweepTimePerRow = 8;
-constexpr double kSweepTimePerEntry = 1.5;
-constexpr double kTimePerFlop = 0.1;
-constexpr double kTimePerFactorEntry = 12;
-
 }  // namespace
 
 double SweepsPerFactorization(const LcpProblem& problem, double flops, double fill) {
-  const double sweep = problem.has_factors() && problem.has_two_body_rows()
-                           ? kSweepTimePerRow * static_cast<double>(problem.size())
-                           : kSweepTimePerEntry * static_cast<double>(problem.SparseA().nonZeros());
-  return (kTimePerFlop * flops + kTimePerFactorEntry * fill) / sweep;
+  return (CostModel::kInteriorFlop * flops + CostModel::kInteriorEntry * fill) / CostModel::Sweep(problem);
 }
 
 InteriorFinish::InteriorFinish(bool self_check)
@@ -51,12 +43,6 @@ double InteriorFinish::Rho(const ScaledSystem& system, const Eigen::VectorXd& f)
   return system.Rho(forces_, gaps_);
 }
 
-bool InteriorFinish::Accept(IpmRun* run, const Eigen::VectorXd& scaled_f) {
-  forces_ = scaled_f.cwiseProduct(run->system().force_unit());
-  run->system().GapsExtended(forces_, true, &gaps_);
-  return run->Accept(forces_, gaps_);
-}
-
 bool InteriorFinish::Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
   ScaledSystem& system = run->system();
   const Index n = f.size();
@@ -69,7 +55,7 @@ bool InteriorFinish::Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::
   double rho = Rho(system, x_);
   bool accepted = false;
   for (int k = 0; k < kRefinements; ++k) {
-    if (rho <= kClose * tolerance && Accept(run, x_)) accepted = true;
+    if (rho <= kClose * tolerance && run->AcceptScaled(x_, &gaps_)) accepted = true;
     if (accepted && rho <= kMoreDigits * tolerance) return true;
     for (Index i = 0; i < n; ++i) {
       const bool active = !system.idle(i) && (!system.unilateral(i) || f[i] > w[i]);

@@ -45,7 +45,6 @@ class InteriorFinish {
   bool Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
   bool Sweep(IpmRun* run, const Eigen::VectorXd& f);
   double Rho(const ScaledSystem& system, const Eigen::VectorXd& f);
-  bool Accept(IpmRun* run, const Eigen::VectorXd& scaled_f);
   bool Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations);
 
   Eigen::VectorXd x_, gap_, right_, correction_, forces_, gaps_;

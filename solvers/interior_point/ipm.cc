@@ -2,16 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
+#include "solvers/answers/zero_row_ray.h"
 #include "solvers/interior_point/interior_finish.h"
-#include "solvers/interior_point/interior_guess.h"
 #include "solvers/interior_point/interior_point.h"
-#include "solvers/interior_point/ipm_run.h"
 #include "solvers/interior_point/proximal_pivoting.h"
-#include "solvers/lcp/verify.h"
-#include "solvers/linear_algebra/scaled_system.h"
 
 namespace lcpbench {
 namespace {
@@ -25,11 +21,14 @@ constexpr double kFewWrongRowsOfMany = 0.001;  // the same where sweeps mend wha
 constexpr double kNextGuess = 1e-3;            // fall of mu before they are tried again
 constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnates, while their rate promises an answer
 constexpr int kMostRecentred = 3;
-constexpr double kRecentredMu = 10;     // a row that blocks every step is off centre by more than that
-constexpr double kLeastMu = 1e-22;      // nothing is to be learnt below
-constexpr int kGuessPivots = 10;        // of one guessed active set, as long as every pivot leaves ...
-constexpr double kGuessProgress = 0.5;  // ... at most this fraction of the wrong rows
-constexpr int kFallbackPivots = 300;
+constexpr double kRecentredMu = 10;  // a row that blocks every step is off centre by more than that
+constexpr double kLeastMu = 1e-22;   // nothing is to be learnt below
+// Active sets tried from an interior iterate, as long as every pivot leaves at most half of the wrong rows.
+constexpr ProximalPivoting::Budget kFromIterate = {.pivots = 10, .progress = 0.5};
+// Of a warm start, in double the work of a step at most where it fails at once: none after the first set if that leaves
+// more than 12 % of the rows wrong, and no more once a pivot neither halves their number nor leaves 1 %.
+constexpr ProximalPivoting::Budget kFromStart = {.pivots = 8, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01};
+constexpr ProximalPivoting::Budget kLastResort = {.pivots = 300};
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
@@ -47,7 +46,6 @@ constexpr double kLift = 100;
 constexpr int kMostLifts = 2;
 constexpr double kLeastWarmSweeps = 60;
 constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
-constexpr double kAnyProgress = std::numeric_limits<double>::infinity();
 
 // Weight of the proximal term for pivots from an interior-point iterate: its distance from the solution is of the order
 // of sqrt(mu) where rows are degenerate. The first guess of all takes the light weight: if F is right, it is exact.
@@ -55,26 +53,13 @@ constexpr double kTame = 10;
 constexpr double kHeaviest = 1e-2;
 double TameWeight(double mu) { return std::min(kHeaviest, kTame * std::sqrt(mu)); }
 
-ScaledSystem::Space SystemSpace(IpmOptions::Space space) {
-  switch (space) {
-    case IpmOptions::Space::kContact:
-      return ScaledSystem::Space::kContact;
-    case IpmOptions::Space::kBody:
-      return ScaledSystem::Space::kBody;
-    case IpmOptions::Space::kAutomatic:
-      break;
-  }
-  return ScaledSystem::Space::kAutomatic;
-}
-
 }  // namespace
 
 IpmOptions IpmOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("ipm", settings);
   IpmOptions options;
   const std::string space = reader.Choice("space", "auto", {"auto", "contact", "body"});
-  if (space == "contact") options.space = Space::kContact;
-  if (space == "body") options.space = Space::kBody;
+  options.space = space == "contact" ? Space::kContact : space == "body" ? Space::kBody : Space::kAutomatic;
   options.proximal = reader.Number("proximal", options.proximal, 1e-13, 1e-6);
   options.correctors = static_cast<int>(reader.Number("correctors", options.correctors, 0, 10));
   options.self_check = reader.SelfCheck();
@@ -91,10 +76,9 @@ class IpmEngine {
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem) {
     statistics_ = {};
-    system_.Prepare(problem, SystemSpace(options_.space));
+    system_.Prepare(problem, options_.space);
     interior_.Reserve(problem.size());
     finish_.Reserve(problem.size(), system_.flops());
-    guess_.Reserve(problem.size());
     warm_sweeps_ = static_cast<std::int64_t>(
         std::max(kLeastWarmSweeps, kWarmSweepWork * SweepsPerFactorization(problem, system_.flops(), system_.fill())));
     pivoting_.Reserve(problem.size());
@@ -107,7 +91,7 @@ class IpmEngine {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
     system_.SetB(problem);
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
-    IpmRun run(system_, options_, options, statistics_);
+    IpmRun run(system_, {options_.proximal, options_.correctors, options_.self_check}, options, statistics_);
     result->status = SolveWithin(&run, result);
     if (run.accepted()) result->status = LcpStatus::kSolved;
     result->iterations = statistics_.factorizations;
@@ -124,27 +108,11 @@ class IpmEngine {
   using Outcome = ProximalPivoting::Outcome;
   using Progress = InteriorPoint::Progress;
 
-  // Rows with A_ii = 0 have w_i = b_i whatever f is.
-  bool HasImpossibleRow(LcpResult* result) {
-    const LcpProblem& problem = system_.problem();
-    for (Index i = 0; i < problem.size(); ++i) {
-      if (problem.DiagonalA()[i] != 0) continue;
-      const double b = problem.b()[i];
-      if (problem.is_bilateral(i) ? b == 0 : b >= 0) continue;
-      Eigen::VectorXd y = Eigen::VectorXd::Zero(problem.size());
-      y[i] = b < 0 ? 1.0 : -1.0;
-      if (!VerifyFarkasRay(problem, y).accepted) continue;
-      result->farkas_ray = std::move(y);
-      result->detail = "row " + std::to_string(i) + " has A_ii = 0 and a gap acceleration that no force can change";
-      return true;
-    }
-    return false;
-  }
-
   LcpStatus SolveWithin(IpmRun* run, LcpResult* result) {
     const LcpProblem& problem = system_.problem();
     const Index n = problem.size();
-    if (HasImpossibleRow(result)) return LcpStatus::kInfeasible;
+    result->farkas_ray = FindZeroRowRay(problem, 0);
+    if (result->farkas_ray.has_value()) return LcpStatus::kInfeasible;
 
     bool live = false;
     bool contacts = false;
@@ -214,7 +182,7 @@ class IpmEngine {
       if (finish_.Try(run, interior_.f(), interior_.w())) return LcpStatus::kSolved;
       if (interior_.mu() > guess_below || finish_.wrong_rows() > few_wrong) continue;
       guess_below = kNextGuess * interior_.mu();
-      const Outcome outcome = pivoting_.Run(run, interior_.f(), interior_.w(), kGuessPivots, kGuessProgress,
+      const Outcome outcome = pivoting_.Run(run, interior_.f(), interior_.w(), kFromIterate,
                                             guesses++ == 0 ? 0.0 : TameWeight(interior_.mu()));
       if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
     }
@@ -239,17 +207,19 @@ class IpmEngine {
   // All of a warm start that comes before the interior point; what it finds is run->best_f(). True if that is it.
   bool TryStart(IpmRun* run, double rho_of_zero) {
     const Eigen::VectorXd& start = *run->options().initial_f;
-    const Eigen::VectorXd f = start.cwiseQuotient(system_.force_unit());
+    Eigen::VectorXd f = start.cwiseQuotient(system_.force_unit());
+    for (Index i = 0; i < f.size(); ++i)
+      f[i] = system_.idle(i) ? 0.0 : system_.unilateral(i) ? std::max(f[i], 0.0) : f[i];
     Eigen::VectorXd w;
-    if (guess_.Judge(run, f, &w)) return true;
+    if (run->AcceptScaled(f, &w)) return true;
     if (!(run->best_rho() <= kWorthTrying * rho_of_zero)) return false;
-    if (guess_.Try(run, f, w)) return true;
+    if (pivoting_.Run(run, f, w, kFromStart, 0.0) == Outcome::kSolved) return true;
     if (run->limit_hit() || use_ != WarmStart::kFull) return false;
     return finish_.SweepFromBest(run, warm_sweeps_);
   }
 
   LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
-    return Ended(run, pivoting_.Run(run, f, w, kFallbackPivots, kAnyProgress, weight), result);
+    return Ended(run, pivoting_.Run(run, f, w, kLastResort, weight), result);
   }
 
   LcpStatus Ended(IpmRun* run, Outcome outcome, LcpResult* result) {
@@ -269,10 +239,8 @@ class IpmEngine {
   }
 
   void Remember(IpmRun* run) {
-    Eigen::VectorXd f = interior_.f().cwiseProduct(system_.force_unit());
     Eigen::VectorXd w;
-    system_.GapsExtended(f, true, &w);
-    run->Accept(f, w);
+    run->AcceptScaled(interior_.f(), &w);
   }
 
   IpmOptions options_;
@@ -282,7 +250,6 @@ class IpmEngine {
   ScaledSystem system_;
   InteriorPoint interior_;
   InteriorFinish finish_;
-  InteriorGuess guess_;
   ProximalPivoting pivoting_;
 };
 

@@ -2,40 +2,25 @@
 
 #include <cstdint>
 
+#include "solvers/interior_point/ipm_run.h"
 #include "solvers/lcp/engine_solver.h"
 
 namespace lcpbench {
 
 /// Options of IpmSolver.
 struct IpmOptions {
-  /// Where the linear systems live.
-  enum class Space {
-    kAutomatic,  ///< by the column counts of J; contact space where no factors are given
-    kContact,    ///< A + diagonal, n x n
-    kBody,       ///< movable bodies and contacts together; contact space where no factors are given
-  };
-  Space space = Space::kAutomatic;  ///< see Space
+  using Space = ScaledSystem::Space;
+  /// Where the linear systems live. kAutomatic: by the column counts of J.
+  Space space = Space::kAutomatic;
   /// Proximal weight relative to the scaled unit diagonal. Smaller than 1e-13 meets rounding of singular A; 1e-7
   /// already slows the interior point on rank-deficient A, as directions in the null space are damped.
   double proximal = 1e-12;
-  /// Centrality correctors per interior-point step, as long as they lengthen it; each costs one solve. 2 to 5 differ by
-  /// 5 % in time over the scene families at 10^3 and 10^4 rows; from 10^5 redundant rows on 4 save a fifth.
+  /// Centrality correctors per interior-point step, as long as they lengthen it; each costs one solve.
   int correctors = 4;
   bool self_check = true;  ///< SettingsReader::SelfCheck; without it rho alone, in scaled variables, decides
 
   /// Names: space (auto, contact, body), proximal [1e-13, 1e-6], correctors [0, 10], self_check.
   static IpmOptions FromSettings(const Settings& settings);
-};
-
-/// What happened below, for tests and tuning.
-struct IpmStatistics {
-  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if those of the problem before serve
-  std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
-  std::int64_t interior_steps = 0;  ///< of these, interior-point steps
-  std::int64_t pivots = 0;          ///< of these, active sets tried
-  bool body_space = false;          ///< the systems live on the bodies
-  double fill = 0;                  ///< entries of L
-  double factor_flops = 0;          ///< of one factorisation
 };
 
 /// Sparse second-order LCP solver on CHOLMOD: an interior point that finds the active set, and an active-set method
@@ -64,21 +49,16 @@ struct IpmStatistics {
 /// negative diagonal entry, or a nonzero beside a zero diagonal entry. Departures: one step length for f and w (the QP
 /// couples them); the proximal term; finishing by active sets.
 ///
-/// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; normally 5 to 20, 20
-/// to 50 where redundant contacts leave many rows with f = w = 0. Default limit 500. Cost of one: CHOLMOD's Factorize
-/// plus 3 to 10 solves. Limits are checked before each factorisation; none is begun that would end more than 10 % past
-/// the time limit if it takes as long as the one before. A failure leaves the iterate of least rho seen.
+/// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; default limit 500.
+/// Cost of one: CHOLMOD's Factorize plus 3 to 10 solves. Limits are checked before each factorisation; none is begun
+/// that would end more than 10 % past the time limit if it takes as long as the one before. A failure leaves the
+/// iterate of least rho seen.
 ///
-/// Warm start: initial_f, clipped at 0, is returned if it meets the tier. Where its rho is at least half that of f = 0
-/// it is ignored. Else, in this order: its active set on one factorisation, block pivots from there only as long as
-/// they pay (InteriorGuess, at most eight); nncg for as long as its rate promises an answer within the time of four
-/// factorisations; the interior point from the best iterate so far, on f w = mu with f - w kept, where that has a rho
-/// below 3 % of that of f = 0, else a cold start. Measured against a cold solve at 10^3 and 10^4 rows, all families:
-/// 0.04 to 0.7 where loads and masses have drifted by 1 %. May change the answer where f is not unique.
-///
-/// Set-up, in a sequence: while rows join the same bodies in the same order as in the problem prepared before (contact
-/// space: while A has the same pattern), order and symbolic analysis are kept, with the same bits as afresh; values are
-/// always new.
+/// Warm start: initial_f, clipped at 0, is returned if it meets the tier; it is ignored where its rho is at least half
+/// that of f = 0. Else: its active set, with block pivots only as long as they pay (ProximalPivoting); nncg for as long
+/// as its rate promises an answer within the time of four factorisations; the interior point from the best iterate so
+/// far where that has a rho below 3 % of that of f = 0, or cold. May change the answer where f is not unique.
+/// In a sequence order and symbolic analysis are kept where they still fit. Measured: docs/solvers/interior_point.md.
 class IpmSolver final : public EngineSolver<IpmOptions, class IpmEngine> {
  public:
   using EngineSolver::EngineSolver;

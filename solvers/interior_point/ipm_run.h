@@ -6,16 +6,33 @@
 #include <limits>
 #include <string>
 
-#include "solvers/interior_point/ipm.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/scaled_system.h"
 
 namespace lcpbench {
 
+/// What happened below an IpmSolver, for tests and tuning.
+struct IpmStatistics {
+  std::int64_t analyses = 0;        ///< symbolic, in the latest Prepare; 0 if those of the problem before serve
+  std::int64_t factorizations = 0;  ///< numeric, in the latest Solve
+  std::int64_t interior_steps = 0;  ///< of these, interior-point steps
+  std::int64_t pivots = 0;          ///< of these, active sets tried
+  bool body_space = false;          ///< the systems live on the bodies
+  double fill = 0;                  ///< entries of L
+  double factor_flops = 0;          ///< of one factorisation
+};
+
 /// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods.
 class IpmRun {
  public:
-  IpmRun(ScaledSystem& system, const IpmOptions& own, const LcpOptions& options, IpmStatistics& statistics)
+  /// Those of IpmOptions.
+  struct Own {
+    double proximal;
+    int correctors;
+    bool self_check;
+  };
+
+  IpmRun(ScaledSystem& system, const Own& own, const LcpOptions& options, IpmStatistics& statistics)
       : system_(system),
         own_(own),
         options_(options),
@@ -67,6 +84,14 @@ class IpmRun {
     accepted_ = accepted_ || meets;
     return meets;
   }
+  /// The same for f^ in scaled variables, with w summed in extended precision; *w becomes the scaled gaps.
+  bool AcceptScaled(const Eigen::VectorXd& scaled_f, Eigen::VectorXd* w) {
+    const Eigen::VectorXd f = scaled_f.cwiseProduct(system_.force_unit());
+    system_.GapsExtended(f, true, w);
+    const bool meets = Accept(f, *w);
+    *w = w->cwiseQuotient(system_.gap_unit());
+    return meets;
+  }
   const Eigen::VectorXd& best_f() const { return best_f_; }
   double best_rho() const { return best_rho_; }
   /// Whether best_f() meets the tier.
@@ -89,7 +114,7 @@ class IpmRun {
   static constexpr double kMargin = 0.9;
 
   ScaledSystem& system_;
-  const IpmOptions& own_;
+  const Own own_;
   const LcpOptions& options_;
   Deadline deadline_;
   std::int64_t limit_;

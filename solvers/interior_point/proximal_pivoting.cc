@@ -165,7 +165,7 @@ void ProximalPivoting::Flip(const ScaledSystem& system, bool all) {
 }
 
 ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w,
-                                                int pivots, double progress, double weight) {
+                                                const Budget& budget, double weight) {
   ScaledSystem& system = run->system();
   const Index n = system.size();
   weight_ = std::max(run->proximal(), weight);
@@ -173,11 +173,12 @@ ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::Vector
     active_[static_cast<size_t>(i)] = !system.idle(i) && (!system.unilateral(i) || f[i] > w[i]) ? 1 : 0;
     center_[i] = system.idle(i) ? 0.0 : f[i];
   }
+  const auto rows = static_cast<double>(n);
   Index fewest = n + 1;
   int patience = kPatience;
   int outer = 0;
   bool factorized = false;
-  for (int pivot = 0; pivot < pivots;) {
+  for (int pivot = 0; pivot < budget.pivots;) {
     if (!factorized) {
       if (!Factorize(run)) return run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp;
       ++run->statistics().pivots;
@@ -212,7 +213,9 @@ ProximalPivoting::Outcome ProximalPivoting::Run(IpmRun* run, const Eigen::Vector
       patience = kPatience;
       continue;
     }
-    if (static_cast<double>(wrong) > progress * static_cast<double>(fewest)) return Outcome::kGaveUp;
+    const double most =
+        pivot == 1 && fewest > n ? budget.most_wrong * rows : budget.progress * static_cast<double>(fewest);
+    if (static_cast<double>(wrong) > std::max(most, pivot > 1 ? budget.few_wrong * rows : 0.0)) return Outcome::kGaveUp;
     if (wrong < fewest) {
       fewest = wrong;
       patience = kPatience;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
+#include <limits>
 #include <vector>
 
 #include "solvers/interior_point/ipm_run.h"
@@ -23,15 +23,20 @@ class ProximalPivoting {
 
   void Reserve(Index n);
 
+  /// How long pivots go on.
+  struct Budget {
+    int pivots;  ///< active sets to try
+    /// A pivot ends it that leaves more than this fraction of the least number of wrong rows before it ...
+    double progress = std::numeric_limits<double>::infinity();
+    double most_wrong = 1;  ///< ... as does the first set with more than this fraction of all rows wrong, ...
+    double few_wrong = 0;   ///< ... unless at most this fraction is left
+  };
+
   /// From F = {f > w} and c = f.
-  /// @param pivots    active sets to try
-  /// @param progress  gives up once a pivot leaves more than this fraction of the least number of wrong rows before it
-  /// @param weight    eps to start with, if above the solver's own. An F that is wrong by a residual r moves f by r /
-  /// eps,
-  ///                  so with eps about the residual of f the pivots stay near f even where A_FF is singular; eps then
-  ///                  falls with the residual, as in regularised Newton methods [Qi, Sun 1993; Facchinei, Pang 2003]
-  Outcome Run(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, int pivots, double progress,
-              double weight);
+  /// @param weight  eps to start with, if above the solver's own. An F that is wrong by a residual r moves f by
+  ///     r / eps, so with eps about the residual of f the pivots stay near f even where A_FF is singular; eps then
+  ///     falls with the residual, as in regularised Newton methods [Qi, Sun 1993; Facchinei, Pang 2003]
+  Outcome Run(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, const Budget& budget, double weight);
 
   /// Projects the growth direction on the null space of A over its support, and has VerifyFarkasRay judge it.
   /// Restricted to the component where it is largest: noise of the others would spoil the proof.

@@ -1,90 +1,55 @@
 #include "solvers/io/json_lines.h"
 
+#include <algorithm>
 #include <boost/multiprecision/cpp_int.hpp>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "solvers/lcp/metric_table.h"
 #include "support/input_error.h"
+#include "support/json_field.h"
 
 namespace lcpbench {
 namespace {
 
 using Json = nlohmann::json;
 
-[[noreturn]] void Reject(const std::string& where, const std::string& field, const std::string& what) {
-  throw InputError(where + ": field '" + field + "': " + what);
+// p/q or p, rounded once, to the nearest double; NaN for what is neither.
+double ParseFraction(const std::string& text) {
+  using boost::multiprecision::cpp_int;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const auto parse = [](std::string_view digits) -> std::optional<cpp_int> {
+    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string_view::npos) return std::nullopt;
+    digits.remove_prefix(std::min(digits.find_first_not_of('0'), digits.size() - 1));  // no octal by leading zeros
+    return cpp_int(std::string(digits));
+  };
+  // A sign belongs to the numerator; a digit count beyond any double's range is refused before it costs time.
+  constexpr std::size_t kLongest = 4000;
+  if (text.empty() || text.size() > kLongest) return kNone;
+  const std::size_t begin = text.front() == '-' || text.front() == '+' ? 1 : 0;
+  const std::size_t slash = text.find('/');
+  const std::optional<cpp_int> p = parse(std::string_view(text).substr(begin, slash - begin));
+  const std::optional<cpp_int> q = slash == std::string::npos ? cpp_int(1) : parse(text.substr(slash + 1));
+  if (!p || !q || *q == 0) return kNone;
+  const auto magnitude = boost::multiprecision::cpp_rational(*p, *q).convert_to<double>();
+  return text.front() == '-' ? -magnitude : magnitude;
 }
 
-std::string Describe(const Json& value) {
-  if (value.is_array()) return "a list of " + std::to_string(value.size());
-  if (value.is_object()) return "an object";
-  std::string text = value.dump();
-  constexpr std::size_t kLongest = 40;
-  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
-  return text;
+double ParseNumber(const JsonField& field) {
+  const double number = field.IsString()   ? ParseFraction(field.String())
+                        : field.IsNumber() ? field.Number()
+                                           : std::numeric_limits<double>::quiet_NaN();
+  if (!std::isfinite(number)) field.Mismatch("a finite number or \"p/q\"");
+  return number;
 }
 
-bool IsInteger(std::string_view text) {
-  if (!text.empty() && (text.front() == '-' || text.front() == '+')) text.remove_prefix(1);
-  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
-}
-
-// A JSON number or an exact "p/q": rounded once, to the nearest double.
-double ParseNumber(const Json& value, const std::string& where, const std::string& field) {
-  if (value.is_number()) {
-    const double number = value.get<double>();
-    if (!std::isfinite(number)) Reject(where, field, "expected a finite number, found " + Describe(value));
-    return number;
-  }
-  if (value.is_string()) {
-    const std::string text = value.get<std::string>();
-    const auto slash = text.find('/');
-    const std::string numerator = text.substr(0, slash);
-    const std::string denominator = slash == std::string::npos ? "1" : text.substr(slash + 1);
-    // A sign belongs to the numerator; a digit count beyond any double's range is refused before it costs time.
-    constexpr std::size_t kLongest = 4000;
-    if (IsInteger(numerator) && IsInteger(denominator) && denominator.front() != '-' && denominator.front() != '+' &&
-        text.size() <= kLongest) {
-      using boost::multiprecision::cpp_int;
-      using boost::multiprecision::cpp_rational;
-      const auto unsigned_text = [](const std::string& digits) {
-        const auto first = digits.find_first_not_of("+-0");
-        return first == std::string::npos ? std::string("0") : digits.substr(first);  // no octal by leading zeros
-      };
-      const cpp_int p(unsigned_text(numerator));
-      const cpp_int q(unsigned_text(denominator));
-      if (q != 0) {
-        const double magnitude = cpp_rational(p, q).convert_to<double>();
-        if (std::isfinite(magnitude)) return numerator.front() == '-' ? -magnitude : magnitude;
-      }
-    }
-  }
-  Reject(where, field, "expected a finite number or \"p/q\", found " + Describe(value));
-}
-
-const Json& Member(const Json& object, const std::string& where, const std::string& field) {
-  const auto found = object.find(field);
-  if (found == object.end()) Reject(where, field, "is missing");
-  return *found;
-}
-
-Eigen::VectorXd ParseVector(const Json& value, const std::string& where, const std::string& field) {
-  if (!value.is_array()) Reject(where, field, "expected a list of numbers, found " + Describe(value));
-  Eigen::VectorXd vector(static_cast<Index>(value.size()));
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    vector[static_cast<Index>(i)] = ParseNumber(value[i], where, field + "[" + std::to_string(i) + "]");
-  }
+Eigen::VectorXd ParseVector(const JsonField& field, std::optional<std::size_t> size = std::nullopt) {
+  Eigen::VectorXd vector(static_cast<Index>(field.Size(size)));
+  for (Index i = 0; i < vector.size(); ++i) vector[i] = ParseNumber(field.Item(static_cast<std::size_t>(i)));
   return vector;
-}
-
-Index ParseIndex(const Json& value, Index limit, const std::string& where, const std::string& field) {
-  if (!value.is_number_integer() || value.get<double>() < 0 || value.get<double>() >= static_cast<double>(limit)) {
-    Reject(where, field, "expected an index in [0, " + std::to_string(limit) + "), found " + Describe(value));
-  }
-  return value.get<Index>();
 }
 
 // What a matrix field holds, before anyone allocates: dense rows stay dense, coordinates stay sparse.
@@ -94,106 +59,61 @@ struct ParsedMatrix {
   SparseMatrix sparse;
 };
 
-[[noreturn]] void RejectShape(const std::string& where, const std::string& field, Index rows, Index cols,
-                              const std::string& found) {
-  Reject(where, field,
-         "expected " + std::to_string(rows) + " rows of " + std::to_string(cols) + " columns, found " + found);
-}
-
-ParsedMatrix ParseMatrix(const Json& value, Index rows, Index cols, const std::string& where,
-                         const std::string& field) {
+ParsedMatrix ParseMatrix(const JsonField& field, Index rows, Index columns) {
   ParsedMatrix matrix;
-  if (value.is_object()) {
-    const auto part = [&](const char* name) -> const Json& {
-      const auto found = value.find(name);
-      if (found == value.end() || !found->is_array()) Reject(where, field + "." + name, "expected a list");
-      return *found;
-    };
-    const Json& shape = part("shape");
-    if (shape.size() != 2 || shape[0] != rows || shape[1] != cols) {
-      Reject(where, field + ".shape",
-             "expected [" + std::to_string(rows) + "," + std::to_string(cols) + "], found " + shape.dump());
+  const auto m = static_cast<std::size_t>(rows);
+  const auto n = static_cast<std::size_t>(columns);
+  if (field.IsObject()) {
+    const std::vector<JsonField> shape = field["shape"].Items(2);
+    for (const auto& [item, size] : {std::pair{&shape[0], rows}, {&shape[1], columns}}) {
+      if (item->Number() != static_cast<double>(size)) item->Mismatch(std::to_string(size));
     }
-    const Json& row = part("row");
-    const Json& col = part("col");
-    const Json& val = part("val");
-    if (row.size() != val.size() || col.size() != val.size()) {
-      Reject(where, field,
-             "row, col and val must be equally long, found " + std::to_string(row.size()) + ", " +
-                 std::to_string(col.size()) + ", " + std::to_string(val.size()));
-    }
+    const JsonField value = field["val"], row = field["row"], column = field["col"];
+    const std::size_t count = value.Size();
+    row.Size(count);
+    column.Size(count);
     std::vector<Eigen::Triplet<double, int>> entries;
-    entries.reserve(val.size());
-    for (std::size_t k = 0; k < val.size(); ++k) {
-      const std::string at = "[" + std::to_string(k) + "]";
-      entries.emplace_back(static_cast<int>(ParseIndex(row[k], rows, where, field + ".row" + at)),
-                           static_cast<int>(ParseIndex(col[k], cols, where, field + ".col" + at)),
-                           ParseNumber(val[k], where, field + ".val" + at));
+    entries.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      entries.emplace_back(row.Item(k).IndexBelow(m), column.Item(k).IndexBelow(n), ParseNumber(value.Item(k)));
     }
-    matrix.sparse.resize(rows, cols);
+    matrix.sparse.resize(rows, columns);
     matrix.sparse.setFromTriplets(entries.begin(), entries.end());
     return matrix;
   }
-  if (!value.is_array()) Reject(where, field, "expected a matrix, found " + Describe(value));
   matrix.is_dense = true;
-  const bool flat = !value.empty() && !value[0].is_array();
-  if (flat) {
-    if (value.size() != static_cast<std::size_t>(rows * cols)) {
-      RejectShape(where, field, rows, cols, "a flat list of " + std::to_string(value.size()));
-    }
-    matrix.dense.resize(rows, cols);
-    for (Index k = 0; k < rows * cols; ++k) {
-      matrix.dense(k / cols, k % cols) =
-          ParseNumber(value[static_cast<std::size_t>(k)], where, field + "[" + std::to_string(k) + "]");
-    }
-    return matrix;
+  if (!field.IsArray()) field.Mismatch("a matrix");
+  const std::size_t count = field.Size();
+  const bool flat = count > 0 && !field.Item(0).IsArray();
+  if (count != (flat ? m * n : m)) {
+    field.Mismatch(std::to_string(m) + " rows of " + std::to_string(n) + " columns");
   }
-  if (value.size() != static_cast<std::size_t>(rows)) {
-    RejectShape(where, field, rows, cols, std::to_string(value.size()) + " rows");
+  std::vector<double> values;
+  for (std::size_t i = 0; i < count; ++i) {
+    const JsonField item = field.Item(i);
+    if (flat) values.push_back(ParseNumber(item));
+    for (std::size_t j = 0; !flat && j < item.Size(n); ++j) values.push_back(ParseNumber(item.Item(j)));
   }
-  for (std::size_t i = 0; i < value.size(); ++i) {
-    if (!value[i].is_array() || value[i].size() != static_cast<std::size_t>(cols)) {
-      RejectShape(where, field + "[" + std::to_string(i) + "]", rows, cols, Describe(value[i]));
-    }
-  }
-  matrix.dense.resize(rows, cols);
-  for (Index i = 0; i < rows; ++i) {
-    matrix.dense.row(i) =
-        ParseVector(value[static_cast<std::size_t>(i)], where, field + "[" + std::to_string(i) + "]").transpose();
-  }
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  matrix.dense = Eigen::Map<const ByRows>(values.data(), rows, columns);
   return matrix;
 }
 
-std::vector<Index> ParseBilateral(const Json& record, Index n, const std::string& where) {
+std::vector<Index> ParseBilateral(const JsonField& record, std::size_t n) {
   std::vector<Index> rows;
-  if (const auto found = record.find("bilateral"); found != record.end()) {
-    if (!found->is_array()) Reject(where, "bilateral", "expected a list of row indices, found " + Describe(*found));
-    for (std::size_t k = 0; k < found->size(); ++k) {
-      rows.push_back(ParseIndex((*found)[k], n, where, "bilateral[" + std::to_string(k) + "]"));
-    }
+  if (record.Has("bilateral")) {
+    for (const JsonField& row : record["bilateral"].Items()) rows.push_back(row.IndexBelow(n));
     return rows;
   }
   // Recorded contact problems mark joints per row instead.
-  const auto add_if = [&](const Json& flag, std::size_t i, const std::string& field) {
-    if (!flag.is_boolean()) Reject(where, field, "expected true or false, found " + Describe(flag));
-    if (flag.get<bool>()) rows.push_back(static_cast<Index>(i));
-  };
-  if (const auto joint = record.find("joint"); joint != record.end() && joint->is_array()) {
-    if (joint->size() != static_cast<std::size_t>(n)) {
-      Reject(where, "joint", "expected " + std::to_string(n) + " entries, found " + std::to_string(joint->size()));
-    }
-    for (std::size_t i = 0; i < joint->size(); ++i) add_if((*joint)[i], i, "joint[" + std::to_string(i) + "]");
-  } else if (const auto contacts = record.find("contacts"); contacts != record.end() && contacts->is_array()) {
-    if (contacts->size() != static_cast<std::size_t>(n)) {
-      Reject(where, "contacts",
-             "expected " + std::to_string(n) + " entries, found " + std::to_string(contacts->size()));
-    }
-    for (std::size_t i = 0; i < contacts->size(); ++i) {
-      const Json& contact = (*contacts)[i];
-      const std::string field = "contacts[" + std::to_string(i) + "]";
-      if (!contact.is_object()) Reject(where, field, "expected an object, found " + Describe(contact));
-      if (contact.contains("joint")) add_if(contact["joint"], i, field + ".joint");
-    }
+  const char* const marks = record["joint"].IsArray() ? "joint" : "contacts";
+  if (!record[marks].IsArray()) return rows;
+  const std::vector<JsonField> items = record[marks].Items(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const bool is_flag = marks == std::string_view("joint");
+    if (!is_flag && !items[i].IsObject()) items[i].Mismatch("an object");
+    if (!is_flag && !items[i].Has("joint")) continue;
+    if ((is_flag ? items[i] : items[i]["joint"]).Boolean()) rows.push_back(static_cast<Index>(i));
   }
   return rows;
 }
@@ -223,105 +143,63 @@ Json ToJson(const SparseMatrix& matrix) {
 }  // namespace
 
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
-  Json record;
-  try {
-    record = Json::parse(line);
-  } catch (const Json::exception& error) {
-    // The library's text starts with its own tag in brackets.
-    const std::string text = error.what();
-    const auto tag_end = text.find("] ");
-    throw InputError(where +
-                     ": not a JSON record: " + (tag_end == std::string::npos ? text : text.substr(tag_end + 2)));
-  }
-  if (!record.is_object()) throw InputError(where + ": expected a JSON object, found " + Describe(record));
-
+  const Json json = ParseJsonObject(line, where);
+  const JsonField record(json, where);
   std::string id = where;
-  if (const auto found = record.find("id"); found != record.end()) {
-    if (found->is_string()) {
-      id = found->get<std::string>();
-    } else if (found->is_number()) {
-      id = found->dump();
-    } else {
-      Reject(where, "id", "expected a string or a number, found " + Describe(*found));
-    }
-  }
-  Eigen::VectorXd b = ParseVector(Member(record, where, "b"), where, "b");
+  if (record.Has("id")) id = record["id"].IsNumber() ? json["id"].dump() : record["id"].String();
+  Eigen::VectorXd b = ParseVector(record["b"]);
   const Index n = b.size();
-  if (const auto found = record.find("n"); found != record.end() && *found != n) {
-    Reject(where, "n", "expected the length of b, " + std::to_string(n) + ", found " + Describe(*found));
-  }
+  const auto rows = static_cast<std::size_t>(n);
+  if (record.Has("n") && json["n"] != n) record["n"].Mismatch("the length of b, " + std::to_string(n));
 
   MatrixFacts facts;
-  if (const auto rank = record.find("rank_A"); rank != record.end() && rank->is_number_integer()) {
-    facts.rank = rank->get<Index>();
-  }
-  if (const auto unique = record.find("f_unique"); unique != record.end() && unique->is_boolean()) {
-    facts.f_unique = unique->get<bool>();
-  }
+  const Json unknown;
+  const auto known = [&](const char* field) -> const Json& { return record.Has(field) ? json[field] : unknown; };
+  if (known("rank_A").is_number_integer()) facts.rank = json["rank_A"].get<Index>();
+  if (known("f_unique").is_boolean()) facts.f_unique = json["f_unique"].get<bool>();
   LcpReference reference;
-  const auto status = record.find("status");
-  if (status != record.end() && status->is_string()) {
-    if (*status == "solved") reference.status = LcpReference::Status::kSolved;
-    if (*status == "infeasible") reference.status = LcpReference::Status::kInfeasible;
-  }
-  const auto answer = [&](const char* field) -> std::optional<Eigen::VectorXd> {
-    const auto found = record.find(field);
-    if (found == record.end() || !found->is_array()) return std::nullopt;
-    Eigen::VectorXd vector = ParseVector(*found, where, field);
-    if (vector.size() != n) {
-      Reject(where, field, "expected " + std::to_string(n) + " entries, found " + std::to_string(vector.size()));
-    }
-    return vector;
-  };
+  if (known("status") == "solved") reference.status = LcpReference::Status::kSolved;
+  if (known("status") == "infeasible") reference.status = LcpReference::Status::kInfeasible;
   if (reference.status == LcpReference::Status::kSolved) {
-    reference.w = answer("w");
-    if (facts.f_unique.value_or(false)) reference.f = answer("f_minnorm");
-  }
-  std::string category;
-  if (const auto found = record.find("category"); found != record.end() && found->is_string()) {
-    category = found->get<std::string>();
-  }
-
-  const std::vector<Index> bilateral = ParseBilateral(record, n, where);
-  try {
-    RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
-    if (record.contains("J")) {
-      Eigen::VectorXd inverse_mass = ParseVector(Member(record, where, "invM"), where, "invM");
-      ParsedMatrix J = ParseMatrix(record["J"], n, inverse_mass.size(), where, "J");
-      if (J.is_dense) J.sparse = J.dense.sparseView(1.0, 0.0);
-      return {LcpProblem::FromFactors(std::move(id), J.sparse, std::move(inverse_mass), std::move(b), std::move(bounds),
-                                      facts),
-              std::move(reference), std::move(category)};
+    if (known("w").is_array()) reference.w = ParseVector(record["w"], rows);
+    if (facts.f_unique.value_or(false) && known("f_minnorm").is_array()) {
+      reference.f = ParseVector(record["f_minnorm"], rows);
     }
-    if (!record.contains("A")) throw InputError(where + ": expected field 'A', or 'J' with 'invM'");
-    ParsedMatrix A = ParseMatrix(record["A"], n, n, where, "A");
-    LcpProblem problem =
-        A.is_dense ? LcpProblem::FromDense(std::move(id), std::move(A.dense), std::move(b), std::move(bounds), facts)
-                   : LcpProblem::FromSparse(std::move(id), A.sparse, std::move(b), std::move(bounds), facts);
-    return {std::move(problem), std::move(reference), std::move(category)};
+  }
+  const std::string category = record["category"].IsString() ? record["category"].String() : "";
+
+  const std::vector<Index> bilateral = ParseBilateral(record, rows);
+  const auto problem = [&]() -> LcpProblem {
+    RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
+    if (record.Has("J")) {
+      Eigen::VectorXd inverse_mass = ParseVector(record["invM"]);
+      ParsedMatrix J = ParseMatrix(record["J"], n, inverse_mass.size());
+      if (J.is_dense) J.sparse = J.dense.sparseView(1.0, 0.0);
+      return LcpProblem::FromFactors(std::move(id), J.sparse, std::move(inverse_mass), std::move(b), std::move(bounds),
+                                     facts);
+    }
+    if (!record.Has("A")) throw InputError(where + ": expected field 'A', or 'J' with 'invM'");
+    ParsedMatrix A = ParseMatrix(record["A"], n, n);
+    if (!A.is_dense) return LcpProblem::FromSparse(std::move(id), A.sparse, std::move(b), std::move(bounds), facts);
+    return LcpProblem::FromDense(std::move(id), std::move(A.dense), std::move(b), std::move(bounds), facts);
+  };
+  try {
+    return {problem(), std::move(reference), category};
   } catch (const InputError& error) {
     const std::string text = error.what();
     throw InputError(text.starts_with(where) ? text : where + ": " + text);
   }
 }
 
-LcpReader::LcpReader(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
-
-std::optional<LcpRecord> LcpReader::Next() {
-  while (std::getline(input_, line_)) {
-    ++line_number_;
-    if (line_.find_first_not_of(" \t\r") == std::string::npos) continue;
-    return ParseLcpRecord(line_, name_ + ":" + std::to_string(line_number_));
-  }
-  return std::nullopt;
-}
-
 std::vector<LcpRecord> ReadLcpFile(const std::string& path) {
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened for reading");
-  LcpReader reader(file, path);
   std::vector<LcpRecord> records;
-  while (std::optional<LcpRecord> record = reader.Next()) records.push_back(std::move(*record));
+  std::string line;
+  for (std::size_t number = 1; std::getline(file, line); ++number) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    records.push_back(ParseLcpRecord(line, path + ":" + std::to_string(number)));
+  }
   return records;
 }
 

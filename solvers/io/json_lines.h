@@ -1,6 +1,5 @@
 #pragma once
 
-#include <istream>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -34,24 +33,8 @@ struct LcpRecord {
 /// @throws InputError naming where, the field, what was expected and what was found
 LcpRecord ParseLcpRecord(std::string_view line, const std::string& where);
 
-/// Reads problems one line at a time, so that a long file never has to fit in memory. Empty lines are passed over.
-class LcpReader {
- public:
-  /// @param input  not owned; must outlive the reader
-  /// @param name   the file's name for error texts
-  LcpReader(std::istream& input, std::string name);
-
-  /// The next problem, or nothing at the end. After an InputError for one line the next call goes on with the next.
-  std::optional<LcpRecord> Next();
-
- private:
-  std::istream& input_;
-  std::string name_;
-  std::string line_;
-  std::size_t line_number_ = 0;
-};
-
-/// All problems of a file. @throws InputError also when the file cannot be opened
+/// All problems of a file, one a line; empty lines are passed over.
+/// @throws InputError also when the file cannot be opened
 std::vector<LcpRecord> ReadLcpFile(const std::string& path);
 
 /// One line that ParseLcpRecord reads back bit for bit: the given form, b, bilateral rows.

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "solvers/ipopt/ipopt_engine.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {

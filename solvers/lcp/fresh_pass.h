@@ -7,7 +7,6 @@
 #include <span>
 #include <vector>
 
-#include "solvers/lcp/problem_arrays.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {

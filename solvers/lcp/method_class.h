@@ -1,13 +1,34 @@
 #pragma once
 
+#include <optional>
+#include <string_view>
+
 namespace lcpbench {
 
-/// What a method's cost allows it to be given: one rule for everybody, own solvers and peers
-/// (benchmarks/campaign/exclusion_rules.h).
+/// What a method's cost allows it to be given: one rule for everybody, own solvers and peers.
 enum class MethodClass {
   kAnySize,          ///< only the time limit ends it
   kDenseMatrix,      ///< works on a dense n x n matrix: n^2 numbers
   kExactArithmetic,  ///< rational numbers that grow with n
 };
+
+/// The largest problem that a solver of a class is given in campaigns, and why.
+struct SizeLimit {
+  int largest;  ///< rows
+  std::string_view reason;
+};
+
+/// Settled before any run, by what a method costs, not by how it fares.
+constexpr std::optional<SizeLimit> SizeLimitOf(MethodClass method_class) {
+  switch (method_class) {
+    case MethodClass::kDenseMatrix:
+      return SizeLimit{5000, "works on the dense matrix, n^2 numbers"};
+    case MethodClass::kExactArithmetic:
+      return SizeLimit{30, "exact rational arithmetic"};
+    case MethodClass::kAnySize:
+      break;
+  }
+  return std::nullopt;
+}
 
 }  // namespace lcpbench

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <mutex>
 #include <stdexcept>
 #include <utility>
 
-#include "solvers/lcp/dense_assembly.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/problem_arrays.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -84,12 +83,59 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   }
 }
 
-void CopyCompressedRows(const ProblemArrays& arrays, SparseMatrix* matrix) {
-  matrix->resize(arrays.rows, arrays.columns);
-  matrix->resizeNonZeros(static_cast<Index>(arrays.value.size()));
-  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix->outerIndexPtr());
-  std::copy(arrays.column.begin(), arrays.column.end(), matrix->innerIndexPtr());
-  std::copy(arrays.value.begin(), arrays.value.end(), matrix->valuePtr());
+SparseMatrix CompressedRows(const ProblemArrays& arrays) {
+  SparseMatrix matrix(arrays.rows, arrays.columns);
+  matrix.resizeNonZeros(static_cast<Index>(arrays.value.size()));
+  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix.outerIndexPtr());
+  std::copy(arrays.column.begin(), arrays.column.end(), matrix.innerIndexPtr());
+  std::copy(arrays.value.begin(), arrays.value.end(), matrix.valuePtr());
+  return matrix;
+}
+
+// J in compressed rows and the inverse masses, as they lie in somebody's memory.
+struct FactorView {
+  Index rows;
+  Index columns;
+  const int* row_start;
+  const int* column;
+  const double* value;
+  const double* inverse_mass;
+};
+
+FactorView View(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
+  return {J.rows(), J.cols(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(), inverse_mass.data()};
+}
+
+// Rows enter their columns' lists one after the other; row i meets those above it in every one of its columns, in the
+// order of the columns.
+void Assemble(const FactorView& factors, double* A, Index stride) {
+  // An entry of J in the list of its column; next: the one above it, -1 where it is the first.
+  struct ColumnEntry {
+    int next;
+    int row;
+    double value;
+  };
+  std::fill_n(A, factors.rows * stride, 0.0);
+  std::vector<int> last(static_cast<size_t>(factors.columns), -1);
+  const auto entries = std::make_unique_for_overwrite<ColumnEntry[]>(
+      static_cast<size_t>(factors.rows > 0 ? factors.row_start[factors.rows] : 0));
+  for (Index i = 0; i < factors.rows; ++i) {
+    double* row = A + i * stride;
+    for (int e = factors.row_start[i]; e < factors.row_start[i + 1]; ++e) {
+      const int k = factors.column[e];
+      const double m = factors.inverse_mass[k];
+      if (m == 0) continue;
+      const double value = factors.value[e];
+      entries[static_cast<size_t>(e)] = {last[static_cast<size_t>(k)], static_cast<int>(i), value};
+      last[static_cast<size_t>(k)] = e;
+      for (int other = e; other >= 0;) {
+        const ColumnEntry& entry = entries[static_cast<size_t>(other)];
+        row[entry.row] += m * (value * entry.value);
+        A[entry.row * stride + i] = row[entry.row];
+        other = entry.next;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -157,21 +203,6 @@ struct LcpProblem::Matrix {
       }
     }
     return true;
-  }
-
-  // Standard bounds.
-  void SetBilateral(const std::vector<unsigned char>& flags) {
-    const auto count =
-        static_cast<size_t>(std::count_if(flags.begin(), flags.end(), [](auto flag) { return flag != 0; }));
-    if (count == 0) return;
-    lower = Eigen::VectorXd::Zero(rows);
-    upper = Eigen::VectorXd::Constant(rows, kInfinity);
-    bilateral.reserve(count);
-    for (Index i = 0; i < rows; ++i) {
-      if (flags[static_cast<size_t>(i)] == 0) continue;
-      lower[i] = -kInfinity;
-      bilateral.push_back(i);
-    }
   }
 
   // A = J M^-1 J^T row by row. Every entry sums m_k (J_ik J_jk) over ascending k, so (i, j) and (j, i) round alike.
@@ -343,39 +374,32 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
 LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   RequireShape(arrays.id, "b", static_cast<Index>(arrays.b.size()), 1, n, 1);
-  const bool is_dense = arrays.form == MatrixForm::kDense;
-  const bool has_factors = arrays.form == MatrixForm::kFactors;
-  if (is_dense) {
+  std::vector<Index> joints;
+  if (!arrays.bilateral.empty()) {
+    RequireShape(arrays.id, "bilateral", static_cast<Index>(arrays.bilateral.size()), 1, n, 1);
+    for (Index i = 0; i < n; ++i) {
+      if (arrays.bilateral[static_cast<size_t>(i)] != 0) joints.push_back(i);
+    }
+  }
+  RowBounds bounds = RowBounds::WithBilateralRows(n, joints);
+  Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n);
+  if (arrays.form == MatrixForm::kDense) {
     const auto count = static_cast<Index>(arrays.value.size());
     if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
       Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
     }
-  } else {
-    RequireCompressedRows(arrays);
-  }
-  if (!arrays.bilateral.empty()) {
-    RequireShape(arrays.id, "bilateral", static_cast<Index>(arrays.bilateral.size()), 1, n, 1);
-  }
-  const auto storage =
-      MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n), arrays.facts);
-  Matrix& matrix = storage->matrix;
-  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), static_cast<Index>(arrays.value.size()));
-  if (is_dense) {
     using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    matrix.given_dense = Eigen::Map<const RowMajor>(arrays.value.data(), n, n);
-  } else {
-    CopyCompressedRows(arrays, has_factors ? &matrix.J : &matrix.given_sparse);
+    return FromDense(arrays.id, Eigen::Map<const RowMajor>(arrays.value.data(), n, n), std::move(b), std::move(bounds),
+                     arrays.facts);
   }
-  if (has_factors) {
-    matrix.facts.symmetric = true;
-    matrix.facts.positive_semidefinite = true;
-    RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
-    RequireFinite(arrays.id, "inverse mass", arrays.inverse_mass.data(), arrays.columns);
-    matrix.inverse_mass = Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns);
-    RequireNonnegative(arrays.id, matrix.inverse_mass);
+  RequireCompressedRows(arrays);
+  if (arrays.form == MatrixForm::kSparse) {
+    return FromSparse(arrays.id, CompressedRows(arrays), std::move(b), std::move(bounds), arrays.facts);
   }
-  matrix.SetBilateral(arrays.bilateral);
-  return LcpProblem(storage);
+  RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
+  return FromFactors(arrays.id, CompressedRows(arrays),
+                     Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns), std::move(b),
+                     std::move(bounds), arrays.facts);
 }
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
@@ -433,9 +457,7 @@ const Eigen::MatrixXd& LcpProblem::DenseA() const {
       return;
     }
     s.derived_dense.resize(size(), size());
-    AssembleDenseA(FactorView{s.J.rows(), s.J.cols(), s.J.outerIndexPtr(), s.J.innerIndexPtr(), s.J.valuePtr(),
-                              s.inverse_mass.data()},
-                   s.derived_dense.data(), size());
+    Assemble(View(s.J, s.inverse_mass), s.derived_dense.data(), size());
   });
   return s.derived_dense;
 }
@@ -544,5 +566,50 @@ double LcpProblem::upper(Index row) const {
 bool LcpProblem::is_bilateral(Index row) const { return lower(row) == -kInfinity && upper(row) == kInfinity; }
 const std::vector<Index>& LcpProblem::bilateral_rows() const { return matrix_->bilateral; }
 bool LcpProblem::has_standard_bounds() const { return matrix_->standard_bounds; }
+
+void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
+  Assemble(View(problem.J(), problem.inverse_mass()), A, stride);
+}
+
+void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride) {
+  const Index n = arrays.rows;
+  switch (arrays.form) {
+    case MatrixForm::kFactors:
+      return Assemble({n, arrays.columns, arrays.row_start.data(), arrays.column.data(), arrays.value.data(),
+                       arrays.inverse_mass.data()},
+                      A, stride);
+    case MatrixForm::kSparse:
+      std::fill_n(A, n * stride, 0.0);
+      for (Index i = 0; i < n; ++i) {
+        const auto end = static_cast<size_t>(arrays.row_start[static_cast<size_t>(i) + 1]);
+        for (auto e = static_cast<size_t>(arrays.row_start[static_cast<size_t>(i)]); e < end; ++e) {
+          A[i * stride + arrays.column[e]] = arrays.value[e];
+        }
+      }
+      return;
+    case MatrixForm::kDense:
+      for (Index i = 0; i < n; ++i) {
+        double* const padding = std::copy_n(arrays.value.data() + i * n, n, A + i * stride);
+        std::fill_n(padding, stride - n, 0.0);
+      }
+      return;
+  }
+}
+
+Index BoundEntriesOfA(const LcpProblem& problem) {
+  const SparseMatrix& J = problem.J();
+  std::vector<Index> rows_on(static_cast<size_t>((J.cols() + 2) / 3), 0);
+  for (Index i = 0; i < J.rows(); ++i) {
+    Index last = -1;
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      if (it.col() / 3 == last || problem.inverse_mass()[it.col()] == 0) continue;
+      last = it.col() / 3;
+      ++rows_on[static_cast<size_t>(last)];
+    }
+  }
+  Index entries = 0;
+  for (const Index count : rows_on) entries += count * count;
+  return entries;
+}
 
 }  // namespace lcpbench

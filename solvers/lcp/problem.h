@@ -29,14 +29,40 @@ struct RowBounds {
   static RowBounds WithBilateralRows(Index n, const std::vector<Index>& bilateral);
 };
 
-struct ProblemArrays;
-
 /// What is *proved* about A. False or empty means "not known", never "known to be false".
 struct MatrixFacts {
   bool symmetric = false;              ///< A = A^T
   bool positive_semidefinite = false;  ///< f.A f >= 0 for every f
   std::optional<Index> rank;           ///< of A
   std::optional<bool> f_unique;        ///< whether at most one f solves the problem
+};
+
+/// A problem as a caller's arrays hold it: what an engine has in memory before any solver is asked, and where the time
+/// that a user pays begins (fresh_pass.h). Nothing here has been checked; LcpProblem::FromArrays does that.
+///
+/// By form: kDense has `value` with n n numbers of A, row after row; kSparse the compressed rows of A, both triangles;
+/// kFactors those of J and the inverse masses, A = J M^-1 J^T. Compressed rows: row_start has n + 1 numbers, `column`
+/// and `value` row_start[n], columns ascending within a row.
+struct ProblemArrays {
+  /// A name for files and error texts.
+  std::string id;
+  /// Which of the arrays below are used.
+  MatrixForm form = MatrixForm::kFactors;
+  Index rows = 0;     ///< n
+  Index columns = 0;  ///< of J; n in the other forms
+  /// n + 1 numbers.
+  std::vector<int> row_start;
+  /// Ascending within a row.
+  std::vector<int> column;
+  /// Of J, or of A.
+  std::vector<double> value;
+  std::vector<double> inverse_mass;      ///< of kFactors, a number per column of J, >= 0
+  std::vector<double> b;                 ///< n
+  std::vector<unsigned char> bilateral;  ///< n; 1: w = 0 and f free (a joint). Empty: every row is unilateral
+  MatrixFacts facts;                     ///< what the caller has proved about A
+
+  /// The arrays of a problem's given form. @throws InputError unless its bounds are standard
+  static ProblemArrays Of(const class LcpProblem& problem);
 };
 
 /// Find f and w with
@@ -66,7 +92,7 @@ class LcpProblem {
   /// Symmetry and positive semidefiniteness follow from the form and are set in facts().
   static LcpProblem FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                 RowBounds bounds = {}, MatrixFacts facts = {});
-  /// From a caller's arrays, which are checked and copied (problem_arrays.h): what a fresh time begins with.
+  /// From a caller's arrays, which are checked and copied: what a fresh time begins with.
   static LcpProblem FromArrays(const ProblemArrays& arrays);
 
   /// The same matrix and bounds with another b: whatever has been derived of A is shared with this problem.
@@ -139,6 +165,19 @@ class LcpProblem {
   std::shared_ptr<Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;
 };
+
+/// Writes A into n rows of `stride` >= n numbers each, padding zero, row after row; no form of A is made. From factors
+/// this is the one dense assembly that own solvers and peers pay for: entry (i, j) sums m_k (J_ik J_jk) over ascending
+/// k, so that A is bitwise symmetric and equal to that of LcpProblem::SparseA. O(n stride + sum over columns of (column
+/// count)^2).
+/// @param arrays  checked already (LcpProblem::FromArrays does)
+void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride);
+/// @param problem  given by factors
+void AssembleDenseA(const LcpProblem& problem, double* A, Index stride);
+
+/// An upper bound on the entries of A = J M^-1 J^T, and the cost of forming it: the sum over bodies of (rows on the
+/// body)^2. Rows on the same two bodies count twice. O(nnz J).
+Index BoundEntriesOfA(const LcpProblem& problem);
 
 /// What is known of the answer from outside (exact arithmetic, say). Kept apart from the problem, so that no solver can
 /// read it. w is unique for PSD A even when f is not.

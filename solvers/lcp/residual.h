@@ -1,42 +1,219 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <optional>
+#include <type_traits>
+#include <vector>
 
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
 
-/// rho and backward error in double, for solvers that stop when a tier is met. Same formulas as metrics in verify.h,
-/// but a working estimate: the verdict is always verify.h's. Allocates in Reset only.
-class ResidualEstimate {
+/// w = A f + b, rho and backward errors of candidates f, by the problem's given form: where all solvers take them from.
+/// Same formulas as verify.h, which is written apart from this so that the verdict stays independent. Allocates in
+/// Reset only, unless Rows says otherwise.
+/// @tparam Real  what sums are made in: double for estimates, long double where an answer must not hang on the rounding
+///               of one evaluation
+template <typename Real>
+class Residual {
  public:
-  /// Reads A and the bounds, not b. O(nnz of A). Reads the form of A named by `dense` (so that a solver does not make a
-  /// second form by asking).
-  void Reset(const LcpProblem& problem, bool dense);
-  /// To be called before the others: b of the problem that was given to Reset, or of one that shares its matrix.  O(n)
-  void SetB(const LcpProblem& problem);
+  using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;  ///< n numbers
 
-  /// rho at f with w = A f + b given.  O(n).
-  double Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
+  /// What (|A| |f|)_i is summed from.
+  enum class Rows {
+    kGiven,            ///< the given form; from factors through the columns of J, so that no form of A is made
+    kGivenWhenNeeded,  ///< the same, with J by columns made for the first row whose residual is not small by itself
+    kDense,            ///< DenseA(); A is symmetric
+    kSparse,           ///< SparseA()
+  };
 
-  /// Largest backward error at f, w.  O(nnz of A).
-  double BackwardError(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
+  Residual() = default;
+  /// For a single answer.
+  explicit Residual(const LcpProblem& problem) { Reset(problem, Rows::kGivenWhenNeeded); }
 
-  /// Whether (f, w) meets tier `tolerance`: rho <= tolerance and, only then evaluated, backward error <=
-  /// sqrt(tolerance).
-  bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
+  /// O(nnz of the given form)
+  void Reset(const LcpProblem& problem, Rows rows = Rows::kGiven) {
+    problem_ = problem;
+    rows_ = rows;
+    has_columns_ = false;
+    const Index n = problem.size();
+    w_.resize(n);
+    if (rows == Rows::kDense) problem.DenseA();
+    if (rows == Rows::kSparse) problem.SparseA();
+    if (!problem.has_factors()) return;
+    body_.resize(problem.J().cols());
+    if (rows == Rows::kDense || rows == Rows::kSparse) return;
+    if (rows == Rows::kGiven) MakeColumns();
+    entry_.resize(n);
+    stamped_.assign(At(n), 0);
+    stamp_ = 0;
+    touched_.reserve(At(n));
+  }
+  /// From here on with the b of a problem that shares the matrix of the one given to Reset.
+  void SetB(const LcpProblem& problem) { problem_ = problem; }
+
+  /// *w (n numbers) = A f + b.  O(nnz of the given form)
+  void ComputeW(const Eigen::VectorXd& f, Vector* w) {
+    const LcpProblem& problem = *problem_;
+    const Eigen::VectorXd& b = problem.b();
+    if (problem.has_factors()) {
+      const SparseMatrix& J = problem.J();
+      body_.setZero();
+      for (Index i = 0; i < f.size(); ++i) {
+        if (f[i] == 0) continue;
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) body_[it.col()] += static_cast<Real>(it.value()) * f[i];
+      }
+      for (Index k = 0; k < body_.size(); ++k) body_[k] *= problem.inverse_mass()[k];
+      for (Index i = 0; i < f.size(); ++i) {
+        Real sum = 0;
+        for (SparseMatrix::InnerIterator it(J, i); it; ++it) sum += it.value() * body_[it.col()];
+        (*w)[i] = sum + b[i];
+      }
+    } else if constexpr (std::is_same_v<Real, double>) {
+      problem.ComputeW(f, w);
+    } else if (problem.given_form() == MatrixForm::kDense) {
+      *w = b.cast<Real>();
+      for (Index j = 0; j < f.size(); ++j) {
+        if (f[j] != 0) *w += problem.DenseA().col(j).cast<Real>() * static_cast<Real>(f[j]);
+      }
+    } else {
+      for (Index i = 0; i < f.size(); ++i) {
+        Real sum = b[i];
+        for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+          sum += static_cast<Real>(it.value()) * f[it.col()];
+        }
+        (*w)[i] = sum;
+      }
+    }
+  }
+
+  /// rho at f with w = A f + b given.  O(n)
+  Real Rho(const Eigen::VectorXd& f, const Vector& w) const {
+    const Eigen::VectorXd& D = problem_->DiagonalA();
+    const Eigen::VectorXd& b = problem_->b();
+    auto joint = problem_->bilateral_rows().begin();
+    Real r_squared = 0;
+    Real b_squared = 0;
+    for (Index i = 0; i < f.size(); ++i) {
+      const Real root = D[i] == 0 ? Real{1} : std::sqrt(std::abs(static_cast<Real>(D[i])));
+      const Real gap = w[i] / root;
+      const bool is_joint = joint != problem_->bilateral_rows().end() && *joint == i;
+      if (is_joint) ++joint;
+      const Real r = is_joint ? gap : std::min(gap, root * f[i]);  // a gap that is NaN stays
+      r_squared += r * r;
+      b_squared += (b[i] / root) * (b[i] / root);
+    }
+    return std::sqrt(r_squared) / (b_squared == 0 ? Real{1} : std::sqrt(b_squared));
+  }
+  /// rho at f.  O(nnz of the given form)
+  Real Rho(const Eigen::VectorXd& f) {
+    ComputeW(f, &w_);
+    return Rho(f, w_);
+  }
+  /// Of the f given to the last Rho(f) or Meets(tolerance, f): (A f + b)_i.
+  Real w(Index i) const { return w_[i]; }
+
+  /// The largest backward error at f, w; NaN where it is that of a row.  O(n + entries of the rows that have a defect)
+  Real BackwardError(const Eigen::VectorXd& f, const Vector& w) {
+    Real worst = 0;
+    for (Index i = 0; i < f.size() && !std::isnan(worst); ++i) {
+      const Real defect = Defect(i, f, w[i]);
+      if (defect == 0) continue;
+      const Real error = defect / (std::abs(static_cast<Real>(problem_->b()[i])) + Magnitude(i, f));
+      if (!(error <= worst)) worst = error;
+    }
+    return worst;
+  }
+
+  /// Whether f passes a tier: rho <= tolerance and every backward error <= sqrt(tolerance).  As Rho(f), plus the
+  /// entries of those rows of A whose residual is not small by itself.
+  bool Meets(double tolerance, const Eigen::VectorXd& f) {
+    if (!(Rho(f) <= tolerance)) return false;
+    for (Index i = 0; i < f.size(); ++i) {
+      if (!RowMeets(tolerance, f, i)) return false;
+    }
+    return true;
+  }
+  /// The same with w given.
+  bool Meets(double tolerance, const Eigen::VectorXd& f, const Vector& w) {
+    return Rho(f, w) <= tolerance && BackwardError(f, w) <= std::sqrt(static_cast<Real>(tolerance));
+  }
+  /// Whether row i alone has a backward error <= sqrt(tolerance) at the f of the last Rho(f) or Meets(tolerance, f).
+  bool RowMeets(double tolerance, const Eigen::VectorXd& f, Index i) {
+    const Real limit = std::sqrt(static_cast<Real>(tolerance));
+    const Real b = problem_->b()[i];
+    const Real defect = Defect(i, f, w_[i]);
+    // (|A| |f|)_i is at least both |A f|_i and |A_ii f_i|: most rows pass by that alone.
+    const Real least = std::max(std::abs(w_[i] - b), std::abs(ForceTerm(i, f)));
+    return defect <= limit * (least + std::abs(b)) || defect <= limit * (Magnitude(i, f) + std::abs(b));
+  }
 
  private:
-  std::optional<LcpProblem> problem_;  // shares storage, so that the caller's object may go away
-  bool dense_ = false;
-  Eigen::VectorXd root_;   // D^1/2
-  Eigen::VectorXd force_;  // A_ii
-  double b_norm_ = 0;      // |D^-1/2 b|_2, or 1 when b = 0
-  Eigen::Array<bool, Eigen::Dynamic, 1> bilateral_;
+  static size_t At(Index i) { return static_cast<size_t>(i); }
+
+  Real ForceTerm(Index i, const Eigen::VectorXd& f) const {
+    return std::abs(static_cast<Real>(problem_->DiagonalA()[i])) * f[i];
+  }
+  Real Defect(Index i, const Eigen::VectorXd& f, Real w) const {
+    return std::abs(problem_->is_bilateral(i) ? w : std::min(w, ForceTerm(i, f)));
+  }
+
+  void MakeColumns() {
+    columns_ = problem_->J();
+    has_columns_ = true;
+  }
+
+  // (|A| |f|)_i
+  Real Magnitude(Index i, const Eigen::VectorXd& f) {
+    const LcpProblem& problem = *problem_;
+    if (rows_ == Rows::kDense) {  // column i is row i, and contiguous
+      return problem.DenseA().col(i).template cast<Real>().cwiseAbs().dot(f.template cast<Real>().cwiseAbs());
+    }
+    Real sum = 0;
+    if (rows_ == Rows::kSparse || problem.given_form() == MatrixForm::kSparse) {
+      for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+        sum += std::abs(static_cast<Real>(it.value()) * f[it.col()]);
+      }
+    } else if (problem.given_form() == MatrixForm::kDense) {
+      for (Index j = 0; j < f.size(); ++j) sum += std::abs(static_cast<Real>(problem.DenseA()(i, j)) * f[j]);
+    } else {
+      if (!has_columns_) MakeColumns();
+      touched_.clear();
+      ++stamp_;
+      for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+        const Real scaled = static_cast<Real>(it.value()) * problem.inverse_mass()[it.col()];
+        if (scaled == 0) continue;
+        for (typename decltype(columns_)::InnerIterator jt(columns_, it.col()); jt; ++jt) {
+          const Index j = jt.row();
+          if (stamped_[At(j)] != stamp_) {
+            stamped_[At(j)] = stamp_;
+            entry_[j] = 0;
+            touched_.push_back(j);
+          }
+          entry_[j] += scaled * jt.value();
+        }
+      }
+      for (const Index j : touched_) sum += std::abs(entry_[j] * f[j]);
+    }
+    return sum;
+  }
+
+  std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
+  Rows rows_ = Rows::kGiven;
+  Vector w_, body_;  // body_: a number per column of J
+  // Of rows of A = J M^-1 J^T one at a time:
+  Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns_;
+  bool has_columns_ = false;
+  Vector entry_;
+  std::vector<Index> touched_;
+  std::vector<std::int64_t> stamped_;  // == stamp_: entry_ is of the row at hand
+  std::int64_t stamp_ = 0;
 };
 
-/// rho at f by the given form, for a single answer: no form of A is made.  O(nnz of the given form).
-double RhoByGivenForm(const LcpProblem& problem, const Eigen::VectorXd& f);
+using ResidualEstimate = Residual<double>;    ///< in double
+using GivenFormTest = Residual<long double>;  ///< in extended precision: its Meets decides what a solver claims
 
 }  // namespace lcpbench

@@ -10,7 +10,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/problem_arrays.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

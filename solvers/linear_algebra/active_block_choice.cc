@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "solvers/lcp/given_form.h"
+#include "solvers/linear_algebra/cost_model.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/body_active_block.h"
 #endif
@@ -13,10 +13,6 @@ namespace {
 // Fuller matrices of more rows than this are not analysed as sparse ones at all.
 constexpr double kSparseFill = 0.4;
 constexpr Eigen::Index kAnalysedRows = 48;
-// Steps of bpp on scenes and random dense matrices of 100 to 1000 rows, in factor_time and by row.
-constexpr double kDenseStep = 0.5;
-constexpr double kSparseStep = 2;
-constexpr double kSparseStepPerRow = 25;
 // Where A has more entries per row than this, bodies carry so many rows that their graph is the sparser one; where
 // fewer, A is, and the other form is not analysed. Smaller problems are not worth two analyses.
 constexpr double kFullRows = 10;
@@ -27,8 +23,8 @@ constexpr Eigen::Index kLeastRowsForBodies = 1000;
 
 double ActiveBlockChoice::StepTime(const ActiveBlock* chosen, Index rows) const {
   if (chosen == bodies_.get()) return chosen->factor_time();
-  if (is_dense(chosen)) return kDenseStep * chosen->factor_time();
-  return kSparseStep * chosen->factor_time() + kSparseStepPerRow * static_cast<double>(rows);
+  if (is_dense(chosen)) return CostModel::kDenseStep * chosen->factor_time();
+  return CostModel::kSparseStep * chosen->factor_time() + CostModel::kSparseStepRow * static_cast<double>(rows);
 }
 
 bool ActiveBlockChoice::HasBodies(const LcpProblem& problem) {

@@ -5,16 +5,13 @@
 #include <vector>
 
 #include "solvers/linear_algebra/active_block.h"
-#include "solvers/linear_algebra/body_graph.h"
-#include "solvers/linear_algebra/cholmod_factor.h"
+#include "solvers/linear_algebra/body_space.h"
 
 namespace lcpbench {
 
-/// ActiveBlock through the bodies, for A = J M^-1 J^T with rows on at most two movable bodies each:
-///     (A_FF + shift D_F)^-1 r = T (r - J_F K^-1 J_F^T T r),   K = I + J_F^T T J_F,   T = (shift D_F)^-1,
-/// J with its columns times M^-1/2. [Woodbury; MODEL.md section 8] K has one 3 x 3 block per body and one per pair that
-/// shares a row, however many rows that are: where contacts are redundant it is smaller and its factor sparser than
-/// A_FF's, and a dependent row is no small pivot.
+/// ActiveBlock through the bodies (BodySpace, theta = shift D_F), for A = J M^-1 J^T with rows on at most two movable
+/// bodies each: where contacts are redundant K is smaller and its factor sparser than A_FF's, and a dependent row is no
+/// small pivot.
 ///
 /// A row that enters or leaves F adds or removes one column of J^T: a rank-1 change of K, whose pattern is that of all
 /// rows. A Factor with the shift of the one before updates the factor where that is predicted to take less time than a
@@ -31,7 +28,7 @@ namespace lcpbench {
 class BodyActiveBlock final : public ActiveBlock {
  public:
   /// Whether the problem has the form for it.
-  static bool Suits(const LcpProblem& problem) { return BodyGraph::Suits(problem); }
+  static bool Suits(const LcpProblem& problem) { return BodySpace::Suits(problem); }
 
   /// @throws std::runtime_error as CholmodFactor::Analyze
   void Analyze(const LcpProblem& problem) override;
@@ -49,29 +46,14 @@ class BodyActiveBlock final : public ActiveBlock {
   std::int64_t updates() const { return updates_; }
 
  private:
-  // BodyGraph::Ends, and J M^-1/2 on the two bodies.
-  struct alignas(64) Row {
-    double first_j[3] = {0, 0, 0};
-    double second_j[3] = {0, 0, 0};
-    int first = -1;
-    int second = -1;
-    int below = -1;
-  };
-
-  Index freedoms() const { return Index{3} * bodies_; }
   void FindPaths();
   void FactorAnew();
-  bool Update();
   double NewFactorTime() const;
   double UpdateTime() const;
-  void SolveOnce(const Eigen::VectorXd& r);
   double Residual();
 
   Index n_ = 0;
-  int bodies_ = 0;
-  BodyGraph graph_;
-  std::vector<Row> rows_;
-  CholmodFactor factor_;
+  BodySpace bodies_;
   bool by_supernodes_ = false;  // a new factor
   double flop_time_ = 0;        // of it
   std::vector<double> path_;    // entries of L from a body to the root
@@ -86,9 +68,7 @@ class BodyActiveBlock final : public ActiveBlock {
   std::vector<int> entering_, leaving_;
   std::int64_t factorisations_ = 0;
   std::int64_t updates_ = 0;
-  Eigen::VectorXd right_, residual_, x_, step_;
-  Eigen::VectorXd body_;           // of SolveOnce and Residual
-  mutable Eigen::VectorXd image_;  // of Multiply
+  Eigen::VectorXd theta_, right_, residual_, x_, step_;
 };
 
 }  // namespace lcpbench

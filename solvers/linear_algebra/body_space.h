@@ -22,47 +22,50 @@ namespace lcpbench {
 /// Internal to solvers/; one object serves one thread at a time.
 class BodySpace {
  public:
-  /// Whether the problem has the form for it: factors, rows on at most two movable bodies each.
-  static bool Suits(const LcpProblem& problem) { return BodyGraph::Suits(problem); }
-
-  /// `root` = D^1/2; rows with taking_part[i] = 0 are left out of K and of A^. Cost and errors as BodyGraph::Prepare.
-  void Prepare(const LcpProblem& problem, const Eigen::VectorXd& root, const std::vector<char>& taking_part);
-
-  /// Symbolic analyses of the latest Prepare, as BodyGraph::analyses.
-  int analyses() const { return graph_.analyses(); }
-
-  Index rows() const { return static_cast<Index>(rows_.size()); }
-  int bodies() const { return bodies_; }
-  const CholmodFactor& factor() const { return factor_; }
-  GraphOrder order() const { return graph_.order(); }
-
-  /// x = J^^T f.  O(rows)
-  void ToBodies(const Eigen::VectorXd& f, Eigen::VectorXd* x) const;
-  /// w = J^ x.  O(rows)
-  void ToRows(const Eigen::VectorXd& x, Eigen::VectorXd* w) const;
-  /// y = A^ f.  O(rows)
-  void Multiply(const Eigen::VectorXd& f, Eigen::VectorXd* y) const;
-
-  /// K for theta > 0. Rows of at least kOut leave K. False as CholmodFactor::Factorize.
-  bool Factorize(const Eigen::VectorXd& theta);
-  const std::string& why() const { return factor_.why(); }
-  /// x = (A^ + diag(theta))^-1 r with the latest theta; x may be r.
-  void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
-
+  static constexpr Index kAxes = 3;
   static constexpr double kOut = 1e24;
 
- private:
-  // BodyGraph::Ends, and J^ on the two bodies.
+  /// BodyGraph::Ends, and J^ on the two bodies.
   struct alignas(64) Row {
-    double first_j[3] = {0, 0, 0};
-    double second_j[3] = {0, 0, 0};
+    double first_j[kAxes] = {0, 0, 0};
+    double second_j[kAxes] = {0, 0, 0};
     int first = -1;
     int second = -1;
     int below = -1;
   };
 
+  /// Whether the problem has the form for it: factors, rows on at most two movable bodies each.
+  static bool Suits(const LcpProblem& problem) { return BodyGraph::Suits(problem); }
+
+  /// The order and the analysis. Arguments, cost and errors as BodyGraph::Prepare.
+  void Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update);
+  /// J^ = J M^-1/2, row i divided by root[i] (D^1/2 for a unit diagonal of A^).  O(nnz J)
+  void Load(const LcpProblem& problem, const Eigen::VectorXd& root);
+
+  /// Symbolic analyses of the latest Prepare, as BodyGraph::analyses.
+  int analyses() const { return graph_.analyses(); }
+  Index rows() const { return static_cast<Index>(rows_.size()); }
+  const Row& row(Index i) const { return rows_[static_cast<size_t>(i)]; }
+  int bodies() const { return graph_.bodies(); }
+  const CholmodFactor& factor() const { return factor_; }
+
+  /// y = A^ f.  O(rows)
+  void Multiply(const double* f, double* y) const;
+
+  /// K for theta > 0. Rows of at least kOut leave K. False as CholmodFactor::Factorize.
+  bool Factorize(const Eigen::VectorXd& theta);
+  /// Lets `rows` join K with their theta (`join`), or leave it, by a change of the factor of rank |rows|; sorts them.
+  /// [Davis, Hager 2001] Needs will_update. False as CholmodFactor::Update; only Factorize may follow then.
+  bool Update(std::vector<int>* rows, const Eigen::VectorXd& theta, bool join);
+  const std::string& why() const { return factor_.why(); }
+  /// x = (A^ + diag(theta))^-1 r with the latest theta, 0 for rows that are out; x may be r.
+  void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
+
+ private:
+  void ToBodies(const double* f, Eigen::VectorXd* x) const;  // x = J^^T f
+  void ToRows(const Eigen::VectorXd& x, double* w) const;    // w = J^ x
+
   std::vector<Row> rows_;
-  int bodies_ = 0;
   BodyGraph graph_;
   CholmodFactor factor_;
   Eigen::VectorXd weight_;          // T

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "solvers/lcp/factor_clock.h"
+#include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {
 namespace {
@@ -13,11 +14,8 @@ Index WholeBlocks(Index rows, Index block) { return (rows + block - 1) / block *
 }  // namespace
 
 double DenseActiveBlock::FactorTime(Index rows) {
-  constexpr double kMultiplyAdd = 0.03;
-  constexpr double kEntry = 1;  // gathering and solving
-  constexpr double kOverhead = 700;
   const auto n = static_cast<double>(WholeBlocks(rows, kRows));
-  return kMultiplyAdd * n * n * n / 6 + kEntry * n * n + kOverhead;
+  return CostModel::kDenseMultiplyAdd * n * n * n / 6 + CostModel::kDenseEntry * n * n + CostModel::kDenseOverhead;
 }
 
 void DenseActiveBlock::Analyze(const LcpProblem& problem) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "solvers/linear_algebra/power_of_two.h"
@@ -98,13 +97,12 @@ PermutedLcp::Loaded PermutedLcp::Load(const LcpProblem& problem, const Guess& gu
       b_squared += given_b[i] * given_b[i];
       continue;
     }
-    scale[i] = PowerOfTwo(-(Exponent(d) >> 1));
+    scale[i] = ScaleOfDiagonal(d);
     largest_b = std::max(largest_b, std::abs(given_b[i] * scale[i]));
     b_squared += given_b[i] * (given_b[i] / d);
   }
   b_norm = b_squared == 0 ? 1.0 : std::sqrt(b_squared);
-  // The reciprocal of the largest exponents is no normal number; such b overflow elsewhere.
-  b_scale = largest_b > 0 ? PowerOfTwo(std::clamp<std::int64_t>(-Exponent(largest_b), -1022, 1023)) : 1.0;
+  b_scale = ScaleOfLargest(largest_b);
 
   if (nonzero == n && problem.bilateral_rows().empty() && guess.forces == nullptr && !guess.negative_b) {
     bilateral = 0;

@@ -74,8 +74,8 @@ void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
   } else {
     BuildContactSpace();
   }
-  extended_rows_.assign(static_cast<size_t>(problem.size()), 0);
-  extended_body_.assign(problem.has_factors() ? static_cast<size_t>(problem.J().cols()) : 0, 0);
+  extended_.Reset(problem, Residual<long double>::Rows::kGivenWhenNeeded);
+  extended_w_.resize(problem.size());
 }
 
 bool ScaledSystem::ChooseBodySpace(Space space, double contact_entries) {
@@ -129,6 +129,7 @@ void ScaledSystem::FindComponents() {
 
 void ScaledSystem::SetB(const LcpProblem& problem) {
   problem_ = problem;
+  extended_.SetB(problem);
   estimate_ready_ = false;
   const Index n = size();
   double sum = 0;
@@ -199,65 +200,24 @@ void ScaledSystem::AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower)
 void ScaledSystem::BuildBodySpace() {
   std::vector<char> can_act(static_cast<size_t>(size()));
   for (Index i = 0; i < size(); ++i) can_act[static_cast<size_t>(i)] = diagonal_[i] > 0 ? 1 : 0;
-  bodies_.Prepare(*problem_, root_, can_act);
+  bodies_.Prepare(*problem_, can_act, /*will_update=*/false);
+  bodies_.Load(*problem_, root_);
   analyses_ += bodies_.analyses();
 }
 
 void ScaledSystem::Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const {
   if (body_space_) {
-    bodies_.Multiply(x, y);
+    y->resize(size());
+    bodies_.Multiply(x.data(), y->data());
   } else {
     y->noalias() = scaled_A_ * x;
   }
 }
 
 void ScaledSystem::GapsExtended(const Eigen::VectorXd& f, bool with_b, Eigen::VectorXd* w) {
-  const LcpProblem& problem = *problem_;
-  using Extended = long double;
-  const Index n = size();
-  w->resize(n);
-  const auto store = [&](Index i, Extended sum) { (*w)[i] = static_cast<double>(with_b ? sum + problem.b()[i] : sum); };
-  switch (problem.given_form()) {
-    case MatrixForm::kDense: {
-      const Eigen::MatrixXd& A = problem.DenseA();
-      std::fill(extended_rows_.begin(), extended_rows_.end(), Extended(0));
-      for (Index j = 0; j < n; ++j) {
-        if (f[j] == 0) continue;
-        const Extended force = f[j];
-        for (Index i = 0; i < n; ++i) extended_rows_[static_cast<size_t>(i)] += A(i, j) * force;
-      }
-      for (Index i = 0; i < n; ++i) store(i, extended_rows_[static_cast<size_t>(i)]);
-      break;
-    }
-    case MatrixForm::kSparse: {
-      const SparseMatrix& A = problem.SparseA();
-      for (Index i = 0; i < n; ++i) {
-        Extended sum = 0;
-        for (SparseMatrix::InnerIterator it(A, i); it; ++it) sum += static_cast<Extended>(it.value()) * f[it.col()];
-        store(i, sum);
-      }
-      break;
-    }
-    case MatrixForm::kFactors: {
-      const SparseMatrix& J = problem.J();
-      std::fill(extended_body_.begin(), extended_body_.end(), Extended(0));
-      for (Index i = 0; i < n; ++i) {
-        if (f[i] == 0) continue;
-        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-          extended_body_[static_cast<size_t>(it.col())] += static_cast<Extended>(it.value()) * f[i];
-        }
-      }
-      for (Index k = 0; k < J.cols(); ++k) extended_body_[static_cast<size_t>(k)] *= problem.inverse_mass()[k];
-      for (Index i = 0; i < n; ++i) {
-        Extended sum = 0;
-        for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-          sum += it.value() * extended_body_[static_cast<size_t>(it.col())];
-        }
-        store(i, sum);
-      }
-      break;
-    }
-  }
+  extended_.ComputeW(f, &extended_w_);
+  if (!with_b) extended_w_ -= problem_->b().cast<long double>();
+  *w = extended_w_.cast<double>();
 }
 
 bool ScaledSystem::Factorize(const Eigen::VectorXd& theta) {
@@ -308,7 +268,8 @@ bool ScaledSystem::Meets(double tolerance, const Eigen::VectorXd& f, const Eigen
   if (worst <= std::sqrt(tolerance)) return true;
   if (!a_is_affordable_ || !std::isfinite(worst)) return false;
   if (!estimate_ready_) {
-    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense);
+    using Rows = ResidualEstimate::Rows;
+    estimate_.Reset(*problem_, problem_->given_form() == MatrixForm::kDense ? Rows::kDense : Rows::kSparse);
     estimate_.SetB(*problem_);
     estimate_ready_ = true;
   }

@@ -112,7 +112,8 @@ class ScaledSystem {
   bool body_space_ = false;
   bool a_is_affordable_ = true;
   int analyses_ = 0;
-  std::vector<long double> extended_rows_, extended_body_;
+  Residual<long double> extended_;
+  Residual<long double>::Vector extended_w_;
   ResidualEstimate estimate_;
   bool estimate_ready_ = false;
 };

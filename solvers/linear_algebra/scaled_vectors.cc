@@ -7,9 +7,19 @@
 
 namespace lcpbench {
 
-void ScaledVectors::Resize(Eigen::Index n) {
-  for (Eigen::VectorXd* v : {&scale, &diagonal, &b}) v->setZero(n);
-  can_act.assign(static_cast<size_t>(n), 0);
+void ScaledVectors::Reset(const LcpProblem& problem) {
+  for (Eigen::VectorXd* v : {&scale, &diagonal, &b}) v->setZero(problem.size());
+  for (std::vector<char>* v : {&can_act, &bilateral}) v->assign(static_cast<size_t>(problem.size()), 0);
+  for (const Eigen::Index i : problem.bilateral_rows()) bilateral[static_cast<size_t>(i)] = 1;
+}
+
+double ScaledVectors::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < f.size(); ++i) {
+    const double r = is_joint(i) ? w[i] : std::min(diagonal[i] * f[i], w[i]);
+    sum += r * r / diagonal[i];
+  }
+  return std::sqrt(sum);
 }
 
 bool ScaledVectors::Load(const LcpProblem& problem) {

@@ -7,6 +7,7 @@
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/work_counts.h"
+#include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {
 namespace {
@@ -144,10 +145,7 @@ void SparseActiveBlock::FindPatterns() {
   }
 }
 
-double SparseActiveBlock::factor_time() const {
-  constexpr double kMultiplyAdd = 0.4;
-  return kMultiplyAdd * factor_work_;
-}
+double SparseActiveBlock::factor_time() const { return CostModel::kSparseMultiplyAdd * factor_work_; }
 
 Index SparseActiveBlock::CountDependentRows() const {
   Index count = 0;

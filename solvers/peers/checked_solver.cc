@@ -61,13 +61,13 @@ void CheckedSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options
   const Deadline deadline(options);
   inner_->Solve(problem, options, result);
   if (result->status == LcpStatus::kUnsupported || result->status == LcpStatus::kInfeasible) return;
-  double rho = RhoByGivenForm(problem, result->f);
+  double rho = ResidualEstimate(problem).Rho(result->f);
   if (!(rho <= options.tolerance) && !deadline.Expired()) {
     LcpOptions rest = options;
     rest.time_limit_s = deadline.Remaining();
     LcpResult again;
     if (rest.time_limit_s > 0) inner_->Solve(Shifted(problem, shift_), rest, &again);
-    const double rho_again = again.f.size() == problem.size() ? RhoByGivenForm(problem, again.f) : rho;
+    const double rho_again = again.f.size() == problem.size() ? ResidualEstimate(problem).Rho(again.f) : rho;
     Add(result->own_solve_s, &again.own_solve_s);
     Add(result->own_convert_s, &again.own_convert_s);
     if (rho_again < rho || !(rho == rho)) {

@@ -9,13 +9,10 @@
 
 namespace lcpbench {
 
-DantzigPeer::Options DantzigPeer::Options::FromSettings(const Settings& settings, std::string_view owner,
-                                                        double default_cfm) {
-  SettingsReader reader(owner, settings);
-  Options options;
-  options.cfm = reader.Number("cfm", default_cfm, 0, 1);
-  reader.Finish();
-  return options;
+DantzigPeer::Options DantzigPeer::Options::FromSettings(std::string_view key, SettingsReader* reader) {
+  const double cfm = reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1);
+  reader->Finish();
+  return {cfm};
 }
 
 Index DantzigPeer::MakeRoom(Index rows) {

@@ -28,11 +28,14 @@ struct DantzigProblem {
 /// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
 class DantzigPeer : public LcpSolver {
  public:
+  /// The diagonal shift of the "-cfm" variants: what the engines' users take, and enough to get through redundant rows.
+  static constexpr double kEngineCfm = 1e-9;
   struct Options {
     /// Constraint force mixing: what is added to the diagonal, relative to its largest entry. 0 is the plain code;
     /// engines add about 1e-9 ... 1e-5, which makes redundant contacts nonsingular and forces slightly soft. In [0, 1].
     double cfm = 0;
-    static Options FromSettings(const Settings& settings, std::string_view owner, double default_cfm);
+    /// Setting `cfm`; where absent kEngineCfm for keys that end in "-cfm".
+    static Options FromSettings(std::string_view key, SettingsReader* reader);
   };
   /// One library's code.
   struct Code {
@@ -79,8 +82,5 @@ constexpr int PadToFour(int rows) {
   constexpr int kLast = 3;
   return (rows + kLast) & ~kLast;
 }
-
-/// The diagonal shift of the "-cfm" variants: what the engines' users take, and enough to get through redundant rows.
-inline constexpr double kEngineCfm = 1e-9;
 
 }  // namespace lcpbench

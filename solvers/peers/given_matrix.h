@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 
-#include "solvers/lcp/dense_assembly.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {

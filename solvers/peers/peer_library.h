@@ -1,49 +1,75 @@
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <memory>
-#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/peers/tier_settings.h"
 
 namespace lcpbench {
-
-/// One solver of a peer's library, as its worker serves it.
-struct PeerSolver {
-  std::string_view key;  ///< that of peer_table.h
-  /// @throws InputError for unknown or impossible settings
-  std::unique_ptr<LcpSolver> (*make)(const Settings& settings) = nullptr;
-};
 
 /// What one worker executable is built from: an adapter file defines ThisPeerLibrary() and is linked with
 /// worker_main.cc and the one library.
 struct PeerLibrary {
   std::string version;  ///< as the library itself says, where it does
-  std::string licence;
-  std::span<const PeerSolver> solvers;
+  /// One of its solvers, by the key in peer_table.h. @throws InputError for unknown or impossible settings
+  std::unique_ptr<LcpSolver> (*make)(std::string_view key, const Settings& settings) = nullptr;
 };
 PeerLibrary ThisPeerLibrary();
+
+/// The setting `tolerance` of peers whose tolerance follows the tier: as chosen, else by the table of tier_settings.cc.
+class PeerTolerance {
+ public:
+  PeerTolerance() = default;
+  PeerTolerance(std::string_view key, SettingsReader* reader, const char* setting = "tolerance")
+      : key_(key), chosen_(reader->Number(setting, 0, 0, 1)) {}
+  double For(const LcpOptions& options) const { return chosen_ > 0 ? chosen_ : TierTolerance(key_, options.tolerance); }
+
+ private:
+  std::string key_;
+  double chosen_ = 0;
+};
+
+/// What the words of a setting stand for; the first is the library's own choice.
+template <typename Value, std::size_t n>
+Value Choose(SettingsReader* reader, const char* setting, const std::pair<std::string_view, Value> (&choices)[n]) {
+  const auto read = [&]<std::size_t... k>(std::index_sequence<k...>) {
+    return reader->Choice(setting, choices[0].first, {choices[k].first...});
+  };
+  const std::string chosen = read(std::make_index_sequence<n>());
+  return std::find_if(choices, choices + n, [&](const auto& choice) { return choice.first == chosen; })->second;
+}
+
+/// max_iterations if given, else `usual`; what an int holds of it.
+inline int IterationLimit(const LcpOptions& options, double usual) {
+  const double most = options.max_iterations > 0 ? static_cast<double>(options.max_iterations) : usual;
+  return static_cast<int>(std::min<double>(most, std::numeric_limits<int>::max()));
+}
+
+/// Adds the seconds that `work` takes to `*sum`, which is negative while nothing is known, where parts are wanted.
+template <typename Work>
+void TimePart(const LcpOptions& options, double* sum, Work work) {
+  const double start = options.time_parts ? SteadyNow() : 0;
+  work();
+  if (options.time_parts) *sum = (*sum > 0 ? *sum : 0) + (SteadyNow() - start);
+}
 
 /// Runs `work`, the library's call alone, and notes its time in the result where parts are wanted: adapters put
 /// everything else (copies, padding, orderings) before or after.
 template <typename Work>
 void TimeLibraryCall(const LcpOptions& options, LcpResult* result, Work work) {
-  if (!options.time_parts) return work();
-  const double start = SteadyNow();
-  work();
-  result->own_solve_s = SteadyNow() - start;
+  TimePart(options, &result->own_solve_s, work);
 }
 
-/// The same for what a solve has to convert, added up.
+/// The same for what a solve has to convert.
 template <typename Work>
 void TimeConversion(const LcpOptions& options, LcpResult* result, Work work) {
-  if (!options.time_parts) return work();
-  const double start = SteadyNow();
-  work();
-  const double before = result->own_convert_s > 0 ? result->own_convert_s : 0;
-  result->own_convert_s = before + (SteadyNow() - start);
+  TimePart(options, &result->own_convert_s, work);
 }
 
 }  // namespace lcpbench

@@ -8,6 +8,7 @@
 
 #include "solvers/peers/checked_solver.h"
 #include "solvers/peers/peer_library.h"
+#include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/worker.h"
 #include "support/input_error.h"
 
@@ -27,17 +28,18 @@ lcpbench::Settings ParseSettings(int argc, char** argv) {
 }
 
 // Settings of every peer: check=yes (default no) with check-shift, see CheckedSolver.
-std::unique_ptr<lcpbench::LcpSolver> Make(const lcpbench::PeerSolver& solver, const lcpbench::Settings& settings) {
+std::unique_ptr<lcpbench::LcpSolver> Make(const lcpbench::PeerLibrary& library, std::string_view key,
+                                          const lcpbench::Settings& settings) {
   using lcpbench::CheckedSolver;
   lcpbench::Settings own = settings;
   lcpbench::Settings checks;
   for (const char* name : {"check", "check-shift"}) {
     if (auto setting = own.extract(name)) checks.insert(std::move(setting));
   }
-  lcpbench::SettingsReader reader(solver.key, checks);
+  lcpbench::SettingsReader reader(key, checks);
   const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
   const double shift = reader.Number("check-shift", CheckedSolver::kShift, 0, 1);
-  auto made = solver.make(own);
+  auto made = library.make(key, own);
   return is_checked ? std::make_unique<CheckedSolver>(std::move(made), shift) : std::move(made);
 }
 
@@ -49,17 +51,17 @@ int main(int argc, char** argv) {
   try {
     const PeerLibrary library = ThisPeerLibrary();
     std::string known;
-    for (const PeerSolver& solver : library.solvers) {
-      if (argc > 1 && solver.key == argv[1]) {
-        const auto make = [&solver, settings = ParseSettings(argc, argv)] { return Make(solver, settings); };
-        make();  // what is wrong with the settings is said now
-        Hello hello;
-        hello.name = solver.key;
-        hello.library_version = library.version;
-        hello.licence = library.licence;
-        return RunWorker(hello, make);
-      }
-      known += (known.empty() ? "" : ", ") + std::string(solver.key);
+    for (const PeerEntry& peer : AllPeers()) {
+      if (peer.project.folder != LCPBENCH_PEER) continue;
+      known += (known.empty() ? "" : ", ") + std::string(peer.key);
+      if (argc < 2 || peer.key != argv[1]) continue;
+      const auto make = [&, settings = ParseSettings(argc, argv)] { return Make(library, peer.key, settings); };
+      make();  // what is wrong with the settings is said now
+      Hello hello;
+      hello.name = peer.key;
+      hello.library_version = library.version;
+      hello.licence = peer.project.licence;
+      return RunWorker(hello, make);
     }
     throw InputError("expected one of " + known);
   } catch (const InputError& error) {

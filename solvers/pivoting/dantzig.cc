@@ -33,8 +33,7 @@ constexpr int kMaxRounds = 10;
 // and the waiting rows behind it, [q, open); then rows out of play: dependent bilateral rows and stuck ones.
 class DantzigEngine final : public PivotBase {
  public:
-  explicit DantzigEngine(const DantzigOptions& options)
-      : PivotBase(options.rank_tolerance, options.block_start, options.self_check), options_(options) {}
+  explicit DantzigEngine(const DantzigOptions& options) : PivotBase(options), order_(options.order) {}
 
   void Reserve(Index max_rows) override;
 
@@ -54,9 +53,9 @@ class DantzigEngine final : public PivotBase {
   bool IsSmall(Index p, double norm2) const;
   bool FindViolations();
 
-  Index rates_end() const { return options_.order == DantzigOrder::kIndex ? q_ : open_; }
+  Index rates_end() const { return order_ == DantzigOrder::kIndex ? q_ : open_; }
 
-  const DantzigOptions options_;
+  const DantzigOrder order_;
   Index q_ = 0;
   Eigen::VectorXd dw_;  // rates of w along the direction, by position
 };
@@ -208,7 +207,7 @@ PivotBase::End DantzigEngine::Drive(LcpResult* result) {
 
 PivotBase::End DantzigEngine::DriveAll(LcpResult* result) {
   while (q_ < open_) {
-    if (options_.order == DantzigOrder::kMostNegative) {
+    if (order_ == DantzigOrder::kMostNegative) {
       const auto size = [this](Index p) { return lcp_.w[p] * std::abs(lcp_.w[p]) / lcp_.diagonal[p]; };
       Index worst = q_;
       for (Index p = q_ + 1; p < open_; ++p) {
@@ -254,7 +253,7 @@ bool DantzigEngine::FindViolations() {
 PivotBase::End DantzigEngine::Run(LcpResult* result) {
   End end = EnterStart(result);
   q_ = violated_;
-  if (end == End::kDone && q_ == m() && options_.order == DantzigOrder::kMostNegative) FindViolations();
+  if (end == End::kDone && q_ == m() && order_ == DantzigOrder::kMostNegative) FindViolations();
   for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {
     end = DriveAll(result);
     if (end != End::kDone) break;
@@ -274,14 +273,10 @@ PivotBase::End DantzigEngine::Run(LcpResult* result) {
 DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("dantzig", settings);
   DantzigOptions options;
-  options.rank_tolerance =
-      reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
-  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
+  options.Read(&reader);
   if (reader.Choice("order", "index", {"index", "most-negative"}) == "most-negative") {
     options.order = DantzigOrder::kMostNegative;
   }
-  options.block_start = reader.YesOrNo("block_start", options.block_start);
-  options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }

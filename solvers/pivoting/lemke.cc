@@ -33,8 +33,7 @@ constexpr int kMaxPaths = 10;
 
 class LemkeEngine final : public PivotBase {
  public:
-  explicit LemkeEngine(const LemkeOptions& options)
-      : PivotBase(options.rank_tolerance, options.block_start, options.self_check) {}
+  explicit LemkeEngine(const LemkeOptions& options) : PivotBase(options) {}
 
   void Reserve(Index max_rows) override;
 
@@ -282,11 +281,7 @@ PivotBase::End LemkeEngine::Run(LcpResult* result) {
 LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("lemke", settings);
   LemkeOptions options;
-  options.rank_tolerance =
-      reader.Number("rank_tolerance", options.rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
-  options.max_rows = static_cast<Index>(reader.Number("max_rows", static_cast<double>(options.max_rows), 1, 1e5));
-  options.block_start = reader.YesOrNo("block_start", options.block_start);
-  options.self_check = reader.SelfCheck();
+  options.Read(&reader);
   reader.Finish();
   return options;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "solvers/answers/zero_row_ray.h"
+#include "solvers/lcp/engine_solver.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {
@@ -40,6 +41,21 @@ constexpr Index kWorkPerPivot = 256;
 
 }  // namespace
 
+void PivotOptions::Read(SettingsReader* reader) {
+  rank_tolerance = reader->Number("rank_tolerance", rank_tolerance, std::numeric_limits<double>::epsilon(), 1e-3);
+  block_start = reader->YesOrNo("block_start", block_start);
+  max_rows = static_cast<Index>(reader->Number("max_rows", static_cast<double>(max_rows), 1, 1e5));
+  self_check = reader->SelfCheck();
+}
+
+std::string PivotBase::WhyUnsupported(const LcpProblem& problem) const {
+  if (problem.size() > pivot_options_.max_rows) {
+    return std::to_string(problem.size()) +
+           " rows are more than max_rows = " + std::to_string(pivot_options_.max_rows) + " of this dense solver";
+  }
+  return WhyNotSymmetric(problem);
+}
+
 void PivotBase::Reserve(Index max_rows) {
   active_.Reserve(max_rows);
   surplus_.reserve(static_cast<size_t>(max_rows));
@@ -48,7 +64,7 @@ void PivotBase::Reserve(Index max_rows) {
 void PivotBase::Prepare(const LcpProblem& problem) {
   problem_ = problem;
   Reserve(problem.size());
-  if (self_check_) judge_.Reset(problem, true);
+  if (pivot_options_.self_check) judge_.Reset(problem, true);
 }
 
 void PivotBase::Start(const LcpOptions& options) {
@@ -85,15 +101,15 @@ PermutedLcp::Loaded PivotBase::Load(const PermutedLcp::Guess& guess) {
 
 void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   problem_ = problem;
-  if (self_check_) judge_.SetB(problem);
+  if (pivot_options_.self_check) judge_.SetB(problem);
   Start(options);
   End end = End::kNotMet;
   char text[160];
   for (const double factor : kAttempts) {
     if (end != End::kNotMet) break;
-    rank_tolerance_ = first_rank_tolerance_ * factor;
+    rank_tolerance_ = pivot_options_.rank_tolerance * factor;
     const bool first = factor == kAttempts[0];
-    blocks_ = first && (block_start_ || options.initial_f != nullptr);
+    blocks_ = first && (pivot_options_.block_start || options.initial_f != nullptr);
     guess_ = {first ? options.initial_f : nullptr, blocks_};
     const PermutedLcp::Loaded loaded = Load(guess_);
     if (loaded == PermutedLcp::Loaded::kOutOfTime) {
@@ -137,15 +153,15 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
       result->status = LcpStatus::kNumericalFailure;
       std::snprintf(text, sizeof text,
                     "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
-                    judge_.tier(), first_rank_tolerance_, first_rank_tolerance_ * kAttempts[1],
-                    first_rank_tolerance_ * kAttempts[2]);
+                    judge_.tier(), pivot_options_.rank_tolerance, pivot_options_.rank_tolerance * kAttempts[1],
+                    pivot_options_.rank_tolerance * kAttempts[2]);
       result->detail = text;
       break;
   }
 }
 
 PivotBase::End PivotBase::Conclude(End end) const {
-  if (!self_check_) return end;
+  if (!pivot_options_.self_check) return end;
   if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
   return end == End::kDone ? End::kNotMet : end;
 }
@@ -328,7 +344,7 @@ double PivotBase::ComputeGaps() {
 }
 
 bool PivotBase::Publish(LcpResult* result) {
-  if (!self_check_) {
+  if (!pivot_options_.self_check) {
     GiveForces(&result->f);
     return true;
   }

@@ -5,12 +5,14 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/active_set.h"
+#include "solvers/pivoting/pivot_options.h"
 
 namespace lcpbench {
 
@@ -23,11 +25,11 @@ namespace lcpbench {
 /// ClaimRay for its ray.
 class PivotBase {
  public:
-  /// @param block_start  whether rows enter in blocks before the method takes over; after a warm start they always do
-  /// @param self_check   SettingsReader::SelfCheck; without it the first answer is the last
-  PivotBase(double rank_tolerance, bool block_start, bool self_check)
-      : first_rank_tolerance_(rank_tolerance), block_start_(block_start), self_check_(self_check) {}
+  explicit PivotBase(const PivotOptions& options) : pivot_options_(options) {}
   virtual ~PivotBase() = default;
+
+  /// Refuses A that is not numerically symmetric, and more than max_rows rows.
+  std::string WhyUnsupported(const LcpProblem& problem) const;
 
   virtual void Reserve(Index max_rows);
   void Prepare(const LcpProblem& problem);
@@ -128,9 +130,7 @@ class PivotBase {
   const Deadline* deadline() const { return deadline_.has_value() ? &*deadline_ : nullptr; }
   Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
 
-  const double first_rank_tolerance_;
-  const bool block_start_;
-  const bool self_check_;
+  const PivotOptions pivot_options_;
   bool blocks_ = false;  // in this attempt
   bool out_of_time_ = false;
   std::int64_t solved_at_ = -1;  // pivots_ when SolveForces left F and f as they are; -1: not so

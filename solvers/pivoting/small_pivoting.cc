@@ -5,9 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "solvers/linear_algebra/power_of_two.h"
 #include "solvers/linear_algebra/vector_register.h"
+#include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
@@ -17,10 +19,11 @@ using Index = Eigen::Index;
 size_t At(Index i) { return static_cast<size_t>(i); }
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Violations below this part of the largest force or gap are rounding.
-constexpr double kNoise = 1e-14;
-// rho up to which the point needs no refinement.
-constexpr double kGoodEnough = 1e-14;
+using tableau::kGoodEnough;
+using tableau::kLeastPivot;
+using tableau::kNoise;
+// rho up to which a guess of the active set counts as right.
+constexpr double kRightRho = 1e-13;
 // Some microseconds of them.
 constexpr int kPivotsPerClockRead = 8;
 
@@ -204,35 +207,6 @@ bool SmallPivoting::RowsMeet(double limit) const {
   return true;
 }
 
-SmallPivoting::Answer SmallPivoting::Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
-  pivots_ = 0;
-  if (!LoadDense(problem)) return {kInfinity, kInfinity, false};
-  guess_.clear();
-  if (request.initial_f != nullptr) {
-    for (Index i = 0; i < n_; ++i) {
-      if (IsGuessed(i, (*request.initial_f)[i])) guess_.push_back(i);
-    }
-  }
-  const Answer answer = Finish(request);
-  for (Index i = 0; i < n_; ++i) (*f)[i] = GivenForce(i);
-  return answer;
-}
-
-SmallPivoting::Answer SmallPivoting::SolvePart(const LcpProblem& problem, std::span<const Index> rows,
-                                               const Request& request, Eigen::VectorXd* f) {
-  pivots_ = 0;
-  if (!LoadPart(problem, rows)) return {kInfinity, kInfinity, false};
-  guess_.clear();
-  if (request.initial_f != nullptr) {
-    for (Index i = 0; i < n_; ++i) {
-      if (IsGuessed(i, (*request.initial_f)[rows[At(i)]])) guess_.push_back(i);
-    }
-  }
-  const Answer answer = Finish(request);
-  for (Index i = 0; i < n_; ++i) (*f)[rows[At(i)]] = GivenForce(i);
-  return answer;
-}
-
 SmallPivoting::Answer SmallPivoting::Finish(const Request& request) {
   if (!request.self_check) {
     if (n_ <= 2 && SolveInClosedForm()) return {0, 0, true};
@@ -290,26 +264,12 @@ bool SmallPivoting::DrivePivots(const Deadline* deadline) {
 }
 
 bool SmallPivoting::FindActiveSet(const Deadline* deadline) {
-  switch (stride_ / kRegister) {
-    case 1:
-      return DrivePivots<1>(deadline);
-    case 2:
-      return DrivePivots<2>(deadline);
-    case 3:
-      return DrivePivots<3>(deadline);
-    case 4:
-      return DrivePivots<4>(deadline);
-    case 5:
-      return DrivePivots<5>(deadline);
-    case 6:
-      return DrivePivots<6>(deadline);
-    case 7:
-      return DrivePivots<7>(deadline);
-    case 8:
-      return DrivePivots<8>(deadline);
-    default:
-      return DrivePivots<0>(deadline);
+  bool found = false;
+  const bool is_unrolled = [&]<int... count>(std::integer_sequence<int, count...>) {
+    return ((stride_ == (count + 1) * kRegister && (found = DrivePivots<count + 1>(deadline), true)) || ...);
   }
+  (std::make_integer_sequence<int, 8>{});
+  return is_unrolled ? found : DrivePivots<0>(deadline);
 }
 
 double SmallPivoting::Run(const Deadline* deadline) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -60,25 +61,27 @@ class SmallPivoting {
 
   /// Writes the basic point's forces, refined once against A where that helps, to `f` (n entries, in the problem's
   /// units, f_C >= 0). Reads DenseA() and DiagonalA().
-  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f);
+  Answer Solve(const LcpProblem& problem, const Request& request, Eigen::VectorXd* f) {
+    return SolveRows(
+        LoadDense(problem), [](Index i) { return i; }, request, f);
+  }
 
   /// The same for the LCP of `rows` (ascending) alone. Reads SparseA() and DiagonalA(), writes the entries `rows` of f.
-  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f);
+  Answer SolvePart(const LcpProblem& problem, std::span<const Index> rows, const Request& request, Eigen::VectorXd* f) {
+    return SolveRows(
+        LoadPart(problem, rows), [rows](Index i) { return rows[static_cast<size_t>(i)]; }, request, f);
+  }
 
   /// Pivots of the last Solve; guessed active sets that were tried count as one each.
   int pivots() const { return pivots_; }
 
  private:
-  // A pivot below this part of the row's diagonal entry (or of the inverse's scale) is rounding: the row depends on F.
-  static constexpr double kLeastPivot = 1e-11;
-  // rho up to which a guess of the active set counts as right.
-  static constexpr double kRightRho = 1e-13;
-
   bool LoadDense(const LcpProblem& problem);
   bool LoadPart(const LcpProblem& problem, std::span<const Index> rows);
   void SetSize(Index n);
   bool Scale();
-  bool IsGuessed(Index i, double initial_f) const { return least_force_[i] < 0 || initial_f > 0; }
+  template <typename Given>
+  Answer SolveRows(bool is_loaded, const Given& given, const Request& request, Eigen::VectorXd* f);
   Answer Finish(const Request& request);
   double Run(const Deadline* deadline);
   bool RowsMeet(double limit) const;
@@ -101,7 +104,6 @@ class SmallPivoting {
   void FindForces();
   double Rho();
   void Refine();
-  double GivenForce(Index i) const { return force_[i] * (scale_[i] * inverse_b_scale_); }
   bool violated(Index i) const { return q_[i] * weight_[i] < -noise_; }
 
   Index n_ = 0;
@@ -121,5 +123,21 @@ class SmallPivoting {
   std::vector<Index> joints_, guess_;  // guess_: active rows, ascending
   std::vector<int> local_;             // by row of the whole problem: its place in the part where it last was in one
 };
+
+/// Row i of what is solved is row given(i) of the problem.
+template <typename Given>
+SmallPivoting::Answer SmallPivoting::SolveRows(bool is_loaded, const Given& given, const Request& request,
+                                               Eigen::VectorXd* f) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  pivots_ = 0;
+  if (!is_loaded) return {kInfinity, kInfinity, false};
+  guess_.clear();
+  for (Index i = 0; i < n_ && request.initial_f != nullptr; ++i) {
+    if (least_force_[i] < 0 || (*request.initial_f)[given(i)] > 0) guess_.push_back(i);
+  }
+  const Answer answer = Finish(request);
+  for (Index i = 0; i < n_; ++i) (*f)[given(i)] = force_[i] * (scale_[i] * inverse_b_scale_);
+  return answer;
+}
 
 }  // namespace lcpbench

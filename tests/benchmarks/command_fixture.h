@@ -4,6 +4,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -48,8 +49,32 @@ class CommandTest : public testing::Test {
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(folder_ / "stdout"), ReadFile(folder_ / "stderr")};
   }
 
-  /// Begins to run the command, silent, in a process group of its own, so that nothing of it need be left.
-  pid_t Start(const std::string& arguments) const {
+  /// Run, of what succeeds.
+  CommandOutcome Succeed(const std::string& arguments, const std::string& input = "") {
+    CommandOutcome outcome = Run(arguments, input);
+    EXPECT_EQ(outcome.status, 0) << arguments << "\n" << outcome.error;
+    return outcome;
+  }
+
+  /// Run, of a user's mistake: status 2, and one line that has the text.
+  void ExpectMistake(const std::string& arguments, const std::string& text) {
+    const CommandOutcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_NE(outcome.error.find(text), std::string::npos) << arguments << ": " << outcome.error;
+    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  }
+
+  /// Runs the command, silent, until `file` has grown by so many bytes, so that it is in the midst of its work however
+  /// fast the machine is; then it gets the signal, alone or with its process group.
+  /// @return its status, as waitpid gives it
+  int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
+               const std::string& arguments) const {
+    const auto size = [&] {
+      std::error_code none;
+      const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);
+      return none ? 0 : bytes;
+    };
+    const std::uintmax_t enough = size() + growth;
     const pid_t child = fork();
     if (child == 0) {
       setpgid(0, 0);
@@ -58,19 +83,12 @@ class CommandTest : public testing::Test {
       _exit(127);
     }
     setpgid(child, child);  // whoever is first
-    return child;
-  }
-
-  /// Runs the command and kills it after so many milliseconds. False where it had ended before, with status 0.
-  bool RunAndKill(const std::string& arguments, int milliseconds) const {
-    const pid_t child = Start(arguments);
-    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
-    kill(child, SIGKILL);
     int status = 0;
-    waitpid(child, &status, 0);
-    if (!WIFEXITED(status)) return true;
-    EXPECT_EQ(WEXITSTATUS(status), 0);
-    return false;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (size() >= enough) kill(whole_group ? -child : child, signal);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return status;
   }
 
   std::string Path(const std::string& name) const { return (folder_ / name).string(); }

@@ -5,10 +5,10 @@
 #include <string_view>
 
 #include "model/contact/assembly.h"
+#include "model/geometry/feature.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/shape/outline_checks.h"
-#include "model/shape/outline_piece.h"
 #include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
 

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "model/geometry/curve.h"
 #include "model/geometry/trig.h"
 #include "model/shape/outline.h"
+#include "tests/model/edge_point.h"
 #include "tests/model/random_outlines.h"
 
 namespace lcpbench::testing {
@@ -432,11 +432,6 @@ inline std::vector<FlushEnd> FlushEnds(const SampledLoop& loop1, const SampledLo
     }
   }
   return ends;
-}
-
-inline double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 along = b - a;
-  return Norm(p - a - std::clamp(Dot(p - a, along) / Dot(along, along), 0.0, 1.0) * along);
 }
 
 /// Of the polygons through the samples, which must not overlap.

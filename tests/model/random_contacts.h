@@ -17,10 +17,11 @@
 #include "model/contact/body.h"
 #include "model/contact/closest_points.h"
 #include "model/contact/system.h"
-#include "model/geometry/curve.h"
 #include "model/geometry/feature.h"
+#include "model/geometry/overloaded.h"
 #include "model/geometry/trig.h"
 #include "support/input_error.h"
+#include "tests/model/edge_point.h"
 
 namespace lcpbench::testing {
 
@@ -178,36 +179,31 @@ inline Vec2 ToBody(const Body& body, Vec2 world) {
 
 inline Vec2 ToWorld(const Body& body, Vec2 c) { return body.x + Rotate(SinCos(body.theta), c); }
 
-/// The feature with all its lengths times `scale`.
-inline Feature Scaled(const Feature& feature, double scale) {
-  if (const auto* arc = std::get_if<ArcEdge>(&feature)) {
-    return ArcEdge{scale * arc->center, scale * arc->radius, arc->side};
-  }
-  if (const auto* edge = std::get_if<StraightEdge>(&feature)) return StraightEdge{scale * edge->a, scale * edge->b};
-  if (const auto* e = std::get_if<EllipseEdge>(&feature)) {
-    return EllipseEdge{scale * e->center, scale * e->a, scale * e->b, e->phi, e->side};
-  }
-  if (const auto* e = std::get_if<SuperellipseEdge>(&feature)) {
-    return SuperellipseEdge{scale * e->center, scale * e->a, scale * e->b, e->m, e->phi, e->side};
-  }
-  if (const auto* e = std::get_if<BezierEdge>(&feature)) {
-    return BezierEdge{{scale * e->P[0], scale * e->P[1], scale * e->P[2], scale * e->P[3]}};
-  }
-  return Vertex{scale * std::get<Vertex>(feature).p};
+/// The feature or curve with all its lengths times `scale`.
+template <class Variant>
+Variant Scaled(Variant feature, double scale) {
+  ForEachPoint(feature, [&](Vec2& p) { p = scale * p; });
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.radius; }) e.radius *= scale;
+        if constexpr (requires { e.phi; }) {
+          e.a *= scale;
+          e.b *= scale;
+        }
+      },
+      feature);
+  return feature;
 }
 
 /// The general curve, turned by r and then moved.
-inline Feature Moved(const Feature& feature, Rotation r, Vec2 shift) {
-  const double angle = std::atan2(r.sin, r.cos);
-  if (const auto* e = std::get_if<EllipseEdge>(&feature)) {
-    return EllipseEdge{Rotate(r, e->center) + shift, e->a, e->b, e->phi + angle, e->side};
-  }
-  if (const auto* e = std::get_if<SuperellipseEdge>(&feature)) {
-    return SuperellipseEdge{Rotate(r, e->center) + shift, e->a, e->b, e->m, e->phi + angle, e->side};
-  }
-  BezierEdge bezier = std::get<BezierEdge>(feature);
-  for (Vec2& p : bezier.P) p = Rotate(r, p) + shift;
-  return bezier;
+inline Feature Moved(Feature feature, Rotation r, Vec2 shift) {
+  ForEachPoint(feature, [&](Vec2& p) { p = Rotate(r, p) + shift; });
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.phi; }) e.phi += std::atan2(r.sin, r.cos);
+      },
+      feature);
+  return feature;
 }
 
 /// A general curve about its own origin and a parameter where it is well curved.
@@ -337,16 +333,8 @@ inline Vec2 Center(const Feature& feature, std::optional<double> s) {
   return at.c - (1 / at.kappa) * at.N;
 }
 
-/// Vectors in long double, for references that share no code with the model.
-struct LongVec {
-  long double x = 0;
-  long double y = 0;
-};
-inline LongVec operator+(LongVec a, LongVec b) { return {a.x + b.x, a.y + b.y}; }
-inline LongVec operator-(LongVec a, LongVec b) { return {a.x - b.x, a.y - b.y}; }
-inline LongVec operator*(long double s, LongVec a) { return {s * a.x, s * a.y}; }
-inline long double Dot(LongVec a, LongVec b) { return a.x * b.x + a.y * b.y; }
-inline long double Cross(LongVec a, LongVec b) { return a.x * b.y - a.y * b.x; }
+/// Vectors in long double, for references.
+using LongVec = VecOf<long double>;
 inline long double Norm(LongVec a) { return std::sqrt(Dot(a, a)); }
 inline LongVec Long(Vec2 a) { return {static_cast<long double>(a.x), static_cast<long double>(a.y)}; }
 inline LongVec Turned(LongVec a, long double angle) {
@@ -355,40 +343,49 @@ inline LongVec Turned(LongVec a, long double angle) {
   return {cosine * a.x - sine * a.y, sine * a.x + cosine * a.y};
 }
 
-/// A feature's point in the body frame, by the definitions of feature.h; s does not matter for a vertex.
-inline LongVec LongPoint(const Feature& feature, long double s) {
-  const auto oval = [&](const auto& e, LongVec local) {
-    return Long(e.center) + Turned(local, static_cast<long double>(e.phi));
+/// A feature's point in the body frame, by the definitions of its curve, in the arithmetic of T; s does not matter for
+/// a vertex.
+template <class T>
+VecOf<T> ReferencePoint(const Feature& feature, const T& s) {
+  using std::cos, std::sin, std::pow;
+  using Vec = VecOf<T>;
+  const auto lift = [](Vec2 a) { return Vec{T(a.x), T(a.y)}; };
+  const auto oval = [&](const auto& e, Vec local) {
+    return lift(e.center) + Turn(Vec{T(cos(T(e.phi))), T(sin(T(e.phi)))}, local);
   };
-  if (const auto* arc = std::get_if<ArcEdge>(&feature)) {
-    return Long(arc->center) + static_cast<long double>(arc->radius) * LongVec{std::cos(s), std::sin(s)};
-  }
-  if (const auto* edge = std::get_if<StraightEdge>(&feature))
-    return Long(edge->a) + s * (Long(edge->b) - Long(edge->a));
-  if (const auto* e = std::get_if<EllipseEdge>(&feature)) {
-    return oval(*e, {static_cast<long double>(e->a) * std::cos(s), static_cast<long double>(e->b) * std::sin(s)});
-  }
-  if (const auto* e = std::get_if<SuperellipseEdge>(&feature)) {
-    const auto m = static_cast<long double>(e->m);
-    const long double x = std::abs(std::cos(s) / static_cast<long double>(e->a));
-    const long double y = std::abs(std::sin(s) / static_cast<long double>(e->b));
-    return oval(*e, std::pow(std::pow(x, m) + std::pow(y, m), -1 / m) * LongVec{std::cos(s), std::sin(s)});
-  }
-  if (const auto* e = std::get_if<BezierEdge>(&feature)) {
-    const long double r = 1 - s;
-    return r * r * r * Long(e->P[0]) + 3 * r * r * s * Long(e->P[1]) + 3 * r * s * s * Long(e->P[2]) +
-           s * s * s * Long(e->P[3]);
-  }
-  return Long(std::get<Vertex>(feature).p);
+  return std::visit(Overloaded{[&](const Vertex& v) { return lift(v.p); },
+                               [&](const StraightEdge& e) { return lift(e.a) + s * (lift(e.b) - lift(e.a)); },
+                               [&](const ArcEdge& e) {
+                                 return lift(e.center) + T(e.radius) * Vec{T(cos(s)), T(sin(s))};
+                               },
+                               [&](const EllipseEdge& e) {
+                                 return oval(e, {T(T(e.a) * cos(s)), T(T(e.b) * sin(s))});
+                               },
+                               [&](const SuperellipseEdge& e) {
+                                 const T x = cos(s) / T(e.a);
+                                 const T y = sin(s) / T(e.b);
+                                 const T power = pow(T(x * x), e.m / 2) + pow(T(y * y), e.m / 2);
+                                 const T radius = pow(power, T(T(-1) / T(e.m)));
+                                 return oval(e, radius * Vec{T(cos(s)), T(sin(s))});
+                               },
+                               [&](const BezierEdge& e) {
+                                 const T r = 1 - s;
+                                 return T(r * r * r) * lift(e.P[0]) + T(3 * r * r * s) * lift(e.P[1]) +
+                                        T(3 * r * s * s) * lift(e.P[2]) + T(s * s * s) * lift(e.P[3]);
+                               }},
+                    feature);
 }
+
+inline LongVec LongPoint(const Feature& feature, long double s) { return ReferencePoint(feature, s); }
 
 /// +1 where the material is on the left of increasing s, -1 where it is on the right.
 inline int MaterialSide(const Feature& feature) {
-  const auto sign = [](Side side) { return side == Side::kConvex ? 1 : -1; };
-  if (const auto* arc = std::get_if<ArcEdge>(&feature)) return sign(arc->side);
-  if (const auto* e = std::get_if<EllipseEdge>(&feature)) return sign(e->side);
-  if (const auto* e = std::get_if<SuperellipseEdge>(&feature)) return sign(e->side);
-  return 1;
+  return std::visit(
+      [](const auto& e) {
+        if constexpr (requires { e.side; }) return e.side == Side::kConvex ? 1 : -1;
+        return 1;
+      },
+      feature);
 }
 
 inline bool IsStraight(const Feature& feature) { return std::holds_alternative<StraightEdge>(feature); }

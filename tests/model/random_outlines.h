@@ -7,10 +7,9 @@
 #include <variant>
 #include <vector>
 
-#include "model/geometry/angle.h"
+#include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/shape/outline.h"
-#include "model/shape/outline_piece.h"
 #include "tests/model/random_contacts.h"
 
 namespace lcpbench::testing {
@@ -40,17 +39,7 @@ inline OutlinePiece Arc(Vec2 center, double radius, double s_begin, double s_end
 
 /// All lengths times `scale`.
 inline OutlinePiece Scaled(OutlinePiece piece, double scale) {
-  if (auto* e = std::get_if<StraightEdge>(&piece.edge)) *e = {scale * e->a, scale * e->b};
-  if (auto* e = std::get_if<ArcEdge>(&piece.edge)) *e = {scale * e->center, scale * e->radius, e->side};
-  if (auto* e = std::get_if<EllipseEdge>(&piece.edge)) {
-    *e = {scale * e->center, scale * e->a, scale * e->b, e->phi, e->side};
-  }
-  if (auto* e = std::get_if<SuperellipseEdge>(&piece.edge)) {
-    *e = {scale * e->center, scale * e->a, scale * e->b, e->m, e->phi, e->side};
-  }
-  if (auto* e = std::get_if<BezierEdge>(&piece.edge)) {
-    for (Vec2& p : e->P) p = scale * p;
-  }
+  piece.edge = Scaled(piece.edge, scale);
   return piece;
 }
 

@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "model/records/replay_record.h"
-#include "model/records/replay_summary.h"
 #include "support/input_error.h"
 #include "tests/model/random_contacts.h"
 

@@ -14,9 +14,9 @@
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/detection/detection.h"
+#include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/shape/outline.h"
-#include "model/shape/outline_piece.h"
 #include "solvers/io/json_lines.h"
 
 namespace lcpbench::testing {

@@ -2,97 +2,57 @@
 
 namespace lcpbench {
 
+namespace {
+
+DirectSolver Pivoting(const char* name, const char* key, const Settings& settings, int iterations_per_row,
+                      double undecided_rounded, int unit_problems_missed) {
+  return {.name = name,
+          .key = key,
+          .settings = settings,
+          .iterations_per_row = iterations_per_row,
+          .warm_iterations = 0.1,
+          .warm_part = 0.05,
+          .undecided_rounded = undecided_rounded,
+          .unit_problems_missed = unit_problems_missed,
+          .row_limit = "max_rows"};
+}
+
+// Solvers that end at the tolerance.
+DirectSolver Iterative(const char* name, const char* key, const Settings& settings, double warm_iterations,
+                       double undecided_rounded, bool allocates) {
+  return {.name = name,
+          .key = key,
+          .settings = settings,
+          .rho = 1e-9,
+          .warm_iterations = warm_iterations,
+          .undecided_rounded = undecided_rounded,
+          .powers_of_two_leave_zero_rows = false,
+          .allocates = allocates};
+}
+
+}  // namespace
+
 const std::vector<DirectSolver>& DirectSolvers() {
-  static const std::vector<DirectSolver> solvers = {
-      {.name = "dantzig",
-       .key = "dantzig",
-       .iterations_per_row = 12,
-       .warm_iterations = 0.1,
-       .warm_part = 0.05,
-       .undecided_rounded = 0.005,
-       .row_limit = "max_rows"},
-      {.name = "dantzig_most_negative",
-       .key = "dantzig",
-       .settings = {{"order", "most-negative"}},
-       .iterations_per_row = 12,
-       .warm_iterations = 0.1,
-       .warm_part = 0.05,
-       .undecided_rounded = 0.005,
-       .unit_problems_missed = 3,
-       .row_limit = "max_rows"},
-      {.name = "lemke",
-       .key = "lemke",
-       .iterations_per_row = 6,
-       .warm_iterations = 0.1,
-       .warm_part = 0.05,
-       .undecided_rounded = 0.006,  // 5 of 838 where the compiler fuses no operations
-       .unit_problems_missed = 1,
-       .row_limit = "max_rows"},
-      {.name = "bpp_dense",
-       .key = "bpp",
-       .settings = {{"form", "dense"}},
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .undecided_rounded = 0.005,
-       .powers_of_two_leave_zero_rows = false,
-       .row_limit = "max_dense_rows"},
-      {.name = "bpp_sparse",
-       .key = "bpp",
-       .settings = {{"form", "sparse"}},
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .undecided_rounded = 0.005,
-       .powers_of_two_leave_zero_rows = false},
-      {.name = "active_set",
-       .key = "active-set",
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .undecided_rounded = 0.005,
-       .powers_of_two_leave_zero_rows = false},
-      {.name = "active_set_through_bodies",
-       .key = "active-set",
-       .settings = {{"form", "bodies"}},
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .undecided_rounded = 0.005,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-      {.name = "active_set_by_continuation",
-       .key = "active-set",
-       .settings = {{"continuation_rows", "1"}},
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .undecided_rounded = 0.005,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-      {.name = "semismooth_newton_by_continuation",
-       .key = "semismooth-newton",
-       .settings = {{"continuation_rows", "1"}},
-       .rho = 1e-9,
-       .undecided = 0.0005,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-      {.name = "semismooth_newton", .key = "semismooth-newton", .rho = 1e-9, .powers_of_two_leave_zero_rows = false},
-      // Naming the backend that answered may allocate.
-      {.name = "auto",
-       .key = "auto",
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-      {.name = "ipm",
-       .key = "ipm",
-       .rho = 1e-9,
-       .warm_iterations = 0,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-      {.name = "hybrid",
-       .key = "hybrid",
-       .rho = 1e-9,
-       .warm_iterations = 1.1,
-       .powers_of_two_leave_zero_rows = false,
-       .allocates = true},
-  };
+  static const std::vector<DirectSolver> solvers = [] {
+    std::vector<DirectSolver> all = {
+        Pivoting("dantzig", "dantzig", {}, 12, 0.005, 0),
+        Pivoting("dantzig_most_negative", "dantzig", {{"order", "most-negative"}}, 12, 0.005, 3),
+        Pivoting("lemke", "lemke", {}, 6, 0.006, 1),  // 5 of 838 where the compiler fuses no operations
+        Iterative("bpp_dense", "bpp", {{"form", "dense"}}, 1.1, 0.005, false),
+        Iterative("bpp_sparse", "bpp", {{"form", "sparse"}}, 1.1, 0.005, false),
+        Iterative("active_set", "active-set", {}, 1.1, 0.005, false),
+        Iterative("active_set_through_bodies", "active-set", {{"form", "bodies"}}, 1.1, 0.005, true),
+        Iterative("active_set_by_continuation", "active-set", {{"continuation_rows", "1"}}, 1.1, 0.005, true),
+        Iterative("semismooth_newton_by_continuation", "semismooth-newton", {{"continuation_rows", "1"}}, 1, 0, true),
+        Iterative("semismooth_newton", "semismooth-newton", {}, 1, 0, false),
+        Iterative("auto", "auto", {}, 1.1, 0, true),  // naming the backend that answered may allocate
+        Iterative("ipm", "ipm", {}, 0, 0, true),
+        Iterative("hybrid", "hybrid", {}, 1.1, 0, true),
+    };
+    all[3].row_limit = "max_dense_rows";
+    all[8].undecided = 0.0005;
+    return all;
+  }();
   return solvers;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <Eigen/Core>
 #include <cstdint>
 
@@ -14,14 +16,23 @@ inline double Energy(const LcpProblem& problem, const Eigen::VectorXd& f) {
   return 0.5 * f.dot(w + problem.b());
 }
 
+/// From `start`, or from 0.
 /// @param iterations  the limit; 0 is the solver's own
-inline LcpResult Iterate(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations) {
+inline LcpResult Iterate(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations,
+                         const Eigen::VectorXd* start = nullptr) {
   LcpOptions options;
   options.tolerance = tolerance;
   options.max_iterations = iterations;
+  options.initial_f = start;
   LcpResult result;
   solver->Solve(problem, options, &result);
   return result;
+}
+template <typename Solver>
+LcpResult IterateNew(const LcpProblem& problem, const typename Solver::Options& options, double tolerance,
+                     std::int64_t iterations, const Eigen::VectorXd* start = nullptr) {
+  Solver solver(options);
+  return Iterate(&solver, problem, tolerance, iterations, start);
 }
 
 }  // namespace lcpbench

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/lcp/work_counts.h"
 #include "solvers/registry.h"

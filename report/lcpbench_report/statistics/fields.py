@@ -3,7 +3,10 @@
 A kind is a word of _KINDS; a "?" behind it allows null.
 """
 
+import functools
+import json
 import math
+from pathlib import Path
 
 import numpy as np
 
@@ -31,6 +34,22 @@ _KINDS = {
     "object": (lambda v: isinstance(v, dict), "an object"),
     "list": (lambda v: isinstance(v, list), "a list"),
 }
+
+
+# {record: {field: {"type": kind, ...}}}, written by `lcpbench list fields --json`; [kind] is a list of it.
+_SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(encoding="utf-8"))
+
+
+@functools.cache
+def kinds_of(record: str, keys: tuple[str, ...] | None = None) -> dict[str, str]:
+    """For check_fields: the fields of a record of a campaign's lines, or these of them; of lists only that they are."""
+    fields = _SCHEMA[record]
+    return {key: "list" if fields[key]["type"][0] == "[" else fields[key]["type"] for key in keys or fields}
+
+
+def numbers_of(record: str, key: str) -> str:
+    """For check_numbers: what the numbers of a list may be."""
+    return {"number": "any", "time": ">= 0", "positive": "> 0"}[_SCHEMA[record][key]["type"].strip("[]?")]
 
 
 def check_fields(place: str, record: object, kinds: dict[str, str]) -> dict:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import Tiers, check_fields, check_numbers, check_places, check_word
+from .fields import Tiers, check_fields, check_numbers, check_places, check_word, kinds_of, numbers_of
 from .jsonl import is_there, read_lines, read_object
 from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
@@ -29,26 +29,17 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
            "tolerance": "name", "ablation": "text"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
-_PROBLEM = {"problem": "name", "set": "name", "family": "name", "base": "name", "weight": "positive", "origin": "name",
-            "fill": "boolean", "size_class": "name", "rows": "count", "reference": "name", "counts": "boolean",
-            "oracle_s": "positive?", "floor": "time?"}
+# Of problems.jsonl, what the tables are made of.
+_PROBLEM = ("problem", "set", "family", "base", "weight", "origin", "fill", "size_class", "rows", "reference", "counts",
+            "oracle_s", "floor")
 _REFERENCES = ("certified", "bounded", "none")
 _ORIGINS = ("placed", "motion")
-_LINE = {"solver": "name", "size_class": "name", "tier": "positive", "kind": "name", "pass": "count", "first": "count",
-         "count": "count", "environment": "text"}
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
-# Arrays of a judge line, a number for every problem that had its turn; all numbers but these are >= 0.
+# Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
-_SIGNED = ("gap_rel",)
-_JUDGE = {"excluded": "text"}
-_RUN = {"attempted": "count", "peak_bytes": "time?", "exceptions": "list"}
 OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
-_OUT = {"claim": "name", "passes": "boolean", "reason": "name"}
-EXCEPTION = {"claim": "name", "passes": "boolean", "at_floor": "boolean", "false_success": "boolean",
-             "false_infeasible": "boolean", "proved_infeasible": "boolean", "reason": "text", "detail": "text"}
+EXCEPTION = kinds_of("exception")
 PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
-# Arrays of a timed line, a time for every problem of the task; null: none.
-_TIMED = {FRESH: ("fresh_s",), PARTS: PART_TIMES, AGAIN: ("again_s",)}
 
 
 @dataclass
@@ -153,7 +144,7 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
     classes = {of["key"]: of for of in info["size_classes"]}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, _PROBLEM)
+        record = check_fields(place, line, kinds_of("problem", _PROBLEM))
         check_word(place, record, "reference", _REFERENCES)
         check_word(place, record, "origin", _ORIGINS)
         check_word(place, record, "size_class", classes)
@@ -176,7 +167,7 @@ def _read_tasks(path: Path, campaign: Campaign, note: Callable[[str], None]) -> 
     passes: dict[tuple, list[tuple[str, dict]]] = {}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, _LINE)
+        record = check_fields(place, line, kinds_of("line"))
         check_word(place, record, "kind", KINDS)
         if record["solver"] not in solvers:
             raise ReportError(place, f"solver is {record['solver']!r}", "an available solver of campaign.json")
@@ -204,21 +195,21 @@ def _read_tasks(path: Path, campaign: Campaign, note: Callable[[str], None]) -> 
 
 
 def _judged(place: str, record: dict, task: Task) -> Task:
-    check_fields(place, record, _JUDGE)
     if record["pass"] != 0:
         raise ReportError(place, f"key 'pass' is {record['pass']}", "0 where the kind is judge")
     task.excluded = record["excluded"]
     if task.excluded:
         return task
-    check_fields(place, record, _RUN)
+    check_fields(place, record, kinds_of("judge", ("attempted", "peak_bytes", "exceptions")))
     task.attempted = int(record["attempted"])
     if task.attempted > task.count:
         raise ReportError(place, f"key 'attempted' is {task.attempted}", f"{task.count}, the key 'count', at most")
     for key in JUDGED:
-        task.judged[key] = check_numbers(place, record, key, task.attempted, "any" if key in _SIGNED else ">= 0")
+        task.judged[key] = check_numbers(place, record, key, task.attempted, numbers_of("judge", key))
     at = check_places(f"{place}: exceptions", [_place_of(place, one) for one in record["exceptions"]], task.attempted)
     for index, exception in zip(at, record["exceptions"]):
-        check_fields(f"{place}: exceptions at {index}", exception, _OUT if exception.get("claim") == OUT else EXCEPTION)
+        out = ("claim", "passes", "reason") if exception.get("claim") == OUT else None
+        check_fields(f"{place}: exceptions at {index}", exception, kinds_of("exception", out))
     task.exceptions = record["exceptions"]
     task.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
     # It may be the only time of a problem: ratios and logarithms are made of it.
@@ -242,16 +233,17 @@ def _add_pass(place: str, record: dict, task: Task) -> None:
         raise ReportError(place, f"pass {number} of this kind and task is there twice", "a line per task and pass")
     if task.excluded:
         raise ReportError(place, f"the task is excluded: {task.excluded}", "no pass of it")
-    times = {key: check_numbers(place, record, key, task.count, ">= 0" if kind == PARTS else "> 0")
-             for key in _TIMED[kind]}
+    times = {key: check_numbers(place, record, key, task.count, numbers_of(kind, key))
+             for key in (PART_TIMES if kind == PARTS else (f"{kind}_s",))}
     if kind == PARTS:
         of_kind[number] = TimedPass(times, [])
         return
-    check_fields(place, record, {"failed": "list"})
+    check_fields(place, record, kinds_of(kind, ("failed",)))
     failed = check_places(f"{place}: failed", record["failed"], task.count)
     disturbed = False
     if kind == FRESH:
-        check_fields(place, record, {"group": "positive", "disturbance": "object?"})
+        check_fields(place, record, kinds_of(kind, ("group", "disturbance")))
         if record["disturbance"] is not None:
-            disturbed = check_fields(f"{place}: disturbance", record["disturbance"], {"disturbed": "boolean"})["disturbed"]
+            kinds = kinds_of("disturbance", ("disturbed",))
+            disturbed = check_fields(f"{place}: disturbance", record["disturbance"], kinds)["disturbed"]
     of_kind[number] = TimedPass(times, failed, disturbed)

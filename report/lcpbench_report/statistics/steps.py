@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import Tiers, check_fields, check_numbers, check_places, check_word
+from .fields import Tiers, check_fields, check_numbers, check_places, check_word, kinds_of, numbers_of
 from .jsonl import is_there, read_lines
 
 FILE = "steps.jsonl"
@@ -16,13 +16,8 @@ COMPLETED = "completed"
 OUTCOMES = (COMPLETED, "budget", "crashed", "killed", "out_of_memory")
 _SEQUENCE = {"sequence": "name", "set": "name", "family": "name", "rows": "count", "most_rows": "count",
              "steps": "count"}
-_PASS = {"sequence": "name", "solver": "name", "tier": "positive", "mode": "name", "deadline_s": "positive?",
-         "round": "count", "excluded": "text"}
 # What a pass that was run has besides.
-_RUN = {"outcome": "name", "detail": "text", "steps": "count", "reached": "count", "claims": "object",
-        "verdicts": "list", "late": "list", "preempted": "list"}
-_VERDICT = {"tier": "positive", "passed": "count", "failed": "count", "false_successes": "count",
-            "failed_steps": "list"}
+_RUN = ("outcome", "detail", "steps", "reached", "claims", "verdicts", "late", "preempted")
 # Of every step that was reached.
 _BY_STEP = ("latency_s", "iterations", "rho", "backward_error", "w_error")
 
@@ -80,7 +75,7 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
     solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, _PASS)
+        record = check_fields(place, line, kinds_of("pass"))
         check_word(place, record, "sequence", sequences)
         check_word(place, record, "solver", solvers)
         key = (record["sequence"], record["solver"], tiers.find(place, record["tier"]), record["mode"])
@@ -99,16 +94,16 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
 
 
 def _round(place: str, record: dict, steps: int, tiers: Tiers) -> Round:
-    check_fields(place, record, _RUN)
+    check_fields(place, record, kinds_of("steps", _RUN))
     check_word(place, record, "outcome", OUTCOMES)
     check_fields(f"{place}: claims", record["claims"], dict.fromkeys(record["claims"], "count"))
     reached = int(record["reached"])
     if record["steps"] != steps or reached > steps:
         raise ReportError(place, f"{reached} of {record['steps']} steps", f"the {steps} steps of campaign.json")
-    arrays = {key: _padded(check_numbers(place, record, key, reached, ">= 0"), steps) for key in _BY_STEP}
+    arrays = {key: _padded(check_numbers(place, record, key, reached, numbers_of("steps", key)), steps) for key in _BY_STEP}
     verified, false_successes = {}, {}
     for verdict in record["verdicts"]:
-        check_fields(f"{place}: verdicts", verdict, _VERDICT)
+        check_fields(f"{place}: verdicts", verdict, kinds_of("step_verdict"))
         tier = tiers.find(f"{place}: verdicts", verdict["tier"])
         verified[tier] = ~_marked(f"{place}: failed_steps", verdict["failed_steps"], steps)
         false_successes[tier] = int(verdict["false_successes"])

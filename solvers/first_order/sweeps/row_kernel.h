@@ -1,6 +1,9 @@
 #pragma once
 
+#include <memory>
+
 #include "solvers/first_order/sweeps/aligned_array.h"
+#include "solvers/first_order/sweeps/scaled_problem.h"
 #include "solvers/lcp/problem.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
@@ -54,5 +57,12 @@ class RowKernel {
   /// Sum of r_k^2; needs the image of f.
   virtual double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const = 0;
 };
+
+/// The layouts; `scaled` is not owned. The rows of D^-1/2 A D^-1/2: 12 bytes and one multiply-add per entry.
+std::unique_ptr<RowKernel> MakeAssembledRows(const LcpProblem& problem, const ScaledProblem& scaled);
+/// Rows on any number of bodies: S = D^-1/2 J M^-1/2, one copy for the product and the update.
+std::unique_ptr<RowKernel> MakeFactorRows(const LcpProblem& problem, const ScaledProblem& scaled);
+/// The same for rows on at most two bodies each (LcpProblem::has_two_body_rows), a cache line a row, many at once.
+std::unique_ptr<RowKernel> MakeTwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled);
 
 }  // namespace lcpbench

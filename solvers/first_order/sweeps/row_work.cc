@@ -2,11 +2,7 @@
 
 #include <vector>
 
-#include "solvers/first_order/sweeps/assembled_rows.h"
 #include "solvers/first_order/sweeps/colouring.h"
-#include "solvers/first_order/sweeps/factor_rows.h"
-#include "solvers/first_order/sweeps/two_body_rows.h"
-#include "solvers/lcp/given_form.h"
 
 namespace lcpbench {
 namespace {
@@ -29,11 +25,11 @@ void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
   const bool factors = UsesFactors(problem, form, coloured);
   scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
   if (!factors) {
-    rows = std::make_unique<AssembledRows>(problem, scaled);
+    rows = MakeAssembledRows(problem, scaled);
   } else if (problem.has_two_body_rows()) {
-    rows = std::make_unique<TwoBodyRows>(problem, scaled);
+    rows = MakeTwoBodyRows(problem, scaled);
   } else {
-    rows = std::make_unique<FactorRows>(problem, scaled);
+    rows = MakeFactorRows(problem, scaled);
   }
   f.assign(static_cast<size_t>(scaled.size), 0.0);
   rows->StartImage(&image);

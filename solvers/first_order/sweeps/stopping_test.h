@@ -5,7 +5,7 @@
 
 #include "solvers/first_order/sweeps/paced_passes.h"
 #include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 
 /// Internal to solvers/.

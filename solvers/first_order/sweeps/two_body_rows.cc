@@ -1,8 +1,8 @@
-#include "solvers/first_order/sweeps/two_body_rows.h"
-
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <vector>
 
 #ifdef __AVX512F__
 #include <immintrin.h>
@@ -10,6 +10,7 @@
 
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/projected_step.h"
+#include "solvers/first_order/sweeps/row_kernel.h"
 
 namespace lcpbench {
 namespace {
@@ -112,235 +113,261 @@ LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
 }
 #endif
 
-}  // namespace
-
-TwoBodyRows::TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) : scaled_(scaled) {
-  const SparseMatrix& J = problem.J();
-  const Index bodies = J.cols() / 3;
-  image_size_ = At(bodies + kSpares) * kLanes;
-  rows_.assign(At(scaled.size), {});
-  for (Index k = 0; k < scaled.size; ++k) {
-    double* s = rows_[At(k)].s.data();
-    std::array<Index, 2> body = {-1, -1};
-    for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
-      const double m = problem.inverse_mass()[it.col()];
-      if (m == 0 || it.value() == 0) continue;
-      const Index block = it.col() / 3;
-      const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
-      body[side] = block;
-      s[kLanes * side + At(it.col() % 3)] = it.value() * std::sqrt(m) * scaled.inverse_root[At(k)];
+// Matrix-free rows on at most two bodies each (LcpProblem::has_two_body_rows): S = D^-1/2 J M^-1/2 in blocks of three.
+// Image: the velocities S^T f, four numbers per body.
+//
+// A row is one cache line with everything it needs but f: its two blocks, b, and where its bodies are. The fourth
+// number of a body is the constant 1, the factor of b. One copy of S serves the product and the update, so that no
+// inverse mass is read. Sets of consecutive rows that share no body are found when the rows are laid out, and stepped
+// by eights, a register a row, with the eight dot products added up in one transposition; by fours, half a row a
+// register, where there is no AVX-512; what is left of a set by fours and one by one. All give the same bits. Measured cost: docs/solvers/first_order.md.
+class TwoBodyRows final : public RowKernel {
+ public:
+  TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) : scaled_(scaled) {
+    const SparseMatrix& J = problem.J();
+    const Index bodies = J.cols() / 3;
+    image_size_ = At(bodies + kSpares) * kLanes;
+    rows_.assign(At(scaled.size), {});
+    for (Index k = 0; k < scaled.size; ++k) {
+      double* s = rows_[At(k)].s.data();
+      std::array<Index, 2> body = {-1, -1};
+      for (SparseMatrix::InnerIterator it(J, scaled.Given(k)); it; ++it) {
+        const double m = problem.inverse_mass()[it.col()];
+        if (m == 0 || it.value() == 0) continue;
+        const Index block = it.col() / 3;
+        const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
+        body[side] = block;
+        s[kLanes * side + At(it.col() % 3)] = it.value() * std::sqrt(m) * scaled.inverse_root[At(k)];
+      }
+      if (body[0] < 0) body[0] = bodies + k % kSpares;
+      if (body[1] < 0) body[1] = bodies + (k + kSpares / 2) % kSpares;
+      const Offsets offsets = {static_cast<int>(body[0]) * static_cast<int>(kLanes),
+                               static_cast<int>(body[1]) * static_cast<int>(kLanes)};
+      std::memcpy(s + 7, &offsets, sizeof offsets);
     }
-    if (body[0] < 0) body[0] = bodies + k % kSpares;
-    if (body[1] < 0) body[1] = bodies + (k + kSpares / 2) % kSpares;
-    const Offsets offsets = {static_cast<int>(body[0]) * static_cast<int>(kLanes),
-                             static_cast<int>(body[1]) * static_cast<int>(kLanes)};
-    std::memcpy(s + 7, &offsets, sizeof offsets);
+    FindSets();
   }
-  FindSets();
-}
 
-void TwoBodyRows::SetB() {
-  for (size_t k = 0; k < rows_.size(); ++k) rows_[k].s[3] = scaled_.b[k];
-}
+  void SetB() override {
+    for (size_t k = 0; k < rows_.size(); ++k) rows_[k].s[3] = scaled_.b[k];
+  }
+  std::size_t ImageSize() const override { return image_size_; }
+  bool ImageIsRoot() const override { return true; }
+  Index EntriesPerRow() const override { return kEntriesPerRow; }
+  void StartImage(Array* image) const override {
+    image->assign(image_size_, 0.0);
+    for (size_t i = 3; i < image_size_; i += kLanes) (*image)[i] = 1;
+  }
+  void AddToImage(Index begin, Index end, const Array& f, Array* image) const override {
+    for (Index k = begin; k < end; ++k) {
+      if (f[At(k)] != 0) AddRowToImage(k, f[At(k)], image);
+    }
+  }
+  void AddRowToImage(Index row, double df, Array* image) const override {
+    Loaded(rows_[At(row)].s.data(), image->data()).Push<true>(Broadcast(df), image->data());
+  }
+  double W(Index row, const Array& /*f*/, const Array& image) const override {
+    return Sum(Loaded(rows_[At(row)].s.data(), image.data()).Products());
+  }
+  void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
+             StepSums* sums) const override {
+    RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
+      Visit<Pass::kInPlace>(begin, end, backward, image->data(), image->data(), step);
+    });
+  }
+  void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
+                    Array* next_image, StepSums* sums) const override {
+    RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
+      Visit<Pass::kAcross>(begin, end, false, y_image.data(), next_image->data(), projected);
+    });
+  }
+  double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const override {
+    return RunResidual(scaled_, f,
+                       [&](auto* residual) { Visit<Pass::kRead>(begin, end, false, image.data(), nullptr, residual); });
+  }
 
-void TwoBodyRows::FindSets() {
-  const auto spares_from = static_cast<int>(image_size_ - At(kSpares) * kLanes);
-  std::vector<Index> last_set(image_size_ / kLanes, -1);  // the last set with a row on the body
-  Index set = 0;
-  Index length = 0;
-  Index in_fours = 0;
-  set_end_.clear();
-  const auto close = [&](Index end) {
-    set_end_.push_back(end);
-    in_fours += length - length % kFour;
-    length = 0;
-    ++set;
+ private:
+  struct alignas(kCacheLine) Row {
+    std::array<double, 8> s{};  // first block, b, second block, offsets of the bodies (two int)
   };
-  for (Index k = 0; k < scaled_.size; ++k) {
-    const Offsets offsets = BodiesOf(rows_[At(k)].s.data());
-    const auto taken = [&](int offset) {
-      return offset < spares_from && last_set[static_cast<size_t>(offset) / kLanes] == set;
+
+  enum class Pass {
+    kRead,     // products only
+    kInPlace,  // what the products read is what the steps change
+    kAcross,   // read one image, change another
+  };
+
+  void FindSets() {
+    const auto spares_from = static_cast<int>(image_size_ - At(kSpares) * kLanes);
+    std::vector<Index> last_set(image_size_ / kLanes, -1);  // the last set with a row on the body
+    Index set = 0;
+    Index length = 0;
+    Index in_fours = 0;
+    set_end_.clear();
+    const auto close = [&](Index end) {
+      set_end_.push_back(end);
+      in_fours += length - length % kFour;
+      length = 0;
+      ++set;
     };
-    if (taken(offsets[0]) || taken(offsets[1])) close(k);
-    for (const int offset : offsets) last_set[static_cast<size_t>(offset) / kLanes] = set;
-    ++length;
+    for (Index k = 0; k < scaled_.size; ++k) {
+      const Offsets offsets = BodiesOf(rows_[At(k)].s.data());
+      const auto taken = [&](int offset) {
+        return offset < spares_from && last_set[static_cast<size_t>(offset) / kLanes] == set;
+      };
+      if (taken(offsets[0]) || taken(offsets[1])) close(k);
+      for (const int offset : offsets) last_set[static_cast<size_t>(offset) / kLanes] = set;
+      ++length;
+    }
+    close(scaled_.size);
+    if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(scaled_.size)) set_end_.clear();
   }
-  close(scaled_.size);
-  if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(scaled_.size)) set_end_.clear();
-}
 
-template <TwoBodyRows::Pass kPass, typename Step>
-LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitOne(const Row& row, Index k, const double* in, double* out, Step* step) {
-  const Loaded loaded(row.s.data(), in);
-  const double value = step->Take(k, Sum(loaded.Products()));
-  if constexpr (kPass != Pass::kRead) loaded.Push<kPass == Pass::kInPlace>(Broadcast(value), out);
-}
-
-template <TwoBodyRows::Pass kPass, HalfOfEight kHalf, typename Step>
-LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitFour(const Row* row, Index k, const double* in, double* out, Step* step) {
-  const Loaded r0(row[0].s.data(), in);
-  const Loaded r1(row[1].s.data(), in);
-  const Loaded r2(row[2].s.data(), in);
-  const Loaded r3(row[3].s.data(), in);
-  const Lanes p0 = r0.Products();
-  const Lanes p1 = r1.Products();
-  const Lanes p2 = r2.Products();
-  const Lanes p3 = r3.Products();
-  // Lane by lane the same additions as Sum.
-  const Lanes pairs01 = __builtin_shufflevector(p0, p1, 0, 4, 2, 6) + __builtin_shufflevector(p0, p1, 1, 5, 3, 7);
-  const Lanes pairs23 = __builtin_shufflevector(p2, p3, 0, 4, 2, 6) + __builtin_shufflevector(p2, p3, 1, 5, 3, 7);
-  const Lanes w =
-      __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) + __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
-  const Lanes value = step->template Take<kHalf>(k, w);
-  if constexpr (kPass != Pass::kRead) {
-    r0.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
-    r1.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 1, 1, 1, 1), out);
-    r2.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 2, 2, 2, 2), out);
-    r3.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 3, 3, 3, 3), out);
+  template <Pass kPass, typename Step>
+  LCPBENCH_ALWAYS_INLINE static void VisitOne(const Row& row, Index k, const double* in, double* out, Step* step) {
+    const Loaded loaded(row.s.data(), in);
+    const double value = step->Take(k, Sum(loaded.Products()));
+    if constexpr (kPass != Pass::kRead) loaded.Push<kPass == Pass::kInPlace>(Broadcast(value), out);
   }
-}
 
-// For the rows that come kAhead rows after rows k to k + kRows - 1, or before them.
-template <bool kBackward, Index kRows>
-LCPBENCH_ALWAYS_INLINE void TwoBodyRows::FetchAhead(Index k, const double* in) const {
-  const Index bodies_of = kBackward ? k - kAhead : k + kAhead;
-  const Index rows_at = kBackward ? bodies_of - kAhead : bodies_of + kAhead;
-  if (kBackward ? rows_at < 0 : rows_at + kRows > scaled_.size) return;
-  const Row* rows = rows_.data();
-  for (Index i = 0; i < kRows; ++i) {
-    const Offsets offsets = BodiesOf(rows[bodies_of + i].s.data());
-    __builtin_prefetch(in + offsets[0], 1);
-    __builtin_prefetch(in + offsets[1], 1);
-    __builtin_prefetch(rows + rows_at + i);
-  }
-}
-
-template <TwoBodyRows::Pass kPass, bool kBackward, typename Step>
-LCPBENCH_ALWAYS_INLINE void TwoBodyRows::VisitEight(const Row* row, Index k, const double* in, double* out,
-                                                    Step* step) {
-#ifdef __AVX512F__
-  const auto s = [&](Index i) { return row[i].s.data(); };
-  const std::array<WideRow, kEight> rows = {WideRow(s(0), in), WideRow(s(1), in), WideRow(s(2), in), WideRow(s(3), in),
-                                            WideRow(s(4), in), WideRow(s(5), in), WideRow(s(6), in), WideRow(s(7), in)};
-  const auto halves = [&](Index i, Index j) {
-    return AddHalves(rows[At(i)].Products(s(i)), rows[At(j)].Products(s(j)));
-  };
-  const __m512d w = AddPairs(AddNeighbours(halves(0, 2), halves(1, 3)), AddNeighbours(halves(4, 6), halves(5, 7)));
-  alignas(kCacheLine) std::array<double, kEight> value;
-  StoreTo(value.data(), step->Take(k, WideLanes(w)));
-  if constexpr (kPass != Pass::kRead) {
-    asm("" : "+m"(value));  // broadcasts from memory are free, from registers they take a quarter of the pass
-    for (Index i = 0; i < kEight; ++i) {
-      rows[At(i)].template Push<kPass == Pass::kInPlace>(s(i), _mm512_set1_pd(value[At(i)]), out);
+  template <Pass kPass, HalfOfEight kHalf, typename Step>
+  LCPBENCH_ALWAYS_INLINE static void VisitFour(const Row* row, Index k, const double* in, double* out, Step* step) {
+    const Loaded r0(row[0].s.data(), in);
+    const Loaded r1(row[1].s.data(), in);
+    const Loaded r2(row[2].s.data(), in);
+    const Loaded r3(row[3].s.data(), in);
+    const Lanes p0 = r0.Products();
+    const Lanes p1 = r1.Products();
+    const Lanes p2 = r2.Products();
+    const Lanes p3 = r3.Products();
+    // Lane by lane the same additions as Sum.
+    const Lanes pairs01 = __builtin_shufflevector(p0, p1, 0, 4, 2, 6) + __builtin_shufflevector(p0, p1, 1, 5, 3, 7);
+    const Lanes pairs23 = __builtin_shufflevector(p2, p3, 0, 4, 2, 6) + __builtin_shufflevector(p2, p3, 1, 5, 3, 7);
+    const Lanes w =
+        __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) + __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
+    const Lanes value = step->template Take<kHalf>(k, w);
+    if constexpr (kPass != Pass::kRead) {
+      r0.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
+      r1.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 1, 1, 1, 1), out);
+      r2.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 2, 2, 2, 2), out);
+      r3.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 3, 3, 3, 3), out);
     }
   }
-#else
-  if constexpr (kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
-  VisitFour<kPass, HalfOfEight::kLow>(row, k, in, out, step);
-  if constexpr (!kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
-#endif
-}
 
-template <TwoBodyRows::Pass kPass, bool kBackward, typename Step>
-void TwoBodyRows::VisitRows(Index begin, Index end, const double* in, double* out, Step* step_of_all) const {
-  // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
-  Step step = *step_of_all;
-  const Row* const rows = rows_.data();
-  const bool from_memory = scaled_.size >= kRowsFromMemory;
-  const auto by_eights = [&](Index k) __attribute__((always_inline)) {
-    if (from_memory) FetchAhead<kBackward, kEight>(k, in);
-    VisitEight<kPass, kBackward>(rows + k, k, in, out, &step);
-  };
-  const auto by_fours = [&](Index k) __attribute__((always_inline)) {
-    if (from_memory) FetchAhead<kBackward, kFour>(k, in);
-    VisitFour<kPass, HalfOfEight::kNone>(rows + k, k, in, out, &step);
-  };
-  const auto by_ones = [&](Index k) __attribute__((always_inline)) {
-    if (from_memory) FetchAhead<kBackward, 1>(k, in);
-    VisitOne<kPass>(rows[k], k, in, out, &step);
-  };
-  if (set_end_.empty()) {
+  // For the rows that come kAhead rows after rows k to k + kRows - 1, or before them.
+  template <bool kBackward, Index kRows>
+  LCPBENCH_ALWAYS_INLINE void FetchAhead(Index k, const double* in) const {
+    const Index bodies_of = kBackward ? k - kAhead : k + kAhead;
+    const Index rows_at = kBackward ? bodies_of - kAhead : bodies_of + kAhead;
+    if (kBackward ? rows_at < 0 : rows_at + kRows > scaled_.size) return;
+    const Row* rows = rows_.data();
+    for (Index i = 0; i < kRows; ++i) {
+      const Offsets offsets = BodiesOf(rows[bodies_of + i].s.data());
+      __builtin_prefetch(in + offsets[0], 1);
+      __builtin_prefetch(in + offsets[1], 1);
+      __builtin_prefetch(rows + rows_at + i);
+    }
+  }
+
+  template <Pass kPass, bool kBackward, typename Step>
+  LCPBENCH_ALWAYS_INLINE static void VisitEight(const Row* row, Index k, const double* in, double* out, Step* step) {
+#ifdef __AVX512F__
+    const auto s = [&](Index i) { return row[i].s.data(); };
+    const std::array<WideRow, kEight> rows = {WideRow(s(0), in), WideRow(s(1), in), WideRow(s(2), in),
+                                              WideRow(s(3), in), WideRow(s(4), in), WideRow(s(5), in),
+                                              WideRow(s(6), in), WideRow(s(7), in)};
+    const auto halves = [&](Index i, Index j) {
+      return AddHalves(rows[At(i)].Products(s(i)), rows[At(j)].Products(s(j)));
+    };
+    const __m512d w = AddPairs(AddNeighbours(halves(0, 2), halves(1, 3)), AddNeighbours(halves(4, 6), halves(5, 7)));
+    alignas(kCacheLine) std::array<double, kEight> value;
+    StoreTo(value.data(), step->Take(k, WideLanes(w)));
+    if constexpr (kPass != Pass::kRead) {
+      asm("" : "+m"(value));  // broadcasts from memory are free, from registers they take a quarter of the pass
+      for (Index i = 0; i < kEight; ++i) {
+        rows[At(i)].template Push<kPass == Pass::kInPlace>(s(i), _mm512_set1_pd(value[At(i)]), out);
+      }
+    }
+#else
+    if constexpr (kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+    VisitFour<kPass, HalfOfEight::kLow>(row, k, in, out, step);
+    if constexpr (!kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+#endif
+  }
+
+  template <Pass kPass, bool kBackward, typename Step>
+  void VisitRows(Index begin, Index end, const double* in, double* out, Step* step_of_all) const {
+    // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
+    Step step = *step_of_all;
+    const Row* const rows = rows_.data();
+    const bool from_memory = scaled_.size >= kRowsFromMemory;
+    const auto by_eights = [&](Index k) __attribute__((always_inline)) {
+      if (from_memory) FetchAhead<kBackward, kEight>(k, in);
+      VisitEight<kPass, kBackward>(rows + k, k, in, out, &step);
+    };
+    const auto by_fours = [&](Index k) __attribute__((always_inline)) {
+      if (from_memory) FetchAhead<kBackward, kFour>(k, in);
+      VisitFour<kPass, HalfOfEight::kNone>(rows + k, k, in, out, &step);
+    };
+    const auto by_ones = [&](Index k) __attribute__((always_inline)) {
+      if (from_memory) FetchAhead<kBackward, 1>(k, in);
+      VisitOne<kPass>(rows[k], k, in, out, &step);
+    };
+    if (set_end_.empty()) {
+      if constexpr (kBackward) {
+        for (Index k = end; k-- > begin;) by_ones(k);
+      } else {
+        for (Index k = begin; k < end; ++k) by_ones(k);
+      }
+      *step_of_all = step;
+      return;
+    }
+    const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
+    // Within a set the order does not matter to the result, but memory is best walked one way.
     if constexpr (kBackward) {
-      for (Index k = end; k-- > begin;) by_ones(k);
+      auto set = At(std::lower_bound(set_end_.begin(), set_end_.end(), end) - set_end_.begin());
+      for (Index to = end; to > begin; to = start_of(set--)) {
+        const Index from = std::max(begin, start_of(set));
+        const Index ones = from + (to - from) / kFour * kFour;
+        const Index fours = from + (to - from) / kEight * kEight;
+        for (Index k = to; k-- > ones;) by_ones(k);
+        if (fours < ones) by_fours(fours);
+        for (Index k = fours - kEight; k >= from; k -= kEight) by_eights(k);
+      }
     } else {
-      for (Index k = begin; k < end; ++k) by_ones(k);
+      auto set = At(std::upper_bound(set_end_.begin(), set_end_.end(), begin) - set_end_.begin());
+      for (Index k = begin; k < end; ++set) {
+        const Index to = std::min(end, set_end_[set]);
+        for (; k + kEight <= to; k += kEight) by_eights(k);
+        if (k + kFour <= to) {
+          by_fours(k);
+          k += kFour;
+        }
+        for (; k < to; ++k) by_ones(k);
+      }
     }
     *step_of_all = step;
-    return;
   }
-  const auto start_of = [&](size_t set) { return set == 0 ? 0 : set_end_[set - 1]; };
-  // Within a set the order does not matter to the result, but memory is best walked one way.
-  if constexpr (kBackward) {
-    auto set = At(std::lower_bound(set_end_.begin(), set_end_.end(), end) - set_end_.begin());
-    for (Index to = end; to > begin; to = start_of(set--)) {
-      const Index from = std::max(begin, start_of(set));
-      const Index ones = from + (to - from) / kFour * kFour;
-      const Index fours = from + (to - from) / kEight * kEight;
-      for (Index k = to; k-- > ones;) by_ones(k);
-      if (fours < ones) by_fours(fours);
-      for (Index k = fours - kEight; k >= from; k -= kEight) by_eights(k);
-    }
-  } else {
-    auto set = At(std::upper_bound(set_end_.begin(), set_end_.end(), begin) - set_end_.begin());
-    for (Index k = begin; k < end; ++set) {
-      const Index to = std::min(end, set_end_[set]);
-      for (; k + kEight <= to; k += kEight) by_eights(k);
-      if (k + kFour <= to) {
-        by_fours(k);
-        k += kFour;
-      }
-      for (; k < to; ++k) by_ones(k);
+
+  template <Pass kPass, typename Step>
+  void Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const {
+    if (backward) {
+      VisitRows<kPass, true>(begin, end, in, out, step);
+    } else {
+      VisitRows<kPass, false>(begin, end, in, out, step);
     }
   }
-  *step_of_all = step;
-}
 
-template <TwoBodyRows::Pass kPass, typename Step>
-void TwoBodyRows::Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const {
-  if (backward) {
-    VisitRows<kPass, true>(begin, end, in, out, step);
-  } else {
-    VisitRows<kPass, false>(begin, end, in, out, step);
-  }
-}
+  const ScaledProblem& scaled_;
+  AlignedVector<Row> rows_;
+  std::vector<Index> set_end_;  // of each set of independent rows; empty where there is little to gain
+  std::size_t image_size_ = 0;
+};
 
-Index TwoBodyRows::EntriesPerRow() const { return kEntriesPerRow; }
+}  // namespace
 
-void TwoBodyRows::StartImage(Array* image) const {
-  image->assign(image_size_, 0.0);
-  for (size_t i = 3; i < image_size_; i += kLanes) (*image)[i] = 1;
-}
-
-void TwoBodyRows::AddRowToImage(Index row, double df, Array* image) const {
-  Loaded(rows_[At(row)].s.data(), image->data()).Push<true>(Broadcast(df), image->data());
-}
-
-void TwoBodyRows::AddToImage(Index begin, Index end, const Array& f, Array* image) const {
-  for (Index k = begin; k < end; ++k) {
-    if (f[At(k)] != 0) AddRowToImage(k, f[At(k)], image);
-  }
-}
-
-double TwoBodyRows::W(Index row, const Array& /*f*/, const Array& image) const {
-  return Sum(Loaded(rows_[At(row)].s.data(), image.data()).Products());
-}
-
-void TwoBodyRows::Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-                        StepSums* sums) const {
-  RunStep<false>(scaled_, omega, *f, f, sums,
-                 [&](auto* step) { Visit<Pass::kInPlace>(begin, end, backward, image->data(), image->data(), step); });
-}
-
-void TwoBodyRows::GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                               Array* next_image, StepSums* sums) const {
-  RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-    Visit<Pass::kAcross>(begin, end, false, y_image.data(), next_image->data(), projected);
-  });
-}
-
-double TwoBodyRows::ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const {
-  return RunResidual(scaled_, f,
-                     [&](auto* residual) { Visit<Pass::kRead>(begin, end, false, image.data(), nullptr, residual); });
+std::unique_ptr<RowKernel> MakeTwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) {
+  return std::make_unique<TwoBodyRows>(problem, scaled);
 }
 
 }  // namespace lcpbench

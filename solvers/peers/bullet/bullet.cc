@@ -9,7 +9,6 @@
 #include <LinearMath/btScalar.h>
 
 #include <algorithm>
-#include <array>
 #include <string>
 
 #include "solvers/peers/dantzig_peer.h"
@@ -25,16 +24,6 @@ bool CallDantzig(const DantzigProblem& p) {
   // Kept between calls, as the engine does.
   static btDantzigScratchMemory scratch;
   return btSolveDantzigLCP(p.rows, p.A, p.x, p.b, p.w, 0, p.lower, p.upper, p.findex, scratch);
-}
-
-std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig", 0),
-                                       DantzigPeer::Code{&NoPadding, &CallDantzig});
-}
-
-std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "bullet-dantzig-cfm", kEngineCfm),
-                                       DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 
 /// w = M z + q, as ours. One pivot is O(n^2) on a tableau of n (2n + 2).
@@ -78,22 +67,22 @@ class Lemke : public LcpSolver {
   btVectorXu q_;
 };
 
-std::unique_ptr<LcpSolver> MakeLemke(const Settings& settings) {
-  SettingsReader("bullet-lemke", settings).Finish();
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
+  if (key != "bullet-lemke") {
+    return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(key, &reader),
+                                         DantzigPeer::Code{&NoPadding, &CallDantzig});
+  }
+  reader.Finish();
   return std::make_unique<Lemke>();
 }
-
-constexpr std::array kSolvers{PeerSolver{"bullet-dantzig", &MakeDantzig},
-                              PeerSolver{"bullet-dantzig-cfm", &MakeShiftedDantzig},
-                              PeerSolver{"bullet-lemke", &MakeLemke}};
 
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
   // 324 is 3.24.
   constexpr int kHundred = 100;
-  return {std::to_string(btGetVersion() / kHundred) + "." + std::to_string(btGetVersion() % kHundred), "Zlib",
-          kSolvers};
+  return {std::to_string(btGetVersion() / kHundred) + "." + std::to_string(btGetVersion() % kHundred), &Make};
 }
 
 }  // namespace lcpbench

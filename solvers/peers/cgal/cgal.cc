@@ -18,7 +18,6 @@
 #include <CGAL/version_macros.h>
 #include <mpfr.h>
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -36,14 +35,12 @@ double Round(const Exact& numerator, const Exact& denominator) {
   constexpr mpfr_prec_t kBits = 160;
   mpfr_t quotient;
   mpfr_t divisor;
-  mpfr_init2(quotient, kBits);
-  mpfr_init2(divisor, kBits);
+  mpfr_inits2(kBits, quotient, divisor, nullptr);
   mpfr_set_z_2exp(quotient, numerator.man(), numerator.exp(), MPFR_RNDN);
   mpfr_set_z_2exp(divisor, denominator.man(), denominator.exp(), MPFR_RNDN);
   mpfr_div(quotient, quotient, divisor, MPFR_RNDN);
   const double rounded = mpfr_get_d(quotient, MPFR_RNDN);
-  mpfr_clear(quotient);
-  mpfr_clear(divisor);
+  mpfr_clears(quotient, divisor, nullptr);
   return rounded;
 }
 
@@ -144,25 +141,22 @@ class ExactQp : public LcpSolver {
   Program program_;
 };
 
-std::unique_ptr<LcpSolver> MakeExactQp(const Settings& settings) {
-  SettingsReader reader("cgal-qp", settings);
-  const std::string pricing =
-      reader.Choice("pricing", "library",
-                    {"library", "dantzig", "filtered-dantzig", "partial-dantzig", "partial-filtered-dantzig", "bland"});
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
+  const auto pricing =
+      Choose<CGAL::Quadratic_program_pricing_strategy>(&reader, "pricing",
+                                                       {{"library", CGAL::QP_CHOOSE_DEFAULT},
+                                                        {"dantzig", CGAL::QP_DANTZIG},
+                                                        {"filtered-dantzig", CGAL::QP_FILTERED_DANTZIG},
+                                                        {"partial-dantzig", CGAL::QP_PARTIAL_DANTZIG},
+                                                        {"partial-filtered-dantzig", CGAL::QP_PARTIAL_FILTERED_DANTZIG},
+                                                        {"bland", CGAL::QP_BLAND}});
   reader.Finish();
-  auto strategy = CGAL::QP_CHOOSE_DEFAULT;
-  if (pricing == "dantzig") strategy = CGAL::QP_DANTZIG;
-  if (pricing == "filtered-dantzig") strategy = CGAL::QP_FILTERED_DANTZIG;
-  if (pricing == "partial-dantzig") strategy = CGAL::QP_PARTIAL_DANTZIG;
-  if (pricing == "partial-filtered-dantzig") strategy = CGAL::QP_PARTIAL_FILTERED_DANTZIG;
-  if (pricing == "bland") strategy = CGAL::QP_BLAND;
-  return std::make_unique<ExactQp>(strategy);
+  return std::make_unique<ExactQp>(pricing);
 }
-
-constexpr std::array kSolvers{PeerSolver{"cgal-qp", &MakeExactQp}};
 
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {CGAL_VERSION_STR, "GPL-3.0-or-later", kSolvers}; }
+PeerLibrary ThisPeerLibrary() { return {CGAL_VERSION_STR, &Make}; }
 
 }  // namespace lcpbench

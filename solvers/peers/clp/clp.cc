@@ -18,31 +18,25 @@
 #include <ClpPrimalColumnDantzig.hpp>
 #include <ClpPrimalColumnSteepest.hpp>
 #include <ClpSimplex.hpp>
-#include <algorithm>
-#include <array>
 #include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "solvers/peers/peer_library.h"
-#include "solvers/peers/tier_settings.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr std::array<std::string_view, 5> kPivotModes{"exact-devex", "steepest", "partial-devex", "switching",
-                                                      "partial-dantzig"};
-constexpr std::size_t kUsualMode = 3;
-
 class Clp : public LcpSolver {
  public:
+  static constexpr int kSwitching = 3;
+  static constexpr int kDantzig = -1;
   struct Options {
     bool as_the_library_has_it = false;
-    double tolerance = 0;  // 0: by the table of tier_settings.cc
-    std::string pivot;
+    PeerTolerance tolerance;
+    int pivot = kSwitching;  // a mode of ClpPrimalColumnSteepest, or kDantzig
     int perturbation = 100;
   };
 
@@ -79,9 +73,8 @@ class Clp : public LcpSolver {
     }
     model_->loadQuadraticObjective(n, start.data(), column.data(), value.data());
     if (options_.as_the_library_has_it) return;
-    const auto* const mode = std::find(kPivotModes.begin(), kPivotModes.end(), options_.pivot);
-    if (mode != kPivotModes.end()) {
-      ClpPrimalColumnSteepest steepest(static_cast<int>(mode - kPivotModes.begin()));
+    if (options_.pivot != kDantzig) {
+      ClpPrimalColumnSteepest steepest(options_.pivot);
       model_->setPrimalColumnPivotAlgorithm(steepest);
     } else {
       ClpPrimalColumnDantzig dantzig;
@@ -99,15 +92,11 @@ class Clp : public LcpSolver {
       work = std::move(model_);
       for (int i = 0; i < work->numberColumns(); ++i) work->setObjectiveCoefficient(i, problem.b()[i]);
       if (!options_.as_the_library_has_it) {
-        const double tolerance =
-            options_.tolerance > 0 ? options_.tolerance : TierValue("clp", "tolerance", options.tolerance);
+        const double tolerance = options_.tolerance.For(options);
         work->setPrimalTolerance(tolerance);
         work->setDualTolerance(tolerance);
       }
-      if (options.max_iterations > 0) {
-        work->setMaximumIterations(
-            static_cast<int>(std::min<std::int64_t>(options.max_iterations, std::numeric_limits<int>::max())));
-      }
+      if (options.max_iterations > 0) work->setMaximumIterations(IterationLimit(options, 0));
       if (options.time_limit_s < std::numeric_limits<double>::infinity()) {
         work->setMaximumSeconds(deadline.Remaining());
       }
@@ -147,31 +136,27 @@ class Clp : public LcpSolver {
   std::unique_ptr<ClpSimplex> model_;
 };
 
-std::unique_ptr<LcpSolver> MakeClp(const Settings& settings) {
-  SettingsReader reader("clp", settings);
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
   Clp::Options options;
-  options.tolerance = reader.Number("tolerance", 0, 0, 1);
-  options.pivot =
-      reader.Choice("pivot", kPivotModes[kUsualMode],
-                    {kPivotModes[0], kPivotModes[1], kPivotModes[2], kPivotModes[3], kPivotModes[4], "dantzig"});
-  const std::string perturbation = reader.Choice("perturbation", "late", {"late", "yes", "no"});
-  if (perturbation == "yes") options.perturbation = 50;
-  if (perturbation == "no") options.perturbation = 102;
+  options.as_the_library_has_it = key == "clp-default";
+  if (!options.as_the_library_has_it) {
+    options.tolerance = PeerTolerance(key, &reader);
+    options.pivot = Choose<int>(&reader, "pivot",
+                                {{"switching", Clp::kSwitching},
+                                 {"exact-devex", 0},
+                                 {"steepest", 1},
+                                 {"partial-devex", 2},
+                                 {"partial-dantzig", 4},
+                                 {"dantzig", Clp::kDantzig}});
+    options.perturbation = Choose<int>(&reader, "perturbation", {{"late", 100}, {"yes", 50}, {"no", 102}});
+  }
   reader.Finish();
   return std::make_unique<Clp>(options);
 }
 
-std::unique_ptr<LcpSolver> MakeDefaultClp(const Settings& settings) {
-  SettingsReader("clp-default", settings).Finish();
-  Clp::Options options;
-  options.as_the_library_has_it = true;
-  return std::make_unique<Clp>(options);
-}
-
-constexpr std::array kSolvers{PeerSolver{"clp", &MakeClp}, PeerSolver{"clp-default", &MakeDefaultClp}};
-
 }  // namespace
 
-PeerLibrary ThisPeerLibrary() { return {CLP_VERSION, "EPL-1.0", kSolvers}; }
+PeerLibrary ThisPeerLibrary() { return {CLP_VERSION, &Make}; }
 
 }  // namespace lcpbench

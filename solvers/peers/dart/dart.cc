@@ -14,19 +14,18 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <dart/config.hpp>
 #include <dart/constraint/DantzigBoxedLcpSolver.hpp>
 #include <dart/constraint/PgsBoxedLcpSolver.hpp>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/peers/dantzig_peer.h"
 #include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
-#include "solvers/peers/tier_settings.h"
 
 namespace lcpbench {
 namespace {
@@ -43,33 +42,16 @@ bool CallDantzig(const DantzigProblem& p) {
   return solver.solve(p.rows, p.A, p.x, p.b, 0, p.lower, p.upper, p.findex, kEarlyTermination);
 }
 
-std::unique_ptr<LcpSolver> MakeDantzigPeer(const Settings& settings, std::string_view key, double default_cfm) {
-  Settings others = settings;
-  SettingsReader reader(key, settings);
-  const bool early = reader.Choice("early-termination", "yes", {"yes", "no"}) == "yes";
-  others.erase("early-termination");
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(others, key, default_cfm),
-                                       DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
-}
-
-std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
-  return MakeDantzigPeer(settings, "dart-dantzig", 0);
-}
-
-std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
-  return MakeDantzigPeer(settings, "dart-dantzig-cfm", kEngineCfm);
-}
-
 class Pgs : public LcpSolver {
  public:
   struct Options {
     bool as_the_library_has_it = false;
-    double relative_tolerance = 0;  // 0: by the table of tier_settings.cc
+    PeerTolerance relative_tolerance;
     bool randomize = false;
     double epsilon_for_division = 1e-9;
   };
 
-  explicit Pgs(Options options) : options_(options) {}
+  explicit Pgs(Options options) : options_(std::move(options)) {}
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
@@ -92,12 +74,10 @@ class Pgs : public LcpSolver {
     if (!options_.as_the_library_has_it) {
       // The first sweep's threshold has the unit of force: never stop by it, but where nothing moves at all.
       option.mDeltaXThreshold = 0;
-      option.mRelativeDeltaXTolerance = options_.relative_tolerance > 0
-                                            ? options_.relative_tolerance
-                                            : TierValue("dart-pgs", "relative-tolerance", options.tolerance);
+      option.mRelativeDeltaXTolerance = options_.relative_tolerance.For(options);
       option.mRandomizeConstraintOrder = options_.randomize;
       option.mEpsilonForDivision = options_.epsilon_for_division;
-      most = static_cast<std::int64_t>(TierValue("dart-pgs", "sweeps", options.tolerance));
+      most = static_cast<std::int64_t>(TierIterations("dart-pgs"));
     }
     if (options.max_iterations > 0) most = options.max_iterations;
     const Deadline deadline(options);
@@ -149,32 +129,30 @@ class Pgs : public LcpSolver {
   std::vector<int> findex_;
 };
 
-std::unique_ptr<LcpSolver> MakePgs(const Settings& settings) {
-  SettingsReader reader("dart-pgs", settings);
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
+  if (key.starts_with("dart-dantzig")) {
+    const bool early = reader.Choice("early-termination", "yes", {"yes", "no"}) == "yes";
+    return std::make_unique<DantzigPeer>(
+        DantzigPeer::Options::FromSettings(key, &reader),
+        DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
+  }
   Pgs::Options options;
-  options.relative_tolerance = reader.Number("relative-tolerance", 0, 0, 1);
-  options.randomize = reader.Choice("randomize", "no", {"no", "yes"}) == "yes";
-  options.epsilon_for_division = reader.Number("epsilon-for-division", options.epsilon_for_division, 0, 1);
+  options.as_the_library_has_it = key == "dart-pgs-default";
+  if (!options.as_the_library_has_it) {
+    options.relative_tolerance = PeerTolerance(key, &reader, "relative-tolerance");
+    options.randomize = reader.Choice("randomize", "no", {"no", "yes"}) == "yes";
+    options.epsilon_for_division = reader.Number("epsilon-for-division", options.epsilon_for_division, 0, 1);
+  }
   reader.Finish();
   return std::make_unique<Pgs>(options);
 }
 
-std::unique_ptr<LcpSolver> MakeDefaultPgs(const Settings& settings) {
-  SettingsReader("dart-pgs-default", settings).Finish();
-  Pgs::Options options;
-  options.as_the_library_has_it = true;
-  return std::make_unique<Pgs>(options);
-}
-
-constexpr std::array kSolvers{PeerSolver{"dart-dantzig", &MakeDantzig},
-                              PeerSolver{"dart-dantzig-cfm", &MakeShiftedDantzig}, PeerSolver{"dart-pgs", &MakePgs},
-                              PeerSolver{"dart-pgs-default", &MakeDefaultPgs}};
-
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
-  // The library does not tell its version at run time. Its Dantzig code keeps ODE's licence.
-  return {DART_VERSION, "BSD-2-Clause AND (LGPL-2.1-or-later OR BSD-3-Clause)", kSolvers};
+  // The library does not tell its version at run time.
+  return {DART_VERSION, &Make};
 }
 
 }  // namespace lcpbench

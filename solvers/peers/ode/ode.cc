@@ -12,7 +12,6 @@
 #include <ode/ode.h>
 
 #include <Eigen/Core>
-#include <array>
 #include <cstdarg>
 #include <cstddef>
 #include <limits>
@@ -85,26 +84,18 @@ void TakeForces(const DantzigProblem& p) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(p.rows); ++i) p.x[i] = State().b_and_x[2 * i + 1];
 }
 
-constexpr DantzigPeer::Code kCode{&PadToFour, &CallDantzig, &Interleave, &TakeForces};
-
-std::unique_ptr<LcpSolver> MakeDantzig(const Settings& settings) {
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "ode-dantzig", 0), kCode);
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
+  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(key, &reader),
+                                       DantzigPeer::Code{&PadToFour, &CallDantzig, &Interleave, &TakeForces});
 }
-
-std::unique_ptr<LcpSolver> MakeShiftedDantzig(const Settings& settings) {
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(settings, "ode-dantzig-cfm", kEngineCfm),
-                                       kCode);
-}
-
-constexpr std::array kSolvers{PeerSolver{"ode-dantzig", &MakeDantzig},
-                              PeerSolver{"ode-dantzig-cfm", &MakeShiftedDantzig}};
 
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
   dSetMessageHandler(&NoteFailure);
   // The library does not tell its version at run time; that of its header, which the build demands to be 0.16.2.
-  return {dODE_VERSION, "LGPL-2.1-or-later OR BSD-3-Clause", kSolvers};
+  return {dODE_VERSION, &Make};
 }
 
 }  // namespace lcpbench

@@ -20,26 +20,215 @@
 //         (-tao_bnk_update_type), active-set: bertsekas, none (-tao_bnk_as_type), for tao-tron projections: gradient
 //         projections an iteration (-tao_tron_maxgpits)
 
+#include <fcntl.h>
+#include <petscsnes.h>
+#include <petsctao.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <initializer_list>
 #include <limits>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <utility>
 
 #include "solvers/linear_algebra/library_threads.h"
 #include "solvers/peers/peer_library.h"
-#include "solvers/peers/petsc/petsc_objects.h"
-#include "solvers/peers/tier_settings.h"
 
 namespace lcpbench {
 namespace {
 
-struct Method {
-  std::string_view key;
-  const char* type = nullptr;
-  bool as_the_library_has_it = false;
+// PETSc has a name of its own for it since release 3.19 only.
+constexpr PetscErrorCode kPetscSuccess{};
+
+PetscErrorCode PrintNothing(const char* /*format*/, ...) { return kPetscSuccess; }
+
+/// @throws std::runtime_error with PETSc's own words where `code` is an error
+void CheckPetsc(PetscErrorCode code) {
+  if (code == kPetscSuccess) return;
+  const char* text = nullptr;
+  PetscErrorMessage(code, &text, nullptr);
+  throw std::runtime_error("PETSc: error " + std::to_string(static_cast<int>(code)) + ", " +
+                           (text != nullptr ? text : "unknown"));
+}
+
+// Without a launcher every process takes the same folder in /tmp, makes it at its start and removes it at its end:
+// workers do so one at a time. The lock is on the program's own file, and ends with the process.
+class StartLock {
+ public:
+  StartLock() : file_(open("/proc/self/exe", O_RDONLY | O_CLOEXEC)) { flock(file_, LOCK_EX); }
+  ~StartLock() { close(file_); }
+  StartLock(const StartLock&) = delete;
+  StartLock& operator=(const StartLock&) = delete;
+
+ private:
+  int file_;
+};
+
+struct Ending {
+  ~Ending() {
+    const StartLock lock;
+    PetscFinalize();
+  }
+};
+
+// Starts PETSc, with MPI, for this process alone: no launcher, no options from files or the environment, no signal
+// handlers (a crash shall look like one), nothing printed. It ends with the process.
+void StartPetsc() {
+  // Without a launcher, OpenMPI would start a daemon of its own to talk to, and look for networks (0.3 s).
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 1);
+  setenv("OMPI_MCA_pml", "ob1", 1);
+  setenv("OMPI_MCA_btl", "self", 1);
+  unsetenv("PETSC_OPTIONS");
+  // Standard output belongs to the protocol.
+  const int out = dup(STDOUT_FILENO);
+  dup2(STDERR_FILENO, STDOUT_FILENO);
+  std::array<std::string, 3> words{"worker", "-skip_petscrc", "-no_signal_handler"};
+  std::array<char*, 4> arguments{words[0].data(), words[1].data(), words[2].data(), nullptr};
+  int count = static_cast<int>(words.size());
+  char** list = arguments.data();
+  PetscErrorPrintf = &PrintNothing;
+  const PetscErrorCode code = [&] {
+    const StartLock lock;
+    return PetscInitialize(&count, &list, nullptr, nullptr);
+  }();
+  dup2(out, STDOUT_FILENO);
+  close(out);
+  CheckPetsc(code);
+  static const Ending ending;
+  CheckPetsc(PetscPushErrorHandler(&PetscReturnErrorHandler, nullptr));
+}
+
+std::string PetscVersion() {
+  PetscInt major = 0;
+  PetscInt minor = 0;
+  PetscInt subminor = 0;
+  CheckPetsc(PetscGetVersionNumber(&major, &minor, &subminor, nullptr));
+  return std::to_string(major) + "." + std::to_string(minor) + "." + std::to_string(subminor);
+}
+
+/// Owns a PETSc object.
+template <typename Object, PetscErrorCode (*kDestroy)(Object*)>
+class PetscHandle {
+ public:
+  PetscHandle() = default;
+  ~PetscHandle() { kDestroy(&object_); }
+  PetscHandle(const PetscHandle&) = delete;
+  PetscHandle& operator=(const PetscHandle&) = delete;
+  Object get() const { return object_; }
+  /// For PETSc's functions that make an object.
+  Object* out() {
+    kDestroy(&object_);
+    return &object_;
+  }
+
+ private:
+  Object object_ = nullptr;
+};
+using PetscMatrix = PetscHandle<Mat, &MatDestroy>;
+using PetscVector = PetscHandle<Vec, &VecDestroy>;
+
+void Fill(Vec vector, const Eigen::VectorXd& values) {
+  PetscScalar* data = nullptr;
+  CheckPetsc(VecGetArrayWrite(vector, &data));
+  std::copy(values.begin(), values.end(), data);
+  CheckPetsc(VecRestoreArrayWrite(vector, &data));
+}
+
+/// w = A x + b with bounds: lower 0, or minus infinity for bilateral rows, upper infinity. A is the problem's own in
+/// compressed rows, which nobody writes to. Methods write into the matrix they are given, so that each evaluation of
+/// the Jacobian copies A anew.
+class PetscProblem {
+ public:
+  explicit PetscProblem(const LcpProblem& problem) : problem_(problem) {
+    const auto n = static_cast<PetscInt>(problem.size());
+    const SparseMatrix& A = problem.SparseA();
+    // PETSc takes arrays that it could write to.
+    const auto writable = [](const auto* values) {
+      return const_cast<std::remove_const_t<std::remove_pointer_t<decltype(values)>>*>(values);  // NOLINT
+    };
+    static_assert(std::is_same_v<PetscInt, int>);
+    CheckPetsc(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, writable(A.outerIndexPtr()),
+                                         writable(A.innerIndexPtr()), writable(A.valuePtr()), A_.out()));
+    if (problem.IsNumericallySymmetric()) CheckPetsc(MatSetOption(A_.get(), MAT_SYMMETRIC, PETSC_TRUE));
+    CheckPetsc(MatDuplicate(A_.get(), MAT_COPY_VALUES, jacobian_.out()));
+    for (PetscVector* vector : {&b_, &lower_, &upper_, &x_, &w_}) {
+      CheckPetsc(VecCreateSeq(PETSC_COMM_SELF, n, vector->out()));
+    }
+    Eigen::VectorXd lower = Eigen::VectorXd::Zero(n);
+    for (const Index row : problem.bilateral_rows()) lower[row] = PETSC_NINFINITY;
+    Fill(lower_.get(), lower);
+    CheckPetsc(VecSet(upper_.get(), PETSC_INFINITY));
+  }
+
+  /// b, of a problem with the same matrix.
+  void SetB(const Eigen::VectorXd& b) { Fill(b_.get(), b); }
+
+  Vec lower() const { return lower_.get(); }
+  Vec upper() const { return upper_.get(); }
+  /// Where methods put their iterate, their w, and their own copy of A.
+  Vec x() const { return x_.get(); }
+  Vec w() const { return w_.get(); }
+  Mat jacobian() const { return jacobian_.get(); }
+
+  /// w = A x + b
+  PetscErrorCode EvaluateW(Vec x, Vec w) const {
+    PetscFunctionBegin;
+    PetscCall(MatMultAdd(A_.get(), x, b_.get(), w));
+    PetscFunctionReturn(kPetscSuccess);
+  }
+
+  /// 1/2 x'A x + b'x, and its gradient w = A x + b
+  PetscErrorCode EvaluateObjective(Vec x, PetscReal* value, Vec w) const {
+    PetscFunctionBegin;
+    PetscReal along_w = 0;
+    PetscReal along_b = 0;
+    constexpr PetscReal kHalf = 0.5;
+    PetscCall(MatMultAdd(A_.get(), x, b_.get(), w));
+    PetscCall(VecDot(w, x, &along_w));
+    PetscCall(VecDot(b_.get(), x, &along_b));
+    *value = kHalf * (along_w + along_b);
+    PetscFunctionReturn(kPetscSuccess);
+  }
+
+  PetscErrorCode FillJacobian(Mat jacobian) const {
+    PetscFunctionBegin;
+    PetscCall(MatCopy(A_.get(), jacobian, SAME_NONZERO_PATTERN));
+    PetscFunctionReturn(kPetscSuccess);
+  }
+
+  /// f as it is, or zeros where there is none, within the bounds.
+  void SetStart(const Eigen::VectorXd* f) {
+    if (f == nullptr) {
+      CheckPetsc(VecZeroEntries(x_.get()));
+      return;
+    }
+    Fill(x_.get(), *f);
+    CheckPetsc(VecPointwiseMax(x_.get(), x_.get(), lower_.get()));
+  }
+
+  void GetIterate(Eigen::VectorXd* f) const {
+    const PetscScalar* data = nullptr;
+    CheckPetsc(VecGetArrayRead(x_.get(), &data));
+    std::copy(data, data + f->size(), f->begin());
+    CheckPetsc(VecRestoreArrayRead(x_.get(), &data));
+  }
+
+ private:
+  LcpProblem problem_;  // keeps the entries of A_
+  PetscMatrix A_;
+  PetscMatrix jacobian_;
+  PetscVector b_;
+  PetscVector lower_;
+  PetscVector upper_;
+  PetscVector x_;
+  PetscVector w_;
 };
 
 // What the callbacks of one solve see.
@@ -73,13 +262,11 @@ void WatchTime(KSP krylov, Run* run) {
   CheckPetsc(KSPSetConvergenceTest(krylov, &TestKrylov, context.release(), &ForgetKrylov));
 }
 
-int IterationLimit(const LcpOptions& options, double usual) {
-  const double most = options.max_iterations > 0 ? static_cast<double>(options.max_iterations) : usual;
-  return static_cast<int>(std::min<double>(most, std::numeric_limits<int>::max()));
-}
-
 struct Tuning {
-  double tolerance = 0;  // 0: by the table of tier_settings.cc
+  const char* type = nullptr;  // of PETSc
+  std::string_view key;
+  bool as_the_library_has_it = false;
+  PeerTolerance tolerance;
   // Empty: the library's own choice.
   std::string krylov;
   std::string preconditioner;
@@ -91,19 +278,54 @@ struct Tuning {
 /// What both families share: conversion, limits, and what a claim is worth.
 class PetscPeer : public LcpSolver {
  public:
-  PetscPeer(const Method& method, Tuning tuning) : method_(method), tuning_(std::move(tuning)) {}
+  explicit PetscPeer(Tuning tuning) : tuning_(std::move(tuning)) {}
 
  protected:
+  // How the library's call ended.
+  struct Ending {
+    PetscInt iterations = 0;
+    bool solved = false;
+    bool iteration_limit = false;
+    const char* reason = "";
+  };
+
+  virtual void SetUp(const LcpOptions& options, Run* run) = 0;
+  virtual PetscErrorCode Call() = 0;
+  virtual Ending Read() = 0;
+  virtual void Release() = 0;
+
   void DoPrepare(const LcpProblem& problem) override {
     problem_.emplace(problem);
     if (tuning_.shift > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
   }
 
-  double Tolerance(const LcpOptions& options) const {
-    return tuning_.tolerance > 0 ? tuning_.tolerance : TierValue(method_.key, "tolerance", options.tolerance);
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const Deadline deadline(options);
+    Run run{*problem_, deadline};
+    TimeConversion(options, result, [&] {
+      SetUp(options, &run);
+      problem_->SetB(problem.b());
+      problem_->SetStart(options.initial_f);
+    });
+    PetscErrorCode code = kPetscSuccess;
+    TimeLibraryCall(options, result, [&] { code = Call(); });
+    CheckPetsc(code);
+    TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
+    const Ending ending = Read();
+    Release();
+    result->iterations = ending.iterations;
+    if (ending.solved) {
+      result->status = LcpStatus::kSolved;
+    } else if (run.expired) {
+      result->status = LcpStatus::kTimeLimit;
+    } else if (ending.iteration_limit) {
+      result->status = LcpStatus::kIterationLimit;
+    } else {
+      result->detail = std::string("PETSc: ") + ending.reason;
+    }
   }
 
-  void SetUpLinearSolver(KSP krylov) const {
+  void SetUpLinearSolver(KSP krylov, Run* run) const {
     if (!tuning_.krylov.empty()) CheckPetsc(KSPSetType(krylov, tuning_.krylov.c_str()));
     PC preconditioner = nullptr;
     CheckPetsc(KSPGetPC(krylov, &preconditioner));
@@ -112,9 +334,11 @@ class PetscPeer : public LcpSolver {
       CheckPetsc(PCFactorSetShiftType(preconditioner, MAT_SHIFT_NONZERO));
       CheckPetsc(PCFactorSetShiftAmount(preconditioner, tuning_.shift * largest_diagonal_));
     }
+    WatchTime(krylov, run);
   }
 
-  Method method_;
+  int Iterations(const LcpOptions& options) const { return IterationLimit(options, TierIterations(tuning_.key)); }
+
   Tuning tuning_;
   double largest_diagonal_ = 0;
   std::optional<PetscProblem> problem_;
@@ -125,34 +349,43 @@ class Snes : public PetscPeer {
   using PetscPeer::PetscPeer;
 
  protected:
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const Deadline deadline(options);
-    Run run{*problem_, deadline};
-    PetscHandle<SNES, &SNESDestroy> snes;
-    TimeConversion(options, result, [&] {
-      SetUp(options, &run, &snes);
-      problem_->SetB(problem.b());
-      problem_->SetStart(options.initial_f);
-    });
-    PetscErrorCode code = kPetscSuccess;
-    TimeLibraryCall(options, result, [&] { code = SNESSolve(snes.get(), nullptr, problem_->x()); });
-    CheckPetsc(code);
-    TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
-    PetscInt iterations = 0;
-    SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-    CheckPetsc(SNESGetIterationNumber(snes.get(), &iterations));
-    CheckPetsc(SNESGetConvergedReason(snes.get(), &reason));
-    result->iterations = iterations;
-    if (reason > 0 && reason != SNES_CONVERGED_ITS) {
-      result->status = LcpStatus::kSolved;
-    } else if (run.expired) {
-      result->status = LcpStatus::kTimeLimit;
-    } else if (reason == SNES_DIVERGED_MAX_IT || reason == SNES_CONVERGED_ITS) {
-      result->status = LcpStatus::kIterationLimit;
-    } else {
-      result->detail = std::string("PETSc: ") + SNESConvergedReasons[reason];
+  void SetUp(const LcpOptions& options, Run* run) override {
+    CheckPetsc(SNESCreate(PETSC_COMM_SELF, snes_.out()));
+    const SNES made = snes_.get();
+    CheckPetsc(SNESSetType(made, tuning_.type));
+    CheckPetsc(SNESSetFunction(made, problem_->w(), &EvaluateW, run));
+    CheckPetsc(SNESSetJacobian(made, problem_->jacobian(), problem_->jacobian(), &FillJacobian, run));
+    CheckPetsc(SNESVISetVariableBounds(made, problem_->lower(), problem_->upper()));
+    CheckPetsc(SNESSetFromOptions(made));
+    CheckPetsc(SNESSetConvergenceTest(made, &Test, run, nullptr));
+    KSP krylov = nullptr;
+    CheckPetsc(SNESGetKSP(made, &krylov));
+    SetUpLinearSolver(krylov, run);
+    if (!tuning_.line_search.empty()) {
+      SNESLineSearch search = nullptr;
+      CheckPetsc(SNESGetLineSearch(made, &search));
+      CheckPetsc(SNESLineSearchSetType(search, tuning_.line_search.c_str()));
+    }
+    if (!tuning_.as_the_library_has_it) {
+      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, tuning_.tolerance.For(options), PETSC_DEFAULT,
+                                   Iterations(options), std::numeric_limits<int>::max()));
+    } else if (options.max_iterations > 0) {
+      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, IterationLimit(options, 0),
+                                   PETSC_DEFAULT));
     }
   }
+  PetscErrorCode Call() override { return SNESSolve(snes_.get(), nullptr, problem_->x()); }
+  Ending Read() override {
+    Ending ending;
+    SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
+    CheckPetsc(SNESGetIterationNumber(snes_.get(), &ending.iterations));
+    CheckPetsc(SNESGetConvergedReason(snes_.get(), &reason));
+    ending.solved = reason > 0 && reason != SNES_CONVERGED_ITS;
+    ending.iteration_limit = reason == SNES_DIVERGED_MAX_IT || reason == SNES_CONVERGED_ITS;
+    ending.reason = SNESConvergedReasons[reason];
+    return ending;
+  }
+  void Release() override { snes_.out(); }
 
  private:
   static PetscErrorCode EvaluateW(SNES /*snes*/, Vec x, Vec w, void* context) {
@@ -169,33 +402,7 @@ class Snes : public PetscPeer {
     PetscFunctionReturn(kPetscSuccess);
   }
 
-  void SetUp(const LcpOptions& options, Run* run, PetscHandle<SNES, &SNESDestroy>* snes) const {
-    CheckPetsc(SNESCreate(PETSC_COMM_SELF, snes->out()));
-    const SNES made = snes->get();
-    CheckPetsc(SNESSetType(made, method_.type));
-    CheckPetsc(SNESSetFunction(made, problem_->w(), &EvaluateW, run));
-    CheckPetsc(SNESSetJacobian(made, problem_->jacobian(), problem_->jacobian(), &FillJacobian, run));
-    CheckPetsc(SNESVISetVariableBounds(made, problem_->lower(), problem_->upper()));
-    CheckPetsc(SNESSetFromOptions(made));
-    CheckPetsc(SNESSetConvergenceTest(made, &Test, run, nullptr));
-    KSP krylov = nullptr;
-    CheckPetsc(SNESGetKSP(made, &krylov));
-    SetUpLinearSolver(krylov);
-    WatchTime(krylov, run);
-    if (!tuning_.line_search.empty()) {
-      SNESLineSearch search = nullptr;
-      CheckPetsc(SNESGetLineSearch(made, &search));
-      CheckPetsc(SNESLineSearchSetType(search, tuning_.line_search.c_str()));
-    }
-    if (!method_.as_the_library_has_it) {
-      const int most = IterationLimit(options, TierValue(method_.key, "iterations", options.tolerance));
-      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, Tolerance(options), PETSC_DEFAULT, most,
-                                   std::numeric_limits<int>::max()));
-    } else if (options.max_iterations > 0) {
-      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, IterationLimit(options, 0),
-                                   PETSC_DEFAULT));
-    }
-  }
+  PetscHandle<SNES, &SNESDestroy> snes_;
 };
 
 class TaoPeer : public PetscPeer {
@@ -207,34 +414,40 @@ class TaoPeer : public PetscPeer {
   }
 
  protected:
-  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    const Deadline deadline(options);
-    Run run{*problem_, deadline};
-    PetscHandle<Tao, &TaoDestroy> tao;
-    TimeConversion(options, result, [&] {
-      SetUp(options, &run, &tao);
-      problem_->SetB(problem.b());
-      problem_->SetStart(options.initial_f);
-    });
-    PetscErrorCode code = kPetscSuccess;
-    TimeLibraryCall(options, result, [&] { code = TaoSolve(tao.get()); });
-    CheckPetsc(code);
-    TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
-    PetscInt iterations = 0;
-    TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
-    CheckPetsc(TaoGetIterationNumber(tao.get(), &iterations));
-    CheckPetsc(TaoGetConvergedReason(tao.get(), &reason));
-    result->iterations = iterations;
-    if (reason > 0 && reason != TAO_CONVERGED_MINF) {
-      result->status = LcpStatus::kSolved;
-    } else if (run.expired) {
-      result->status = LcpStatus::kTimeLimit;
-    } else if (reason == TAO_DIVERGED_MAXITS || reason == TAO_DIVERGED_MAXFCN) {
-      result->status = LcpStatus::kIterationLimit;
-    } else {
-      result->detail = std::string("PETSc: ") + TaoConvergedReasons[reason];
+  void SetUp(const LcpOptions& options, Run* run) override {
+    CheckPetsc(TaoCreate(PETSC_COMM_SELF, tao_.out()));
+    const Tao made = tao_.get();
+    CheckPetsc(TaoSetType(made, tuning_.type));
+    CheckPetsc(TaoSetSolution(made, problem_->x()));
+    CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, &Evaluate, run));
+    CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), &FillHessian, run));
+    CheckPetsc(TaoSetVariableBounds(made, problem_->lower(), problem_->upper()));
+    CheckPetsc(TaoSetFromOptions(made));
+    CheckPetsc(TaoSetConvergenceTest(made, &Test, run));
+    KSP krylov = nullptr;
+    CheckPetsc(TaoGetKSP(made, &krylov));
+    if (krylov != nullptr) SetUpLinearSolver(krylov, run);
+    if (!tuning_.as_the_library_has_it) {
+      // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start.
+      CheckPetsc(TaoSetTolerances(made, 0, 0, tuning_.tolerance.For(options)));
+      CheckPetsc(TaoSetMaximumIterations(made, Iterations(options)));
+      CheckPetsc(TaoSetMaximumFunctionEvaluations(made, std::numeric_limits<int>::max()));
+    } else if (options.max_iterations > 0) {
+      CheckPetsc(TaoSetMaximumIterations(made, IterationLimit(options, 0)));
     }
   }
+  PetscErrorCode Call() override { return TaoSolve(tao_.get()); }
+  Ending Read() override {
+    Ending ending;
+    TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
+    CheckPetsc(TaoGetIterationNumber(tao_.get(), &ending.iterations));
+    CheckPetsc(TaoGetConvergedReason(tao_.get(), &reason));
+    ending.solved = reason > 0 && reason != TAO_CONVERGED_MINF;
+    ending.iteration_limit = reason == TAO_DIVERGED_MAXITS || reason == TAO_DIVERGED_MAXFCN;
+    ending.reason = TaoConvergedReasons[reason];
+    return ending;
+  }
+  void Release() override { tao_.out(); }
 
  private:
   static PetscErrorCode Evaluate(Tao /*tao*/, Vec x, PetscReal* value, Vec w, void* context) {
@@ -254,42 +467,8 @@ class TaoPeer : public PetscPeer {
     PetscFunctionReturn(kPetscSuccess);
   }
 
-  void SetUp(const LcpOptions& options, Run* run, PetscHandle<Tao, &TaoDestroy>* tao) const {
-    CheckPetsc(TaoCreate(PETSC_COMM_SELF, tao->out()));
-    const Tao made = tao->get();
-    CheckPetsc(TaoSetType(made, method_.type));
-    CheckPetsc(TaoSetSolution(made, problem_->x()));
-    CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, &Evaluate, run));
-    CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), &FillHessian, run));
-    CheckPetsc(TaoSetVariableBounds(made, problem_->lower(), problem_->upper()));
-    CheckPetsc(TaoSetFromOptions(made));
-    CheckPetsc(TaoSetConvergenceTest(made, &Test, run));
-    KSP krylov = nullptr;
-    CheckPetsc(TaoGetKSP(made, &krylov));
-    if (krylov != nullptr) {
-      SetUpLinearSolver(krylov);
-      WatchTime(krylov, run);
-    }
-    if (!method_.as_the_library_has_it) {
-      // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start.
-      CheckPetsc(TaoSetTolerances(made, 0, 0, Tolerance(options)));
-      CheckPetsc(TaoSetMaximumIterations(
-          made, IterationLimit(options, TierValue(method_.key, "iterations", options.tolerance))));
-      CheckPetsc(TaoSetMaximumFunctionEvaluations(made, std::numeric_limits<int>::max()));
-    } else if (options.max_iterations > 0) {
-      CheckPetsc(TaoSetMaximumIterations(made, IterationLimit(options, 0)));
-    }
-  }
+  PetscHandle<Tao, &TaoDestroy> tao_;
 };
-
-constexpr Method kRsls{"petsc-rsls", SNESVINEWTONRSLS};
-constexpr Method kRslsDefault{"petsc-rsls-default", SNESVINEWTONRSLS, true};
-constexpr Method kSsls{"petsc-ssls", SNESVINEWTONSSLS};
-constexpr Method kSslsDefault{"petsc-ssls-default", SNESVINEWTONSSLS, true};
-constexpr Method kBntr{"tao-bntr", TAOBNTR};
-constexpr Method kBntrDefault{"tao-bntr-default", TAOBNTR, true};
-constexpr Method kTron{"tao-tron", TAOTRON};
-constexpr Method kTronDefault{"tao-tron-default", TAOTRON, true};
 
 // "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
 void SetLinearSolver(const std::string& choice, Tuning* tuning) {
@@ -303,66 +482,68 @@ void SetLinearSolver(const std::string& choice, Tuning* tuning) {
 
 std::string OrEmpty(std::string choice) { return choice == "library" ? std::string() : std::move(choice); }
 
-// Some options of TAO have no function, only a name, once for the process.
-void SetByName(const Settings& settings, const std::string& setting, const char* option, const std::string& value) {
-  if (settings.contains(setting)) CheckPetsc(PetscOptionsSetValue(nullptr, option, value.c_str()));
+void ReadSnes(SettingsReader* reader, Tuning* tuning) {
+  const auto linear_solver = [&](std::initializer_list<std::string_view> choices) {
+    SetLinearSolver(reader->Choice("linear-solver", "library", choices), tuning);
+  };
+  if (tuning->key == "petsc-rsls") {
+    linear_solver({"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi", "cg-icc", "minres-jacobi"});
+  } else {
+    linear_solver({"library", "lu", "gmres-jacobi", "bcgs-ilu"});
+  }
+  tuning->shift = reader->Number("shift", 0, 0, 1);
+  if (tuning->shift > 0 && tuning->preconditioner.empty()) tuning->preconditioner = PCILU;  // the library's own
+  tuning->line_search = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
 }
 
-void ReadSettings(const Method& method, const Settings& settings, SettingsReader* reader, Tuning* tuning) {
-  tuning->tolerance = reader->Number("tolerance", 0, 0, 1);
-  const std::string_view type = method.type;
-  if (type == SNESVINEWTONRSLS || type == SNESVINEWTONSSLS) {
-    SetLinearSolver(type == SNESVINEWTONRSLS
-                        ? reader->Choice("linear-solver", "library",
-                                         {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi",
-                                          "cg-icc", "minres-jacobi"})
-                        : reader->Choice("linear-solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"}),
-                    tuning);
-    tuning->shift = reader->Number("shift", 0, 0, 1);
-    if (tuning->shift > 0 && tuning->preconditioner.empty()) tuning->preconditioner = PCILU;  // the library's own
-    tuning->line_search = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
-    return;
-  }
+void ReadTao(const Settings& settings, SettingsReader* reader, Tuning* tuning) {
   tuning->krylov = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
   tuning->preconditioner = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
-  if (type == TAOBNTR) {
-    const std::string first =
-        reader->Choice("first-radius", "interpolation", {"interpolation", "constant", "direction"});
-    SetByName(settings, "first-radius", "-tao_bnk_init_type", first);
-    const std::string radius = reader->Choice("radius", "reduction", {"reduction", "interpolation"});
-    SetByName(settings, "radius", "-tao_bnk_update_type", radius);
-    const std::string active_set = reader->Choice("active-set", "bertsekas", {"bertsekas", "none"});
-    SetByName(settings, "active-set", "-tao_bnk_as_type", active_set);
+  // Some options have no function, only a name, once for the process.
+  const auto set_by_name = [&](const char* setting, const char* option, const std::string& value) {
+    if (settings.contains(setting)) CheckPetsc(PetscOptionsSetValue(nullptr, option, value.c_str()));
+  };
+  const auto choose = [&](const char* setting, const char* option, std::initializer_list<std::string_view> choices) {
+    set_by_name(setting, option, reader->Choice(setting, *choices.begin(), choices));
+  };
+  if (tuning->key == "tao-bntr") {
+    choose("first-radius", "-tao_bnk_init_type", {"interpolation", "constant", "direction"});
+    choose("radius", "-tao_bnk_update_type", {"reduction", "interpolation"});
+    choose("active-set", "-tao_bnk_as_type", {"bertsekas", "none"});
   } else {
     const int projections = static_cast<int>(reader->Number("projections", 3, 1, 1000));
-    SetByName(settings, "projections", "-tao_tron_maxgpits", std::to_string(projections));
+    set_by_name("projections", "-tao_tron_maxgpits", std::to_string(projections));
   }
 }
 
-template <typename Solver, const Method& kMethod>
-std::unique_ptr<LcpSolver> Make(const Settings& settings) {
-  SettingsReader reader(kMethod.key, settings);
+constexpr std::pair<std::string_view, const char*> kTypes[] = {
+    {"petsc-rsls", SNESVINEWTONRSLS}, {"petsc-ssls", SNESVINEWTONSSLS}, {"tao-bntr", TAOBNTR}, {"tao-tron", TAOTRON}};
+
+std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
+  SettingsReader reader(key, settings);
   Tuning tuning;
-  if (!kMethod.as_the_library_has_it) ReadSettings(kMethod, settings, &reader, &tuning);
+  tuning.as_the_library_has_it = key.ends_with("-default");
+  for (const auto& [name, type] : kTypes) {
+    if (!key.starts_with(name)) continue;
+    tuning.key = name;
+    tuning.type = type;
+  }
+  const bool is_tao = key.starts_with("tao");
+  if (!tuning.as_the_library_has_it) {
+    tuning.tolerance = PeerTolerance(key, &reader);
+    is_tao ? ReadTao(settings, &reader, &tuning) : ReadSnes(&reader, &tuning);
+  }
   reader.Finish();
-  return std::make_unique<Solver>(kMethod, std::move(tuning));
+  if (is_tao) return std::make_unique<TaoPeer>(std::move(tuning));
+  return std::make_unique<Snes>(std::move(tuning));
 }
-
-template <typename Solver, const Method& kMethod>
-constexpr PeerSolver Entry() {
-  return {kMethod.key, &Make<Solver, kMethod>};
-}
-
-constexpr std::array kSolvers{
-    Entry<Snes, kRsls>(),    Entry<Snes, kRslsDefault>(),    Entry<Snes, kSsls>(),    Entry<Snes, kSslsDefault>(),
-    Entry<TaoPeer, kBntr>(), Entry<TaoPeer, kBntrDefault>(), Entry<TaoPeer, kTron>(), Entry<TaoPeer, kTronDefault>()};
 
 }  // namespace
 
 PeerLibrary ThisPeerLibrary() {
   LimitLibraryThreads(1);
   StartPetsc();
-  return {PetscVersion(), "BSD-2-Clause", kSolvers};
+  return {PetscVersion(), &Make};
 }
 
 }  // namespace lcpbench

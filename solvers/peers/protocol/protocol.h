@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "solvers/lcp/fresh_pass.h"
-#include "solvers/lcp/problem_arrays.h"
+#include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {

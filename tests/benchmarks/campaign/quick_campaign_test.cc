@@ -36,18 +36,10 @@ std::map<std::string, ManifestEntry> Problems(const std::string& set) {
   return problems;
 }
 
-class QuickCampaign : public CommandTest {
- protected:
-  std::vector<Json> Lines(const std::string& file) {
-    std::vector<Json> lines;
-    for (const std::string& line : Split(ReadFile(folder_ / "q" / file), '\n')) lines.push_back(Json::parse(line));
-    return lines;
-  }
-};
+class QuickCampaign : public CommandTest {};
 
 TEST_F(QuickCampaign, HasASpreadOfEverything) {
-  const CommandOutcome listed = Run("run --benchmark_list_tests");
-  ASSERT_EQ(listed.status, 0) << listed.error;
+  const CommandOutcome listed = Succeed("run --benchmark_list_tests");
   EXPECT_EQ(listed.out, Run("run --suite quick --benchmark_list_tests").out);
   std::set<std::string> problems;
   std::set<std::string> sequences;
@@ -102,13 +94,12 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
       "run --solvers dantzig,pgs --filter '/(disc-pile-n(2|10)-s1|idle-line-n40-s1|"
       "gear-train-n12-s1-motion/pgs/1e-03)/' --passes 1 -o " +
       Path("q");
-  const CommandOutcome run = Run(command);
-  ASSERT_EQ(run.status, 0) << run.error;
+  const CommandOutcome run = Succeed(command);
   const Json campaign = Json::parse(ReadFile(folder_ / "q/campaign.json"));
   EXPECT_EQ(campaign["name"], "quick");
   ASSERT_EQ(campaign["manifests"].size(), 4U);
   std::map<std::string, std::pair<std::string, bool>> set_and_counts;
-  for (const Json& problem : Lines("problems.jsonl")) {
+  for (const Json& problem : JsonLines(folder_ / "q/problems.jsonl")) {
     set_and_counts[problem["problem"]] = {problem["set"].get<std::string>(), problem["counts"].get<bool>()};
   }
   const std::map<std::string, std::pair<std::string, bool>> expected = {{"disc-pile-n2-s1", {"engine", true}},
@@ -117,14 +108,13 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_EQ(set_and_counts, expected);
   EXPECT_EQ(CellsOf(folder_ / "q").size(), 3U * 2 * 3);
   std::set<std::string> modes;
-  for (const Json& pass : Lines("steps.jsonl")) {
+  for (const Json& pass : JsonLines(folder_ / "q/steps.jsonl")) {
     EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
     modes.insert(pass["mode"].get<std::string>());
   }
   EXPECT_EQ(modes, (std::set<std::string>{"cold", "warm"}));
 
-  const CommandOutcome analysed = Run("analyse " + Path("q"));
-  ASSERT_EQ(analysed.status, 0) << analysed.error;
+  Succeed("analyse " + Path("q"));
   const std::string cells = ReadFile(folder_ / "q/analysis/cells.csv");
   for (const auto& [problem, set] : expected) EXPECT_NE(cells.find(problem), std::string::npos) << problem;
   // header + 2 modes
@@ -135,8 +125,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   EXPECT_EQ(coverage.find("engine"), std::string::npos) << coverage;
 
   // All of it is one report.
-  const CommandOutcome report = Run("report " + Path("q") + " -o " + Path("report/index.html"));
-  ASSERT_EQ(report.status, 0) << report.error;
+  const CommandOutcome report = Succeed("report " + Path("q") + " -o " + Path("report/index.html"));
   const std::string page = ReadFile(folder_ / "report/index.html");
   for (const char* section : {"performance", "robustness", "sequences", "limitations"}) {
     EXPECT_NE(page.find("<section id=\"" + std::string(section) + "\">"), std::string::npos) << section;
@@ -148,8 +137,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   // The folder is not overwritten, and goes on where it is asked to.
   EXPECT_EQ(Run(command).status, 2);
   const std::string before = ReadFile(folder_ / "q/streams.jsonl");
-  const CommandOutcome again = Run(command + " --resume");
-  EXPECT_EQ(again.status, 0);
+  const CommandOutcome again = Succeed(command + " --resume");
   EXPECT_EQ(again.error.find("another environment"), std::string::npos) << again.error;
   EXPECT_EQ(ReadFile(folder_ / "q/streams.jsonl"), before);
 
@@ -158,8 +146,7 @@ TEST_F(QuickCampaign, ProblemsAndSequencesOfSeveralManifestsGoIntoOneFolder) {
   other["environment"]["git_commit"] = "0000";
   other["environment_hash"] = "0000";
   Write("q/campaign.json", other.dump());
-  const CommandOutcome elsewhere = Run(command + " --resume");
-  EXPECT_EQ(elsewhere.status, 0);
+  const CommandOutcome elsewhere = Succeed(command + " --resume");
   EXPECT_NE(elsewhere.error.find("note: begun in another environment (git_commit)"), std::string::npos)
       << elsewhere.error;
 }

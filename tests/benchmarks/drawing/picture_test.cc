@@ -10,9 +10,9 @@
 
 #include "benchmarks/drawing/picture_outline.h"
 #include "benchmarks/drawing/picture_style.h"
+#include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 #include "model/shape/mass_properties.h"
-#include "model/shape/outline_piece.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {

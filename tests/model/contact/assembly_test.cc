@@ -323,14 +323,14 @@ TEST(Assembly, RefusesWrongBodiesNamingThem) {
 TEST(Assembly, RefusesSingularConstraintsNamingBodiesAndFeatures) {
   ContactSystem system = BoxOnFloor();
   system.constraints[1].feature1 = StraightEdge{{-1, -1}, {1, -1}};
-  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "body 1 'box'", "body 0 'floor'", "straight edge from (-1, -1)",
-                                      "straight edge from (16, 0)"}));
+  EXPECT_TRUE(Names(ErrorOf(system), {"contact 1", "body 1 'box'", "body 0 'floor'", "straight edge with a (-1, -1)",
+                                      "straight edge with a (16, 0)"}));
 }
 
 TEST(Assembly, RefusesJointsOfTheWrongFeatures) {
   ContactSystem system = BoxOnFloor();
   system.constraints[0].type = ConstraintType::kPin;
-  EXPECT_TRUE(Names(ErrorOf(system), {"pin 0", "two vertices", "vertex (-1, -1)", "straight edge"}));
+  EXPECT_TRUE(Names(ErrorOf(system), {"pin 0", "two vertices", "vertex with p (-1, -1)", "straight edge"}));
   system = BoxOnFloor();
   system.constraints[0].type = ConstraintType::kPathJoint;
   system.constraints[0].feature1 = ArcEdge{{0, 0}, 1, Side::kConvex};
@@ -368,18 +368,16 @@ TEST(Assembly, IsFiniteOrRefusedForInputsOfAnyMagnitude) {
       for (Vec2* vector : {&body->x, &body->v, &body->force}) *vector = wild_vector(*vector);
     }
     for (Feature* feature : {&c.feature1, &c.feature2}) {
-      if (auto* arc = std::get_if<ArcEdge>(feature)) {
-        *arc = {wild_vector(arc->center), wild(arc->radius), arc->side};
-      } else if (auto* edge = std::get_if<StraightEdge>(feature)) {
-        *edge = {wild_vector(edge->a), wild_vector(edge->b)};
-      } else if (auto* ellipse = std::get_if<EllipseEdge>(feature)) {
-        *ellipse = {wild_vector(ellipse->center), wild(ellipse->a), wild(ellipse->b), wild(ellipse->phi),
-                    ellipse->side};
-      } else if (auto* oval = std::get_if<SuperellipseEdge>(feature)) {
-        *oval = {wild_vector(oval->center), wild(oval->a), wild(oval->b), oval->m, wild(oval->phi), oval->side};
-      } else if (auto* bezier = std::get_if<BezierEdge>(feature)) {
-        for (Vec2& p : bezier->P) p = wild_vector(p);
-      }
+      if (IsVertex(*feature)) continue;
+      ForEachPoint(*feature, [&](Vec2& p) { p = wild_vector(p); });
+      std::visit(
+          [&](auto& e) {
+            if constexpr (requires { e.radius; }) e.radius = wild(e.radius);
+            if constexpr (requires { e.phi; }) {
+              for (double* number : {&e.a, &e.b, &e.phi}) *number = wild(*number);
+            }
+          },
+          *feature);
     }
     try {
       const AssembledLcp lcp = AssembleContactLcp(SystemOf(c));

@@ -77,16 +77,6 @@ TEST_P(EveryPair, DistanceAlongTheNormalIsStationaryAlongBothEdges) {
   });
 }
 
-TEST_P(EveryPair, OwnerIsTheBodyWhoseEdgeCarriesTheNormal) {
-  OverCases(4, [](const ContactCase& c, const ClosestPoints& p, Random*) {
-    ASSERT_TRUE(p.owner == 1 || p.owner == 2);
-    const Feature& owner = p.owner == 1 ? c.feature1 : c.feature2;
-    const Feature& other = p.owner == 1 ? c.feature2 : c.feature1;
-    EXPECT_FALSE(std::holds_alternative<Vertex>(owner));
-    EXPECT_FALSE(IsStraight(other));
-  });
-}
-
 TEST_P(EveryPair, CurvaturePairsFollowTheSideOfTheMaterial) {
   OverCases(5, [](const ContactCase& c, const ClosestPoints& p, Random*) {
     const auto check = [](const Feature& feature, const CurvaturePair& pair, std::optional<double> s) {

@@ -1,4 +1,4 @@
-#include "model/contact/closest_search.h"
+#include "model/contact/closest_points.h"
 
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ TEST_P(EverySearch, FindsTheContactWithoutAnyStart) {
     const bool is_there = std::any_of(found.points.begin(), found.points.end(), [&](const ClosestPoints& p) {
       return std::abs(p.d - c.d) < kRounding && Norm(p.n - c.n) < 1e-11;
     });
-    EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure_text;
+    EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure;
   }
 }
 

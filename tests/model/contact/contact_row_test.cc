@@ -7,6 +7,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -21,6 +22,7 @@ namespace {
 constexpr int kCases = 300;
 constexpr int kGeneralCases = 40;  // of each of the many kinds with a general curve
 constexpr double kRounding = 1e-12;
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // Scaled as the reference data are: |x - y| / (1 + |y|).
 void ExpectClose(double x, double y, double tolerance, const char* what) {
@@ -214,7 +216,6 @@ TEST_P(EveryContactKind, SwappingBodiesGivesTheSwappedRowBitByBit) {
     EXPECT_EQ(p.n.y, -q.n.y);
     EXPECT_EQ(row.d_dot, other.d_dot);
     EXPECT_EQ(row.gamma, other.gamma);
-    EXPECT_EQ(row.slip, other.slip);
     EXPECT_EQ(row.omega_n, other.omega_n);
     for (size_t k = 0; k < 3; ++k) {
       EXPECT_EQ(row.J[k], other.J[k + 3]);
@@ -340,7 +341,6 @@ TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
 void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance) {
   ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
   ExpectClose(x.d_dot, y.d_dot, tolerance, "d'");
-  ExpectClose(x.slip, y.slip, tolerance, "u");
   ExpectClose(x.omega_n, y.omega_n, tolerance, "omega_n");
   for (size_t k = 0; k < 6; ++k) ExpectClose(x.J[k], y.J[k], tolerance, "J");
 }
@@ -396,16 +396,7 @@ TEST(ContactRow, StraightBezierCurveActsAsTheStraightEdge) {
 // The unified formula and the geometry of section 2 in 100 digits, for arcs (or vertices) and straight edges.
 using Exact = boost::multiprecision::cpp_bin_float_100;
 
-struct ExactVec {
-  Exact x;
-  Exact y;
-};
-ExactVec operator+(const ExactVec& a, const ExactVec& b) { return {a.x + b.x, a.y + b.y}; }
-ExactVec operator-(const ExactVec& a, const ExactVec& b) { return {a.x - b.x, a.y - b.y}; }
-ExactVec operator*(const Exact& s, const ExactVec& a) { return {s * a.x, s * a.y}; }
-Exact Dot(const ExactVec& a, const ExactVec& b) { return a.x * b.x + a.y * b.y; }
-Exact Cross(const ExactVec& a, const ExactVec& b) { return a.x * b.y - a.y * b.x; }
-ExactVec Lift(Vec2 a) { return {a.x, a.y}; }
+using ExactVec = VecOf<Exact>;
 
 struct ExactRow {
   double d = 0;
@@ -420,8 +411,8 @@ ExactRow ExactRowOf(const ContactCase& c) {
     const Exact sine = sin(Exact(body.theta));
     return ExactVec{cosine * a.x - sine * a.y, sine * a.x + cosine * a.y};
   };
-  const ExactVec dx = Lift(c.body1.x) - Lift(c.body2.x);
-  const ExactVec U1 = turned(c.body1, Lift(Center(c.feature1, {})));
+  const ExactVec dx = Lift<Exact>(c.body1.x) - Lift<Exact>(c.body2.x);
+  const ExactVec U1 = turned(c.body1, Lift<Exact>(Center(c.feature1, {})));
   const Exact rho1 = SignedRadius(c.feature1, {});
   const Exact rho2 = SignedRadius(c.feature2, {});
   const bool vertex1 = rho1 == 0;
@@ -429,13 +420,13 @@ ExactRow ExactRowOf(const ContactCase& c) {
   ExactVec R2;
   Exact d;
   if (const auto* edge = std::get_if<StraightEdge>(&c.feature2)) {
-    const ExactVec along = turned(c.body2, Lift(edge->b) - Lift(edge->a));
+    const ExactVec along = turned(c.body2, Lift<Exact>(edge->b) - Lift<Exact>(edge->a));
     const Exact length = sqrt(Dot(along, along));
     n = {along.y / length, -along.x / length};
-    d = Dot(n, dx + U1 - turned(c.body2, Lift(edge->a))) - rho1;
+    d = Dot(n, dx + U1 - turned(c.body2, Lift<Exact>(edge->a))) - rho1;
     R2 = dx + U1 - (rho1 + d) * n;
   } else {
-    const ExactVec U2 = turned(c.body2, Lift(Center(c.feature2, {})));
+    const ExactVec U2 = turned(c.body2, Lift<Exact>(Center(c.feature2, {})));
     const ExactVec between = dx + U1 - U2;
     const Exact distance = sqrt(Dot(between, between));
     const Exact sigma = rho1 + rho2 > 0 ? 1 : -1;
@@ -450,13 +441,24 @@ ExactRow ExactRowOf(const ContactCase& c) {
   const Exact w1 = c.body1.omega;
   const Exact w2 = c.body2.omega;
   const ExactVec t = {-n.y, n.x};
-  const Exact u = Dot(t, Lift(c.body1.v) - Lift(c.body2.v)) + w1 * Dot(n, R1) - w2 * Dot(n, R2);
+  const Exact u = Dot(t, Lift<Exact>(c.body1.v) - Lift<Exact>(c.body2.v)) + w1 * Dot(n, R1) - w2 * Dot(n, R2);
   const Exact D = r1 * s2 + s1 + d * s1 * s2;
   const Exact curved = s1 * s2 * u * u + 2 * u * (r1 * s2 * w1 + s1 * w2) - r1 * (w1 - w2) * (w1 - w2) -
                        d * (r1 * s2 * w1 * w1 + s1 * w2 * w2);
   const Exact gamma = w2 * w2 * Dot(n, R2) - w1 * w1 * Dot(n, R1) + curved / D;
   return {static_cast<double>(d), static_cast<double>(Cross(R1, n)), static_cast<double>(-Cross(R2, n)),
           static_cast<double>(gamma)};
+}
+
+// @param tolerance  of d; J may be off by 10 times as much, gamma by 1000 times
+ExactRow ExpectExact(const ContactCase& c, const ClosestPoints& p, double tolerance) {
+  const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
+  const ExactRow exact = ExactRowOf(c);
+  ExpectClose(p.d, exact.d, tolerance, "d");
+  ExpectClose(row.J[2], exact.J2, 10 * tolerance, "J2");
+  ExpectClose(row.J[5], exact.J5, 10 * tolerance, "J5");
+  ExpectClose(row.gamma, exact.gamma, 1000 * tolerance, "gamma");
+  return exact;
 }
 
 // gamma by the centre form, in double: [MODEL.md section 4]
@@ -488,12 +490,7 @@ TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
           c.feature2 = FeatureThrough(kind.shape2, c.body2, c.p2, c.n, radius, &random);
         }
         const ClosestPoints p = c.Closest();
-        const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
-        const ExactRow exact = ExactRowOf(c);
-        ExpectClose(p.d, exact.d, 1e-15, "d");
-        ExpectClose(row.J[2], exact.J2, 1e-14, "J2");
-        ExpectClose(row.J[5], exact.J5, 1e-14, "J5");
-        ExpectClose(row.gamma, exact.gamma, 1e-12, "gamma");
+        const ExactRow exact = ExpectExact(c, p, 1e-15);
         if (!on_straight) {
           const double error = std::abs(GammaByCenters(c, p) - exact.gamma) / (1 + std::abs(exact.gamma));
           worst_by_centers = std::max(worst_by_centers, error);
@@ -515,13 +512,7 @@ TEST(ContactRow, NearlyFlatArcsOnEachOtherKeepAllDigitsOfTheirPlace) {
       c.feature1 = FeatureThrough(Shape::kConvexArc, c.body1, c.p1, -c.n, radius, &random);
       c.feature2 = FeatureThrough(shape2, c.body2, c.p2, c.n, 2 * radius, &random);
       c.body1.omega = c.body2.omega + random.Uniform(-1, 1) / std::sqrt(radius);
-      const ClosestPoints p = c.Closest();
-      const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
-      const ExactRow exact = ExactRowOf(c);
-      ExpectClose(p.d, exact.d, 1e-14, "d");
-      ExpectClose(row.J[2], exact.J2, 1e-13, "J2");
-      ExpectClose(row.J[5], exact.J5, 1e-13, "J5");
-      ExpectClose(row.gamma, exact.gamma, 1e-11, "gamma");
+      ExpectExact(c, c.Closest(), 1e-14);
       ASSERT_FALSE(HasFailure());
     }
   }
@@ -585,6 +576,157 @@ TEST(PinRows, GiveTheDerivativesOfTheGapAlongAnyMotion) {
       ExpectClose(Ja + pin.gamma[axis], expected[axis][2], kRounding, "g''");
     }
   }
+}
+
+struct Connector {
+  Body body1;
+  Body body2;
+  Vec2 vertex1;
+  Vec2 vertex2;
+  double length = 1;
+
+  ConnectorRow Row() const {
+    return ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta), body2, length);
+  }
+  ContactSystem System(ConstraintType type) const {
+    Constraint constraint;
+    constraint.type = type;
+    constraint.feature1 = Vertex{vertex1};
+    constraint.feature2 = Vertex{vertex2};
+    constraint.length = length;
+    return {"connector", {body1, body2}, {constraint}};
+  }
+};
+
+Connector RandomConnector(Random* random) {
+  Connector connector;
+  do {
+    connector = {RandomBody(random), RandomBody(random), random->Vector(2), random->Vector(2), random->Uniform(0.5, 4)};
+  } while (connector.Row().points.d < 0.3);
+  return connector;
+}
+
+TEST(ConnectorRow, GivesTheDerivativesOfTheDistanceAlongAnyMotion) {
+  Random random(1);
+  for (int i = 0; i < kCases; ++i) {
+    SCOPED_TRACE(i);
+    const Connector c = RandomConnector(&random);
+    const Acceleration motion1 = RandomAcceleration(&random);
+    const Acceleration motion2 = RandomAcceleration(&random);
+    const long double h = 2e-5L;
+    const auto distance = [&](int k) {
+      const long double t = static_cast<long double>(k) * h;
+      return Norm(PoseAt(c.body1, motion1, t).World(c.vertex1) - PoseAt(c.body2, motion2, t).World(c.vertex2));
+    };
+    const long double g0 = distance(0), p1 = distance(1), m1 = distance(-1), p2 = distance(2), m2 = distance(-2);
+    const ConnectorRow connector = c.Row();
+    const ContactRow& row = connector.row;
+    const double Ja = row.J[0] * motion1.a.x + row.J[1] * motion1.a.y + row.J[2] * motion1.alpha +
+                      row.J[3] * motion2.a.x + row.J[4] * motion2.a.y + row.J[5] * motion2.alpha;
+    ExpectClose(connector.points.d, static_cast<double>(g0), 1e-14, "d");
+    ExpectClose(row.d_dot, static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h)), 1e-8, "d'");
+    ExpectClose(Ja + row.gamma, static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * g0) / (12 * h * h)), 1e-7,
+                "d''");
+  }
+}
+
+TEST(ConnectorRow, SwappingBodiesGivesTheSwappedRowBitByBit) {
+  Random random(2);
+  for (int i = 0; i < kCases; ++i) {
+    const Connector c = RandomConnector(&random);
+    const ConnectorRow row = c.Row();
+    const ConnectorRow swapped = Connector{c.body2, c.body1, c.vertex2, c.vertex1, c.length}.Row();
+    EXPECT_EQ(row.points.d, swapped.points.d);
+    EXPECT_EQ(row.points.n.x, -swapped.points.n.x);
+    EXPECT_EQ(row.points.n.y, -swapped.points.n.y);
+    EXPECT_EQ(row.row.d_dot, swapped.row.d_dot);
+    EXPECT_EQ(row.row.gamma, swapped.row.gamma);
+    for (size_t k = 0; k < 3; ++k) {
+      EXPECT_EQ(row.row.J[k], swapped.row.J[k + 3]);
+      EXPECT_EQ(row.row.J[k + 3], swapped.row.J[k]);
+    }
+  }
+}
+
+TEST(ConnectorRow, RopeIsTheUnilateralNegatedRod) {
+  Random random(3);
+  for (int i = 0; i < kCases; ++i) {
+    const Connector c = RandomConnector(&random);
+    const AssembledLcp rod = AssembleContactLcp(c.System(ConstraintType::kRod));
+    const AssembledLcp rope = AssembleContactLcp(c.System(ConstraintType::kRope));
+    ASSERT_EQ(rod.problem.size(), 1);
+    ASSERT_EQ(rope.problem.size(), 1);
+    EXPECT_TRUE(rod.problem.is_bilateral(0));
+    EXPECT_FALSE(rope.problem.is_bilateral(0));
+    EXPECT_EQ(rod.problem.DenseA()(0, 0), rope.problem.DenseA()(0, 0));
+    EXPECT_EQ(rod.problem.b()[0], -rope.problem.b()[0]);
+    EXPECT_EQ(rod.rows[0].d, -rope.rows[0].d);
+    EXPECT_EQ(rod.rows[0].d_dot, -rope.rows[0].d_dot);
+    EXPECT_EQ(rod.rows[0].gamma, -rope.rows[0].gamma);
+    EXPECT_EQ(rod.rows[0].n.x, -rope.rows[0].n.x);
+    EXPECT_EQ(rod.rows[0].bilateral, true);
+    EXPECT_EQ(rope.rows[0].bilateral, false);
+    EXPECT_EQ((Eigen::MatrixXd(rod.problem.J()) + Eigen::MatrixXd(rope.problem.J())).norm(), 0);
+    EXPECT_EQ(rod.rows[0].d, c.Row().points.d - c.length);
+  }
+}
+
+// A mass m circling at speed v on a rope of length L is held by m v^2/L, and by m g more at the lowest point.
+TEST(ConnectorRow, RopeOfACirclingMassPullsWithTheCentripetalForce) {
+  const double mass = 3;
+  const double speed = 4;
+  const double length = 2;
+  const double weight = 30;
+  Body bob;
+  bob.mass = mass;
+  bob.x = {0, -length};
+  bob.v = {speed, 0};
+  bob.force = {0, -weight};
+  Body ceiling;
+  ceiling.fixed = true;
+  const Connector c{bob, ceiling, {0, 0}, {0, 0}, length};
+  for (const ConstraintType type : {ConstraintType::kRod, ConstraintType::kRope}) {
+    const AssembledLcp lcp = AssembleContactLcp(c.System(type));
+    const double f = -lcp.problem.b()[0] / lcp.problem.DenseA()(0, 0);
+    const double tension = mass * speed * speed / length + weight;
+    EXPECT_DOUBLE_EQ(type == ConstraintType::kRope ? f : -f, tension);
+    EXPECT_EQ(lcp.rows[0].d, 0);
+  }
+}
+
+TEST(ConnectorRow, RefusesWhatHasNoDirectionOrLengthNamingIt) {
+  Random random(4);
+  const Connector good = RandomConnector(&random);
+  for (const auto& [type, name] :
+       {std::pair{ConstraintType::kRod, "rod 0"}, std::pair{ConstraintType::kRope, "rope 0"}}) {
+    const auto expect_refused = [&, kind = std::string(name)](const ContactSystem& system, const char* mentions) {
+      const std::string error = ErrorOf(system);
+      EXPECT_NE(error.find(kind), std::string::npos) << error;
+      EXPECT_NE(error.find(mentions), std::string::npos) << error;
+      EXPECT_EQ(error.find('\n'), std::string::npos);
+    };
+    EXPECT_EQ(ErrorOf(good.System(type)), "");
+    Connector coincident = good;
+    coincident.body2.x = coincident.body1.x;
+    coincident.body2.theta = coincident.body1.theta;
+    coincident.vertex2 = coincident.vertex1;
+    expect_refused(coincident.System(type), "zero distance");
+    coincident.body2.x.x += 1e-13;
+    expect_refused(coincident.System(type), "zero distance");
+    for (const double length : {0.0, -1.0, kNaN, std::numeric_limits<double>::infinity()}) {
+      Connector wrong = good;
+      wrong.length = length;
+      expect_refused(wrong.System(type), "length");
+    }
+    Connector nan = good;
+    nan.vertex1.x = kNaN;
+    expect_refused(nan.System(type), "not finite");
+    ContactSystem edge = good.System(type);
+    edge.constraints[0].feature2 = StraightEdge{{0, 0}, {1, 0}};
+    expect_refused(edge, "needs two vertices");
+  }
+  // A contact between two vertices stays refused, at any distance.
+  EXPECT_NE(ErrorOf(good.System(ConstraintType::kContact)).find("vertex against vertex"), std::string::npos);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <type_traits>
 #include <vector>
 
 #include "model/geometry/trig.h"
@@ -167,14 +168,68 @@ TEST(Loads, MomentaAndEnergyAreThoseOfMovableBodies) {
   EXPECT_DOUBLE_EQ(AngularMomentum(bodies), 2 * (1 * -1 - 2 * 4) + 1.5);
 }
 
-TEST(Loads, LoadsOnUnknownBodiesAreRefused) {
+TEST(Loads, DampersVanishInRigidMotion) {
+  Random random(5);
+  std::vector<Body> bodies = RandomBodies(&random);
+  const Vec2 v = RandomVector(&random, 3);
+  for (Body& body : bodies) {
+    body.omega = 1.7;
+    body.v = v + body.omega * Perp(body.x);
+  }
+  ApplyDamper({RandomAttachment(&random, 0), RandomAttachment(&random, 1), 5}, bodies);
+  for (const Body& body : bodies) EXPECT_NEAR(Norm(body.force) + std::abs(body.torque), 0, 1e-12);
+}
+
+TEST(Loads, ASpringPullsWhenLongAndPushesWhenShort) {
   std::vector<Body> bodies(2);
-  Loads loads;
-  loads.springs = {{{0, {}}, {2, {}}, 1, 0}};
-  EXPECT_THROW(SetLoads(loads, bodies), InputError);
-  loads = {};
-  loads.gravity = {std::nan(""), 0};
-  EXPECT_THROW(SetLoads(loads, bodies), InputError);
+  bodies[1].x = {3, 0};
+  ApplySpring({{0, {}}, {1, {}}, 2, 1}, bodies);
+  EXPECT_EQ(bodies[0].force, (Vec2{4, 0}));
+  EXPECT_EQ(bodies[1].force, (Vec2{-4, 0}));
+  ApplySpring({{0, {}}, {1, {}}, 2, 5}, bodies);
+  EXPECT_EQ(bodies[0].force.x, 0) << "forces add up";
+  ClearLoads(bodies);
+  ApplySpring({{0, {}}, {1, {}}, 2, 5}, bodies);
+  EXPECT_EQ(bodies[0].force.x, -4);
+}
+
+TEST(Loads, WithoutADirectionOrWithBadNumbersAreRefused) {
+  const double nan = std::nan("");
+  std::vector<Body> bodies(2);
+  const auto refuses = [&](const auto& load) {
+    Loads loads;
+    using Load = std::decay_t<decltype(load)>;
+    if constexpr (std::is_same_v<Load, Spring>) loads.springs = {load};
+    if constexpr (std::is_same_v<Load, Damper>) loads.dampers = {load};
+    if constexpr (std::is_same_v<Load, Thruster>) loads.thrusters = {load};
+    if constexpr (std::is_same_v<Load, Wrench>) loads.wrenches = {load};
+    if constexpr (std::is_same_v<Load, MutualAttraction>) loads.attraction = load;
+    if constexpr (std::is_same_v<Load, Vec2>) loads.gravity = load;
+    try {
+      SetLoads(loads, bodies);
+    } catch (const InputError&) {
+      return true;
+    }
+    for (const Body& body : bodies) EXPECT_TRUE(IsFinite(body.force) && std::isfinite(body.torque));
+    return false;
+  };
+  // Both bodies at the origin: only the spring without rest length is defined there.
+  EXPECT_FALSE(refuses(Spring{{0, {}}, {1, {}}, 1, 0}));
+  EXPECT_TRUE(refuses(Spring{{0, {}}, {1, {}}, 1, 0.5}));
+  EXPECT_TRUE(refuses(Damper{{0, {}}, {1, {}}, 1}));
+  EXPECT_TRUE(refuses(MutualAttraction{1, 0}));
+  EXPECT_FALSE(refuses(MutualAttraction{1, 0.1}));
+  bodies[1].x = {1, 0};
+  EXPECT_TRUE(refuses(Spring{{0, {}}, {2, {}}, 1, 0}));
+  EXPECT_TRUE(refuses(Spring{{-1, {}}, {1, {}}, 1, 0}));
+  EXPECT_TRUE(refuses(Spring{{0, {}}, {1, {}}, -1, 0}));
+  EXPECT_TRUE(refuses(Spring{{0, {}}, {1, {}}, 1, -1}));
+  EXPECT_TRUE(refuses(Spring{{0, {nan, 0}}, {1, {}}, 1, 0}));
+  EXPECT_TRUE(refuses(Damper{{0, {}}, {1, {}}, nan}));
+  EXPECT_TRUE(refuses(Thruster{{0, {}}, {nan, 0}}));
+  EXPECT_TRUE(refuses(Wrench{{0, {}}, {}, nan}));
+  EXPECT_TRUE(refuses(Vec2{0, nan}));
+  EXPECT_TRUE(refuses(MutualAttraction{nan, 0}));
 }
 
 }  // namespace

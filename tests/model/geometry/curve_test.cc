@@ -1,4 +1,4 @@
-#include "model/geometry/curve.h"
+#include "model/geometry/smooth_curve.h"
 
 #include <gtest/gtest.h>
 
@@ -25,51 +25,19 @@ constexpr int kCases = 200;
 const double kInfinity = std::numeric_limits<double>::infinity();
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// c(s) by the definitions of feature.h, in 100 digits.
-struct ExactVec {
-  Exact x;
-  Exact y;
-};
-
-ExactVec ExactPoint(const Feature& feature, const Exact& s) {
-  const auto place = [](const auto& e, const Exact& x, const Exact& y) {
-    const Exact cosine = cos(Exact(e.phi));
-    const Exact sine = sin(Exact(e.phi));
-    return ExactVec{Exact(e.center.x) + cosine * x - sine * y, Exact(e.center.y) + sine * x + cosine * y};
-  };
-  if (const auto* e = std::get_if<EllipseEdge>(&feature)) return place(*e, e->a * cos(s), e->b * sin(s));
-  if (const auto* e = std::get_if<SuperellipseEdge>(&feature)) {
-    const Exact radius = pow(pow(cos(s) / e->a, e->m) + pow(sin(s) / e->b, e->m), Exact(-1) / e->m);
-    return place(*e, radius * cos(s), radius * sin(s));
-  }
-  if (const auto* arc = std::get_if<ArcEdge>(&feature)) {
-    return {arc->center.x + arc->radius * cos(s), arc->center.y + arc->radius * sin(s)};
-  }
-  if (const auto* line = std::get_if<StraightEdge>(&feature)) {
-    return {line->a.x + s * (Exact(line->b.x) - line->a.x), line->a.y + s * (Exact(line->b.y) - line->a.y)};
-  }
-  const auto& P = std::get<BezierEdge>(feature).P;
-  const Exact r = 1 - s;
-  const auto mix = [&](double Vec2::*axis) {
-    return Exact(r * r * r * (P[0].*axis) + 3 * r * r * s * (P[1].*axis) + 3 * r * s * s * (P[2].*axis) +
-                 s * s * s * (P[3].*axis));
-  };
-  return {mix(&Vec2::x), mix(&Vec2::y)};
-}
-
 // The point, its derivatives by central differences (60 digits are left), N and kappa by their definitions.
 EdgePoint Reference(const Feature& feature, double s) {
   const Exact h("1e-20");
-  const ExactVec at = ExactPoint(feature, s);
-  const ExactVec after = ExactPoint(feature, s + h);
-  const ExactVec before = ExactPoint(feature, s - h);
-  const ExactVec d1 = {(after.x - before.x) / (2 * h), (after.y - before.y) / (2 * h)};
-  const ExactVec d2 = {(after.x - 2 * at.x + before.x) / (h * h), (after.y - 2 * at.y + before.y) / (h * h)};
-  const Exact speed = sqrt(d1.x * d1.x + d1.y * d1.y);
+  const auto at = ReferencePoint(feature, Exact(s));
+  const auto after = ReferencePoint(feature, Exact(s + h));
+  const auto before = ReferencePoint(feature, Exact(s - h));
+  const VecOf<Exact> d1 = Exact(1 / (2 * h)) * (after - before);
+  const VecOf<Exact> d2 = Exact(1 / (h * h)) * ((after - at) - (at - before));
+  const Exact speed = sqrt(Dot(d1, d1));
   const Exact side = MaterialSide(feature);
-  const auto vec = [](const Exact& x, const Exact& y) { return Vec2{static_cast<double>(x), static_cast<double>(y)}; };
-  return {vec(at.x, at.y), vec(d1.x, d1.y), vec(d2.x, d2.y), vec(side * d1.y / speed, -side * d1.x / speed),
-          static_cast<double>(side * (d1.x * d2.y - d1.y * d2.x) / (speed * speed * speed))};
+  const auto round = [](const VecOf<Exact>& a) { return Vec2{static_cast<double>(a.x), static_cast<double>(a.y)}; };
+  return {round(at), round(d1), round(d2), round(Exact(-side / speed) * Perp(d1)),
+          static_cast<double>(side * Cross(d1, d2) / (speed * speed * speed))};
 }
 
 void ExpectMatches(const EdgePoint& found, const EdgePoint& expected, double tolerance) {
@@ -251,12 +219,6 @@ TEST(Curve, CuspsInAnyDirectionAreFound) {
     const BezierEdge edge{{start, start + first, start + first + middle, start + first + middle + last}};
     EXPECT_NE(Refusal(edge), "") << Describe(edge);
   }
-}
-
-TEST(Curve, VerticesAndParametersThatAreNotFiniteCannotBeEvaluated) {
-  EXPECT_THROW(EvaluateEdge(Vertex{{0, 0}}, 0), InputError);
-  EXPECT_THROW(EvaluateEdge(EllipseEdge{}, kNaN), InputError);
-  EXPECT_THROW(EvaluateEdge(ArcEdge{}, kInfinity), InputError);
 }
 
 }  // namespace

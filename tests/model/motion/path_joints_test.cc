@@ -9,8 +9,8 @@
 #include <variant>
 #include <vector>
 
-#include "model/geometry/angle.h"
-#include "model/geometry/curve.h"
+#include "model/geometry/feature.h"
+#include "model/geometry/trig.h"
 #include "model/motion/make_motion.h"
 #include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"

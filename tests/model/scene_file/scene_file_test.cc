@@ -49,7 +49,7 @@ Vec2 EndOf(const OutlineEdge& edge) { return CurvePoint(edge.edge, edge.s_end); 
 void ExpectSameOutline(const Body& found, const Body& expected) {
   ASSERT_EQ(found.outline.size(), expected.outline.size());
   for (std::size_t k = 0; k < found.outline.size(); ++k) {
-    EXPECT_EQ(DescribeCurve(found.outline[k].edge), DescribeCurve(expected.outline[k].edge));
+    EXPECT_EQ(Describe(ToFeature(found.outline[k].edge)), Describe(ToFeature(expected.outline[k].edge)));
     EXPECT_EQ(found.outline[k].s_begin, expected.outline[k].s_begin);
     EXPECT_EQ(found.outline[k].s_end, expected.outline[k].s_end);
   }
@@ -146,7 +146,7 @@ TEST(SceneFile, EllipsesThroughTwoPointsPassThroughThem) {
     for (const char* is_long : {"true", "false"}) {
       const auto edges = Edges(std::string(R"([[1, 0], {"ellipse": {"to": [0, 1], "a": 2, "b": 0.8, "phi": 0.4,)") +
                                R"("turns": ")" + turns + R"(", "long": )" + is_long + "}}]");
-      SCOPED_TRACE(DescribeCurve(edges[0].edge));
+      SCOPED_TRACE(Describe(ToFeature(edges[0].edge)));
       ExpectNear(BeginOf(edges[0]), {1, 0});
       ExpectNear(EndOf(edges[0]), {0, 1});
       const double sweep = edges[0].s_end - edges[0].s_begin;

@@ -90,7 +90,8 @@ TEST(OvalSupports, AreStationaryWhereTheBoundaryIs) {
     const double across = Cross(oval.u, here.arm) / oval.b;
     EXPECT_NEAR(along * along + across * across, 1, 1e-14);
     EXPECT_NEAR(here.h, Dot(here.arm, {n.cos, n.sin}), 1e-15);
-    EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp({n.cos, n.sin})), 1e-7);
+    EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp(Vec2{n.cos, n.sin})),
+                1e-7);
     EXPECT_NEAR((at(angle + kStep).h - 2 * here.h + at(angle - kStep).h) / (kStep * kStep) + here.h, here.radius, 1e-6);
   }
 }

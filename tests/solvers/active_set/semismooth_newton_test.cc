@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -19,15 +19,7 @@ namespace {
 
 LcpResult SolveWith(const LcpProblem& problem, const LcpOptions& options = {}, SemismoothNewtonOptions own = {}) {
   SemismoothNewtonSolver solver(own);
-  LcpResult result;
-  solver.Solve(problem, options, &result);
-  return result;
-}
-
-void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
-  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
-  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
-  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
+  return SolveWith(&solver, problem, options);
 }
 
 // Unit masses in a row pushed along it by random loads: what one of them does reaches far, which makes plain exchange

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <random>
 #include <string>
 #include <vector>
@@ -12,6 +11,7 @@
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -22,6 +22,13 @@ using Eigen::VectorXd;
 
 constexpr double kTolerance = 1e-9;
 
+BatchOptions With(BatchInstructions instructions, int threads = 1) {
+  BatchOptions options;
+  options.instructions = instructions;
+  options.threads = threads;
+  return options;
+}
+
 std::vector<LcpResult> SolveWith(BatchSolver* solver, const std::vector<LcpProblem>& problems,
                                  const LcpOptions& options = {}) {
   std::vector<LcpResult> results(problems.size());
@@ -31,10 +38,7 @@ std::vector<LcpResult> SolveWith(BatchSolver* solver, const std::vector<LcpProbl
 
 std::vector<LcpResult> SolveWith(BatchInstructions instructions, const std::vector<LcpProblem>& problems,
                                  int threads = 1) {
-  BatchOptions options;
-  options.instructions = instructions;
-  options.threads = threads;
-  BatchSolver solver(options);
+  BatchSolver solver(With(instructions, threads));
   return SolveWith(&solver, problems);
 }
 
@@ -92,11 +96,6 @@ std::vector<LcpProblem> RandomProblems(unsigned count) {
   return problems;
 }
 
-bool SameBits(const VectorXd& a, const VectorXd& b) {
-  return a.size() == b.size() &&
-         (a.size() == 0 || std::memcmp(a.data(), b.data(), static_cast<size_t>(a.size()) * sizeof(double)) == 0);
-}
-
 class SolveBatchTest : public testing::TestWithParam<BatchInstructions> {
  protected:
   static void ExpectVerified(const LcpProblem& problem, const LcpResult& result,
@@ -112,9 +111,7 @@ class SolveBatchTest : public testing::TestWithParam<BatchInstructions> {
 
 TEST_P(SolveBatchTest, SolvesEveryRankAndSizeAndAgreesWithAuto) {
   const std::vector<LcpProblem> problems = RandomProblems(1500);
-  BatchOptions options;
-  options.instructions = GetParam();
-  BatchSolver solver(options);
+  BatchSolver solver(With(GetParam()));
   const std::vector<LcpResult> results = SolveWith(&solver, problems);
   AutoSolver reference;
   LcpResult expected;
@@ -180,9 +177,7 @@ TEST_P(SolveBatchTest, UnitsChangeNothingButTheAnswersUnits) {
                                            problem.b() * b_units[seed % 5],
                                            RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows())));
   }
-  BatchOptions options;
-  options.instructions = GetParam();
-  BatchSolver solver(options);
+  BatchSolver solver(With(GetParam()));
   const std::vector<LcpResult> expected = SolveWith(&solver, given);
   const Index fallbacks = solver.fallbacks();
   const std::vector<LcpResult> results = SolveWith(&solver, scaled);
@@ -248,9 +243,7 @@ TEST_P(SolveBatchTest, LeavesWhatIsNotForLanesToAuto) {
 }
 
 TEST_P(SolveBatchTest, DenseFormGivesTheSameBits) {
-  BatchOptions options;
-  options.instructions = GetParam();
-  BatchSolver solver(options);
+  BatchSolver solver(With(GetParam()));
   for (const Index n : {1, 2, 7, 10, 12, 13, 25, 32}) {
     constexpr Index kCount = 37;
     std::vector<LcpProblem> problems;
@@ -289,10 +282,7 @@ TEST_P(SolveBatchTest, DoesNotAllocateAfterReserve) {
     problems.push_back(LcpProblem::FromDense("", A, b));
   }
   for (const int threads : {1, 2}) {
-    BatchOptions options;
-    options.instructions = GetParam();
-    options.threads = threads;
-    BatchSolver solver(options);
+    BatchSolver solver(With(GetParam(), threads));
     solver.Reserve(static_cast<Index>(problems.size()));
     std::vector<LcpResult> results(problems.size());
     for (size_t p = 0; p < problems.size(); ++p) {
@@ -309,9 +299,7 @@ TEST_P(SolveBatchTest, DoesNotAllocateAfterReserve) {
 
 TEST_P(SolveBatchTest, RepeatedSolvesAreBitwiseIdentical) {
   const std::vector<LcpProblem> problems = RandomProblems(150);
-  BatchOptions options;
-  options.instructions = GetParam();
-  BatchSolver solver(options);
+  BatchSolver solver(With(GetParam()));
   const std::vector<LcpResult> first = SolveWith(&solver, problems);
   SolveWith(&solver, RandomProblems(40));
   const std::vector<LcpResult> second = SolveWith(&solver, problems);
@@ -319,12 +307,9 @@ TEST_P(SolveBatchTest, RepeatedSolvesAreBitwiseIdentical) {
 }
 
 TEST_P(SolveBatchTest, RefusesNumbersThatAreNotFinite) {
-  BatchOptions options;
-  options.instructions = GetParam();
   for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity()}) {
     for (const int threads : {1, 2}) {
-      options.threads = threads;
-      BatchSolver solver(options);
+      BatchSolver solver(With(GetParam(), threads));
       constexpr size_t kCount = 9;  // of two rows
       std::vector<double> A(4 * kCount, 0);
       std::vector<double> b(2 * kCount, -1);
@@ -354,9 +339,7 @@ double ClockThatHasRunOut() {
 
 TEST_P(SolveBatchTest, EndsWhenTimeIsUp) {
   const std::vector<LcpProblem> problems = RandomProblems(50);
-  BatchOptions options;
-  options.instructions = GetParam();
-  BatchSolver solver(options);
+  BatchSolver solver(With(GetParam()));
   LcpOptions hurried;
   hurried.time_limit_s = 0.5;
   hurried.now = &ClockThatHasRunOut;

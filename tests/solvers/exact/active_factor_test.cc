@@ -17,8 +17,6 @@
 namespace lcpbench {
 namespace {
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
 // Whether S A_GG S - bound I is positive semidefinite, exactly.
 bool IsBelowAllEigenvalues(const LcpProblem& problem, const ActiveFactor& factor, double bound) {
   const ExactLcp lcp = ExactFrom(problem);

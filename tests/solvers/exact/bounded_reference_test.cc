@@ -23,8 +23,6 @@ namespace {
 
 using Proof = BoundedReference::Proof;
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
 Rational Square(const Rational& x) { return x * x; }
 
 std::vector<Rational> Gaps(const ExactLcp& lcp, const std::vector<Rational>& f) {

@@ -170,5 +170,13 @@ TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
   EXPECT_TRUE(result.f.allFinite());
 }
 
+TEST_P(FirstOrder, OnlySweepsTakeANonsymmetricA) {
+  Eigen::MatrixXd A(2, 2);
+  A << 1, 10, -10, 1;
+  const LcpProblem problem = LcpProblem::FromDense("rotation", A, Eigen::Vector2d(-1, -1));
+  const bool is_refused = Solve(problem, At(1e-6)).status == LcpStatus::kUnsupported;
+  EXPECT_EQ(is_refused, GetParam() == "nncg" || GetParam() == "apgd");
+}
+
 }  // namespace
 }  // namespace lcpbench

@@ -18,10 +18,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-LcpResult Iterate(const LcpProblem& problem, NncgOptions options, double tolerance, std::int64_t iterations) {
-  NncgSolver solver(options);
-  return Iterate(&solver, problem, tolerance, iterations);
-}
+constexpr auto Iterate = [](const LcpProblem& problem, const NncgOptions& options, double tolerance, std::int64_t k) {
+  return IterateNew<NncgSolver>(problem, options, tolerance, k);
+};
 
 // k steps of linear conjugate gradients on A x = -b, preconditioned by one symmetric Gauss-Seidel sweep in the order of
 // the rows: M = (D + L) D^-1 (D + L^T), the textbook recurrence.
@@ -116,13 +115,6 @@ TEST(Nncg, WhereThereIsNoHopeItEndsEarlyButNotBeforeItsLeastIterations) {
     EXPECT_GT(result.iterations, least);
     EXPECT_LT(result.iterations, 300);
   }
-}
-
-TEST(Nncg, NonsymmetricAIsUnsupported) {
-  MatrixXd A(2, 2);
-  A << 1, 10, -10, 1;
-  const LcpProblem problem = LcpProblem::FromDense("rotation", A, Eigen::Vector2d(-1, -1));
-  EXPECT_EQ(Iterate(problem, {}, 1e-6, 0).status, LcpStatus::kUnsupported);
 }
 
 TEST(Nncg, UnknownOptionsAreRefused) {

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "solvers/first_order/sweeps/paced_passes.h"
-#include "solvers/lcp/given_form.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -25,21 +25,8 @@ PgsOptions With(PgsOptions::Form form, double relaxation = 1.0) {
   return options;
 }
 
-LcpResult Sweep(PgsSolver* solver, const LcpProblem& problem, std::int64_t sweeps, const Eigen::VectorXd* start,
-                double tolerance = 1e-9) {
-  LcpOptions options;
-  options.tolerance = tolerance;
-  options.max_iterations = sweeps;
-  options.initial_f = start;
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
-}
-
-double Energy(const LcpProblem& problem, const Eigen::VectorXd& f) {
-  Eigen::VectorXd w;
-  problem.ComputeW(f, &w);
-  return 0.5 * f.dot(w + problem.b());
+LcpResult Sweep(PgsSolver* solver, const LcpProblem& problem, std::int64_t sweeps, const Eigen::VectorXd* start) {
+  return Iterate(solver, problem, 1e-9, sweeps, start);
 }
 
 // Rows on three bodies each, so that the two-body path does not apply.
@@ -142,17 +129,6 @@ TEST(Pgs, RowWithoutDiagonalKeepsZeroForce) {
   }
 }
 
-TEST(Pgs, WarmStartAtTheSolutionTakesNoSweep) {
-  for (const TestProblem& test : GeneratedProblems()) {
-    PgsSolver solver;
-    const LcpResult cold = Sweep(&solver, test.problem, 0, nullptr, 1e-6);
-    if (cold.status != LcpStatus::kSolved) continue;
-    const LcpResult warm = Sweep(&solver, test.problem, 0, &cold.f, 1e-6);
-    EXPECT_EQ(warm.status, LcpStatus::kSolved) << test.problem.id();
-    EXPECT_LE(warm.iterations, cold.iterations == 0 ? 0 : 1) << test.problem.id();
-  }
-}
-
 TEST(Pgs, ReturnsTheBestIterateWhenItDiverges) {
   // Strongly nonsymmetric: Gauss-Seidel multiplies the error in every sweep.
   Eigen::MatrixXd A(2, 2);
@@ -196,25 +172,6 @@ TEST(Pgs, TimeLimitIsReadFromTheInjectedClock) {
   EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
   EXPECT_GT(result.iterations, 0);
   EXPECT_LT(result.iterations, PgsOptions::kDefaultSweeps);
-}
-
-TEST(Pgs, AnExpiredClockStopsALongSweepBeforeItsEnd) {
-  const Index n = 3 * PacedPasses::kEntriesPerClockRead;
-  SparseMatrix A(n, n);
-  A.reserve(Eigen::VectorXi::Constant(static_cast<int>(n), 2));
-  for (Index i = 0; i < n; ++i) {
-    if (i > 0) A.insert(i, i - 1) = -0.5;
-    A.insert(i, i) = 1.0;
-  }
-  const LcpProblem problem = LcpProblem::FromSparse("long", A, Eigen::VectorXd::Constant(n, -1.0));
-  PgsSolver solver;
-  LcpOptions options;
-  options.time_limit_s = 0.5;
-  options.now = &StepClock;
-  LcpResult result;
-  solver.Solve(problem, options, &result);
-  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
-  EXPECT_EQ(result.iterations, 0);
 }
 
 TEST(GivenForm, TestAgreesWithTheVerdict) {

@@ -7,25 +7,13 @@
 
 #include <algorithm>
 
-#include "solvers/lcp/verify.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/stacked_problems.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr Index kRows = 600;  // above the size from which sweeps are used
-
-LcpResult SolveWith(HybridSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
-}
-
-void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
-  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
-  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
-  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
-}
 
 // Sweeps that do not last: the interior point has to finish.
 HybridSolver WithFewSweeps() {
@@ -160,10 +148,7 @@ TEST(Hybrid, InfeasibleProblemsComeWithAnAcceptedRay) {
     for (const Eigen::VectorXd* initial_f : {static_cast<const Eigen::VectorXd*>(nullptr), &start}) {
       LcpOptions options;
       options.initial_f = initial_f;
-      const LcpResult result = SolveWith(&solver, jam, options);
-      EXPECT_EQ(result.status, LcpStatus::kInfeasible) << seed << ": " << result.detail;
-      ASSERT_TRUE(result.farkas_ray.has_value());
-      EXPECT_TRUE(VerifyFarkasRay(jam, *result.farkas_ray).accepted);
+      ExpectRay(jam, SolveWith(&solver, jam, options));
     }
   }
 }

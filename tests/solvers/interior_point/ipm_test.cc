@@ -8,12 +8,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
 
-#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
@@ -23,22 +24,10 @@ namespace {
 using Space = IpmOptions::Space;
 using Triplets = std::vector<Eigen::Triplet<double, int>>;
 
-LcpResult SolveWith(IpmSolver* solver, const LcpProblem& problem, const LcpOptions& options = {}) {
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
-}
-
 IpmOptions InSpace(Space space) {
   IpmOptions options;
   options.space = space;
   return options;
-}
-
-void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
-  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
-  EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
-  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
 }
 
 double Uniform(std::mt19937_64* random, double low, double high) {
@@ -198,10 +187,7 @@ TEST(Ipm, InfeasibleProblemsComeWithAnAcceptedRay) {
     IpmSolver solver(InSpace(space));
     for (unsigned seed = 0; seed < 30; ++seed) {
       const LcpProblem jam = JammedColumn(10 + seed, seed);
-      const LcpResult result = SolveWith(&solver, jam);
-      EXPECT_EQ(result.status, LcpStatus::kInfeasible) << seed << ": " << result.detail;
-      ASSERT_TRUE(result.farkas_ray.has_value());
-      EXPECT_TRUE(VerifyFarkasRay(jam, *result.farkas_ray).accepted);
+      ExpectRay(jam, SolveWith(&solver, jam));
     }
   }
 }
@@ -330,10 +316,9 @@ LcpProblem RowsOf(const LcpProblem& problem, const std::vector<Index>& rows) {
 }
 
 LcpProblem WithoutRow(const LcpProblem& problem, Index row) {
-  std::vector<Index> rows;
-  for (Index i = 0; i < problem.size(); ++i) {
-    if (i != row) rows.push_back(i);
-  }
+  std::vector<Index> rows(static_cast<size_t>(problem.size()));
+  std::iota(rows.begin(), rows.end(), 0);
+  rows.erase(rows.begin() + row);
   return RowsOf(problem, rows);
 }
 
@@ -418,10 +403,7 @@ TEST(Ipm, StartsWarmAfterContactsHaveComeAndGone) {
     const LcpProblem problem = RowsOf(whole, after);
     LcpOptions options;
     options.initial_f = &start;
-    LcpResult result;
-    solver.Prepare(problem);
-    solver.Solve(problem, options, &result);
-    ExpectSolved(problem, result);
+    ExpectSolved(problem, SolveWith(&solver, problem, options));
   }
 }
 

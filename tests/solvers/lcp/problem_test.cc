@@ -7,8 +7,6 @@
 #include <limits>
 #include <random>
 
-#include "solvers/lcp/dense_assembly.h"
-#include "solvers/lcp/problem_arrays.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

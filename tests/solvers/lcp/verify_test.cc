@@ -213,9 +213,9 @@ TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
     Eigen::VectorXd w;
     planted.problem.ComputeW(f, &w);
     const Metrics m = ComputeMetrics(planted.problem, f);
-    for (const bool dense : {false, true}) {
+    for (const auto rows : {ResidualEstimate::Rows::kDense, ResidualEstimate::Rows::kSparse}) {
       ResidualEstimate estimate;
-      estimate.Reset(planted.problem, dense);
+      estimate.Reset(planted.problem, rows);
       estimate.SetB(planted.problem);
       EXPECT_NEAR(estimate.Rho(f, w), m.rho, 1e-12 * (1 + m.rho));
       EXPECT_NEAR(estimate.BackwardError(f, w), m.backward_error, 1e-12);

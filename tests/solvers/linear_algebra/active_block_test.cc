@@ -1,16 +1,20 @@
-// The factors behind block pivoting: both forms against Eigen's, for sets of active rows that change by a few.
+// The factors of the active block: all forms against Eigen's, for sets of active rows that change by a few, and the
+// updated factor through the bodies against a new one.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
+#ifdef LCPBENCH_WITH_SUITESPARSE
+#include "solvers/linear_algebra/body_active_block.h"
+#endif
 #include "solvers/linear_algebra/dense_active_block.h"
 #include "solvers/linear_algebra/sparse_active_block.h"
 #include "tests/solvers/exact_problems.h"
-#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -18,42 +22,86 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Rows coupled at random: trees, chains and full blocks all occur in the factor.
-LcpProblem RandomProblem(Index n, int couplings, unsigned seed) {
+// Rows between random pairs of bodies, near neighbours in number, every tenth between a body and the ground and every
+// eighth a copy of an earlier one: redundant from 3 rows per body on.
+LcpProblem RandomBodies(Index bodies, Index rows, unsigned seed) {
   TestRandom random(seed);
-  MatrixXd A = MatrixXd::Zero(n, n);
-  for (int k = 0; k < couplings; ++k) {
-    const Index i = random.Integer(0, static_cast<int>(n) - 1);
-    const Index j = random.Integer(0, static_cast<int>(n) - 1);
-    VectorXd g = VectorXd::Zero(n);
-    g[i] += random.Integer(1, 3);
-    g[j] -= random.Integer(1, 3);
-    A += g * g.transpose();
+  std::vector<Eigen::Triplet<double, int>> entries;
+  std::vector<std::pair<int, int>> pairs;
+  std::vector<Eigen::Matrix<double, 6, 1>> normals;
+  for (int i = 0; i < rows; ++i) {
+    int first = random.Integer(0, static_cast<int>(bodies) - 1);
+    int second = std::min(first + random.Integer(1, 4), static_cast<int>(bodies) - 1);
+    Eigen::Matrix<double, 6, 1> j;
+    for (double& value : j) value = random.Integer(-8, 8) / 8.0;
+    j[0] += 2;
+    if (i % 8 == 7) {
+      const auto earlier = static_cast<size_t>(random.Integer(0, i - 1));
+      first = pairs[earlier].first;
+      second = pairs[earlier].second;
+      j = normals[earlier];
+    }
+    pairs.emplace_back(first, second);
+    normals.push_back(j);
+    for (int a = 0; a < 3; ++a) {
+      entries.emplace_back(i, 3 * first + a, j[a]);
+      if (second != first && i % 10 != 0) entries.emplace_back(i, 3 * second + a, j[3 + a]);
+    }
   }
-  A.diagonal().array() += 0.5;
-  return LcpProblem::FromDense("coupled-" + std::to_string(seed), A, VectorXd::Ones(n), {}, SymmetricPsd());
+  SparseMatrix J(rows, 3 * bodies);
+  J.setFromTriplets(entries.begin(), entries.end(), [](double a, double) { return a; });
+  VectorXd inverse_mass(3 * bodies);
+  for (double& m : inverse_mass) m = std::ldexp(random.Integer(4, 7), -2 * random.Integer(1, 2));
+  return LcpProblem::FromFactors("bodies-" + std::to_string(seed), J, inverse_mass, VectorXd::Ones(rows));
+}
+
+std::vector<char> RandomSet(Index n, TestRandom* random) {
+  std::vector<char> active(static_cast<size_t>(n));
+  for (char& flag : active) flag = random->Integer(0, 1) == 1 ? 1 : 0;
+  return active;
+}
+
+void FlipSome(int most, TestRandom* random, std::vector<char>* active) {
+  for (int k = random->Integer(1, most); k > 0; --k) {
+    char& flag = (*active)[static_cast<size_t>(random->Integer(0, static_cast<int>(active->size()) - 1))];
+    flag = flag == 0 ? 1 : 0;
+  }
+}
+
+VectorXd RandomSide(Index n, TestRandom* random) {
+  VectorXd right(n);
+  for (double& value : right) value = random->Integer(-9, 9);
+  return right;
 }
 
 template <typename Block>
-void ExpectSolvesForChangingSets() {
-  for (const Index n : {1, 2, 7, 16, 17, 40, 75}) {
-    for (const int couplings : {0, 1, 3, 12}) {
-      const LcpProblem problem = RandomProblem(n, couplings * static_cast<int>(n) / 2, static_cast<unsigned>(n));
-      SCOPED_TRACE(problem.id() + " with " + std::to_string(couplings));
+class ActiveBlockTest : public testing::Test {};
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+using Forms = testing::Types<SparseActiveBlock, DenseActiveBlock, BodyActiveBlock>;
+#else
+using Forms = testing::Types<SparseActiveBlock, DenseActiveBlock>;
+#endif
+TYPED_TEST_SUITE(ActiveBlockTest, Forms);
+
+TYPED_TEST(ActiveBlockTest, SolvesForChangingSets) {
+  for (const Index n : {1, 2, 7, 16, 17, 40, 75, 95}) {
+    for (const Index bodies : {1 + n / 4, 1 + n / 2, 2 * n}) {
+      const LcpProblem problem = RandomBodies(bodies, n, static_cast<unsigned>(n));
+      SCOPED_TRACE(problem.id() + " of " + std::to_string(bodies));
       TestRandom random(static_cast<unsigned>(n));
       VectorXd scale(n);
       for (double& s : scale) s = random.Integer(1, 4);
       const MatrixXd A = scale.asDiagonal() * problem.DenseA() * scale.asDiagonal();
-      Block block;
+      TypeParam block;
       block.Analyze(problem);
       block.Load(problem, scale);
       std::vector<char> active(static_cast<size_t>(n), 1);
       double shift = 0.25;
       for (int change = 0; change < 30; ++change) {
         if (change % 10 == 9) shift /= 4;
-        block.Factor(active, shift, nullptr);
-        VectorXd right(n);
-        for (double& value : right) value = random.Integer(-9, 9);
+        ASSERT_TRUE(block.Factor(active, shift, nullptr));
+        VectorXd right = RandomSide(n, &random);
         VectorXd x = right;
         block.Solve(x.data());
         // Rows outside: the unit matrix and a right-hand side of 0.
@@ -71,22 +119,32 @@ void ExpectSolvesForChangingSets() {
         VectorXd product(n);
         block.Multiply(x.data(), product.data());
         EXPECT_LE((product - A * x).norm(), 1e-12 * (1 + (A * x).norm()));
-        for (int k = random.Integer(1, 3); k > 0; --k) {
-          char& flag = active[static_cast<size_t>(random.Integer(0, static_cast<int>(n) - 1))];
-          flag = flag == 0 ? 1 : 0;
-        }
+        FlipSome(3, &random, &active);
       }
     }
   }
 }
 
-TEST(SparseActiveBlock, SolvesForChangingSets) { ExpectSolvesForChangingSets<SparseActiveBlock>(); }
-
-TEST(DenseActiveBlock, SolvesForChangingSets) { ExpectSolvesForChangingSets<DenseActiveBlock>(); }
+// Singular blocks: pivots are held to the shift, and the residual is small though x is not determined by A.
+TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem problem = RandomBodies(4, 40, seed);
+    const Index n = problem.size();
+    const std::vector<char> active(static_cast<size_t>(n), 1);
+    TypeParam block;
+    block.Analyze(problem);
+    block.Load(problem, VectorXd::Ones(n));
+    block.Factor(active, 1e-8, nullptr);
+    const VectorXd right = problem.DenseA() * VectorXd::Ones(n);
+    VectorXd x = right;
+    block.Solve(x.data());
+    EXPECT_LE((problem.DenseA() * x - right).norm(), 1e-6 * (1 + right.norm())) << "seed " << seed;
+  }
+}
 
 TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
   const Index n = 60;
-  const LcpProblem problem = RandomProblem(n, 90, 5);
+  const LcpProblem problem = RandomBodies(25, n, 5);
   const VectorXd scale = VectorXd::Ones(n);
   SparseActiveBlock updated;
   updated.Analyze(problem);
@@ -104,43 +162,15 @@ TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
     updated.Solve(x.data());
     fresh.Solve(y.data());
     EXPECT_TRUE(x == y) << "change " << change;
-    char& flag = active[static_cast<size_t>(random.Integer(0, static_cast<int>(n) - 1))];
-    flag = flag == 0 ? 1 : 0;
+    FlipSome(1, &random, &active);
   }
-}
-
-// Singular blocks: pivots are held to the shift, and the residual is small though x is not determined by A.
-template <typename Block>
-void ExpectSmallResidualOnSingularBlocks() {
-  for (unsigned seed = 0; seed < 20; ++seed) {
-    const LcpProblem problem = FullyDegenerate(seed, 40);
-    const Index n = problem.size();
-    std::vector<char> active(static_cast<size_t>(n));
-    for (Index i = 0; i < n; ++i) active[static_cast<size_t>(i)] = problem.DiagonalA()[i] > 0 ? 1 : 0;
-    Block block;
-    block.Analyze(problem);
-    block.Load(problem, VectorXd::Ones(n));
-    block.Factor(active, 1e-8, nullptr);
-    const VectorXd right = problem.DenseA() * VectorXd::Ones(n);
-    VectorXd x = right;
-    block.Solve(x.data());
-    EXPECT_LE((problem.DenseA() * x - right).norm(), 1e-6 * (1 + right.norm())) << "seed " << seed;
-  }
-}
-
-TEST(SparseActiveBlock, HoldsPivotsOfSingularBlocksToTheShift) {
-  ExpectSmallResidualOnSingularBlocks<SparseActiveBlock>();
-}
-
-TEST(DenseActiveBlock, HoldsPivotsOfSingularBlocksToTheShift) {
-  ExpectSmallResidualOnSingularBlocks<DenseActiveBlock>();
 }
 
 TEST(ActiveBlock, OnlyAnalyzeAllocates) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
   CountAllocations(true);
   const Index n = 300;  // above what a library would keep on the stack
-  const LcpProblem problem = RandomProblem(n, 600, 3);
+  const LcpProblem problem = RandomBodies(120, n, 3);
   const VectorXd scale = VectorXd::Ones(n);
   const std::vector<char> active(static_cast<size_t>(n), 1);
   SparseActiveBlock sparse;
@@ -157,6 +187,94 @@ TEST(ActiveBlock, OnlyAnalyzeAllocates) {
     EXPECT_EQ(AllocationCount() - before, 0);
   }
 }
+
+#ifdef LCPBENCH_WITH_SUITESPARSE
+// Redundant rows, weights 1 / shift from 10 to 10^10: what a dependent row gets is what right-hand sides leave of it,
+// so the two factors are compared on right-hand sides in the range of A.
+TEST(BodyActiveBlock, AnUpdatedFactorSolvesAsANewOneAfterHundredsOfChanges) {
+  for (const double shift : {1e-1, 1e-4, 1e-8, 1e-10}) {
+    const Index n = 400;
+    const LcpProblem problem = RandomBodies(120, n, 11);
+    const VectorXd scale = VectorXd::Ones(n);
+    TestRandom random(23);
+    BodyActiveBlock updated;
+    updated.Analyze(problem);
+    updated.Load(problem, scale);
+    BodyActiveBlock fresh;
+    fresh.Analyze(problem);
+    fresh.Load(problem, scale);
+    fresh.set_may_update(false);
+    std::vector<char> active = RandomSet(n, &random);
+    for (int change = 0; change < 400; ++change) {
+      ASSERT_TRUE(updated.Factor(active, shift, nullptr));
+      ASSERT_TRUE(fresh.Factor(active, shift, nullptr));
+      VectorXd force = RandomSide(n, &random);
+      for (Index i = 0; i < n; ++i) force[i] *= active[static_cast<size_t>(i)];
+      VectorXd x(n);
+      fresh.Multiply(force.data(), x.data());
+      VectorXd y = x;
+      updated.Solve(x.data());
+      fresh.Solve(y.data());
+      // Forces of dependent rows are determined by the shift alone, to eps / shift; what they do to the bodies is not.
+      VectorXd image_x(n), image_y(n);
+      fresh.Multiply(x.data(), image_x.data());
+      fresh.Multiply(y.data(), image_y.data());
+      EXPECT_LE((image_x - image_y).norm(), 1e-9 * image_y.norm()) << "shift " << shift << " change " << change;
+      const double allowed = shift >= 1e-4 ? 1e-9 : 1e-12 / shift;
+      EXPECT_LE((x - y).norm(), allowed * y.norm()) << "shift " << shift << " change " << change;
+      FlipSome(3, &random, &active);
+    }
+    EXPECT_GE(updated.updates(), 300) << "shift " << shift;
+    EXPECT_EQ(fresh.updates(), 0);
+  }
+}
+
+TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
+  const Index n = 600;
+  const LcpProblem problem = RandomBodies(200, n, 3);
+  VectorXd first(n);
+  std::int64_t updates = 0;
+  for (int run = 0; run < 3; ++run) {
+    BodyActiveBlock block;
+    block.Analyze(problem);
+    block.Load(problem, VectorXd::Ones(n));
+    TestRandom random(5);
+    std::vector<char> active = RandomSet(n, &random);
+    VectorXd x = RandomSide(n, &random);
+    for (int change = 0; change < 40; ++change) {
+      ASSERT_TRUE(block.Factor(active, 1e-6, nullptr));
+      block.Solve(x.data());
+      x /= x.norm();
+      x.array() += 1;
+      // One row, and every eighth time half of all.
+      if (change % 8 == 7) active = RandomSet(n, &random);
+      FlipSome(1, &random, &active);
+    }
+    if (run == 0) {
+      first = x;
+      updates = block.updates();
+      EXPECT_GE(updates, 30);
+      EXPECT_GE(block.factorisations(), 5);  // one at first, and for half of the rows
+    }
+    EXPECT_EQ(block.updates(), updates);
+    EXPECT_TRUE(x == first);
+  }
+}
+
+TEST(BodyActiveBlock, CountsRowsBeyondTheFreedomsOfTheirBodies) {
+  const Index n = 40;
+  const LcpProblem problem = RandomBodies(2, n, 1);
+  BodyActiveBlock block;
+  block.Analyze(problem);
+  block.Load(problem, VectorXd::Ones(n));
+  std::vector<char> active(static_cast<size_t>(n), 1);
+  block.Factor(active, 1e-6, nullptr);
+  EXPECT_EQ(block.CountDependentRows(), n - 6);
+  std::fill(active.begin() + 3, active.end(), 0);
+  block.Factor(active, 1e-6, nullptr);
+  EXPECT_EQ(block.CountDependentRows(), 0);
+}
+#endif
 
 }  // namespace
 }  // namespace lcpbench

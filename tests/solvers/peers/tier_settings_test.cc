@@ -12,34 +12,30 @@
 
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/peer_table.h"
+#include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
 
-TEST(TierSettings, EveryRowNamesATunedPeerOnceAndItsReason) {
-  std::set<std::pair<std::string_view, std::string_view>> seen;
-  for (const TierOption& row : TierTable()) {
-    SCOPED_TRACE(std::string(row.key) + ", " + std::string(row.option));
-    EXPECT_TRUE(std::any_of(AllPeers().begin(), AllPeers().end(),
-                            [&](const PeerEntry& peer) { return peer.key == row.key && peer.uses_tolerance; }));
-    EXPECT_FALSE(row.key.ends_with("-default"));
-    EXPECT_FALSE(row.reason.empty());
-    EXPECT_TRUE(seen.emplace(row.key, row.option).second);
+TEST(TierSettings, EveryRowNamesATunedPeerOnce) {
+  std::set<std::string_view> seen;
+  for (const TierSettings& row : TierTable()) {
+    const bool is_tuned = std::any_of(AllPeers().begin(), AllPeers().end(), [&](const PeerEntry& peer) {
+      return peer.key == row.key && peer.uses_tolerance;
+    });
+    EXPECT_TRUE(is_tuned && seen.insert(row.key).second) << row.key;
   }
 }
 
 TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne) {
-  for (const TierOption& row : TierTable()) {
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-3), row.values[0]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-6), row.values[1]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-9), row.values[2]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-2), row.values[0]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-4), row.values[1]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-7), row.values[2]);
-    EXPECT_EQ(TierValue(row.key, row.option, 1e-12), row.values[2]);
+  for (const TierSettings& row : TierTable()) {
+    for (const auto& [tolerance, column] :
+         {std::pair{1e-2, 0}, {1e-3, 0}, {1e-4, 1}, {1e-6, 1}, {1e-7, 2}, {1e-12, 2}}) {
+      EXPECT_EQ(TierTolerance(row.key, tolerance), row.tolerances[static_cast<size_t>(column)]) << row.key;
+    }
   }
-  EXPECT_THROW(TierValue("dart-pgs", "no such option", 1e-6), std::logic_error);
+  EXPECT_THROW(TierTolerance("dart-dantzig", 1e-6), std::logic_error);
 }
 
 // Keys whose tuning reached the rule's 95 %.
@@ -48,11 +44,8 @@ INSTANTIATE_TEST_SUITE_P(ReachTheRule, TunedPeer,
                          testing::Values("dart-pgs", "clp", "siconos-pgs", "siconos-nsgs-sbm", "tao-bntr"));
 
 TEST_P(TunedPeer, PassesEveryTierOnNearlyAllGeneratedProblems) {
-  const auto peer = std::find_if(AllPeers().begin(), AllPeers().end(),
-                                 [](const PeerEntry& entry) { return entry.key == GetParam(); });
-  ASSERT_NE(peer, AllPeers().end());
-  if (!peer->available) GTEST_SKIP() << peer->key << " is not in this build";
-  const auto solver = MakePeer(*peer, {});
+  if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";
+  const auto solver = MakeSolver(GetParam());
   for (const double tier : kTiers) {
     int taken = 0;
     int passed = 0;

@@ -13,10 +13,19 @@
 #include "solvers/first_order/pgs.h"
 #include "solvers/first_order/sweeps/colouring.h"
 #include "solvers/first_order/sweeps/row_work.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
+
+// At f = 0.
+void LayOut(const LcpProblem& problem, RowForm form, bool coloured, std::initializer_list<RowWork*> works) {
+  for (RowWork* work : works) {
+    work->Prepare(problem, form, coloured);
+    work->Start(problem, nullptr);
+  }
+}
 
 // Two-body rows on many bodies, so that colours have many rows; every 7th row bilateral if asked for.
 TestProblem Wide(Index n, unsigned seed, int bilateral_every) {
@@ -29,23 +38,16 @@ std::vector<TestProblem> Problems() {
   return problems;
 }
 
-double Energy(const LcpProblem& problem, const Eigen::VectorXd& f) {
-  Eigen::VectorXd w;
-  problem.ComputeW(f, &w);
-  return 0.5 * f.dot(w + problem.b());
-}
-
-LcpResult Iterate(const LcpProblem& problem, RowForm form, SweepOrder sweep, std::int64_t sweeps, double omega = 1) {
+PgsOptions With(RowForm form, SweepOrder sweep, double omega = 1) {
   PgsOptions options;
   options.form = form;
   options.sweep = sweep;
   options.relaxation = omega;
-  LcpOptions limits;
-  limits.tolerance = 1e-15;
-  limits.max_iterations = sweeps;
-  LcpResult result;
-  PgsSolver(options).Solve(problem, limits, &result);
-  return result;
+  return options;
+}
+
+LcpResult Iterate(const LcpProblem& problem, RowForm form, SweepOrder sweep, std::int64_t sweeps, double omega = 1) {
+  return IterateNew<PgsSolver>(problem, With(form, sweep, omega), 1e-15, sweeps);
 }
 
 // Whether two rows press on one body that can move.
@@ -132,16 +134,9 @@ TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
   for (Index i = 0; i < 20; ++i) reverse[static_cast<size_t>(i)] = 19 - i;
   const LcpResult there = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kForward, 1);
   const LcpResult both = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kSymmetric, 2);
-  PgsOptions options;
-  options.form = RowForm::kMatrixFree;
-  options.sweep = SweepOrder::kForward;
-  Eigen::VectorXd start = there.f.reverse();
-  LcpOptions limits;
-  limits.tolerance = 1e-15;
-  limits.max_iterations = 1;
-  limits.initial_f = &start;
-  LcpResult back;
-  PgsSolver(options).Solve(PermuteRows(test.problem, reverse), limits, &back);
+  const Eigen::VectorXd start = there.f.reverse();
+  const LcpResult back = IterateNew<PgsSolver>(PermuteRows(test.problem, reverse),
+                                               With(RowForm::kMatrixFree, SweepOrder::kForward), 1e-15, 1, &start);
   const double size = both.f.cwiseAbs().maxCoeff();
   EXPECT_LE((back.f.reverse() - both.f).cwiseAbs().maxCoeff(), 1e-12 * size);
   EXPECT_GT((there.f - both.f).cwiseAbs().maxCoeff(), 1e-3 * size);
@@ -153,10 +148,7 @@ TEST(Sweeps, CuttingAPassChangesNothing) {
     for (const TestProblem& test : Problems()) {
       RowWork whole;
       RowWork cut;
-      whole.Prepare(test.problem, RowForm::kMatrixFree, coloured);
-      whole.Start(test.problem, nullptr);
-      cut.Prepare(test.problem, RowForm::kMatrixFree, coloured);
-      cut.Start(test.problem, nullptr);
+      LayOut(test.problem, RowForm::kMatrixFree, coloured, {&whole, &cut});
       const Index n = test.problem.size();
       for (int sweep = 0; sweep < 4; ++sweep) {
         const bool backward = sweep % 2 == 1;
@@ -208,10 +200,7 @@ TEST(Sweeps, RowsAloneAndTogetherGiveTheSameBits) {
       const LcpProblem problem = Loose(n, bilateral_every);
       RowWork together;
       RowWork alone;
-      together.Prepare(problem, RowForm::kMatrixFree, true);
-      together.Start(problem, nullptr);
-      alone.Prepare(problem, RowForm::kMatrixFree, true);
-      alone.Start(problem, nullptr);
+      LayOut(problem, RowForm::kMatrixFree, true, {&together, &alone});
       const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-12 * std::abs(b); };
       for (const bool backward : {false, true, false}) {
         StepSums sums;
@@ -250,8 +239,7 @@ TEST(Sweeps, EnergyFallsByWhatTheSweepSays) {
   for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
-      work.Prepare(test.problem, form, true);
-      work.Start(test.problem, nullptr);
+      LayOut(test.problem, form, true, {&work});
       const Index n = test.problem.size();
       Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
       // The scaled problem's energy is the given one's over the square of the scale of b.
@@ -279,8 +267,7 @@ TEST(Sweeps, ImagesGiveTheProductsOfA) {
   for (const RowForm form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
     for (const TestProblem& test : Problems()) {
       RowWork work;
-      work.Prepare(test.problem, form, true);
-      work.Start(test.problem, nullptr);
+      LayOut(test.problem, form, true, {&work});
       const Index n = test.problem.size();
       for (double& value : work.f) value = uniform(random);
       work.rows->StartImage(&work.image);

@@ -1,0 +1,317 @@
+#include "benchmarks/campaign/result_fields.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Answer = JudgedAnswer;
+using Described = DescribedProblem;
+
+// Negative: not known.
+Json KnownNumber(double value) { return value < 0 ? Json(nullptr) : RoundedNumber(value); }
+Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+// Getters of members.
+template <auto Member, typename Source>
+Json OfTask(const Source& of) {
+  return of.task.*Member;
+}
+template <auto Member, typename Source>
+Json Of(const Source& of) {
+  return of.*Member;
+}
+template <auto Member>
+Json Metric(const Answer& of) {
+  const double value = of.verdict.metrics.*Member;
+  return value == -1 ? Json(nullptr) : RoundedNumber(value);
+}
+template <auto Member>
+Json OfVerdict(const Answer& of) {
+  return of.verdict.*Member;
+}
+template <auto Member>
+Json Planned(const Described& of) {
+  return of.planned.entry->*Member;
+}
+Json Known(const Described& of, const char* property) { return of.known.value(property, nlohmann::json(nullptr)); }
+
+constexpr FieldOf<LineSource> kLine[] = {
+    {{"solver", "name", "", "key"}, OfTask<&Task::solver>},
+    {{"size_class", "name", "", "key, of campaign.json"}, OfTask<&Task::about>},
+    {{"tier", "positive", "", "that it is judged at"}, Of<&LineSource::tier>},
+    {{"kind", "name", "", "judge, fresh, parts or again"}, Of<&LineSource::kind>},
+    {{"pass", "count", "", "0 of kind judge, else from 1"}, Of<&LineSource::pass>},
+    {{"first", "count", "", "place of the task's first problem in its class"}, OfTask<&Task::first>},
+    {{"count", "count", "", "problems of the task"}, [](const LineSource& of) { return Json(of.task.count()); }},
+    {{"excluded", "text", "", "the declared rule by which none of it is run, then nothing more follows; else empty"},
+     OfTask<&Task::excluded>},
+    {{"environment", "text", "", "hash, of campaign.json"}, [](const LineSource& of) { return Json(of.environment); }},
+};
+
+constexpr FieldOf<Answer> kColumns[] = {
+    {{"rho", "[time?]", "", "`lcpbench list metrics`, as the four that follow; null: not known"},
+     Metric<&Metrics::rho>},
+    {{"backward_error", "[time?]", "", ""}, Metric<&Metrics::backward_error>},
+    {{"gap_rel", "[number?]", "", ""}, Metric<&Metrics::gap_rel>},
+    {{"w_error", "[time?]", "", ""}, Metric<&Metrics::w_error>},
+    {{"f_error", "[time?]", "", ""}, Metric<&Metrics::f_error>},
+    {{"best_tier", "[time?]", "", "the strictest that it passes; null: none"},
+     [](const Answer& of) { return of.verdict.best_tier > 0 ? Json(of.verdict.best_tier) : Json(nullptr); }},
+    {{"iterations", "[time?]", "", "in the solver's own unit"},
+     [](const Answer& of) { return of.result.iterations < 0 ? Json(nullptr) : Json(of.result.iterations); }},
+    {{"first_s", "[time?]", "s", "fresh time of this one observed solve by a new solver object"},
+     [](const Answer& of) { return KnownNumber(of.first_s); }},
+    {{"factor_share", "[time?]", "", "of it, in numeric factorizations; null: in another process"},
+     [](const Answer& of) {
+       return KnownNumber(of.result.factor_s >= 0 && of.first_s > 0 ? of.result.factor_s / of.first_s : -1);
+     }},
+    {{"allocations", "[time?]", "", "of it; null: in another process"},
+     [](const Answer& of) { return of.allocations < 0 ? Json(nullptr) : Json(of.allocations); }},
+};
+
+constexpr FieldOf<Answer> kExceptions[] = {
+    {{"claim", "name", "",
+      "the solver's status; or crashed, killed, out_of_memory; or excluded: not tried, by the rule in `reason`"},
+     [](const Answer& of) { return Json(ToString(of.result.status)); }},
+    {{"passes", "boolean", "", "verified"}, OfVerdict<&Verdict::passes>},
+    {{"at_floor", "boolean", "", "verified thanks to the problem's rounding floor only"},
+     OfVerdict<&Verdict::at_floor>},
+    {{"false_success", "boolean", "", "called solved, and is not verified"}, OfVerdict<&Verdict::false_success>},
+    {{"false_infeasible", "boolean", "", "called infeasible, though a solution is known"},
+     OfVerdict<&Verdict::false_infeasible>},
+    {{"proved_infeasible", "boolean", "", "called infeasible, and the ray is accepted"},
+     [](const Answer& of) {
+       const std::optional<FarkasVerdict>& ray = of.verdict.farkas;
+       return Json(of.result.status == LcpStatus::kInfeasible && ray && ray->accepted);
+     }},
+    {{"reason", "text", "", "why it is not verified"}, OfVerdict<&Verdict::reason>},
+    {{"detail", "text", "", "what the solver, or its end, says"},
+     [](const Answer& of) { return Json(of.result.detail); }},
+};
+
+constexpr FieldOf<Answer> kOfTheLine[] = {
+    {{"peak_bytes", "time?", "B", "the most of any; null: in another process"},
+     [](const Answer& of) { return of.peak_bytes < 0 ? Json(nullptr) : Json(of.peak_bytes); }},
+    {{"formed_on_host_s", "[time?]", "s",
+      "of first_s, forming A here; only of programs of protocol version 1, and nowhere else"},
+     [](const Answer& of) { return KnownNumber(of.formed_on_host_s); }},
+};
+
+constexpr ResultField kJudge[] = {
+    {"attempted", "count", "", "problems that had their turn within the budget, the first ones: the lists' length"},
+    {"exceptions", "list", "", "every problem that was not called solved and verified without a flag"},
+};
+
+constexpr TimeField kTimes[] = {
+    {{"fresh_s", "[positive?]", "s", "from the caller's arrays to f; null: not timed in this pass"},
+     PassKind::kFresh,
+     &PassEntry::seconds},
+    {{"problem_s", "[time?]", "s", "LcpProblem from the arrays"}, PassKind::kParts, &PassEntry::problem_s},
+    {{"prepare_s", "[time?]", "s", "LcpSolver::Prepare"}, PassKind::kParts, &PassEntry::prepare_s},
+    {{"convert_s", "[time?]", "s", "of foreign libraries: conversions inside the solve"},
+     PassKind::kParts,
+     &PassEntry::convert_s},
+    {{"solve_s", "[time?]", "s", "the rest of the solve"}, PassKind::kParts, &PassEntry::solve_s},
+    {{"again_s", "[positive?]", "s",
+      "the same matrix with another b (benchmarks/collection/recipes/another_b.h), right after a solve with the given "
+      "one"},
+     PassKind::kAgain,
+     &PassEntry::seconds},
+};
+
+constexpr ResultField kTimed[] = {
+    {"outcome", "name", "",
+     "completed; crashed, killed, out_of_memory: how the process ended, then each problem was run by itself and those "
+     "at which it ended again are in `failed`"},
+    {"detail", "text", "", "the reason, where it was not completed"},
+    {"failed", "list", "", "places of answers that are not verified at this tier"},
+    {"disturbance", "object?", "", "what the machine did meanwhile"},
+};
+
+constexpr ResultField kDisturbance[] = {
+    {"probe_s", "time", "s", "a fixed chain of operations: the inverse of the clock rate"},
+    {"cpu_share", "time", "", "processor time by wall-clock time"},
+    {"switches", "count", "", "how often the thread lost the processor"},
+    {"reruns", "count", "", "how often the pass was run again"},
+    {"disturbed", "boolean", "", "and still was disturbed"},
+};
+
+constexpr FieldOf<PassSource> kPass[] = {
+    {{"sequence", "name", "", "id"}, OfTask<&Task::about>},
+    {{"solver", "name", "", "key"}, OfTask<&Task::solver>},
+    {{"tier", "positive", "", "asked for"}, OfTask<&Task::tier>},
+    {{"mode", "name", "",
+      "cold: every step from f = 0; warm: from the solver's own answer to the step before, carried over by the "
+      "identity "
+      "of rows; deadline-0.1ms, ...: warm at the strictest tier, within the deadline"},
+     OfTask<&Task::mode>},
+    {{"deadline_s", "positive?", "s", "of a step; null: none"},
+     [](const PassSource& of) { return of.task.deadline_s > 0 ? Json(of.task.deadline_s) : Json(nullptr); }},
+    {{"round", "count", "", "from 0"}, Of<&PassSource::round>},
+    {{"excluded", "text", "", "the rule by which it is not run, then nothing more follows; else empty"},
+     OfTask<&Task::excluded>},
+};
+
+constexpr ResultField kSteps[] = {
+    {"outcome", "name", "", "completed; budget: ended by `pass_budget_s`; crashed, killed, out_of_memory"},
+    {"detail", "text", "", "the reason, where it was not completed"},
+    {"steps", "count", "", "of the sequence"},
+    {"reached", "count", "", "steps: the lists' length"},
+    {"claims", "object", "", "status: steps"},
+    {"verdicts", "list", "", "at `tier`; of direct methods and of deadlines at all tiers"},
+    {"late", "list", "",
+     "indices of steps whose answer came after the deadline plus 10 % or 20 us: it counts as none, and the next step "
+     "starts where this one did"},
+    {"preempted", "list", "",
+     "indices of steps in which the solver's thread lost the processor to something else; own solvers"},
+    {"latency_s", "[time?]", "s",
+     "one interval from the caller's arrays to f, set-up inside, for peers as for our own"},
+    {"iterations", "[time?]", "", "in the solver's own unit"},
+    {"rho", "[time?]", "", "null: late, or not finite"},
+    {"backward_error", "[time?]", "", "null: late, or not finite"},
+    {"w_error", "[time?]", "", "null: late, not finite, or w is not known"},
+    {"environment", "text", "", "hash, of campaign.json"},
+};
+
+constexpr ResultField kStepVerdict[] = {
+    {"tier", "positive", "", "judged at"},
+    {"passed", "count", "", "steps"},
+    {"failed", "count", "", "steps, those that were not reached among them"},
+    {"false_successes", "count", "", "steps"},
+    {"failed_steps", "list", "", "indices"},
+};
+
+constexpr FieldOf<Described> kProblem[] = {
+    {{"problem", "name", "", "id"}, Planned<&ManifestEntry::id>},
+    {{"set", "name", "", "name of its manifest"}, [](const Described& of) { return Json(of.set); }},
+    {{"family", "name", "", "scene, hard case or folder"}, Planned<&ManifestEntry::family>},
+    {{"grid", "text", "", "the property that its neighbours differ in"}, Planned<&ManifestEntry::grid>},
+    {{"base", "name", "", "of the variants of one recipe, or of the steps of one motion, the same"},
+     Planned<&ManifestEntry::base>},
+    {{"weight", "positive", "",
+      "1/k for the k problems of the campaign that have that base: what it counts in medians, shares and intervals"},
+     [](const Described& of) { return Json(of.weight); }},
+    {{"origin", "name", "", "placed, motion"}, Planned<&ManifestEntry::origin>},
+    {{"fill", "boolean", "", "of a further seed, to fill up a stream"}, Planned<&ManifestEntry::fill>},
+    {{"size_class", "name", "", "key, of campaign.json"},
+     [](const Described& of) { return Json(of.planned.size_class->key); }},
+    {{"rows", "count", "", ""}, [](const Described& of) { return Json(of.problem.size()); }},
+    {{"bilateral", "count", "", "rows"}, [](const Described& of) { return Json(of.problem.bilateral_rows().size()); }},
+    {{"redundancy", "time?", "", "as the manifest has it, like the three that follow; null: not known"},
+     [](const Described& of) { return Known(of, "redundancy"); }},
+    {{"condition", "time?", "", ""}, [](const Described& of) { return Known(of, "condition"); }},
+    {{"mass_ratio", "time?", "", ""}, [](const Described& of) { return Known(of, "mass_ratio"); }},
+    {{"fraction_active", "time?", "", ""}, [](const Described& of) { return Known(of, "fraction_active"); }},
+    {{"reference", "name", "", "certified, bounded or none"},
+     [](const Described& of) { return Json(of.planned.entry->reference.kind); }},
+    {{"counts", "boolean", "", "in means"}, [](const Described&) { return Json(true); }},
+    {{"oracle_s", "positive?", "s", "what an oracle pays (benchmarks/measure/oracle.h); null: not known"},
+     [](const Described& of) { return OrNull(of.oracle_s); }},
+    {{"floor", "time?", "", "rounding floor that verdicts are relative to; null: not known"},
+     [](const Described& of) { return OrNull(of.floor); }},
+};
+
+std::span<const FieldOf<Answer>> OfTheLine() { return kOfTheLine; }
+
+template <typename Table>
+void Add(const Table& table, std::vector<ResultField>* fields) {
+  fields->insert(fields->end(), std::begin(table), std::end(table));
+}
+
+template <typename... Tables>
+RecordSchema Schema(const char* record, const char* meaning, const Tables&... tables) {
+  RecordSchema schema{record, meaning, {}};
+  (Add(tables, &schema.fields), ...);
+  return schema;
+}
+
+RecordSchema TimesOf(const char* record, const char* meaning, PassKind kind) {
+  RecordSchema schema{record, meaning, {}};
+  if (kind == PassKind::kFresh) {
+    schema.fields.push_back({"group", "positive", "", "so many problems share a pair of clock reads"});
+  }
+  for (const TimeField& field : kTimes) {
+    if (field.kind == kind) schema.fields.push_back(field);
+  }
+  Add(kTimed, &schema.fields);
+  return schema;
+}
+
+}  // namespace
+
+std::span<const FieldOf<LineSource>> LineFields() { return kLine; }
+std::span<const FieldOf<JudgedAnswer>> ColumnFields() { return kColumns; }
+std::span<const FieldOf<JudgedAnswer>> ExceptionFields() { return kExceptions; }
+std::span<const TimeField> TimeFields() { return kTimes; }
+std::span<const FieldOf<PassSource>> PassFields() { return kPass; }
+std::span<const ResultField> StepFields() { return kSteps; }
+std::span<const FieldOf<DescribedProblem>> ProblemFields() { return kProblem; }
+
+nlohmann::json DescribeAnswer(const JudgedAnswer& answer) {
+  nlohmann::json record;
+  for (const std::span<const FieldOf<Answer>> fields : {ColumnFields(), ExceptionFields(), OfTheLine()}) {
+    for (const FieldOf<Answer>& field : fields) record[field.name] = field.value(answer);
+  }
+  return record;
+}
+
+std::vector<RecordSchema> ResultSchema() {
+  return {
+      Schema("problem", "A line of problems.jsonl", kProblem),
+      Schema("line", "What every line of streams.jsonl begins with", kLine),
+      Schema("judge", "What follows in a line of kind judge (pass 0); a list has an entry for each attempted problem",
+             kJudge, kColumns, kOfTheLine),
+      Schema("exception", "An entry of `exceptions`, besides `at`, its place in the lists", kExceptions),
+      TimesOf("fresh", "What follows in a line of kind fresh; a list has an entry for each problem of the task",
+              PassKind::kFresh),
+      TimesOf("parts", "Of kind parts (pass 1), with clock reads in between, for explanation only", PassKind::kParts),
+      TimesOf("again", "Of kind again (pass 1)", PassKind::kAgain),
+      Schema("disturbance", "Of a timed line", kDisturbance),
+      Schema("pass", "What every line of steps.jsonl begins with: a pass of a solver over a sequence, in a round",
+             kPass),
+      Schema("steps", "What follows where it was run; a list of numbers has an entry for each step that was reached",
+             kSteps),
+      Schema("step_verdict", "An entry of `verdicts`", kStepVerdict),
+  };
+}
+
+std::string ResultSchemaMarkdown() {
+  std::string text =
+      "# Fields of a campaign's lines\n\nWritten by `lcpbench list fields` (benchmarks/campaign/result_fields.h). "
+      "[RESULTS.md](RESULTS.md) says what the files are for. Types: a name is a text that is not empty, a count a "
+      "whole "
+      "number >= 0, a time a number >= 0; [time] is a list of these, and a question mark allows null.\n";
+  for (const RecordSchema& schema : ResultSchema()) {
+    text += std::string("\n## ") + schema.record + "\n\n" + schema.meaning +
+            ".\n\n| field | type | unit | meaning |\n| --- | --- | --- | --- |\n";
+    for (const ResultField& field : schema.fields) {
+      text +=
+          std::string("| `") + field.name + "` | " + field.type + " | " + field.unit + " | " + field.meaning + " |\n";
+    }
+  }
+  return text;
+}
+
+Json ResultSchemaJson() {
+  Json json;
+  for (const RecordSchema& schema : ResultSchema()) {
+    for (const ResultField& field : schema.fields) {
+      json[schema.record][field.name] = {{"type", field.type}, {"unit", field.unit}, {"meaning", field.meaning}};
+    }
+  }
+  return json;
+}
+
+Json RoundedNumber(double value) {
+  if (!std::isfinite(value)) return nullptr;
+  char text[24];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return std::strtod(text, nullptr);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+#include "solvers/lcp/fresh_pass.h"
+#include "solvers/lcp/verify.h"
+
+namespace lcpbench {
+
+// The fields of a campaign's files of lines (RESULTS.md): one table for what is written, for the reader
+// (report/lcpbench_report/statistics/result_fields.json) and for benchmarks/FIELDS.md.
+
+struct ResultField {
+  const char* name;
+  /// name (a text that is not empty), text, boolean, count, number, time (>= 0), positive, object or list; [kind] is a
+  /// list of these; a '?' behind: or null.
+  const char* type;
+  const char* unit;  ///< "" for none
+  const char* meaning;
+};
+
+/// With its value in a record of `Source`.
+template <typename Source>
+struct FieldOf : ResultField {
+  nlohmann::ordered_json (*value)(const Source& source);
+};
+
+/// A record of all fields, in their order.
+template <typename Source>
+nlohmann::ordered_json RecordOf(std::span<const FieldOf<Source>> fields, const Source& source) {
+  nlohmann::ordered_json record;
+  for (const FieldOf<Source>& field : fields) record[field.name] = field.value(source);
+  return record;
+}
+
+/// What every line of streams.jsonl begins with.
+struct LineSource {
+  const Task& task;
+  double tier;
+  const char* kind;
+  int pass;
+  const std::string& environment;
+};
+std::span<const FieldOf<LineSource>> LineFields();
+
+/// An answer, judged at one tier. What is negative is not known.
+struct JudgedAnswer {
+  const LcpResult& result;
+  const Verdict& verdict;
+  double first_s = -1;
+  double peak_bytes = -1;
+  double formed_on_host_s = -1;
+  std::int64_t allocations = -1;
+};
+/// Of a judge line: a list each, with an entry for every problem that had its turn.
+std::span<const FieldOf<JudgedAnswer>> ColumnFields();
+/// Of an entry of a judge line's `exceptions`, besides `at`.
+std::span<const FieldOf<JudgedAnswer>> ExceptionFields();
+/// Both, and what only the whole line has: what a worker tells of one problem at one tier.
+nlohmann::json DescribeAnswer(const JudgedAnswer& answer);
+
+/// The times of a pass, a list each over the problems of the task.
+struct TimeField : ResultField {
+  PassKind kind;
+  double PassEntry::*seconds;
+};
+std::span<const TimeField> TimeFields();
+
+/// What a line of steps.jsonl begins with.
+struct PassSource {
+  const Task& task;
+  int round;
+};
+std::span<const FieldOf<PassSource>> PassFields();
+/// What it goes on with where the pass was run; the sequence's runner makes the values.
+std::span<const ResultField> StepFields();
+
+/// What problems.jsonl is made of.
+struct DescribedProblem {
+  const std::string& set;
+  const PlannedProblem& planned;
+  const nlohmann::json& known;  ///< the manifest's own object
+  const LcpProblem& problem;
+  double weight;
+  std::optional<double> oracle_s;
+  std::optional<double> floor;
+};
+std::span<const FieldOf<DescribedProblem>> ProblemFields();
+
+/// All fields, by the record that they are of.
+struct RecordSchema {
+  const char* record;
+  const char* meaning;
+  std::vector<ResultField> fields;
+};
+std::vector<RecordSchema> ResultSchema();
+
+/// benchmarks/FIELDS.md, and the object {record: {field: {type, unit, meaning}}} that the reader checks lines by.
+std::string ResultSchemaMarkdown();
+nlohmann::ordered_json ResultSchemaJson();
+
+/// A number with four digits, which is what a clock and a reader want; null where it is not finite. A campaign has
+/// millions of them.
+nlohmann::ordered_json RoundedNumber(double value);
+
+}  // namespace lcpbench

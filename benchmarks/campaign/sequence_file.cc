@@ -1,0 +1,168 @@
+#include "benchmarks/campaign/sequence_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "benchmarks/campaign/reference_floor.h"
+#include "benchmarks/collection/content_hash.h"
+#include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/collection/sequences.h"
+#include "benchmarks/measure/interrupt.h"
+#include "solvers/io/json_lines.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+void RequireHash(const std::string& name, const std::string& expected, const std::string& found) {
+  if (expected == found) return;
+  throw InputError(name + ": expected the sequence with SHA-256 " + expected + ", found " + found);
+}
+
+// Redundant rows whose doubles nearly contradict themselves have exact answers of huge forces: the w of these, rounded,
+// is not w any more, and their floor would excuse everything.
+constexpr double kLargestFloorOfW = 1e-12;
+constexpr double kStrictestTier = 1e-9;
+constexpr double kFloorTimeLimit = 10;  // [s]
+
+// The least that is known: a smaller one than the strictest tier changes no verdict.
+double FloorOf(const LcpProblem& problem, double exact_floor) {
+  if (exact_floor <= kStrictestTier) return exact_floor;
+  const ReferenceFloor found = FindReferenceFloor(problem, kStrictestTier, kFloorTimeLimit);
+  return std::min(exact_floor, found.reference.floor.value_or(exact_floor));
+}
+
+// FormatLcpRecord, which writes a dense matrix as coordinates; here it stays dense, as what solvers are given.
+std::string Record(const LcpProblem& problem) {
+  std::string line = FormatLcpRecord(problem);
+  if (problem.given_form() != MatrixForm::kDense) return line;
+  Json record = Json::parse(line);
+  record["A"] = Json::array();
+  for (const auto& row : problem.DenseA().rowwise()) record["A"].push_back(std::vector<double>(row.begin(), row.end()));
+  return record.dump();
+}
+
+// The line without its closing brace goes on with more members.
+std::string Line(const SequenceStep& step) {
+  Json more;
+  if (step.reference.w) {
+    more["status"] = ToString(LcpStatus::kSolved);
+    more["w"] = std::vector<double>(step.reference.w->begin(), step.reference.w->end());
+  }
+  more["floor"] = step.reference.floor ? Json(*step.reference.floor) : Json(nullptr);
+  more["previous"] = step.previous;
+  std::string line = Record(step.problem);
+  line.pop_back();
+  return line + "," + more.dump().substr(1) + "\n";
+}
+
+LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
+  LcpReference reference;
+  const bool solved = met.result.status == LcpStatus::kSolved;
+  const double exact_floor = solved ? RoundingFloor(problem, met.result.f) : std::numeric_limits<double>::infinity();
+  // With a detail it is the answer to a problem that differs a little (exact_solver.h): its w is not this one's.
+  if (solved && met.result.detail.empty() && exact_floor <= kLargestFloorOfW) {
+    reference.w = ComputeMetrics(problem, met.result.f).w;
+  }
+  const double floor = FloorOf(problem, exact_floor);
+  if (std::isfinite(floor)) reference.floor = floor;
+  return reference;
+}
+
+SequenceStep ParseStep(const std::string& line, const std::string& where, std::size_t rows_before) {
+  LcpRecord record = ParseLcpRecord(line, where);
+  SequenceStep step{std::move(record.problem), {}, std::move(record.reference)};
+  try {
+    const auto json = nlohmann::json::parse(line);
+    json.at("previous").get_to(step.previous);
+    if (!json.at("floor").is_null()) step.reference.floor = json.at("floor").get<double>();
+  } catch (const nlohmann::json::exception&) {
+    throw InputError(where + ": expected members 'previous' and 'floor' of a sequence's line");
+  }
+  RequirePrevious(step.previous, step.problem.size(), rows_before, where);
+  return step;
+}
+
+}  // namespace
+
+std::vector<int> PreviousRows(RowMatching* matching, const MotionProblem& met) {
+  std::vector<int> previous;
+  for (const std::optional<int>& row : matching->Follow(met.system, met.rows)) previous.push_back(row.value_or(-1));
+  return previous;
+}
+
+void RequirePrevious(const std::vector<int>& previous, Index rows, std::size_t rows_before, const std::string& where) {
+  const bool fits = std::all_of(previous.begin(), previous.end(),
+                                [=](int row) { return row >= -1 && row < static_cast<int>(rows_before); });
+  if (fits && static_cast<Index>(previous.size()) == rows) return;
+  throw InputError(where + ": field 'previous': expected a row of the line before, or -1, for every row");
+}
+
+std::string SequencePath(const std::string& folder, const std::string& id) {
+  return (fs::path(folder) / "sequences" / (id + ".jsonl.gz")).string();
+}
+
+void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
+  std::string text;
+  SequenceHash hash;
+  RowMatching matching;
+  const std::string end =
+      ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        Interruption::Check();
+        hash.Add(problem);
+        text += Line({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
+      });
+  if (!end.empty()) throw InputError(entry.id + ": " + end);
+  RequireHash(entry.id, entry.sha256, hash.Result());
+  std::error_code error;
+  fs::create_directories(fs::path(path).parent_path(), error);
+  const std::string part = path + ".part";
+  WriteGzipFile(part, text);
+  fs::rename(part, path, error);
+  if (error) throw InputError(path + ": cannot be written: " + error.message());
+}
+
+std::string WriteSequenceSteps(const std::vector<SequenceStep>& steps, const std::string& path) {
+  std::string text;
+  SequenceHash hash;
+  for (const SequenceStep& step : steps) {
+    hash.Add(step.problem);
+    text += Line(step);
+  }
+  WriteGzipFile(path, text);
+  return hash.Result();
+}
+
+std::vector<SequenceStep> ReadSequenceFile(const std::string& path, const std::string& sha256) {
+  LineReader lines(path);
+  std::vector<SequenceStep> steps;
+  SequenceHash hash;
+  std::string line;
+  std::size_t rows_before = 0;
+  while (lines.Next(&line)) {
+    steps.push_back(ParseStep(line, path + ":" + std::to_string(steps.size() + 1), rows_before));
+    hash.Add(steps.back().problem);
+    rows_before = steps.back().previous.size();
+  }
+  RequireHash(path, sha256, hash.Result());
+  return steps;
+}
+
+Eigen::VectorXd CarryOver(const Eigen::VectorXd& f, const std::vector<int>& previous) {
+  Eigen::VectorXd carried = Eigen::VectorXd::Zero(static_cast<Index>(previous.size()));
+  for (std::size_t k = 0; k < previous.size(); ++k) {
+    if (previous[k] >= 0) carried[static_cast<Index>(k)] = f[previous[k]];
+  }
+  return carried;
+}
+
+}  // namespace lcpbench

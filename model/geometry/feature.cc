@@ -1,0 +1,139 @@
+#include "model/geometry/feature.h"
+
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "model/geometry/overloaded.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+std::string Text(double value) { return NumberText(value); }
+std::string Text(Vec2 p) { return "(" + Text(p.x) + ", " + Text(p.y) + ")"; }
+std::string Text(const std::array<Vec2, 4>& P) {
+  return Text(P[0]) + ", " + Text(P[1]) + ", " + Text(P[2]) + ", " + Text(P[3]);
+}
+
+// Calls visit(number) for all numbers of a feature.
+template <class Visit>
+void ForEachNumber(const Feature& feature, const Visit& visit) {
+  const auto take = [&](const char* /*name*/, const auto& value) {
+    if constexpr (requires { value.x; }) {
+      visit(value.x);
+      visit(value.y);
+    } else if constexpr (requires { value[0].x; }) {
+      for (const Vec2 p : value) {
+        visit(p.x);
+        visit(p.y);
+      }
+    } else {
+      visit(static_cast<double>(value));
+    }
+  };
+  std::visit([&](const auto& e) { e.Fields(e, take); }, feature);
+}
+
+// What is wrong with the range of a piece whose s is an angle; "" if nothing is.
+std::string WhyInvalidAngles(double s_begin, double s_end, Side side) {
+  // Angles of many turns would have lost their digits.
+  constexpr double kMaxAngle = 1e3;
+  constexpr double kFullTurn = 2 * std::numbers::pi * (1 + 4 * std::numeric_limits<double>::epsilon());
+  if ((s_begin < s_end) != (side == Side::kConvex)) {
+    return side == Side::kConvex ? "a convex edge runs counter-clockwise: expected s_begin < s_end"
+                                 : "a concave edge runs clockwise: expected s_begin > s_end";
+  }
+  if (std::max(std::abs(s_begin), std::abs(s_end)) > kMaxAngle) return "angles must lie within -1000..1000 rad";
+  return std::abs(s_end - s_begin) <= kFullTurn ? "" : "the edge runs over more than one full turn";
+}
+
+std::string WhyInvalid(const OutlinePiece& piece) {
+  const auto [curve, s_begin, s_end] = piece;
+  if (!(std::isfinite(s_begin) && std::isfinite(s_end))) return "a curve parameter is not finite";
+  const std::string why = WhyInvalid(ToFeature(curve));
+  if (!why.empty()) return why;
+  if (s_begin == s_end) return "zero-length edge: s_begin = s_end";
+  return std::visit(
+      [begin = s_begin, end = s_end](const auto& e) -> std::string {
+        if constexpr (std::decay_t<decltype(e)>::kIsAngle) return WhyInvalidAngles(begin, end, e.side);
+        if (begin > end) return "the material is on the left of increasing s: expected s_begin < s_end";
+        return begin >= 0 && end <= 1 ? "" : "the parameter range must lie within 0..1";
+      },
+      curve);
+}
+
+}  // namespace
+
+Feature ToFeature(const OutlineCurve& curve) {
+  return std::visit([](const auto& edge) -> Feature { return edge; }, curve);
+}
+
+bool IsSearched(const Feature& feature) {
+  return std::visit(Overloaded{[](const Vertex&) { return false; },
+                               [](const auto& curve) { return curve.kKind == CurveKind::kSearched; }},
+                    feature);
+}
+
+double Reach(const OutlinePiece& piece) {
+  const double angle = std::max({1.0, std::abs(piece.s_begin), std::abs(piece.s_end)});
+  return std::visit([angle](const auto& e) { return e.Reach(angle); }, piece.edge);
+}
+
+OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift) {
+  const Rotation rotation = SinCos(angle);
+  OutlinePiece moved = piece;
+  ForEachPoint(moved.edge, [&](Vec2& c) { c = Rotate(rotation, c) + shift; });
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.phi; }) {
+          e.phi += angle;
+        } else if constexpr (std::decay_t<decltype(e)>::kIsAngle) {
+          moved.s_begin += angle;
+          moved.s_end += angle;
+        }
+      },
+      moved.edge);
+  return moved;
+}
+
+std::vector<double> NumbersOf(const Feature& feature) {
+  std::vector<double> numbers = {static_cast<double>(feature.index())};
+  ForEachNumber(feature, [&](double number) { numbers.push_back(number); });
+  return numbers;
+}
+
+std::string WhyInvalid(const Feature& feature) {
+  bool finite = true;
+  ForEachNumber(feature, [&](double number) { finite = finite && std::isfinite(number); });
+  if (!finite) return "a number is not finite";
+  return std::visit([](const auto& e) { return e.WhyInvalid(); }, feature);
+}
+
+void RequireValid(const Feature& feature) {
+  const std::string why = WhyInvalid(feature);
+  if (!why.empty()) throw InputError("invalid geometry, " + why + ": " + Describe(feature));
+}
+
+void RequireValidPiece(const OutlinePiece& piece, const std::string& where) {
+  const std::string why = WhyInvalid(piece);
+  if (!why.empty()) throw InputError(where + " (" + Describe(ToFeature(piece.edge)) + "): " + why);
+}
+
+std::string Describe(const Feature& feature) {
+  return std::visit(
+      [](const auto& e) {
+        std::string text = e.kName;
+        if constexpr (requires { e.side; }) text = (e.side == Side::kConvex ? "convex " : "concave ") + text;
+        const bool is_named = IsVertex(e) || requires { e.side; };
+        const char* before = is_named ? " with " : " edge with ";
+        e.Fields(e, [&](const std::string& name, const auto& value) {
+          if constexpr (!std::is_same_v<decltype(value), const Side&>) text += before + name + " " + Text(value);
+          before = ", ";
+        });
+        return text;
+      },
+      feature);
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,577 @@
+// Everything behind lcpbench.h. No exception leaves it: see Guard.
+#include "solvers/c/lcpbench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "solvers/lcp/memory_budget.h"
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/library_threads.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+
+struct lcpbench_problem {
+  lcpbench::LcpProblem problem;
+};
+
+struct lcpbench_solver {
+  std::unique_ptr<lcpbench::LcpSolver> solver;
+};
+
+struct lcpbench_result {
+  lcpbench::LcpResult result;
+};
+
+namespace lcpbench {
+namespace {
+
+// An array, so that telling of exhausted memory needs none. Longer messages are cut.
+thread_local char last_error[2048] = "";
+
+lcpbench_error Fail(lcpbench_error error, const char* function, const char* message) {
+  std::snprintf(last_error, sizeof last_error, "%s: %s", function, message);
+  return error;
+}
+
+// Runs `body` so that no exception crosses the C interface; its message becomes that of lcpbench_last_error(), after
+// the name of the function.
+template <typename Body>
+lcpbench_error Guard(const char* function, Body&& body) noexcept {
+  try {
+    std::forward<Body>(body)();
+    return LCPBENCH_OK;
+  } catch (const InputError& error) {
+    return Fail(LCPBENCH_INVALID_ARGUMENT, function, error.what());
+  } catch (const MemoryRefusal& error) {
+    return Fail(LCPBENCH_OUT_OF_MEMORY, function, error.what());
+  } catch (const std::bad_alloc&) {
+    return Fail(LCPBENCH_OUT_OF_MEMORY, function, "out of memory");
+  } catch (const std::length_error& error) {
+    return Fail(LCPBENCH_OUT_OF_MEMORY, function, error.what());
+  } catch (const std::exception& error) {
+    return Fail(LCPBENCH_INTERNAL_ERROR, function, error.what());
+  } catch (...) {
+    return Fail(LCPBENCH_INTERNAL_ERROR, function, "an exception of an unknown type");
+  }
+}
+
+// Names the argument, what it is and what was expected.
+template <typename Number>
+[[noreturn]] void Refuse(const std::string& name, Number found, const std::string& expected) {
+  throw InputError(name + " is " + std::to_string(found) + ", expected " + expected);
+}
+
+void RequireNotNull(const void* pointer, const std::string& name, const char* expected) {
+  if (pointer == nullptr) throw InputError(name + " is NULL, expected " + expected);
+}
+
+// What nearly every function is given.
+void Require(const lcpbench_problem* problem) { RequireNotNull(problem, "problem", "a problem"); }
+void Require(const lcpbench_solver* solver) { RequireNotNull(solver, "solver", "a solver"); }
+void Require(const lcpbench_result* result) { RequireNotNull(result, "result", "a result"); }
+void RequireOutput(const void* pointer, const char* name) { RequireNotNull(pointer, name, "where to write"); }
+
+// Sizes beyond this are uninitialised memory, not a later version's struct.
+constexpr std::size_t kLargestStruct = 65536;
+
+// @param smallest  its size in version 0.1
+void RequireStructSize(std::size_t size, std::size_t smallest, const std::string& name) {
+  if (size >= smallest && size <= kLargestStruct) return;
+  Refuse("size", size, "sizeof(" + name + "), " + std::to_string(smallest) + " or more");
+}
+
+// Writes as much of `source` as the caller's struct has room for, and zeros where that is larger.
+template <typename Struct>
+void CopyOut(const Struct& source, Struct* target, std::size_t size) {
+  std::memcpy(target, &source, std::min(size, sizeof source));
+  if (size > sizeof source) std::memset(reinterpret_cast<char*>(target) + sizeof source, 0, size - sizeof source);
+}
+
+constexpr std::int64_t kLargestSize = std::numeric_limits<std::int32_t>::max();
+
+void RequireSize(std::int64_t size, const char* name) {
+  if (size < 0 || size > kLargestSize) {
+    Refuse(name, size, std::string("0 <= ") + name + " < 2^31");
+  }
+}
+
+std::string Place(const char* array, std::int64_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
+
+void RequireLayout(lcpbench_layout layout) {
+  if (layout != LCPBENCH_COLUMN_MAJOR && layout != LCPBENCH_ROW_MAJOR) {
+    Refuse("layout", layout, "LCPBENCH_COLUMN_MAJOR (0) or LCPBENCH_ROW_MAJOR (1)");
+  }
+}
+
+Eigen::VectorXd ReadVector(const double* values, std::int64_t size, const char* name) {
+  if (size > 0) RequireNotNull(values, name, "an array of numbers");
+  for (std::int64_t i = 0; i < size; ++i) {
+    if (!std::isfinite(values[i])) Refuse(Place(name, i), values[i], "a finite number");
+  }
+  return size == 0 ? Eigen::VectorXd() : Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values, size));
+}
+
+RowBounds ReadKinds(const std::uint8_t* kinds, std::int64_t n) {
+  std::vector<Index> bilateral;
+  if (kinds == nullptr) return {};
+  for (std::int64_t i = 0; i < n; ++i) {
+    if (kinds[i] == LCPBENCH_BILATERAL) {
+      bilateral.push_back(i);
+    } else if (kinds[i] != LCPBENCH_UNILATERAL) {
+      Refuse(Place("kinds", i), kinds[i], "LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
+    }
+  }
+  return RowBounds::WithBilateralRows(n, bilateral);
+}
+
+MatrixFacts ReadFacts(std::uint32_t facts) {
+  constexpr std::uint32_t kKnown = LCPBENCH_SYMMETRIC | LCPBENCH_POSITIVE_SEMIDEFINITE;
+  if ((facts & ~kKnown) != 0) {
+    Refuse("facts", facts, "0 or bits of LCPBENCH_SYMMETRIC (1) and LCPBENCH_POSITIVE_SEMIDEFINITE (2)");
+  }
+  MatrixFacts read;
+  read.symmetric = (facts & LCPBENCH_SYMMETRIC) != 0;
+  read.positive_semidefinite = (facts & LCPBENCH_POSITIVE_SEMIDEFINITE) != 0;
+  return read;
+}
+
+void RequireStatedSymmetry(const LcpProblem& problem) {
+  if (problem.facts().symmetric && !problem.IsNumericallySymmetric()) {
+    char asymmetry[32];
+    std::snprintf(asymmetry, sizeof asymmetry, "%.3g", problem.Asymmetry());
+    throw InputError(std::string("facts has LCPBENCH_SYMMETRIC, but A is not symmetric: entries (i, j) and (j, i) ") +
+                     "differ by up to " + asymmetry + " of their diagonal entries");
+  }
+}
+
+void RequireNoEntryTwice(const SparseMatrix& matrix, const char* name) {
+  for (Index i = 0; i < matrix.outerSize(); ++i) {
+    Index last = -1;
+    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) {
+      if (it.col() == last) {
+        throw InputError("indices: entry (" + std::to_string(i) + ", " + std::to_string(last) + ") of " + name +
+                         " is stored twice");
+      }
+      last = it.col();
+    }
+  }
+}
+
+// The compressed arrays of `name`, checked. Going through the other order sorts the entries, in O(rows + columns +
+// entries).
+SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t columns, lcpbench_layout layout,
+                            const std::int32_t* starts, const std::int32_t* indices, const double* values,
+                            std::int64_t entries) {
+  using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+  RequireLayout(layout);
+  RequireSize(entries, "entries");
+  const bool by_columns = layout == LCPBENCH_COLUMN_MAJOR;
+  const std::int64_t outer = by_columns ? columns : rows;
+  const std::int64_t inner = by_columns ? rows : columns;
+  SparseMatrix matrix(rows, columns);
+  if (outer == 0 && entries == 0) return matrix;
+  RequireNotNull(starts, "starts", "one number for every column (or row) and one more");
+  if (starts[0] != 0) Refuse("starts[0]", starts[0], "0");
+  for (std::int64_t k = 0; k < outer; ++k) {
+    if (starts[k + 1] < starts[k]) {
+      throw InputError(Place("starts", k + 1) + " is " + std::to_string(starts[k + 1]) + ", less than the " +
+                       std::to_string(starts[k]) + " before it");
+    }
+  }
+  if (starts[outer] != entries) {
+    Refuse(Place("starts", outer), starts[outer], "entries = " + std::to_string(entries));
+  }
+  if (entries == 0) return matrix;
+  RequireNotNull(indices, "indices", "an array of indices");
+  RequireNotNull(values, "values", "an array of numbers");
+  for (std::int64_t k = 0; k < entries; ++k) {
+    if (indices[k] < 0 || indices[k] >= inner) {
+      Refuse(Place("indices", k), indices[k],
+             std::string(by_columns ? "a row" : "a column") + " of " + name + " in [0, " + std::to_string(inner) + ")");
+    }
+    if (!std::isfinite(values[k])) Refuse(Place("values", k), values[k], "a finite number");
+  }
+  if (by_columns) {
+    matrix = Eigen::Map<const ByColumns>(rows, columns, entries, starts, indices, values);
+  } else {
+    const ByColumns sorted = Eigen::Map<const SparseMatrix>(rows, columns, entries, starts, indices, values);
+    matrix = sorted;
+  }
+  RequireNoEntryTwice(matrix, name);
+  return matrix;
+}
+
+Eigen::MatrixXd ReadDense(const double* A, std::int64_t n, lcpbench_layout layout) {
+  RequireLayout(layout);
+  if (n == 0) return {};
+  RequireNotNull(A, "A", "n x n numbers");
+  const double numbers = static_cast<double>(n) * static_cast<double>(n);
+  RequireMemory(numbers * sizeof(double), "a copy of A");
+  for (std::int64_t k = 0; k < n * n; ++k) {
+    if (std::isfinite(A[k])) continue;
+    const bool by_columns = layout == LCPBENCH_COLUMN_MAJOR;
+    Refuse("A: entry (" + std::to_string(by_columns ? k % n : k / n) + ", " +
+               std::to_string(by_columns ? k / n : k % n) + ")",
+           A[k], "a finite number");
+  }
+  const Eigen::Map<const Eigen::MatrixXd> by_columns(A, n, n);
+  if (layout == LCPBENCH_COLUMN_MAJOR) return by_columns;
+  return by_columns.transpose();
+}
+
+// The two enumerations count alike, so that a status is converted by its number.
+static_assert(static_cast<int>(LcpStatus::kNotRun) == LCPBENCH_NOT_RUN);
+static_assert(static_cast<int>(LcpStatus::kSolved) == LCPBENCH_SOLVED);
+static_assert(static_cast<int>(LcpStatus::kInfeasible) == LCPBENCH_INFEASIBLE);
+static_assert(static_cast<int>(LcpStatus::kIterationLimit) == LCPBENCH_ITERATION_LIMIT);
+static_assert(static_cast<int>(LcpStatus::kTimeLimit) == LCPBENCH_TIME_LIMIT);
+static_assert(static_cast<int>(LcpStatus::kNumericalFailure) == LCPBENCH_NUMERICAL_FAILURE);
+static_assert(static_cast<int>(LcpStatus::kUnsupported) == LCPBENCH_UNSUPPORTED);
+
+// Size in version 0.1: what programs compiled against it pass. Members that are added later come behind it.
+constexpr std::size_t kFirstVerdict = offsetof(lcpbench_verdict, ray_reason) + sizeof(lcpbench_verdict::ray_reason);
+
+bool IsStatus(lcpbench_status status) { return status >= LCPBENCH_NOT_RUN && status <= LCPBENCH_UNSUPPORTED; }
+
+template <std::size_t kSize>
+void CopyText(const std::string& text, char (&target)[kSize]) {
+  const std::size_t length = std::min(text.size(), kSize - 1);
+  std::memcpy(target, text.data(), length);
+  target[length] = '\0';
+}
+
+void Judge(const LcpProblem& problem, const LcpResult& result, double tolerance, lcpbench_verdict* target,
+           std::size_t size, double* w) {
+  RequireOutput(target, "verdict");
+  RequireStructSize(size, kFirstVerdict, "lcpbench_verdict");
+  if (!(tolerance > 0 && tolerance < 1)) Refuse("tolerance", tolerance, "a number in (0, 1)");
+  const Verdict found = Verify(problem, result, tolerance);
+  const Metrics& m = found.metrics;
+  lcpbench_verdict verdict = {};
+  verdict.requested = found.requested;
+  verdict.passes = found.passes ? 1 : 0;
+  verdict.false_success = found.false_success ? 1 : 0;
+  verdict.false_infeasible = found.false_infeasible ? 1 : 0;
+  verdict.best_tier = found.best_tier;
+  verdict.rho = m.rho;
+  verdict.backward_error = m.backward_error;
+  verdict.natural_residual = m.natural_residual;
+  verdict.primal_infeasibility = m.primal_infeasibility;
+  verdict.dual_infeasibility = m.dual_infeasibility;
+  verdict.complementarity = m.complementarity;
+  verdict.gap = m.gap;
+  verdict.energy_bound = m.energy_bound;
+  verdict.energy_shift = m.energy_shift;
+  verdict.answer_floor = m.answer_floor;
+  CopyText(found.reason, verdict.reason);
+  if (found.farkas.has_value()) {
+    verdict.has_ray = 1;
+    verdict.ray_accepted = found.farkas->accepted ? 1 : 0;
+    verdict.ray_b_dot_y = found.farkas->b_dot_y;
+    verdict.ray_null_residual = found.farkas->null_residual;
+    CopyText(found.farkas->reason, verdict.ray_reason);
+  }
+  CopyOut(verdict, target, size);
+  if (w != nullptr) std::copy(m.w.begin(), m.w.end(), w);
+}
+
+// Sizes in version 0.1: what programs compiled against it pass. Members that are added later come behind them.
+constexpr std::size_t kFirstInfo = offsetof(lcpbench_solver_info, is_peer) + sizeof(std::int32_t);
+constexpr std::size_t kFirstOptions = offsetof(lcpbench_solve_options, initial_f_size) + sizeof(std::int64_t);
+
+Settings ReadSettings(const lcpbench_setting* settings, std::size_t count) {
+  Settings read;
+  if (count > 0) RequireNotNull(settings, "settings", "an array of settings");
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::string place = "settings[" + std::to_string(i) + "]";
+    RequireNotNull(settings[i].name, place + ".name", "a string");
+    RequireNotNull(settings[i].value, place + ".value", "a string");
+    if (!read.emplace(settings[i].name, settings[i].value).second) {
+      throw InputError(place + ".name is '" + settings[i].name + "', which is set before");
+    }
+  }
+  return read;
+}
+
+lcpbench_solve_options Defaults() {
+  lcpbench_solve_options defaults = {};
+  defaults.size = sizeof defaults;
+  defaults.tolerance = LcpOptions().tolerance;
+  defaults.time_limit_s = LcpOptions().time_limit_s;
+  return defaults;
+}
+
+// The caller's struct may be shorter or longer than ours.
+lcpbench_solve_options ReadOptions(const lcpbench_solve_options* given) {
+  lcpbench_solve_options read = Defaults();
+  if (given == nullptr) return read;
+  RequireStructSize(given->size, kFirstOptions, "lcpbench_solve_options (call lcpbench_solve_options_init)");
+  std::memcpy(&read, given, std::min(given->size, sizeof read));
+  const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+  if (std::any_of(bytes + std::min(given->size, sizeof read), bytes + given->size,
+                  [](int byte) { return byte != 0; })) {
+    throw InputError("options has members that this version of the library does not know");
+  }
+  return read;
+}
+
+}  // namespace
+}  // namespace lcpbench
+
+using namespace lcpbench;
+
+const char* lcpbench_last_error() { return last_error; }
+
+const char* lcpbench_version() { return LCPBENCH_VERSION; }
+
+lcpbench_error lcpbench_problem_from_dense(int64_t n, const double* A, lcpbench_layout layout, const double* b,
+                                           const uint8_t* kinds, uint32_t facts, lcpbench_problem** problem) {
+  return Guard(__func__, [&] {
+    RequireNotNull(problem, "problem", "the address of a pointer");
+    RequireSize(n, "n");
+    LcpProblem made = LcpProblem::FromDense("", ReadDense(A, n, layout), ReadVector(b, n, "b"), ReadKinds(kinds, n),
+                                            ReadFacts(facts));
+    RequireStatedSymmetry(made);
+    *problem = new lcpbench_problem{std::move(made)};
+  });
+}
+
+lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_layout layout, const int32_t* starts,
+                                            const int32_t* indices, const double* values, int64_t entries,
+                                            const double* b, const uint8_t* kinds, uint32_t facts,
+                                            lcpbench_problem** problem) {
+  return Guard(__func__, [&] {
+    RequireNotNull(problem, "problem", "the address of a pointer");
+    RequireSize(n, "n");
+    LcpProblem made = LcpProblem::FromSparse("", ReadCompressed("A", n, n, layout, starts, indices, values, entries),
+                                             ReadVector(b, n, "b"), ReadKinds(kinds, n), ReadFacts(facts));
+    RequireStatedSymmetry(made);
+    *problem = new lcpbench_problem{std::move(made)};
+  });
+}
+
+lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t columns, lcpbench_layout layout, const int32_t* starts,
+                                             const int32_t* indices, const double* values, int64_t entries,
+                                             const double* inverse_mass, const double* b, const uint8_t* kinds,
+                                             lcpbench_problem** problem) {
+  return Guard(__func__, [&] {
+    RequireNotNull(problem, "problem", "the address of a pointer");
+    RequireSize(n, "n");
+    RequireSize(columns, "columns");
+    Eigen::VectorXd masses = ReadVector(inverse_mass, columns, "inverse_mass");
+    for (int64_t k = 0; k < columns; ++k) {
+      if (masses[k] < 0) Refuse(Place("inverse_mass", k), masses[k], "a number >= 0");
+    }
+    *problem = new lcpbench_problem{
+        LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
+                                std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n))};
+  });
+}
+
+lcpbench_error lcpbench_problem_size(const lcpbench_problem* problem, int64_t* n) {
+  return Guard(__func__, [&] {
+    Require(problem);
+    RequireOutput(n, "n");
+    *n = problem->problem.size();
+  });
+}
+
+void lcpbench_problem_free(lcpbench_problem* problem) { delete problem; }
+
+lcpbench_error lcpbench_result_create(lcpbench_result** result) {
+  return Guard(__func__, [&] {
+    RequireNotNull(result, "result", "the address of a pointer");
+    *result = new lcpbench_result();
+  });
+}
+
+lcpbench_error lcpbench_result_status(const lcpbench_result* result, lcpbench_status* status) {
+  return Guard(__func__, [&] {
+    Require(result);
+    RequireOutput(status, "status");
+    *status = static_cast<lcpbench_status>(result->result.status);
+  });
+}
+
+lcpbench_error lcpbench_result_iterations(const lcpbench_result* result, int64_t* iterations) {
+  return Guard(__func__, [&] {
+    Require(result);
+    RequireOutput(iterations, "iterations");
+    *iterations = result->result.iterations;
+  });
+}
+
+lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n) {
+  return Guard(__func__, [&] {
+    Require(result);
+    RequireNotNull(f, "f", "where to write a pointer");
+    RequireOutput(n, "n");
+    *n = result->result.f.size();
+    *f = *n == 0 ? nullptr : result->result.f.data();
+  });
+}
+
+lcpbench_error lcpbench_result_detail(const lcpbench_result* result, const char** detail) {
+  return Guard(__func__, [&] {
+    Require(result);
+    RequireNotNull(detail, "detail", "where to write a pointer");
+    *detail = result->result.detail.c_str();
+  });
+}
+
+lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n) {
+  return Guard(__func__, [&] {
+    Require(result);
+    RequireNotNull(ray, "ray", "where to write a pointer");
+    RequireOutput(n, "n");
+    const auto& known = result->result.farkas_ray;
+    *n = known.has_value() ? known->size() : 0;
+    *ray = *n == 0 ? nullptr : known->data();
+  });
+}
+
+const char* lcpbench_status_key(lcpbench_status status) {
+  // Keys are literals, which end in a zero.
+  return IsStatus(status) ? ToString(static_cast<LcpStatus>(status)).data() : "unknown";
+}
+
+void lcpbench_result_free(lcpbench_result* result) { delete result; }
+
+lcpbench_error lcpbench_verify_result(const lcpbench_problem* problem, const lcpbench_result* result, double tolerance,
+                                      lcpbench_verdict* verdict, size_t size, double* w) {
+  return Guard(__func__, [&] {
+    Require(problem);
+    Require(result);
+    if (result->result.status == LcpStatus::kNotRun) {
+      throw InputError("result is empty, expected one of a solve");
+    }
+    if (result->result.f.size() != problem->problem.size()) {
+      throw InputError("result has " + std::to_string(result->result.f.size()) +
+                       " forces, expected the problem's n = " + std::to_string(problem->problem.size()));
+    }
+    Judge(problem->problem, result->result, tolerance, verdict, size, w);
+  });
+}
+
+lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const double* f, int64_t f_size, lcpbench_status claim,
+                               const double* ray, double tolerance, lcpbench_verdict* verdict, size_t size, double* w) {
+  return Guard(__func__, [&] {
+    Require(problem);
+    const Index n = problem->problem.size();
+    if (f_size != n) {
+      Refuse("f_size", f_size, "the problem's n = " + std::to_string(n));
+    }
+    if (n > 0) RequireNotNull(f, "f", "n numbers");
+    if (!IsStatus(claim)) Refuse("claim", claim, "a lcpbench_status");
+    LcpResult result;
+    result.status = static_cast<LcpStatus>(claim);
+    if (n > 0) result.f = Eigen::Map<const Eigen::VectorXd>(f, n);
+    if (ray != nullptr && n > 0) result.farkas_ray = Eigen::Map<const Eigen::VectorXd>(ray, n);
+    Judge(problem->problem, result, tolerance, verdict, size, w);
+  });
+}
+
+lcpbench_error lcpbench_solver_count(size_t* count) {
+  return Guard(__func__, [&] {
+    RequireOutput(count, "count");
+    *count = AllSolvers().size();
+  });
+}
+
+lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info, size_t size) {
+  return Guard(__func__, [&] {
+    RequireOutput(info, "info");
+    RequireStructSize(size, kFirstInfo, "lcpbench_solver_info");
+    const auto solvers = AllSolvers();
+    if (index >= solvers.size()) {
+      Refuse("index", index, "one below the " + std::to_string(solvers.size()) + " of lcpbench_solver_count");
+    }
+    // The table outlives every call: this interface registers no further solvers.
+    const SolverEntry& entry = solvers[index];
+    lcpbench_solver_info row = {};
+    row.key = entry.key.c_str();
+    row.method = entry.method.c_str();
+    row.source = entry.source.c_str();
+    row.licence = entry.licence.c_str();
+    row.available = entry.available ? 1 : 0;
+    row.uses_tolerance = entry.uses_tolerance ? 1 : 0;
+    row.is_peer = entry.origin == SolverOrigin::kPeer ? 1 : 0;
+    CopyOut(row, info, size);
+  });
+}
+
+lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
+                                      lcpbench_solver** solver) {
+  return Guard(__func__, [&] {
+    RequireNotNull(solver, "solver", "the address of a pointer");
+    RequireNotNull(key, "key", "a solver's key");
+    *solver = new lcpbench_solver{MakeSolver(key, ReadSettings(settings, count))};
+  });
+}
+
+lcpbench_error lcpbench_solver_prepare(lcpbench_solver* solver, const lcpbench_problem* problem) {
+  return Guard(__func__, [&] {
+    Require(solver);
+    Require(problem);
+    solver->solver->Prepare(problem->problem);
+  });
+}
+
+void lcpbench_solver_free(lcpbench_solver* solver) { delete solver; }
+
+lcpbench_error lcpbench_solve_options_init(lcpbench_solve_options* options, size_t size) {
+  return Guard(__func__, [&] {
+    RequireOutput(options, "options");
+    RequireStructSize(size, kFirstOptions, "lcpbench_solve_options");
+    lcpbench_solve_options defaults = Defaults();
+    defaults.size = size;
+    CopyOut(defaults, options, size);
+  });
+}
+
+lcpbench_error lcpbench_solve(lcpbench_solver* solver, const lcpbench_problem* problem,
+                              const lcpbench_solve_options* options, lcpbench_result* result) {
+  return Guard(__func__, [&] {
+    Require(solver);
+    Require(problem);
+    Require(result);
+    const lcpbench_solve_options given = ReadOptions(options);
+    LcpOptions solve;
+    solve.tolerance = given.tolerance;
+    solve.time_limit_s = given.time_limit_s;
+    solve.max_iterations = given.max_iterations;
+    Eigen::VectorXd initial_f;
+    if (given.initial_f != nullptr) {
+      if (given.initial_f_size != problem->problem.size()) {
+        Refuse("initial_f_size", given.initial_f_size, "the problem's n = " + std::to_string(problem->problem.size()));
+      }
+      initial_f = Eigen::Map<const Eigen::VectorXd>(given.initial_f, given.initial_f_size);
+      solve.initial_f = &initial_f;
+    } else if (given.initial_f_size != 0) {
+      throw InputError("initial_f is NULL, expected " + std::to_string(given.initial_f_size) + " numbers");
+    }
+    solver->solver->Solve(problem->problem, solve, &result->result);
+  });
+}
+
+lcpbench_error lcpbench_limit_library_threads(int32_t threads, int32_t* reported) {
+  return Guard(__func__, [&] {
+    if (threads < 1) Refuse("threads", threads, "a number >= 1");
+    const int now = LimitLibraryThreads(threads);
+    if (reported != nullptr) *reported = now;
+  });
+}

@@ -1,0 +1,327 @@
+// Campaigns on sequences: what a warm start is given, what a pass records, and what a campaign refuses.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "benchmarks/campaign/campaign_plan.h"
+#include "benchmarks/campaign/sequence_file.h"
+#include "benchmarks/campaign/sequence_runner.h"
+#include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/collection/manifest.h"
+#include "benchmarks/collection/sequences.h"
+#include "model/motion/row_matching.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+#include "tests/benchmarks/campaign_cells.h"
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+using Json = nlohmann::json;
+
+// Rows enter and leave in the first steps.
+SequenceEntry GearTrain() {
+  static const SequenceEntry entry = MeasureSequence(Recipe{"gear-train", 12, 1, {}}, 30);
+  return entry;
+}
+
+// Rows only stay.
+SequenceEntry DiscsInV() {
+  static const SequenceEntry entry = MeasureSequence(Recipe{"discs-in-v", 12, 1, {}}, 8);
+  return entry;
+}
+
+std::string ManifestText(std::vector<SequenceEntry> sequences) {
+  Manifest manifest;
+  manifest.name = "motions";
+  manifest.version = "1";
+  manifest.sequences = std::move(sequences);
+  return FormatManifest(manifest);
+}
+
+class SequenceFile : public CommandTest {};
+
+TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
+  const std::string path = SequencePath(folder_.string(), GearTrain().id);
+  WriteSequenceFile(GearTrain(), path);
+  const std::vector<SequenceStep> steps = ReadSequenceFile(path, GearTrain().sha256);
+  ASSERT_EQ(static_cast<std::int64_t>(steps.size()), GearTrain().problems);
+  std::size_t k = 0;
+  int entered = 0;
+  int left = 0;
+  std::vector<int> before;
+  RowMatching matching;
+  ForEachSequenceProblem(
+      GearTrain().start, GearTrain().steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        const SequenceStep& step = steps[k];
+        ASSERT_EQ(step.problem.size(), problem.size());
+        EXPECT_TRUE((step.problem.b().array() == problem.b().array()).all());
+        const std::vector<std::optional<int>> expected = matching.Follow(met.system, met.rows);
+        ASSERT_EQ(step.previous.size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(step.previous[i], expected[i].value_or(-1));
+        if (k > 0) {
+          const auto stay = std::count_if(step.previous.begin(), step.previous.end(), [](int row) { return row >= 0; });
+          entered += static_cast<int>(problem.size() - stay);
+          left += static_cast<int>(static_cast<std::ptrdiff_t>(before.size()) - stay);
+        }
+        before = step.previous;
+        ASSERT_TRUE(step.reference.w.has_value());
+        EXPECT_LE(ComputeMetrics(step.problem, met.result.f, &step.reference).w_error, 1e-12);
+        EXPECT_LE(*step.reference.floor, 1e-9);
+        ++k;
+      });
+  EXPECT_EQ(entered, GearTrain().entered);
+  EXPECT_EQ(left, GearTrain().left);
+  EXPECT_GT(entered, 0);
+  EXPECT_GT(left, 0);
+}
+
+TEST_F(SequenceFile, AnotherHashOrDamageIsRefused) {
+  const std::string path = SequencePath(folder_.string(), DiscsInV().id);
+  SequenceEntry other = DiscsInV();
+  other.sha256 = GearTrain().sha256;
+  EXPECT_THROW(WriteSequenceFile(other, path), InputError);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  WriteSequenceFile(DiscsInV(), path);
+  EXPECT_THROW(ReadSequenceFile(path, other.sha256), InputError);
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  EXPECT_THROW(ReadSequenceFile(path, DiscsInV().sha256), InputError);
+}
+
+// The exact answer to redundant rows may be a self-stress of 10^16: its floor must excuse nobody.
+TEST_F(SequenceFile, AHugeExactAnswerLendsNeitherItsFloorNorItsW) {
+  const SequenceEntry entry = MeasureSequence(Recipe{"roller-bearing", 40, 1, {}}, 2);
+  const std::string path = SequencePath(folder_.string(), entry.id);
+  WriteSequenceFile(entry, path);
+  const std::vector<SequenceStep> steps = ReadSequenceFile(path, entry.sha256);
+  std::size_t k = 0;
+  double largest = 0;
+  ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+    const double exact = RoundingFloor(problem, met.result.f);
+    largest = std::max(largest, exact);
+    EXPECT_LE(*steps[k].reference.floor, 1e-9) << k;
+    EXPECT_EQ(steps[k].reference.w.has_value(), exact <= 1e-12 && met.result.detail.empty()) << k;
+    ++k;
+  });
+  EXPECT_GT(largest, 1);
+}
+
+TEST(CarryOver, FollowsRowsAndStartsNewOnesAtZero) {
+  const Eigen::VectorXd carried = CarryOver(Eigen::Vector3d(1, 2, 3), {2, -1, 0, -1});
+  EXPECT_EQ(carried, Eigen::Vector4d(3, 0, 1, 0));
+  EXPECT_EQ(CarryOver(Eigen::VectorXd(), {-1}), Eigen::VectorXd::Zero(1));
+}
+
+TEST(SequencePlan, EveryModeHasItsTiers) {
+  Manifest manifest;
+  manifest.sequences = {DiscsInV()};
+  CampaignPlan plan;
+  plan.solvers = {"pgs", "dantzig"};
+  std::map<std::string, std::vector<std::tuple<std::string, double, std::size_t>>> passes;  // mode, tier, judged
+  const std::vector<Manifest> manifests = {manifest};
+  for (const Task& pass : PlanPasses(plan, manifests)) {
+    EXPECT_EQ(pass.warm, pass.mode != "cold");
+    EXPECT_EQ(pass.deadline_s > 0, pass.mode.starts_with("deadline-"));
+    passes[pass.solver].emplace_back(pass.mode, pass.tier, pass.judged.size());
+  }
+  const std::vector<std::tuple<std::string, double, std::size_t>> deadlines = {
+      {"deadline-0.1ms", 1e-9, 3}, {"deadline-1ms", 1e-9, 3}, {"deadline-16ms", 1e-9, 3}};
+  std::vector<std::tuple<std::string, double, std::size_t>> direct = {{"cold", 1e-9, 3}, {"warm", 1e-9, 3}};
+  std::vector<std::tuple<std::string, double, std::size_t>> iterative = {
+      {"cold", 1e-3, 1}, {"cold", 1e-6, 1}, {"cold", 1e-9, 1}, {"warm", 1e-3, 1}, {"warm", 1e-6, 1}, {"warm", 1e-9, 1}};
+  for (auto* expected : {&direct, &iterative}) expected->insert(expected->end(), deadlines.begin(), deadlines.end());
+  EXPECT_EQ(passes["dantzig"], direct);
+  EXPECT_EQ(passes["pgs"], iterative);
+}
+
+class SequencePass : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    request_.sequence = GearTrain().id;
+    request_.file = SequencePath(folder_.string(), GearTrain().id);
+    request_.sha256 = GearTrain().sha256;
+    request_.solver = "dantzig";
+    request_.tier = 1e-6;
+    request_.judged = {1e-3, 1e-6};
+    request_.least_s = request_.most_s = 10;
+    request_.budget_s = 100;
+    WriteSequenceFile(GearTrain(), request_.file);
+  }
+
+  SequenceReply Run() {
+    return SequenceRunner().Run(request_, [](int, double) {});
+  }
+
+  SequenceRequest request_;
+  std::size_t steps_ = static_cast<std::size_t>(GearTrain().problems);
+};
+
+// The solver adds 1 to what it starts from, so that the force on a row is its age in steps.
+TEST_F(SequencePass, AWarmStepStartsFromTheAnswerByTheIdentityOfRows) {
+  const std::string key = "add-one";
+  if (std::none_of(AllSolvers().begin(), AllSolvers().end(), [&](const auto& entry) { return entry.key == key; })) {
+    RegisterExternalSolver(key, {LCPBENCH_TEST_WORKER, key});
+  }
+  request_.solver = key;
+  const std::vector<SequenceStep> steps = ReadSequenceFile(request_.file, request_.sha256);
+  for (const bool warm : {true, false}) {
+    request_.warm = warm;
+    const SequenceReply reply = Run();
+    ASSERT_EQ(reply.results.at("rho").size(), steps.size());
+    Eigen::VectorXd age;
+    std::set<double> ages;
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      const std::vector<int> none(steps[k].previous.size(), -1);
+      age = CarryOver(age, warm ? steps[k].previous : none).array() + 1;
+      ages.insert(age.begin(), age.end());
+      const double expected = ComputeMetrics(steps[k].problem, age).rho;
+      EXPECT_NEAR(reply.results.at("rho")[k].get<double>(), expected, 1e-3 * expected) << k;
+    }
+    EXPECT_EQ(ages.size() > 5, warm);
+    // It says that it solved what it did not.
+    EXPECT_EQ(reply.results.at("verdicts")[1].at("false_successes"), steps.size());
+  }
+}
+
+TEST_F(SequencePass, EveryStepIsTimedAndJudged) {
+  for (const char* solver : {"dantzig", "auto", "ipm"}) {
+    for (const bool warm : {false, true}) {
+      request_.solver = solver;
+      request_.warm = warm;
+      const SequenceReply reply = Run();
+      EXPECT_EQ(reply.outcome, "completed") << reply.detail;
+      EXPECT_EQ(reply.results.at("reached"), steps_);
+      ASSERT_EQ(reply.results.at("latency_s").size(), steps_);
+      for (const auto& time : reply.results.at("latency_s")) EXPECT_GT(time.get<double>(), 0);
+      for (const auto& verdict : reply.results.at("verdicts")) {
+        EXPECT_EQ(verdict.at("passed"), steps_) << solver << warm << verdict.dump();
+        EXPECT_EQ(verdict.at("failed_steps").size(), 0U);
+      }
+      for (const auto& error : reply.results.at("w_error")) EXPECT_LE(error.get<double>(), 1e-4);
+    }
+  }
+}
+
+// Every look at this clock takes a millisecond.
+double SlowClock() {
+  static double now = 0;
+  return now += 1e-3;
+}
+
+TEST_F(SequencePass, WhatComesLateIsNoAnswer) {
+  request_.warm = true;
+  for (const double deadline : {0.5e-3, 10.0}) {
+    request_.deadline_s = deadline;
+    const SequenceReply reply = SequenceRunner(&SlowClock).Run(request_, [](int, double) {});
+    const bool late = deadline < 1;
+    EXPECT_EQ(reply.results.at("late").size(), late ? steps_ : 0);
+    EXPECT_EQ(reply.results.at("rho")[0].is_null(), late);
+    for (const auto& verdict : reply.results.at("verdicts")) {
+      EXPECT_EQ(verdict.at("failed"), late ? steps_ : 0);
+      EXPECT_EQ(verdict.at("failed_steps").size(), verdict.at("failed"));
+    }
+  }
+}
+
+TEST_F(SequencePass, ABudgetEndsThePass) {
+  request_.budget_s = 1e-9;
+  const SequenceReply reply = Run();
+  EXPECT_EQ(reply.outcome, "budget");
+  EXPECT_EQ(reply.results.at("reached"), 1);
+  const auto& verdict = reply.results.at("verdicts")[0];
+  EXPECT_EQ(verdict.at("passed"), 1);
+  EXPECT_EQ(verdict.at("failed"), GearTrain().problems - 1);
+}
+
+TEST_F(SequencePass, WorkersServeSequencesAndProblemsAndAreKilledWhereTheyHang) {
+  WorkerOptions options;
+  options.program = LCPBENCH_COMMAND;
+  WorkerProcess worker(options);
+  EXPECT_EQ(worker.Run(request_).outcome, "completed");
+  SequenceRequest unknown = request_;
+  unknown.solver = "no-such-solver";
+  EXPECT_THROW(worker.Run(unknown), InputError);
+  EXPECT_EQ(worker.Run(request_).results.at("reached"), GearTrain().problems);
+  options.make_s = 1e-4;
+  WorkerProcess impatient(options);
+  const SequenceReply killed = impatient.Run(request_);
+  EXPECT_EQ(killed.outcome, "killed");
+  EXPECT_FALSE(killed.detail.empty());
+  EXPECT_TRUE(killed.results.is_null());
+  // What is written of it then: no step counts as reached.
+  const Json nothing = StepRecord({1e-6}, 1e-6).Results(3);
+  EXPECT_EQ(nothing.at("verdicts")[0].at("failed_steps"), Json({0, 1, 2}));
+  EXPECT_TRUE(nothing.at("preempted").empty());
+}
+
+class SequenceCampaign : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    Write("motions.json", ManifestText({GearTrain(), DiscsInV()}));
+  }
+  std::string Campaign(const std::string& folder, const std::string& more = "") const {
+    return "run --suite " + Path("motions.json") + " --solvers dantzig,pgs --tiers 1e-3,1e-6 --passes 2 -o " +
+           Path(folder) + " " + more;
+  }
+  std::vector<Json> Passes(const std::string& folder) const { return JsonLines(folder_ / folder / "steps.jsonl"); }
+};
+
+TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
+  const CommandOutcome outcome = Succeed(Campaign("c"));
+  std::map<std::string, int> lines;
+  for (const Json& pass : Passes("c")) {
+    EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
+    ++lines[pass["sequence"].get<std::string>() + " " + pass["solver"].get<std::string>() + " " +
+            pass["mode"].get<std::string>()];
+  }
+  EXPECT_EQ(lines.size(), 2U * 2 * 5);
+  for (const auto& [name, count] : lines) {
+    const bool both_tiers = name.find("pgs") != std::string::npos && name.find("deadline") == std::string::npos;
+    EXPECT_EQ(count, both_tiers ? 4 : 2) << name;
+  }
+  EXPECT_TRUE(JsonLines(folder_ / "c" / "streams.jsonl").empty());
+  const Json campaign = Json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  EXPECT_EQ(campaign["deadlines_s"].size(), 3U);
+  EXPECT_EQ(campaign["sequences"][0]["steps"], GearTrain().problems);
+  EXPECT_EQ(campaign["sequences"][1]["rows"], 12);
+
+  const CommandOutcome analysis = Succeed("analyse " + Path("c"));
+  const std::string latency = ReadFile(folder_ / "c" / "analysis" / "latency.csv");
+  // Tiers: two cold, two warm, and of three deadlines the strictest alone; and the header.
+  EXPECT_EQ(std::count(latency.begin(), latency.end(), '\n'), 2 * 2 * (2 + 2 + 3) + 1) << latency;
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "c" / "analysis" / "deadline.csv"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
+}
+
+TEST_F(SequenceCampaign, AnotherSequenceIsToldInOneLine) {
+  Succeed(Campaign("c"));
+  // A file that was changed since.
+  const std::string path = SequencePath(Path("c"), GearTrain().id);
+  std::filesystem::copy_file(SequencePath(Path("c"), DiscsInV().id), path,
+                             std::filesystem::copy_options::overwrite_existing);
+  ExpectMistake(Campaign("c", "--resume"), path + ": expected the sequence with SHA-256 " + GearTrain().sha256);
+  // A manifest that says something else than the motion.
+  SequenceEntry wrong = DiscsInV();
+  wrong.sha256 = GearTrain().sha256;
+  Write("motions.json", ManifestText({wrong}));
+  const CommandOutcome other = Run(Campaign("d"));
+  EXPECT_EQ(other.status, 2);
+  EXPECT_NE(other.error.find(wrong.id + ": expected the sequence with SHA-256"), std::string::npos) << other.error;
+}
+
+}  // namespace
+}  // namespace lcpbench
