@@ -190,7 +190,7 @@ TEST_F(Command, ReportNamesWhatItCannotTake) {
   ExpectMisuse("report " + Path("nothing-here"), "nothing-here");
   ExpectMisuse("report " + folder_.string(), "expected the files of a campaign");
   Write("campaign.json", "{}");
-  ExpectMisuse("report " + folder_.string() + " " + Path("nothing-here"), "nothing-here");
+  ExpectMisuse("report " + folder_.string(), "schema");
   ExpectMisuse("report " + folder_.string() + " --motion " + Path("stdin"), "motion.csv");
   ExpectMisuse("report " + folder_.string() + " --motion " + folder_.string(), "motion.csv");
   ExpectMisuse("report " + folder_.string() + " --nonsense", "--nonsense");

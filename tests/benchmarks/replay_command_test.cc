@@ -21,6 +21,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "model/records/replay.h"
 #include "model/records/replay_record.h"
+#include "support/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
