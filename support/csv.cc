@@ -1,9 +1,9 @@
 #include "support/csv.h"
 
-#include <charconv>
 #include <stdexcept>
 
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -33,10 +33,6 @@ void CsvWriter::Row(const std::vector<std::string>& cells) {
   if (!file_) throw InputError(path_ + ": writing failed");
 }
 
-std::string CsvWriter::Cell(double value) {
-  char text[32];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return error == std::errc() ? std::string(text, end) : "nan";
-}
+std::string CsvWriter::Cell(double value) { return NumberText(value); }
 
 }  // namespace lcpbench

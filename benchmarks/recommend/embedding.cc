@@ -1,20 +1,13 @@
 #include "benchmarks/recommend/embedding.h"
 
-#include <charconv>
 #include <utility>
 
 #include "embedding_template.h"
 #include "solvers/registry.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
-
-// The shortest that reads back as the same number.
-std::string NumberText(double value) {
-  char text[32];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return {text, end};
-}
 
 void Replace(const std::string& mark, const std::string& by, std::string* text) {
   const size_t at = text->find(mark);

@@ -15,7 +15,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kManyInFields = 1e4;  // beyond, numbers are written with an exponent
 
-std::string NumberText(double value, int digits = 3) {
+std::string Rounded(double value, int digits = 3) {
   char text[32];
   const bool plain = value == 0 || (std::abs(value) >= 1e-3 && std::abs(value) <= kManyInFields * 10);
   std::snprintf(text, sizeof text, plain ? "%.*g" : "%.*e", plain ? digits + 2 : digits - 1, value);
@@ -87,8 +87,8 @@ std::string Evidence(const Recommendation& all, const Assessment& each) {
 std::string Heading(const Recommendation& all) {
   std::string text =
       all.input + ": " + std::to_string(all.problems) + (all.problems == 1 ? " problem, " : " problems, ");
-  text += NumberText(all.least_rows);
-  if (all.most_rows > all.least_rows) text += " to " + NumberText(all.most_rows);
+  text += Rounded(all.least_rows);
+  if (all.most_rows > all.least_rows) text += " to " + Rounded(all.most_rows);
   text += " rows; asked for: rho <= " + ShortText(all.request.tolerance);
   if (all.request.deadline_s) text += ", set-up and solve within " + TimeText(*all.request.deadline_s);
   return text + "\n";
@@ -98,7 +98,7 @@ std::string FeaturesLine(const Recommendation& all) {
   std::string text;
   for (const NamedFeature& feature : AllFeatures()) {
     const std::optional<double> value = all.features.*feature.value;
-    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + (value ? NumberText(*value) : "not known");
+    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + (value ? Rounded(*value) : "not known");
   }
   return (all.problems > 1 ? "features of the largest: " : "features: ") + text + "\n";
 }
@@ -106,8 +106,8 @@ std::string FeaturesLine(const Recommendation& all) {
 std::string RegionLine(const Recommendation& all) {
   std::string text;
   for (const auto& [feature, least, end] : all.region.where) {
-    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + NumberText(least) + " to " +
-            (std::isfinite(end) ? "below " + NumberText(end) : "any");
+    text += (text.empty() ? "" : ", ") + std::string(feature.name) + " " + Rounded(least) + " to " +
+            (std::isfinite(end) ? "below " + Rounded(end) : "any");
   }
   return "reference: " + std::to_string(all.region.problems) + " problems with " + text + " at tier " +
          ShortText(all.region.tier) + ", of " + all.made_of + "\n";

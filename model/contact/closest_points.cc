@@ -8,6 +8,7 @@
 #include "model/geometry/safeguarded_newton.h"
 #include "model/geometry/smooth_curve.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {

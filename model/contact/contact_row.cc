@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 

@@ -1,19 +1,11 @@
 #include "model/geometry/curve.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 namespace lcpbench {
-
-std::string NumberText(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
 
 double Largest(Vec2 p) { return std::max(std::abs(p.x), std::abs(p.y)); }
 

@@ -57,9 +57,6 @@ inline constexpr double kMaxAspectRatio = 1e6;
 /// The largest m of a superellipse: beyond it the corners are sharper than any use of the curve.
 inline constexpr int kMaxSuperellipseExponent = 1000;
 
-/// The shortest text that reads back as the same double.
-std::string NumberText(double value);
-
 /// A curve at a place (smooth_curve.h), over double or DoubleDouble: derivatives by tau (oval) or s (Bezier), arms from
 /// the body's centre of mass in world axes.
 template <class T>

@@ -6,6 +6,7 @@
 
 #include "model/geometry/overloaded.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "model/geometry/double_double.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {

@@ -10,6 +10,7 @@
 #include "model/motion/path_joints.h"
 #include "model/motion/projection.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {

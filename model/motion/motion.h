@@ -15,6 +15,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 

@@ -1,9 +1,9 @@
 #include "model/scene_file/fields.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
+
+#include "support/number_text.h"
 
 namespace lcpbench {
 
@@ -76,11 +76,7 @@ const char* OnlyKey(const JsonField& object, std::initializer_list<const char*> 
   return only;
 }
 
-std::string Text(double value) {
-  std::array<char, 32> buffer{};
-  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value).ptr;
-  return {buffer.data(), end};
-}
+std::string Text(double value) { return NumberText(value); }
 
 std::string Text(Vec2 p) { return "(" + Text(p.x) + ", " + Text(p.y) + ")"; }
 

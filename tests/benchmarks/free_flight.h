@@ -20,7 +20,18 @@ class FreeFlight final : public Motion {
 
   explicit FreeFlight(World world) : Motion(std::move(world)) {}
 
-  void Advance(double duration) override {
+  /// What the observer is told in every step, besides the time.
+  ContactSystem system;
+  std::vector<RowInfo> rows;
+  LcpResult result;
+  MotionProblemKind kind = MotionProblemKind::kAcceleration;
+  void Stop(std::string why) {
+    status_ = MotionStatus::kStalled;
+    detail_ = std::move(why);
+  }
+
+ private:
+  void Move(double duration) override {
     const Vec2 g = world_.loads.gravity;
     for (Body& body : world_.bodies) {
       const Vec2 a = body.fixed ? Vec2{} : g;
@@ -33,17 +44,6 @@ class FreeFlight final : public Motion {
     if (observer_) Report();
   }
 
-  /// What the observer is told in every step, besides the time.
-  ContactSystem system;
-  std::vector<RowInfo> rows;
-  LcpResult result;
-  MotionProblemKind kind = MotionProblemKind::kAcceleration;
-  void Stop(std::string why) {
-    status_ = MotionStatus::kStalled;
-    detail_ = std::move(why);
-  }
-
- private:
   void Report() { observer_({kind, time_ - kStep, system, rows, problem_, result}); }
 
   LcpProblem problem_ = LcpProblem::FromDense("none", Eigen::MatrixXd::Identity(1, 1), Eigen::VectorXd::Zero(1));

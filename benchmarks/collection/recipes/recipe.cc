@@ -1,7 +1,6 @@
 #include "benchmarks/collection/recipes/recipe.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
 #include <variant>
 
@@ -11,6 +10,7 @@
 #include "model/geometry/overloaded.h"
 #include "model/scenes/scene.h"
 #include "support/input_error.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
@@ -60,12 +60,6 @@ ContactSystem Generate(const Recipe& recipe) {
   return GenerateScene(recipe.scene, recipe.rows, recipe.seed);
 }
 
-std::string ShortNumber(double value) {
-  char text[32];
-  const auto [end, error] = std::to_chars(text, text + sizeof text, value);
-  return std::string(text, end);
-}
-
 std::string KindOf(const Feature& feature) {
   const auto curved = [](Side side, const char* name) {
     return (side == Side::kConcave ? "concave " : "") + std::string(name);
@@ -93,7 +87,7 @@ const std::vector<ChangeKind>& AllChanges() {
 std::string RecipeId(const Recipe& recipe) {
   std::string id = BaseOf(recipe);
   if (recipe.motion_step > 0) id += "-step" + std::to_string(recipe.motion_step);
-  for (const Change& change : recipe.changes) id += "-" + change.name + "-" + ShortNumber(change.amount);
+  for (const Change& change : recipe.changes) id += "-" + change.name + "-" + NumberText(change.amount);
   return id;
 }
 
