@@ -19,7 +19,7 @@ try:
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
-    from selenium.webdriver.support.ui import Select
+    from selenium.webdriver.support.ui import Select, WebDriverWait
 except ImportError:
     webdriver = None
 
@@ -166,7 +166,9 @@ class Browser(SharedFolderCase):
         self.assertFalse(link.is_displayed())
         self.choose("family", "piles")
         link.click()
-        self.assertTrue(self.run_script("return document.querySelector('#scene-piles:target img').naturalWidth > 0"))
+        # The browser loads the picture when it comes into view.
+        WebDriverWait(self.driver, 20).until(lambda driver: driver.execute_script(
+            "return document.querySelector('#scene-piles:target img').naturalWidth > 0"))
         links = self.run_script("return [...document.querySelectorAll('#families a')].map((a) => document.querySelector(a.hash).id)")
         self.assertEqual(links, ["scene-piles", "scene-rockers"])
 
