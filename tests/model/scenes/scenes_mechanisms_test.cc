@@ -147,7 +147,7 @@ TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
 
 INSTANTIATE_TEST_SUITE_P(Families, Mechanisms,
                          ::testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
-                                         "spinning-drum", "oval-train"),
+                                           "spinning-drum", "oval-train"),
                          ParamName);
 
 TEST(GearTrain, TurnsAlternatelyAtTheRatioOfTheTeeth) {
