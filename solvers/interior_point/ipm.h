@@ -9,7 +9,7 @@ namespace lcpbench {
 
 /// Options of IpmSolver.
 struct IpmOptions {
-  using Space = ScaledSystem::Space;
+  using Space = ScaledSystem::Space;  ///< see there
   /// Where the linear systems live. kAutomatic: by the column counts of J.
   Space space = Space::kAutomatic;
   /// Proximal weight relative to the scaled unit diagonal. Smaller than 1e-13 meets rounding of singular A; 1e-7

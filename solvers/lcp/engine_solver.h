@@ -24,21 +24,22 @@ namespace lcpbench {
 template <typename SolverOptions, typename SolverEngine>
 class EngineSolver : public LcpSolver {
  public:
-  using Options = SolverOptions;
-  using Engine = SolverEngine;
+  using Options = SolverOptions;  ///< of this solver, documented beside it
+  using Engine = SolverEngine;    ///< what does the work
 
   /// @throws InputError for options out of their ranges, which FromSettings never makes
   explicit EngineSolver(const Options& options = {});
   ~EngineSolver() override;
 
-  std::string WhyUnsupported(const LcpProblem& problem) const override;
-  void Reserve(Index max_rows) override;
+  std::string WhyUnsupported(const LcpProblem& problem) const override;  ///< the engine's
+  void Reserve(Index max_rows) override;                                 ///< the engine's
 
  protected:
-  void DoPrepare(const LcpProblem& problem) override;
+  void DoPrepare(const LcpProblem& problem) override;  ///< the engine's Prepare
+  /// The engine's Solve.
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
-  const std::unique_ptr<Engine> engine_;
+  const std::unique_ptr<Engine> engine_;  ///< never null
 };
 
 /// WhyUnsupported of solvers for symmetric A.

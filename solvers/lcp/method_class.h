@@ -14,8 +14,8 @@ enum class MethodClass {
 
 /// The largest problem that a solver of a class is given in campaigns, and why.
 struct SizeLimit {
-  int largest;  ///< rows
-  std::string_view reason;
+  int largest;              ///< rows
+  std::string_view reason;  ///< as exclusions tell it
 };
 
 /// Settled before any run, by what a method costs, not by how it fares.

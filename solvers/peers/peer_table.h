@@ -17,7 +17,7 @@ struct PeerProject {
 
 /// One of its solvers.
 struct PeerEntry {
-  const PeerProject& project;
+  const PeerProject& project;   ///< whose it is
   std::string_view key;         ///< as in the registry
   std::string_view method;      ///< one line
   bool uses_tolerance = false;  ///< false: one run stands for every tier
