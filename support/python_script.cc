@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "support/input_error.h"
 #include "support/subprocess.h"
@@ -35,7 +36,7 @@ int RunPythonScript(const std::string& command, const std::vector<std::string>& 
   std::vector<std::string> words = {Interpreter(), FindScript(command, places)};
   words.insert(words.end(), arguments.begin(), arguments.end());
   SubprocessOptions options;
-  options.command = words;
+  options.command = std::move(words);
   options.own_streams = false;
   int status = 0;
   try {

@@ -52,7 +52,7 @@ std::string WhyInvalidAngles(double s_begin, double s_end, Side side) {
 std::string WhyInvalid(const OutlinePiece& piece) {
   const auto [curve, s_begin, s_end] = piece;
   if (!(std::isfinite(s_begin) && std::isfinite(s_end))) return "a curve parameter is not finite";
-  const std::string why = WhyInvalid(ToFeature(curve));
+  std::string why = WhyInvalid(ToFeature(curve));
   if (!why.empty()) return why;
   if (s_begin == s_end) return "zero-length edge: s_begin = s_end";
   return std::visit(

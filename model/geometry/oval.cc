@@ -292,7 +292,7 @@ Enclosure EllipseEdge::Enclose(double s_begin, double s_end, Vec2 begin, Vec2 en
 }
 
 std::string SuperellipseEdge::WhyInvalid() const {
-  const std::string why = Shape().WhyInvalid();
+  std::string why = Shape().WhyInvalid();
   if (!why.empty() || (m >= 2 && m % 2 == 0 && m <= kMaxSuperellipseExponent)) return why;
   return "the exponent m must be even and >= 2, and at most " + std::to_string(kMaxSuperellipseExponent);
 }

@@ -272,7 +272,8 @@ class PileScene final : public SceneBuilder {
   }
 
   void Load() override {
-    const double layers = std::sqrt(1.0 + rows_ / 2);
+    const int count = rows_ / 2;
+    const double layers = std::sqrt(1.0 + count);
     ApplyLoads(&system_, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random_);
   }
 

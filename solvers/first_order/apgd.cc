@@ -25,7 +25,7 @@ class ApgdEngine final : public FirstOrderEngine<ApgdOptions> {
   using FirstOrderEngine::FirstOrderEngine;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? FirstOrderEngine::WhyUnsupported(problem) : WhyNotSymmetric(problem);
+    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
   }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);

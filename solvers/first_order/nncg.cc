@@ -59,7 +59,7 @@ class NncgEngine final : public FirstOrderEngine<NncgOptions> {
   using FirstOrderEngine::FirstOrderEngine;
 
   std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? FirstOrderEngine::WhyUnsupported(problem) : WhyNotSymmetric(problem);
+    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
   }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);

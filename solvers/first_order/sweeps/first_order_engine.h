@@ -16,8 +16,6 @@ class FirstOrderEngine {
  public:
   explicit FirstOrderEngine(const Options& options) : options_(options) { test_.SetSelfCheck(options.self_check); }
 
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, options_.form); }
-
  protected:
   void Prepare(const LcpProblem& problem, bool coloured) {
     rows_.Prepare(problem, options_.form, coloured);
@@ -41,6 +39,7 @@ class SweepEngine : public FirstOrderEngine<Options> {
  public:
   using FirstOrderEngine<Options>::FirstOrderEngine;
 
+  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, this->options_.form); }
   void Prepare(const LcpProblem& problem) {
     FirstOrderEngine<Options>::Prepare(problem, this->options_.sweep == SweepOrder::kColoured);
   }
