@@ -49,7 +49,7 @@ set(DOXYGEN_IMAGE_PATH "${PROJECT_SOURCE_DIR}/docs" "${PROJECT_SOURCE_DIR}/repor
 set(DOXYGEN_FILTER_PATTERNS "*.md=${PROJECT_SOURCE_DIR}/cmake/markdown_filter.sh")
 set(DOXYGEN_USE_MDFILE_AS_MAINPAGE "${PROJECT_SOURCE_DIR}/README.md")
 # README, and every page that it leads to.
-file(GLOB pages CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/docs/*.md")
+file(GLOB pages CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/docs/*.md" "${PROJECT_SOURCE_DIR}/docs/solvers/*.md")
 list(PREPEND pages "${PROJECT_SOURCE_DIR}/README.md")
 foreach(page benchmarks/RESULTS.md benchmarks/FIELDS.md data/README.md data/scenes/README.md report/reference/README.md report/reference/summary.md)
   list(APPEND pages "${PROJECT_SOURCE_DIR}/${page}")
