@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
@@ -37,8 +36,7 @@ constexpr double kFootWidth = 1.3;  ///< of a tooth, along the root circle
 constexpr double kTipWidth = 0.76;  ///< of a tooth, along the tip circle
 constexpr double kRollerRadius = 0.5;
 /// The line from a gear to the next is inclined by this, up and down in turn [rad].
-constexpr double kMinIncline = 0.15;
-constexpr double kMaxIncline = 0.55;
+constexpr Range kIncline{0.15, 0.55};
 constexpr double kMaxSpeed = 1.5;  ///< of the motor's pitch circle, and at least half of it [m/s]
 /// Candidates for a gear's place; the first whose ratio is within kRatioSlack of the motor's is taken.
 constexpr int kCandidates = 8;
@@ -64,11 +62,6 @@ struct GearKind {
   /// By tooth; [0] flank and corner on its clockwise side, [1] on its counter-clockwise side.
   std::vector<std::array<std::array<FlankFeature, 2>, 2>> flanks;
 };
-
-Vec2 Direction(double angle) {
-  const Rotation u = SinCos(angle);
-  return {u.cos, u.sin};
-}
 
 FlankFeature FlankOf(const OutlineEdge& piece) {
   const auto& arc = std::get<ArcEdge>(piece.edge);
@@ -194,7 +187,7 @@ class GearTrain final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    frame_ = Add("frame", MakeFixed("frame"));
+    frame_ = AddFixed("frame");
     AddMotor();
     for (int rollers = 0; rollers < rows_ % kRowsPerGear; ++rollers) AddRoller(rollers);
     for (int gear = 0; gear < rows_ / kRowsPerGear; ++gear) AddGear(gear % 2 == 0 ? 1 : -1);
@@ -213,7 +206,7 @@ class GearTrain final : public SceneBuilder {
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 2 * kGravity});
     LoadEnds(&system_);
   }
 
@@ -229,7 +222,7 @@ class GearTrain final : public SceneBuilder {
       for (int teeth = kMinTeeth; teeth <= kMaxTeeth; ++teeth) all.push_back(MakeGearKind(teeth));
       return all;
     }();
-    return kinds[static_cast<std::size_t>(random_.Integer(kMaxTeeth - kMinTeeth + 1))];
+    return kinds[static_cast<std::size_t>(random_.Integer(0, kMaxTeeth - kMinTeeth))];
   }
   const Body& Last() const { return Get(last_); }
 
@@ -258,8 +251,7 @@ class GearTrain final : public SceneBuilder {
     const Vec2 direction = Direction(motor.theta + (land.s_begin + land.s_end) / 2);
     Body roller = MakeDisc(last_axle_ + (last_kind_->tip_radius + radius) * direction, radius, kDensity);
     roller.v = VelocityAt(motor, last_axle_ + last_kind_->tip_radius * direction);
-    const int body = Add("roller", roller);
-    Touch(body, Circle(radius), last_, std::get<ArcEdge>(land.edge));
+    Touch(Add("roller", roller), last_, ToFeature(land.edge));
   }
 
   void AddGear(double up) {
@@ -270,7 +262,7 @@ class GearTrain final : public SceneBuilder {
     // A candidate is tried on a system of the two gears alone.
     for (int k = 0; k < kCandidates && best_error > kRatioSlack; ++k) {
       const GearKind& kind = DrawKind();
-      const double incline = up * random_.Uniform(kMinIncline, kMaxIncline);
+      const double incline = up * random_.Uniform(kIncline);
       const std::size_t side = random_.Uniform() < 0.5 ? 0 : 1;
       const Vec2 axle = last_axle_ + (last_kind_->pitch_radius + kind.pitch_radius) * Direction(incline);
       const std::optional<Mesh> mesh = MeshSearch(*last_kind_, Last(), kind, axle, side).Run();
@@ -280,9 +272,8 @@ class GearTrain final : public SceneBuilder {
       Body& gear = pair.bodies[1];
       gear.theta = mesh->theta;
       gear.x = axle - Rotate(SinCos(gear.theta), kind.axle);
-      AddContact(&pair, 1, mesh->feature2, 0, mesh->feature1);
-      const ContactRow row = LastRow(pair);
-      gear.omega = -row.d_dot / row.J[2];
+      AddConstraint(&pair, ConstraintType::kContact, 1, mesh->feature2, 0, mesh->feature1);
+      gear.omega = StillVelocity(pair, 2);
       // The axle is the centre of mass but for rounding.
       gear.v = -gear.omega * Perp(Rotate(SinCos(gear.theta), kind.axle));
       const double error = std::abs(std::abs(gear.omega * kind.pitch_radius / pitch_speed_) - 1);
@@ -294,7 +285,7 @@ class GearTrain final : public SceneBuilder {
     }
     best.bodies[1].name.clear();
     const int gear = Add("gear", best.bodies[1]);
-    AddPin(&system_, gear, best_kind->axle, frame_, best_axle);
+    Join(ConstraintType::kPin, gear, best_kind->axle, frame_, Vertex{best_axle});
     Touch(gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);
     last_ = gear;
     last_kind_ = best_kind;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/scenes/parts.h"
+
 namespace lcpbench {
 namespace {
 
@@ -14,13 +16,11 @@ constexpr int kMaxNewton = 60;
 /// Ovals that a pocket may refuse before it is left empty.
 constexpr int kMaxRefusals = 50;
 
-Vec2 Unit(Vec2 a) { return (1 / Norm(a)) * a; }
-
 /// n turned by about `angle` (exactly by 2 atan(angle / 2)), a unit vector again.
 Vec2 Turned(Vec2 n, double angle) {
   const double half = angle / 2;
   const double square = half * half;
-  return Unit((1 - square) * n + (2 * half) * Perp(n));
+  return Normalized((1 - square) * n + (2 * half) * Perp(n));
 }
 
 /// The normal at which s(n) is stationary, from a start whose basin it is: s' / slope by `evaluate`, which returns
@@ -77,7 +77,7 @@ OvalGap GapBetween(const PlacedOval& oval, const PlacedOval& other) {
     const double s = Dot(n, between) - x.h - y.h;
     return Jet{s, Dot(Perp(n), between - x.arm - y.arm), s + x.radius + y.radius};
   };
-  const Vec2 n = Climb(Unit(between), evaluate);
+  const Vec2 n = Climb(Normalized(between), evaluate);
   return {evaluate(n).s, n};
 }
 
@@ -87,7 +87,7 @@ OvalGap GapInside(const PlacedOval& oval, double bowl_radius) {
     const double s = Dot(outward, oval.c) + x.h;
     return Jet{s, Dot(Perp(outward), oval.c + x.arm), s - x.radius};
   };
-  const Vec2 outward = Climb(Norm(oval.c) > 0 ? Unit(oval.c) : oval.u, evaluate);
+  const Vec2 outward = Climb(Norm(oval.c) > 0 ? Normalized(oval.c) : oval.u, evaluate);
   return {bowl_radius - evaluate(outward).s, -outward};
 }
 
@@ -155,16 +155,12 @@ std::optional<OvalSupports> OvalFront::Add(PlacedOval oval) {
 
 std::optional<int> OvalFront::AddOnCrest(PlacedOval oval) {
   const Vec2 up{0, 1};
-  const auto top = [&](int k) {
-    const PlacedOval& o = ovals_[static_cast<std::size_t>(k)];
-    return o.c.y + SupportOf(o, up).h;
-  };
+  const auto top = [&](int k) { return Oval(k).c.y + SupportOf(Oval(k), up).h; };
   std::vector<std::pair<double, int>> chain;
   for (int k = Next(kLeftBowl); k != kRightBowl; k = Next(k)) chain.emplace_back(-top(k), k);
   std::sort(chain.begin(), chain.end());
   for (const auto& [height, k] : chain) {
-    const PlacedOval& below = ovals_[static_cast<std::size_t>(k)];
-    oval.c = below.c + SupportOf(below, up).arm + SupportOf(oval, up).arm;
+    oval.c = Oval(k).c + SupportOf(Oval(k), up).arm + SupportOf(oval, up).arm;
     if (FindOverlap(oval, k, k) != kNone) continue;
     Insert(oval);
     return k;
@@ -187,13 +183,13 @@ void OvalFront::Bury(int left, int right) {
 }
 
 void OvalFront::PushPocket(int left, int right) {
-  const auto y = [this](int k) { return ovals_[static_cast<std::size_t>(k)].c.y; };
+  const auto y = [this](int k) { return Oval(k).c.y; };
   const double height = left == kLeftBowl ? y(right) : right == kRightBowl ? y(left) : (y(left) + y(right)) / 2;
   pockets_.push({height, left, right});
 }
 
 OvalGap OvalFront::GapTo(const PlacedOval& oval, int k) const {
-  return k < 0 ? GapInside(oval, bowl_radius_) : GapBetween(oval, ovals_[static_cast<std::size_t>(k)]);
+  return k < 0 ? GapInside(oval, bowl_radius_) : GapBetween(oval, Oval(k));
 }
 
 /// The upper intersection of the circles on which the centre would lie if all were discs of the same areas.
@@ -201,19 +197,14 @@ Vec2 OvalFront::GuessCenter(const PlacedOval& oval, int left, int right) const {
   const double r = std::sqrt(oval.a * oval.b);
   const auto circle = [&](int k) -> std::pair<Vec2, double> {
     if (k < 0) return {{}, bowl_radius_ - r};
-    const PlacedOval& o = ovals_[static_cast<std::size_t>(k)];
-    return {o.c, r + std::sqrt(o.a * o.b)};
+    return {Oval(k).c, r + std::sqrt(Oval(k).a * Oval(k).b)};
   };
   const auto [p, p_reach] = circle(left);
   const auto [q, q_reach] = circle(right);
-  const Vec2 between = q - p;
-  const double distance = Norm(between);
-  const Vec2 unit = (1 / distance) * between;
-  const double along = (p_reach * p_reach - q_reach * q_reach + distance * distance) / (2 * distance);
-  const double square = std::max(p_reach * p_reach - along * along, r * r / 4);
+  CircleMeeting meeting = MeetingOf(p, p_reach, q, q_reach);
+  meeting.square = std::max(meeting.square, r * r / 4);
   // The bowl's centre is above the pocket, an oval's below.
-  const Vec2 side = std::sqrt(square) * Perp(unit);
-  return p + along * unit + (left < 0 || right < 0 ? -1.0 : 1.0) * side;
+  return left < 0 || right < 0 ? meeting.Right() : meeting.Left();
 }
 
 /// Moves the oval's centre to where it touches both. False where it does not come to rest between them.
@@ -258,9 +249,8 @@ int OvalFront::FindOverlap(const PlacedOval& oval, int support1, int support2) c
     for (std::size_t j = CellOf(oval.c.y - reach); j <= CellOf(oval.c.y + reach); ++j) {
       for (const int k : grid_[i * cells_ + j]) {
         if (k == support1 || k == support2) continue;
-        const PlacedOval& other = ovals_[static_cast<std::size_t>(k)];
-        if (Norm(oval.c - other.c) > oval.a + other.a + clearance_) continue;
-        const double d = GapBetween(oval, other).d;
+        if (Norm(oval.c - Oval(k).c) > oval.a + Oval(k).a + clearance_) continue;
+        const double d = GapBetween(oval, Oval(k)).d;
         if (d < least) {
           hit = k;
           least = d;

@@ -28,6 +28,16 @@ void Stir(World* world, double speed, std::uint64_t seed) {
   }
 }
 
+void SceneBuilder::Apply(const LoadLevel& level) {
+  for (Body& body : system_.bodies) {
+    if (body.fixed) continue;
+    const Vec2 gust = random_.InUnitDisc();
+    const double twist = random_.Uniform(-1, 1);
+    body.force = body.mass * (level.gust * gust + Vec2{0, -level.weight});
+    body.torque = body.mass * level.gust * std::sqrt(body.inertia / body.mass) * twist;
+  }
+}
+
 ContactSystem SceneFamily::generate(int rows, std::uint64_t seed) const {
   const std::unique_ptr<SceneBuilder> scene = make(key, rows, seed);
   scene->Build();

@@ -17,7 +17,6 @@
 #include "model/contact/assembly.h"
 #include "model/geometry/trig.h"
 #include "model/motion/contact_finder.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"

@@ -53,8 +53,8 @@ TEST(OvalGap, IsThatOfTheClosestPointSearch) {
     RandomOvalPlace second = RandomOval(&random);
     first.oval.c = random.Uniform(0.31, 0.6) * random.UnitVector();
     second.oval.c = random.Uniform(0, 0.005) * random.UnitVector();
-    const EllipseEdge edge1 = Oval(first.oval.a, first.oval.b);
-    const EllipseEdge edge2 = Oval(second.oval.a, second.oval.b);
+    const EllipseEdge edge1{{}, first.oval.a, first.oval.b};
+    const EllipseEdge edge2{{}, second.oval.a, second.oval.b};
     const ClosestPoints closest = FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta},
                                                     {edge2, second.oval.c, SinCos(second.theta), second.theta});
     const OvalGap gap = GapBetween(first.oval, second.oval);
@@ -280,10 +280,11 @@ TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
   for (int i = 0; i < 50; ++i) {
     const double density = random.Uniform(1, 100);
     const double corner = random.Uniform(0.01, 0.2);
-    const RoundedBoxShape shape{2 * corner + random.Uniform(0.01, 1), 2 * corner + random.Uniform(0.01, 1), corner};
+    const double width = 2 * corner + random.Uniform(0.01, 1);
+    const double height = 2 * corner + random.Uniform(0.01, 1);
     const double a = random.Uniform(0.1, 1);
     const double b = random.Uniform(0.1, 1);
-    const Body bodies[] = {MakeRoundedBox({1, 2}, shape, density), MakeOval({3, 4}, 0.3, a, b, density),
+    const Body bodies[] = {MakeRoundedBox({1, 2}, width, height, corner, density), MakeOval({3, 4}, 0.3, a, b, density),
                            MakeRing({5, 6}, a + b, a, density)};
     for (const Body& body : bodies) {
       Outline outline = OutlineOf(body);
@@ -293,11 +294,6 @@ TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
       EXPECT_NEAR(body.mass, properties.mass, 1e-13 * body.mass);
       EXPECT_NEAR(body.inertia, properties.inertia, 1e-12 * body.inertia);
       EXPECT_LE(Norm(properties.center), 1e-14);
-    }
-    for (int k = 0; k < 4; ++k) {
-      const Vec2 end = shape.Edge(k).b;
-      const ArcEdge arc = shape.Corner((k + 1) % 4);
-      EXPECT_NEAR(Norm(end - arc.center), corner, 1e-14);
     }
   }
 }
