@@ -1,5 +1,6 @@
 #include "model/records/replay.h"
 
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -101,19 +102,9 @@ std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact,
   return added;
 }
 
-// The rows of the assembled system that make up one recorded row.
-struct RowSum {
-  std::array<Index, 2> row{};
-  std::array<double, 2> weight{};
-
-  template <class Value>
-  double Over(const Value& value) const {
-    // A single row keeps its bits.
-    return weight[1] == 0 ? weight[0] * value(row[0]) : weight[0] * value(row[0]) + weight[1] * value(row[1]);
-  }
-};
-
 bool Agrees(double deviation) { return deviation <= kReplayTolerance; }
+// Not a number counts as the largest of all.
+bool Exceeds(double value, double largest) { return value > largest || std::isnan(value); }
 
 // Two digits: deviations are compared by magnitude only.
 std::string Short(double value) {
@@ -198,40 +189,37 @@ ReplayResult Replay(const ReplayRecord& record) {
   }
   const AssembledLcp lcp = AssembleContactLcp(system);
 
-  std::vector<RowSum> sums(rebuilt.size());
-  for (size_t i = 0, row = 0; i < rebuilt.size(); ++i) {
-    const bool pin = rebuilt[i].constraint.type == ConstraintType::kPin;
-    sums[i].row = {static_cast<Index>(row), static_cast<Index>(pin ? row + 1 : row)};
-    sums[i].weight = rebuilt[i].weight;
-    row += pin ? 2 : 1;
+  // Recorded rows are W times the assembled ones. Columns of geometry: n.x, n.y, d and d'.
+  const auto size = static_cast<Index>(rebuilt.size());
+  const auto assembled = static_cast<Index>(lcp.rows.size());
+  Eigen::SparseMatrix<double> W(size, assembled);
+  Eigen::MatrixXd rows_geometry(assembled, 4);
+  for (Index i = 0, row = 0; i < size; ++i) {
+    const RebuiltContact& contact = rebuilt[static_cast<size_t>(i)];
+    const size_t rows = contact.constraint.type == ConstraintType::kPin ? 2 : 1;
+    for (size_t k = 0; k < rows; ++k, ++row) {
+      const RowInfo& info = lcp.rows[static_cast<size_t>(row)];
+      W.insert(i, row) = contact.weight[k];
+      rows_geometry.row(row) << info.n.x, info.n.y, info.d, info.d_dot;
+    }
   }
+  const Eigen::MatrixXd geometry = W * rows_geometry;
+  const Eigen::VectorXd b = W * lcp.problem.b();
 
   ReplayResult result;
-  for (size_t i = 0; i < sums.size(); ++i) {
-    const RecordedContact& contact = record.contacts[i];
-    const auto info = [&](Index row) -> const RowInfo& { return lcp.rows[static_cast<size_t>(row)]; };
+  result.A = W * lcp.problem.DenseA() * W.transpose();
+  for (Index i = 0; i < size; ++i) {
+    const RecordedContact& contact = record.contacts[static_cast<size_t>(i)];
     ReplayRow row;
     row.kind = KindText(contact);
-    row.recorded = record.b[static_cast<Index>(i)] - contact.extra;
+    row.recorded = record.b[i] - contact.extra;
     row.added = Corrections(contact, record.bodies);
-    row.ours = sums[i].Over([&](Index k) { return lcp.problem.b()[k]; });
-    const Vec2 n = {sums[i].Over([&](Index k) { return info(k).n.x; }),
-                    sums[i].Over([&](Index k) { return info(k).n.y; })};
-    const double d = sums[i].Over([&](Index k) { return info(k).d; }) + rebuilt[i].gap_offset;
-    const double d_dot = sums[i].Over([&](Index k) { return info(k).d_dot; });
+    row.ours = b[i];
+    const double d = geometry(i, 2) + rebuilt[static_cast<size_t>(i)].gap_offset;
     row.geometry_deviation =
-        std::max({Norm(n - contact.n), ScaledDeviation(d, contact.distance), ScaledDeviation(d_dot, contact.vn)});
+        std::max({Norm(Vec2{geometry(i, 0), geometry(i, 1)} - contact.n), ScaledDeviation(d, contact.distance),
+                  ScaledDeviation(geometry(i, 3), contact.vn)});
     result.rows.push_back(std::move(row));
-  }
-
-  const Eigen::MatrixXd& A = lcp.problem.DenseA();
-  const auto n = static_cast<Index>(sums.size());
-  result.A.resize(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      result.A(i, j) = sums[static_cast<size_t>(i)].Over(
-          [&](Index k) { return sums[static_cast<size_t>(j)].Over([&](Index l) { return A(k, l); }); });
-    }
   }
   return result;
 }
@@ -239,11 +227,9 @@ ReplayResult Replay(const ReplayRecord& record) {
 double ScaledDeviation(double x, double reference) { return std::abs(x - reference) / (1 + std::abs(reference)); }
 
 void ReplaySummary::Largest::Take(double value, const std::string& record_id) {
-  // Not a number counts as the largest of all.
-  if (value > deviation || std::isnan(value)) {
-    deviation = value;
-    id = record_id;
-  }
+  if (!Exceeds(value, deviation)) return;
+  deviation = value;
+  id = record_id;
 }
 
 void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where) {
@@ -252,13 +238,14 @@ void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, 
     const ReplayRow& row = result.rows[i];
     const double before = ScaledDeviation(row.ours, row.recorded);
     const double after = ScaledDeviation(row.ours, row.corrected());
-    Tally& tally = kinds_[row.kind];
-    ++tally.rows;
-    if (Agrees(before)) ++tally.agree_before;
-    if (Agrees(after)) ++tally.agree_after;
-    tally.before.Take(before, record.id);
-    tally.after.Take(after, record.id);
-    tally.geometry.Take(row.geometry_deviation, record.id);
+    for (Tally* tally : {&kinds_[row.kind], &total_}) {
+      ++tally->rows;
+      if (Agrees(before)) ++tally->agree_before;
+      if (Agrees(after)) ++tally->agree_after;
+      tally->before.Take(before, record.id);
+      tally->after.Take(after, record.id);
+      tally->geometry.Take(row.geometry_deviation, record.id);
+    }
     for (size_t k = 0; k < kCorrectionCount; ++k) {
       if (row.added[k] == 0) continue;
       ++corrections_[k].rows;
@@ -269,39 +256,27 @@ void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, 
           {where, record.id, "b[" + std::to_string(i) + "] (" + row.kind + ")", row.corrected(), row.ours});
     }
   }
-  Largest of_record;
-  LeftOver worst{where, record.id, "", 0, 0};
-  for (Eigen::Index i = 0; i < result.A.rows(); ++i) {
-    for (Eigen::Index j = 0; j < result.A.cols(); ++j) {
+  double worst = 0;
+  Index row = 0;
+  Index column = 0;
+  for (Index i = 0; i < result.A.rows(); ++i) {
+    for (Index j = 0; j < result.A.cols(); ++j) {
       const double deviation = ScaledDeviation(result.A(i, j), record.A(i, j));
       A_.Take(deviation, record.id);
-      const double so_far = of_record.deviation;
-      of_record.Take(deviation, record.id);
-      if (!(of_record.deviation > so_far)) continue;
-      worst.what = "A[" + std::to_string(i) + "][" + std::to_string(j) + "] (" +
-                   result.rows[static_cast<size_t>(i)].kind + ", " + result.rows[static_cast<size_t>(j)].kind + ")";
-      worst.recorded = record.A(i, j);
-      worst.ours = result.A(i, j);
+      if (!Exceeds(deviation, worst)) continue;
+      worst = deviation;
+      row = i;
+      column = j;
     }
   }
-  if (Agrees(of_record.deviation)) {
+  if (Agrees(worst)) {
     ++records_with_equal_A_;
-  } else {
-    left_over_.push_back(worst);
+    return;
   }
-}
-
-ReplaySummary::Tally ReplaySummary::Total() const {
-  Tally total;
-  for (const auto& [kind, tally] : kinds_) {
-    total.rows += tally.rows;
-    total.agree_before += tally.agree_before;
-    total.agree_after += tally.agree_after;
-    total.before.Take(tally.before.deviation, tally.before.id);
-    total.after.Take(tally.after.deviation, tally.after.id);
-    total.geometry.Take(tally.geometry.deviation, tally.geometry.id);
-  }
-  return total;
+  const auto kind = [&result](Index k) { return result.rows[static_cast<size_t>(k)].kind; };
+  const std::string what = "A[" + std::to_string(row) + "][" + std::to_string(column) + "]";
+  left_over_.push_back({where, record.id, what + " (" + kind(row) + ", " + kind(column) + ")", record.A(row, column),
+                        result.A(row, column)});
 }
 
 std::string ReplaySummary::Table() const {
@@ -312,8 +287,7 @@ std::string ReplaySummary::Table() const {
         << tally.agree_before << std::setw(9) << Short(tally.before.deviation) << std::setw(9) << tally.agree_after
         << std::setw(9) << Short(tally.after.deviation) << std::setw(11) << Short(tally.geometry.deviation) << "\n";
   };
-  const Tally total = Total();
-  out << records_ << " records, " << total.rows << " rows; numbers agree within " << kReplayTolerance
+  out << records_ << " records, " << total_.rows << " rows; numbers agree within " << kReplayTolerance
       << " (1 + |recorded|)\n\n"
       << "A: " << records_with_equal_A_ << " of " << records_ << " records agree, largest deviation "
       << Short(A_.deviation) << (A_.id.empty() ? "" : " in " + A_.id) << "\n\n"
@@ -321,7 +295,7 @@ std::string ReplaySummary::Table() const {
       << "                                     as recorded         corrected     n, d, d'\n"
       << "kind                       rows    agree  largest    agree  largest    largest\n";
   for (const auto& [kind, tally] : kinds_) line(kind, tally);
-  line("total", total);
+  line("total", total_);
   out << "\ncorrections             rows     largest  in record   added to the recorded b\n";
   for (size_t k = 0; k < kCorrectionCount; ++k) {
     const CorrectionText& text = kCorrectionTexts[k];
@@ -370,7 +344,7 @@ std::string ReplaySummary::Json() const {
   }
   const Json out = {
       {"records", records_},
-      {"rows", Total().rows},
+      {"rows", total_.rows},
       {"tolerance", kReplayTolerance},
       {"agrees", AllAgree()},
       {"A", {{"records", records_}, {"agree", records_with_equal_A_}, {"largest", A_.deviation}, {"id", A_.id}}},

@@ -135,12 +135,11 @@ class ReplaySummary {
     double ours = 0;
   };
 
-  Tally Total() const;
-
   size_t records_ = 0;
   size_t records_with_equal_A_ = 0;
   Largest A_;
   std::map<std::string, Tally> kinds_;
+  Tally total_;
   std::array<Size, kCorrectionCount> corrections_;
   std::vector<LeftOver> left_over_;
 };

@@ -32,38 +32,32 @@ void Add(Json* object, const char* key, Vec2 value) {
   if (!IsDefault(value.x) || !IsDefault(value.y)) (*object)[key] = ToJson(value);
 }
 
-// The curve with every number stated, without its range.
+// The curve with every number under its name in files, without its range and side.
 Json ToJson(const OutlineCurve& curve) {
-  const auto oval = [](const auto& e) {
-    return Json{{"center", ToJson(e.center)}, {"a", e.a}, {"b", e.b}, {"phi", e.phi}};
-  };
-  return std::visit(Overloaded{[](const StraightEdge& e) {
-                                 return Json{{"line", {{"from", ToJson(e.a)}, {"to", ToJson(e.b)}}}};
-                               },
-                               [](const ArcEdge& e) {
-                                 return Json{{"arc", {{"center", ToJson(e.center)}, {"radius", e.radius}}}};
-                               },
-                               [&](const EllipseEdge& e) {
-                                 return Json{{"ellipse", oval(e)}};
-                               },
-                               [&](const SuperellipseEdge& e) {
-                                 Json json = oval(e);
-                                 json["m"] = e.m;
-                                 return Json{{"superellipse", json}};
-                               },
-                               [](const BezierEdge& e) {
-                                 Json points = Json::array();
-                                 for (const Vec2 p : e.P) points.push_back(ToJson(p));
-                                 return Json{{"bezier", {{"points", points}}}};
-                               }},
-                    curve);
+  return std::visit(
+      [](const auto& e) {
+        constexpr bool kIsStraight = std::is_same_v<decltype(e), const StraightEdge&>;
+        Json form;
+        e.Fields(e, [&](const std::string& name, const auto& value) {
+          if constexpr (kIsStraight) {
+            form[name == "a" ? "from" : "to"] = ToJson(value);
+          } else if constexpr (requires { value.x; }) {
+            form[name] = ToJson(value);
+          } else if constexpr (requires { value[0].x; }) {
+            for (const Vec2 p : value) form["points"].push_back(ToJson(p));
+          } else if constexpr (!std::is_same_v<decltype(value), const Side&>) {
+            form[name] = value;
+          }
+        });
+        return Json{{kIsStraight ? "line" : e.kName, form}};
+      },
+      curve);
 }
 
 Json ToJson(const OutlinePiece& piece) {
   Json json = ToJson(piece.edge);
   Json& form = json.begin().value();
-  const bool has_default =
-      std::holds_alternative<StraightEdge>(piece.edge) || std::holds_alternative<BezierEdge>(piece.edge);
+  const bool has_default = !std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
   if (has_default && IsDefault(piece.s_begin) && piece.s_end == 1) return json;
   form["s_begin"] = piece.s_begin;
   form["s_end"] = piece.s_end;

@@ -1,11 +1,4 @@
 // billiards-break: a triangular rack of equal discs, seen from above, pressed by a cue ball at its apex.
-//
-// As one problem, the rack is at rest and every disc is pushed at random, the cue ball into the rack. As a sequence it
-// is the break: the cue ball comes from the head of the table, without any load, between four cushions. Restitution is
-// the simulation's to choose; 0.95 is that of billiard balls. The break is one simultaneous impact, every later one
-// another problem of impulses.
-//
-// Discs are racked layer by layer. The last one or two rows are closed by discs in line behind the cue ball.
 
 #include <algorithm>
 #include <cmath>

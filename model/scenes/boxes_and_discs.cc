@@ -1,8 +1,4 @@
 // boxes-and-discs: a stepped brick wall in running bond with discs in its joints and on its steps.
-//
-// Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>

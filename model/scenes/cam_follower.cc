@@ -1,10 +1,4 @@
 // cam-follower: a row of cams, coupled by rods to turn together, each lifting a spring-loaded follower in a guide.
-//
-// A coupled cam with its follower makes six rows, a cam of prescribed motion with follower three, one that carries a
-// loose ball one row.
-//
-// In motion: the first cams turn at constant speed and drive the others through the rods; gravity and springs close the
-// followers.
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +9,6 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -172,9 +165,8 @@ class CamRow final : public SceneBuilder {
   }
 
   int AddDrivenCam() {
-    Body cam = MakeBody(DrawShape(true), kCamDensity);
+    Body cam = MakePlate(DrawShape(true), kCamDensity);
     const Vec2 axle_point = -cam.x;
-    cam.name.clear();
     cam.theta = random_.Uniform(0, 2 * kPi);
     const Vec2 axle = NextAxle();
     const Vec2 arm = -Rotate(SinCos(cam.theta), axle_point);
@@ -203,22 +195,15 @@ class CamRow final : public SceneBuilder {
     const double x = axle_.x + random_.Uniform(-kMaxOffset, kMaxOffset);
     const double half_width = random_.Uniform(0.06, 0.09);
     const double kind = random_.Uniform();
-    int body = -1;
-    if (oval || kind < 0.35) {
-      const Top top = TopForFace(Get(cam));
-      // A face wide enough for the highest point of every cam in every position.
-      const double width = 0.5;
-      body = AddFollowerBody(Tappet(width, half_width), {x, top.height});
-      Touch(body, cam, top.feature);
-    } else if (kind < 0.7) {
-      const Top top = *TopForCircle(Get(cam), x, half_width);
-      body = AddFollowerBody(Roller(half_width), {x, top.height});
-      Touch(body, cam, top.feature);
-    } else {
-      const Top top = *TopForCircle(Get(cam), x, 0);
-      body = AddFollowerBody(KnifeEdge(half_width), {x, top.height});
-      Touch(body, Vertex{BodyPoint(Get(body), {x, top.height})}, cam, top.feature);
-    }
+    const bool flat = oval || kind < 0.35;
+    const bool roller = !flat && kind < 0.7;
+    const Top top = flat ? TopForFace(Get(cam)) : *TopForCircle(Get(cam), x, roller ? half_width : 0);
+    const Vec2 at{x, top.height};
+    const int body = AddFollowerBody(flat     ? Tappet(half_width)
+                                     : roller ? Roller(half_width)
+                                              : KnifeEdge(half_width),
+                                     at);
+    Touch(body, flat || roller ? Piece(body) : Vertex{BodyPoint(Get(body), at)}, cam, top.feature);
     Get(body).v.y = StillVelocity(system_, 1);
     AddGuide(body, x, half_width);
     AddSpring(body, x);
@@ -227,17 +212,17 @@ class CamRow final : public SceneBuilder {
   /// Outlines begin with the underside; their frames have their origins at the follower's lowest point or, of a
   /// roller, at the roller's centre.
   int AddFollowerBody(OutlineLoop outline, Vec2 at) {
-    Body body = MakeBody({"follower", {std::move(outline)}}, kFollowerDensity);
-    body.name.clear();
+    Body body = MakePlate({"", {std::move(outline)}}, kFollowerDensity);
     body.x = body.x + at;
     return Add("follower", body);
   }
 
   /// A flat plate below a stem.
-  static OutlineLoop Tappet(double width, double half) {
+  static OutlineLoop Tappet(double half) {
     constexpr double kPlate = 0.05;
     constexpr double kTop = kFollowerHeight;
-    const double w = width / 2;
+    // A face wide enough for the highest point of every cam in every position.
+    constexpr double w = 0.25;
     return Polyline({{-w, 0},
                      {w, 0},
                      {w, kPlate},

@@ -1,11 +1,4 @@
 // chain-of-links: links joined by pins, lying over a turning drum.
-//
-// k links make 3 k - 2 rows; what is missing is closed by a rope from the chain's end to a peg that turns with the
-// drum, and by a ball on the first link, one row each. (Ropes at both ends would nearly be a self-stress, with forces
-// beyond all loads.)
-//
-// In motion: the drum goes on turning at its speed, gravity pulls the chain's ends down, and a chain that no rope holds
-// slides off into the round casing.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +7,6 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -97,8 +89,7 @@ class Chain final : public SceneBuilder {
   void AddLink(Vec2 foot, double behind, double ahead) {
     const Vec2 along = -Perp(foot);
     const double half = (behind + ahead) / 2;
-    Body body = MakeBody(Capsule(2 * half, kLinkRadius), kDensity);
-    body.name.clear();
+    Body body = MakePlate(Capsule(2 * half, kLinkRadius), kDensity);
     body.theta = AngleOf(along);
     body.x = (Radius(drum_) + kLinkRadius) * foot + ((ahead - behind) / 2) * along;
     TurnWithDrum(&body);

@@ -1,8 +1,4 @@
 // disc-pile: discs of many sizes and masses, dropped one after the other into a box.
-//
-// An odd count is closed by a disc that stands on the crest of the pile: one row.
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,4 @@
 // disc-track: a chain of touching discs that slides along the inside of a circular track.
-//
-// k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
-//
-// In motion: the track lies on a plane that is nearly level. In an upright one discs would fall from the top of the
-// track, and every fall is a cascade of impacts along the chain.
 
 #include <cmath>
 #include <vector>

@@ -1,9 +1,4 @@
 // discs-in-v: equal discs stacked between two walls that open at 60 degrees.
-//
-// Rows are filled disc by disc, layer by layer. The last discs close the count: one in a cradle without its left
-// neighbour (two rows) or one that slides down the right-hand wall above the stack (one row).
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>

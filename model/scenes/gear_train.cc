@@ -1,11 +1,4 @@
 // gear-train: gears on pins, each in mesh with the next, driven by a motor.
-//
-// k gears make 3 k rows; what is missing is closed by rollers on the motor's teeth, one row each. Gears turn at the
-// speeds at which their teeth stay in contact, and are placed where the ratios deviate least from those of the counts
-// of teeth, so that they do not drift along a long train.
-//
-// In motion: the motor turns at constant speed, brakes of different strength resist every gear, and gears rattle
-// through their backlash.
 
 #include <algorithm>
 #include <array>
@@ -18,7 +11,6 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -80,7 +72,7 @@ GearKind MakeGearKind(int teeth) {
   shape.tip_share = kTipWidth * kModule * teeth / (2 * kPi * shape.tip_radius);
   shape.foot_share = kFootWidth * kModule * teeth / (2 * kPi * shape.root_radius);
   shape.flank_radius = kFlankRadius * kModule;
-  kind.body = MakeBody(Gear(shape), kDensity);
+  kind.body = MakePlate(Gear(shape), kDensity);
   // Pieces of a tooth: clockwise flank, tip land, counter-clockwise flank, root land.
   constexpr std::size_t kPieces = 4;
   for (int tooth = 0; tooth < teeth; ++tooth) {
@@ -110,77 +102,63 @@ struct Mesh {
   Feature feature2;                                         ///< of the new gear
 };
 
-/// Where the flanks of a gear kind touch those of a placed gear when turned from the middle of the backlash, `side` 1
-/// counter-clockwise, 0 clockwise. Circles of radii r1, r2 touch where their centres are r1 + r2 apart: with the new
-/// gear's centre that is a triangle of three known sides, so that the angle needs no search.
-class MeshSearch {
- public:
-  MeshSearch(const GearKind& kind1, const Body& gear1, const GearKind& kind2, Vec2 axle2, std::size_t side)
-      : kind1_(kind1), gear1_(gear1), kind2_(kind2), axle2_(axle2), side_(side), turn1_(SinCos(gear1.theta)) {}
+/// The rotations about the origin, two or none, that bring point b to that distance from point a: with the origin a
+/// triangle of three known sides, so that the angle needs no search.
+std::vector<Rotation> TurnsToDistance(Vec2 a, Vec2 b, double distance) {
+  const double aa = Dot(a, a);
+  const double bb = Dot(b, b);
+  const double product = std::sqrt(aa * bb);
+  const double cosine = (aa + bb - distance * distance) / (2 * product);
+  if (std::abs(cosine) >= 1) return {};
+  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+  // The unit complex number that turns b to the direction of a, turned further by the triangle's angle.
+  const Rotation align{Dot(a, b) / product, Cross(b, a) / product};
+  const auto turned = [&](double sign) -> Rotation {
+    return {align.cos * cosine - sign * align.sin * sine, align.sin * cosine + sign * align.cos * sine};
+  };
+  return {turned(-1), turned(1)};
+}
 
-  std::optional<Mesh> Run() {
-    const Vec2 line = axle2_ - WorldPoint(gear1_, kind1_.axle);
-    const double line_angle = AngleOf(line);
-    const double pitch1 = 2 * kPi / kind1_.teeth;
-    const double pitch2 = 2 * kPi / kind2_.teeth;
-    const double nearest = std::round((line_angle - gear1_.theta) / pitch1);
-    const double off = gear1_.theta + nearest * pitch1 - line_angle;
-    // A gap of the new gear faces that tooth; in the frame of its tooth 0.
-    middle_ = line_angle + kPi - off * kind1_.teeth / kind2_.teeth + pitch2 / 2;
-    for (int tooth = -2; tooth <= 2; ++tooth) {
-      const int turns = kind1_.teeth;
-      const auto index = static_cast<std::size_t>(((static_cast<int>(nearest) + tooth) % turns + turns) % turns);
-      for (const FlankFeature& feature1 : kind1_.flanks[index][side_]) {
-        for (const FlankFeature& feature2 : kind2_.flanks[0][side_]) {
-          if (feature1.radius > 0 || feature2.radius > 0) Try(feature1, feature2);
-        }
+/// Where the flanks of a gear kind touch those of a placed gear when turned from the middle of the backlash, `side` 1
+/// counter-clockwise, 0 clockwise: circles of radii r1, r2 with centres r1 + r2 apart.
+std::optional<Mesh> FindMesh(const GearKind& kind1, const Body& gear1, const GearKind& kind2, Vec2 axle2,
+                             std::size_t side) {
+  const double line_angle = AngleOf(axle2 - WorldPoint(gear1, kind1.axle));
+  const double pitch1 = 2 * kPi / kind1.teeth;
+  const double pitch2 = 2 * kPi / kind2.teeth;
+  const double nearest = std::round((line_angle - gear1.theta) / pitch1);
+  const double off = gear1.theta + nearest * pitch1 - line_angle;
+  // A gap of the new gear faces that tooth; in the frame of its tooth 0.
+  const double middle = line_angle + kPi - off * kind1.teeth / kind2.teeth + pitch2 / 2;
+  const Rotation turn1 = SinCos(gear1.theta);
+  Mesh best;
+  const auto consider = [&](const FlankFeature& feature1, const FlankFeature& feature2) {
+    const Vec2 center1 = WorldPoint(gear1, feature1.center);
+    const Vec2 b = feature2.center - kind2.axle;
+    const double reach = feature1.radius + feature2.radius;
+    for (const Rotation turn : TurnsToDistance(center1 - axle2, b, reach)) {
+      const Vec2 n = (1 / reach) * (axle2 + Rotate(turn, b) - center1);
+      if (!HasNormal(feature1, Rotate({turn1.cos, -turn1.sin}, n))) continue;
+      if (!HasNormal(feature2, Rotate({turn.cos, -turn.sin}, -n))) continue;
+      // All teeth of the new gear are alike: only the angle modulo its pitch counts.
+      const double theta = AngleOf({turn.cos, turn.sin});
+      const double from_middle = theta + std::round((middle - theta) / pitch2) * pitch2 - middle;
+      const double travel = side == 1 ? from_middle : -from_middle;
+      if (travel < best.travel) best = {theta, travel, feature1.feature, feature2.feature};
+    }
+  };
+  for (int tooth = -2; tooth <= 2; ++tooth) {
+    const int turns = kind1.teeth;
+    const auto index = static_cast<std::size_t>(((static_cast<int>(nearest) + tooth) % turns + turns) % turns);
+    for (const FlankFeature& feature1 : kind1.flanks[index][side]) {
+      for (const FlankFeature& feature2 : kind2.flanks[0][side]) {
+        if (feature1.radius > 0 || feature2.radius > 0) consider(feature1, feature2);
       }
     }
-    if (!std::isfinite(best_.travel)) return std::nullopt;
-    return best_;
   }
-
- private:
-  void Try(const FlankFeature& feature1, const FlankFeature& feature2) {
-    const Vec2 center1 = WorldPoint(gear1_, feature1.center);
-    const Vec2 a = center1 - axle2_;
-    const Vec2 b = feature2.center - kind2_.axle;
-    const double reach = feature1.radius + feature2.radius;
-    const double aa = Dot(a, a);
-    const double bb = Dot(b, b);
-    const double product = std::sqrt(aa * bb);
-    const double cosine = (aa + bb - reach * reach) / (2 * product);
-    if (std::abs(cosine) >= 1) return;
-    const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-    for (const double sign : {-1.0, 1.0}) {
-      // The unit complex number that turns b to the direction of a, turned further by the triangle's angle.
-      const Rotation align{Dot(a, b) / product, Cross(b, a) / product};
-      const Rotation turn{align.cos * cosine - sign * align.sin * sine, align.sin * cosine + sign * align.cos * sine};
-      const Vec2 n = (1 / reach) * (axle2_ + Rotate(turn, b) - center1);
-      if (!HasNormal(feature1, Rotate({turn1_.cos, -turn1_.sin}, n))) continue;
-      if (!HasNormal(feature2, Rotate({turn.cos, -turn.sin}, -n))) continue;
-      Keep(AngleOf({turn.cos, turn.sin}), feature1, feature2);
-    }
-  }
-
-  /// All teeth of the new gear are alike: only the angle modulo its pitch counts.
-  void Keep(double theta, const FlankFeature& feature1, const FlankFeature& feature2) {
-    const double pitch2 = 2 * kPi / kind2_.teeth;
-    const double teeth_off = std::round((middle_ - theta) / pitch2);
-    const double from_middle = theta + teeth_off * pitch2 - middle_;
-    const double travel = side_ == 1 ? from_middle : -from_middle;
-    if (travel < best_.travel) best_ = {theta, travel, feature1.feature, feature2.feature};
-  }
-
-  const GearKind& kind1_;
-  const Body& gear1_;
-  const GearKind& kind2_;
-  Vec2 axle2_;
-  std::size_t side_;
-  Rotation turn1_;
-  double middle_ = 0;
-  Mesh best_;
-};
+  if (!std::isfinite(best.travel)) return std::nullopt;
+  return best;
+}
 
 class GearTrain final : public SceneBuilder {
  public:
@@ -265,7 +243,7 @@ class GearTrain final : public SceneBuilder {
       const double incline = up * random_.Uniform(kIncline);
       const std::size_t side = random_.Uniform() < 0.5 ? 0 : 1;
       const Vec2 axle = last_axle_ + (last_kind_->pitch_radius + kind.pitch_radius) * Direction(incline);
-      const std::optional<Mesh> mesh = MeshSearch(*last_kind_, Last(), kind, axle, side).Run();
+      const std::optional<Mesh> mesh = FindMesh(*last_kind_, Last(), kind, axle, side);
       if (!mesh) continue;
       ContactSystem pair;
       pair.bodies = {Last(), kind.body};
@@ -283,7 +261,6 @@ class GearTrain final : public SceneBuilder {
       best_kind = &kind;
       best_axle = axle;
     }
-    best.bodies[1].name.clear();
     const int gear = Add("gear", best.bodies[1]);
     Join(ConstraintType::kPin, gear, best_kind->axle, frame_, Vertex{best_axle});
     Touch(gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);

@@ -1,10 +1,4 @@
 // newtons-cradle: a row of pendulums that touch.
-//
-// k balls make 2 k - 1 rows, and one more for each rigid arm: their number sets the parity.
-//
-// In motion: equal balls on rods with small gaps, the first one or two lifted and let go. The gaps matter: touching
-// balls under one common restitution give (-1/3, 2/3, 2/3) after the first impact, and not the row of impacts that
-// sends off the last ball.
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,4 @@
 // oval-train: a train on a closed oval track, its cars kept on it by two path joints each.
-//
-// k cars make 3 k - 1 rows; what is missing is closed by a trolley with a single path joint (one row), coupled to the
-// last car (two rows).
-//
-// In motion: the track stands upright in gravity, and the first car drives the train with a constant thrust.
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +9,6 @@
 #include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -186,8 +180,7 @@ class Train final : public SceneBuilder {
     const double front = after->radius1;
     const Outline hull =
         front <= rear ? Cam(rear, front, wheelbase) : Transformed(Cam(front, rear, wheelbase), kPi, {wheelbase, 0});
-    Body body = MakeBody(hull, kDensity);
-    body.name.clear();
+    Body body = MakePlate(hull, kDensity);
     const Vec2 rear_joint = -body.x;
     const Vec2 front_joint = Vec2{wheelbase, 0} - body.x;
 

@@ -1,9 +1,4 @@
 // ovals-in-bowl: ellipses of many shapes and sizes, at all angles, piled up in a round bowl.
-//
-// As a sequence: the swinging pile under gravity alone.
-//
-// Ovals fill the bowl from its bottom, each in the lowest pocket of the pile's surface (oval_front.h): k ovals make
-// 2 k - 1 rows. An even count is closed by one on the pile's crest.
 
 #include <algorithm>
 #include <cmath>

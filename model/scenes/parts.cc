@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "model/contact/assembly.h"
+#include "model/shape/mass_properties.h"
 
 namespace lcpbench {
 namespace {
@@ -95,10 +96,7 @@ Body MakeRing(Vec2 x, double outer_radius, double inner_radius, double density) 
   return body;
 }
 
-Body MakeRoundedBox(Vec2 x, double width, double height, double corner, double density) {
-  const double w = width;
-  const double h = height;
-  const double r = corner;
+Body MakeRoundedBox(Vec2 x, double w, double h, double r, double density) {
   // The box, less a square at each corner, and a quarter disc about each corner's centre c instead. Moments per
   // density about the middle; a quarter disc's centroid is 4 r / (3 pi) from c along both axes.
   const Vec2 c{w / 2 - r, h / 2 - r};
@@ -125,6 +123,11 @@ Body MakeRoundedBox(Vec2 x, double width, double height, double corner, double d
     body.outline.push_back({ArcEdge{center, r, Side::kConvex}, (k - 1) * kPi / 2, k * kPi / 2});
   }
   return body;
+}
+
+Body MakePlate(Outline outline, double density) {
+  outline.name.clear();
+  return MakeBody(outline, density);
 }
 
 Body MakeFixed(std::string name, std::vector<OutlineEdge> outline) {

@@ -9,6 +9,7 @@
 #include "model/contact/system.h"
 #include "model/geometry/trig.h"
 #include "model/scenes/random.h"
+#include "model/shape/outline.h"
 
 namespace lcpbench {
 
@@ -39,9 +40,11 @@ Body MakeBox(Vec2 x, double width, double height, double density);
 Body MakeOval(Vec2 x, double theta, double a, double b, double density);
 /// A homogeneous ring about x, inner < outer radius: mass pi (R^2 - r^2) density, inertia m (R^2 + r^2) / 2.
 Body MakeRing(Vec2 x, double outer_radius, double inner_radius, double density);
-/// A homogeneous box about x with quarter-circle corners, 0 < corner, 2 corner < width and height; outline: bottom,
+/// A homogeneous box about x, w by h, with quarter-circle corners of radius r, 0 < r, 2 r < w and h; outline: bottom,
 /// lower right corner, right, and so on.
-Body MakeRoundedBox(Vec2 x, double width, double height, double corner, double density);
+Body MakeRoundedBox(Vec2 x, double w, double h, double r, double density);
+/// A homogeneous body of that shape (MakeBody) that has no name yet.
+Body MakePlate(Outline outline, double density);
 /// A body that cannot move, at the origin.
 Body MakeFixed(std::string name, std::vector<OutlineEdge> outline = {});
 

@@ -1,8 +1,4 @@
 // rockers: a row of rocking bodies with round bottoms and straight tops, on a floor, carrying discs, boxes and poles.
-//
-// A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
-//
-// In motion: the same in upright gravity, a fifth as fast.
 
 #include <algorithm>
 #include <cmath>

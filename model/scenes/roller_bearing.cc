@@ -1,8 +1,4 @@
 // roller-bearing: bearings with rows of rollers between concentric races, side by side and on top of one another.
-//
-// As a sequence: the same speeds under gravity, with a load on every shaft.
-//
-// The last bearing ends where the rows do; a single row left is a disc on its top (or, alone, on the floor).
 
 #include <algorithm>
 #include <cmath>
@@ -177,12 +173,10 @@ class Bearings final : public SceneBuilder {
   /// One row on top of the last bearing, or on the floor.
   void AddTopDisc() {
     constexpr double kRadius = 0.1;
-    if (rings_.empty()) {
-      Touch(Add("disc", MakeDisc({kOuterRadius, kRadius}, kRadius, kDensity)), frame_, Floor());
-      return;
-    }
-    const Vec2 top = Get(rings_.back()).x + Vec2{0, kOuterRadius + kRadius};
-    Touch(Add("disc", MakeDisc(top, kRadius, kDensity)), rings_.back());
+    const bool alone = rings_.empty();
+    const Vec2 x = alone ? Vec2{kOuterRadius, kRadius} : Get(rings_.back()).x + Vec2{0, kOuterRadius + kRadius};
+    const int on = alone ? frame_ : rings_.back();
+    Touch(Add("disc", MakeDisc(x, kRadius, kDensity)), on, alone ? Feature{Floor()} : Piece(on));
   }
 
   int frame_ = 0;

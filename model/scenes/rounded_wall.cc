@@ -1,12 +1,4 @@
 // rounded-wall: a toothed brick wall in running bond, of bricks with rounded corners.
-//
-// Corner radii are random, from two ranges that alternate along a course, so that the ends of two faces' overlap never
-// coincide (where they do, the contact's features are ambiguous). All at rest: gamma = 0.
-//
-// As a sequence: the wall on a plane that leans by a sixth, down which its courses slide.
-//
-// Rows left when the next brick would bring too many are closed beside the wall by bricks (two rows) and a disc (one)
-// on the floor.
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,4 @@
 // spinning-drum: balls and ovals between the baffles of a turning drum.
-//
-// Balls bring two rows each; a chain of k ovals 2 k - 1.
-//
-// In motion: the drum turns at constant speed about as fast as holds the bodies to its wall, and those at the top fall.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +7,6 @@
 
 #include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -178,12 +173,11 @@ class Drum final : public SceneBuilder {
     const double inner = radius_ - std::max(kBaffleHeight, 2 * b);
     const double margin = (kBaffleWidth / 2 + kClearance) / inner;
     const EllipseEdge rim{{}, a, b, 0, Side::kConvex};
-    const Body shape = MakeBody(Ellipse(a, b), kDensity);
+    const Body shape = MakePlate(Ellipse(a, b), kDensity);
     Vec2 edge = Turned(ray, OfSine(margin));
     for (int k = 0; k < sector.bodies; ++k) {
       const Vec2 direction = Turned(edge, OfSine(half_sine));
       Body oval = shape;
-      oval.name.clear();
       oval.x = c * direction;
       oval.theta = AngleOf(Perp(direction));
       const int body = Add("oval", oval);

@@ -1,15 +1,4 @@
 // tall-stacks: stacks of boxes, discs and ovals, heavy on light, many of them with a heavy beam across three.
-//
-// Contacts are flat (box on box or floor, two rows), round on flat, and round on round (one row); discs and ovals roll
-// and slide over one another, so that gamma is nonzero there and depends on curvature. A beam stands on three stacks of
-// the same height and overhangs by its own contacts: rank 0.97 of the rows at 1000.
-//
-// The topmost and heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others
-// either way: one that presses down closes its whole stack.
-//
-// As a sequence: the same velocities under gravity alone; the stacks fall apart.
-//
-// The last rows go to single stacks without a beam.
 
 #include <algorithm>
 #include <cmath>

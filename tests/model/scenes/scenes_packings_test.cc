@@ -27,10 +27,6 @@
 namespace lcpbench {
 namespace {
 
-using lcpbench::testing::HashOf;
-using lcpbench::testing::kSceneSize;
-using lcpbench::testing::Solid;
-
 struct RandomOvalPlace {
   PlacedOval oval;
   double theta;
@@ -93,35 +89,6 @@ TEST(OvalSupports, AreStationaryWhereTheBoundaryIs) {
     EXPECT_NEAR((at(angle + kStep).h - at(angle - kStep).h) / (2 * kStep), Dot(here.arm, Perp(Vec2{n.cos, n.sin})),
                 1e-7);
     EXPECT_NEAR((at(angle + kStep).h - 2 * here.h + at(angle - kStep).h) / (kStep * kStep) + here.h, here.radius, 1e-6);
-  }
-}
-
-TEST(OvalsInBowl, OverlapNowhereWhateverTheSeed) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const ContactSystem system = GenerateScene("ovals-in-bowl", 700, seed);
-    const auto listed = lcpbench::testing::ContactsOfPairs(system.constraints);
-    const auto edge = [](const Body& body) { return std::get<EllipseEdge>(body.outline[0].edge); };
-    const ArcEdge bowl = std::get<ArcEdge>(system.bodies[0].outline[0].edge);
-    int near = 0;
-    for (std::size_t i = 1; i < system.bodies.size(); ++i) {
-      const Body& body = system.bodies[i];
-      const EllipseEdge oval = edge(body);
-      ASSERT_LE(Norm(body.x) - oval.b, bowl.radius);
-      for (std::size_t j = 0; j < i; ++j) {
-        const Body& other = system.bodies[j];
-        if (listed.contains({static_cast<int>(j), static_cast<int>(i)})) continue;
-        const bool reaches =
-            j == 0 ? Norm(body.x) + oval.a > bowl.radius : Norm(body.x - other.x) < oval.a + edge(other).a;
-        if (!reaches) continue;
-        ++near;
-        const Feature feature = j == 0 ? Feature{bowl} : Feature{edge(other)};
-        const double d = FindClosestPoints({oval, body.x, SinCos(body.theta), body.theta},
-                                           {feature, other.x, SinCos(other.theta), other.theta})
-                             .d;
-        ASSERT_GE(d, 1e-6 * kSceneSize) << system.name << ": " << body.name << ", " << other.name;
-      }
-    }
-    EXPECT_GT(near, 50);
   }
 }
 
@@ -306,26 +273,6 @@ TEST(PackingWorlds, KeepGravityAloneOfTheLoads) {
     EXPECT_EQ(body.force.x, body.mass);
     EXPECT_EQ(body.force.y, -2 * body.mass);
     EXPECT_EQ(body.torque, 0);
-  }
-}
-
-TEST(PackingRanks, AreAsTheFamiliesSay) {
-  constexpr double kZero = 1e-11;
-  constexpr int kRows = 300;
-  const std::pair<const char*, std::pair<double, double>> shares[] = {{"ovals-in-bowl", {1, 1}},
-                                                                      {"roller-bearing", {0.75, 0.9}},
-                                                                      {"rounded-wall", {0.45, 0.65}},
-                                                                      {"tall-stacks", {0.95, 0.995}},
-                                                                      {"billiards-break", {0.65, 0.8}}};
-  for (const auto& [key, share] : shares) {
-    const Eigen::VectorXd values =
-        lcpbench::testing::ScaledEigenvalues(AssembleContactLcp(GenerateScene(key, kRows, 1)).problem);
-    const auto rank = (values.array() > kZero * values.maxCoeff()).count();
-    EXPECT_GE(static_cast<double>(rank), share.first * kRows) << key;
-    EXPECT_LE(static_cast<double>(rank), share.second * kRows) << key;
-    if (std::string_view(key) == "tall-stacks") {
-      EXPECT_GE(values.maxCoeff() / values[kRows - rank], 1e6);
-    }
   }
 }
 
