@@ -33,73 +33,11 @@ Feature LineThrough(const Body& body, Vec2 arm, Vec2 n) {
   return StraightEdge{ToBody(body, arm - along), ToBody(body, arm + along)};
 }
 
-// Relative velocity at the ends of the centre arms, as the software takes it.
-Vec2 RelativeVelocity(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
-  const Body& body2 = bodies[static_cast<size_t>(contact.body2)];
-  return (body1.v + body1.omega * Perp(contact.U1)) - (body2.v + body2.omega * Perp(contact.U2));
-}
-
-// The software gives n' of a path, not its curvature: on a fixed body n' = kappa u t. At u = 0 any curvature will do.
-double PathCurvature(const RecordedContact& contact, Vec2 dv) {
-  const Vec2 t = Perp(contact.n);
-  const double u = Dot(t, dv);
-  return u == 0 ? 0 : Dot(t, contact.normal_dt) / u;
-}
-
-double AttachmentDistance(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  const Vec2 dx = bodies[static_cast<size_t>(contact.body1)].x - bodies[static_cast<size_t>(contact.body2)].x;
-  return Norm(dx + (contact.R1 - contact.R2));
-}
-
 std::string KindText(const RecordedContact& contact) {
   const bool concave = (contact.kind == RecordedKind::kVertexCurved && contact.radius2 < 0) ||
                        (contact.kind == RecordedKind::kCurvedCurved && (contact.radius1 < 0 || contact.radius2 < 0));
   const bool world = contact.kind == RecordedKind::kJoint && contact.fixed_normal;
   return std::string(Name(contact.kind)) + (concave ? "_concave" : "") + (world ? "_world" : "");
-}
-
-std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  std::array<double, kCorrectionCount> added{};
-  const auto add = [&](Correction correction, double value) { added[static_cast<size_t>(correction)] = value; };
-  const Vec2 dv = RelativeVelocity(contact, bodies);
-  const double vn = Dot(contact.n, dv);
-  const double u = Dot(Perp(contact.n), dv);
-  const double omega1 = bodies[static_cast<size_t>(contact.body1)].omega;
-  const double omega2 = bodies[static_cast<size_t>(contact.body2)].omega;
-  const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
-  switch (contact.kind) {
-    case RecordedKind::kStraightCurved:
-      // Exact at any gap: radius1 contains it.
-      break;
-    case RecordedKind::kVertexStraight:
-      add(Correction::kVertexAboveEdge, -contact.distance * (omega1 - omega2) * (omega1 - omega2));
-      break;
-    case RecordedKind::kVertexCurved:
-    case RecordedKind::kRope:
-      add_normal_derivative(contact.radius2);
-      break;
-    case RecordedKind::kCurvedCurved:
-      add_normal_derivative(contact.radius1 + contact.radius2);
-      break;
-    case RecordedKind::kVertexVertex:
-      add_normal_derivative(contact.radius2);
-      add(Correction::kVertexAboveVertex, 2 * omega1 * u);
-      break;
-    case RecordedKind::kJoint:
-      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * omega2 * u);
-      break;
-    case RecordedKind::kPathJoint: {
-      const double kappa = PathCurvature(contact, dv);
-      add(Correction::kPathGap, kappa * u * u / (1 + kappa * contact.distance) - Dot(contact.normal_dt, dv));
-      break;
-    }
-    case RecordedKind::kRod:
-      add_normal_derivative(contact.radius2);
-      add(Correction::kRodLength, u * u * (1 / -contact.radius2 - 1 / AttachmentDistance(contact, bodies)));
-      break;
-  }
-  return added;
 }
 
 bool Agrees(double deviation) { return deviation <= kReplayTolerance; }
@@ -119,14 +57,19 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
   const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
   const Body& body2 = bodies[static_cast<size_t>(contact.body2)];
   const double d = contact.distance;
+  const double omega_difference = body1.omega - body2.omega;
+  // At the ends of the centre arms, as the software takes it.
+  const Vec2 dv = (body1.v + body1.omega * Perp(contact.U1)) - (body2.v + body2.omega * Perp(contact.U2));
+  const double vn = Dot(contact.n, dv);
+  const double u = Dot(Perp(contact.n), dv);
   RebuiltContact rebuilt;
+  const auto add = [&](Correction correction, double value) { rebuilt.added[static_cast<size_t>(correction)] = value; };
+  const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
   Constraint& constraint = rebuilt.constraint;
   constraint.body1 = contact.body1;
   constraint.body2 = contact.body2;
   constraint.nominal_gap = d;
   rebuilt.weight = {1, 0};
-  const double kappa =
-      contact.kind == RecordedKind::kPathJoint ? PathCurvature(contact, RelativeVelocity(contact, bodies)) : 0;
   // What most kinds join.
   constraint.feature1 = VertexAt(body1, contact.R1);
   constraint.feature2 = VertexAt(body2, contact.R2);
@@ -135,17 +78,21 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       // Both arms lead to the edge; the vertex is d above it.
       constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
       constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
+      add(Correction::kVertexAboveEdge, -d * omega_difference * omega_difference);
       break;
     case RecordedKind::kVertexCurved:
       constraint.feature2 = ArcAbout(body2, contact.U2, contact.radius2 - d);
+      add_normal_derivative(contact.radius2);
       break;
     case RecordedKind::kStraightCurved:
+      // Its b is exact at any gap: radius1 contains it.
       constraint.feature1 = ArcAbout(body1, contact.U1, contact.radius1 - d);
       constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
       break;
     case RecordedKind::kCurvedCurved:
       constraint.feature1 = ArcAbout(body1, contact.U1, contact.radius1 - d / 2);
       constraint.feature2 = ArcAbout(body2, contact.U2, contact.radius2 - d / 2);
+      add_normal_derivative(contact.radius1 + contact.radius2);
       break;
     case RecordedKind::kVertexVertex:
       constraint.type = ConstraintType::kRod;
@@ -153,28 +100,39 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
       constraint.length = d;
       rebuilt.gap_offset = d;
+      add_normal_derivative(contact.radius2);
+      add(Correction::kVertexAboveVertex, 2 * body1.omega * u);
       break;
     case RecordedKind::kJoint:
       constraint.type = ConstraintType::kPin;
       rebuilt.weight = {contact.n.x, contact.n.y};
+      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * body2.omega * u);
       break;
     case RecordedKind::kPathJoint: {
       constraint.type = ConstraintType::kPathJoint;
+      // The software gives n' of a path, not its curvature: on a fixed body n' = kappa u t. At u = 0 any will do.
+      const double kappa = u == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / u;
       // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
       const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
       constraint.feature2 =
           kappa == 0 ? LineThrough(body2, foot, contact.n) : ArcAbout(body2, foot - (1 / kappa) * contact.n, 1 / kappa);
+      add(Correction::kPathGap, kappa * u * u / (1 + kappa * d) - Dot(contact.normal_dt, dv));
       break;
     }
-    case RecordedKind::kRod:
+    case RecordedKind::kRod: {
       constraint.type = ConstraintType::kRod;
       constraint.length = -contact.radius2;
       rebuilt.weight = {-1, 0};
+      add_normal_derivative(contact.radius2);
+      const double distance = Norm((body1.x - body2.x) + (contact.R1 - contact.R2));
+      add(Correction::kRodLength, u * u * (1 / constraint.length - 1 / distance));
       break;
+    }
     case RecordedKind::kRope:
       constraint.type = ConstraintType::kRope;
       // radius2 is the current distance; the rope is longer by its slack.
       constraint.length = d - contact.radius2;
+      add_normal_derivative(contact.radius2);
       break;
   }
   return rebuilt;
@@ -213,7 +171,7 @@ ReplayResult Replay(const ReplayRecord& record) {
     ReplayRow row;
     row.kind = KindText(contact);
     row.recorded = record.b[i] - contact.extra;
-    row.added = Corrections(contact, record.bodies);
+    row.added = rebuilt[static_cast<size_t>(i)].added;
     row.ours = b[i];
     const double d = geometry(i, 2) + rebuilt[static_cast<size_t>(i)].gap_offset;
     row.geometry_deviation =

@@ -72,8 +72,9 @@ struct ReplayResult {
 /// recorded row = sum_k weight[k] (row k of the constraint).
 struct RebuiltContact {
   Constraint constraint;
-  std::array<double, 2> weight{};  ///< a pin has two rows (world x, y), all others one
-  double gap_offset = 0;           ///< recorded gap - weighted d
+  std::array<double, 2> weight{};                ///< a pin has two rows (world x, y), all others one
+  double gap_offset = 0;                         ///< recorded gap - weighted d
+  std::array<double, kCorrectionCount> added{};  ///< corrections of the recorded b, by Correction
 };
 
 /// Rods are recorded with n from attachment 1 to 2, hence weight -1. Vertex/vertex contacts, which this model refuses,

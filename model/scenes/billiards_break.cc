@@ -9,11 +9,9 @@
 namespace lcpbench {
 namespace {
 
-/// Of a pool ball [m], [kg].
-constexpr double kRadius = 0.028575;
-constexpr double kMass = 0.17;
-/// The cue ball's push over its weight, for each layer of the rack.
-constexpr double kPush = 3;
+constexpr double kRadius = 0.028575;  ///< of a pool ball [m]
+constexpr double kMass = 0.17;        ///< [kg]
+constexpr double kPush = 3;           ///< the cue ball's push over its weight, for each layer of the rack
 /// Pull towards the middle of the rack, over the weight, of a disc at its edge: a dished cloth.
 constexpr double kDish = 0.3;
 constexpr double kBreakSpeed = 8;  ///< [m/s]

@@ -15,11 +15,9 @@ constexpr double kJointRadius = 0.05;
 /// Distance of the bricks of a course: their length and a joint that a disc just fits into.
 constexpr double kPitch = kLength + 2 * kJointRadius;
 constexpr double kDensity = 100;
-/// In-plane gravity times the square root of the number of courses [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the wall gets higher.
-constexpr double kWeight = 0.4 * kGravity;
-constexpr double kJointShare = 0.8;  ///< of the joints hold a disc
-constexpr double kStepShare = 0.8;   ///< of the steps hold a disc
+constexpr double kWeight = 0.4 * kGravity;  ///< times the root of the number of courses [m/s^2]
+constexpr double kJointShare = 0.8;         ///< of the joints hold a disc
+constexpr double kStepShare = 0.8;          ///< of the steps hold a disc
 
 class Wall final : public SceneBuilder {
  public:

@@ -16,22 +16,17 @@ namespace {
 
 constexpr double kCamDensity = 60;
 constexpr double kFollowerDensity = 30;
-constexpr double kSpacing = 1;  ///< of cam axles [m]
-/// The crank arm of the coupling rods, common to all cams in the world [m].
-constexpr double kCrank = 0.07;
-constexpr Range kSpeed{3, 6};  ///< of the cams [rad/s]
-/// Largest distance of a follower's axis from the cam's axle [m].
-constexpr double kMaxOffset = 0.03;
+constexpr double kSpacing = 1;       ///< of cam axles [m]
+constexpr double kCrank = 0.07;      ///< the crank arm of the coupling rods, common to all cams in the world [m]
+constexpr Range kSpeed{3, 6};        ///< of the cams [rad/s]
+constexpr double kMaxOffset = 0.03;  ///< largest distance of a follower's axis from the cam's axle [m]
 constexpr double kFollowerHeight = 0.6;
-/// The guide's wall begins above every cam and ends above every follower [m].
-constexpr double kWallBottom = 0.45;
+constexpr double kWallBottom = 0.45;  ///< the guide's wall begins above every cam and ends above every follower [m]
 constexpr double kWallTop = 1.3;
 constexpr double kWallWidth = 0.08;
-/// Of a loose follower between its walls [m].
-constexpr double kPlay = 0.01;
+constexpr double kPlay = 0.01;  ///< of a loose follower between its walls [m]
 constexpr double kSpringAnchor = 1.5;
-/// Force of a follower's spring as it stands, over its weight.
-constexpr Range kPreload{0.5, 2};
+constexpr Range kPreload{0.5, 2};    ///< force of a follower's spring as it stands, over its weight
 constexpr double kSpringRest = 1.2;  ///< [m]: longer than any spring of the scene, so that all are compressed
 
 /// A highest contact: what a follower comes to rest on.
@@ -221,8 +216,7 @@ class CamRow final : public SceneBuilder {
   static OutlineLoop Tappet(double half) {
     constexpr double kPlate = 0.05;
     constexpr double kTop = kFollowerHeight;
-    // A face wide enough for the highest point of every cam in every position.
-    constexpr double w = 0.25;
+    constexpr double w = 0.25;  // a face wide enough for the highest point of every cam in every position
     return Polyline({{-w, 0},
                      {w, 0},
                      {w, kPlate},

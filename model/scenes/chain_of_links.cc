@@ -14,18 +14,14 @@ namespace {
 
 constexpr double kDensity = 50;
 constexpr double kLinkRadius = 0.05;
-/// From a joint to the next link's contact point, along the link [m].
-constexpr Range kArm{0.12, 0.25};
-/// The part of the drum that a long chain covers [rad].
-constexpr double kSpan = 3.4;
+constexpr Range kArm{0.12, 0.25};  ///< from a joint to the next link's contact point, along the link [m]
+constexpr double kSpan = 3.4;      ///< the part of the drum that a long chain covers [rad]
 constexpr double kMinDrum = 0.6;
 constexpr double kRope = 0.2;        ///< length of the rope at the chain's end [m]
 constexpr double kPegRadius = 0.04;  ///< that it is tied to [m]
 constexpr double kBallRadius = 0.08;
-/// Between the drum and its casing [m]: wider than any link is long.
-constexpr double kCasing = 0.8;
-/// Largest centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.3;
+constexpr double kCasing = 0.8;       ///< between the drum and its casing [m]: wider than any link is long
+constexpr double kCentripetal = 0.3;  ///< largest centripetal acceleration over gravity
 
 /// The direction turned clockwise by the angle of a right triangle with these legs; hypotenuse^2 = near^2 + far^2.
 Vec2 TurnedClockwise(Vec2 direction, double near, double far) {

@@ -13,11 +13,8 @@ namespace lcpbench {
 namespace {
 
 constexpr Range kRadius{0.06, 0.15};
-/// In-plane gravity times the square root of the number of layers [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the pile gets higher.
-constexpr double kWeight = 0.2 * kGravity;
-/// Width of the box over that of a square which holds the discs side by side.
-constexpr double kBoxAspect = 1.2;
+constexpr double kWeight = 0.2 * kGravity;  ///< times the root of the number of layers [m/s^2]
+constexpr double kBoxAspect = 1.2;  ///< width of the box over that of a square which holds the discs side by side
 /// Least gap between bodies that are not listed as touching, over the smaller radius: far above rounding.
 constexpr double kClearance = 1e-6;
 

@@ -10,15 +10,12 @@ namespace {
 
 constexpr Range kRadius{0.06, 0.14};
 constexpr double kDensity = 40;
-/// The part of the track that the chain covers [rad].
-constexpr double kSpan = 4.2;
-/// Centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.5;
+constexpr double kSpan = 4.2;         ///< the part of the track that the chain covers [rad]
+constexpr double kCentripetal = 0.5;  ///< centripetal acceleration over gravity
 /// In-plane gravity in motion over gravity: a plane so flat that a disc which passes the bottom with that acceleration
 /// stays on the track over the top, where v^2 = (kCentripetal - 4 kPlane) g R must be at least kPlane g R.
 constexpr double kPlane = kCentripetal / 5;
-/// Largest spin [rad/s].
-constexpr double kMaxSpin = 8;
+constexpr double kMaxSpin = 8;  ///< largest spin [rad/s]
 
 /// A disc with a cylindrical insert of radius r / 3 and random density at distance r / 2 from its centre.
 Body MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Random* random) {

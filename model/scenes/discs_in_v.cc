@@ -11,10 +11,7 @@ namespace {
 
 constexpr double kRadius = 0.1;
 constexpr double kDensity = 50;
-/// In-plane gravity times the number of layers [m/s^2]. The plane of motion lies nearly flat, the flatter the higher
-/// the stack: sums of random gusts grow with a region's size, those of weights with its square, and an upright stack's
-/// weight would close every contact below the top layers.
-constexpr double kWeight = 0.2 * kGravity;
+constexpr double kWeight = 0.2 * kGravity;  ///< times the number of layers [m/s^2]
 
 /// The wedge has its apex at the origin; disc i of layer k (both from 0) is the (i+1)-th from the left of k + 1.
 class Wedge final : public SceneBuilder {

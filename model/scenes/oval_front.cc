@@ -10,11 +10,9 @@ namespace {
 
 /// Least gap between an oval and what it does not rest on, over the largest semi-axis: far above rounding.
 constexpr double kClearance = 1e-6;
-/// Supports whose normals are closer to parallel hold nothing [sine].
-constexpr double kLeastCross = 0.15;
+constexpr double kLeastCross = 0.15;  ///< supports whose normals are closer to parallel hold nothing [sine]
 constexpr int kMaxNewton = 60;
-/// Ovals that a pocket may refuse before it is left empty.
-constexpr int kMaxRefusals = 50;
+constexpr int kMaxRefusals = 50;  ///< ovals that a pocket may refuse before it is left empty
 
 /// n turned by about `angle` (exactly by 2 atan(angle / 2)), a unit vector again.
 Vec2 Turned(Vec2 n, double angle) {
@@ -41,8 +39,7 @@ Vec2 Climb(Vec2 n, Evaluate evaluate) {
     if (std::abs(step) <= kConverged) break;
     Vec2 to = Turned(n, step);
     Jet there = evaluate(to);
-    // Close to the top rounding decides whether s rises: take Newton's word there.
-    constexpr double kTrusted = 1e-5;
+    constexpr double kTrusted = 1e-5;  // close to the top rounding decides whether s rises: take Newton's word there
     while (there.s < jet.s && std::abs(step) > kTrusted) {
       step /= 2;
       to = Turned(n, step);
@@ -100,17 +97,12 @@ OvalFront::OvalFront(double bowl_radius, double largest)
 
 void OvalFront::AddFirst(PlacedOval oval, Vec2 down) {
   oval.c = bowl_radius_ * down - SupportOf(oval, down).arm;
-  const int k = Insert(oval);
-  Link(kLeftBowl, k);
-  Link(k, kRightBowl);
-  PushPocket(kLeftBowl, k);
-  PushPocket(k, kRightBowl);
+  InsertBetween(kLeftBowl, kRightBowl, oval);
 }
 
 std::optional<OvalSupports> OvalFront::Add(PlacedOval oval) {
   constexpr int kMaxMoves = 100;
-  // How far along the chain an overlapped oval is looked for.
-  constexpr int kReach = 50;
+  constexpr int kReach = 50;  // how far along the chain an overlapped oval is looked for
   while (!pockets_.empty()) {
     const Pocket pocket = pockets_.top();
     if (Next(pocket.left) == pocket.right && refusals_ < kMaxRefusals) break;
@@ -126,29 +118,18 @@ std::optional<OvalSupports> OvalFront::Add(PlacedOval oval) {
     const int hit = FindOverlap(oval, left, right);
     if (hit == kNone) {
       Bury(left, right);
-      const int k = Insert(oval);
-      Link(left, k);
-      Link(k, right);
-      PushPocket(left, k);
-      PushPocket(k, right);
+      InsertBetween(left, right, oval);
       refusals_ = 0;
       return OvalSupports{left, right};
     }
     int before = left;
     int after = right;
-    bool found = false;
-    for (int step = 0; step < kReach && !found; ++step) {
+    for (int step = 0; step < kReach && before != hit && after != hit; ++step) {
       if (before != kLeftBowl) before = Previous(before);
       if (after != kRightBowl) after = Next(after);
-      if (before == hit) {
-        left = before;
-        found = true;
-      } else if (after == hit) {
-        right = after;
-        found = true;
-      }
     }
-    if (!found) return std::nullopt;
+    if (before != hit && after != hit) return std::nullopt;
+    (before == hit ? left : right) = hit;
   }
   return std::nullopt;
 }
@@ -168,9 +149,14 @@ std::optional<int> OvalFront::AddOnCrest(PlacedOval oval) {
   return std::nullopt;
 }
 
-void OvalFront::Link(int left, int right) {
-  (left == kLeftBowl ? first_ : next_[static_cast<std::size_t>(left)]) = right;
-  (right == kRightBowl ? last_ : previous_[static_cast<std::size_t>(right)]) = left;
+/// Into the chain, and with it the two pockets at its sides.
+void OvalFront::InsertBetween(int left, int right, const PlacedOval& oval) {
+  const int inserted = Insert(oval);
+  for (const auto [from, to] : {std::pair{left, inserted}, {inserted, right}}) {
+    (from == kLeftBowl ? first_ : next_[static_cast<std::size_t>(from)]) = to;
+    (to == kRightBowl ? last_ : previous_[static_cast<std::size_t>(to)]) = from;
+    PushPocket(from, to);
+  }
 }
 
 /// Takes those between two of the chain out of it.
@@ -222,8 +208,7 @@ bool OvalFront::PlaceInPocket(int left, int right, PlacedOval* oval) const {
     const double length = Norm(step);
     const double longest = oval->b / 2;
     oval->c = oval->c + (length > longest ? longest / length : 1.0) * step;
-    // Steps shrink by their squares until only rounding is left of them.
-    constexpr double kRounding = 1e-14;
+    constexpr double kRounding = 1e-14;  // steps shrink by their squares until only rounding is left of them
     if (length <= kRounding * bowl_radius_ && length >= last_length / 4) return true;
     if (length == 0) return true;
     last_length = length;

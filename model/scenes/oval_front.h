@@ -85,7 +85,7 @@ class OvalFront {
   const PlacedOval& Oval(int k) const { return ovals_[static_cast<std::size_t>(k)]; }
   int Next(int k) const { return k == kLeftBowl ? first_ : next_[static_cast<std::size_t>(k)]; }
   int Previous(int k) const { return k == kRightBowl ? last_ : previous_[static_cast<std::size_t>(k)]; }
-  void Link(int left, int right);
+  void InsertBetween(int left, int right, const PlacedOval& oval);
   void Bury(int left, int right);
   void PushPocket(int left, int right);
   Vec2 GuessCenter(const PlacedOval& oval, int left, int right) const;

@@ -20,13 +20,11 @@ constexpr Range kBuffer{0.16, 0.2};    ///< between the path joints of two cars,
 constexpr Range kRope{0.26, 0.32};     ///< the same at a rope: its length [m]
 constexpr Range kEnd{0.08, 0.1};       ///< radius of a car's end without buffer [m]
 constexpr double kTrolleyRadius = 0.08;
-constexpr Range kAspect{0.5, 0.8};  ///< of the track's semi-axes
-constexpr double kOccupied = 0.8;   ///< share of the track under the train, at most
-constexpr double kMinTrack = 1.2;   ///< greater semi-axis [m]
-/// Centripetal acceleration over gravity on a circle of the greater semi-axis.
-constexpr double kCentripetal = 0.5;
-/// The thrust of the first car in motion, over its weight.
-constexpr double kThrust = 0.5;
+constexpr Range kAspect{0.5, 0.8};    ///< of the track's semi-axes
+constexpr double kOccupied = 0.8;     ///< share of the track under the train, at most
+constexpr double kMinTrack = 1.2;     ///< greater semi-axis [m]
+constexpr double kCentripetal = 0.5;  ///< centripetal acceleration over gravity on a circle of the greater semi-axis
+constexpr double kThrust = 0.5;       ///< the thrust of the first car in motion, over its weight
 
 /// A closed curve about the origin that points are placed on by their distances.
 class Track {

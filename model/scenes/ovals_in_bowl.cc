@@ -18,12 +18,9 @@ constexpr Range kAspect{0.45, 0.95};  ///< smaller over larger semi-axis
 /// Mean area of an oval, and the share of the half-full bowl's area that ovals take, about.
 constexpr double kMeanArea = 0.028;
 constexpr double kPacking = 0.75;
-/// In-plane gravity times the square root of the number of layers [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the pile gets higher.
-constexpr double kWeight = 0.2 * kGravity;
-/// Centripetal acceleration at the bowl over the in-plane gravity.
-constexpr double kCentripetal = 0.5;
-constexpr double kMaxSpin = 3;  ///< of ovals on the surface [rad/s]
+constexpr double kWeight = 0.2 * kGravity;  ///< times the root of the number of layers [m/s^2]
+constexpr double kCentripetal = 0.5;        ///< centripetal acceleration at the bowl over the in-plane gravity
+constexpr double kMaxSpin = 3;              ///< of ovals on the surface [rad/s]
 
 struct NewOval {
   PlacedOval oval;

@@ -10,6 +10,15 @@
 namespace lcpbench {
 namespace {
 
+Body Plate(Vec2 x, double mass, double inertia, std::vector<OutlineEdge> outline) {
+  Body body;
+  body.x = x;
+  body.mass = mass;
+  body.inertia = inertia;
+  body.outline = std::move(outline);
+  return body;
+}
+
 const Body& BodyOf(const ContactSystem& system, int i) { return system.bodies[static_cast<std::size_t>(i)]; }
 
 /// The constraint and its two bodies, assembled.
@@ -59,41 +68,28 @@ ContactSystem EmptyScene(std::string_view family, int rows, std::uint64_t seed) 
 }
 
 Body MakeDisc(Vec2 x, double radius, double density) {
-  Body body;
-  body.x = x;
-  body.mass = kPi * radius * radius * density;
-  body.inertia = body.mass * radius * radius / 2;
-  body.outline = {FullCircle({}, radius, Side::kConvex)};
-  return body;
+  const double mass = kPi * radius * radius * density;
+  return Plate(x, mass, mass * radius * radius / 2, {FullCircle({}, radius, Side::kConvex)});
 }
 
 Body MakeBox(Vec2 x, double width, double height, double density) {
-  Body body;
-  body.x = x;
-  body.mass = width * height * density;
-  body.inertia = body.mass * (width * width + height * height) / 12;
-  body.outline = Sides({-width / 2, -height / 2}, {width / 2, height / 2});
-  return body;
+  const double mass = width * height * density;
+  return Plate(x, mass, mass * (width * width + height * height) / 12,
+               Sides({-width / 2, -height / 2}, {width / 2, height / 2}));
 }
 
 Body MakeOval(Vec2 x, double theta, double a, double b, double density) {
-  Body body;
-  body.x = x;
+  const double mass = kPi * a * b * density;
+  Body body = Plate(x, mass, mass * (a * a + b * b) / 4, {{EllipseEdge{{}, a, b, 0, Side::kConvex}, 0, 2 * kPi}});
   body.theta = theta;
-  body.mass = kPi * a * b * density;
-  body.inertia = body.mass * (a * a + b * b) / 4;
-  body.outline = {OutlineEdge{EllipseEdge{{}, a, b, 0, Side::kConvex}, 0, 2 * kPi}};
   return body;
 }
 
 Body MakeRing(Vec2 x, double outer_radius, double inner_radius, double density) {
   const double squares = outer_radius * outer_radius + inner_radius * inner_radius;
-  Body body;
-  body.x = x;
-  body.mass = kPi * (outer_radius - inner_radius) * (outer_radius + inner_radius) * density;
-  body.inertia = body.mass * squares / 2;
-  body.outline = {FullCircle({}, outer_radius, Side::kConvex), FullCircle({}, inner_radius, Side::kConcave)};
-  return body;
+  const double mass = kPi * (outer_radius - inner_radius) * (outer_radius + inner_radius) * density;
+  return Plate(x, mass, mass * squares / 2,
+               {FullCircle({}, outer_radius, Side::kConvex), FullCircle({}, inner_radius, Side::kConcave)});
 }
 
 Body MakeRoundedBox(Vec2 x, double w, double h, double r, double density) {
@@ -105,10 +101,8 @@ Body MakeRoundedBox(Vec2 x, double w, double h, double r, double density) {
   const double centroid = 4 * r / (3 * kPi);
   const double square_inertia = r * r * (r * r / 6 + Dot(square, square));
   const double quarter_inertia = kPi * r * r * r * r / 8 + quarter * (Dot(c, c) + 2 * centroid * (c.x + c.y));
-  Body body;
-  body.x = x;
-  body.mass = density * (w * h - 4 * (r * r - quarter));
-  body.inertia = density * (w * h * (w * w + h * h) / 12 - 4 * (square_inertia - quarter_inertia));
+  const double mass = density * (w * h - 4 * (r * r - quarter));
+  const double inertia = density * (w * h * (w * w + h * h) / 12 - 4 * (square_inertia - quarter_inertia));
   // Sides shortened by a corner at both ends, and the corner after each: after the bottom comes the lower right one,
   // whose normals turn from down to right.
   const Vec2 low{-w / 2, -h / 2};
@@ -116,13 +110,14 @@ Body MakeRoundedBox(Vec2 x, double w, double h, double r, double density) {
   const std::vector<OutlineEdge> flat = Sides({inner.x, low.y}, -Vec2{inner.x, low.y});
   const std::vector<OutlineEdge> upright = Sides({low.x, inner.y}, -Vec2{low.x, inner.y});
   const std::vector<OutlineEdge> centers = Sides(inner, -inner);
+  std::vector<OutlineEdge> outline;
   for (int k = 0; k < 4; ++k) {
     const auto i = static_cast<std::size_t>(k);
-    body.outline.push_back(k % 2 == 0 ? flat[i] : upright[i]);
+    outline.push_back(k % 2 == 0 ? flat[i] : upright[i]);
     const Vec2 center = std::get<StraightEdge>(centers[i].edge).b;
-    body.outline.push_back({ArcEdge{center, r, Side::kConvex}, (k - 1) * kPi / 2, k * kPi / 2});
+    outline.push_back({ArcEdge{center, r, Side::kConvex}, (k - 1) * kPi / 2, k * kPi / 2});
   }
-  return body;
+  return Plate(x, mass, inertia, std::move(outline));
 }
 
 Body MakePlate(Outline outline, double density) {

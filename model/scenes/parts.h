@@ -98,7 +98,9 @@ double StillVelocity(const ContactSystem& system, std::size_t component);
 
 /// How a scene is loaded. `weight` and `gust` are accelerations [m/s^2].
 struct LoadLevel {
-  /// In-plane gravity: kGravity for an upright plane, less for an inclined one.
+  /// In-plane gravity: kGravity for an upright plane, less for an inclined one. Sums of random gusts grow with a
+  /// region's size, those of weights with its square: the higher a pile, the flatter the plane, or its weight would
+  /// close every contact below the top layers.
   double weight = kGravity;
   /// Each movable body gets a random force of up to m gust in a random direction, and a random torque of up to m gust
   /// sqrt(I / m).

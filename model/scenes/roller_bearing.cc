@@ -23,13 +23,9 @@ struct BearingSize {
 constexpr BearingSize kSizes[] = {{3, 270, {0.040, 0.055}}, {2, 110, {0.07, 0.09}}, {1, 0, {0.10, 0.14}}};
 constexpr Range kSpacer{0.6, 0.9};  ///< radius over that of load rollers
 constexpr double kDensity = 60;
-/// In-plane gravity times the square root of the number of bearings [m/s^2]: weights shall not outgrow the random gusts
-/// where bearings stand high.
-constexpr double kWeight = 0.3 * kGravity;
-/// Largest centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.3;
-/// Load on a shaft in the sequence, over its weight.
-constexpr double kShaftLoad = 20;
+constexpr double kWeight = 0.3 * kGravity;  ///< times the root of the number of bearings [m/s^2]
+constexpr double kCentripetal = 0.3;        ///< largest centripetal acceleration over gravity
+constexpr double kShaftLoad = 20;           ///< load on a shaft in the sequence, over its weight
 
 /// The space between two rings that a row of rollers runs in.
 struct Races {
@@ -124,8 +120,7 @@ class Bearings final : public SceneBuilder {
 
   /// Load rollers and spacers by turns, as many as the circle and the rows left allow.
   void FillRow(const Races& races) {
-    // Free between the last and the first, over the load rollers' radius.
-    constexpr double kSlack = 0.3;
+    constexpr double kSlack = 0.3;  // free between the last and the first, over the load rollers' radius
     const double r = races.roller_radius();
     Vec2 direction = RandomDirection();
     const Vec2 first = races.pitch_radius() * direction;

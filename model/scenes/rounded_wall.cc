@@ -9,22 +9,16 @@
 namespace lcpbench {
 namespace {
 
-/// Distance of the bricks of a course; where both joints are closed, their length.
-constexpr double kPitch = 0.5;
+constexpr double kPitch = 0.5;  ///< distance of the bricks of a course; where both joints are closed, their length
 constexpr double kHeight = 0.2;
-/// By how much each of two bricks stands back from an open joint.
-constexpr double kHalfJoint = 0.01;
+constexpr double kHalfJoint = 0.01;   ///< by how much each of two bricks stands back from an open joint
 constexpr double kClosedShare = 0.7;  ///< of the joints
-/// Ranges of the corner radius over the height.
-constexpr Range kSharp{0.06, 0.15};
+constexpr Range kSharp{0.06, 0.15};   ///< ranges of the corner radius over the height
 constexpr Range kBlunt{0.2, 0.4};
 constexpr double kDensity = 100;
-/// Bricks in the lowest course over courses, at random up to.
-constexpr Range kAspect{0.7, 2};
-/// In-plane gravity times the square root of the number of courses [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the wall gets higher.
-constexpr double kWeight = 0.4 * kGravity;
-constexpr double kLean = 1.0 / 6;  ///< sine of the floor's slope in the sequence
+constexpr Range kAspect{0.7, 2};            ///< bricks in the lowest course over courses, at random up to
+constexpr double kWeight = 0.4 * kGravity;  ///< times the root of the number of courses [m/s^2]
+constexpr double kLean = 1.0 / 6;           ///< sine of the floor's slope in the sequence
 
 class RoundedWall final : public SceneBuilder {
  public:

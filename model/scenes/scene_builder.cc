@@ -16,8 +16,7 @@ World WorldUnderGravity(ContactSystem system, Vec2 gravity) {
 }
 
 void Stir(World* world, double speed, std::uint64_t seed) {
-  // Other numbers than those that the geometry was drawn from.
-  constexpr std::uint64_t kOther = 0x5EED;
+  constexpr std::uint64_t kOther = 0x5EED;  // other numbers than those that the geometry was drawn from
   Random random(seed ^ kOther);
   for (Body& body : world->bodies) {
     if (body.fixed) continue;

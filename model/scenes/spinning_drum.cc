@@ -28,12 +28,10 @@ constexpr double kMinDrum = 1.5;
 constexpr double kFilledShare = 0.9;  ///< of the drum's wall, at most
 constexpr double kBaffleHeight = 0.4;
 constexpr double kBaffleWidth = 0.06;
-constexpr double kClearance = 0.05;  ///< between a baffle and the bodies before it, and ovals after it
-constexpr double kShell = 0.12;      ///< the drum's thickness
-/// Centripetal acceleration over gravity.
-constexpr Range kCentripetal{0.7, 1.4};
-/// Largest tangential acceleration over gravity.
-constexpr double kSpinUp = 0.5;
+constexpr double kClearance = 0.05;      ///< between a baffle and the bodies before it, and ovals after it
+constexpr double kShell = 0.12;          ///< the drum's thickness
+constexpr Range kCentripetal{0.7, 1.4};  ///< centripetal acceleration over gravity
+constexpr double kSpinUp = 0.5;          ///< largest tangential acceleration over gravity
 
 /// What lies between two baffles.
 struct Sector {

@@ -12,10 +12,8 @@ namespace {
 constexpr int kMinBodies = 5;  ///< in a leg
 constexpr int kMaxBodies = 12;
 constexpr int kLegs = 3;
-/// More rows than any group of legs with their beam has.
-constexpr int kGroupRows = 2 * kLegs * (kMaxBodies + 1);
-/// Height over number of bodies of a leg, about.
-constexpr double kStorey = 0.16;
+constexpr int kGroupRows = 2 * kLegs * (kMaxBodies + 1);  ///< more rows than any group of legs with their beam has
+constexpr double kStorey = 0.16;                          ///< height over number of bodies of a leg, about
 constexpr double kMinShare = 0.7;  ///< of a body's height before legs are made equal, over the largest
 constexpr double kSpacing = 0.6;   ///< of legs
 constexpr double kBeamHeight = 0.2;
