@@ -92,11 +92,13 @@ class Writer {
     file["lcpbench_scene"] = kSceneFileVersion;
     file["name"] = world_.name;
     Add(&file, "gravity", world_.loads.gravity);
-    if (const Json motion = Motion(); !motion.is_null()) file["motion"] = motion;
+    if (scene_.level) file["motion"]["level"] = ToString(*scene_.level);
+    if (scene_.step) file["motion"]["step"] = *scene_.step;
+    if (scene_.restitution) file["motion"]["restitution"] = *scene_.restitution;
     file["bodies"] = Json::array();
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) file["bodies"].push_back(BodyAt(i));
     for (const Constraint& joint : world_.joints) file["joints"].push_back(Joint(joint));
-    if (const Json loads = AllLoads(); !loads.is_null()) file["loads"] = loads;
+    AddLoads(&file);
     return file;
   }
 
@@ -113,14 +115,6 @@ class Writer {
   }
 
   const std::string& Name(int body) const { return names_[static_cast<std::size_t>(body)]; }
-
-  Json Motion() const {
-    Json motion;
-    if (scene_.level) motion["level"] = ToString(*scene_.level);
-    if (scene_.step) motion["step"] = *scene_.step;
-    if (scene_.restitution) motion["restitution"] = *scene_.restitution;
-    return motion;
-  }
 
   Json BodyAt(std::size_t index) const {
     const Body& body = world_.bodies[index];
@@ -188,40 +182,35 @@ class Writer {
     (*json)["point" + number] = ToJson(at.point);
   }
 
-  Json AllLoads() const {
+  void AddLoads(Json* file) const {
     const Loads& loads = world_.loads;
-    Json json;
-    const auto between = [this](const auto& load) {
-      Json item;
+    // Another load of that kind, with its two ends or the point that it acts at.
+    const auto add_between = [&](const char* kind, const auto& load) -> Json& {
+      Json& item = (*file)["loads"][kind].emplace_back();
       AddEnd(&item, "1", load.end1);
       AddEnd(&item, "2", load.end2);
       return item;
     };
-    const auto at = [this](const auto& load) {
-      Json item;
+    const auto add_at = [&](const char* kind, const auto& load) -> Json& {
+      Json& item = (*file)["loads"][kind].emplace_back();
       AddEnd(&item, "", load.at);
       return item;
     };
     for (const Spring& spring : loads.springs) {
-      Json& item = json["springs"].emplace_back(between(spring));
+      Json& item = add_between("springs", spring);
       item["stiffness"] = spring.stiffness;
       item["rest_length"] = spring.rest_length;
     }
-    for (const Damper& damper : loads.dampers) {
-      json["dampers"].emplace_back(between(damper))["coefficient"] = damper.coefficient;
-    }
-    for (const Thruster& thruster : loads.thrusters) {
-      json["thrusters"].emplace_back(at(thruster))["force"] = ToJson(thruster.force);
-    }
+    for (const Damper& damper : loads.dampers) add_between("dampers", damper)["coefficient"] = damper.coefficient;
+    for (const Thruster& thruster : loads.thrusters) add_at("thrusters", thruster)["force"] = ToJson(thruster.force);
     for (const Wrench& wrench : loads.wrenches) {
-      Json& item = json["wrenches"].emplace_back(at(wrench));
+      Json& item = add_at("wrenches", wrench);
       Add(&item, "force", wrench.force);
       Add(&item, "torque", wrench.torque);
     }
-    if (loads.attraction) {
-      json["attraction"] = {{"strength", loads.attraction->strength}, {"softening", loads.attraction->softening}};
+    if (const auto& pull = loads.attraction) {
+      (*file)["loads"]["attraction"] = {{"strength", pull->strength}, {"softening", pull->softening}};
     }
-    return json;
   }
 
   const SceneFile& scene_;

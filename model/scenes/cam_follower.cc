@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
@@ -70,25 +71,20 @@ std::optional<Top> TopForCircle(const Body& cam, double x, double radius) {
 
 /// The height of the cam's highest point: where a horizontal face touches it.
 Top TopForFace(const Body& cam) {
-  std::optional<Top> top;
+  Top top{-std::numeric_limits<double>::infinity(), {}};
+  const Rotation turn = SinCos(cam.theta);
   for (const OutlineEdge& piece : cam.outline) {
-    double height = 0;
-    Feature feature;
+    double height = top.height;
     if (const auto* arc = std::get_if<ArcEdge>(&piece.edge)) {
       height = WorldPoint(cam, arc->center).y + arc->radius;
-      feature = *arc;
     } else if (const auto* oval = std::get_if<EllipseEdge>(&piece.edge)) {
-      const Rotation turn = SinCos(cam.theta);
       const double along = oval->a * turn.sin;
       const double across = oval->b * turn.cos;
       height = WorldPoint(cam, oval->center).y + std::sqrt(along * along + across * across);
-      feature = *oval;
-    } else {
-      continue;
     }
-    if (!top || height > top->height) top = Top{height, feature};
+    if (height > top.height) top = {height, ToFeature(piece.edge)};
   }
-  return *top;
+  return top;
 }
 
 class CamRow final : public SceneBuilder {

@@ -152,7 +152,7 @@ std::optional<int> OvalFront::AddOnCrest(PlacedOval oval) {
 /// Into the chain, and with it the two pockets at its sides.
 void OvalFront::InsertBetween(int left, int right, const PlacedOval& oval) {
   const int inserted = Insert(oval);
-  for (const auto [from, to] : {std::pair{left, inserted}, {inserted, right}}) {
+  for (const auto& [from, to] : {std::pair{left, inserted}, {inserted, right}}) {
     (from == kLeftBowl ? first_ : next_[static_cast<std::size_t>(from)]) = to;
     (to == kRightBowl ? last_ : previous_[static_cast<std::size_t>(to)]) = from;
     PushPocket(from, to);

@@ -115,6 +115,20 @@ inline double SeparatingShare(const ContactSystem& system, LcpSolver* solver) {
   return static_cast<double>(separating) / unilateral;
 }
 
+/// d'' = J a + gamma of every row where all bodies turn about the origin as one, a = alpha z x x - omega^2 x.
+inline Eigen::VectorXd GapAccelerationInRotation(const ContactSystem& system, double omega, double alpha) {
+  const AssembledLcp lcp = AssembleContactLcp(system);
+  Eigen::VectorXd a(lcp.problem.J().cols());
+  for (std::size_t i = 0; i < system.bodies.size(); ++i) {
+    const Vec2 x = system.bodies[i].x;
+    const Vec2 linear = alpha * Perp(x) - (omega * omega) * x;
+    a.segment<3>(static_cast<Index>(3 * i)) << linear.x, linear.y, alpha;
+  }
+  Eigen::VectorXd result = lcp.problem.J() * a;
+  for (std::size_t i = 0; i < lcp.rows.size(); ++i) result[static_cast<Index>(i)] += lcp.rows[i].gamma;
+  return result;
+}
+
 /// Eigenvalues of the Jacobi-scaled A, ascending.
 inline Eigen::VectorXd ScaledEigenvalues(const LcpProblem& problem) {
   const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt().cwiseInverse();

@@ -18,6 +18,7 @@
 #include "model/motion/contact_finder.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
+#include "model/scenes/scene_builder.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/model/scene_checks.h"
@@ -321,13 +322,72 @@ TEST(SceneRandom, IsSplitMix64) {
   EXPECT_NEAR(sum / 10000, 0.5, 0.02);
 }
 
-TEST(SceneParts, HaveTheMassAndInertiaOfPlates) {
-  const Body disc = MakeDisc({1, 2}, 0.3, 5);
-  EXPECT_DOUBLE_EQ(disc.mass, kPi * 0.09 * 5);
-  EXPECT_DOUBLE_EQ(disc.inertia, disc.mass * 0.09 / 2);
-  const Body box = MakeBox({1, 2}, 0.4, 0.3, 5);
-  EXPECT_DOUBLE_EQ(box.mass, 0.6);
-  EXPECT_DOUBLE_EQ(box.inertia, 0.6 * 0.25 / 12);
+// How the families start to move: under gravity and drives alone, and slowly where bodies lie still otherwise.
+constexpr const char* kContactFamilies[] = {"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "rockers"};
+
+TEST(SceneStarts, HaveNoLoadButGravityInTheFamiliesOfContacts) {
+  for (const std::string key : kContactFamilies) {
+    for (const int rows : {1, 10, 100}) {
+      const World world = StartScene(key, rows, 3);
+      EXPECT_TRUE(world.loads.wrenches.empty()) << key;
+      EXPECT_TRUE(world.loads.thrusters.empty()) << key;
+      EXPECT_EQ(world.loads.gravity.x, 0) << key;
+      EXPECT_LE(world.loads.gravity.y, key == "disc-track" ? -0.05 * kGravity : -kGravity) << key;
+      for (const Body& body : world.bodies) {
+        EXPECT_EQ(Norm(body.force), 0);
+        EXPECT_EQ(body.torque, 0);
+      }
+    }
+  }
+}
+
+TEST(SceneStarts, AreSlowAgainstAFallByABodysSize) {
+  for (const std::string key : {"discs-in-v", "disc-pile", "boxes-and-discs"}) {
+    const World world = StartScene(key, 100, 3);
+    EXPECT_NE(world.bodies.back().v, StartScene(key, 100, 4).bodies.back().v) << key;
+    double fastest = 0;
+    for (const Body& body : world.bodies) {
+      if (body.fixed) {
+        EXPECT_EQ(Norm(body.v), 0);
+        continue;
+      }
+      fastest = std::max(fastest, Norm(body.v));
+      EXPECT_LE(std::abs(body.omega) * std::sqrt(body.inertia / body.mass), kStir);
+    }
+    EXPECT_GT(fastest, kStir / 2) << key;
+    EXPECT_LE(fastest, kStir) << key;
+  }
+}
+
+// Scaled or kept, velocities that hold every contact hold it still.
+TEST(SceneStarts, KeepEveryContactWhereTheProblemDoes) {
+  for (const char* key : {"disc-track", "rockers"}) {
+    for (const int rows : {1, 12, 60}) {
+      const World world = StartScene(key, rows, 2);
+      const auto found = ContactFinder(world).Find(world.bodies, 1e-8, 1e-8);
+      EXPECT_EQ(found.size(), static_cast<std::size_t>(rows));
+      double speed = 0;
+      for (const Body& body : world.bodies) speed = std::max(speed, Norm(body.v));
+      EXPECT_GT(speed, 0.01);
+      for (const RowInfo& row : AssembleContactLcp(InstantOf(world, found)).rows) {
+        EXPECT_LE(std::abs(row.d_dot), 1e-10 * std::max(speed, 1.0)) << key;
+      }
+    }
+  }
+}
+
+TEST(SceneParts, StepDiscsAlongAnArcTouchingItAndEachOther) {
+  Random random(3);
+  for (int k = 0; k < 500; ++k) {
+    const double r1 = random.Uniform(0.01, 1);
+    const double r2 = random.Uniform(0.01, 1);
+    const double arc = r1 + r2 + random.Uniform(1e-3, 5);
+    const Vec2 direction = random.UnitVector();
+    const Vec2 next = NextAlongArc(direction, r1, r2, arc);
+    EXPECT_NEAR(Norm(next), 1, 1e-15);
+    EXPECT_GT(Cross(direction, next), 0);
+    EXPECT_NEAR(Norm((arc - r2) * next - (arc - r1) * direction), r1 + r2, 1e-13 * arc);
+  }
 }
 
 }  // namespace
