@@ -20,6 +20,15 @@ namespace {
 /// The shapes of a scene file by their names.
 using NamedShapes = std::map<std::string, SceneShape>;
 
+bool IsZero(Vec2 p) { return p.x == 0 && p.y == 0; }
+
+bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
+
+Vec2 InRange(Vec2 point, const JsonField& field) {
+  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
+  return point;
+}
+
 /// The bodies of a scene file, and what joints and loads need to speak of them by their names and drawings.
 struct SceneBodies {
   std::vector<Body> bodies;
@@ -31,16 +40,25 @@ struct SceneBodies {
   const Body& operator[](int index) const { return bodies[static_cast<std::size_t>(index)]; }
 
   /// The body that a field names.
-  int Find(const JsonField& name) const;
+  int Find(const JsonField& name) const {
+    const auto found = index_of.find(name.String());
+    if (found == index_of.end()) name.Mismatch("the name of a body");
+    return found->second;
+  }
   /// The point of the drawing that a field states, in body coordinates.
-  Vec2 ReadPoint(const JsonField& field, int body) const;
+  Vec2 ReadPoint(const JsonField& field, int body) const {
+    const Vec2 drawn = ReadVector(field);
+    const Vec2 origin = origins[static_cast<std::size_t>(body)];
+    return IsZero(origin) ? drawn : InRange(drawn - origin, field);
+  }
   /// A body-frame point in the world.
-  Vec2 WorldPoint(int body, Vec2 point) const;
+  Vec2 WorldPoint(int body, Vec2 point) const { return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point); }
   /// The body-frame point that lies now where a field states, in the world.
-  Vec2 ReadPlace(const JsonField& field, int body) const;
+  Vec2 ReadPlace(const JsonField& field, int body) const {
+    const Rotation r = SinCos((*this)[body].theta);
+    return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
+  }
 };
-
-bool IsZero(Vec2 p) { return p.x == 0 && p.y == 0; }
 
 // Null for a body without a shape. A named one is not copied: shapes may be long, and shared by many bodies.
 const SceneShape* FindShape(const JsonField& body, const std::string& body_name, const NamedShapes& shapes,
@@ -105,13 +123,6 @@ void ReadState(const JsonField& field, Vec2 origin, Body* body) {
   body->v = body->v + body->omega * Perp(arm);
 }
 
-bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
-
-Vec2 InRange(Vec2 point, const JsonField& field) {
-  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
-  return point;
-}
-
 // What is derived from numbers in range may lie outside: of every body that is read, all numbers can be written.
 void RequireInRange(const Body& body, const JsonField& field) {
   const auto positive = [](double value) { return value >= 1 / kLargestNumber && value <= kLargestNumber; };
@@ -145,27 +156,6 @@ Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   }
   RequireInRange(body, field);
   return body;
-}
-
-int SceneBodies::Find(const JsonField& name) const {
-  const auto found = index_of.find(name.String());
-  if (found == index_of.end()) name.Mismatch("the name of a body");
-  return found->second;
-}
-
-Vec2 SceneBodies::ReadPoint(const JsonField& field, int body) const {
-  const Vec2 drawn = ReadVector(field);
-  const Vec2 origin = origins[static_cast<std::size_t>(body)];
-  return IsZero(origin) ? drawn : InRange(drawn - origin, field);
-}
-
-Vec2 SceneBodies::WorldPoint(int body, Vec2 point) const {
-  return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point);
-}
-
-Vec2 SceneBodies::ReadPlace(const JsonField& field, int body) const {
-  const Rotation r = SinCos((*this)[body].theta);
-  return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
 }
 
 /// @param most_edges  of all bodies together, so that many bodies of one long shape stay an error

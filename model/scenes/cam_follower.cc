@@ -141,8 +141,7 @@ class CamRow final : public SceneBuilder {
   }
 
   Vec2 NextAxle() {
-    axle_.x = cams_ == 0 ? 0 : axle_.x + kSpacing;
-    ++cams_;
+    axle_.x = kSpacing * cams_++;
     return axle_;
   }
 

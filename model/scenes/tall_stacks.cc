@@ -35,7 +35,7 @@ struct Element {
 /// How masses are spread over a stack.
 enum class Profile { kHeavyTop, kRising, kByTurns };
 
-/// The masses of a stack of `count` bodies.
+/// The masses of a stack: the lightest and, at most, ten to the power `decades` times it.
 struct Masses {
   Profile profile;
   int decades;
