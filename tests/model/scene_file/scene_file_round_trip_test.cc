@@ -96,7 +96,8 @@ void ExpectSameAfterRoundTrip(const SceneFile& scene) {
 std::vector<std::string> Examples(const std::string& folder = "data/scenes") {
   std::vector<std::string> paths;
   for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/" + folder)) {
-    if (entry.path().filename() != "scene.schema.json") paths.push_back(entry.path().string());
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".json") && !name.ends_with(".schema.json")) paths.push_back(entry.path().string());
   }
   // Directories are listed in any order.
   std::sort(paths.begin(), paths.end());
