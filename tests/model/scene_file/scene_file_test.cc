@@ -217,14 +217,18 @@ TEST(SceneFile, PointsOfJointsAndLoadsAreGivenInTheDrawing) {
       R"(, "joints": [{"type": "pin", "body1": "plate", "body2": "ground", "point1": [0, 0], "point2": [2, 0]},
                       {"type": "pin", "body1": "plate", "body2": "ground", "at": [3, 0]},
                       {"type": "rod", "body1": "plate", "body2": "ground", "point1": [0, 0], "point2": [0, 0]},
-                      {"type": "path", "body1": "ground", "body2": "plate", "point1": [2, 0], "edge2": 0}],
+                      {"type": "path", "body1": "ground", "body2": "plate", "point1": [2, 0], "edge2": 0},
+                      {"type": "path", "body1": "ground", "body2": "plate", "point1": [2, 0],
+                       "edge2": {"line": {"from": [0, 0], "to": [2, 0]}}}],
           "loads": {"wrenches": [{"body": "plate", "torque": 1}, {"body": "plate", "point": [2, 2], "force": [1, 0]}]})");
   ExpectNear(std::get<Vertex>(world.joints[0].feature1).p, {-1, -1});
   ExpectNear(std::get<Vertex>(world.joints[0].feature2).p, {2, 0}, 0);
   ExpectNear(std::get<Vertex>(world.joints[1].feature1).p, {-1, -1});
   ExpectNear(std::get<Vertex>(world.joints[1].feature2).p, {2, 0});
   EXPECT_NEAR(world.joints[2].length, 2, 1e-14);
-  ExpectNear(std::get<StraightEdge>(world.joints[3].feature2).b, {1, -1});
+  for (const int path : {3, 4}) {
+    ExpectNear(std::get<StraightEdge>(world.joints.at(static_cast<std::size_t>(path)).feature2).b, {1, -1});
+  }
   ExpectNear(world.loads.wrenches[0].at.point, {}, 0);
   ExpectNear(world.loads.wrenches[1].at.point, {1, 1});
 }
