@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "model/contact/assembly.h"
@@ -31,13 +32,16 @@ inline constexpr double kSceneSize = 0.02;
 /// up to the bulges between its points. It shares nothing with contact detection but the curves' points.
 class Solid {
  public:
-  explicit Solid(const Body& body) {
-    constexpr int kSamples = 120;
+  explicit Solid(const Body& body) : x_(body.x) {
     for (const OutlineLoop& loop : OutlineOf(body).loops) {
       std::vector<Vec2>& polygon = polygons_.emplace_back();
       for (const OutlinePiece& piece : loop) {
-        for (int k = 0; k <= kSamples; ++k) {
-          const Vec2 p = CurvePoint(piece.edge, piece.s_begin + (piece.s_end - piece.s_begin) * k / kSamples);
+        // Of long walls and floors, points that nothing which lies in them can miss.
+        const bool is_angle = std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
+        const double per_parameter = is_angle ? 20 : body.fixed ? 120 : 4;
+        const int samples = 1 + static_cast<int>(per_parameter * std::abs(piece.s_end - piece.s_begin));
+        for (int k = 0; k <= samples; ++k) {
+          const Vec2 p = CurvePoint(piece.edge, piece.s_begin + (piece.s_end - piece.s_begin) * k / samples);
           reach_ = std::max(reach_, Norm(p));
           polygon.push_back(body.x + Rotate(SinCos(body.theta), p));
         }
@@ -51,6 +55,7 @@ class Solid {
 
   /// By the number of edges that a ray to the right crosses.
   bool Contains(Vec2 p) const {
+    if (Norm(p - x_) > reach_) return false;
     bool inside = false;
     for (const std::vector<Vec2>& polygon : polygons_) {
       for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -72,6 +77,7 @@ class Solid {
   }
 
  private:
+  Vec2 x_;
   std::vector<std::vector<Vec2>> polygons_;
   double reach_ = 0;
 };
