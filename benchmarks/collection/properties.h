@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
