@@ -146,9 +146,9 @@ class Builder {
           const LcpProblem problem = MakeInstance(recipe).problem;
           const Examined examined = Examine(problem, options_);
           std::string reason = WhyRefused(problem, examined);
-          if (reason.empty() && examined.entry.reference.status != "solved")
-            reason = "no solution, as its doubles say it";
-          if (reason.empty() && examined.entry.reference.kind != "certified") reason = "no proof";
+          const ReferenceSummary& reference = examined.entry.reference;
+          if (reason.empty() && reference.status != "solved") reason = "no solution, as its doubles say it";
+          if (reason.empty() && reference.kind != "certified") reason = "no proof";
           if (reason.empty() && !contents_.insert(examined.entry.sha256).second) reason = "the same as another";
           if (!reason.empty()) {
             ++fill.refused[reason];

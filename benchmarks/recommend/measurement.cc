@@ -105,14 +105,6 @@ struct Entrant {
   }
 };
 
-WorkerOptions OptionsOf(const MeasurementPlan& plan) {
-  WorkerOptions options;
-  options.solver_arguments = plan.solver_arguments;
-  options.memory_bytes = CampaignPlan{}.memory_bytes;
-  options.cpu = plan.cpu;
-  return options;
-}
-
 // As campaigns run passes over sequences.
 SequenceRequest RequestOf(const MeasurementPlan& plan, const std::string& name, const std::string& file,
                           const std::string& hash) {
@@ -173,7 +165,8 @@ std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemStep
       entrant.all.resize(count);
     }
   }
-  WorkerProcess worker(OptionsOf(plan));
+  WorkerProcess worker(
+      {.solver_arguments = plan.solver_arguments, .memory_bytes = CampaignPlan{}.memory_bytes, .cpu = plan.cpu});
   double fast_probe_s = kInfinity;
   ProgressBar bar("recommend", plan.rounds * static_cast<int>(entrants.size()));
   std::vector<size_t> order(entrants.size());
