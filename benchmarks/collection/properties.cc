@@ -52,6 +52,26 @@ Bodies MeasureBodies(const LcpProblem& problem) {
   return bodies;
 }
 
+// J M^-1/2 on columns with an entry, the other way round where that is lower than wide.
+Eigen::MatrixXd Root(const LcpProblem& problem) {
+  std::vector<int> place(static_cast<size_t>(problem.J().cols()), -1);
+  int columns = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      int& at = place[static_cast<size_t>(it.col())];
+      if (at < 0 && it.value() != 0 && problem.inverse_mass()[it.col()] > 0) at = columns++;
+    }
+  }
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(problem.size(), columns);
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) {
+      const int at = place[static_cast<size_t>(it.col())];
+      if (at >= 0) root(i, at) = it.value() * std::sqrt(problem.inverse_mass()[it.col()]);
+    }
+  }
+  return root;
+}
+
 // Of a dense matrix, descending, with absolute errors of some roundings of the largest; the matrix is overwritten.
 Eigen::VectorXd SingularValues(Eigen::MatrixXd* matrix) {
   const int m = static_cast<int>(matrix->rows());
@@ -78,9 +98,7 @@ Eigen::VectorXd SingularValues(Eigen::MatrixXd* matrix) {
 
 // Rank and condition as double precision sees them.
 void MeasureSingularValues(const LcpProblem& problem, ProblemProperties* measured) {
-  Eigen::MatrixXd matrix = problem.has_factors()
-                               ? Eigen::MatrixXd(problem.J()) * problem.inverse_mass().cwiseSqrt().asDiagonal()
-                               : problem.DenseA();
+  Eigen::MatrixXd matrix = problem.has_factors() ? Root(problem) : problem.DenseA();
   const Eigen::VectorXd values = SingularValues(&matrix);
   // Below this a singular value is nothing but rounding.
   const double largest = values.size() > 0 ? values[0] : 0;
