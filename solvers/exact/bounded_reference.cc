@@ -32,7 +32,6 @@ constexpr double kProximal = 0x1p-30;
 Index Count(const std::vector<Index>& rows) { return static_cast<Index>(rows.size()); }
 
 void RequireBounded(const LcpProblem& problem) {
-  if (!problem.has_standard_bounds()) throw InputError(problem.id() + ": expected unilateral and bilateral rows only");
   if (problem.has_factors()) return;
   if (problem.Asymmetry() != 0) throw InputError(problem.id() + ": expected a symmetric A, found entries that differ");
   if (!problem.facts().positive_semidefinite) {

@@ -31,7 +31,7 @@ LcpProblem ShiftedFactors(const LcpProblem& problem, double s, RowBounds bounds)
 
 LcpProblem Shifted(const LcpProblem& problem, double shift) {
   const double s = shift * problem.DiagonalA().cwiseAbs().maxCoeff();
-  RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
+  RowBounds bounds = problem.bounds();
   switch (problem.given_form()) {
     case MatrixForm::kFactors:
       return ShiftedFactors(problem, s, std::move(bounds));

@@ -15,7 +15,7 @@ using How = WorkerFailure::How;
 // The problem as a worker of version 1 wants it.
 LcpProblem InForm(const LcpProblem& problem, WantedForm form) {
   if (form == WantedForm::kAsGiven) return problem;
-  RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
+  RowBounds bounds = problem.bounds();
   if (form == WantedForm::kDense) {
     return LcpProblem::FromDense(problem.id(), problem.DenseA(), problem.b(), std::move(bounds), problem.facts());
   }

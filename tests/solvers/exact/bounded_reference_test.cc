@@ -291,7 +291,7 @@ TEST(BoundedReference, TakesAllFormsOfAProblem) {
     MatrixFacts facts;
     facts.symmetric = true;
     facts.positive_semidefinite = true;
-    const RowBounds bounds = RowBounds::WithBilateralRows(given.size(), given.bilateral_rows());
+    const RowBounds bounds = given.bounds();
     for (const LcpProblem& problem : {LcpProblem::FromDense("dense", given.DenseA(), given.b(), bounds, facts),
                                       LcpProblem::FromSparse("sparse", given.SparseA(), given.b(), bounds, facts)}) {
       SCOPED_TRACE(problem.id());

@@ -32,7 +32,7 @@ std::vector<ProblemArrays> Problems() {
   std::vector<ProblemArrays> problems;
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const LcpProblem planted = PlantedProblem(9, 4, seed, seed % 3, 0).problem;
-    RowBounds bounds = RowBounds::WithBilateralRows(planted.size(), planted.bilateral_rows());
+    RowBounds bounds = planted.bounds();
     problems.push_back(ProblemArrays::Of(planted));
     problems.push_back(
         ProblemArrays::Of(LcpProblem::FromDense("", planted.DenseA(), planted.b(), bounds, planted.facts())));
