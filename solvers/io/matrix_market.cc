@@ -162,7 +162,7 @@ MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
 }
 
 void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output) {
-  const bool symmetric = SameBits(matrix, SparseMatrix(matrix.transpose()));
+  const bool symmetric = matrix.rows() == matrix.cols() && SameBits(matrix, SparseMatrix(matrix.transpose()));
   const auto wanted = [symmetric](Index i, Index j) { return !symmetric || i >= j; };
   Index count = 0;
   for (Index i = 0; i < matrix.rows(); ++i) {
