@@ -1,7 +1,7 @@
 // COIN-OR Clp: a linear programming simplex code whose primal simplex was extended to convex quadratic objectives. The
 // LCP of a symmetric positive semidefinite A is the optimality of min 1/2 f'A f + b'f over f_C >= 0, a problem with
-// bounds and no rows. Its claims are passed on as they are; where it says "unbounded", its ray is passed on as the Farkas
-// ray. Iterations are Clp's. docs/peers.md has the known limits of Clp 1.17.
+// bounds and no rows. Its claims are passed on as they are; where it says "unbounded", its ray is passed on as the
+// Farkas ray. Iterations are Clp's. docs/peers.md has the known limits of Clp 1.17.
 
 #include <ClpConfig.h>
 
@@ -48,19 +48,8 @@ class Clp : public LcpSolver {
     model_->loadProblem(n, 0, no_entries.data(), nullptr, nullptr, lower.data(), upper.data(), problem.b().data(),
                         nullptr, nullptr);
     // One triangle: an entry off the diagonal stands for both.
-    std::vector<CoinBigIndex> start{0};
-    std::vector<int> column;
-    std::vector<double> value;
-    const SparseMatrix& A = problem.SparseA();
-    for (int i = 0; i < n; ++i) {
-      for (SparseMatrix::InnerIterator entry(A, i); entry; ++entry) {
-        if (entry.col() > i) break;
-        column.push_back(static_cast<int>(entry.col()));
-        value.push_back(entry.value());
-      }
-      start.push_back(static_cast<CoinBigIndex>(column.size()));
-    }
-    model_->loadQuadraticObjective(n, start.data(), column.data(), value.data());
+    const SparseMatrix A = problem.SparseA().triangularView<Eigen::Lower>();
+    model_->loadQuadraticObjective(n, A.outerIndexPtr(), A.innerIndexPtr(), A.valuePtr());
     if (tier_.is_library_default()) return;
     if (pivot_ != kDantzig) {
       ClpPrimalColumnSteepest steepest(pivot_);
