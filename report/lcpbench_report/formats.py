@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 DASH = "–"
 _UNITS = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9))
 _NARROW = "\u202f"  # no-break space before a unit
@@ -92,6 +94,15 @@ def plural(count: int, word: str, words: str = "") -> str:
 def words(items: list[str]) -> str:
     """'a, b and c'"""
     return items[0] if len(items) == 1 else ", ".join(items[:-1]) + " and " + items[-1] if items else ""
+
+
+def short(value: object) -> object:
+    """As JSON has it: a number with four digits, null where it is not finite; anything else as it is."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    return value if not isinstance(value, float) else float(f"{value:.4g}") if math.isfinite(value) else None
 
 
 def status(key: str) -> str:

@@ -9,10 +9,11 @@ import pandas as pd
 from . import motion as motion_file
 from .errors import ReportError
 from .statistics import tables
-from .statistics.ablation import ablation_table
 from .statistics.cells import ablation_cells, cell_table
+from .statistics.class_times import ablation_table
 from .statistics.load import Campaign, load_campaign
-from .statistics.precision import delivered_table
+from .statistics.means import delivered_table
+from .style import SolverStyle, solver_styles
 
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
 
@@ -27,7 +28,7 @@ class Inputs:
     ablated: pd.DataFrame  # of those alone: for the table `ablation`, and nothing else
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
-    precision: pd.DataFrame | None = None  # statistics.precision's table `delivered` of a campaign over every decade
+    precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
     ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
     @cached_property
@@ -50,9 +51,32 @@ class Inputs:
         return [entry["key"] for entry in self.solvers if entry["key"] in ran]
 
     @cached_property
+    def entries(self) -> dict[str, dict]:
+        """Of `solvers`, by key."""
+        return {entry["key"]: entry for entry in self.solvers}
+
+    @cached_property
     def own(self) -> list[str]:
-        origins = {entry["key"]: entry["origin"] for entry in self.solvers}
-        return [key for key in self.keys if origins[key] == "own"]
+        return [key for key in self.keys if self.entries[key]["origin"] == "own"]
+
+    @cached_property
+    def peers(self) -> list[str]:
+        return [key for key in self.keys if key not in self.own]
+
+    def in_order(self, solvers) -> list[str]:
+        """These, as the registry has them."""
+        there = set(solvers)
+        return [key for key in self.keys if key in there]
+
+    @cached_property
+    def counted(self) -> pd.DataFrame:
+        """The cells of problems that count."""
+        return self.cells[self.cells["counts"].astype(bool)]
+
+    @cached_property
+    def styles(self) -> dict[str, SolverStyle]:
+        """How solvers look, by key."""
+        return solver_styles(self.solvers)
 
     @cached_property
     def problems(self) -> dict[str, dict]:

@@ -77,15 +77,6 @@ class Headline(SharedFolderCase):
             self.assertGreaterEqual(found.classes[COLUMN].entries["pgs"].time_s,
                                     complete.classes[COLUMN].entries["pgs"].time_s)
 
-    def test_a_solver_that_fails_on_half_has_no_time(self):
-        def of(times, weights=None):
-            return choice.median_time(pd.DataFrame({"time_s": times, "weight": weights or [1.0] * len(times)}))
-
-        self.assertEqual(of([1.0, 2.0, math.inf, math.inf]), math.inf)
-        self.assertEqual(of([3.0, 1.0, math.inf]), 3.0)
-        self.assertEqual(of([1.0, 2.0, 4.0, math.inf]), 3.0)
-        self.assertEqual(of([1.0, 2.0, 4.0, math.inf], [1.0, 0.1, 0.1, 0.1]), 1.0)
-
     def test_ratios_are_ours_over_theirs_and_the_losses_are_told_first(self):
         _, found = self.of(lambda record: record)
         for row in found.classes:

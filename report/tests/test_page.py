@@ -14,7 +14,7 @@ import numpy as np
 from lcpbench_report import plotly_bundle
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.web import encoding, gallery, page
+from lcpbench_report.web import gallery, page, payload
 from .cases import FolderCase, SharedFolderCase, run
 from .synthetic_campaign import Noise, write_campaign
 from .synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps
@@ -25,10 +25,10 @@ NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
 
 def decoded(text: str) -> np.ndarray:
     codes = np.frombuffer(base64.b64decode(text), dtype="<i2").astype(float)
-    values = 10 ** (codes / encoding.STEPS_PER_DECADE)
-    values[codes == encoding.ZERO] = 0
-    values[codes == encoding.INFINITE] = np.inf
-    values[codes == encoding.UNKNOWN] = np.nan
+    values = 10 ** (codes / payload.STEPS_PER_DECADE)
+    values[codes == payload.ZERO] = 0
+    values[codes == payload.INFINITE] = np.inf
+    values[codes == payload.UNKNOWN] = np.nan
     return values
 
 
@@ -39,19 +39,19 @@ def data_of(text: str) -> dict:
 class Encoding(unittest.TestCase):
     def test_numbers_keep_their_digits_over_forty_decades(self):
         given = 10.0 ** np.random.default_rng(1).uniform(-20, 20, 10000)
-        self.assertLess(np.abs(decoded(encoding.pack(given)) / given - 1).max(), 7.3e-4)
+        self.assertLess(np.abs(decoded(payload.pack(given)) / given - 1).max(), 7.3e-4)
 
     def test_what_is_no_positive_number_stays_what_it_is(self):
-        found = decoded(encoding.pack([0, np.inf, np.nan, 1.0]))
+        found = decoded(payload.pack([0, np.inf, np.nan, 1.0]))
         self.assertEqual(list(found[[0, 1, 3]]), [0, np.inf, 1])
         self.assertTrue(np.isnan(found[2]))
 
     def test_what_is_too_small_or_large_is_moved_to_the_nearest(self):
-        np.testing.assert_allclose(decoded(encoding.pack([1e-300, 1e300])), [1e-20, 1e20], rtol=1e-9)
+        np.testing.assert_allclose(decoded(payload.pack([1e-300, 1e300])), [1e-20, 1e20], rtol=1e-9)
 
     def test_shares(self):
-        found = base64.b64decode(encoding.pack_shares([0, 0.034, 9.0, np.nan]))
-        self.assertEqual(list(found), [0, 3, 254, encoding.NO_SPREAD])
+        found = base64.b64decode(payload.pack_shares([0, 0.034, 9.0, np.nan]))
+        self.assertEqual(list(found), [0, 3, 254, payload.NO_SPREAD])
 
 
 class Page(SharedFolderCase):

@@ -1,7 +1,6 @@
 """Rules of `lcpbench recommend`: lists on made-up outcomes whose right answer is known, and an evaluation that does not
 see what it holds out."""
 
-import gzip
 import json
 import math
 import unittest
@@ -12,7 +11,7 @@ import pandas as pd
 
 
 from lcpbench_report.errors import ReportError
-from lcpbench_report.recommendation import evaluation, record, rules
+from lcpbench_report.recommendation import evaluation, rules
 from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
@@ -205,7 +204,7 @@ class CommandTest(FolderCase):
         cells = cell_table(load_campaign(folder))
         np.testing.assert_allclose(found.table.groupby("solver").time_s.median(),
                                    cells.groupby("solver").fresh_s.median())
-        made = record.make(found)
+        made = evaluation.make(found)
         self.assertEqual({tuple(region["candidates"]) for region in made["regions"]}, {("pgs",)})
         self.assertEqual({tuple(region["peers"]) for region in made["regions"]}, {("peer",)})
         self.assertEqual(made["sequences"], [])
@@ -220,7 +219,7 @@ class CommandTest(FolderCase):
         found = read_sequences([folder, self.folder / "sequences"])
         self.assertEqual(found.table[found.table.solver == "quick"].time_s.tolist(), [1e-5] * len(SEQUENCES))
         self.assertFalse(found.table[found.table.solver == "wrong"].verified.any())  # on 95 % of the steps
-        made = record.make(read_outcomes([folder], features), found)
+        made = evaluation.make(read_outcomes([folder], features), found)
         self.assertEqual({tuple(region["candidates"]) for region in made["sequences"]}, {("quick",)})
         self.assertIsNone(read_sequences([folder]))
 
@@ -234,18 +233,6 @@ class CommandTest(FolderCase):
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
         made = json.loads(outputs[0].read_text())
         self.assertEqual((made["schema"], made["campaigns"][0]["commit"]), ("lcpbench-recommendation/1", "abc"))
-
-    def test_the_tables_of_a_campaign_without_its_cells_are_enough(self):
-        from lcpbench_report.statistics import tables
-        folder, features = self.write_campaign()
-        from_cells = read_outcomes([folder], features).table
-        tables.write_tables(load_campaign(folder), folder / tables.FOLDER)
-        (folder / "streams.jsonl").unlink()
-        written = folder / tables.FOLDER / "cells.csv"
-        with gzip.open(f"{written}.gz", "wb") as archive:
-            archive.write(written.read_bytes())
-        written.unlink()
-        pd.testing.assert_frame_equal(read_outcomes([folder], features).table, from_cells)
 
     def test_families_can_be_left_out(self):
         folder, features = self.write_campaign()

@@ -13,7 +13,8 @@ import pandas as pd
 
 
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import write, write_static
+from lcpbench_report.static import write
+from lcpbench_report.static.write import write_static
 from lcpbench_report.static.quality import kind_of
 from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase

@@ -7,7 +7,7 @@ from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics.calibration import calibration_table
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
-from lcpbench_report.statistics.precision import delivered_table
+from lcpbench_report.statistics.means import delivered_table
 from .cases import FolderCase
 from .synthetic_campaign import Noise, write_campaign
 

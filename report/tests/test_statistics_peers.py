@@ -8,11 +8,9 @@ import numpy as np
 import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.statistics.ablation import ablation_table
 from lcpbench_report.statistics.cells import ablation_cells, cell_table
-from lcpbench_report.statistics.class_times import class_table, tied
+from lcpbench_report.statistics.class_times import ablation_table, class_table, peer_ratio_table, tied
 from lcpbench_report.statistics.load import load_campaign
-from lcpbench_report.statistics.peer_ratio import peer_ratio_table
 from .cases import SharedFolderCase
 from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
 

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 from lcpbench_report.errors import ReportError
-from lcpbench_report.statistics import distributions, means, precision, scaling
+from lcpbench_report.statistics import distributions, means, scaling
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.tables import FOLDER, TABLES
@@ -357,7 +357,7 @@ class Files(FolderCase):
     def test_a_solver_that_solves_nothing_strictly_keeps_its_looser_curves(self):
         cells = cell_table(load_campaign(write_campaign(self.folder, {"a": 1.0}, copies=1, change=lambda r: fail(r)
                                                         if r["tier"] == TIERS[1] else r)))
-        table = precision.precision_table(cells)
+        table = means.precision_table(cells)
         self.assertEqual(set(table["strictest"]), {TIERS[0]})
 
     def _write(self, **arguments) -> None:

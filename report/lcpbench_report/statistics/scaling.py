@@ -1,8 +1,8 @@
 """How time grows with the number of rows: t ~ c rows^exponent.
 
-The median time of every number of rows, each base of it counting once, is a point: small problems come in hundreds. By least squares in log-log
-coordinates, with Student's interval of the slope, and by the median of pairwise slopes
-(Theil 1950, Sen 1968), which a few odd problems do not move. Only verified answers have a time: where a solver begins
+The median time of every number of rows, each base of it counting once, is a point: small problems come in hundreds. By
+least squares in log-log coordinates, with Student's interval of the slope, and by the median of pairwise slopes (Theil
+1950, Sen 1968), which a few odd problems do not move. Only verified answers have a time: where a solver begins
 to fail with size, the exponent is that of what it still solves.
 """
 
@@ -34,13 +34,12 @@ def fit_exponent(rows, times) -> dict[str, float]:
 def scaling_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group, solver and family with verified answers at LEAST_SIZES numbers of rows or more."""
     found = []
-    for group in groups(cells):
-        solved = group.cells[np.isfinite(group.cells["time_s"]) & (group.cells["rows"] > 0)]
-        for (solver, family), own in solved.groupby(["solver", "family"], sort=False):
+    for label, of_group in groups(cells[np.isfinite(cells["time_s"]) & (cells["rows"] > 0)]):
+        for (solver, family), own in of_group.groupby(["solver", "family"], sort=False):
             points = own.groupby(["rows", "base"])["time_s"].median().groupby("rows").median()
             if len(points) < LEAST_SIZES:
                 continue
-            found.append({**group.label, "solver": solver, "family": family, "problems": len(own), "sizes": len(points),
+            found.append({**label, "solver": solver, "family": family, "problems": len(own), "sizes": len(points),
                           "rows_min": own["rows"].min(), "rows_max": own["rows"].max(),
                           **fit_exponent(points.index, points)})
     return pd.DataFrame(found, columns=COLUMNS)

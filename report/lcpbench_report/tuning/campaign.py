@@ -34,13 +34,10 @@ class Command:
         if status:
             raise CommandError(status)
 
-    def listed(self, what: str) -> dict[str, str]:
-        """Key -> the line of `lcpbench list`."""
+    def available(self, what: str) -> list[str]:
+        """Keys that `lcpbench list` has and that are in this build."""
         found = subprocess.run([self.program, "list", what], stdout=subprocess.PIPE, text=True, check=True)
-        return {line.split()[0]: line for line in found.stdout.splitlines()}
-
-    def available(self) -> list[str]:
-        return [key for key, line in self.listed("solvers").items() if not line.endswith("(not in this build)")]
+        return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith("(not in this build)")]
 
 
 def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> Path:
@@ -53,7 +50,7 @@ def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], 
     problems.mkdir(parents=True, exist_ok=True)
     command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
     with open(problems / "scenes.jsonl", "wb") as scenes:
-        for family in command.listed("scenes"):
+        for family in command.available("scenes"):
             for size in sizes:
                 command.run("generate", family, "--size", str(size), "--seed", str(seed), output=scenes)
                 scenes.flush()

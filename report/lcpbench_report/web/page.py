@@ -11,7 +11,6 @@ from .. import choice, formats, markdown, plotly_bundle, shown_tables, solver_fa
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..style import solver_styles
 from . import payload
 from .gallery import Picture
 
@@ -26,7 +25,7 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
     environment.filters["html"] = table.html
-    data = payload.build(inputs, solver_styles(inputs.solvers), shown(inputs))
+    data = payload.build(inputs, shown(inputs))
     data["pictures"] = [picture.family for picture in pictures]
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
@@ -34,8 +33,9 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
         "script": Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
         "data": Markup(as_script(data)),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": _has(inputs),
-        "tables": _tables(inputs), "motions": _motions(inputs), "environments": _environments(inputs),
-        "commit": _commit(inputs), "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
+        "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
+        "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
+        "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
         "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
@@ -51,11 +51,10 @@ def shown(inputs: Inputs) -> list[str]:
     """Of peers the fastest of every library, a few of them."""
     chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
     means = choice.table(inputs, "means", choice.main_tier(inputs))
-    entries = {entry["key"]: entry for entry in inputs.solvers}
     libraries: dict[str, str] = {}
     for solver in means[means["unit"] == "s"].sort_values("mean")["solver"]:
-        if solver not in inputs.own:
-            libraries.setdefault(solver_facts.library(entries[solver]), solver)
+        if solver in inputs.peers:
+            libraries.setdefault(solver_facts.library(inputs.entries[solver]), solver)
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
 
 
@@ -77,20 +76,11 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
 
 
-def _motions(inputs: Inputs) -> list[dict]:
-    return [{"scene": scene, "level": level, "table": made.html()}
-            for scene, level, made in shown_tables.motions(inputs)]
-
-
 def _has(inputs: Inputs) -> dict[str, bool]:
     analysis = inputs.analysis
     return {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
             "sequences": "latency" in analysis, "motion": inputs.motion is not None,
             "scaling": len(analysis.get("scaling", ())) > 0}
-
-
-def _commit(inputs: Inputs) -> str:
-    return str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12]
 
 
 def _listed(value: object) -> str:
