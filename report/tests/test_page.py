@@ -11,7 +11,7 @@ from unittest import mock
 import numpy as np
 
 
-from lcpbench_report import plotly_bundle
+from lcpbench_report import formats, plotly_bundle
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.web import gallery, page, payload
@@ -73,11 +73,11 @@ class Page(SharedFolderCase):
         letters = {"verified": "v", "false success": "f", "excluded": "x", "below the tier": "b", "failed:iteration_limit": "i"}
         for row in self.inputs.cells.itertuples():
             of_solver = self.data["cells"][row.solver]
-            tier = f"{row.tier:.0e}"
+            tier = formats.power(row.tier)
             at = names.index(row.problem)
             self.assertEqual(of_solver["verdicts"][tier][at], letters[row.verdict])
         of_solver = self.data["cells"]["pgs"]
-        times = decoded(of_solver["numbers"][of_solver["places"]["1e-06"]]["time"])
+        times = decoded(of_solver["numbers"][of_solver["places"]["1e-6"]]["time"])
         mine = self.inputs.cells[(self.inputs.cells["solver"] == "pgs") & (self.inputs.cells["tier"] == 1e-6)]
         expected = mine.set_index("problem")["time_s"].reindex(names)
         np.testing.assert_allclose(times, expected, rtol=1e-3)

@@ -65,12 +65,11 @@ def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
             shift = shift_of(known, "counted") if math.isnan(shift) else shift  # nobody solved any
             found = []
             for solver, own in known.groupby("solver", sort=False):
-                low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"],
-                                           lambda mean: np.exp(mean) - shift)
+                low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"])
                 found.append(label | {"solver": solver, "unit": unit, "shift": shift, "problems": len(own),
                                       "penalised": int((~np.isfinite(own["time_s"])).sum()),
                                       "mean": shifted_geometric_mean(own["counted"], shift, own["weight"]),
-                                      "mean_low": low, "mean_high": high})
+                                      "mean_low": math.exp(low) - shift, "mean_high": math.exp(high) - shift})
             best = min((row["mean"] for row in found), default=math.nan)
             rows += [row | {"over_best": row["mean"] / best} for row in found]
     return pd.DataFrame(rows, columns=COLUMNS)

@@ -1,11 +1,6 @@
 "use strict";
 // What the visitor chose, the controls, and drawing what is in sight.
 
-const tierName = (tier) => {
-  const [mantissa, exponent] = tier.toExponential(0).split("e");
-  return `${mantissa}e${Number(exponent)}`;
-};
-
 const view = {
   family: "*", low: 0, high: Infinity, tier: nearestTier([...DATA.tiers, ...DATA.tiers.length ? [] : [1e-6]].map((tier) => ({tier})), 1e-6).tier, metric: "time", norm: "none",
   axis: "rows", size: "all", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
@@ -27,18 +22,16 @@ function note(figure, text) {
   if (place) place.textContent = text;
 }
 
-function symbolOf(solver) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "-6 -6 12 12");
-  svg.setAttribute("class", "symbol");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  path.setAttribute("d", solver.path);
-  path.setAttribute("fill", solver.origin === "own" ? solver.colour : "#fff");
-  path.setAttribute("stroke", solver.colour);
-  path.setAttribute("stroke-width", "1.6");
-  svg.append(path);
-  return svg;
+/** An element of SVG. */
+function drawn(tag, attributes, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
 }
+
+const symbolOf = (solver) => drawn("svg", {viewBox: "-6 -6 12 12", class: "symbol"}, drawn("path", {
+  d: solver.path, fill: solver.origin === "own" ? solver.colour : "#fff", stroke: solver.colour, "stroke-width": "1.6"}));
 
 const dirty = new Set(), inSight = new Set();
 
@@ -88,10 +81,6 @@ function setChoice(name, value) {
   changed();
 }
 
-function options(select, entries) {
-  select.replaceChildren(...entries.map(([value, text]) => new Option(text, value)));
-}
-
 function fillControls() {
   const explored = PROBLEMS.families.filter((_, f) => PROBLEMS.family.some((of, i) => of === f && EXPLORED_SETS[PROBLEMS.set[i]]));
   const sizes = CLASSES.map((one, c) => [String(c), one.label]);
@@ -99,7 +88,7 @@ function fillControls() {
     family: [["*", "all families"], ...explored.map((family) => [family, family])],
     low: sizes, high: sizes, tier: DATA.tiers.map((tier) => [String(tier), tierName(tier)]),
     metric: Object.entries(METRICS).map(([key, {title}]) => [key, title]),
-    norm: [["none", "none"], ["best", "fastest of those shown"], ["oracle", "one factorisation (oracle)"], ["rows", "per row"],
+    norm: [["none", "none"], ["best", "fastest of those shown"], ["oracle", "one factorization (oracle)"], ["rows", "per row"],
            ...SOLVERS.map(({key}) => [`solver:${key}`, `time of ${key}`])],
     axis: Object.entries(AXES).map(([key, {title}]) => [key, title]),
     size: [...new Set(DATA.latency.map((row) => String(row.size)))].sort((a, b) => (a === "all" ? -1 : b === "all" ? 1 : a - b))
@@ -111,7 +100,7 @@ function fillControls() {
     view.high = CLASSES[CLASSES.length - 1].high;
   }
   for (const select of document.querySelectorAll("select[data-choice]")) {
-    options(select, entries[select.dataset.choice]);
+    select.replaceChildren(...entries[select.dataset.choice].map(([value, text]) => new Option(text, value)));
     select.addEventListener("change", () => setChoice(select.dataset.choice, select.value));
   }
 }

@@ -2,18 +2,18 @@
 // The table of the selection: who verifies what, how fast and how exactly.
 
 function leagueRows(view) {
-  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier), rows = [];
-  for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
+  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
+  const rows = (picked.length ? cellsShown(view) : []).map(({solver, cells}) => {
     const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
     const good = picked.filter((i) => cells.verdicts[i] === "v");
     const errors = sorted(good.map((i) => error[i])), weights = good.map((i) => WEIGHTS[i]);
-    rows.push({solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
+    return {solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
                lies: picked.filter((i) => "fq".includes(cells.verdicts[i])).length,
                below: picked.filter((i) => cells.verdicts[i] === "b").length,
                mean: geometricMean(good.map((i) => time[i]), weights, DATA.shift),
                ratio: weightedMedian(good.map((i) => time[i] / best[i]), weights), rho: weightedMedian(good.map((i) => rho[i]), weights),
-               error: quantile(errors, 0.99)});
-  }
+               error: quantile(errors, 0.99)};
+  });
   return {rows, count: picked.length, missing: leftOut(all, picked)};
 }
 

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from .. import motion
-from ..formats import short, size_class
+from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
 from ..statistics.means import shift_of
@@ -84,8 +84,9 @@ def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
         at = [index[name] for name in of_tier["problem"]]
         letters = np.full(len(index), ABSENT)
         letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"], of_tier["proved_infeasible"])]
-        verdicts[tier] = "".join(letters)
-        packed = {key: pack(_spread_out(of_tier[column], at, len(index))) for key, column in NUMBERS.items()}
+        key = power(tier)  # by which the page looks tiers up
+        verdicts[key] = "".join(letters)
+        packed = {name: pack(_spread_out(of_tier[column], at, len(index))) for name, column in NUMBERS.items()}
         # What failed has the time of the solve that was judged.
         time = of_tier["time_s"].where(of_tier["passes"].astype(bool), of_tier["first_s"])
         packed["time"] = pack(_spread_out(time, at, len(index)))
@@ -93,14 +94,8 @@ def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
         packed["spread"] = pack_shares(_spread_out(half, at, len(index)))
         if packed not in numbers:
             numbers.append(packed)
-        places[tier] = numbers.index(packed)
-    # Keys as JavaScript prints numbers: the page looks tiers up by them.
-    return {"verdicts": {_key(tier): text for tier, text in verdicts.items()}, "numbers": numbers,
-            "places": {_key(tier): place for tier, place in places.items()}}
-
-
-def _key(tier: float) -> str:
-    return f"{tier:.0e}"
+        places[key] = numbers.index(packed)
+    return {"verdicts": verdicts, "numbers": numbers, "places": places}
 
 
 def _letter(verdict: str, false_infeasible: bool, proved_infeasible: bool) -> str:
