@@ -207,9 +207,9 @@ def _headline(options: argparse.Namespace) -> None:
     if not texts:
         raise ReportError(", ".join(map(str, options.update)), "no block of numbers",
                           "'<!-- numbers:NAME -->' and, after it, '<!-- end -->'")
-    source = readme_blocks.Source(inputs, found, options.root)
     # All before the first is written.
-    filled = {path: readme_blocks.fill(text, readme_blocks.Page(source, path)) for path, text in texts.items()}
+    filled = {path: readme_blocks.fill(text, readme_blocks.Page(inputs, found, options.root, path))
+              for path, text in texts.items()}
     write_figure_of_times(inputs, options.root / readme_blocks.FIGURE)
     for path, text in filled.items():
         path.write_text(text, encoding="utf-8")

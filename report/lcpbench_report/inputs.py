@@ -37,17 +37,14 @@ class Inputs:
         not in the build: colours must not depend on what was built."""
         entries: dict[str, dict] = {}
         for campaign in sorted(self.campaigns, key=lambda campaign: -len(campaign.info["solvers"])):
-            for entry in campaign.info["solvers"]:
-                if not entries.get(entry["key"], {}).get("available"):
-                    entries[entry["key"]] = entry
+            entries |= {key: entry for key, entry in campaign.solvers.items()
+                        if not entries.get(key, {}).get("available")}
         return list(entries.values())
 
     @cached_property
     def keys(self) -> list[str]:
         """Solvers that ran on anything."""
-        ran = set(self.cells["solver"])
-        for campaign in self.campaigns:
-            ran |= {solver for _, solver, *_ in campaign.passes}
+        ran = {*self.cells["solver"], *(solver for campaign in self.campaigns for _, solver, *_ in campaign.passes)}
         return [entry["key"] for entry in self.solvers if entry["key"] in ran]
 
     @cached_property
@@ -100,9 +97,9 @@ class Inputs:
         if self.ablation is not None:
             makers["ablation"] = partial(ablation_table, cell_table(self.ablation), ablation_cells(self.ablation),
                                          self.ablation.info["solvers"])
-        stepped = [campaign for campaign in self.campaigns if campaign.passes]
-        if stepped:
-            makers |= {name: partial(_of_steps, table, stepped) for name, table in tables.STEP_TABLES.items()}
+        for campaign in self.campaigns:
+            if campaign.passes:  # of one at most
+                makers |= {name: partial(table, campaign) for name, table in tables.STEP_TABLES.items()}
         return tables.Tables(makers)
 
 
@@ -113,8 +110,6 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     @param ablation   a campaign of `--suite ablation`; likewise
     @throws ReportError for the first thing that does not fit
     """
-    if motion is not None and not motion_file.is_present(motion):
-        raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
     table = motion_file.read(motion) if motion is not None else None
     campaigns = [load_campaign(folder) for folder in folders]
     for campaign in campaigns:
@@ -135,10 +130,6 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
                   table, notes, delivered, load_campaign(ablation) if ablation is not None else None)
-
-
-def _of_steps(table, campaigns: list[Campaign]) -> pd.DataFrame:
-    return pd.concat([table(campaign) for campaign in campaigns], ignore_index=True)
 
 
 def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:

@@ -231,7 +231,7 @@ class Summary(FolderCase):
         self._set_info(self.new, info)
         lines = (self.new / "problems.jsonl").read_text(encoding="utf-8").replace('"rows": 50,', '"rows": 51,')
         (self.new / "problems.jsonl").write_text(lines, encoding="utf-8")
-        self._expect_refused("problems.jsonl", "rows 50")
+        self._expect_refused("problems.jsonl", "'rows'", " 50 ")
 
     def test_nothing_in_common_is_refused(self):
         self._drop(self.new, lambda record: record["solver"] != "c")

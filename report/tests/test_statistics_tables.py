@@ -317,7 +317,7 @@ class Files(FolderCase):
                            (json.dumps(info | {"solvers": [solver | {"tolerance": "own"}]}), "tolerance"),
                            (json.dumps(info | {"solvers": [solver | {"ablation": "all"}]}), "ablation"),
                            (json.dumps(info | {"solvers": [solver | {"ablation": "checked", "base": ""}]}), "base"),
-                           (json.dumps(info | {"size_classes": info["size_classes"] * 2}), "size class")):
+                           (json.dumps(info | {"size_classes": info["size_classes"] * 2}), "size_classes")):
             (self.folder / "campaign.json").write_text(text, encoding="utf-8")
             self._expect_refused("campaign.json", word)
         (self.folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")

@@ -40,12 +40,8 @@ class Command:
         return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith("(not in this build)")]
 
 
-def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> Path:
-    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set.
-
-    @returns its manifest
-    @throws ReportError where one of them is a problem of another set, on which solvers are compared
-    """
+def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> None:
+    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set."""
     problems = folder / PROBLEMS
     problems.mkdir(parents=True, exist_ok=True)
     command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
@@ -56,7 +52,6 @@ def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], 
                 scenes.flush()
     command.run("import", str(problems), "--name", "tuning", "--licence", "Apache-2.0", "--provenance",
                 f"{SMOKE} and lcpbench generate, seed {seed}")
-    return problems / "manifest.json"
 
 
 def require_disjoint(manifest: Path, data: Path) -> list[str]:
@@ -122,7 +117,6 @@ def chosen_solvers(asked: str | None, declared: list[str], available: list[str])
     """Of --solvers, in the order of the declaration."""
     there = [key for key in declared if key in available]
     wanted = there if asked is None else asked.split(",")
-    for key in wanted:
-        if key not in there:
-            raise ReportError("--solvers", f"{key!r} is not declared or not in this build", "some of " + ", ".join(there))
+    if unknown := [key for key in wanted if key not in there]:
+        raise ReportError("--solvers", f"{unknown[0]!r} is not declared or not in this build", "some of " + ", ".join(there))
     return [key for key in there if key in wanted]

@@ -91,13 +91,14 @@ def _environments(inputs: Inputs) -> list[dict]:
     """A table per campaign; of equal environments one for all."""
     tables: dict[str, dict] = {}
     for name, campaign in zip(inputs.names, inputs.campaigns):
-        facts = _facts(campaign.info)
-        same = tables.setdefault(json.dumps(facts["machine"]), {"machine": facts["machine"], "campaigns": []})
-        same["campaigns"].append({"name": name, "facts": facts["campaign"]})
+        machine, facts = _facts(campaign.info)
+        same = tables.setdefault(json.dumps(machine), {"machine": machine, "campaigns": []})
+        same["campaigns"].append({"name": name, "facts": facts})
     return list(tables.values())
 
 
-def _facts(info: dict) -> dict:
+def _facts(info: dict) -> tuple[list, list]:
+    """Of the machine, and of the campaign."""
     found = info.get("environment", {})
     libraries = ", ".join(f"{name} {version}" for name, version in found.get("libraries", {}).items())
     commit = str(found.get("git_commit", "unknown")) + (" with uncommitted changes" if found.get("git_dirty") else "")
@@ -114,4 +115,4 @@ def _facts(info: dict) -> dict:
                 ("Tiers", ", ".join(formats.power(t) for t in info["tiers"]) + " on ρ"),
                 ("Passes", f"at most {info.get('passes', '?')}, after the one that is judged; seed {info.get('seed', '?')}"),
                 ("Filter", info.get("filter") or "none")]
-    return {"machine": machine, "campaign": campaign}
+    return machine, campaign

@@ -16,6 +16,7 @@ from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
 from ..statistics.means import shift_of
+from ..style import MARKER_PATHS
 
 STEPS_PER_DECADE = 1600
 LARGEST = 32000
@@ -58,7 +59,7 @@ def _solver(inputs: Inputs, key: str) -> dict:
     entry, style = inputs.entries[key], inputs.styles[key]
     return {"key": key, "method": entry.get("method", ""), "origin": entry["origin"],
             "direct": not entry["uses_tolerance"], "colour": style.colour, "symbol": style.plotly_symbol,
-            "dash": style.plotly_dash, "path": style.marker_path}
+            "dash": style.plotly_dash, "path": MARKER_PATHS[style.marker]}
 
 
 def _problems(inputs: Inputs, names: list[str]) -> dict:
