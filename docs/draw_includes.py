@@ -81,15 +81,28 @@ def drawn(found):
     return boxes, {arrow: number for arrow, number in arrows.items() if arrow not in implied}
 
 
+_LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
+_WIDTH = 114
+_PITCH, _HEIGHT, _HEADING, _ROWS = 88, 50, 66, 9
+
+
 class Box(NamedTuple):
     row: int  # from below; arrows point to lower rows
     left: int
     right: int
     text: tuple  # what the folder holds, a line each
 
+    @property
+    def middle(self):
+        return (self.left + self.right) / 2
 
-_LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
-_WIDTH = 114
+    @property
+    def is_wide(self):
+        return self.right - self.left > 3 * _WIDTH
+
+
+def _top(row):
+    return _HEADING + (_ROWS - 1 - row) * _PITCH
 
 
 def _at(row, column, *text, span=0):
@@ -136,6 +149,7 @@ _LANES = {
     ("solvers/interior_point", "solvers/linear_algebra"): 285,
     ("solvers/peers/<library>", "solvers/linear_algebra"): 153,
 }
+_NAMES = {"solvers": "solvers/*.h"}  # what the box holds, where that is not the whole folder
 _PANELS = {"solvers": (14, 688, 568), "model": (712, 986, 751)}  # behind a top folder's boxes: left, right, its name
 _PANEL_TOP_ROW = 7
 _COLOURS = {  # panel, box, lines
@@ -156,31 +170,16 @@ _CAPTION = (
     "benchmarks/ and solvers/peers/<library> stand for the folders in them. Drawn by docs/draw_includes.py; "
     "a test compares it with the tree.",
 )
-_PITCH, _HEIGHT, _HEADING = 88, 50, 66
-_ROWS = 9
 _WIDEST = [(9, 3.4), (3, 2.2), (1, 1.2)]  # from so many includes on, the width of an arrow
 _HEAD = 7  # length of an arrow's head
 
 
-def _top(row):
-    return _HEADING + (_ROWS - 1 - row) * _PITCH
-
-
-def _bottom(row):
-    return _top(row) + _HEIGHT
-
-
-def _middle(box):
-    return (box.left + box.right) / 2
-
-
 def _end(box, other, lane):
     """Where an arrow from or to `box` begins or ends: towards `other`; above, below or on its lane at a wide box."""
-    if box.right - box.left > 3 * _WIDTH:
-        wanted = lane or _middle(min(box, other, key=lambda b: b.right - b.left))
+    if box.is_wide:
+        wanted = lane or min(box, other, key=lambda b: b.right - b.left).middle
         return min(max(wanted, box.left + 16), box.right - 16)
-    aside = 0 if other.right - other.left > 3 * _WIDTH else (_middle(other) - _middle(box)) / 7
-    return _middle(box) + min(max(aside, -42), 42)
+    return box.middle + (0 if other.is_wide else min(max((other.middle - box.middle) / 7, -42), 42))
 
 
 def _route(arrow):
@@ -190,8 +189,8 @@ def _route(arrow):
         raise ValueError(f"{arrow[0]} includes {arrow[1]} and must be drawn above it: change its row in _BOXES")
     lane = _LANES.get(arrow)
     begin, end = _end(source, target, lane), _end(target, source, lane)
-    between = [(lane, _top(source.row - 1) - 4), (lane, _bottom(target.row + 1) + 4)] if lane else []
-    return [(begin, _bottom(source.row)), *between, (end, _top(target.row) - _HEAD)]
+    between = [(lane, _top(source.row - 1) - 4), (lane, _top(target.row + 1) + _HEIGHT + 4)] if lane else []
+    return [(begin, _top(source.row) + _HEIGHT), *between, (end, _top(target.row) - _HEAD)]
 
 
 def _curve(route):
@@ -207,35 +206,23 @@ def _text(x, y, size, words, extra="", anchor="middle"):
     return f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}"{extra}>{html.escape(words)}</text>'
 
 
-def _name_lines(folder):
-    """(what stands small above the name, the name)."""
-    if folder == "solvers":
-        return "", "solvers/*.h"
-    name = folder.partition("/")[2] or folder + "/"
-    above, _, last = name.rpartition("/")
-    return (above + "/", last) if above and last else ("", name)
-
-
 def _box(folder, box):
-    top = folder.partition("/")[0]
+    top, _, inner = folder.partition("/")
+    above, _, name = inner.rpartition("/")
     _, fill, line = _COLOURS[top]
-    y, middle = _top(box.row), _middle(box)
+    y, width = _top(box.row), box.right - box.left
+    lines = [(9.5, above + "/", f' fill="{line}"')] if above else []
+    lines += [(12.5, name or _NAMES.get(top, f"{top}/"), f' font-weight="bold" fill="{line}"'), *((10, text, "") for text in box.text)]
     parts = [
         f'<g data-folder="{html.escape(folder)}">',
-        f'<rect x="{box.left}" y="{y}" width="{box.right - box.left}" height="{_HEIGHT}" rx="6" fill="{fill}" '
-        f'stroke="{line}"/>',
+        f'<rect x="{box.left}" y="{y}" width="{width}" height="{_HEIGHT}" rx="6" fill="{fill}" stroke="{line}"/>',
     ]
-    above, name = _name_lines(folder)
-    lines = ([(9.5, above, f' fill="{line}"')] if above else []) + [(12.5, name, f' font-weight="bold" fill="{line}"')]
-    lines += [(10, text, "") for text in box.text]
-    for size, text, _ in lines:
-        if len(text) * size * 0.6 > box.right - box.left + 6:
+    baseline = y + (_HEIGHT - sum(size + 2.5 for size, _, _ in lines)) / 2 - 2.5
+    for size, text, extra in lines:
+        if len(text) * size * 0.6 > width + 6:
             raise ValueError(f"too long for its box: {text}")
-    heights = [size + 2.5 for size, _, _ in lines]
-    baseline = y + (_HEIGHT - sum(heights)) / 2 - 2.5
-    for height, (size, text, extra) in zip(heights, lines):
-        baseline += height
-        parts.append(_text(middle, baseline, size, text, extra))
+        baseline += size + 2.5
+        parts.append(_text(box.middle, baseline, size, text, extra))
     return [*parts, "</g>"]
 
 
@@ -243,7 +230,8 @@ def drawing(boxes, arrows):
     if boxes != set(_BOXES):
         lacks, needless = sorted(boxes - set(_BOXES)), sorted(set(_BOXES) - boxes)
         raise ValueError(f"_BOXES lacks {lacks} and has without need {needless}")
-    height = _bottom(0) + 84
+    bottom = _top(0) + _HEIGHT
+    height = bottom + 84
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1000 {height}" width="1000" height="{height}" '
         'font-family="Helvetica, Arial, sans-serif" fill="#263238">',
@@ -256,7 +244,7 @@ def drawing(boxes, arrows):
         fill, _, line = _COLOURS[top]
         y = _top(_PANEL_TOP_ROW) - 12
         parts.append(
-            f'<rect x="{left}" y="{y}" width="{right - left}" height="{_bottom(1) + 14 - y}" rx="10" '
+            f'<rect x="{left}" y="{y}" width="{right - left}" height="{_top(1) + _HEIGHT + 14 - y}" rx="10" '
             f'fill="{fill}" stroke="{line}" stroke-opacity="0.25"/>'
         )
         parts.append(_text(name, y + 26, 15, f"{top}/", f' font-weight="bold" fill="{line}"'))
@@ -273,7 +261,7 @@ def drawing(boxes, arrows):
         )
     for folder in sorted(_BOXES):
         parts += _box(folder, _BOXES[folder])
-    parts += [_text(14, _bottom(0) + 28 + 17 * i, 11.5, line, "", "start") for i, line in enumerate(_CAPTION)]
+    parts += [_text(14, bottom + 28 + 17 * i, 11.5, line, "", "start") for i, line in enumerate(_CAPTION)]
     return "\n".join([*parts, "</svg>", ""])
 
 

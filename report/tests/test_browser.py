@@ -32,7 +32,7 @@ class Browser(SharedFolderCase):
         super().setUpClass()
         path = cls.path / "index.html"
         pictures = gallery.read(write_pictures(cls.path / "pictures"))
-        path.write_text(render(whole_inputs(cls.path / "results"), pictures), encoding="utf-8")
+        path.write_text(render(whole_inputs(), pictures), encoding="utf-8")
         options = webdriver.ChromeOptions()
         options.binary_location = _CHROMIUM
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",

@@ -1,6 +1,5 @@
 """Two campaigns of one plan: is a regression told when there is one, and only then?"""
 
-import json
 import tempfile
 import unittest
 from pathlib import Path
@@ -13,7 +12,7 @@ from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import changes, pairwise
 from lcpbench_report.statistics.intervals import holm
 from lcpbench_report.statistics.load import load_campaign
-from .cases import FolderCase, run
+from .cases import FolderCase, edit_info, edit_lines, run
 from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, slower, write_campaign
 
 FACTORS = {"a": 1.0, "b": 2.0, "c": 3.0}
@@ -33,6 +32,11 @@ def _slower(factor: float, chosen=lambda record: True):
 def _only(solver: str, problem: str, change):
     """`change` for one cell, the others as they are."""
     return lambda record: change(record) if (record["solver"], record["problem"]) == (solver, problem) else record
+
+
+def drop(folder: Path, gone) -> None:
+    """Whole tasks."""
+    edit_lines(folder / "streams.jsonl", lambda line: None if gone(line) else line)
 
 
 class Truth(unittest.TestCase):
@@ -153,35 +157,23 @@ class Summary(FolderCase):
             with self.subTest(before=before):
                 self.old = self._write("old", change=_only("b", VICTIM, before))
                 self.new = self._write("new", change=_only("b", VICTIM, lambda record: fail(record, "solved")))
-                status, text, _ = self._run()
-                self.assertEqual(status, 1)
-                self.assertIn("1 new false success", text)
-                self.assertIn(f"`solve/{VICTIM}/b/1e-06`", text)
+                self.expect(1, "1 new false success", f"`solve/{VICTIM}/b/1e-06`")
         self.old = self._write("old", change=_only("b", VICTIM, lambda record: fail(record, "solved")))
         self.assertEqual(self._run()[0], 0)  # it lied before
 
     def test_a_lost_answer_is_a_regression_and_a_found_one_is_none(self):
         self.new = self._write("new", change=_only("b", VICTIM, fail))
-        status, text, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertIn("1 cell verified before and not now", text)
-        self.assertIn("| verified | failed: iteration limit |", text)
+        self.expect(1, "1 cell verified before and not now", "| verified | failed: iteration limit |")
         self.old, self.new = self.new, self.old
-        status, text, _ = self._run()
-        self.assertEqual(status, 0)
-        self.assertIn("Verified now, and not before", text)
+        self.expect(0, "Verified now, and not before")
 
     def test_an_answer_that_a_rule_excludes_now_is_lost(self):
         self.new = self._write("new", change=_only("b", VICTIM, lambda record: exclude(record, "out of time at 1e-3")))
-        status, text, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertIn("| excluded: out of time at 1e-3 |", text)
+        self.expect(1, "| excluded: out of time at 1e-3 |")
 
     def test_a_slower_solver_is_a_row(self):
         self.new = self._write("new", change=_slower(1.5, lambda record: record["solver"] == "c"))
-        status, text, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertRegex(text, r"\| `c` \| all \| all \|  \| 1e-6 \| 48 \| 1\.[45]\d\d \[1\.[^|]*\| 1\.[45]\d\d \|")
+        self.assertRegex(self._run()[1], r"\| `c` \| all \| all \|  \| 1e-6 \| 48 \| 1\.[45]\d\d \[1\.[^|]*\| 1\.[45]\d\d \|")
 
     def test_agreement_is_the_share_of_overlapping_intervals(self):
         def agreement(change):
@@ -195,47 +187,37 @@ class Summary(FolderCase):
         self.assertTrue(low < 98 / 147 < high)
 
     def test_what_only_one_has_is_told_and_judged_by_nothing(self):
-        self._drop(self.new, lambda record: record["solver"] == "c")
-        self._drop(self.old, lambda record: record["size_class"] == "7-12" and record["solver"] == "a")
-        status, text, _ = self._run()
-        self.assertEqual(status, 0)
-        self.assertIn("| `c` | OLD | 49 |", text)
-        self.assertIn("| `a` | NEW | 8 |", text)
-        self.assertIn("in 90 cells", text)
+        drop(self.new, lambda record: record["solver"] == "c")
+        drop(self.old, lambda record: record["size_class"] == "7-12" and record["solver"] == "a")
+        self.expect(0, "| `c` | OLD | 49 |", "| `a` | NEW | 8 |", "in 90 cells")
 
     def test_other_builds_of_one_plan_are_compared_and_named(self):
-        info = self._info(self.new)
-        info["environment"] = {"git_commit": "abc", "libraries": {"Eigen": "3.4.1"}}
-        info["environment_hash"] = "1"
-        info["solvers"][0]["library_version"] = "2.0"
-        info["solvers"].append(info["solvers"][0] | {"key": "newcomer"})
-        self._set_info(self.new, info)
-        status, text, _ = self._run()
-        self.assertEqual(status, 0)
-        self.assertIn("| git_commit |  | abc |", text)
+        first, *others = edit_info(self.new, environment_hash="1", environment={
+            "git_commit": "abc", "libraries": {"Eigen": "3.4.1"}})["solvers"]
+        edit_info(self.new, solvers=[first | {"library_version": "2.0"}, *others, first | {"key": "newcomer"}])
+        self.expect(0, "| git_commit |  | abc |")
 
     def test_how_a_setting_is_called_may_differ(self):
-        info = self._info(self.new)
-        info["solvers"][0] |= {"setting": "default", "base": "", "settings": {}}  # older folders lack the last two
-        self._set_info(self.new, info)
+        first, *others = edit_info(self.new)["solvers"]
+        # Older folders lack the last two.
+        edit_info(self.new, solvers=[first | {"setting": "default", "base": "", "settings": {}}, *others])
         self.assertEqual(self._run()[0], 0)
 
     def test_mixed_plans_are_refused_in_one_line(self):
-        info = self._info(self.new)
+        info = edit_info(self.new)
         solvers = [info["solvers"][0] | {"base": "b", "settings": {"sweep": "forward"}}, *info["solvers"][1:]]
         for values in ({"tiers": [TIER, 1e-9]}, {"manifests": [{"name": "other"}]}, {"passes": 7},
                        {"limits": info["limits"] | {"most_s": 1.0}}, {"seed": 9}, {"solvers": solvers}):
             with self.subTest(values=values):
-                self._set_info(self.new, info | values)
+                edit_info(self.new, **info | values)
                 self._expect_refused("campaign.json", "'a'" if "solvers" in values else f"'{next(iter(values))}'")
-        self._set_info(self.new, info)
-        lines = (self.new / "problems.jsonl").read_text(encoding="utf-8").replace('"rows": 50,', '"rows": 51,')
-        (self.new / "problems.jsonl").write_text(lines, encoding="utf-8")
+        edit_info(self.new, **info)
+        edit_lines(self.new / "problems.jsonl", lambda problem: problem | ({"rows": 51} if problem["rows"] == 50 else {}))
         self._expect_refused("problems.jsonl", "'rows'", " 50 ")
 
     def test_nothing_in_common_is_refused(self):
-        self._drop(self.new, lambda record: record["solver"] != "c")
-        self._drop(self.old, lambda record: record["solver"] == "c")
+        drop(self.new, lambda record: record["solver"] != "c")
+        drop(self.old, lambda record: record["solver"] == "c")
         self._expect_refused("no cell in common")
 
     def test_a_missing_folder_is_refused(self):
@@ -244,9 +226,7 @@ class Summary(FolderCase):
 
     def test_what_had_no_turn_within_the_budget_is_judged_by_nothing(self):
         self.new = self._write("new", change=_only("b", VICTIM, lambda record: exclude(record, "task budget")))
-        status, text, _ = self._run()
-        self.assertEqual(status, 0)
-        self.assertIn("| `b` | OLD | 1 |", text)
+        self.expect(0, "| `b` | OLD | 1 |")
 
     def test_long_tables_are_cut_and_counted(self):
         self.new = self._write("new", change=lambda record: fail(record) if record["solver"] == "a" else record)
@@ -266,22 +246,13 @@ class Summary(FolderCase):
     def _run(self, *more: str) -> tuple[int, str, str]:
         return run("compare", self.old, self.new, *more)
 
-    def _expect_refused(self, *words: str) -> None:
-        status, out, error = self._run()
-        self.assertEqual((status, out, error.count("\n")), (2, "", 1), error)
+    def expect(self, status: int, *words: str) -> None:
+        found, text, _ = self._run()
+        self.assertEqual(found, status)
         for word in words:
-            self.assertIn(word, error)
+            self.assertIn(word, text)
+
+    def _expect_refused(self, *words: str) -> None:
+        self.assert_refused("compare", self.old, self.new, told=words)
         with self.assertRaises(ReportError):
             changes.compare_campaigns(load_campaign(self.old), load_campaign(self.new))
-
-    def _info(self, folder: Path) -> dict:
-        return json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
-
-    def _set_info(self, folder: Path, info: dict) -> None:
-        (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
-
-    def _drop(self, folder: Path, gone) -> None:
-        """Whole tasks."""
-        lines = (folder / "streams.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
-        (folder / "streams.jsonl").write_text("".join(line for line in lines if not gone(json.loads(line))),
-                                              encoding="utf-8")

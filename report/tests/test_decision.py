@@ -46,7 +46,7 @@ class WholeReport(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.inputs = whole_inputs(cls.path)
+        cls.inputs = whole_inputs()
 
     def test_every_class_names_the_fastest_of_ours(self):
         choices = decision.by_class(self.inputs)

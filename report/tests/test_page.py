@@ -58,7 +58,7 @@ class Page(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.inputs = whole_inputs(cls.path)
+        cls.inputs = whole_inputs()
         with NO_BUNDLE:
             cls.pictures = gallery.read(write_pictures(cls.path / "pictures"))
             cls.text = page.render(cls.inputs, cls.pictures)

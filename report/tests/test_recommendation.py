@@ -187,9 +187,8 @@ class CommandTest(FolderCase):
             folder, {"auto": 4.0, "pgs": 1.0, "bare": 0.1, "peer": 2.0}, tiers=(1e-6,), copies=2,
             change_problem=lambda problem: problem | {"family": problem["family"] + problem["problem"][-1],
                                                       "fill": problem["problem"] == "ragdoll"},
-            solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "auto"}})
-        info = json.loads((folder / "campaign.json").read_text())
-        (folder / "campaign.json").write_text(json.dumps(info | {"environment": {"git_commit": "abc"}}))
+            solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "auto"}},
+            info={"environment": {"git_commit": "abc"}})
         problems = [json.loads(line) for line in (folder / "problems.jsonl").read_text().splitlines()]
         path = self.folder / "features.jsonl"
         path.write_text("".join(json.dumps({"problem": one["problem"], "rows": one["rows"], "redundancy": None}) + "\n"
@@ -249,9 +248,7 @@ class CommandTest(FolderCase):
                 ((self.folder, "--features", features, "-o", "x"), "campaign.json: missing"),
                 ((folder, folder, "--features", features, "-o", "x"), "is in two"),
                 ((folder, "--features", features, "--leave-out", "cubes", "-o", "x"), "no problem of family 'cubes'")):
-            status, _, error = run("recommendation", *arguments)
-            self.assertEqual((status, error.count("\n")), (2, 1), error)
-            self.assertIn(expected, error)
+            self.assert_refused("recommendation", *arguments, told=(expected,))
         features.write_text(features.read_text().split("\n", 1)[1])
         with self.assertRaisesRegex(ReportError, "no line for problem"):
             read_outcomes([folder], features)

@@ -1,29 +1,20 @@
 """Tables of what a campaign observes besides: calibration by variants, delivered precision."""
 
-import json
-
-
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics.calibration import calibration_table
 from lcpbench_report.statistics.cells import cell_table
 from lcpbench_report.statistics.load import load_campaign
 from lcpbench_report.statistics.means import delivered_table
 from .cases import FolderCase
-from .synthetic_campaign import Noise, write_campaign
+from .synthetic_campaign import write_campaign
 
 VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
 
 
 class Calibration(FolderCase):
     def campaign(self, factors: dict[str, float]):
-        folder = write_campaign(self.folder / "c", factors, tiers=(1e-6,), noise=Noise())
-        path = folder / "campaign.json"
-        info = json.loads(path.read_text(encoding="utf-8"))
-        for solver in info["solvers"]:
-            if solver["key"] in VARIANTS:
-                solver |= {"base": "plain", "settings": VARIANTS[solver["key"]]}
-        path.write_text(json.dumps(info), encoding="utf-8")
-        return load_campaign(folder)
+        return load_campaign(write_campaign(self.folder / "c", factors, tiers=(1e-6,), solvers={
+            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()}))
 
     def test_truth_is_found(self):
         table = calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
