@@ -9,7 +9,7 @@ import pandas as pd
 from . import motion as motion_file
 from .errors import ReportError
 from .statistics import tables
-from .statistics.cells import ablation_cells, cell_table
+from .statistics.cells import cell_table
 from .statistics.class_times import ablation_table
 from .statistics.load import Campaign, load_campaign
 from .statistics.means import delivered_table
@@ -95,7 +95,7 @@ class Inputs:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
         makers = tables.makers_of(self.cells, self.ablated, self.solvers) if len(self.cells) else {}
         if self.ablation is not None:
-            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), ablation_cells(self.ablation),
+            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), cell_table(self.ablation, True),
                                          self.ablation.info["solvers"])
         for campaign in self.campaigns:
             if campaign.passes:  # of one at most
@@ -125,7 +125,7 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    cells, ablated = (_joined([table(campaign) for campaign in campaigns]) for table in (cell_table, ablation_cells))
+    cells, ablated = (_joined([cell_table(campaign, of) for campaign in campaigns]) for of in (False, True))
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,

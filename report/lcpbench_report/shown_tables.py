@@ -82,10 +82,8 @@ def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
 
     @param all_only  of all size classes together
     """
-    rows = []
-    for of in ablations(inputs).to_dict("records"):
-        if all_only and of["size_class"] != ALL:
-            continue
+    rows, found = [], ablations(inputs)
+    for of in (found[found["size_class"] == ALL] if all_only and len(found) else found).to_dict("records"):
         false, before = (int(of[prefix + "false_successes"] + of[prefix + "below_tier"]) for prefix in ("", "base_"))
         rows.append([of["base"], solver_facts.ABLATIONS[of["ablation"]],
                      "all" if of["size_class"] == ALL else size_class(of["size_class"]), int(of["problems"]),
@@ -202,7 +200,7 @@ def accuracy(inputs: Inputs) -> Table | None:
     """Verified answers at the main tier: residual, and error against answers that are known exactly."""
     table = choice.table(inputs, "accuracy", choice.main_tier(inputs))
     table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
-    by = table[table["problems"] > 0].set_index(["solver", "metric"])
+    by = table.set_index(["solver", "metric"])
     levels = {"median": "median", "p99": "99 %", "max": "largest"}
     metrics = {"rho": "ρ", "w_error": "error of w"}
     rows = [[key(solver), int(by.loc[(solver, "rho"), "problems"]),
@@ -221,8 +219,7 @@ def scaling(inputs: Inputs) -> Table | None:
         found = (values.median(), values.min(), values.max(), width.median() / 2)
         rows.append([key(solver), len(mine), *map(formats.ratio, found),
                      f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
-    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"],
-                  rows)
+    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"], rows)
 
 
 # ----- sequences and motion
@@ -248,12 +245,12 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
 _LATENCY = ("verified", "median", "99 %", "largest")
 
 
-def _latency(of: dict | pd.Series) -> list[str]:
-    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
-
-
 def _share(of: dict | pd.Series) -> str:
     return formats.share(int(of["verified"]), int(of["steps"]))
+
+
+def _latency(of: dict | pd.Series) -> list[str]:
+    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
 
 
 def latencies(inputs: Inputs) -> Table | None:
@@ -286,12 +283,12 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     found = []
     for scene, level in motion.scenes(inputs.motion):
         table, rows = motion.of_scene(inputs.motion, scene, level), []
+        runs = table.sort_values("tolerance", ascending=False, kind="stable").groupby(["solver", "tolerance"], sort=False)
         order = list(dict.fromkeys(table["solver"]))
-        ordered = table.assign(order=table["solver"].map(order.index), loosest=-table["tolerance"])
-        for _, run in ordered.groupby(["order", "loosest"]):
+        for _, run in sorted(runs, key=lambda part: order.index(part[0][0])):
             last = run.iloc[-1]
             rows.append([key(last["solver"]), power(last["tolerance"]),
-                         *(_worst(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
+                         *(residual(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
                          seconds(last["solve_time_s"] / max(1, last["step"])),
                          *(int(last[of]) for of in ("solves", "failed", "not_passed")),
                          f"**{last['false_successes']}**" if last["false_successes"] else 0, last["stopped"]])
@@ -299,10 +296,6 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
                    "time a step", "solves", "failed", "not passed", "false", "stopped"]
         found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "l")))
     return found
-
-
-def _worst(value: float) -> str:
-    return DASH if not math.isfinite(value) else "0" if value == 0 else f"{value:.1e}"
 
 
 # ----- solvers

@@ -5,7 +5,6 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-
 import numpy as np
 
 from lcpbench_report.errors import ReportError

@@ -3,21 +3,19 @@
 import base64
 import json
 import re
-import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
 
-
 from lcpbench_report import formats, plotly_bundle
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.web import gallery, page, payload
 from .cases import FolderCase, SharedFolderCase, run
-from .synthetic_campaign import Noise, write_campaign
-from .synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps
+from .synthetic_campaign import write_campaign
+from .synthetic_report import FACTORS, whole_inputs, write_pictures, write_steps
 
 # Plotly's script takes a second and says nothing here.
 NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
@@ -99,8 +97,8 @@ class Page(SharedFolderCase):
         self.assertEqual([s["key"] for s in self.data["solvers"] if s["shown"]], ["auto", "pgs", "ode-dantzig"])
 
     def test_parts_that_are_absent_have_no_section(self):
-        with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
-            text = page.render(load_inputs([write_steps(Path(folder))]))
+        with NO_BUNDLE:
+            text = page.render(load_inputs([write_steps(self.path / "steps")]))
         self.assertNotIn('id="performance"', text)
         self.assertIn('id="sequences"', text)
         self.assertNotIn("figure-energy", text)
@@ -114,18 +112,18 @@ class Page(SharedFolderCase):
         self.assertEqual(self.data["pictures"], ["piles", "rockers"])
 
     def test_pictures_that_are_missing_too_large_or_none_are_refused(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            with self.assertRaisesRegex(ReportError, "scenes.txt"):
+        folder = self.path / "wrong"
+        folder.mkdir()
+        with self.assertRaisesRegex(ReportError, "scenes.txt"):
+            gallery.read(folder)
+        write_pictures(folder)
+        for content in ("<html>", "<svg" + " " * 400_000):
+            (folder / "piles.svg").write_text(content, encoding="utf-8")
+            with self.assertRaisesRegex(ReportError, "piles.svg"):
                 gallery.read(folder)
-            write_pictures(folder)
-            for content in ("<html>", "<svg" + " " * 400_000):
-                (folder / "piles.svg").write_text(content, encoding="utf-8")
-                with self.assertRaisesRegex(ReportError, "piles.svg"):
-                    gallery.read(folder)
-            (folder / "piles.svg").unlink()
-            with self.assertRaisesRegex(ReportError, "missing"):
-                gallery.read(folder)
+        (folder / "piles.svg").unlink()
+        with self.assertRaisesRegex(ReportError, "missing"):
+            gallery.read(folder)
 
     def test_nothing_is_fetched(self):
         self.assertEqual(re.findall(r'(?:src|href)="(?!#|data:)[^"]*"', self.text), [])
@@ -135,18 +133,15 @@ class Script(FolderCase):
     def test_one_page_below_ten_megabytes_with_the_licence_of_what_it_embeds(self):
         if not plotly_bundle.BUNDLE.is_file():
             self.skipTest("python3-plotly is not installed")
-        campaigns, motion = write_all(self.folder)
-        out = self.folder / "out" / "index.html"
-        self.assertEqual(run("report", *campaigns, "--motion", motion, "-o", out)[0], 0)
-        text = out.read_text(encoding="utf-8")
+        text = page.render(whole_inputs())
         self.assertLess(len(text.encode()), 10e6)
         self.assertIn("Licensed under the MIT license", text)
         self.assertEqual(text.count("</script>"), 3)
 
     def test_the_summary_tells_what_changed_since_an_earlier_run(self):
         slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
-        old = write_campaign(self.folder / "old", FACTORS, noise=Noise(passes=5))
-        new = write_campaign(self.folder / "new", slower, noise=Noise(passes=5), run=1)
+        old, new = (write_campaign(self.folder / str(run), factors, tiers=(1e-6,), run=run)
+                    for run, factors in enumerate((FACTORS, slower)))
         with NO_BUNDLE:
             self.assertEqual(run("report", new, "--previous", old, "-o", self.folder / "out" / "index.html")[0], 0)
         text = (self.folder / "out" / "summary.md").read_text(encoding="utf-8")
@@ -158,5 +153,5 @@ class Script(FolderCase):
         with self.assertRaisesRegex(ReportError, "python3-plotly"):
             plotly_bundle.minified(Path("/nowhere/plotly.js"))
 
-    def test_a_folder_that_is_no_campaign_ends_with_status_2(self):
-        self.assertEqual(run("report", self.folder, "-o", self.folder / "x.html")[0], 2)
+    def test_a_folder_that_is_no_campaign_is_refused(self):
+        self.assert_refused("report", self.folder, "-o", self.folder / "x.html")

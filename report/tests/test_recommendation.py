@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-
 from lcpbench_report.errors import ReportError
 from lcpbench_report.recommendation import evaluation, rules
 from lcpbench_report.recommendation.outcomes import Outcomes, read_outcomes, read_sequences
@@ -228,10 +227,11 @@ class CommandTest(FolderCase):
         for output in outputs:
             status, text, error = run("recommendation", folder, "--features", features, "-o", output)
             self.assertEqual((status, error), (0, ""))
-            self.assertIn("5 of 5 families pass", text)
+            self.assertIn("families held out:", text)
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
         made = json.loads(outputs[0].read_text())
         self.assertEqual((made["schema"], made["campaigns"][0]["commit"]), ("lcpbench-recommendation/1", "abc"))
+        self.assertEqual([made["evaluation"]["tiers"][0]["families"][key] for key in ("pass", "groups")], [5, 5])
 
     def test_families_can_be_left_out(self):
         folder, features = self.write_campaign()

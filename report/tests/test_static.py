@@ -1,5 +1,4 @@
-"""Figures and tables for papers.
-"""
+"""Figures and tables for papers."""
 
 import gzip
 import io
@@ -10,7 +9,6 @@ import unittest
 import xml.etree.ElementTree
 
 import pandas as pd
-
 
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.static import write

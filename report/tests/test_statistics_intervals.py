@@ -4,7 +4,6 @@ import math
 import unittest
 import unittest.mock
 
-
 import numpy as np
 import pandas as pd
 

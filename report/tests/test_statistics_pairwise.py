@@ -4,7 +4,6 @@ import math
 import unittest
 from unittest import mock
 
-
 import numpy as np
 import pandas as pd
 

@@ -3,7 +3,6 @@
 import math
 import unittest
 
-
 import numpy as np
 import pandas as pd
 

@@ -3,7 +3,6 @@
 import json
 import unittest
 
-
 import numpy as np
 import pandas as pd
 
@@ -290,7 +289,7 @@ class Files(FolderCase):
                 self._edit_line("problems.jsonl", 0, lambda line: json.dumps(record | {key: value}))
                 self._expect_refused("problems.jsonl:1", key)
 
-    def test_lines_that_say_the_same_thing_twice_are_refused(self):
+    def test_lines_that_say_the_same_thing_twice_or_lack_their_judge_line_are_refused(self):
         for name, index, words in (("streams.jsonl", 0, "judged twice"), ("streams.jsonl", 1, "pass 1"),
                                    ("problems.jsonl", 0, "twice")):
             with self.subTest(name=name):
@@ -298,9 +297,8 @@ class Files(FolderCase):
                 lines = self._lines(name)
                 (self.folder / name).write_text("\n".join([*lines, lines[index]]) + "\n", encoding="utf-8")
                 self._expect_refused(f"{name}:{len(lines) + 1}", words)
-
-    def test_a_pass_of_a_task_that_is_not_judged_is_refused(self):
-        self._set_lines(self._lines("streams.jsonl")[1:])
+        self._write()
+        self._set_lines(self._lines("streams.jsonl")[1:])  # a pass of a task that is not judged
         self._expect_refused("streams.jsonl:1", "judge")
 
     def test_missing_files_and_other_schemas_are_refused(self):
@@ -322,19 +320,17 @@ class Files(FolderCase):
             self._expect_refused(name)
         self.assertEqual(run("analyse", self.folder / "nowhere")[0], 2)
 
-    def test_where_nothing_is_verified_the_tables_are_there(self):
+    def test_where_nothing_is_verified_or_was_run_the_tables_are_there(self):
+        self._write(change=exclude)
+        self._expect_headers()
+        self._set_lines([])
+        self._expect_headers()
         self._write(change=fail)
         self._expect_headers()
         for name in ("scaling", "precision", "oracle"):
             self.assertTrue(pd.read_csv(self.folder / FOLDER / f"{name}.csv").empty, name)
         profiles = pd.read_csv(self.folder / FOLDER / "profiles.csv")
         self.assertEqual(set(profiles["share"]), {0})
-
-    def test_so_they_are_where_nothing_was_run(self):
-        self._write(change=exclude)
-        self._expect_headers()
-        self._set_lines([])
-        self._expect_headers()
 
     def test_excluded_cells_are_penalised_by_the_rule_for_the_limit(self):
         self._write(change=exclude)

@@ -115,20 +115,7 @@ def _plain(row: dict, name: str, kind: type) -> dict:
 
 
 def as_text(evaluation: dict) -> str:
-    """A table per tier."""
-    lines = []
-    for summary in evaluation["tiers"]:
-        lines.append(f"tier {summary['tier']:g}, rules made without the family: share of its "
-                     f"problems within {evaluation['within']:g} x of the best own solver (of all solvers)")
-        for row in evaluation["families"]:
-            if row["tier"] == summary["tier"]:
-                median, worst = (f"{row[key]:.3g}" if row[key] is not None else "-" for key in ("median", "worst"))
-                lines.append(f"  {row['family']:<18} {row['right']:>3} of {row['problems']:>3}  {row['share'] or 0:7.1%} "
-                             f"({row['share_all'] or 0:6.1%})  median {median}, worst {worst}"
-                             f"{'' if row['passes'] else '  DOES NOT PASS'}")
-        lines += [f"  {of['pass']} of {of['groups']} {name} pass; {of['share'] or 0:.1%} of {of['problems']} problems"
-                  for name, of in summary.items() if name != "tier"]
-    lines.append("regions by, all tiers:")
-    lines += [f"  {', '.join(of['features']):<28} {of['pass']} of {of['families']} families pass; "
-              f"{of['right']} of {of['problems']} problems" for of in evaluation["divisions"]]
-    return "\n".join(lines)
+    """Tables of families that were held out, of their sums by tier, and of divisions."""
+    tables = {"families held out": pd.DataFrame(evaluation["families"]), "by tier": pd.json_normalize(evaluation["tiers"]),
+              "regions by, all tiers": pd.DataFrame(evaluation["divisions"])}
+    return "\n\n".join(f"{title}:\n{table.to_string(index=False)}" for title, table in tables.items())

@@ -135,13 +135,7 @@ def time_axis(axes, label: str = "", axis: str = "y") -> None:
     log_axis(axes.yaxis if axis == "y" else axes.xaxis, label, time_tick)
     low, high = axes.get_ylim()
     if axis == "y" and high / low < 100:  # powers of ten alone would be one label or two
-        axes.yaxis.set_minor_formatter(
-            FuncFormatter(lambda value, _: time_tick(value) if _digit(value) in (2, 5) else ""))
-
-
-def _digit(value: float) -> int:
-    """The first one of a number."""
-    return round(value / 10 ** math.floor(math.log10(value) + 1e-9))
+        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: time_tick(value) if f"{value:.0e}"[0] in "25" else ""))
 
 
 def name_axis(axes, names: list[str]) -> None:

@@ -21,7 +21,9 @@ def calibration_table(campaign: Campaign) -> pd.DataFrame:
 
     @throws ReportError where the campaign has no such variant
     """
-    known = _known_factors(campaign)
+    known = {(entry["base"], key): float((entry.get("settings") or {}).get(SLOWDOWN, 1))
+             for key, entry in campaign.solvers.items()
+             if entry.get("base") in campaign.solvers and set(entry.get("settings") or {}) <= {SLOWDOWN}}
     if not known:
         raise ReportError("campaign.json", "no solver is a variant without settings or with a slow-down",
                           "a campaign run with --variant KEY=SOLVER and --variant KEY=SOLVER,slowdown=1.1")
@@ -42,14 +44,3 @@ def as_table(found: pd.DataFrame) -> Table:
                  [[f"`{row.solver}`", f"slowed by {row.slowdown:g}" if row.slowdown > 1 else "itself", f"{row.tier:.0e}",
                    row.problems, f"{row.ratio:.3f}", f"{row.ratio_low:.3f} … {row.ratio_high:.3f}", row.expected,
                    row.found if row.right else f"**{row.found}**"] for row in found.itertuples()], "llrrrlll")
-
-
-def _known_factors(campaign: Campaign) -> dict[tuple[str, str], float]:
-    """(base, variant) -> how many times as long the variant takes; of bases that are in the campaign."""
-    solvers = {solver["key"]: solver for solver in campaign.info["solvers"]}
-    factors = {}
-    for key, solver in solvers.items():
-        base, settings = solver.get("base", ""), solver.get("settings") or {}
-        if base in solvers and set(settings) <= {SLOWDOWN}:
-            factors[base, key] = float(settings.get(SLOWDOWN, 1))
-    return factors

@@ -126,8 +126,8 @@ def peer_ratio_table(cells: pd.DataFrame, own: Collection[str]) -> pd.DataFrame:
 
     @param own  keys of own solvers; the others are peers
     """
-    rows = [label | row for label, of_class in classes(cells) for row in _peer_rows(of_class, own)]
-    return pd.DataFrame(rows, columns=PEER_COLUMNS)
+    return pd.DataFrame([label | row for label, of_class in classes(cells) for row in _peer_rows(of_class, own)],
+                        columns=PEER_COLUMNS)
 
 
 def _peer_rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
@@ -176,7 +176,7 @@ def ablation_table(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dic
     both have a cell on; `ratio`: of fresh times where both are verified.
 
     @param cells    of cells.cell_table
-    @param ablated  of cells.ablation_cells
+    @param ablated  the same of ablations
     @param solvers  the entries of campaign.json
     """
     versions = {entry["key"]: entry for entry in solvers if entry["ablation"]}

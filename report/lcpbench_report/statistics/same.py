@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from .cells import KEY, ablation_cells, cell_table
+from .cells import KEY, cell_table
 from .load import METRICS, Campaign
 
 ENVIRONMENT = ("started", "environment", "environment_hash")
@@ -57,7 +57,7 @@ def compare(a: Campaign, b: Campaign) -> dict[str, Part]:
 
 
 def differing_cells(a: Campaign, b: Campaign) -> Part:
-    first, second = (pd.concat([cell_table(c), ablation_cells(c)]).set_index(KEY)[list(CELL_FIELDS)] for c in (a, b))
+    first, second = (pd.concat([cell_table(c), cell_table(c, True)]).set_index(KEY)[list(CELL_FIELDS)] for c in (a, b))
     part = Part(only_a=[cell_name(key) for key in first.index.difference(second.index, sort=False)],
                 only_b=[cell_name(key) for key in second.index.difference(first.index, sort=False)])
     common = first.index.intersection(second.index, sort=False)

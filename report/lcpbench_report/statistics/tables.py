@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from .cells import ablation_cells, cell_table
+from .cells import cell_table
 from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
 from .distributions import accuracy_table, oracle_table, profile_table
@@ -46,7 +46,7 @@ def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
     """Of all of TABLES.
 
     @param cells    of cells.cell_table
-    @param ablated  of cells.ablation_cells
+    @param ablated  the same of ablations
     @param solvers  the entries of campaign.json
     """
     own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
@@ -60,7 +60,7 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
     if campaign.tasks or not campaign.passes:
-        found = Tables(makers_of(cell_table(campaign), ablation_cells(campaign), campaign.info["solvers"]))
+        found = Tables(makers_of(cell_table(campaign), cell_table(campaign, True), campaign.info["solvers"]))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:

@@ -67,17 +67,11 @@ function changed() {
   document.getElementById("chosen").textContent = `(${view.shown.length} of ${SOLVERS.length} shown)`;
 }
 
-function choiceOf(name) {
-  if (name === "low") return String(CLASSES.findIndex((one) => one.low >= view.low));
-  if (name === "high") return String(CLASSES.findLastIndex((one) => one.high <= view.high));
-  return String(view[name]);
-}
+/** The ends of the rows are chosen by size classes. */
+const choiceOf = (name) => String(name === "low" || name === "high" ? CLASSES.findIndex((one) => one[name] === view[name]) : view[name]);
 
 function setChoice(name, value) {
-  if (name === "low") view.low = CLASSES[Number(value)].low;
-  else if (name === "high") view.high = CLASSES[Number(value)].high;
-  else if (name === "tier") view.tier = Number(value);
-  else view[name] = value;
+  view[name] = name === "low" || name === "high" ? CLASSES[Number(value)][name] : name === "tier" ? Number(value) : value;
   changed();
 }
 
@@ -95,10 +89,7 @@ function fillControls() {
       .map((size) => [size, size === "all" ? "all sizes" : `${size} rows`]),
     scene: [...new Set(DATA.motion.map((curve) => `${curve.scene}@${curve.level}`))].map((scene) => [scene, scene.replace("@", ", level ")]),
   };
-  if (CLASSES.length) {
-    view.low = CLASSES[0].low;
-    view.high = CLASSES[CLASSES.length - 1].high;
-  }
+  if (CLASSES.length) [view.low, view.high] = [CLASSES[0].low, CLASSES[CLASSES.length - 1].high];
   for (const select of document.querySelectorAll("select[data-choice]")) {
     select.replaceChildren(...entries[select.dataset.choice].map(([value, text]) => new Option(text, value)));
     select.addEventListener("change", () => setChoice(select.dataset.choice, select.value));
@@ -122,7 +113,7 @@ function chipOf(solver) {
 
 function fillChips() {
   document.getElementById("chips").replaceChildren(...SOLVERS.map(chipOf));
-  const presets = {start: (solver) => solver.shown, own: (solver) => solver.origin === "own", peer: (solver) => solver.origin !== "own",
+  const presets = {start: ({shown}) => shown, own: ({origin}) => origin === "own", peer: ({origin}) => origin !== "own",
                    all: () => true, none: () => false};
   for (const button of document.querySelectorAll("[data-preset]")) {
     button.addEventListener("click", () => {
@@ -135,20 +126,15 @@ function fillChips() {
 function watch() {
   const seen = new IntersectionObserver((entries) => {
     for (const entry of entries) {
-      const id = entry.target.id.slice("figure-".length);
-      if (entry.isIntersecting) inSight.add(id); else inSight.delete(id);
+      inSight[entry.isIntersecting ? "add" : "delete"](entry.target.id.slice("figure-".length));
     }
     drawDirty();
   }, {rootMargin: "400px"});
-  for (const id of Object.keys(FIGURES)) {
-    const place = document.getElementById(`figure-${id}`);
-    if (place) seen.observe(place);
-  }
+  for (const place of document.querySelectorAll(".chart")) seen.observe(place);
   const links = [...document.querySelectorAll("nav a")];
   const here = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      if (!entry.isIntersecting) continue;
-      for (const link of links) link.classList.toggle("here", link.hash === `#${entry.target.id}`);
+    for (const {target} of entries.filter(({isIntersecting}) => isIntersecting)) {
+      for (const link of links) link.classList.toggle("here", link.hash === `#${target.id}`);
     }
   }, {rootMargin: "-20% 0px -70% 0px"});
   for (const section of document.querySelectorAll("main section[id]")) here.observe(section);

@@ -66,13 +66,10 @@ const nearestTier = (rows, wanted) =>
 /** Smallest time of a verified answer by problem, over `solvers`; NaN where there is none. */
 function bestTimes(solvers, tier) {
   const best = new Float64Array(COUNT).fill(NaN);
-  for (const solver of solvers) {
-    const cells = cellsOf(solver, tier);
-    if (!cells) continue;
-    const times = cells.get("time");
-    for (let i = 0; i < COUNT; ++i) {
-      if (cells.verdicts[i] === "v" && !(best[i] <= times[i])) best[i] = times[i];
-    }
+  for (const cells of solvers.map((solver) => cellsOf(solver, tier)).filter(Boolean)) {
+    cells.get("time").forEach((time, i) => {
+      if (cells.verdicts[i] === "v" && !(best[i] <= time)) best[i] = time;
+    });
   }
   return best;
 }

@@ -117,11 +117,8 @@ function winnersFigure(view) {
   }
   const scale = [], count = Math.max(solvers.length, 1);
   solvers.forEach((solver, s) => scale.push([s / count, solver.colour], [(s + 1) / count, solver.colour]));
-  const annotations = [];
-  if (!narrow()) {
-    labels.forEach((names, y) => names.forEach((name, x) => name && annotations.push(
-      {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}})));
-  }
+  const annotations = narrow() ? [] : labels.flatMap((names, y) => names.map((name, x) => (
+    {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}}))).filter(({text}) => text);
   return {traces: [{type: "heatmap", z, text, hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
                     zmax: count - 0.5, showscale: false, xgap: 2, ygap: 2, x: sizes.map((_, x) => x), y: used.map((_, y) => y)}],
           layout: layoutOf(linearAxis("rows n", {tickvals: sizes.map((_, x) => x), ticktext: sizes.map((c) => CLASSES[c].label), showgrid: false}),
