@@ -10,6 +10,7 @@ comparison found a difference; 2 with one line on standard error when the argume
 
 import argparse
 import datetime
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -175,8 +176,8 @@ def _tune(options: argparse.Namespace) -> int:
         print("no tuning problem is in " + ", ".join(others))
         folder = campaign.run_campaign(command, manifest, options.folder, tried, options.passes, options.cpu,
                                        options.resume)
-    except campaign.CommandError as error:
-        return error.status
+    except subprocess.CalledProcessError as error:
+        return error.returncode
     asked = choice.Asked(options.budget, options.seed, space_file, sizes, options.problem_seed)
     date = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")
     output = options.output or options.data / "tuned.json"

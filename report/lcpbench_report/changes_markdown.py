@@ -112,4 +112,4 @@ def _name(row) -> str:
 def _verdict(row, when: str) -> str:
     """With the rule by which a cell was excluded."""
     rule = row[f"excluded_{when}"]
-    return formats.status(row[f"verdict_{when}"]).replace(":", ": ") + (f": {rule}" if rule else "")
+    return row[f"verdict_{when}"].replace("_", " ").replace(":", ": ") + (f": {rule}" if rule else "")

@@ -103,12 +103,3 @@ def short(value: object) -> object:
     if isinstance(value, (int, np.integer)):
         return int(value)
     return value if not isinstance(value, float) else float(f"{value:.4g}") if math.isfinite(value) else None
-
-
-def status(key: str) -> str:
-    """iteration_limit -> iteration limit"""
-    return key.replace("_", " ")
-
-
-def bytes_(value: float) -> str:
-    return f"{value / 2**30:.1f}\u202fGiB"

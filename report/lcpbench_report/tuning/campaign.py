@@ -14,14 +14,6 @@ PROBLEMS, CAMPAIGN = "problems", "campaign"  # subfolders
 _MARK = "lcpbench_manifest"
 
 
-class CommandError(Exception):
-    """`lcpbench` did not end with 0, and has told the user why."""
-
-    def __init__(self, status: int):
-        super().__init__(f"exit status {status}")
-        self.status = status
-
-
 @dataclass
 class Command:
     """The lcpbench command."""
@@ -29,10 +21,8 @@ class Command:
     program: Path
 
     def run(self, *arguments: str, output=None) -> None:
-        """@throws CommandError where it does not end with 0"""
-        status = subprocess.run([self.program, *arguments], stdout=output, check=False).returncode
-        if status:
-            raise CommandError(status)
+        """@throws CalledProcessError where it does not end with 0, and has told the user why"""
+        subprocess.run([self.program, *arguments], stdout=output, check=True)
 
     def available(self, what: str) -> list[str]:
         """Keys that `lcpbench list` has and that are in this build."""

@@ -103,7 +103,7 @@ def _facts(info: dict) -> tuple[list, list]:
     libraries = ", ".join(f"{name} {version}" for name, version in found.get("libraries", {}).items())
     commit = str(found.get("git_commit", "unknown")) + (" with uncommitted changes" if found.get("git_dirty") else "")
     machine = [("CPU", f"{found.get('cpu', 'unknown')}, {found.get('cores', '?')} cores, "
-                       f"{formats.bytes_(found.get('memory_bytes', 0))}"),
+                       f"{found.get('memory_bytes', 0) / 2**30:.1f}\u202fGiB"),
                ("Instruction sets", _listed(found.get("instruction_sets"))),
                ("System", ", ".join(str(part) for part in (found.get("os", "unknown"), found.get("kernel")) if part)),
                ("Hypervisor", found.get("hypervisor") or "none"), ("Commit", commit),

@@ -28,9 +28,9 @@ LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXC
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
 PROVED_INFEASIBLE, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "q", "e", "."
-# Key in the page -> column of statistics.cells; all packed as logarithms, as is `time`, the fresh time.
+# Key in the page -> column of statistics.cells; all packed as logarithms. `time` is the fresh time.
 NUMBERS = {"again": "again_s", "problem": "problem_s", "prepare": "prepare_s", "convert": "convert_s", "solve": "solve_s",
-           "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error"}
+           "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error", "time": "time"}
 _MOTION_POINTS = 120  # of a curve: more are not seen
 
 
@@ -38,14 +38,13 @@ def build(inputs: Inputs, shown: list[str]) -> dict:
     """@param shown  solvers that are visible when the page opens"""
     # Of what fills up the streams there are thousands: it is in the tables, and would only stall the browser.
     names = [name for name, about in inputs.problems.items() if not about["fill"]]
-    index = {name: i for i, name in enumerate(names)}
     cells = inputs.cells[~inputs.cells["fill"].astype(bool)]
     return {
         "solvers": [_solver(inputs, key) | {"shown": key in shown} for key in inputs.keys],
         "tiers": inputs.tiers, "shift": short(shift_of(cells)) or 0,
         "classes": [{"label": size_class(of["key"]), "low": of["least"], "high": of["most"]} for of in inputs.size_classes],
         "problems": _problems(inputs, names),
-        "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
+        "cells": {solver: _cells(table, names) for solver, table in cells.groupby("solver", sort=False)},
         "latency": _records(inputs.analysis.get("latency_by_solver")),
         "deadlines": _records(inputs.analysis.get("deadline")),
         "scaling": _records(inputs.analysis.get("scaling"), drop=("set", "theil_sen", "theil_sen_low",
@@ -78,37 +77,23 @@ def _column(records: list[dict], key: str) -> list[float]:
     return [math.nan if record.get(key) is None else float(record[key]) for record in records]
 
 
-def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
+def _cells(table: pd.DataFrame, names: list[str]) -> dict:
     """Verdicts by tier; numbers, which a direct method has but once, by tier as places in a list."""
     verdicts, numbers, places = {}, [], {}
     for tier, of_tier in table.groupby("tier", sort=False):
-        at = [index[name] for name in of_tier["problem"]]
-        letters = np.full(len(index), ABSENT)
-        letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"], of_tier["proved_infeasible"])]
-        key = power(tier)  # by which the page looks tiers up
-        verdicts[key] = "".join(letters)
-        packed = {name: pack(_spread_out(of_tier[column], at, len(index))) for name, column in NUMBERS.items()}
+        letters = of_tier["verdict"].map(LETTERS).fillna(OTHER)
+        for flag, letter in (("false_infeasible", FALSE_INFEASIBLE), ("proved_infeasible", PROVED_INFEASIBLE)):
+            letters = letters.mask(of_tier[flag].astype(bool), letter)
+        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
         # What failed has the time of the solve that was judged.
         time = of_tier["time_s"].where(of_tier["passes"].astype(bool), of_tier["first_s"])
-        packed["time"] = pack(_spread_out(time, at, len(index)))
-        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
-        packed["spread"] = pack_shares(_spread_out(half, at, len(index)))
+        rows = of_tier.assign(letter=letters, half=half, time=time).set_index("problem").reindex(names)
+        packed = {name: pack(rows[column]) for name, column in NUMBERS.items()} | {"spread": pack_shares(rows["half"])}
         if packed not in numbers:
             numbers.append(packed)
-        places[key] = numbers.index(packed)
+        key = power(tier)  # by which the page looks tiers up
+        verdicts[key], places[key] = "".join(rows["letter"].fillna(ABSENT)), numbers.index(packed)
     return {"verdicts": verdicts, "numbers": numbers, "places": places}
-
-
-def _letter(verdict: str, false_infeasible: bool, proved_infeasible: bool) -> str:
-    if proved_infeasible:
-        return PROVED_INFEASIBLE
-    return FALSE_INFEASIBLE if false_infeasible else LETTERS.get(verdict, OTHER)
-
-
-def _spread_out(values: pd.Series, at: list[int], count: int) -> np.ndarray:
-    column = np.full(count, np.nan)
-    column[at] = values.to_numpy(dtype=float)
-    return column
 
 
 def _records(table: pd.DataFrame | None, drop: tuple[str, ...] = ()) -> list[dict]:
