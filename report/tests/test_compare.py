@@ -10,7 +10,7 @@ import numpy as np
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import changes, pairwise
 from lcpbench_report.statistics.intervals import holm
-from lcpbench_report.statistics.load import load_campaign
+from lcpbench_report.statistics.load import Campaign, load_campaign
 from .cases import FolderCase, edit_info, edit_lines, run
 from .synthetic_campaign import COPIES, FAMILIES, TIERS, Noise, exclude, fail, slower, write_campaign
 
@@ -42,14 +42,12 @@ class Truth(unittest.TestCase):
     """Seeded campaigns in which it is known what changed."""
 
     def test_two_runs_of_one_binary_are_silent(self):
-        found = self._many(SAME_SEEDS, copies=2)
-        self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 1)
-
-    def test_so_they_are_without_the_margin(self):
-        """The margin hides no fault of the tests or of Holm's correction."""
-        with mock.patch.object(pairwise, "MARGIN", 1.0):
-            found = self._many(SAME_SEEDS, copies=2)
-        self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), 0.1 * SAME_SEEDS)
+        """Also without the margin, which hides no fault of the tests or of Holm's correction."""
+        pairs = self._pairs(SAME_SEEDS, copies=2)
+        for margin, most in ((pairwise.MARGIN, 1), (1.0, 0.1 * SAME_SEEDS)):
+            with mock.patch.object(pairwise, "MARGIN", margin):
+                found = [changes.compare_campaigns(*pair) for pair in pairs]
+            self.assertLessEqual(sum(c.regressed or not c.faster.empty for c in found), most)
 
     def test_what_the_machine_does_meanwhile_is_no_regression(self):
         """A neighbour during two of three passes, seen on a real machine: the medians of all problems move alike."""
@@ -109,30 +107,22 @@ class Truth(unittest.TestCase):
         found = self._many(SLOWER_SEEDS // 2, _slower(0.9, lambda record: record["solver"] == "b"))
         self.assertTrue(all("b" in set(c.faster["solver"]) and not c.regressed for c in found))
 
-    def test_what_is_slow_on_one_family_is_found_there(self):
-        found = self._many(SLOWER_SEEDS // 2, _slower(1.3, lambda record: record["solver"] == "c"
-                                                      and record["problem"].startswith("chains")))
-        for c in found:
-            self.assertIn(("c", "chains"), set(zip(c.slower["solver"], c.slower["family"])))
-            self.assertNotIn("piles", set(c.slower["family"]))
+    def test_what_is_slow_on_one_family_or_size_class_is_found_there(self):
+        for column, there, elsewhere, parts in (("family", "chains", "piles", ("chains",)),
+                                                ("size_class", "31-100", "301-1000", ("-50-", "-100-"))):
+            for c in self._many(SLOWER_SEEDS // 2, _slower(1.3, lambda record: record["solver"] == "c" and any(
+                    part in record["problem"] for part in parts))):
+                self.assertIn(("c", there), set(zip(c.slower["solver"], c.slower[column])))
+                self.assertNotIn(elsewhere, set(c.slower[column]))
 
-    def test_what_is_slow_on_one_size_class_is_found_there(self):
-        found = self._many(SLOWER_SEEDS // 2, _slower(1.3, lambda record: record["solver"] == "c"
-                                                      and ("-50-" in record["problem"] or "-100-" in record["problem"])))
-        for c in found:
-            self.assertIn(("c", "31-100"), set(zip(c.slower["solver"], c.slower["size_class"])))
-            self.assertNotIn("301-1000", set(c.slower["size_class"]))
+    def _many(self, seeds: int, change=lambda record: record) -> list[changes.Changes]:
+        return [changes.compare_campaigns(*pair) for pair in self._pairs(seeds, change)]
 
-    def _many(self, seeds: int, change=lambda record: record, noise: Noise = NOISE,
-              copies: int = COPIES) -> list[changes.Changes]:
-        found = []
+    def _pairs(self, seeds: int, change=lambda record: record, copies: int = COPIES) -> list[tuple[Campaign, Campaign]]:
         with tempfile.TemporaryDirectory() as folder:
-            for seed in range(seeds):
-                old, new = (load_campaign(write_campaign(Path(folder), FACTORS, seed, (TIER,), noise, copies, run=run,
-                                                         change=change if run else lambda record: record))
-                            for run in range(2))
-                found.append(changes.compare_campaigns(old, new))
-        return found
+            return [tuple(load_campaign(write_campaign(Path(folder), FACTORS, seed, (TIER,), NOISE, copies, run=run,
+                                                       change=change if run else lambda record: record))
+                          for run in range(2)) for seed in range(seeds)]
 
 
 class Summary(FolderCase):
@@ -214,12 +204,10 @@ class Summary(FolderCase):
         edit_lines(self.new / "problems.jsonl", lambda problem: problem | ({"rows": 51} if problem["rows"] == 50 else {}))
         self._expect_refused("problems.jsonl", "'rows'", " 50 ")
 
-    def test_nothing_in_common_is_refused(self):
+    def test_nothing_in_common_and_missing_folders_are_refused(self):
         drop(self.new, lambda record: record["solver"] != "c")
         drop(self.old, lambda record: record["solver"] == "c")
         self._expect_refused("no cell in common")
-
-    def test_a_missing_folder_is_refused(self):
         self.new = self.folder / "nowhere"
         self._expect_refused("nowhere")
 
@@ -239,8 +227,8 @@ class Summary(FolderCase):
         self.assertEqual((status, text), (0, ""))
         self.assertEqual((self.folder / "summary.md").read_text(encoding="utf-8"), out)
 
-    def _write(self, name: str, noise: Noise = NOISE, **arguments) -> Path:
-        return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=noise, **arguments)
+    def _write(self, name: str, **arguments) -> Path:
+        return write_campaign(self.folder / name, FACTORS, tiers=(TIER,), noise=NOISE, **arguments)
 
     def _run(self, *more: str) -> tuple[int, str, str]:
         return run("compare", self.old, self.new, *more)

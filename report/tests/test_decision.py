@@ -92,7 +92,7 @@ class WholeReport(SharedFolderCase):
         self.assertNotIn("Ablation", found)
 
 
-class TwoFigures(FolderCase):
+class Parts(FolderCase):
     def test_what_was_never_asked_is_below_the_tier_and_no_false_success(self):
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
@@ -103,9 +103,7 @@ class TwoFigures(FolderCase):
         self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
         self.assertIn(f"end below it in {each} of {each} solves", text)
 
-
-class Ablations(FolderCase):
-    def test_they_stand_in_their_own_table_and_nowhere_else(self):
+    def test_ablations_stand_in_their_own_table_and_nowhere_else(self):
         entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
@@ -118,8 +116,6 @@ class Ablations(FolderCase):
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
         self.assertRegex(markdown.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
-
-class Folders(FolderCase):
     def test_a_problem_in_two_folders_is_told(self):
         (standard, sequences), motion = write_all(self.folder)
         with self.assertRaisesRegex(ReportError, "is in .* too"):

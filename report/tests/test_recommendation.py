@@ -1,6 +1,7 @@
 """Rules of `lcpbench recommend`: lists on made-up outcomes whose right answer is known, and an evaluation that does not
 see what it holds out."""
 
+import itertools
 import json
 import math
 import unittest
@@ -25,17 +26,11 @@ FAMILIES = ("arches", "boxes", "chains", "discs")
 def outcomes_of(latency, families=FAMILIES, sizes=(10, 20, 100, 200), tiers=(1e-3, 1e-6), solvers=("a", "b", "c"),
                 seeds=(1,)) -> Outcomes:
     """@param latency  (solver, family, rows, tier) -> seconds, infinite: not verified"""
-    rows = []
-    for family in families:
-        for size in sizes:
-            for seed in seeds:
-                for tier in tiers:
-                    for solver in solvers:
-                        time = latency(solver, family, size, tier)
-                        rows.append({"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size,
-                                     "seed": float(seed), "solver": solver, "tier": tier, "verified": time < math.inf,
-                                     "false_success": False, "excluded": False, "weight": 1.0, "time_s": time})
-    table = pd.DataFrame(rows)
+    table = pd.DataFrame([
+        {"problem": f"{family}-n{size}-s{seed}", "family": family, "rows": size, "seed": float(seed), "solver": solver,
+         "tier": tier, "verified": (time := latency(solver, family, size, tier)) < math.inf, "false_success": False,
+         "weight": 1.0, "time_s": time}
+        for family, size, seed, tier, solver in itertools.product(families, sizes, seeds, tiers, solvers)])
     features = table.drop_duplicates("problem").set_index("problem")[["rows"]].astype(float)
     return Outcomes(table, features, list(solvers), [], [{"name": "made-up", "commit": "", "cpu": ""}], EDGES)
 
@@ -46,25 +41,17 @@ def candidates_by_region(outcomes: Outcomes, leave_out=frozenset()) -> dict:
 
 
 class ChooseTest(unittest.TestCase):
-    def choose(self, ratios: dict, false_success=frozenset(), most=4):
-        table = pd.DataFrame(ratios)
-        return rules.choose(table, np.ones(len(table)), set(false_success), most)
-
-    def test_one_solver_is_enough_where_it_is_always_the_best(self):
-        self.assertEqual(self.choose({"slow": [2.0, 3.0], "best": [1.0, 1.0]}), ["best"])
-
-    def test_two_that_complement_each_other_go_before_the_second_best_on_average(self):
-        found = self.choose({"small": [1.0, 1.0, 9.0], "large": [30.0, 30.0, 1.0], "even": [1.4, 1.4, 1.4]}, most=2)
-        self.assertEqual(found, ["small", "large"])
-
-    def test_a_solver_that_fails_is_backed_up(self):
-        self.assertEqual(self.choose({"fast": [1.0, 1.0, 1e3], "sure": [5.0, 5.0, 1.0]}), ["fast", "sure"])
-
-    def test_who_claims_success_falsely_is_never_chosen(self):
-        self.assertEqual(self.choose({"liar": [1.0, 1.0], "honest": [1.5, 1.5]}, {"liar"}), ["honest"])
-
-    def test_what_adds_nothing_is_left_out(self):
-        self.assertEqual(self.choose({"a": [1.0, 1.0], "twin": [1.0, 1.0]}), ["a"])
+    def test_what_is_chosen(self):
+        for why, ratios, most, expected in (
+                ("one is enough where it is always the best", {"slow": [2.0, 3.0], "best": [1.0, 1.0]}, 4, ["best"]),
+                ("two that complement each other go before the second best on average",
+                 {"small": [1.0, 1.0, 9.0], "large": [30.0, 30.0, 1.0], "even": [1.4, 1.4, 1.4]}, 2, ["small", "large"]),
+                ("one that fails is backed up", {"fast": [1.0, 1.0, 1e3], "sure": [5.0, 5.0, 1.0]}, 4, ["fast", "sure"]),
+                ("who claims success falsely is never chosen", {"liar": [1.0, 1.0], "honest": [1.5, 1.5]}, 4, ["honest"]),
+                ("what adds nothing is left out", {"a": [1.0, 1.0], "twin": [1.0, 1.0]}, 4, ["a"])):
+            with self.subTest(why):
+                table = pd.DataFrame(ratios)
+                self.assertEqual(rules.choose(table, np.ones(len(table)), {"liar"}, most), expected)
 
     def test_families_weigh_the_same_however_many_problems_they_have(self):
         weights = rules.family_weights(pd.Series(["large"] * 9 + ["small"]), pd.Series([0.5] * 2 + [1.0] * 8))

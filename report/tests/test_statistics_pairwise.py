@@ -7,11 +7,16 @@ from unittest import mock
 import numpy as np
 import pandas as pd
 
+from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import pairwise
+from lcpbench_report.statistics.calibration import calibration_table
 from lcpbench_report.statistics.intervals import holm
-from .synthetic_campaign import Noise, cells_of, median_times
+from lcpbench_report.statistics.load import load_campaign
+from .cases import FolderCase
+from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 
 INF = math.inf
+VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
 SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 60, 150
 
 
@@ -187,3 +192,26 @@ class Truth(unittest.TestCase):
             table = compared(times)
             found.append(int((table["verdict"] != pairwise.NO_DIFFERENCE).sum()) // 2)
         return found
+
+
+class Calibration(FolderCase):
+    def campaign(self, factors: dict[str, float]):
+        return load_campaign(write_campaign(self.folder / "c", factors, tiers=(1e-6,), solvers={
+            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()}))
+
+    def test_truth_is_found(self):
+        table = calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
+        rows = table.set_index("variant")
+        self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
+        self.assertTrue(rows["right"].all())
+        self.assertAlmostEqual(rows.loc["slow", "ratio"], 1.1, delta=0.02)
+        self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
+
+    def test_a_false_alarm_and_a_miss_are_wrong(self):
+        rows = calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
+        self.assertFalse(rows.loc["again", "right"].any())
+        self.assertFalse(rows.loc["slow", "right"].any())
+
+    def test_campaigns_without_variants_are_refused(self):
+        with self.assertRaisesRegex(ReportError, "variant"):
+            calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))

@@ -373,3 +373,25 @@ class Files(FolderCase):
         self.assertEqual(run("analyse", self.folder), (0, "", ""))
         for name in TABLES:
             self.assertGreater(len(pd.read_csv(self.folder / FOLDER / f"{name}.csv").columns), 5, name)
+
+
+class Delivered(FolderCase):
+    def test_failures_count_with_their_time(self):
+        """Of every third cell the answer is wrong: it is paid for, and its residual is among the quantiles."""
+        wrong = iter(range(10**9))
+
+        def spoil(record):
+            if next(wrong) % 3 == 0:
+                record |= {"passes": False, "claim": "iteration_limit", "rho": 0.5}
+            return record
+
+        cells = cell_table(load_campaign(write_campaign(self.folder, {"a": 1.0}, tiers=(1e-3, 1e-6), change=spoil)))
+        table = means.delivered_table(cells[cells["counts"]])
+        self.assertEqual(len(table), 2)
+        for row in table.itertuples():
+            of_tier = cells[cells["counts"] & (cells["tier"] == row.tier)]
+            self.assertEqual(row.problems, len(of_tier))
+            self.assertAlmostEqual(row.verified_share, (of_tier["verdict"] == "verified").mean())
+            self.assertLess(row.verified_share, 1)
+            self.assertEqual(row.rho_max, 0.5)
+            self.assertGreater(row.mean_s, 0)

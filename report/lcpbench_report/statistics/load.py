@@ -31,9 +31,6 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
            "tolerance": "name", "ablation": "text"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
-# Of problems.jsonl, what the tables are made of.
-_PROBLEM = ("problem", "set", "family", "base", "weight", "origin", "fill", "size_class", "rows", "reference", "counts",
-            "oracle_s", "floor")
 _REFERENCES = ("certified", "bounded", "none")
 _ORIGINS = ("placed", "motion")
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
@@ -144,7 +141,7 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
     classes = {of["key"]: of for of in info["size_classes"]}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_record(place, line, "problem", *_PROBLEM)
+        record = check_record(place, line, "problem")
         for key, words in (("reference", _REFERENCES), ("origin", _ORIGINS), ("size_class", classes)):
             check_word(place, record, key, words)
         own = classes[record["size_class"]]

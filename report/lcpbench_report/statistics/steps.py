@@ -15,8 +15,6 @@ FILE = "steps.jsonl"
 OUTCOMES = ("completed", "budget", "crashed", "killed", "out_of_memory")
 _SEQUENCE = {"sequence": "name", "set": "name", "family": "name", "rows": "count", "most_rows": "count",
              "steps": "count"}
-# What a pass that was run has besides.
-_RUN = ("outcome", "detail", "steps", "reached", "claims", "verdicts", "late", "preempted")
 
 # (sequence, solver, tier asked for, mode)
 PassKey = tuple[str, str, float, str]
@@ -89,7 +87,7 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
 
 
 def _round(place: str, record: dict, steps: int, tiers: list[float]) -> Round:
-    check_record(place, record, "steps", *_RUN)
+    check_record(place, record, "steps")
     check_word(place, record, "outcome", OUTCOMES)
     check_fields(f"{place}: claims", record["claims"], dict.fromkeys(record["claims"], "count"))
     reached = int(record["reached"])

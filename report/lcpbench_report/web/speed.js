@@ -91,35 +91,28 @@ function winnersFigure(view) {
   }
   const used = families.map((family, f) => f).filter((f) => CLASSES.some((_, c) => places.has(`${f}/${c}`)));
   const sizes = CLASSES.map((_, c) => c).filter((c) => used.some((f) => places.has(`${f}/${c}`)));
-  const z = [], text = [], labels = [];
   const cells = solvers.map((solver) => cellsOf(solver.key, view.tier));
-  for (const f of used) {
-    const row = [], hover = [], names = [];
-    for (const c of sizes) {
-      const problems = places.get(`${f}/${c}`) ?? [];
-      const found = solvers.map((solver, s) => {
-        const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
-        const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
-        return {s, verified: good.length, share: weightOf(good),
-                mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
-      });
-      const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
-      const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
-      row.push(ranked.length ? ranked[0].s : null);
-      names.push(ranked.length ? solvers[ranked[0].s].key : "");
-      hover.push(!problems.length ? "no problems" : !ranked.length ? "verified by none" :
-        `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
-        ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>"));
-    }
-    z.push(row);
-    text.push(hover);
-    labels.push(names);
-  }
+  const grid = used.map((f) => sizes.map((c) => {
+    const problems = places.get(`${f}/${c}`) ?? [];
+    const found = solvers.map((solver, s) => {
+      const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
+      const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
+      return {s, verified: good.length, share: weightOf(good),
+              mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
+    });
+    const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
+    const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
+    return {winner: ranked.length ? ranked[0].s : null, hover: !problems.length ? "no problems" : !ranked.length ? "verified by none" :
+      `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
+      ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>")};
+  }));
   const scale = [], count = Math.max(solvers.length, 1);
   solvers.forEach((solver, s) => scale.push([s / count, solver.colour], [(s + 1) / count, solver.colour]));
-  const annotations = narrow() ? [] : labels.flatMap((names, y) => names.map((name, x) => (
-    {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}}))).filter(({text}) => text);
-  return {traces: [{type: "heatmap", z, text, hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
+  const nameOf = (key) => key.length > 14 ? key.slice(0, 13) + "…" : key;
+  const annotations = narrow() ? [] : grid.flatMap((row, y) => row.flatMap(({winner}, x) => winner === null ? [] : [
+    {x, y, text: nameOf(solvers[winner].key), showarrow: false, font: {color: "#fff", size: 10.5}}]));
+  return {traces: [{type: "heatmap", z: grid.map((row) => row.map(({winner}) => winner)), text: grid.map((row) => row.map(({hover}) => hover)),
+                    hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
                     zmax: count - 0.5, showscale: false, xgap: 2, ygap: 2, x: sizes.map((_, x) => x), y: used.map((_, y) => y)}],
           layout: layoutOf(linearAxis("rows n", {tickvals: sizes.map((_, x) => x), ticktext: sizes.map((c) => CLASSES[c].label), showgrid: false}),
                            linearAxis("", {tickvals: used.map((_, y) => y), ticktext: used.map((f) => families[f]), autorange: "reversed", showgrid: false}),
