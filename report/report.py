@@ -249,10 +249,10 @@ def _archive(options: argparse.Namespace) -> None:
 @_command("calibrate", _file("campaign", help="a campaign with variants, see `make calibrate`"))
 def _calibrate(options: argparse.Namespace) -> int:
     """Tell whether a campaign finds no difference where there is none, and a slow-down where there is one."""
-    from lcpbench_report.statistics import calibration
+    from lcpbench_report.statistics import pairwise
 
-    found = calibration.calibration_table(*_load(options, options.campaign))
-    print(calibration.as_table(found).markdown(), end="")
+    found = pairwise.calibration_table(*_load(options, options.campaign))
+    print(pairwise.calibration_words(found).markdown(), end="")
     return 0 if found["right"].all() else 1
 
 

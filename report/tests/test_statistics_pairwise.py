@@ -9,7 +9,6 @@ import pandas as pd
 
 from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import pairwise
-from lcpbench_report.statistics.calibration import calibration_table
 from lcpbench_report.statistics.intervals import holm
 from lcpbench_report.statistics.load import load_campaign
 from .cases import FolderCase
@@ -200,7 +199,7 @@ class Calibration(FolderCase):
             key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()}))
 
     def test_truth_is_found(self):
-        table = calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
+        table = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
         rows = table.set_index("variant")
         self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
         self.assertTrue(rows["right"].all())
@@ -208,10 +207,10 @@ class Calibration(FolderCase):
         self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
 
     def test_a_false_alarm_and_a_miss_are_wrong(self):
-        rows = calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
+        rows = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
         self.assertFalse(rows.loc["again", "right"].any())
         self.assertFalse(rows.loc["slow", "right"].any())
 
     def test_campaigns_without_variants_are_refused(self):
         with self.assertRaisesRegex(ReportError, "variant"):
-            calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))
+            pairwise.calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))

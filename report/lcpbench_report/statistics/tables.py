@@ -10,12 +10,11 @@ import pandas as pd
 from .cells import cell_table
 from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
-from .distributions import accuracy_table, oracle_table, profile_table
+from .distributions import accuracy_table, oracle_table, profile_table, scaling_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
 from .means import delivered_table, mean_table, precision_table
 from .pairwise import pairwise_table
-from .scaling import scaling_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
