@@ -152,7 +152,7 @@ def refusals(manifests):
 def sequences(entries):
     """One row per sequence."""
     changes = ["entered", "left", "activated", "deactivated"]
-    rows = [[f"`{entry['id']}`", entry["problems"], " / ".join(str(entry["rows"][k]) for k in ("least", "median", "most")),
+    rows = [[f"`{entry['id']}`", entry["problems"], "{least} / {median} / {most}".format(**entry["rows"]),
              *(entry["changes"][key] for key in changes), entry["churn"], f"{100 * entry['still_share']:.0f} %"]
             for entry in entries]
     return _table(["sequence", "problems", "rows", *changes, "churn", "still"], rows)

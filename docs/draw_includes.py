@@ -212,7 +212,8 @@ def _box(folder, box):
     _, fill, line = _COLOURS[top]
     y, width = _top(box.row), box.right - box.left
     lines = [(9.5, above + "/", f' fill="{line}"')] if above else []
-    lines += [(12.5, name or _NAMES.get(top, f"{top}/"), f' font-weight="bold" fill="{line}"'), *((10, text, "") for text in box.text)]
+    lines.append((12.5, name or _NAMES.get(top, f"{top}/"), f' font-weight="bold" fill="{line}"'))
+    lines += [(10, text, "") for text in box.text]
     parts = [
         f'<g data-folder="{html.escape(folder)}">',
         f'<rect x="{box.left}" y="{y}" width="{width}" height="{_HEIGHT}" rx="6" fill="{fill}" stroke="{line}"/>',

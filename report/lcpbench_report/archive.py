@@ -17,8 +17,8 @@ from .statistics.load import PROBLEMS_FILE, STREAMS_FILE
 from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"
-# File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order, which
-# is that of tables and figures. 0.05 % of a time is far below what rounds differ by, a residual's magnitude is what
+# File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order,
+# which is that of tables and figures. 0.05 % of a time is far below what rounds differ by, a residual's magnitude is what
 # counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
 _FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
     PROBLEMS_FILE: (lambda line: (), 4, 3),

@@ -36,9 +36,8 @@ def _environment(old: Campaign, new: Campaign) -> list[str]:
     """Only what differs."""
     a, b = (campaign.info.get("environment", {}) for campaign in (old, new))
     # Versions of libraries one by one.
-    a, b = ({name: value for key in _ENVIRONMENT if key in of for name, value in (
-        {f"{key}.{name}": value for name, value in of[key].items()} if isinstance(of[key], dict) else {key: of[key]}).items()}
-            for of in (a, b))
+    a, b = ({f"{key}.{name}" if name else key: value for key in _ENVIRONMENT if key in of
+             for name, value in (of[key] if isinstance(of[key], dict) else {"": of[key]}).items()} for of in (a, b))
     rows = [[name, a.get(name, ""), b.get(name, "")] for name in dict.fromkeys([*a, *b]) if a.get(name) != b.get(name)]
     return _table(["environment", "old", "new"], rows) if rows else ["Both were run in the same environment.", ""]
 
@@ -79,8 +78,8 @@ def _speeds(changes: Changes) -> list[str]:
                     f"all problems, by size class and by family. Median ratio of the fresh times of answers that both "
                     f"verified, problems by their weight, with an interval by bootstrap over families and bases; p of "
                     f"Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
-                    f"p < {pairwise.LEVEL:g} and an interval beyond {100 * (MARGIN - 1):.0f} %, by the medians of the passes and by "
-                    f"the quickest ones.", ""]
+                    f"p < {pairwise.LEVEL:g} and an interval beyond {100 * (MARGIN - 1):.0f} %, by the medians of the passes "
+                    "and by the quickest ones.", ""]
 
 
 def _agreement(changes: Changes) -> list[str]:

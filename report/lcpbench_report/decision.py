@@ -86,7 +86,8 @@ def by_deadline(inputs: Inputs) -> list[dict]:
     if deadlines is None:
         return []
     found = []
-    for (tier, size), rows in sorted(deadlines.groupby(["tier", "size"]), key=lambda part: (-part[0][0], _number(part[0][1]))):
+    parts = {(-tier, _number(size)): (tier, size, rows) for (tier, size), rows in deadlines.groupby(["tier", "size"])}
+    for _, (tier, size, rows) in sorted(parts.items(), key=lambda part: part[0]):
         warm = passes(inputs, tier, size=size).set_index("solver")["p99"]
         choices = []
         for deadline in sorted(set(deadlines["deadline_s"])):

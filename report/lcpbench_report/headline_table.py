@@ -67,8 +67,9 @@ def headline(inputs: Inputs) -> Headline:
     shown = choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
     tier, cells = choice.main_tier(inputs), choice.main_cells(inputs)
     ratios = choice.table(inputs, "peer_ratio", tier).set_index(["size_class", "solver"])
+    times = choice.table(inputs, "class_times", tier)
     classes = [_row(inputs, key, rows, ratios, cells[cells["size_class"] == key])
-               for key, rows in choice.table(inputs, "class_times", tier).groupby("size_class", sort=False) if key != ALL]
+               for key, rows in times.groupby("size_class", sort=False) if key != ALL]
     ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
     return Headline(tier, classes, ran, [key for key in inputs.keys if key not in shown])
 
@@ -83,7 +84,8 @@ def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFr
         return row
     own = min(rivals, key=rivals.get)
     of = ratios.loc[(size_class, own)]
-    return replace(row, own=own, peer=of["peer"] or None, to_fastest=_ratio(of, "ratio"), to_peer=_ratio(of, "peer_ratio"))
+    return replace(row, own=own, peer=of["peer"] or None, to_fastest=_ratio(of, "ratio"),
+                   to_peer=_ratio(of, "peer_ratio"))
 
 
 def _ratio(of: pd.Series, name: str) -> Ratio | None:
@@ -91,7 +93,7 @@ def _ratio(of: pd.Series, name: str) -> Ratio | None:
 
 
 def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
-    """Median times of those that can be the best: a few problems say little. None where nobody verifies more than half."""
+    """Median times of those that can be the best, for few problems say little; empty where nobody verifies half."""
     most = max((entry.problems for entry in entries.values()), default=0)
     sampled = {solver: entry for solver, entry in entries.items() if entry.problems >= min(LEAST_TURNS, most)}
     least = min(RIGHT, max((entry.share for entry in sampled.values()), default=0))

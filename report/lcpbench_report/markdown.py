@@ -51,7 +51,8 @@ def _measured(info: dict, keys: list[str], *words: str) -> str:
     environment = info.get("environment") or {}
     commit = str(environment.get("git_commit") or "")[:12]
     changes = " with changes" if environment.get("git_dirty") else ""
-    parts = [*map(environment.get, keys), *words, commit and f"commit {commit}{changes}", str(info.get("started") or "")[:10]]
+    parts = [*map(environment.get, keys), *words, commit and f"commit {commit}{changes}",
+             str(info.get("started") or "")[:10]]
     return ", ".join(str(part) for part in parts if part)
 
 

@@ -139,7 +139,8 @@ def _solver_table(page: Page, origin: str, *more: str) -> str:
 BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
     # The conventions, false successes, and the table of all solvers.
-    "headline-details": lambda page: f"{markdown.caption(page.inputs, page.found)}\n\n{markdown.details(page.inputs, page.found)}",
+    "headline-details": lambda page: "\n\n".join(words(page.inputs, page.found)
+                                                 for words in (markdown.caption, markdown.details)),
     "ablation": lambda page: markdown.ablation(page.inputs),
     "ablation-of-checks": lambda page: markdown.checks(page.inputs),
     "streams": _streams,

@@ -219,7 +219,8 @@ def scaling(inputs: Inputs) -> Table | None:
         found = (values.median(), values.min(), values.max(), width.median() / 2)
         rows.append([key(solver), len(mine), *map(formats.ratio, found),
                      f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
-    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"], rows)
+    return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"],
+                  rows)
 
 
 # ----- sequences and motion
@@ -283,7 +284,8 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     found = []
     for scene, level in motion.scenes(inputs.motion):
         table, rows = motion.of_scene(inputs.motion, scene, level), []
-        runs = table.sort_values("tolerance", ascending=False, kind="stable").groupby(["solver", "tolerance"], sort=False)
+        loosest_first = table.sort_values("tolerance", ascending=False, kind="stable")
+        runs = loosest_first.groupby(["solver", "tolerance"], sort=False)
         order = list(dict.fromkeys(table["solver"]))
         for _, run in sorted(runs, key=lambda part: order.index(part[0][0])):
             last = run.iloc[-1]

@@ -97,7 +97,8 @@ def _by_size(inputs: Inputs) -> str:
     for size_class in choice.size_classes(inputs, cells):
         ranked = decision.contenders(cells[cells["size_class"] == size_class], inputs.own)
         if ranked:
-            parts.append(f"{_rows([formats.size_class(size_class)])} `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
+            best = ranked[0]
+            parts.append(f"{_rows([formats.size_class(size_class)])} `{best.solver}` ({formats.seconds(best.mean)})")
     return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
 
 
@@ -110,7 +111,8 @@ def peers(found: Headline) -> str:
     won = [row for row in rows if row.to_fastest.high < 1]
     tied = [formats.size_class(row.size_class) for row in rows if row not in lost and row not in won]
     if lost:
-        parts = [f"Against the fastest peer of every single problem we lose at {formats.words([_told(row, 'times its time') for row in lost])}."]
+        losses = formats.words([_told(row, "times its time") for row in lost])
+        parts = [f"Against the fastest peer of every single problem we lose at {losses}."]
     else:
         parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
     if tied:

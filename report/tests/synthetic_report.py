@@ -38,7 +38,8 @@ def spoiled(record: dict) -> dict:
 
 def write_cells(folder: Path) -> Path:
     """A campaign in which the engine's problem is a pathological one."""
-    solvers = {key: {"origin": "peer" if key in PEERS else "own", "method": f"the method of {key} <&>"} for key in FACTORS}
+    solvers = {key: {"method": f"the method of {key} <&>"} | ({"origin": "peer"} if key in PEERS else {})
+               for key in FACTORS}
     write_campaign(folder, FACTORS, change=spoiled, noise=Noise(passes=3), copies=2, solvers=solvers,
                    info={"started": STARTED, "environment": _ENVIRONMENT})
     edit_lines(folder / "problems.jsonl", lambda problem: problem | ({"set": "pathological"}

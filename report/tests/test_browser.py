@@ -57,8 +57,8 @@ class Browser(SharedFolderCase):
     def drawn(self, figure: str, mode: str = "") -> dict[str, dict]:
         """The traces that a figure has now, by name: of the mode if one is asked for."""
         self.run_script("return draw(arguments[0]).then(() => 0)", figure)
-        traces = self.run_script("return document.getElementById('figure-' + arguments[0]).data.map(({name, mode, x, y, text}) => "
-                                 "({name, mode, x, y, text}))", figure)
+        traces = self.run_script("""return document.getElementById('figure-' + arguments[0]).data
+          .map(({name, mode, x, y, text}) => ({name, mode, x, y, text}))""", figure)
         return {trace["name"]: trace for trace in traces if not mode or trace["mode"] == mode}
 
     def names(self, figure: str) -> set[str]:
@@ -81,7 +81,7 @@ class Browser(SharedFolderCase):
     def test_what_comes_into_sight_is_drawn_without_being_asked(self):
         place = self.driver.find_element(By.ID, "figure-profile")
         self.run_script("arguments[0].scrollIntoView()", place)
-        WebDriverWait(self.driver, 20).until(lambda driver: driver.execute_script("return Boolean(arguments[0].data)", place))
+        WebDriverWait(self.driver, 20).until(lambda _: self.run_script("return Boolean(arguments[0].data)", place))
 
     def test_a_chip_takes_a_solver_out_and_puts_it_back(self):
         self.assertIn("pgs", self.names("profile"))

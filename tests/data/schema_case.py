@@ -27,7 +27,7 @@ def changed(document, path, value):
 
 
 class SchemaCase:
-    """Tests for a unittest.TestCase that has `schema` (a file), `valid` (files), `base` and `malformed` [(path, value)]."""
+    """Tests of a unittest.TestCase that has `schema` (a file), `valid` (files), `base`, `malformed` [(path, value)]."""
 
     def test_every_document_is_valid(self):
         validator = self.validator()
