@@ -8,13 +8,14 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+import pandas as pd
 
 from lcpbench_report import formats, plotly_bundle
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.web import gallery, page, payload
 from .cases import FolderCase, SharedFolderCase, run
-from .synthetic_campaign import write_campaign
+from .synthetic_campaign import cells_of, write_campaign
 from .synthetic_report import FACTORS, whole_inputs, write_pictures, write_steps
 
 # Plotly's script takes a second and says nothing here.
@@ -74,6 +75,14 @@ class Page(SharedFolderCase):
         mine = self.inputs.cells[(self.inputs.cells["solver"] == "pgs") & (self.inputs.cells["tier"] == 1e-6)]
         expected = mine.set_index("problem")["time_s"].reindex(names)
         np.testing.assert_allclose(times, expected, rtol=1e-3)
+
+    def test_a_proof_counts_more_than_a_claim_and_the_spread_is_half_of_the_interval(self):
+        cells = cells_of(pd.DataFrame({"a": [np.inf, np.inf, 2.0]})).assign(
+            fresh_low=1.0, fresh_high=2.0, false_infeasible=[True, True, False], proved_infeasible=[False, True, False],
+            iterations=1, backward_error=0.0, w_error=0.0)
+        found = payload._cells(cells, [0, 1, 2, 3])
+        self.assertEqual(found["verdicts"], {"1e-6": "qrv."})
+        self.assertEqual(list(base64.b64decode(found["numbers"][0]["spread"])), [255, 255, 25, 255])
 
     def test_text_of_the_data_is_escaped(self):
         self.assertIn("the method of pgs &lt;&amp;&gt;", self.text)
