@@ -37,12 +37,6 @@ struct ArcEdge {
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& /*piece*/) const {
     return {center + (SignOf(side) * radius) * n, {1, SignOf(side) / radius}, {}};
   }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 /*begin*/, Vec2 /*end*/) const {
-    const double sense = s_begin < s_end ? 1 : -1;
-    return {Norm(EllipseApexOffset(radius, radius, 0, s_begin, s_end)), sense * UnitOrZero(Direction(s_begin)),
-            sense * UnitOrZero(Direction(s_end))};
-  }
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {
     segments->push_back({begin, EllipseMoments(radius, radius, 0, s_begin, s_end), Segment::Base::kChordMiddle});
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace lcpbench {
@@ -23,28 +22,6 @@ bool InCone(Vec2 v, Vec2 u1, Vec2 u2) {
   // too.
   if (Cross(u1, u2) < 0) std::swap(u1, u2);
   return Cross(u1, v) >= 0 && Cross(v, u2) >= 0 && Dot(v, u1 + u2) > 0;
-}
-
-std::vector<double> EqualCuts(double s_begin, double s_end, int parts) {
-  const double range = s_end - s_begin;
-  std::vector<double> cuts;
-  for (int k = 0; k < parts; ++k) cuts.push_back(s_begin + range * k / parts);
-  cuts.push_back(s_end);
-  return cuts;
-}
-
-std::vector<double> QuarterCuts(double s_begin, double s_end) {
-  constexpr double kRoundingSlack = 1 - 1e-12;  // a full turn makes four parts, not five
-  const double quarters = std::abs(s_end - s_begin) / (std::numbers::pi / 2);
-  return EqualCuts(s_begin, s_end, std::max(2, static_cast<int>(std::ceil(quarters * kRoundingSlack))));
-}
-
-Vec2 EllipseApexOffset(double a, double b, double phi, double s_begin, double s_end) {
-  // For an arc over 2 alpha the image of (cos s, sin s) sin^2 alpha / cos alpha at the middle parameter.
-  const Rotation middle = SinCos(s_begin + (s_end - s_begin) / 2);
-  const Rotation half = SinCos((s_end - s_begin) / 2);
-  const double rise = half.sin * half.sin / half.cos;
-  return Rotate(SinCos(phi), {a * rise * middle.cos, b * rise * middle.sin});
 }
 
 }  // namespace lcpbench

@@ -92,11 +92,4 @@ double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b);
 /// Whether v points into the cone of less than 180 degrees between u1 and u2.
 bool InCone(Vec2 v, Vec2 u1, Vec2 u2);
 
-/// The range s_begin..s_end cut into equal parts: their ends, s_begin first.
-std::vector<double> EqualCuts(double s_begin, double s_end, int parts);
-/// The same for angles: parts of at most a quarter turn, two or more.
-std::vector<double> QuarterCuts(double s_begin, double s_end);
-/// The offset of the apex from the chord's middle, of the triangle of chord and end tangents of an arc of an ellipse.
-Vec2 EllipseApexOffset(double a, double b, double phi, double s_begin, double s_end);
-
 }  // namespace lcpbench

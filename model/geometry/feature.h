@@ -33,9 +33,9 @@ struct Vertex {
 ///   Point, Direction at s: the point; a vector in the direction of dp/ds of unspecified length > 0, 0 where a Bezier
 ///                    curve's derivative vanishes. The same bits everywhere
 ///   AtNormal         of a piece turned into the world's axes: the point with outward normal n, its curvature and place
-///   EnclosedCuts     values of s that cut a piece into two parts or more that Enclose can hold, in the sense of
-///                    travel, with both ends
-///   NormalCuts       of kSearched: the same, so that each part turns one way and by at most a quarter turn
+///   NormalCuts       of kSearched: values of s that cut a piece into parts that turn one way and by at most a quarter
+///                    turn, in the sense of travel, with both ends
+///   EnclosedCuts, Enclose  of curves that turn either way: see below
 ///   AppendMoments    the moments of the region between a piece and its chord (area_moments.h)
 /// Curves of kSearched also give SmoothCurve (smooth_curve.h) what it asks. Everything else reaches these through one
 /// std::visit, so that a curve that lacks one of them does not compile.
@@ -69,6 +69,13 @@ inline Vec2 CurveDirection(const OutlineCurve& curve, double s) {
 }
 /// The lengths that the piece's points are computed from [m].
 double Reach(const OutlinePiece& piece);
+
+/// Values of s that cut a piece into two parts or more that Enclose can hold, in the sense of travel, with both ends:
+/// equal parts of at most a quarter turn of an angle, unless the curve says otherwise; empty for a Bezier curve whose
+/// derivative vanishes on the way.
+std::vector<double> EnclosedCuts(const OutlinePiece& piece);
+/// Of a part that turns one way the triangle of its chord and end tangents, unless the curve says otherwise.
+Enclosure Enclose(const OutlineCurve& curve, double s_begin, double s_end);
 
 /// c -> R(rotation) c + shift. `angle` is the rotation's angle [rad], added to phi, or to the curve parameters of arcs.
 OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift);

@@ -61,8 +61,6 @@ struct EllipseEdge {
   Vec2 Direction(double s) const;
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const;
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {
     segments->push_back({begin, EllipseMoments(a, b, phi, s_begin, s_end), Segment::Base::kChordMiddle});
   }
@@ -100,8 +98,6 @@ struct SuperellipseEdge {
   Vec2 Direction(double s) const;
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const;
   /// Adaptive Gauss-Kronrod quadrature to a relative 1e-14, in the slope of the polar ray, in which the integrand is
   /// algebraic and does not know the aspect ratio.
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const;

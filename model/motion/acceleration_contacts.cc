@@ -1,19 +1,15 @@
 #include "model/motion/acceleration_contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <variant>
 
-#include "model/contact/closest_points.h"
 #include "model/contact/contact_row.h"
 #include "model/detection/detection.h"
 #include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {
-
-bool HasOutline(const Body& body) { return !body.outline.empty(); }
 
 const Body& At(std::span<const Body> bodies, int index) { return bodies[static_cast<std::size_t>(index)]; }
 
@@ -38,70 +34,46 @@ bool IsSameContact(const Constraint& a, const TouchPoint& at_a, const Constraint
 
 ContactWatch::ContactWatch(const World& world, double flush_angle) : finder_(world), flush_angle_(flush_angle) {
   for (const Body& body : world.bodies) {
-    Surface surface;
-    if (HasOutline(body)) surface.spans = NormalSpans(OutlineOf(body), Rotation{});
-    BoundingBox all{{0, 0}, {0, 0}};
-    bool first = true;
-    for (const NormalSpan& span : surface.spans) {
-      const BoundingBox box = span.Bounds();
-      if (first) all = box;
-      first = false;
-      all.lower = {std::min(all.lower.x, box.lower.x), std::min(all.lower.y, box.lower.y)};
-      all.upper = {std::max(all.upper.x, box.upper.x), std::max(all.upper.y, box.upper.y)};
-    }
-    const double reach_x = std::max(std::abs(all.lower.x), std::abs(all.upper.x));
-    const double reach_y = std::max(std::abs(all.lower.y), std::abs(all.upper.y));
-    surface.radius = Norm({reach_x, reach_y});
-    const double side = std::min(all.upper.x - all.lower.x, all.upper.y - all.lower.y);
-    if (!body.fixed && side > 0 && (thinnest_ == 0 || side < thinnest_)) thinnest_ = side;
-    surfaces_.push_back(std::move(surface));
+    spans_.push_back(NormalSpans(OutlineOf(body), Rotation{}));
+    extents_.push_back(ExtentOf(spans_.back()));
   }
+  thinnest_ = LeastWidth(world, extents_);
+  const auto reach = [this](int body, const Feature& feature) {
+    double& radius = extents_[static_cast<std::size_t>(body)].radius;
+    if (const auto* end = std::get_if<Vertex>(&feature)) radius = std::max(radius, Norm(end->p));
+  };
   for (const Constraint& joint : world.joints) {
-    joined_.push_back(std::minmax(joint.body1, joint.body2));
     if (joint.type != ConstraintType::kRope) continue;
     ropes_.push_back(joint);
-    const std::array<std::pair<int, const Feature*>, 2> ends = {
-        {{joint.body1, &joint.feature1}, {joint.body2, &joint.feature2}}};
-    for (const auto& [body, feature] : ends) {
-      const auto index = static_cast<std::size_t>(body);
-      if (const auto* end = std::get_if<Vertex>(feature)) {
-        surfaces_[index].radius = std::max(surfaces_[index].radius, Norm(end->p));
-      }
-    }
+    reach(joint.body1, joint.feature1);
+    reach(joint.body2, joint.feature2);
   }
-  std::sort(joined_.begin(), joined_.end());
 }
 
 TouchPoint ContactWatch::Evaluate(std::span<const Body> bodies, Constraint* constraint) {
   const Body& body1 = At(bodies, constraint->body1);
   const Body& body2 = At(bodies, constraint->body2);
   if (constraint->type == ConstraintType::kRope) return EvaluateRope(*constraint, body1, body2);
-  const ClosestPoints closest = FindClosestPoints({constraint->feature1, body1.x, SinCos(body1.theta), body1.theta},
-                                                  {constraint->feature2, body2.x, SinCos(body2.theta), body2.theta},
-                                                  {constraint->s1, constraint->s2, constraint->nominal_gap});
+  const ClosestPoints closest = FindClosestPoints(*constraint, bodies);
   if (constraint->s1) constraint->s1 = closest.s1;
   if (constraint->s2) constraint->s2 = closest.s2;
   constraint->nominal_gap = closest.d;
   return {closest.n, closest.R1, closest.R2, closest.d, ComputeContactRow(closest, body1, body2).d_dot};
 }
 
-bool ContactWatch::LiesOn(const Surface& surface, const Body& body, const Feature& feature, Vec2 arm,
-                          Vec2 outward) const {
-  const Rotation forward = SinCos(body.theta);
-  const Rotation back{forward.cos, -forward.sin};
-  const Vec2 local_arm = Rotate(back, arm);
-  const Vec2 local_normal = Rotate(back, outward);
-  return std::any_of(surface.spans.begin(), surface.spans.end(), [&](const NormalSpan& span) {
-    if (!(span.feature() == feature)) return false;
-    if (span.kind() == NormalSpan::Kind::kVertex) return span.cone().Contains(local_normal, flush_angle_);
-    return span.Holds(local_arm, local_normal);
-  });
-}
-
 bool ContactWatch::LiesOn(std::span<const Body> bodies, const Constraint& constraint, const TouchPoint& touch) const {
   if (constraint.type == ConstraintType::kRope) return true;
   const auto on = [&](int index, const Feature& feature, Vec2 arm, Vec2 outward) {
-    return LiesOn(surfaces_[static_cast<std::size_t>(index)], At(bodies, index), feature, arm, outward);
+    const Rotation forward = SinCos(At(bodies, index).theta);
+    const Rotation back{forward.cos, -forward.sin};
+    const Vec2 local_arm = Rotate(back, arm);
+    const Vec2 local_normal = Rotate(back, outward);
+    const std::vector<NormalSpan>& spans = spans_[static_cast<std::size_t>(index)];
+    return std::any_of(spans.begin(), spans.end(), [&](const NormalSpan& span) {
+      if (!(span.feature() == feature)) return false;
+      if (span.kind() == NormalSpan::Kind::kVertex) return span.cone().Contains(local_normal, flush_angle_);
+      return span.Holds(local_arm, local_normal);
+    });
   };
   return on(constraint.body1, constraint.feature1, touch.R1, -touch.n) &&
          on(constraint.body2, constraint.feature2, touch.R2, touch.n);
@@ -122,7 +94,7 @@ double ContactWatch::LongestStep(std::span<const Body> bodies, std::span<const d
   std::vector<double> speed(count);
   std::vector<double> gain(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const double r = surfaces_[i].radius;
+    const double r = extents_[i].radius;
     speed[i] = Norm(bodies[i].v) + r * std::abs(bodies[i].omega);
     gain[i] = Norm({accelerations[3 * i], accelerations[3 * i + 1]}) + r * std::abs(accelerations[3 * i + 2]);
   }
@@ -133,13 +105,11 @@ double ContactWatch::LongestStep(std::span<const Body> bodies, std::span<const d
     if (v * step + a * step * step / 2 > room) step = 2 * room / (v + std::sqrt(v * v + 2 * a * room));
   };
   for (std::size_t i = 0; i < count; ++i) {
-    if (surfaces_[i].spans.empty()) continue;
+    if (spans_[i].empty()) continue;
     for (std::size_t j = i + 1; j < count; ++j) {
-      if (surfaces_[j].spans.empty() || (bodies[i].fixed && bodies[j].fixed)) continue;
-      if (std::binary_search(joined_.begin(), joined_.end(), std::pair(static_cast<int>(i), static_cast<int>(j)))) {
-        continue;
-      }
-      const double clearance = Norm(bodies[i].x - bodies[j].x) - surfaces_[i].radius - surfaces_[j].radius;
+      if (spans_[j].empty() || (bodies[i].fixed && bodies[j].fixed)) continue;
+      if (finder_.AreJoined(static_cast<int>(i), static_cast<int>(j))) continue;
+      const double clearance = Norm(bodies[i].x - bodies[j].x) - extents_[i].radius - extents_[j].radius;
       shorten(i, j, std::max(stride, clearance));
     }
   }

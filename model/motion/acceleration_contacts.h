@@ -1,7 +1,6 @@
 #pragma once
 
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "model/contact/body.h"
@@ -53,17 +52,10 @@ class ContactWatch {
                      double step) const;
 
  private:
-  struct Surface {
-    std::vector<NormalSpan> spans;  // body frame
-    double radius = 0;              // of the circle about the centre of mass that holds the outline
-  };
-
-  bool LiesOn(const Surface& surface, const Body& body, const Feature& feature, Vec2 arm, Vec2 outward) const;
-
   ContactFinder finder_;
-  std::vector<Surface> surfaces_;
+  std::vector<std::vector<NormalSpan>> spans_;  // of every body, body frame
+  std::vector<Extent> extents_;                 // with the ends of ropes
   std::vector<Constraint> ropes_;
-  std::vector<std::pair<int, int>> joined_;  // sorted
   double flush_angle_;
   double thinnest_ = 0;
 };

@@ -33,6 +33,24 @@ std::optional<TouchPoint> TryEvaluate(const std::vector<Body>& bodies, Constrain
   }
 }
 
+// The same where the features are closest to each other there.
+std::optional<TouchPoint> TryInSight(const ContactWatch& watch, const std::vector<Body>& bodies,
+                                     const Constraint& constraint) {
+  const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
+  return touch && watch.LiesOn(bodies, constraint, *touch) ? touch : std::nullopt;
+}
+
+// The end of before..after, bisected down to `width`, at which has_happened holds; it does at `after`.
+template <class HasHappened>
+double Bisect(double before, double after, double width, const HasHappened& has_happened) {
+  while (after - before > width) {
+    const double middle = before + (after - before) / 2;
+    if (!(middle > before && middle < after)) break;
+    (has_happened(middle) ? after : before) = middle;
+  }
+  return after;
+}
+
 // The time of the smallest value of the cubic with these values and slopes at 0 and `step`, by samples.
 double DeepestTime(double d0, double v0, double d1, double v1, double step, double* deepest) {
   constexpr int kSamples = 16;
@@ -156,12 +174,9 @@ bool StepEvents::AddReleases(const StepEnd& end, std::vector<Event>* events) con
 }
 
 bool StepEvents::AddApproaches(StepEnd* end, std::vector<Event>* events) {
-  std::vector<Body> bodies = BodiesAt(end->step, end->state);
-  const std::vector<TouchPoint> held_points = [&] {
-    std::vector<TouchPoint> points;
-    for (Constraint held : begin_.held) points.push_back(ContactWatch::Evaluate(bodies, &held));
-    return points;
-  }();
+  const std::vector<Body> bodies = BodiesAt(end->step, end->state);
+  std::vector<TouchPoint> held_points;
+  for (Constraint held : begin_.held) held_points.push_back(ContactWatch::Evaluate(bodies, &held));
   const auto is_held = [&](const Constraint& constraint, const TouchPoint& touch) {
     for (std::size_t k = 0; k < held_points.size(); ++k) {
       if (IsSameContact(constraint, touch, begin_.held[k], held_points[k])) return true;
@@ -228,20 +243,11 @@ const StepInterpolant& StepEvents::Between(const StepEnd& end) {
 }
 
 double StepEvents::InSightFrom(const Constraint& constraint, const StepEnd& end) {
-  const auto in_sight = [&](const std::vector<Body>& bodies) {
-    const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
-    return touch && watch_.LiesOn(bodies, constraint, *touch);
-  };
-  if (in_sight(begin_.bodies)) return 0;
+  if (TryInSight(watch_, begin_.bodies, constraint)) return 0;
   const StepInterpolant& between = Between(end);
-  double before = 0;
-  double after = end.step;
-  while (after - before > kTimeFraction * end.step) {
-    const double middle = before + (after - before) / 2;
-    if (!(middle > before && middle < after)) break;
-    (in_sight(BodiesAt(middle, between.At(middle))) ? after : before) = middle;
-  }
-  return after;
+  return Bisect(0, end.step, kTimeFraction * end.step, [&](double step) {
+    return TryInSight(watch_, BodiesAt(step, between.At(step)), constraint).has_value();
+  });
 }
 
 std::optional<StepEvents::Event> StepEvents::ApproachOf(const Constraint& constraint, const StepEnd& end,
@@ -269,25 +275,14 @@ std::optional<StepEvents::Event> StepEvents::ApproachOf(const Constraint& constr
 
 double StepEvents::Estimate(const Event& event, const StepInterpolant& between, double latest) const {
   const auto value = [&](double step) { return event.value(step, between.At(step)); };
-  double before = event.begin;
-  double after = latest;
   const double tolerance = (event.approaching ? kDepthFraction : 1) * kTimeFraction * latest;
   const double last = value(latest);
-  if (!(last < 0) || !(latest > before)) return latest;
-  if (event.smooth) {
-    constexpr std::uintmax_t kMostEvaluations = 60;
-    std::uintmax_t evaluations = kMostEvaluations;
-    const auto close = [tolerance](double a, double b) { return std::abs(b - a) <= tolerance; };
-    after =
-        boost::math::tools::toms748_solve(value, before, latest, event.begin_value, last, close, evaluations).second;
-  } else {
-    while (after - before > tolerance) {
-      const double middle = before + (after - before) / 2;
-      if (!(middle > before && middle < after)) break;
-      (value(middle) > 0 ? before : after) = middle;
-    }
-  }
-  return after;
+  if (!(last < 0) || !(latest > event.begin)) return latest;
+  if (!event.smooth) return Bisect(event.begin, latest, tolerance, [&](double step) { return !(value(step) > 0); });
+  std::uintmax_t evaluations = 60;
+  const auto close = [tolerance](double a, double b) { return std::abs(b - a) <= tolerance; };
+  return boost::math::tools::toms748_solve(value, event.begin, latest, event.begin_value, last, close, evaluations)
+      .second;
 }
 
 void StepEvents::Narrow(const Event& event, const StepInterpolant& between, StepEnd* end) const {
@@ -323,9 +318,8 @@ void StepEvents::Narrow(const Event& event, const StepInterpolant& between, Step
 }
 
 bool StepEvents::IsThere(const Constraint& constraint, const StepEnd& end) const {
-  const std::vector<Body> bodies = BodiesAt(end.step, end.state);
-  const std::optional<TouchPoint> touch = TryEvaluate(bodies, constraint);
-  return touch && touch->d <= options_.contact_tolerance && watch_.LiesOn(bodies, constraint, *touch);
+  const std::optional<TouchPoint> touch = TryInSight(watch_, BodiesAt(end.step, end.state), constraint);
+  return touch && touch->d <= options_.contact_tolerance;
 }
 
 std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
@@ -359,9 +353,7 @@ std::optional<StepEnd> StepEvents::Cut(double step, MotionState state) {
   // features met.
   for (const Event* event : missed) {
     if (end.step <= kShortestCut || event->value(end.step, end.state) > 0) continue;
-    const std::vector<Body> bodies = BodiesAt(end.step, end.state);
-    const std::optional<TouchPoint> touch = TryEvaluate(bodies, *event->approaching);
-    if (touch && watch_.LiesOn(bodies, *event->approaching, *touch)) return std::nullopt;
+    if (TryInSight(watch_, BodiesAt(end.step, end.state), *event->approaching)) return std::nullopt;
   }
   if (end.at_event) end.found = watch_.Find(BodiesAt(end.step, end.state), options_.range);
   return end;

@@ -8,42 +8,8 @@
 
 namespace lcpbench {
 
-CountedSolver::CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics)
-    : solver_(solver), options_(options), statistics_(statistics) {}
-
-void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result) {
-  if (problem.size() == 0) {
-    *result = {};
-    result->status = LcpStatus::kSolved;
-    result->iterations = 0;
-    return;
-  }
-  options_.initial_f = initial_f != nullptr && initial_f->size() == problem.size() ? initial_f : nullptr;
-  const double begin = SteadyNow();
-  solver_.Prepare(problem);
-  solver_.Solve(problem, options_, result);
-  statistics_->solve_time_s += SteadyNow() - begin;
-  ++statistics_->solves;
-  if (result->status != LcpStatus::kSolved) ++statistics_->failed_solves;
-  if (result->f.size() == problem.size() && result->f.allFinite()) return;
-  std::string detail = "the solver gave no finite forces for problem '" + problem.id() + "' (" +
-                       std::string(ToString(result->status)) + ")";
-  if (!result->detail.empty()) detail += ": " + result->detail;
-  throw NoFinitePoint{detail};
-}
-
-struct ConstrainedFlow::Stepper {
-  boost::numeric::odeint::runge_kutta_fehlberg78<MotionState> fehlberg;
-};
-
 ConstrainedFlow::ConstrainedFlow(const World& world, CountedSolver* solver)
-    : start_(world.bodies),
-      loads_(world.loads),
-      solver_(solver),
-      system_{world.name, world.bodies, {}},
-      stepper_(std::make_unique<Stepper>()) {}
-
-ConstrainedFlow::~ConstrainedFlow() = default;
+    : start_(world.bodies), loads_(world.loads), solver_(solver), system_{world.name, world.bodies, {}} {}
 
 MotionState ConstrainedFlow::StateOf(const std::vector<Body>& bodies) {
   MotionState state;
@@ -83,7 +49,12 @@ AnsweredLcp ConstrainedFlow::Solve(const MotionState& state, double time) {
   Place(state, time, &system_.bodies);
   SetLoads(loads_, system_.bodies);
   AnsweredLcp answered{AssembleContactLcp(system_), {}};
-  solver_->Solve(answered.lcp.problem, &initial_f_, &answered.result);
+  if (answered.lcp.rows.empty()) {
+    answered.result.status = LcpStatus::kSolved;
+  } else {
+    solver_->Solve(answered.lcp.problem, &initial_f_, &answered.result);
+    RequireFinite(answered.lcp.problem, answered.result);
+  }
   return answered;
 }
 
@@ -126,7 +97,7 @@ void ConstrainedFlow::Step(const MotionState& from, double time, double step, Mo
   const auto derivative = [this](const MotionState& state, MotionState& out, double at) {
     Derivative(state, at, &out);
   };
-  stepper_->fehlberg.do_step(derivative, from, time, *to, step, estimate);
+  boost::numeric::odeint::runge_kutta_fehlberg78<MotionState>().do_step(derivative, from, time, *to, step, estimate);
   if (error != nullptr) *error = std::move(estimate);
 }
 

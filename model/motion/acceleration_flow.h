@@ -1,7 +1,5 @@
 #pragma once
 
-#include <memory>
-#include <string>
 #include <vector>
 
 #include "model/contact/assembly.h"
@@ -12,29 +10,6 @@
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
-
-/// A solver gave forces or impulses that are not finite: the motion cannot go on.
-struct NoFinitePoint {
-  std::string detail;
-};
-
-/// Hands LCPs to a solver and keeps the books of a motion: number of solves, failures, time. Failed solves go on with
-/// the best point that the solver gives.
-class CountedSolver {
- public:
-  /// @param solver, statistics  must outlive this
-  /// @param options  of every solve; initial_f is not read
-  CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics);
-
-  /// @param initial_f  warm start, nullptr for a cold one; left out where its length does not fit
-  /// @throws NoFinitePoint if the answer is not finite
-  void Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result);
-
- private:
-  LcpSolver& solver_;
-  LcpOptions options_;
-  MotionStatistics* statistics_;
-};
 
 /// Positions and velocities of the movable bodies, six a body in body order: x, y, theta, v_x, v_y, omega.
 using MotionState = std::vector<double>;
@@ -53,9 +28,6 @@ class ConstrainedFlow {
   /// @param world   its bodies at time 0; must outlive this
   /// @param solver  must outlive this
   ConstrainedFlow(const World& world, CountedSolver* solver);
-  ~ConstrainedFlow();
-  ConstrainedFlow(const ConstrainedFlow&) = delete;
-  ConstrainedFlow& operator=(const ConstrainedFlow&) = delete;
 
   /// Movable bodies' state.
   static MotionState StateOf(const std::vector<Body>& bodies);
@@ -87,8 +59,6 @@ class ConstrainedFlow {
   CountedSolver* solver_;
   ContactSystem system_;
   Eigen::VectorXd initial_f_;
-  struct Stepper;
-  std::unique_ptr<Stepper> stepper_;
 };
 
 }  // namespace lcpbench

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "model/contact/loads.h"
-#include "model/motion/path_joints.h"
+#include "model/motion/contact_finder.h"
 #include "model/motion/projection.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -29,14 +29,8 @@ constexpr double kOpens = 1e-8;
 constexpr double kCorrectionGoal = 0.01;
 constexpr double kShortestTrial = 1e-14;
 
-void RequirePositive(double value, const char* name) {
-  if (!(std::isfinite(value) && value > 0)) {
-    throw InputError(std::string("acceleration motion: ") + name + " must be finite and > 0, found " +
-                     NumberText(value));
-  }
-}
-
-const AccelerationOptions& Valid(const AccelerationOptions& options) {
+AccelerationOptions Valid(AccelerationOptions options) {
+  options.impact.velocity_tolerance = options.velocity_tolerance;
   RequireValid(options);
   return options;
 }
@@ -68,11 +62,6 @@ double ScaledError(const AccelerationOptions& options, const MotionState& state,
   return worst;
 }
 
-ImpactOptions WithTolerance(ImpactOptions impact, double velocity_tolerance) {
-  impact.velocity_tolerance = velocity_tolerance;
-  return impact;
-}
-
 double RangeOf(const AccelerationOptions& options, const World& world) {
   if (options.search_range > 0) return options.search_range;
   const double thinnest = ContactWatch(world, 0).ThinnestBody();
@@ -83,12 +72,15 @@ double RangeOf(const AccelerationOptions& options, const World& world) {
 }  // namespace
 
 void RequireValid(const AccelerationOptions& options) {
-  RequirePositive(options.contact_tolerance, "the contact tolerance");
-  RequirePositive(options.velocity_tolerance, "the velocity tolerance");
-  RequirePositive(options.absolute_error, "the absolute error");
-  RequirePositive(options.relative_error, "the relative error");
-  RequirePositive(options.largest_step, "the largest step");
-  RequirePositive(options.shortest_step, "the shortest step");
+  const std::pair<double, const char*> positive[] = {
+      {options.contact_tolerance, "contact tolerance"}, {options.velocity_tolerance, "velocity tolerance"},
+      {options.absolute_error, "absolute error"},       {options.relative_error, "relative error"},
+      {options.largest_step, "largest step"},           {options.shortest_step, "shortest step"}};
+  for (const auto& [value, name] : positive) {
+    if (std::isfinite(value) && value > 0) continue;
+    throw InputError(std::string("acceleration motion: the ") + name + " must be finite and > 0, found " +
+                     NumberText(value));
+  }
   const bool range = options.search_range == 0 || options.search_range > options.contact_tolerance;
   if (!range || !std::isfinite(options.search_range)) {
     throw InputError("acceleration motion: the search range must be 0 or above the contact tolerance");
@@ -98,30 +90,23 @@ void RequireValid(const AccelerationOptions& options) {
     throw InputError("acceleration motion: the thresholds of corrections must be in (0, 1]");
   }
   if (options.max_events < 1) throw InputError("acceleration motion: the limit of events must be at least 1");
-  RequireValid(WithTolerance(options.impact, options.velocity_tolerance));
+  RequireValid(options.impact);
 }
 
 AccelerationMotion::AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
-    : Motion(std::move(world)),
+    : Motion(std::move(world), LcpOptionsOf(options), solver),
       options_(Valid(options)),
-      solver_(solver, LcpOptionsOf(options), &statistics_),
       range_(RangeOf(options, world_)),
       watch_(world_, options.contact_tolerance / range_),
       flow_(world_, &solver_),
       next_step_(options.largest_step) {
-  options_.impact.velocity_tolerance = options_.velocity_tolerance;
   FollowJoints();
   UpdateContacts({}, watch_.Find(world_.bodies, range_));
 }
 
 void AccelerationMotion::Move(double duration) {
   const double end = time_ + duration;
-  try {
-    while (status_ == MotionStatus::kMoving && time_ < end) Step(end);
-  } catch (const NoFinitePoint& failure) {
-    status_ = MotionStatus::kSolverFailed;
-    detail_ = failure.detail;
-  }
+  while (status_ == MotionStatus::kMoving && time_ < end) Step(end);
 }
 
 void AccelerationMotion::FollowJoints() {
@@ -170,29 +155,13 @@ ContactSystem AccelerationMotion::SystemOf(const std::vector<Constraint>& contac
   return system;
 }
 
-void AccelerationMotion::Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
-                                 const LcpProblem& problem, const LcpResult& result) const {
-  if (observer_ && problem.size() > 0) observer_({kind, time_, system, rows, problem, result});
-}
-
-ImpulseSolver AccelerationMotion::ObservedImpulses() {
-  return [this](const ContactSystem& system, const std::vector<RowInfo>& rows, const LcpProblem& problem,
-                LcpResult* result) {
+ImpulseSolver AccelerationMotion::Impulses(bool observed) {
+  return [this, observed](const ContactSystem& system, const std::vector<RowInfo>& rows, const LcpProblem& problem,
+                          LcpResult* result) {
     solver_.Solve(problem, nullptr, result);
-    Observe(MotionProblemKind::kImpact, system, rows, problem, *result);
+    RequireFinite(problem, *result);
+    if (observed) Observe(MotionProblemKind::kImpact, system, rows, problem, *result);
   };
-}
-
-ImpulseSolver AccelerationMotion::Impulses() {
-  return [this](const ContactSystem& /*system*/, const std::vector<RowInfo>& /*rows*/, const LcpProblem& problem,
-                LcpResult* result) { solver_.Solve(problem, nullptr, result); };
-}
-
-void AccelerationMotion::TakeVelocities(const ContactSystem& system) {
-  for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
-    world_.bodies[i].v = system.bodies[i].v;
-    world_.bodies[i].omega = system.bodies[i].omega;
-  }
 }
 
 std::vector<Constraint> AccelerationMotion::LastingContacts() const {
@@ -210,7 +179,10 @@ void AccelerationMotion::CorrectPositions() {
   const AssembledLcp lcp = AssembleContactLcp(system);
   NoteGaps(lcp.rows);
   if (WorstViolation(lcp.rows) <= threshold) return;
-  const auto solve = [this](const LcpProblem& problem, LcpResult* result) { solver_.Solve(problem, nullptr, result); };
+  const auto solve = [this](const LcpProblem& problem, LcpResult* result) {
+    solver_.Solve(problem, nullptr, result);
+    RequireFinite(problem, *result);
+  };
   ProjectPositions(kCorrectionGoal * threshold, solve, &system);
   for (std::size_t i = 0; i < world_.bodies.size(); ++i) {
     world_.bodies[i].x = system.bodies[i].x;
@@ -223,9 +195,11 @@ void AccelerationMotion::CorrectPositions() {
 void AccelerationMotion::CorrectVelocities() {
   const double threshold = options_.velocity_threshold * options_.velocity_tolerance;
   ContactSystem system = SystemOf(LastingContacts());
-  if (system.constraints.empty() || WorstApproach(AssembleContactLcp(system).rows) <= threshold) return;
-  StopApproach(options_.impact, Impulses(), &system);
-  TakeVelocities(system);
+  if (system.constraints.empty() || WorstViolation(AssembleContactLcp(system).rows, &RowInfo::d_dot) <= threshold) {
+    return;
+  }
+  StopApproach(options_.impact, Impulses(false), &system);
+  CopyVelocities(system.bodies, world_.bodies);
 }
 
 bool AccelerationMotion::HoldTogether(const AnsweredLcp& answered, const std::vector<Constraint>& lasting) {
@@ -240,8 +214,8 @@ bool AccelerationMotion::HoldTogether(const AnsweredLcp& answered, const std::ve
   }
   if (!separates) return false;
   ContactSystem system = SystemOf(loaded);
-  StopSeparation(options_.impact, Impulses(), &system);
-  TakeVelocities(system);
+  StopSeparation(options_.impact, Impulses(false), &system);
+  CopyVelocities(system.bodies, world_.bodies);
   return true;
 }
 
@@ -254,8 +228,8 @@ bool AccelerationMotion::ResolveDueImpact() {
   if (!due) return false;
   ++statistics_.impacts;
   ContactSystem system = SystemOf(contacts_);
-  ResolveImpact(options_.impact, ObservedImpulses(), &system);
-  TakeVelocities(system);
+  ResolveImpact(options_.impact, Impulses(true), &system);
+  CopyVelocities(system.bodies, world_.bodies);
   return true;
 }
 
@@ -289,7 +263,9 @@ StepBegin AccelerationMotion::Begin() {
   }
   StepBegin begin{time_, std::move(state), world_.bodies, {}, watched_, std::move(answered), {}};
   const LcpProblem problem = begin.answered.lcp.problem;
-  Observe(MotionProblemKind::kAcceleration, flow_.system(), begin.answered.lcp.rows, problem, begin.answered.result);
+  if (problem.size() > 0) {
+    Observe(MotionProblemKind::kAcceleration, flow_.system(), begin.answered.lcp.rows, problem, begin.answered.result);
+  }
   begin.accelerations = ConstrainedFlow::Accelerations(flow_.system(), begin.answered);
 
   const Eigen::VectorXd f = begin.answered.result.f;

@@ -105,14 +105,9 @@ class AccelerationMotion final : public Motion {
   // The held set of the next step: without rows that open; the LCP before is observed.
   StepBegin Begin();
   double LongestStep(const StepBegin& begin, double end) const;
-  void Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
-               const LcpProblem& problem, const LcpResult& result) const;
-  ImpulseSolver Impulses();
-  ImpulseSolver ObservedImpulses();
-  void TakeVelocities(const ContactSystem& system);
+  ImpulseSolver Impulses(bool observed);
 
   AccelerationOptions options_;
-  CountedSolver solver_;
   double range_;
   ContactWatch watch_;
   ConstrainedFlow flow_;

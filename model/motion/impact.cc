@@ -82,13 +82,6 @@ void Poisson(const ImpactOptions& options, const ImpulseSolver& solve, ContactSy
   CompressOnly(solve, touching);
 }
 
-void CopyVelocities(const ContactSystem& from, ContactSystem* to) {
-  for (std::size_t i = 0; i < to->bodies.size(); ++i) {
-    to->bodies[i].v = from.bodies[i].v;
-    to->bodies[i].omega = from.bodies[i].omega;
-  }
-}
-
 }  // namespace
 
 void RequireValid(const ImpactOptions& options) {
@@ -117,13 +110,13 @@ void ResolveImpact(const ImpactOptions& options, const ImpulseSolver& solve, Con
       Poisson(options, solve, &touching);
       break;
   }
-  CopyVelocities(touching, system);
+  CopyVelocities(touching.bodies, system->bodies);
 }
 
 void StopApproach(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system) {
   ContactSystem touching = WithoutSeparating(*system, options.velocity_tolerance);
   CompressOnly(solve, &touching);
-  CopyVelocities(touching, system);
+  CopyVelocities(touching.bodies, system->bodies);
 }
 
 void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system) {
@@ -138,12 +131,6 @@ void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, Co
   CompressOnly(solve, system);
   reverse(system);
   StopApproach(options, solve, system);
-}
-
-double WorstApproach(const std::vector<RowInfo>& rows) {
-  double worst = 0;
-  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.d_dot) : -row.d_dot);
-  return worst;
 }
 
 }  // namespace lcpbench

@@ -57,7 +57,4 @@ void StopApproach(const ImpactOptions& options, const ImpulseSolver& solve, Cont
 /// which every row of `system` has d' <= 0, then StopApproach.
 void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system);
 
-/// The fastest approach max(-d', 0) of unilateral rows and |d'| of bilateral ones.
-double WorstApproach(const std::vector<RowInfo>& rows);
-
 }  // namespace lcpbench

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
 
 #include "model/contact/world.h"
 #include "model/motion/acceleration_motion.h"
@@ -20,13 +19,5 @@ struct MotionOptions {
 /// A motion at `level`, as its own constructor makes it.
 /// @throws InputError as that constructor
 std::unique_ptr<Motion> MakeMotion(MotionLevel level, World world, const MotionOptions& options, LcpSolver& solver);
-
-/// "acceleration" or "velocity".
-std::string_view ToString(MotionLevel level);
-/// @throws InputError naming the known levels
-MotionLevel MotionLevelFromString(std::string_view key);
-
-/// "acceleration", "impact" or "time_step".
-std::string_view ToString(MotionProblemKind kind);
 
 }  // namespace lcpbench

@@ -8,21 +8,16 @@
 namespace lcpbench {
 namespace {
 
-// add(body, its three numbers of `change`) for every movable body.
-template <typename Add>
-void ForEachMovable(const Eigen::VectorXd& change, std::span<Body> bodies, const Add& add) {
+// vector += and scalar += the three numbers of `change`, for every movable body.
+void Add(const Eigen::VectorXd& change, std::span<Body> bodies, Vec2 Body::*vector, double Body::*scalar) {
   Index k = 0;
   for (Body& body : bodies) {
-    if (!body.fixed) add(&body, Vec2{change[k], change[k + 1]}, change[k + 2]);
+    if (!body.fixed) {
+      body.*vector = body.*vector + Vec2{change[k], change[k + 1]};
+      body.*scalar += change[k + 2];
+    }
     k += 3;
   }
-}
-
-void AddToPositions(const Eigen::VectorXd& change, std::span<Body> bodies) {
-  ForEachMovable(change, bodies, [](Body* body, Vec2 dx, double dtheta) {
-    body->x = body->x + dx;
-    body->theta += dtheta;
-  });
 }
 
 }  // namespace
@@ -39,15 +34,19 @@ Eigen::VectorXd DisplacementOf(const LcpProblem& problem, const Eigen::VectorXd&
 }
 
 void AddToVelocities(const Eigen::VectorXd& change, std::span<Body> bodies) {
-  ForEachMovable(change, bodies, [](Body* body, Vec2 dv, double domega) {
-    body->v = body->v + dv;
-    body->omega += domega;
-  });
+  Add(change, bodies, &Body::v, &Body::omega);
 }
 
-double WorstViolation(const std::vector<RowInfo>& rows) {
+void CopyVelocities(std::span<const Body> from, std::span<Body> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    to[i].v = from[i].v;
+    to[i].omega = from[i].omega;
+  }
+}
+
+double WorstViolation(const std::vector<RowInfo>& rows, double RowInfo::*x) {
   double worst = 0;
-  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.*x) : -(row.*x));
   return worst;
 }
 
@@ -61,7 +60,7 @@ double ProjectPositions(double goal, const DisplacementSolver& solve, ContactSys
     LcpResult result;
     solve(problem, &result);
     const std::vector<Body> before = system->bodies;
-    AddToPositions(DisplacementOf(problem, result.f), system->bodies);
+    Add(DisplacementOf(problem, result.f), system->bodies, &Body::x, &Body::theta);
     double left = violation;
     try {
       lcp = AssembleContactLcp(*system);

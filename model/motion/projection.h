@@ -24,8 +24,11 @@ Eigen::VectorXd DisplacementOf(const LcpProblem& problem, const Eigen::VectorXd&
 /// v += change, of movable bodies.
 void AddToVelocities(const Eigen::VectorXd& change, std::span<Body> bodies);
 
-/// The deepest violation: max(-d, 0) of unilateral rows and |d| of bilateral ones [m].
-double WorstViolation(const std::vector<RowInfo>& rows);
+/// Velocities of the same bodies.
+void CopyVelocities(std::span<const Body> from, std::span<Body> to);
+
+/// The worst violation: max(-x, 0) of unilateral rows and |x| of bilateral ones, x = d [m] or d_dot [m/s].
+double WorstViolation(const std::vector<RowInfo>& rows, double RowInfo::*x = &RowInfo::d);
 
 /// Answers an LCP of displacements: multipliers in result->f.
 using DisplacementSolver = std::function<void(const LcpProblem& problem, LcpResult* result)>;

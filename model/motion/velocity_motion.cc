@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "model/contact/loads.h"
-#include "model/detection/narrow_phase.h"
-#include "model/motion/path_joints.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -41,24 +38,6 @@ bool IsGhostBeside(const RowInfo& deep, const RowInfo& shallow) {
   const double slack = 0.1 * -deep.d;
   return shallow.d > deep.d && Dot(deep.n, shallow.n) < kSameWay && Dot(shallow.p2 - deep.p2, deep.n) <= slack &&
          Dot(shallow.p1 - deep.p1, deep.n) >= -slack;
-}
-
-struct Extent {
-  double radius = 0;  // of the smallest circle about the origin that holds the outline's boxes
-  double width = 0;   // the smaller side of their common box
-};
-
-Extent ExtentOf(const Body& body) {
-  const PlacedOutline placed = PlaceOutline(OutlineOf(body), {}, 0);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec2 lower{kInfinity, kInfinity};
-  Vec2 upper{-kInfinity, -kInfinity};
-  for (const BoundingBox& box : placed.boxes) {
-    lower = {std::min(lower.x, box.lower.x), std::min(lower.y, box.lower.y)};
-    upper = {std::max(upper.x, box.upper.x), std::max(upper.y, box.upper.y)};
-  }
-  const Vec2 far{std::max(-lower.x, upper.x), std::max(-lower.y, upper.y)};
-  return {Norm(far), std::min(upper.x - lower.x, upper.y - lower.y)};
 }
 
 // y = J x, terms in the order of the columns.
@@ -98,15 +77,10 @@ Eigen::VectorXd AfterImpulses(const LcpProblem& problem, const Eigen::VectorXd& 
 }  // namespace
 
 VelocityMotion::VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver)
-    : Motion(std::move(world)), options_(options), solver_(solver), finder_(world_) {
+    : Motion(std::move(world), options.lcp, solver), options_(options), finder_(world_) {
   RequireInRange(options_);
-  double size = std::numeric_limits<double>::infinity();
-  for (const Body& body : world_.bodies) {
-    const Extent extent = body.outline.empty() ? Extent{} : ExtentOf(body);
-    radii_.push_back(extent.radius);
-    if (!body.fixed && extent.width > 0) size = std::min(size, extent.width);
-  }
-  if (std::isfinite(size)) size_ = size;
+  for (const Body& body : world_.bodies) extents_.push_back(ExtentOf(NormalSpans(OutlineOf(body), Rotation{})));
+  if (const double least = LeastWidth(world_, extents_); least > 0) size_ = least;
 }
 
 void VelocityMotion::Move(double duration) {
@@ -133,10 +107,11 @@ Eigen::VectorXd VelocityMotion::FreeVelocity(double h) const {
 
 double VelocityMotion::LargestSpeed(const Eigen::VectorXd& v_free) const {
   double largest = 0;
-  for (BodyIndex i = 0; i < radii_.size(); ++i) {
-    if (radii_[i] == 0) continue;
+  for (BodyIndex i = 0; i < extents_.size(); ++i) {
+    const double radius = extents_[i].radius;
+    if (radius == 0) continue;
     const Vec2 v{v_free[Column(i)], v_free[Column(i) + 1]};
-    largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radii_[i]);
+    largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radius);
   }
   return largest;
 }
@@ -194,43 +169,35 @@ LcpResult VelocityMotion::Solve(const ContactSystem& system, const AssembledLcp&
   Eigen::VectorXd v = v_free;
   Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);
 
-  LcpOptions options = options_.lcp;
-  options.initial_f = options_.warm_start ? &guess_ : nullptr;
   const RowBounds bounds = RowBounds::WithBilateralRows(n, assembled.bilateral_rows());
   const std::string id = world_.name + "-step" + std::to_string(statistics_.steps);
+  // What a step is repeated with while no solution exists.
+  const std::function<void()> relax_depth = [&] {
+    for (Index i = 0; i < n; ++i) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
+  };
+  const std::function<void()> relax_drive = [&] {
+    for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
+      if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
+    }
+  };
   LcpResult result;
-  for (Relaxation relaxation = Relaxation::kNone;;) {
-    const char* suffix = relaxation == Relaxation::kNone    ? ""
-                         : relaxation == Relaxation::kDepth ? "-without-depth"
-                                                            : "-without-drive";
+  const auto solve = [&](const char* suffix) {
     const LcpProblem problem = LcpProblem::FromFactors(id + suffix, assembled.J(), assembled.inverse_mass(), b, bounds);
-    const double start = SteadyNow();
-    solver_.Prepare(problem);
-    solver_.Solve(problem, options, &result);
-    statistics_.solve_time_s += SteadyNow() - start;
-    ++statistics_.solves;
-    if (result.status != LcpStatus::kSolved) ++statistics_.failed_solves;
+    solver_.Solve(problem, options_.warm_start ? &guess_ : nullptr, &result);
     if (result.status == LcpStatus::kInfeasible) ++statistics_.unsolvable;
-    if (observer_) {
-      observer_({MotionProblemKind::kTimeStep, time_, system, lcp.rows, problem, result});
-    }
-    if (result.status != LcpStatus::kInfeasible) return result;
-
+    Observe(MotionProblemKind::kTimeStep, system, lcp.rows, problem, result);
+    return result.status != LcpStatus::kInfeasible;
+  };
+  bool solvable = solve("");
+  for (const auto& [relax, suffix] : {std::pair(relax_depth, "-without-depth"), {relax_drive, "-without-drive"}}) {
+    if (solvable) break;
     const Eigen::VectorXd refused = b;
-    while (relaxation != Relaxation::kKinematic && b == refused) {
-      if (relaxation == Relaxation::kNone) {
-        relaxation = Relaxation::kDepth;
-        for (Index i = 0; i < n; ++i) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
-      } else {
-        relaxation = Relaxation::kKinematic;
-        for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
-          if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
-        }
-      }
-      b = RightHandSide(assembled.J(), v, c);
-    }
-    if (b == refused) return result;
+    relax();
+    b = RightHandSide(assembled.J(), v, c);
+    if (b != refused) solvable = solve(suffix);
   }
+  RequireFinite(assembled, result);
+  return result;
 }
 
 void VelocityMotion::MoveBodies(const Eigen::VectorXd& v_new, double h) {
@@ -266,12 +233,6 @@ void VelocityMotion::Step(double h) {
   GuessImpulses(system, lcp.rows);
 
   const LcpResult result = Solve(system, lcp, v_free, h);
-  if (!result.f.allFinite()) {
-    status_ = MotionStatus::kSolverFailed;
-    detail_ = "the solver gave no finite impulses: " + std::string(ToString(result.status)) +
-              (result.detail.empty() ? "" : ", " + result.detail);
-    return;
-  }
   impulses_ = result.f;
   MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
   time_ += h;

@@ -67,9 +67,6 @@ class VelocityMotion final : public Motion {
   double size() const { return size_; }
 
  private:
-  /// What a step is repeated with when no solution exists.
-  enum class Relaxation { kNone, kDepth, kKinematic };
-
   /// By the least number of equal steps of at most VelocityOptions::step.
   void Move(double duration) override;
   void Step(double h);
@@ -82,10 +79,9 @@ class VelocityMotion final : public Motion {
   void MoveBodies(const Eigen::VectorXd& v_new, double h);
 
   VelocityOptions options_;
-  LcpSolver& solver_;
   ContactFinder finder_;
   RowMatching matching_;
-  std::vector<double> radii_;  // of the bodies' outlines about their centres of mass [m]
+  std::vector<Extent> extents_;  // of the bodies
   double size_ = 1;
   Eigen::VectorXd impulses_;  // of the step before
   Eigen::VectorXd guess_;

@@ -57,7 +57,7 @@ class EnclosedPiece {
         s_end_(s_end),
         begin_(CurvePoint(curve, s_begin)),
         end_(CurvePoint(curve, s_end)),
-        enclosure_(std::visit([&](const auto& e) { return e.Enclose(s_begin, s_end, begin_, end_); }, curve)) {}
+        enclosure_(Enclose(curve, s_begin, s_end)) {}
 
   Vec2 begin() const { return begin_; }
   Vec2 end() const { return end_; }
@@ -89,16 +89,6 @@ bool ConesOverlap(const EnclosedPiece& p, const EnclosedPiece& q) {
   const Vec2 q1 = q.enclosure().first;
   const Vec2 q2 = q.enclosure().second;
   return InCone(p1, q1, q2) || InCone(p2, q1, q2) || InCone(q1, p1, p2) || InCone(q2, p1, p2);
-}
-
-// Cuts a piece into two or more that EnclosedPiece can hold: curves into equal parts of at most a quarter turn of the
-// parameter, Bezier edges until each turns by less than 90 degrees.
-// @return false if a Bezier edge's derivative vanishes on the way: no piece around that point is turned by so little
-bool AppendEnclosed(const OutlinePiece& piece, std::vector<EnclosedPiece>* pieces) {
-  const std::vector<double> cuts =
-      std::visit([&](const auto& e) { return e.EnclosedCuts(piece.s_begin, piece.s_end); }, piece.edge);
-  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) pieces->emplace_back(piece.edge, cuts[k], cuts[k + 1]);
-  return !cuts.empty();
 }
 
 // What is known of two pieces.
@@ -234,11 +224,15 @@ class OutlineCheck {
   void Enclose() {
     pieces_.resize(outline_.loops.size());
     ForEachPiece([&](std::size_t loop, std::size_t piece) {
-      const std::size_t before = pieces_[loop].size();
-      if (!AppendEnclosed(outline_.loops[loop][piece], &pieces_[loop])) {
+      const OutlinePiece& edge = outline_.loops[loop][piece];
+      const std::vector<double> cuts = EnclosedCuts(edge);
+      if (cuts.empty()) {
         Refuse(Name(loop, piece), "the curve's derivative vanishes (a cusp or coincident control points)");
       }
-      for (std::size_t k = before; k < pieces_[loop].size(); ++k) owners_.push_back({loop, piece, k});
+      for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+        owners_.push_back({loop, piece, pieces_[loop].size()});
+        pieces_[loop].emplace_back(edge.edge, cuts[k], cuts[k + 1]);
+      }
     });
   }
 

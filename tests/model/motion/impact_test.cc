@@ -152,7 +152,7 @@ TEST(Impact, StopApproachIsTheProjectionInTheKineticMetric) {
     // Above all separating speeds: every row takes part.
     options.velocity_tolerance = 100;
     StopApproach(options, answerer.Impulses(), &after);
-    EXPECT_LE(WorstApproach(AssembleContactLcp(after).rows), 1e-12);
+    EXPECT_LE(WorstViolation(AssembleContactLcp(after).rows, &RowInfo::d_dot), 1e-12);
     // (v - v+) M (v' - v+) <= 0 for every admissible v': also for v' = 0 and v' = 2 v+, so it is 0 there.
     double product = 0;
     for (std::size_t i = 0; i < before.bodies.size(); ++i) {

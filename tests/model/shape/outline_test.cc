@@ -92,21 +92,17 @@ TEST(Outline, EnclosuresHoldTheirPieces) {
   for (int i = 0; i < 30; ++i) {
     const OutlineLoop loop = RandomOutline(&random).loops[0];
     for (const OutlinePiece& piece : loop) {
-      std::visit(
-          [&](const auto& e) {
-            const std::vector<double> cuts = e.EnclosedCuts(piece.s_begin, piece.s_end);
-            ASSERT_GE(cuts.size(), 3U);
-            for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-              const Vec2 begin = e.Point(cuts[k]);
-              const Vec2 end = e.Point(cuts[k + 1]);
-              const double height = e.Enclose(cuts[k], cuts[k + 1], begin, end).height;
-              for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8}) {
-                const Vec2 p = e.Point(cuts[k] + t * (cuts[k + 1] - cuts[k]));
-                EXPECT_LE(DistanceToSegment(p, begin, end), height + 1e-14) << e.kName;
-              }
-            }
-          },
-          piece.edge);
+      const std::vector<double> cuts = EnclosedCuts(piece);
+      ASSERT_GE(cuts.size(), 3U);
+      for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+        const Vec2 begin = CurvePoint(piece.edge, cuts[k]);
+        const Vec2 end = CurvePoint(piece.edge, cuts[k + 1]);
+        const double height = Enclose(piece.edge, cuts[k], cuts[k + 1]).height;
+        for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8}) {
+          const Vec2 p = CurvePoint(piece.edge, cuts[k] + t * (cuts[k + 1] - cuts[k]));
+          EXPECT_LE(DistanceToSegment(p, begin, end), height + 1e-14) << Describe(ToFeature(piece.edge));
+        }
+      }
     }
   }
 }
