@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <utility>
 #include <variant>
 
-#include "model/geometry/safeguarded_newton.h"
 #include "model/geometry/smooth_curve.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -105,18 +105,8 @@ End<T> EndOf(const Line<T>& line, VecOf<T> R, VecOf<T> n) {
 
 template <class T>
 ClosestPoints Join(VecOf<T> n, T d, const End<T>& end1, const End<T>& end2) {
-  ClosestPoints c;
-  c.n = ToVec2(n);
-  c.d = ToDouble(d);
-  c.R1 = ToVec2(end1.R);
-  c.R2 = ToVec2(end2.R);
-  c.moment1 = end1.moment;
-  c.moment2 = end2.moment;
-  c.curvature1 = end1.curvature;
-  c.curvature2 = end2.curvature;
-  c.s1 = end1.s;
-  c.s2 = end2.s;
-  return c;
+  return {ToVec2(n),      ToDouble(d), ToVec2(end1.R), ToVec2(end2.R), end1.moment, end2.moment, end1.curvature,
+          end2.curvature, 0,           end1.s,         end2.s};
 }
 
 // All geometry is relative to the centres of mass, dx = x1 - x2, so that nothing is lost far from the world's origin.
@@ -213,6 +203,80 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
               (vertex ? "normal is undefined" : "contact point is not unique"));
 }
 
+// A system of `count` equations for as many places on curves, at given places.
+template <std::size_t count>
+struct CurveEquations {
+  std::array<DoubleDouble, count> step;  // Newton's step, in tau (oval) or s (Bezier)
+  double residual = 0;                   // how far from solved: in radians, or parts of the curves' size
+};
+
+// A place on each of one or two curves.
+template <std::size_t count>
+using CurvePlaces = std::array<CurvePlace<DoubleDouble>, count>;
+
+// Where Newton's method ended.
+template <std::size_t count>
+struct NewtonEnding {
+  CurvePlaces<count> places;
+  bool converged = false;
+  bool nearly_solved = false;  // the equations hold roughly, whether converged or not
+};
+
+// Steps are in tau or s, of order 1 over the whole curve.
+constexpr int kMostSteps = 100;
+constexpr int kMostHalvings = 40;
+constexpr double kLongestOvalStep = 0.5;
+constexpr double kLongestBezierStep = 0.1;
+// Far above the rounding of DoubleDouble, far below that of double: one more step is taken from here, which squares it.
+constexpr double kConvergedStep = 1e-18;
+// Below this the residual may be rounding, which no step decreases.
+constexpr double kSmallStep = 1e-12;
+// A residual this small counts as a solution where the Jacobian is singular.
+constexpr double kNearlySolved = 1e-6;
+// What a residual must decrease by, as a part of what a linear function would.
+constexpr double kSufficientDecrease = 1e-4;
+
+double LongestStep(const SmoothCurve& curve) { return curve.is_oval() ? kLongestOvalStep : kLongestBezierStep; }
+
+// Newton's method for places on curves, in DoubleDouble: steps bounded by half a radian of an oval or a tenth of a
+// Bezier curve, and halved until the residual decreases. Ends when a step is below 1e-18, and takes one more.
+// @param evaluate  places -> CurveEquations<count>
+template <std::size_t count, class Evaluate>
+NewtonEnding<count> SafeguardedNewton(const std::array<const SmoothCurve*, count>& curves, CurvePlaces<count> places,
+                                      const Evaluate& evaluate) {
+  CurveEquations<count> now = evaluate(places);
+  const auto stopped = [&] { return NewtonEnding<count>{places, false, now.residual <= kNearlySolved}; };
+  for (int i = 0; i < kMostSteps; ++i) {
+    // The longest part of the step, in units of what each curve allows.
+    double excess = 0;
+    double length = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double part = std::abs(now.step[k].hi);
+      if (!std::isfinite(part)) return stopped();
+      excess = std::max(excess, part / LongestStep(*curves[k]));
+      length = std::max(length, part);
+    }
+    const auto moved = [&](double factor) {
+      CurvePlaces<count> to;
+      for (std::size_t k = 0; k < count; ++k) to[k] = curves[k]->Moved(places[k], DoubleDouble(factor) * now.step[k]);
+      return to;
+    };
+    if (length <= kConvergedStep) return {moved(1), true, true};
+    double factor = excess > 1 ? 1 / excess : 1;
+    CurvePlaces<count> next = moved(factor);
+    CurveEquations<count> then = evaluate(next);
+    for (int k = 0; !(then.residual <= (1 - kSufficientDecrease * factor) * now.residual) && length > kSmallStep; ++k) {
+      if (k == kMostHalvings) return stopped();
+      factor /= 2;
+      next = moved(factor);
+      then = evaluate(next);
+    }
+    places = next;
+    now = then;
+  }
+  return stopped();
+}
+
 using Wide = DoubleDouble;
 using Place = CurvePlace<Wide>;
 using Jet = CurveJet<Wide>;
@@ -264,6 +328,27 @@ void Finish(const std::array<const SmoothCurve*, count>& curves, const CurvePlac
     found->is_beyond_end = false;
     found->failure = kDiverged;
   }
+}
+
+// SmoothCurve::kSamples directions, evenly spread over the plane.
+std::vector<Vec2> EvenDirections() {
+  std::vector<Vec2> directions;
+  for (int i = 0; i < SmoothCurve::kSamples; ++i) {
+    directions.push_back(LiftRotation<double>(SinCos(2 * std::numbers::pi * i / SmoothCurve::kSamples)));
+  }
+  return directions;
+}
+
+// Narrows a bracket of a sign change of f to about 1e-9 of itself, by bisection: f may be steep or flat at its ends.
+template <class Function>
+double NarrowedSignChange(double low, double high, const Function& f) {
+  constexpr int kBisections = 30;
+  const bool negative = f(low) < 0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = low + (high - low) / 2;
+    ((f(middle) < 0) == negative ? low : high) = middle;
+  }
+  return low + (high - low) / 2;
 }
 
 // A vertex or arc on body 1 and a curve on body 2.

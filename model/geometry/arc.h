@@ -13,12 +13,8 @@ struct ArcEdge {
   double radius = 1;
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("radius", e.radius);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {Field{"center", &ArcEdge::center}, Field{"radius", &ArcEdge::radius},
+                                         Field{"side", &ArcEdge::side}};
   bool operator==(const ArcEdge&) const = default;
   std::string WhyInvalid() const {
     if (!(radius > 0)) return "the radius must be > 0";

@@ -33,7 +33,7 @@ void ForEachNumber(const Feature& feature, const Visit& visit) {
       visit(static_cast<double>(value));
     }
   };
-  std::visit([&](const auto& e) { e.Fields(e, take); }, feature);
+  std::visit([&](const auto& e) { ForEachField(e, take); }, feature);
 }
 
 // What is wrong with the range of a piece whose s is an angle; "" if nothing is.
@@ -168,7 +168,7 @@ std::string Describe(const Feature& feature) {
         if constexpr (requires { e.side; }) text = (e.side == Side::kConvex ? "convex " : "concave ") + text;
         const bool is_named = IsVertex(e) || requires { e.side; };
         const char* before = is_named ? " with " : " edge with ";
-        e.Fields(e, [&](const std::string& name, const auto& value) {
+        ForEachField(e, [&](const std::string& name, const auto& value) {
           if constexpr (!std::is_same_v<decltype(value), const Side&>) text += before + name + " " + Text(value);
           before = ", ";
         });

@@ -15,10 +15,7 @@ struct Vertex {
   static constexpr const char* kName = "vertex";
   Vec2 p;
 
-  template <class Self, class Visit>
-  static void Fields(Self& v, const Visit& visit) {
-    visit("p", v.p);
-  }
+  static constexpr std::tuple kFields = {Field{"p", &Vertex::p}};
   bool operator==(const Vertex&) const = default;
   static std::string WhyInvalid() { return ""; }
 };
@@ -26,7 +23,7 @@ struct Vertex {
 /// The edges that outlines are made of: a closed set. A curve is a struct of its numbers, in a file of its own, with
 ///   kName, kKind     its name in records; how closest points of it are found
 ///   kIsAngle         s is an angle [rad], of a curve with a side; else s lies in [0, 1]
-///   Fields           visits all its numbers with their names, in a fixed order. A Vec2 is a point of the body frame,
+///   kFields          all its numbers with their names, in a fixed order. A Vec2 is a point of the body frame,
 ///                    `phi` an angle from the body's x axis; a curve of angles without phi takes s from that axis
 ///   WhyInvalid       what its numbers, finite, must satisfy, in words, where they do not; else ""
 ///   Reach            the lengths that its points are computed from [m]: their rounding errors are a few epsilon of it
@@ -89,10 +86,10 @@ void ForEachPoint(Curve& curve, const Visit& visit) {
       for (auto& p : value) visit(p);
     }
   };
-  std::visit([&](auto& e) { e.Fields(e, take); }, curve);
+  std::visit([&](auto& e) { ForEachField(e, take); }, curve);
 }
 
-/// All numbers of a feature in the order of its Fields, the side as 0 (convex) or 1, after the kind's own number.
+/// All numbers of a feature in the order of its kFields, the side as 0 (convex) or 1, after the kind's own number.
 std::vector<double> NumbersOf(const Feature& feature);
 
 /// What a feature of a contact or a piece of an outline must satisfy, in words, where it does not; else empty: every

@@ -44,14 +44,9 @@ struct EllipseEdge {
   double phi = 0;  ///< [rad] from the body's x axis to the semi-axis a
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("a", e.a);
-    visit("b", e.b);
-    visit("phi", e.phi);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {Field{"center", &EllipseEdge::center}, Field{"a", &EllipseEdge::a},
+                                         Field{"b", &EllipseEdge::b}, Field{"phi", &EllipseEdge::phi},
+                                         Field{"side", &EllipseEdge::side}};
   bool operator==(const EllipseEdge&) const = default;
   OvalShape Shape() const { return {center, a, b, 2, phi, side, false}; }
   std::string WhyInvalid() const { return Shape().WhyInvalid(); }
@@ -79,15 +74,10 @@ struct SuperellipseEdge {
   double phi = 0;  ///< [rad] as of the ellipse
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("a", e.a);
-    visit("b", e.b);
-    visit("phi", e.phi);
-    visit("m", e.m);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {
+      Field{"center", &SuperellipseEdge::center}, Field{"a", &SuperellipseEdge::a},
+      Field{"b", &SuperellipseEdge::b},           Field{"phi", &SuperellipseEdge::phi},
+      Field{"m", &SuperellipseEdge::m},           Field{"side", &SuperellipseEdge::side}};
   bool operator==(const SuperellipseEdge&) const = default;
   OvalShape Shape() const { return {center, a, b, m, phi, side, true}; }
   std::string WhyInvalid() const;

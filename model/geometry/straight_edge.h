@@ -12,11 +12,7 @@ struct StraightEdge {
   Vec2 a;
   Vec2 b;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("a", e.a);
-    visit("b", e.b);
-  }
+  static constexpr std::tuple kFields = {Field{"a", &StraightEdge::a}, Field{"b", &StraightEdge::b}};
   bool operator==(const StraightEdge&) const = default;
   std::string WhyInvalid() const {
     const double length = Norm(b - a);

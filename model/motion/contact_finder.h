@@ -25,12 +25,8 @@ class ContactFinder {
   /// Whether bodies i < j share a joint.
   bool AreJoined(int i, int j) const;
 
-  ContactFinder(const ContactFinder&) = delete;
-  ContactFinder& operator=(const ContactFinder&) = delete;
-
  private:
   std::vector<Outline> outlines_;
-  std::vector<const Outline*> pointers_;  // into outlines_
   std::vector<std::pair<int, int>> joined_;
 };
 

@@ -59,12 +59,6 @@ AreaMoments Sum(const OutlineSegments& loops, Vec2 base) {
 
 AreaMoments LoopMoments(const OutlineLoop& loop, Vec2 base) { return Sum(SegmentsOf(loop), base); }
 
-AreaMoments OutlineMoments(const Outline& outline, Vec2 base) {
-  AreaMoments sum;
-  for (const OutlineLoop& loop : outline.loops) sum = sum + LoopMoments(loop, base);
-  return sum;
-}
-
 MassProperties ComputeMassProperties(const Outline& outline, double density) {
   if (!(density > 0) || !std::isfinite(density)) {
     throw InputError("outline '" + outline.name + "': the density must be finite and > 0");
@@ -75,7 +69,7 @@ MassProperties ComputeMassProperties(const Outline& outline, double density) {
   // Three passes: about any point of the boundary, then about the centre found so, where nothing cancels.
   MassProperties result;
   result.center = loops[0][0].begin;
-  AreaMoments moments;
+  AreaMoments& moments = result.moments;
   constexpr int kPasses = 3;
   for (int pass = 0; pass < kPasses; ++pass) {
     moments = Sum(loops, result.center);

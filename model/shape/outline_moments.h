@@ -6,26 +6,18 @@
 namespace lcpbench {
 
 /// The moments about `base` of what a loop encloses: counted positive where it runs counter-clockwise.
-/// By Green's theorem, area = 1/2 (integral of p x dp) and so on, split into the polygon of the loop's vertices and the
-/// regions between every edge and its chord, so that nearly straight arcs (small region, huge radius) keep all digits:
-///   circular and elliptic arcs   closed forms; power series for arcs below 2 rad, where those would cancel
-///   Bezier edges                 Gauss-Legendre quadrature of a degree that makes it exact for these polynomials
-///   superellipse edges           adaptive Gauss-Kronrod quadrature to a relative 1e-14, in the slope of the polar ray,
-///                                in which the integrand is algebraic and does not know the aspect ratio
 /// An open joint (within tolerance) is closed by taking each edge's begin as the vertex. + - * / sqrt and correctly
-/// rounded sines only: the same bits on every machine.
+/// rounded sines only: the same bits on every machine. docs/geometry.md says how.
 /// @param loop  every piece passes RequireValidPiece
 AreaMoments LoopMoments(const OutlineLoop& loop, Vec2 base);
 
-/// The moments about `base` of the material of a whole outline: all loops added.
-AreaMoments OutlineMoments(const Outline& outline, Vec2 base);
-
 /// Of a plate of uniform density.
 struct MassProperties {
-  double area = 0;     ///< [m^2]
-  double mass = 0;     ///< [kg]
-  Vec2 center;         ///< centre of mass, in the outline's frame [m]
-  double inertia = 0;  ///< about the centre of mass [kg m^2]
+  AreaMoments moments;  ///< about the centre of mass
+  double area = 0;      ///< [m^2]
+  double mass = 0;      ///< [kg]
+  Vec2 center;          ///< centre of mass, in the outline's frame [m]
+  double inertia = 0;   ///< about the centre of mass [kg m^2]
 };
 
 /// Mass, centre of mass and inertia of a plate, relative error about 1e-14 of a shape's own size and moments; for thin

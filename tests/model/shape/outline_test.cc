@@ -253,6 +253,18 @@ TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
   EXPECT_NO_THROW(Gear(shape));
 }
 
+std::vector<double*> NumbersIn(OutlineCurve* curve) {
+  std::vector<double*> numbers;
+  ForEachPoint(*curve, [&](Vec2& p) { numbers.insert(numbers.end(), {&p.x, &p.y}); });
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.radius; }) numbers.push_back(&e.radius);
+        if constexpr (requires { e.phi; }) numbers.insert(numbers.end(), {&e.a, &e.b, &e.phi});
+      },
+      *curve);
+  return numbers;
+}
+
 // What a reader of files could be handed: valid outlines with numbers, kinds or order spoilt.
 OutlinePiece RandomPiece(Random* random) {
   const auto length = [random] {
@@ -260,51 +272,23 @@ OutlinePiece RandomPiece(Random* random) {
     const int choice = RandomInteger(30, random);
     return choice < 10 ? special[choice] : random->Uniform(-3, 3);
   };
-  const auto point = [&] { return Vec2{length(), length()}; };
-  const Side side = random->Uniform(0, 1) < 0.5 ? Side::kConvex : Side::kConcave;
-  OutlinePiece piece;
-  switch (RandomInteger(kEdgeKinds, random)) {
-    case 0:
-      piece.edge = StraightEdge{point(), point()};
-      break;
-    case 1:
-      piece.edge = ArcEdge{point(), length(), side};
-      break;
-    case 2:
-      piece.edge = EllipseEdge{point(), length(), length(), length(), side};
-      break;
-    case 3:
-      piece.edge = SuperellipseEdge{point(), length(), length(), RandomInteger(12, random) - 2, length(), side};
-      break;
-    default:
-      piece.edge = BezierEdge{{point(), point(), point(), point()}};
-  }
+  const OutlineCurve kinds[] = {StraightEdge{}, ArcEdge{}, EllipseEdge{}, SuperellipseEdge{}, BezierEdge{}};
+  OutlinePiece piece{kinds[RandomInteger(kEdgeKinds, random)]};
+  for (double* number : NumbersIn(&piece.edge)) *number = length();
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.side; }) e.side = random->Uniform(0, 1) < 0.5 ? Side::kConvex : Side::kConcave;
+        if constexpr (requires { e.m; }) e.m = RandomInteger(12, random) - 2;
+      },
+      piece.edge);
   piece.s_begin = RandomInteger(2, random) == 0 ? 0 : length();
   piece.s_end = RandomInteger(2, random) == 0 ? 1 : length();
   return piece;
 }
 
 double* RandomNumber(OutlinePiece* piece, Random* random) {
-  std::vector<double*> numbers = {&piece->s_begin, &piece->s_end};
-  const auto add = [&](Vec2* p) {
-    numbers.push_back(&p->x);
-    numbers.push_back(&p->y);
-  };
-  if (auto* e = std::get_if<StraightEdge>(&piece->edge)) {
-    add(&e->a);
-    add(&e->b);
-  } else if (auto* arc = std::get_if<ArcEdge>(&piece->edge)) {
-    add(&arc->center);
-    numbers.push_back(&arc->radius);
-  } else if (auto* ellipse = std::get_if<EllipseEdge>(&piece->edge)) {
-    add(&ellipse->center);
-    numbers.insert(numbers.end(), {&ellipse->a, &ellipse->b, &ellipse->phi});
-  } else if (auto* super = std::get_if<SuperellipseEdge>(&piece->edge)) {
-    add(&super->center);
-    numbers.insert(numbers.end(), {&super->a, &super->b, &super->phi});
-  } else {
-    for (Vec2& p : std::get<BezierEdge>(piece->edge).P) add(&p);
-  }
+  std::vector<double*> numbers = NumbersIn(&piece->edge);
+  numbers.insert(numbers.end(), {&piece->s_begin, &piece->s_end});
   return numbers[static_cast<std::size_t>(RandomInteger(static_cast<int>(numbers.size()), random))];
 }
 
