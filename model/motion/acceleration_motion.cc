@@ -44,6 +44,10 @@ struct TouchPoint {
   double d_dot = 0;  // [m/s]
 };
 
+constexpr double kThinnestPart = 0.25;
+/// Contacts that are found this many contact tolerances deep are contacts still; deeper overlaps that were not followed
+/// from outside are errors of the start positions, or corners seen from the side.
+constexpr double kDeepest = 10;
 constexpr double kSamePlace = 1e-7;
 constexpr double kApart = 1e-3;
 
@@ -74,15 +78,19 @@ TouchPoint EvaluateRope(const Constraint& rope, const Body& body1, const Body& b
 // is smooth in time. Whether the bodies really are closest there is another question, which LiesOn answers.
 class ContactWatch {
  public:
-  // @param world       its bodies' outlines are kept, positions are given later
-  // @param flush_angle how far a normal may leave a corner's cone [rad] before a contact at that corner is none: two
-  //                    straight edges that lie flush within this keep both their contacts
-  ContactWatch(const World& world, double flush_angle) : finder_(world), flush_angle_(flush_angle) {
+  // @param world  its bodies' outlines are kept, positions are given later
+  ContactWatch(const World& world, const AccelerationOptions& options) : finder_(world) {
     for (const Body& body : world.bodies) {
       spans_.push_back(NormalSpans(OutlineOf(body), Rotation{}));
       extents_.push_back(ExtentOf(spans_.back()));
     }
     thinnest_ = LeastWidth(world, extents_);
+    range_ = options.search_range;
+    // Without outlines there is nothing to find, but a rope.
+    if (range_ == 0) {
+      range_ = thinnest_ > 0 ? std::max(kThinnestPart * thinnest_, kDeepest * options.contact_tolerance) : 1;
+    }
+    flush_angle_ = options.contact_tolerance / range_;
     const auto reach = [this](int body, const Feature& feature) {
       double& radius = extents_[static_cast<std::size_t>(body)].radius;
       if (const auto* end = std::get_if<Vertex>(&feature)) radius = std::max(radius, Norm(end->p));
@@ -127,18 +135,18 @@ class ContactWatch {
            on(constraint.body2, constraint.feature2, touch.R2, touch.n);
   }
 
-  // All contacts and ropes with -range <= d <= range, as DetectContacts.
-  std::vector<Constraint> Find(std::span<const Body> bodies, double range) const {
+  // All contacts and ropes with -range() <= d <= range(), as DetectContacts.
+  std::vector<Constraint> Find(std::span<const Body> bodies) const {
     std::vector<Constraint> found;
-    if (thinnest_ > 0) found = finder_.Find(bodies, range, range);
+    if (thinnest_ > 0) found = finder_.Find(bodies, range_, range_);
     for (Constraint rope : ropes_) {
-      if (std::abs(Evaluate(bodies, &rope).d) <= range) found.push_back(rope);
+      if (std::abs(Evaluate(bodies, &rope).d) <= range_) found.push_back(rope);
     }
     return found;
   }
 
-  // The thinnest movable body's smaller side of its bounding box [m]; 0 if no movable body has an outline.
-  double ThinnestBody() const { return thinnest_; }
+  // Gaps and overlaps that are looked for [m].
+  double range() const { return range_; }
 
   // The longest step of at most `step` [s] in which no two bodies that can touch approach each other by more than
   // `stride` [m], or, where that is longer, by the distance between the circles around them. A body's surface moves by
@@ -180,8 +188,11 @@ class ContactWatch {
   std::vector<std::vector<NormalSpan>> spans_;  // of every body, body frame
   std::vector<Extent> extents_;                 // with the ends of ropes
   std::vector<Constraint> ropes_;
-  double flush_angle_;
-  double thinnest_ = 0;
+  double thinnest_ = 0;  // the movable bodies' least width [m]
+  double range_ = 0;
+  // How far a normal may leave a corner's cone [rad] before a contact at that corner is none: two straight edges that
+  // lie flush within this keep both their contacts.
+  double flush_angle_ = 0;
 };
 
 // Positions and velocities of the movable bodies, six a body in body order: x, y, theta, v_x, v_y, omega.
@@ -443,12 +454,10 @@ class StepInterpolant {
 // Finds the first event of a step.
 class StepEvents {
  public:
-  // @param range  gaps and overlaps that are looked for [m]
-  StepEvents(const AccelerationOptions& options, double range, const ContactWatch& watch, const StepBegin& begin,
+  StepEvents(const AccelerationOptions& options, const ContactWatch& watch, const StepBegin& begin,
              ConstrainedFlow* flow)
       : options_(options),
         event_depth_(kEventDepth * options.contact_tolerance),
-        range_(range),
         watch_(watch),
         begin_(begin),
         flow_(flow) {}
@@ -456,7 +465,7 @@ class StepEvents {
   std::optional<StepEnd> Cut(double step, MotionState state) {
     between_.reset();
     StepEnd end{step, std::move(state), {}, {}, false};
-    end.found = watch_.Find(BodiesAt(end.step, end.state), range_);
+    end.found = watch_.Find(BodiesAt(end.step, end.state));
     std::vector<Event> events;
     constexpr int kMostCuts = 8;
     for (int cut = 0; cut < kMostCuts; ++cut) {
@@ -486,7 +495,7 @@ class StepEvents {
       if (end.step <= kShortestCut || event->value(end.step, end.state) > 0) continue;
       if (TryInSight(watch_, BodiesAt(end.step, end.state), *event->approaching)) return std::nullopt;
     }
-    if (end.at_event) end.found = watch_.Find(BodiesAt(end.step, end.state), range_);
+    if (end.at_event) end.found = watch_.Find(BodiesAt(end.step, end.state));
     return end;
   }
 
@@ -602,7 +611,7 @@ class StepEvents {
       } catch (const InputError&) {
         continue;
       }
-      inner.found = watch_.Find(BodiesAt(time, inner.state), range_);
+      inner.found = watch_.Find(BodiesAt(time, inner.state));
       *end = std::move(inner);
       between_.reset();
       return false;
@@ -617,7 +626,7 @@ class StepEvents {
     for (const Constraint& found : end.found) points.push_back(TryEvaluate(bodies, found));
     for (const Constraint& watched : begin_.watched) {
       const std::optional<TouchPoint> touch = TryEvaluate(bodies, watched);
-      if (!touch || std::abs(touch->d) > range_) continue;
+      if (!touch || std::abs(touch->d) > watch_.range()) continue;
       bool known = false;
       for (std::size_t k = 0; k < points.size() && !known; ++k) {
         known = points[k] && IsSameContact(candidates[k], *points[k], watched, *touch);
@@ -723,19 +732,14 @@ class StepEvents {
 
   const AccelerationOptions& options_;
   double event_depth_;  // how far below 0 a gap is when its impact is due [m]
-  double range_;
   const ContactWatch& watch_;
   const StepBegin& begin_;
   ConstrainedFlow* flow_;
   std::optional<StepInterpolant> between_;
 };
 
-/// Contacts that are found this many contact tolerances deep are contacts still; deeper overlaps that were not followed
-/// from outside are errors of the start positions, or corners seen from the side.
-constexpr double kDeepest = 10;
 /// The part of the search range that surfaces may approach by in one step.
 constexpr double kStride = 0.5;
-constexpr double kThinnestPart = 0.25;
 /// w above this fraction of the largest |b| is a contact that opens, beyond a solver's tolerance.
 constexpr double kOpens = 1e-8;
 /// Corrections go this far below the threshold that calls for them.
@@ -787,24 +791,16 @@ double ScaledError(const AccelerationOptions& options, const MotionState& state,
   return worst;
 }
 
-double RangeOf(const AccelerationOptions& options, const World& world) {
-  if (options.search_range > 0) return options.search_range;
-  const double thinnest = ContactWatch(world, 0).ThinnestBody();
-  // Without outlines there is nothing to find, but a rope.
-  return thinnest > 0 ? std::max(kThinnestPart * thinnest, kDeepest * options.contact_tolerance) : 1;
-}
-
 class AccelerationMotion final : public Motion {
  public:
   AccelerationMotion(World world, const AccelerationOptions& options, LcpSolver& solver)
       : Motion(std::move(world), options.lcp, solver),
         options_(Valid(options)),
-        range_(RangeOf(options, world_)),
-        watch_(world_, options.contact_tolerance / range_),
+        watch_(world_, options),
         flow_(world_, &solver_),
         next_step_(options.largest_step) {
     FollowJoints();
-    UpdateContacts({}, watch_.Find(world_.bodies, range_));
+    UpdateContacts({}, watch_.Find(world_.bodies));
   }
 
  private:
@@ -841,7 +837,7 @@ class AccelerationMotion final : public Motion {
         if (!must_lie_on) throw;
       }
     };
-    for (const Constraint& constraint : known) add(constraint, range_, true);
+    for (const Constraint& constraint : known) add(constraint, watch_.range(), true);
     for (const Constraint& constraint : found) {
       if (std::abs(constraint.nominal_gap) > kDeepest * options_.contact_tolerance &&
           constraint.type == ConstraintType::kContact) {
@@ -891,7 +887,7 @@ class AccelerationMotion final : public Motion {
       world_.bodies[i].theta = system.bodies[i].theta;
     }
     FollowJoints();
-    UpdateContacts(contacts_, watch_.Find(world_.bodies, range_));
+    UpdateContacts(contacts_, watch_.Find(world_.bodies));
   }
 
   void CorrectVelocities() {
@@ -996,17 +992,13 @@ class AccelerationMotion final : public Motion {
     return begin;
   }
 
-  double LongestStep(const StepBegin& begin, double end) const {
-    const double step = std::min({next_step_, options_.largest_step, end - time_});
-    return watch_.LongestStep(begin.bodies, begin.accelerations, kStride * range_, step);
-  }
-
   void Step(double end) {
     Settle();
     if (status_ != MotionStatus::kMoving) return;
     const StepBegin begin = Begin();
-    StepEvents events(options_, range_, watch_, begin, &flow_);
-    double step = LongestStep(begin, end);
+    StepEvents events(options_, watch_, begin, &flow_);
+    double step = watch_.LongestStep(begin.bodies, begin.accelerations, kStride * watch_.range(),
+                                     std::min({next_step_, options_.largest_step, end - time_}));
     const bool short_of_error = step < next_step_;
     bool rejected = false;
     std::optional<StepEnd> reached;
@@ -1048,7 +1040,6 @@ class AccelerationMotion final : public Motion {
   }
 
   AccelerationOptions options_;
-  double range_;
   ContactWatch watch_;
   ConstrainedFlow flow_;
   std::vector<Constraint> bilateral_;

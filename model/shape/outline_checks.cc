@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "model/geometry/broad_phase.h"
-#include "model/shape/outline_moments.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
