@@ -34,6 +34,11 @@ void ExpectRefused(const Outline& outline, const std::vector<std::string>& texts
   }
 }
 
+Outline WithHole(Outline outline, Vec2 center, double radius) {
+  outline.loops.push_back({Arc(center, radius, 2 * kPi, 0)});
+  return outline;
+}
+
 TEST(Outline, RandomMixturesOfAllEdgesAreValidWhereverTheyAre) {
   Random random(1);
   for (int k = 0; k < 300; ++k) {
@@ -206,33 +211,16 @@ TEST(OutlineChecks, RefuseTheWrongSenseOfTravel) {
 }
 
 TEST(OutlineChecks, RefuseHolesThatAreNotWithinTheMaterial) {
-  Outline outside = Disc(1);
-  outside.loops.push_back({Arc({3, 0}, 0.5, 2 * kPi, 0)});
-  ExpectRefused(outside, {"hole 1", "outside"});
-  Outline around = Disc(1);
-  around.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
-  ExpectRefused(around, {"hole 1", "outside"});
-  Outline crossing = Disc(1);
-  crossing.loops.push_back({Arc({1, 0}, 0.5, 2 * kPi, 0)});
-  ExpectRefused(crossing, {"self-intersecting", "hole 1"});
-  Outline nested = Disc(4);
-  nested.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
-  nested.loops.push_back({Arc({0.5, 0}, 1, 2 * kPi, 0)});
-  ExpectRefused(nested, {"hole 2", "inside hole 1"});
-  Outline in_the_mouth = Bowl(2, 1.5, 1);
-  in_the_mouth.loops.push_back({Arc({}, 0.3, 2 * kPi, 0)});
-  ExpectRefused(in_the_mouth, {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {3, 0}, 0.5), {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {}, 2), {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {1, 0}, 0.5), {"self-intersecting", "hole 1"});
+  ExpectRefused(WithHole(WithHole(Disc(4), {}, 2), {0.5, 0}, 1), {"hole 2", "inside hole 1"});
+  ExpectRefused(WithHole(Bowl(2, 1.5, 1), {}, 0.3), {"hole 1", "outside"});
 }
 
 TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
   EXPECT_NO_THROW(RequireValid(Ring(1, 1 - 1e-8)));
-  ExpectRefused(
-      [] {
-        Outline ring = Disc(1);
-        ring.loops.push_back({Arc({}, 1 - 1e-11, 2 * kPi, 0)});
-        return ring;
-      }(),
-      {"hole 1"});
+  ExpectRefused(WithHole(Disc(1), {}, 1 - 1e-11), {"hole 1"});
   for (const double R : {1e3, 1e6, 1e9}) {
     const double alpha = std::asin(1 / R);
     const double drop = std::sqrt((R - 1) * (R + 1));
