@@ -32,6 +32,9 @@
 #include "support/input_error.h"
 #include "support/number_text.h"
 
+// In order: ContactWatch (gaps between moving features), ConstrainedFlow (the equations between events),
+// StepInterpolant and StepEvents (where a step ends), AccelerationMotion.
+
 namespace lcpbench {
 namespace {
 
@@ -44,9 +47,10 @@ struct TouchPoint {
   double d_dot = 0;  // [m/s]
 };
 
+// The search range, as a part of the thinnest movable body.
 constexpr double kThinnestPart = 0.25;
-/// Contacts that are found this many contact tolerances deep are contacts still; deeper overlaps that were not followed
-/// from outside are errors of the start positions, or corners seen from the side.
+// Contacts that are found this many contact tolerances deep are contacts still; deeper overlaps that were not followed
+// from outside are errors of the start positions, or corners seen from the side.
 constexpr double kDeepest = 10;
 constexpr double kSamePlace = 1e-7;
 constexpr double kApart = 1e-3;
