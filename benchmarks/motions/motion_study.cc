@@ -127,7 +127,7 @@ class Study {
     const double scale = reference.scale > 0 ? reference.scale : 1;
     const double start = reference.instants.front().energy;
     const int interval = std::max(1, study_.steps / kSamples);
-    WorstFigures since_last;
+    WorstFigures since_last{.energy_error = 0, .distance = 0};  // at the start
     const auto write = [&](double energy) {
       const Sample sample{study_, outcome, energy, since_last};
       csv_.Row(Row([&](const Column& column) { return column.cell(sample); }));
