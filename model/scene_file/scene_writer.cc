@@ -38,7 +38,7 @@ Json ToJson(const OutlineCurve& curve) {
       [](const auto& e) {
         constexpr bool kIsStraight = std::is_same_v<decltype(e), const StraightEdge&>;
         Json form;
-        e.Fields(e, [&](const std::string& name, const auto& value) {
+        ForEachField(e, [&](const std::string& name, const auto& value) {
           if constexpr (kIsStraight) {
             form[name == "a" ? "from" : "to"] = ToJson(value);
           } else if constexpr (requires { value.x; }) {
