@@ -54,7 +54,7 @@ class ScratchFolder {
 void FindFloors(double tolerance, std::vector<SequenceStep>* steps) {
   for (SequenceStep& step : *steps) {
     if (step.reference.floor) continue;
-    step.reference.floor = FindReferenceFloor(step.problem, tolerance, kFloorTimeLimit).reference.floor;
+    step.reference.floor = FindReferenceFloor(step.problem, tolerance, kFloorTimeLimit);
   }
 }
 
@@ -70,7 +70,6 @@ class Study {
  public:
   Study(const MeasurementPlan& plan, const ProblemSteps& steps, const std::string& file, const std::string& hash)
       : plan_(plan), steps_(static_cast<int>(steps.steps.size())), worker_(OptionsOf(plan)) {
-    request_.sequence = steps.name;
     request_.file = file;
     request_.sha256 = hash;
     request_.tier = plan.tolerance;
@@ -79,9 +78,7 @@ class Study {
       if (tier != plan.tolerance) request_.judged.push_back(tier);
     }
     std::sort(request_.judged.rbegin(), request_.judged.rend());
-    request_.time_per_row_s = 1e-3;
-    request_.least_s = 0.2;
-    request_.most_s = kBudget;
+    request_.limits.most_s = kBudget;
     request_.budget_s = kBudget;
     for (const std::string& key : plan.solvers) {
       for (const bool warm : {false, true}) {
@@ -141,7 +138,7 @@ class Study {
       if (!disturbed || reply.outcome != "completed") break;
       if (run == kNoise.most_reruns) ++entrant->found.disturbed;
     }
-    if (reply.results.is_null()) reply.results = StepRecord(request_.judged, plan_.tolerance).Results(steps_);
+    if (reply.results.is_null()) reply.results = StepRecord(request_.judged).Results(steps_);
     Add(round, reply, entrant);
   }
 
