@@ -103,9 +103,10 @@ BodySystem MakeBodySystem(const LcpProblem& problem, const std::vector<Index>& r
     const double diagonal = std::max(problem.DiagonalA()[rows[At(k)]], std::numeric_limits<double>::min());
     root_stiffness[k] = std::sqrt(kStiffness / diagonal);
   }
-  const ColumnMatrix root = root_stiffness.asDiagonal() * (J * Picking(system.column_of, J.cols()).transpose());
+  const ColumnMatrix columns = Picking(system.column_of, J.cols());
+  const ColumnMatrix root = root_stiffness.asDiagonal() * (J * columns.transpose());
   const ColumnMatrix stiffness = root.transpose() * root;
-  const ColumnMatrix mass(inverse_mass(system.column_of).cwiseInverse().asDiagonal());
+  const ColumnMatrix mass = columns * inverse_mass.cwiseInverse().asDiagonal() * columns.transpose();
   system.lower = ColumnMatrix(stiffness + mass).triangularView<Eigen::Lower>();
   const ColumnMatrix incidence = root.cwiseAbs() * Picking(body_of, system.bodies());
   system.graph = incidence.transpose() * incidence;
