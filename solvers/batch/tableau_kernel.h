@@ -4,14 +4,14 @@
 #include <limits>
 
 #include "solvers/batch/kernel.h"
+#include "solvers/batch/lanes.h"
 #include "solvers/batch/unroll.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
 
-/// Solves one group of N rows or fewer, one problem per lane of L (lanes_avx512.h says what L has), by the method of
-/// solve_batch.h.
+/// Solves one group of N rows or fewer, one problem per lane, by the method of solve_batch.h.
 ///
 /// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
 ///     T_ij -= T_ik T_kj / a,   T_kj /= |a|,   T_kk = -1 / a,   and q_i, q_k as if q were another column,
@@ -19,7 +19,7 @@ namespace {
 /// be negative. Two neighbouring rows are exchanged in one pass, because the stores of T are what takes the time: n^2 /
 /// 2 of them, and twice as many fused operations. Nothing here depends on another lane but whether a pass is made at
 /// all, which changes no bits in a lane that moves nothing (its multipliers are 0).
-template <typename L, int N>
+template <int N>
 class TableauKernel {
  public:
   explicit TableauKernel(BatchGroup* group) : group_(*group) {
@@ -43,8 +43,9 @@ class TableauKernel {
   }
 
  private:
-  using V = typename L::V;
-  using M = typename L::M;
+  using L = Lanes;
+  using V = L::V;
+  using M = L::M;
   static constexpr int kLaneCount = L::kWidth;
   static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
@@ -424,20 +425,19 @@ class TableauKernel {
 };
 
 // By the smallest even size that holds all lanes' problems.
-template <typename L, int N = 2>
+template <int N = 2>
 void SolveGroupOfSize(int n, BatchGroup* group) {
   if (n <= N) {
-    TableauKernel<L, N>(group).Solve();
+    TableauKernel<N>(group).Solve();
   } else if constexpr (N < kBatchMaxRows) {
-    SolveGroupOfSize<L, N + 2>(n, group);
+    SolveGroupOfSize<N + 2>(n, group);
   }
 }
 
-template <typename L>
 void SolveGroup(BatchGroup* group) {
   int n = 0;
-  for (int l = 0; l < L::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
-  SolveGroupOfSize<L>(n, group);
+  for (int l = 0; l < Lanes::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
+  SolveGroupOfSize(n, group);
 }
 
 }  // namespace

@@ -2,12 +2,18 @@
 
 #include <memory>
 
-#include "solvers/first_order/sweeps/aligned_array.h"
+#include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/scaled_problem.h"
 #include "solvers/lcp/problem.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
 namespace lcpbench {
+
+/// A vector over the rows and its image (RowKernel).
+struct Point {
+  Array f;
+  Array image;
+};
 
 /// What a pass over rows adds up as it goes.
 struct StepSums {
@@ -32,7 +38,6 @@ class RowKernel {
   /// Takes the scaled problem's b, which has changed; to be called before any pass.
   virtual void SetB() {}
 
-  virtual std::size_t ImageSize() const = 0;
   /// True: image(d).image(e) = d.A e, and passes keep images. False: d.image(e) = d.A e, and they do not.
   virtual bool ImageIsRoot() const = 0;
   /// Multiply-adds per row of a sweep, for pacing; >= 1.
@@ -40,22 +45,20 @@ class RowKernel {
 
   /// image = that of f = 0. (Not all zeros: a layout may keep constants in it, which cancel in differences of images.)
   virtual void StartImage(Array* image) const = 0;
-  /// After StartImage and AddToImage over all rows, `image` is that of f.
-  virtual void AddToImage(Index begin, Index end, const Array& f, Array* image) const = 0;
+  /// After StartImage and AddToImage over all rows, x->image is that of x->f.
+  virtual void AddToImage(Index begin, Index end, Point* x) const = 0;
   /// image += change of the image when f_row grows by `df`; A must be symmetric.
   virtual void AddRowToImage(Index row, double df, Array* image) const = 0;
 
-  /// w_row = (A f + b)_row; needs the image of f where ImageIsRoot.
-  virtual double W(Index row, const Array& f, const Array& image) const = 0;
+  /// w_row = (A f + b)_row; needs the image where ImageIsRoot.
+  virtual double W(Index row, const Point& x) const = 0;
   /// Gauss-Seidel: for every row in turn, f_k <- max(floor, f_k - omega w_k) with the newest f.
-  virtual void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-                     StepSums* sums) const = 0;
-  /// Projected gradient: next_k = max(floor, y_k - step w_k(y)); needs the image of y. Where ImageIsRoot, next_image
-  /// (from StartImage on) becomes that of `next`.
-  virtual void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                            Array* next_image, StepSums* sums) const = 0;
-  /// Sum of r_k^2; needs the image of f.
-  virtual double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const = 0;
+  virtual void Sweep(Index begin, Index end, bool backward, double omega, Point* x, StepSums* sums) const = 0;
+  /// Projected gradient: next_k = max(floor, y_k - step w_k(y)); needs the image of y. Where ImageIsRoot, next->image
+  /// (from StartImage on) becomes that of next->f.
+  virtual void GradientStep(Index begin, Index end, double step, const Point& y, Point* next, StepSums* sums) const = 0;
+  /// Sum of r_k^2; needs the image.
+  virtual double ResidualSquares(Index begin, Index end, const Point& x) const = 0;
 };
 
 /// The layouts; `scaled` is not owned. The rows of D^-1/2 A D^-1/2: 12 bytes and one multiply-add per entry.

@@ -21,6 +21,12 @@ bool UsesFactors(const LcpProblem& problem, RowForm form, bool coloured) {
 
 }  // namespace
 
+RowForm ReadRowForm(SettingsReader* reader) {
+  const std::string form = reader->Choice("form", "auto", {"auto", "assembled", "matrix-free"});
+  if (form == "assembled") return RowForm::kAssembled;
+  return form == "matrix-free" ? RowForm::kMatrixFree : RowForm::kAuto;
+}
+
 void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
   const bool factors = UsesFactors(problem, form, coloured);
   scaled.Reset(problem, coloured ? ColouredOrder(problem, factors) : std::vector<Index>());
@@ -31,24 +37,22 @@ void RowWork::Prepare(const LcpProblem& problem, RowForm form, bool coloured) {
   } else {
     rows = MakeFactorRows(problem, scaled);
   }
-  f.assign(static_cast<size_t>(scaled.size), 0.0);
-  rows->StartImage(&image);
+  x.f.setZero(scaled.size);
+  rows->StartImage(&x.image);
 }
 
 void RowWork::Start(const LcpProblem& problem, const Eigen::VectorXd* initial_f) {
   scaled.SetB(problem);
   rows->SetB();
-  scaled.Start(initial_f, &f);
+  scaled.Start(initial_f, &x.f);
 }
 
 std::string WhyNoRows(const LcpProblem& problem, RowForm form) {
   if (problem.has_factors()) return {};
   if (form == RowForm::kMatrixFree) return "the matrix-free form needs a problem given by factors";
-  const Eigen::VectorXd& D = problem.DiagonalA();
-  for (Index i = 0; i < D.size(); ++i) {
-    if (D[i] < 0) return "A has a negative diagonal entry in row " + std::to_string(i);
-  }
-  return {};
+  Index row = 0;
+  const bool is_negative = problem.size() > 0 && problem.DiagonalA().minCoeff(&row) < 0;
+  return is_negative ? "A has a negative diagonal entry in row " + std::to_string(row) : "";
 }
 
 }  // namespace lcpbench

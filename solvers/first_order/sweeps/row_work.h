@@ -14,8 +14,7 @@ namespace lcpbench {
 struct RowWork {
   ScaledProblem scaled;
   std::unique_ptr<RowKernel> rows;
-  Array f;
-  Array image;  ///< of f; see RowKernel
+  Point x;
 
   /// All but b.
   /// @param coloured  order the rows by ColouredOrder

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "solvers/first_order/sweeps/aligned_array.h"
+#include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/lcp/problem.h"
 
 /// Internal to solvers/.
@@ -31,7 +31,7 @@ struct ScaledProblem {
   void SetB(const LcpProblem& problem);
 
   Index Given(Index k) const { return order.empty() ? k : order[static_cast<size_t>(k)]; }
-  bool IsFree(Index k) const { return mixed && floor[static_cast<size_t>(k)] != 0; }
+  bool IsFree(Index k) const { return mixed && floor[k] != 0; }
 
   /// The start of a solve: zero, or `given` clipped to the bounds.
   void Start(const Eigen::VectorXd* given, Array* f) const;

@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include "solvers/ipopt/ipopt_engine.h"
+#include "solvers/ipopt/quadratic_program.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
@@ -276,10 +276,10 @@ TEST(IpoptProgram, ItsDerivativesAreThoseOfTheDenseForm) {
   program.nonnegative.assign(n, true);
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n), G = Eigen::MatrixXd::Zero(m, n);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; j += 2) program.hessian.Add(i, j, H(i, j) = H(j, i) = uniform(random));
+    for (int j = 0; j <= i; j += 2) program.hessian.emplace_back(i, j, H(i, j) = H(j, i) = uniform(random));
   }
   for (int i = 0; i < m; ++i) {
-    for (int j = i; j < n; j += 2) program.jacobian.Add(i, j, G(i, j) = uniform(random));
+    for (int j = i; j < n; j += 2) program.jacobian.emplace_back(i, j, G(i, j) = uniform(random));
   }
   const Eigen::VectorXd x = Eigen::VectorXd::NullaryExpr(n, any);
   Eigen::VectorXd gradient(n), values(m);
