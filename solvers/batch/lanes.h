@@ -37,7 +37,14 @@ struct Lanes {
     return a * b + c;
 #endif
   }
-  static V Fnma(V a, V b, V c) { return Fma(-a, b, c); }  ///< c - a b
+  /// c - a b
+  static V Fnma(V a, V b, V c) {
+#if defined(__AVX2__)
+    return Fma(-a, b, c);
+#else
+    return c - a * b;
+#endif
+  }
   static V Max(V a, V b) { return a > b ? a : b; }
   static V Min(V a, V b) { return a < b ? a : b; }
   static V Abs(V a) { return Masked(M{} + std::numeric_limits<long long>::max(), a); }
@@ -55,7 +62,14 @@ struct Lanes {
   static M Both(M a, M b) { return a & b; }
   static M Either(M a, M b) { return a | b; }
   static M Without(M a, M b) { return a & ~b; }
-  static V Select(M m, V a, V b) { return m ? a : b; }
+  /// a where m, else b.
+  static V Select(M m, V a, V b) {
+#if defined(__AVX2__) && !defined(__AVX512F__)
+    return _mm256_blendv_pd(b, a, reinterpret_cast<V>(m));
+#else
+    return reinterpret_cast<V>((m & reinterpret_cast<M>(a)) | (~m & reinterpret_cast<M>(b)));
+#endif
+  }
   static V Masked(M m, V a) { return reinterpret_cast<V>(m & reinterpret_cast<M>(a)); }
   static bool Any(M m) { return Bits(m) != 0; }
   static unsigned Bits(M m) {

@@ -30,6 +30,8 @@ constexpr Index kRowsPerUpdate = 8;
 constexpr double kProofTolerance = 1e-9;
 // Where an answer fails in single rows, forces up to these parts of the largest D^1/2 f are tried as zeros.
 constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
+// Of an attempt; those after the first are repairs, each of which must improve the residual.
+constexpr int kMaxRounds = 10;
 constexpr int kRayRefinements = 3;
 // Factors on rank_tolerance for the first attempt and the restarts.
 constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
@@ -126,8 +128,7 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
       result->status = LcpStatus::kInfeasible;
       return;
     }
-    end = Run(result);
-    if (end == End::kNotMet) end = DropTinyForces(result);
+    end = Attempt(result);
     if (factor != kAttempts[0] && end == End::kDone) {
       std::snprintf(text, sizeof text, "solved after a restart with rank tolerance %.0e", rank_tolerance_);
       result->detail = text;
@@ -160,8 +161,28 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   }
 }
 
-PivotBase::End PivotBase::Conclude(End end) const {
+// An answer that meets the tolerance counts whatever ended the search for it; f of a search that came to no end is
+// judged unless time is up, and stands then if nothing was published before.
+PivotBase::End PivotBase::Attempt(LcpResult* result) {
+  End end = EnterStart(result);
+  for (int round = 0; end == End::kDone && round < kMaxRounds; ++round) {
+    if (!FindViolations(round) && round > 0) break;
+    end = MakeRight(result);
+    if (end != End::kDone) break;
+    SolveForces(round == 0 ? Leaving::kAll : Leaving::kOneByOne);
+    const double tier_before = judge_.tier();
+    if (Publish(result) || (round > 0 && !(judge_.tier() < tier_before))) break;
+    Refine();
+    if (Publish(result)) break;
+    SolveForces(Leaving::kOneByOne);
+  }
+  if (end == End::kTimeLimit) {
+    if (!std::isfinite(judge_.tier())) GiveForces(&result->f);
+  } else if (end != End::kDone) {
+    Publish(result);
+  }
   if (!pivot_options_.self_check) return end;
+  if (end == End::kDone && judge_.tier() > tolerance_) DropTinyForces(result);
   if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
   return end == End::kDone ? End::kNotMet : end;
 }
@@ -204,8 +225,7 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
     for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
     if (!clear) {
       if (Load(guess_) != PermutedLcp::Loaded::kDone) return End::kTimeLimit;  // the order as it was
-      End end = EnterJoints(result);
-      if (end == End::kDone) end = EnterOneByOne(least_pivot);
+      const End end = EnterJoints(result);
       if (end != End::kDone) return end;
     }
     SolveForces(Leaving::kAll);
@@ -213,18 +233,6 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
   }
   violated_ = m();
   return blocks_ ? EnterBlocks(least_pivot) : End::kDone;
-}
-
-// The guessed rows, where the factor of the joints must stay.
-PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
-  if (guess_.forces == nullptr) return End::kDone;
-  for (Index p = m(); p < open_; ++p) {
-    if (!((*guess_.forces)[RowAt(p)] > 0)) continue;
-    if (TimeIsUp(m() * m())) return End::kTimeLimit;
-    const double pivot = active_.SetDriven(p);
-    if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
-  }
-  return End::kDone;
 }
 
 PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
@@ -268,37 +276,32 @@ Index PivotBase::SetViolatedApart() {
 }
 
 // Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
-PivotBase::Surplus PivotBase::FindSurplus(Index p, double largest, bool judge_by_size) const {
+bool PivotBase::IsSurplus(Index p, double largest) const {
   const double f = lcp_.f[p];
-  if (f < 0) return Surplus::kNegative;
-  const double size = lcp_.diagonal[p] * f * f;
-  if (size > kSmallForce * kSmallForce * largest) return Surplus::kNone;
-  if (judge_by_size && size <= kNoise * kNoise * largest) return Surplus::kTiny;
-  return lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude ? Surplus::kNone : Surplus::kRounding;
+  if (f < 0) return true;
+  if (lcp_.diagonal[p] * f * f > kSmallForce * kSmallForce * largest) return false;
+  return lcp_.diagonal[p] * f <= kNoise * lcp_.FreshW(p, m()).magnitude;
 }
 
-bool PivotBase::SolveForces(Leaving leaving) {
-  bool dropped_by_size = false;
+void PivotBase::SolveForces(Leaving leaving) {
   for (;;) {
     if (solved_at_ != pivots_) largest_ = active_.SolveForces();
     solved_at_ = pivots_;
     surplus_.clear();
     double least = kInfinity;
     for (Index p = m() - 1; p >= joints_; --p) {
-      const Surplus surplus = FindSurplus(p, largest_, leaving == Leaving::kAllAndTiny);
-      if (surplus == Surplus::kNone) continue;
+      if (!IsSurplus(p, largest_)) continue;
       if (leaving == Leaving::kOneByOne) {
         const double size = lcp_.f[p] * ForceRoot(p);
         if (size >= least) continue;
         least = size;
         surplus_.clear();
       }
-      dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
       surplus_.push_back(p);
     }
-    if (surplus_.empty()) return dropped_by_size;
+    if (surplus_.empty()) return;
     ReleaseAll();
-    if (out_of_time_) return false;
+    if (out_of_time_) return;
   }
 }
 
@@ -352,14 +355,6 @@ bool PivotBase::Publish(LcpResult* result) {
   return judge_.Publish(result);
 }
 
-void PivotBase::PublishUnfinished(End end, LcpResult* result) {
-  if (end != End::kTimeLimit) {
-    Publish(result);
-  } else if (!std::isfinite(judge_.tier())) {
-    GiveForces(&result->f);
-  }
-}
-
 void PivotBase::GiveForces(Eigen::VectorXd* f) const {
   f->setZero();
   for (Index p = 0; p < lcp_.nonzero; ++p) (*f)[RowAt(p)] = lcp_.GivenForce(p);
@@ -367,17 +362,14 @@ void PivotBase::GiveForces(Eigen::VectorXd* f) const {
 
 // Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward
 // error is rounding over rounding then.
-PivotBase::End PivotBase::DropTinyForces(LcpResult* result) {
+void PivotBase::DropTinyForces(LcpResult* result) {
+  const auto size = [this](Index p) { return std::abs(lcp_.f[p]) * ForceRoot(p); };
   double largest = 0;
-  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, std::abs(lcp_.f[p]) * ForceRoot(p));
+  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, size(p));
   for (const double tiny : kTinyForces) {
-    for (Index p = 0; p < lcp_.nonzero; ++p) {
-      if (std::abs(lcp_.f[p]) * ForceRoot(p) <= tiny * largest) lcp_.f[p] = 0;
-    }
+    for (Index p = 0; p < lcp_.nonzero; ++p) lcp_.f[p] = size(p) <= tiny * largest ? 0.0 : lcp_.f[p];
     Publish(result);
-    if (Conclude(End::kNotMet) == End::kDone) return End::kDone;
   }
-  return End::kNotMet;
 }
 
 void PivotBase::Refine() {
