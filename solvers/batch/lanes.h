@@ -39,8 +39,10 @@ struct Lanes {
   }
   /// c - a b
   static V Fnma(V a, V b, V c) {
-#if defined(__AVX2__)
-    return Fma(-a, b, c);
+#if defined(__AVX512F__)
+    return _mm512_fnmadd_pd(a, b, c);
+#elif defined(__AVX2__)
+    return _mm256_fnmadd_pd(a, b, c);
 #else
     return c - a * b;
 #endif
@@ -49,8 +51,6 @@ struct Lanes {
   static V Min(V a, V b) { return a < b ? a : b; }
   static V Abs(V a) { return Masked(M{} + std::numeric_limits<long long>::max(), a); }
   static V Xor(V a, V b) { return reinterpret_cast<V>(reinterpret_cast<M>(a) ^ reinterpret_cast<M>(b)); }
-  static M Less(V a, V b) { return a < b; }
-  static M LessEqual(V a, V b) { return a <= b; }
   /// Lanes whose sign bit is set.
   static M SignOf(V a) {
 #if defined(__AVX2__)
@@ -59,12 +59,11 @@ struct Lanes {
     return reinterpret_cast<M>(_mm_shuffle_epi32(_mm_srai_epi32(reinterpret_cast<__m128i>(a), 31), 0xf5));
 #endif
   }
-  static M Both(M a, M b) { return a & b; }
-  static M Either(M a, M b) { return a | b; }
-  static M Without(M a, M b) { return a & ~b; }
   /// a where m, else b.
   static V Select(M m, V a, V b) {
-#if defined(__AVX2__) && !defined(__AVX512F__)
+#if defined(__AVX512F__)
+    return _mm512_mask_blend_pd(static_cast<__mmask8>(Bits(m)), b, a);
+#elif defined(__AVX2__)
     return _mm256_blendv_pd(b, a, reinterpret_cast<V>(m));
 #else
     return reinterpret_cast<V>((m & reinterpret_cast<M>(a)) | (~m & reinterpret_cast<M>(b)));

@@ -120,11 +120,10 @@ std::mutex& LibraryMutex() {
   return mutex;
 }
 
-// Ipopt's own name of a status.
+// Ipopt's own name of a status that its options here allow.
 std::string_view Name(Ipopt::ApplicationReturnStatus code) {
   constexpr std::pair<Ipopt::ApplicationReturnStatus, std::string_view> kNames[] = {
       {Ipopt::Solve_Succeeded, "Solve_Succeeded"},
-      {Ipopt::Solved_To_Acceptable_Level, "Solved_To_Acceptable_Level"},
       {Ipopt::Infeasible_Problem_Detected, "Infeasible_Problem_Detected"},
       {Ipopt::Search_Direction_Becomes_Too_Small, "Search_Direction_Becomes_Too_Small"},
       {Ipopt::Diverging_Iterates, "Diverging_Iterates"},
@@ -133,10 +132,7 @@ std::string_view Name(Ipopt::ApplicationReturnStatus code) {
       {Ipopt::Maximum_Iterations_Exceeded, "Maximum_Iterations_Exceeded"},
       {Ipopt::Restoration_Failed, "Restoration_Failed"},
       {Ipopt::Error_In_Step_Computation, "Error_In_Step_Computation"},
-      {Ipopt::Maximum_CpuTime_Exceeded, "Maximum_CpuTime_Exceeded"},
       {Ipopt::Not_Enough_Degrees_Of_Freedom, "Not_Enough_Degrees_Of_Freedom"},
-      {Ipopt::Invalid_Problem_Definition, "Invalid_Problem_Definition"},
-      {Ipopt::Invalid_Option, "Invalid_Option"},
       {Ipopt::Invalid_Number_Detected, "Invalid_Number_Detected"},
       {Ipopt::Unrecoverable_Exception, "Unrecoverable_Exception"},
       {Ipopt::NonIpopt_Exception_Thrown, "NonIpopt_Exception_Thrown"},

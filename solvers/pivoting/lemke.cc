@@ -246,7 +246,8 @@ void LemkeEngine::Reserve(Index max_rows) {
 bool LemkeEngine::FindViolations(int round) {
   if (round == 0) in_play_ = open_;
   open_ = in_play_;
-  violation_ = ComputeGaps();
+  violation_ = 0;
+  for (Index p = SetViolatedApart(); p < open_; ++p) violation_ = std::max(violation_, -lcp_.w[p] / GapRoot(p));
   return violation_ > 0;
 }
 

@@ -35,6 +35,9 @@ constexpr int kMaxRounds = 10;
 constexpr int kRayRefinements = 3;
 // Factors on rank_tolerance for the first attempt and the restarts.
 constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
+// By End.
+constexpr LcpStatus kStatusOf[] = {LcpStatus::kSolved,           LcpStatus::kNumericalFailure, LcpStatus::kInfeasible,
+                                   LcpStatus::kNumericalFailure, LcpStatus::kIterationLimit,   LcpStatus::kTimeLimit};
 constexpr std::int64_t kPivotsPerRow = 50;
 constexpr std::int64_t kExtraPivots = 1000;
 // Multiply-adds between two looks at the clock (some 10 us), and what a pivot costs besides them.
@@ -135,30 +138,14 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
     }
   }
   result->iterations = pivots_;
-  switch (end) {
-    case End::kDone:
-      result->status = LcpStatus::kSolved;
-      result->farkas_ray.reset();
-      break;
-    case End::kInfeasible:
-      result->status = LcpStatus::kInfeasible;
-      break;
-    case End::kIterationLimit:
-      result->status = LcpStatus::kIterationLimit;
-      break;
-    case End::kTimeLimit:
-      result->status = LcpStatus::kTimeLimit;
-      break;
-    case End::kStuck:
-    case End::kNotMet:
-      result->status = LcpStatus::kNumericalFailure;
-      std::snprintf(text, sizeof text,
-                    "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
-                    judge_.tier(), pivot_options_.rank_tolerance, pivot_options_.rank_tolerance * kAttempts[1],
-                    pivot_options_.rank_tolerance * kAttempts[2]);
-      result->detail = text;
-      break;
-  }
+  result->status = kStatusOf[static_cast<size_t>(end)];
+  if (end == End::kDone) result->farkas_ray.reset();
+  if (result->status != LcpStatus::kNumericalFailure) return;
+  std::snprintf(text, sizeof text,
+                "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
+                judge_.tier(), pivot_options_.rank_tolerance, pivot_options_.rank_tolerance * kAttempts[1],
+                pivot_options_.rank_tolerance * kAttempts[2]);
+  result->detail = text;
 }
 
 // An answer that meets the tolerance counts whatever ended the search for it; f of a search that came to no end is
@@ -330,22 +317,6 @@ void PivotBase::Release(Index p) {
   active_.Leave(p);
 }
 
-double PivotBase::ComputeGaps() {
-  double worst = 0;
-  for (Index p = 0; p < m(); ++p) lcp_.w[p] = 0;
-  for (Index p = m(); p < open_; ++p) {
-    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
-    lcp_.f[p] = 0;
-    lcp_.w[p] = w.value;
-    if (std::abs(w.value) <= kNoise * w.magnitude) {
-      lcp_.w[p] = 0;
-    } else if (w.value < 0) {
-      worst = std::max(worst, -w.value / GapRoot(p));
-    }
-  }
-  return worst;
-}
-
 bool PivotBase::Publish(LcpResult* result) {
   if (!pivot_options_.self_check) {
     GiveForces(&result->f);
@@ -380,16 +351,16 @@ void PivotBase::Refine() {
 }
 
 bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
-  const auto count = static_cast<size_t>(m());
-  std::vector<long double> y(active_.df(), active_.df() + m());
-  std::vector<long double> residual(count);
-  std::vector<double> correction(count);
+  using Extended = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+  const auto in_F = [this](const double* x) { return Eigen::Map<const Eigen::VectorXd>(x, m()).cast<long double>(); };
+  Extended y = in_F(active_.df());
+  Eigen::VectorXd correction(m());
   Eigen::VectorXd ray(lcp_.n);
   for (int pass = 0;; ++pass) {
     ray.setZero();
     const auto set = [&](Index p, double value) { ray[RowAt(p)] = sign * value * lcp_.scale[RowAt(p)]; };
     for (Index p = 0; p < m(); ++p) {
-      const auto value = static_cast<double>(y[static_cast<size_t>(p)]);
+      const auto value = static_cast<double>(y[p]);
       set(p, p < joints_ ? value : std::max(value, 0.0));
     }
     set(d, 1);
@@ -398,14 +369,11 @@ bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
       return true;
     }
     if (pass == kRayRefinements) return false;
-    std::copy(lcp_.column(d), lcp_.column(d) + m(), residual.begin());
-    for (size_t j = 0; j < count; ++j) {
-      const double* c = lcp_.column(static_cast<Index>(j));
-      for (size_t p = 0; p < count; ++p) residual[p] += c[p] * y[j];
-    }
-    correction.assign(residual.begin(), residual.end());
+    Extended residual = in_F(lcp_.column(d));
+    for (Index j = 0; j < m(); ++j) residual += in_F(lcp_.column(j)) * y[j];
+    correction = residual.cast<double>();
     active_.SolveSystem(correction.data());
-    for (size_t p = 0; p < count; ++p) y[p] -= correction[p];
+    y -= correction.cast<long double>();
   }
 }
 

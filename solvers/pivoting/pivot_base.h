@@ -72,9 +72,6 @@ class PivotBase {
   /// f_F = -A_FF^-1 b_F, unless F has not changed since; unilateral rows with f < 0, or f > 0 by rounding only, leave
   /// until there is none. Where time runs out F is empty and TimeIsUp says so.
   void SolveForces(Leaving leaving);
-  /// w of all rows in play outside F, with f = 0 there; within rounding of 0 counts as 0. Returns the largest
-  /// -w_i / GapRoot(i), 0 where no row is violated.
-  double ComputeGaps();
   void Release(Index p);
   /// Judges f; true if it is good enough to stop. Without self-check true, unjudged.
   bool Publish(LcpResult* result);

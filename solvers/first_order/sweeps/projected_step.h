@@ -2,7 +2,6 @@
 
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "solvers/first_order/sweeps/scaled_problem.h"
 
 /// Internal to solvers/first_order/sweeps/: what one row, or several independent ones, do with their w.
 namespace lcpbench {

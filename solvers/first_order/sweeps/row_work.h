@@ -5,7 +5,6 @@
 
 #include "solvers/first_order/sweeps/first_order_options.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "solvers/first_order/sweeps/scaled_problem.h"
 
 /// Internal to solvers/.
 namespace lcpbench {

@@ -76,12 +76,6 @@ LcpProblem ThreeBodyProblem(unsigned seed) {
   return LcpProblem::FromFactors("three-body", J, Eigen::VectorXd::LinSpaced(12, 0.5, 2.0), b);
 }
 
-// Two opposed rows that both pull.
-LcpProblem Jam() {
-  const Eigen::MatrixXd A = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
-  return LcpProblem::FromDense("jam", A, Eigen::Vector2d(-1, -1), {}, SymmetricPsd());
-}
-
 TEST_P(FirstOrder, SolvesEasyProblemsToEveryTierInEveryFormAndVariant) {
   for (const TestProblem& test : EasyProblems()) {
     for (Settings settings : Variants()) {
@@ -246,9 +240,11 @@ TEST_P(FirstOrder, ReadsTheClockOftenWithinAnIteration) {
 }
 
 TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
+  const Eigen::MatrixXd opposed = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  const LcpProblem jam = LcpProblem::FromDense("jam", opposed, Eigen::Vector2d(-1, -1), {}, SymmetricPsd());
   LcpOptions options = At(1e-6);
   options.max_iterations = 500;
-  const LcpResult result = Solve(Jam(), options);
+  const LcpResult result = Solve(jam, options);
   EXPECT_NE(result.status, LcpStatus::kSolved);
   EXPECT_NE(result.status, LcpStatus::kInfeasible);
   EXPECT_TRUE(result.f.allFinite());
@@ -256,7 +252,7 @@ TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
   LcpOptions limited = At(1e-6);
   limited.time_limit_s = 3.5;  // read at every check
   limited.now = &StepClock;
-  const LcpResult late = Solve(Jam(), limited);
+  const LcpResult late = Solve(jam, limited);
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit);
   EXPECT_GT(late.iterations, 0);
   EXPECT_TRUE(late.f.allFinite());
