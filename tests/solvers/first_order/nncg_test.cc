@@ -5,7 +5,6 @@
 #include <Eigen/Dense>
 
 #include "tests/solvers/first_order_runs.h"
-#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
