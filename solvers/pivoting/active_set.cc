@@ -33,8 +33,8 @@ bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
     }
     const double* from = lcp.column(k);
     double* to = ldlt_.column(k);
-    const Index first = k / kLanes * kLanes;
-    for (Index i = first; i < rows; ++i) to[i] = from[i];
+    // Both have columns of whole lanes.
+    for (Index i = k / kLanes * kLanes; i < rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
     for (Index i = rows; i % kLanes != 0; ++i) to[i] = 0;
   }
   if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) return false;

@@ -153,8 +153,8 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
 PivotBase::End PivotBase::Attempt(LcpResult* result) {
   End end = EnterStart(result);
   for (int round = 0; end == End::kDone && round < kMaxRounds; ++round) {
-    if (!FindViolations(round) && round > 0) break;
-    end = MakeRight(result);
+    if (!FindViolations(round) && round > 0 && !out_of_time_) break;
+    end = out_of_time_ ? End::kTimeLimit : MakeRight(result);
     if (end != End::kDone) break;
     SolveForces(round == 0 ? Leaving::kAll : Leaving::kOneByOne);
     const double tier_before = judge_.tier();
