@@ -10,7 +10,7 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/collection/recipes/another_b.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/collection/size_classes.h"
 #include "benchmarks/measure/allocation_count.h"

@@ -47,19 +47,15 @@ class Builder {
   // Why the collection does not take the problem; empty where it does.
   std::string WhyRefused(const LcpProblem& problem, const Examined& examined) const {
     if (!tier_.refuses) return {};
-    if (examined.reference.status == "infeasible") return "no solution, as its doubles say it";
-    if (!examined.answer.has_value()) return "no answer known";
-    return Triviality(problem, *examined.answer);
+    if (examined.entry.reference.status == "infeasible") return "no solution, as its doubles say it";
+    if (!examined.entry.answer.has_value()) return "no answer known";
+    return Triviality(problem, *examined.entry.answer);
   }
 
   Examined ExamineOrRecall(const LcpProblem& problem) const {
     std::optional<Examined> known;
     if (known_ != nullptr) known = known_->Find(problem);
     return known.has_value() ? *std::move(known) : Examine(problem, options_);
-  }
-
-  void AddReference(const Examined& examined) {
-    if (tier_.has_references && !examined.reference_line.empty()) built_.references += examined.reference_line + '\n';
   }
 
   // The entry, but for where its problem comes from; or nothing, and the refusal is noted.
@@ -70,9 +66,10 @@ class Builder {
       manifest_.refused.push_back({instance.problem.id(), reason});
       return nullptr;
     }
-    AddReference(examined);
-    contents_.insert(examined.sha256);
-    ManifestEntry& entry = manifest_.problems.emplace_back(EntryOf(instance.problem, family, examined));
+    if (tier_.has_references && !examined.reference_line.empty()) built_.references += examined.reference_line + '\n';
+    contents_.insert(examined.entry.sha256);
+    ManifestEntry& entry = manifest_.problems.emplace_back(examined.entry);
+    entry.family = family;
     entry.properties.kinds = CountKinds(instance.system);
     entry.provenance = kProvenance;
     entry.licence = kLicence;
@@ -149,16 +146,17 @@ class Builder {
           const LcpProblem problem = MakeInstance(recipe).problem;
           const Examined examined = Examine(problem, options_);
           std::string reason = WhyRefused(problem, examined);
-          if (reason.empty() && examined.reference.status != "solved") reason = "no solution, as its doubles say it";
-          if (reason.empty() && examined.reference.kind != "certified") reason = "no proof";
-          if (reason.empty() && !contents_.insert(examined.sha256).second) reason = "the same as another";
+          const ReferenceSummary& reference = examined.entry.reference;
+          if (reason.empty() && reference.status != "solved") reason = "no solution, as its doubles say it";
+          if (reason.empty() && reference.kind != "certified") reason = "no proof";
+          if (reason.empty() && !contents_.insert(examined.entry.sha256).second) reason = "the same as another";
           if (!reason.empty()) {
             ++fill.refused[reason];
             ++cell.refused;
             continue;
           }
           cell.taken.push_back(FillEntry(recipe));
-          cell.taken.back().sha256 = examined.sha256;
+          cell.taken.back().sha256 = examined.entry.sha256;
           cell.references += examined.reference_line + '\n';
           cell.refused = 0;
           ++fill.problems;
@@ -205,8 +203,7 @@ KnownTier::KnownTier(Manifest manifest, const std::string& folder) : references_
 std::optional<Examined> KnownTier::Find(const LcpProblem& problem) const {
   const auto entry = entries_.find(problem.id());
   if (entry == entries_.end() || entry->second.sha256 != ContentHash(problem)) return std::nullopt;
-  const ManifestEntry& known = entry->second;
-  return Examined{known.properties, known.answer, known.reference, references_.Line(known.id), known.sha256};
+  return Examined{entry->second, references_.Line(problem.id())};
 }
 
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,

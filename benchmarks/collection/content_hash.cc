@@ -3,7 +3,9 @@
 #include <openssl/evp.h>
 
 #include <bit>
+#include <boost/algorithm/hex.hpp>
 #include <cstdint>
+#include <iterator>
 #include <stdexcept>
 #include <string_view>
 
@@ -47,7 +49,6 @@ void AddMatrix(const SparseMatrix& matrix, Bytes* hash) {
 }  // namespace
 
 std::string ContentHash(const LcpProblem& problem) {
-  if (!problem.has_standard_bounds()) throw std::logic_error("hashes are of unilateral and bilateral rows");
   Bytes hash;
   hash.Add("lcpbench problem 1\n");
   hash.Add(problem.size());
@@ -80,12 +81,8 @@ std::string TextHash(const std::string& text) {
   if (EVP_Digest(text.data(), text.size(), digest, &length, EVP_sha256(), nullptr) != 1) {
     throw std::runtime_error("SHA-256 is not to be had from libcrypto");
   }
-  constexpr char kDigits[] = "0123456789abcdef";
   std::string digits;
-  for (unsigned int k = 0; k < length; ++k) {
-    digits += kDigits[digest[k] >> 4U];
-    digits += kDigits[digest[k] & 15U];
-  }
+  boost::algorithm::hex_lower(digest, digest + length, std::back_inserter(digits));
   return digits;
 }
 

@@ -49,13 +49,10 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
   const bool infeasible = answer.status == ExactAnswer::Status::kInfeasible;
   if (!(solved || infeasible) || !FindFault(exact, answer).empty()) return false;
 
-  ReferenceSummary& reference = examined->reference;
+  ReferenceSummary& reference = examined->entry.reference;
   reference.kind = "certified";
   reference.status = ToString(answer.status);
-  Json line;
-  line["id"] = problem.id();
-  line["kind"] = reference.kind;
-  line["status"] = reference.status;
+  Json line = {{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}};
   if (infeasible) {
     line["ray"] = ToJson(ToDoubles(answer.ray));
   } else {
@@ -63,11 +60,11 @@ bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined*
     const Eigen::VectorXd w = ToDoubles(answer.w);
     const Eigen::VectorXd f = ToDoubles(least_norm ? answer.f_least_norm : answer.f);
     // Doubles of exact zeros are zeros, and of nothing else in the range of these numbers.
-    examined->answer = MeasureAnswer(problem, f, w, 0);
+    examined->entry.answer = MeasureAnswer(problem, f, w, 0);
     reference.f_unique = answer.f_unique;
     reference.nullity_on_active = answer.nullity_on_active;
     // f + w > 0 everywhere is the property itself; where it fails, only a unique f says that no other f has it.
-    if (examined->answer->degenerate == 0) {
+    if (examined->entry.answer->degenerate == 0) {
       reference.strictly_complementary = true;
     } else if (answer.f_unique.has_value() && *answer.f_unique) {
       reference.strictly_complementary = false;
@@ -113,7 +110,7 @@ BoundedReference Bound(const LcpProblem& problem, const Eigen::VectorXd& f, cons
 
 void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined* examined) {
   const Eigen::VectorXd f = ToDoubles(bounded.f);
-  ReferenceSummary& reference = examined->reference;
+  ReferenceSummary& reference = examined->entry.reference;
   reference = {};
   reference.kind = "bounded";
   reference.status = "solved";
@@ -128,21 +125,20 @@ void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined*
     reference.f_unique = true;
     reference.nullity_on_active = 0;
     reference.strictly_complementary = true;
-    examined->answer = MeasureAnswer(problem, f, bounded.w, 0);
+    examined->entry.answer = MeasureAnswer(problem, f, bounded.w, 0);
   } else {
     constexpr double kNegligible = 1e-12;
-    examined->answer = MeasureAnswer(problem, f, bounded.w, kNegligible * LoadScale(problem));
+    examined->entry.answer = MeasureAnswer(problem, f, bounded.w, kNegligible * LoadScale(problem));
   }
-  Json line;
-  line["id"] = problem.id();
-  line["kind"] = reference.kind;
-  line["status"] = reference.status;
-  line["proof"] = reference.proof;
-  line["energy_bound"] = bounded.energy_bound;
-  line["energy_shift"] = bounded.energy_shift;
-  line["w_bound"] = bounded.w_bound;
-  line["w"] = ToJson(bounded.w);
-  line["f"] = ToJson(f);
+  const Json line = {{"id", problem.id()},
+                     {"kind", reference.kind},
+                     {"status", reference.status},
+                     {"proof", reference.proof},
+                     {"energy_bound", bounded.energy_bound},
+                     {"energy_shift", bounded.energy_shift},
+                     {"w_bound", bounded.w_bound},
+                     {"w", ToJson(bounded.w)},
+                     {"f", ToJson(f)}};
   examined->reference_line = line.dump();
 }
 
@@ -153,7 +149,7 @@ void LookNearby(const LcpProblem& problem, const ExamineOptions& options, Examin
   const BoundedReference bounded = Bound(problem, *f, options);
   if (bounded.energy_shift > kRounding * LoadScale(problem)) return;
   Write(problem, bounded, examined);
-  examined->reference.detail =
+  examined->entry.reference.detail =
       "no solution as its doubles say it, by an exact ray; the bounds are for a problem nearby";
 }
 
@@ -161,36 +157,26 @@ void LookNearby(const LcpProblem& problem, const ExamineOptions& options, Examin
 
 Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {
   Examined examined;
-  examined.sha256 = ContentHash(problem);
-  examined.properties = MeasureProperties(problem);
+  examined.entry.id = problem.id();
+  examined.entry.sha256 = ContentHash(problem);
+  examined.entry.properties = MeasureProperties(problem);
   if (problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
-    if (examined.reference.status == "infeasible") LookNearby(problem, options, &examined);
+    if (examined.entry.reference.status == "infeasible") LookNearby(problem, options, &examined);
     return examined;
   }
   const std::optional<Eigen::VectorXd> f = Solve(problem, options);
   if (!f.has_value()) {
-    examined.reference.detail = "not solved to 1e-9";
+    examined.entry.reference.detail = "not solved to 1e-9";
   } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite) {
     Write(problem, Bound(problem, *f, options), &examined);
   } else {
-    examined.reference.detail = problem.size() > options.bounded_up_to
-                                    ? "none above " + std::to_string(options.bounded_up_to) + " rows"
-                                    : "A is not known to be positive semidefinite";
+    examined.entry.reference.detail = problem.size() > options.bounded_up_to
+                                          ? "none above " + std::to_string(options.bounded_up_to) + " rows"
+                                          : "A is not known to be positive semidefinite";
     constexpr double kNegligible = 1e-8;
-    examined.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
+    examined.entry.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
   }
   return examined;
-}
-
-ManifestEntry EntryOf(const LcpProblem& problem, const std::string& family, const Examined& examined) {
-  ManifestEntry entry;
-  entry.id = problem.id();
-  entry.family = family;
-  entry.properties = examined.properties;
-  entry.answer = examined.answer;
-  entry.reference = examined.reference;
-  entry.sha256 = examined.sha256;
-  return entry;
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "benchmarks/collection/manifest.h"
@@ -19,21 +18,15 @@ struct ExamineOptions {
   double large_time_limit_s = 60;  ///< for a solver's answer above bounded_up_to
 };
 
-/// What examining a problem brings: the parts of its entry, and the line of the file of references, "" for none.
+/// What examining a problem brings.
 struct Examined {
-  ProblemProperties properties;
-  std::optional<AnswerProperties> answer;
-  ReferenceSummary reference;
-  std::string reference_line;
-  std::string sha256;
+  ManifestEntry entry;         ///< but for its family and where it comes from
+  std::string reference_line;  ///< of the file of references; "" for none
 };
 
 /// Solves, proves or bounds, and measures one problem. Everything is judged here; solvers only help to find the answer.
 /// A problem without a solution, as its doubles say it, for which a solution of a problem nearby is known, with b
 /// another by kRounding at most, counts as solved: its rows contradict each other by roundings.
 Examined Examine(const LcpProblem& problem, const ExamineOptions& options);
-
-/// The entry of an examined problem, but for where it comes from.
-ManifestEntry EntryOf(const LcpProblem& problem, const std::string& family, const Examined& examined);
 
 }  // namespace lcpbench

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iostream>
 
+#include "support/exit_status.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -55,14 +57,44 @@ bool LineReader::Fill() {
 void WriteGzipFile(const std::string& path, const std::string& text) {
   gzFile file = gzopen(path.c_str(), "wb9");
   if (file == nullptr) throw InputError(path + ": cannot be opened for writing");
-  constexpr size_t kPortion = size_t{1} << 20U;
-  bool good = true;
-  for (size_t at = 0; good && at < text.size(); at += kPortion) {
-    const auto length = static_cast<unsigned>(std::min(kPortion, text.size() - at));
-    good = gzwrite(file, text.data() + at, length) == static_cast<int>(length);
+  const bool written = gzfwrite(text.data(), 1, text.size(), file) == text.size();
+  if (gzclose(file) != Z_OK || !written) throw InputError(path + ": writing failed");
+}
+
+void ReadEachLine(const std::string& path,
+                  const std::function<void(const std::string& line, const std::string& where)>& handle) {
+  LineReader reader(path);
+  std::string line;
+  bool any = false;
+  while (reader.Next(&line)) {
+    if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
+    any = true;
+    handle(line, reader.name() + ":" + std::to_string(reader.number()));
   }
-  good = gzclose(file) == Z_OK && good;
-  if (!good) throw InputError(path + ": writing failed");
+  if (!any) throw InputError(reader.name() + ": is empty, expected JSON lines");
+}
+
+int ForEachLine(const std::vector<std::string>& files,
+                const std::function<void(const std::string& line, const std::string& where)>& handle) {
+  int status = 0;
+  const auto tell = [&status](const InputError& error) {
+    std::cerr << "lcpbench: " << error.what() << std::endl;
+    status = kMisuse;
+  };
+  for (const std::string& path : files) {
+    try {
+      ReadEachLine(path, [&](const std::string& line, const std::string& where) {
+        try {
+          handle(line, where);
+        } catch (const InputError& error) {
+          tell(error);
+        }
+      });
+    } catch (const InputError& error) {
+      tell(error);
+    }
+  }
+  return status;
 }
 
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
 #include "benchmarks/collection/manifest.h"
 
+#include <concepts>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -8,6 +9,8 @@
 #include <set>
 #include <span>
 #include <sstream>
+#include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "benchmarks/collection/content_hash.h"
@@ -30,104 +33,234 @@ Json Rounded(double value) {
   return std::strtod(text, nullptr);
 }
 
-Json RoundedOrNull(const std::optional<double>& value) { return value ? Rounded(*value) : Json(nullptr); }
-
-template <typename Value>
-Json OrNull(const std::optional<Value>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
-Json Describe(const Recipe& recipe) {
-  Json json;
-  json["scene"] = recipe.scene;
-  json["rows"] = recipe.rows;
-  json["seed"] = recipe.seed;
-  if (recipe.motion_step > 0) json["motion_step"] = recipe.motion_step;
-  if (!recipe.changes.empty()) {
-    Json changes = Json::array();
-    for (const Change& change : recipe.changes) changes.push_back({{"name", change.name}, {"amount", change.amount}});
-    json["changes"] = changes;
+std::uint64_t Seed(const JsonField& field) {
+  constexpr double kMost = 9007199254740992;  // beyond it a JSON number need not be the integer it shows
+  const double value = field.Number();
+  if (!(value >= 0 && value <= kMost && value == static_cast<double>(static_cast<std::uint64_t>(value)))) {
+    field.Mismatch("a seed, an integer from 0 to 2^53");
   }
-  return json;
+  return static_cast<std::uint64_t>(value);
 }
 
-Json Describe(const ReferenceSummary& reference) {
-  Json json;
-  json["kind"] = reference.kind;
-  if (!reference.status.empty()) json["status"] = reference.status;
-  if (reference.status == "solved") {
-    json["f_unique"] = OrNull(reference.f_unique);
-    json["nullity_on_active"] = OrNull(reference.nullity_on_active);
-    json["strictly_complementary"] = OrNull(reference.strictly_complementary);
+int PositiveInteger(const JsonField& field) {
+  const int value = field.Integer();
+  if (value < 1) field.Mismatch("an integer >= 1");
+  return value;
+}
+
+std::string ReadHash(const JsonField& field) {
+  constexpr size_t kDigits = 64;
+  std::string hash = field.String();
+  if (hash.size() != kDigits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
+    field.Mismatch("a SHA-256 of 64 hexadecimal digits");
   }
-  if (!reference.proof.empty()) json["proof"] = reference.proof;
-  if (reference.energy_bound) json["energy_bound"] = Rounded(*reference.energy_bound);
-  if (reference.energy_shift) json["energy_shift"] = Rounded(*reference.energy_shift);
-  if (reference.w_bound) json["w_bound"] = Rounded(*reference.w_bound);
-  if (reference.f_bound) json["f_bound"] = Rounded(*reference.f_bound);
-  if (!reference.detail.empty()) json["detail"] = reference.detail;
-  return json;
+  return hash;
 }
 
-Json Describe(const ManifestEntry& entry) {
-  const ProblemProperties& p = entry.properties;
-  Json json;
-  json["id"] = entry.id;
-  json["family"] = entry.family;
-  if (const auto* recipe = std::get_if<Recipe>(&entry.source)) {
-    json["recipe"] = Describe(*recipe);
-  } else {
-    const auto& file = std::get<FileSource>(entry.source);
-    if (entry.remake.has_value()) json["recipe"] = Describe(*entry.remake);
-    json["file"] = {{"path", file.path}, {"line", file.line}};
+// ----- members in their order, for writing and reading
+
+template <typename T, typename U>
+concept Is = std::same_as<std::remove_const_t<T>, U>;
+
+/// Writes members; numbers of type double are rounded.
+struct Writer {
+  static constexpr bool kReads = false;
+  Json json = Json::object();
+
+  /// A member that must be there.
+  void Must(const char* name, const auto& value) { json[name] = ToJson(value); }
+  /// One that is always written, and keeps its value where a file lacks it.
+  void May(const char* name, const auto& value) { json[name] = ToJson(value); }
+  /// One that is not written where there is nothing to say.
+  template <typename Value>
+  void Some(const char* name, const Value& value) {
+    if (!(value == Value{})) json[name] = ToJson(value);
   }
-  json["base"] = entry.base.empty() ? entry.id : entry.base;
-  json["origin"] = entry.origin;
-  if (!entry.grid.empty()) json["grid"] = entry.grid;
-  if (!entry.purpose.empty()) json["purpose"] = entry.purpose;
-  json["rows"] = p.rows;
-  json["bilateral"] = p.bilateral;
-  json["bodies"] = p.bodies;
-  json["nonzeros_A"] = p.nonzeros_A;
-  json["nonzeros_J"] = OrNull(p.nonzeros_J);
-  json["rank"] = OrNull(p.rank.value);
-  json["rank_method"] = p.rank.method;
-  json["numerical_rank"] = OrNull(p.numerical_rank);
-  json["condition"] = RoundedOrNull(p.condition.value);
-  json["condition_method"] = p.condition.method;
-  json["redundancy"] = RoundedOrNull(p.redundancy);
-  json["mass_ratio"] = RoundedOrNull(p.mass_ratio);
-  json["kinds"] = Json::object();
-  for (const auto& [kind, count] : p.kinds) json["kinds"][kind] = count;
-  json["fraction_active"] = entry.answer ? Rounded(entry.answer->fraction_active) : Json(nullptr);
-  json["degenerate"] = entry.answer ? Json(entry.answer->degenerate) : Json(nullptr);
-  json["reference"] = Describe(entry.reference);
-  json["provenance"] = entry.provenance;
-  json["licence"] = entry.licence;
-  json["sha256"] = entry.sha256;
-  return json;
+  void Object(const char* name, const auto& write) {
+    Writer inside;
+    write(inside);
+    json[name] = std::move(inside.json);
+  }
+
+  template <typename Value>
+  static Json ToJson(const Value& value) {
+    if constexpr (std::is_same_v<Value, double>) {
+      return Rounded(value);
+    } else if constexpr (requires { value.has_value(); }) {
+      return value ? ToJson(*value) : Json(nullptr);
+    } else if constexpr (requires(Writer inside) { Members(inside, value); }) {
+      Writer inside;
+      Members(inside, value);
+      return std::move(inside.json);
+    } else {
+      return value;
+    }
+  }
+  static Json ToJson(const std::vector<Change>& changes) {
+    Json list = Json::array();
+    for (const auto& [name, amount] : changes) list.push_back({{"name", name}, {"amount", amount}});
+    return list;
+  }
+};
+
+/// Reads them.
+struct Reader {
+  static constexpr bool kReads = true;
+  JsonField field;
+
+  void Must(const char* name, auto& value) const { Get(field[name], &value); }
+  void May(const char* name, auto& value) const {
+    if (field.Has(name) && !field[name].IsNull()) Get(field[name], &value);
+  }
+  void Some(const char* name, auto& value) const { May(name, value); }
+  void Object(const char* name, const auto& read) const {
+    const Reader inside{field[name]};
+    read(inside);
+  }
+
+  static void Get(const JsonField& from, std::string* value) { *value = from.String(); }
+  static void Get(const JsonField& from, bool* value) { *value = from.Boolean(); }
+  static void Get(const JsonField& from, double* value) { *value = from.Number(); }
+  static void Get(const JsonField& from, Index* value) { *value = from.Integer(); }
+  static void Get(const JsonField& from, int* value) { *value = PositiveInteger(from); }
+  static void Get(const JsonField& from, std::uint64_t* value) { *value = Seed(from); }
+  static void Get(const JsonField& from, std::map<std::string, int>* value) {
+    for (const auto& [key, count] : from.Members()) (*value)[key] = count.Integer();
+  }
+  static void Get(const JsonField& from, std::vector<Change>* changes) {
+    for (const JsonField& change : from.Items()) {
+      changes->push_back({change["name"].String(), change["amount"].Number()});
+    }
+  }
+  template <typename Value>
+  static void Get(const JsonField& from, std::optional<Value>* value) {
+    Get(from, &value->emplace());
+  }
+  template <typename Value>
+  requires std::is_class_v<Value>
+  static void Get(const JsonField& from, Value* value) {
+    const Reader inside{from};
+    Members(inside, *value);
+  }
+};
+
+void Members(auto& archive, Is<Recipe> auto& recipe) {
+  archive.Must("scene", recipe.scene);
+  archive.Must("rows", recipe.rows);
+  archive.Must("seed", recipe.seed);
+  archive.Some("motion_step", recipe.motion_step);
+  archive.Some("changes", recipe.changes);
 }
 
-Json Describe(const SequenceEntry& entry) {
-  Json json;
-  json["id"] = entry.id;
-  json["family"] = entry.family;
-  json["start"] = Describe(entry.start);
-  json["steps"] = entry.steps;
-  json["problems"] = entry.problems;
-  json["rows"] = {{"least", entry.least_rows}, {"median", entry.median_rows}, {"most", entry.most_rows}};
-  json["unsolvable"] = entry.unsolvable;
-  json["changes"] = {{"entered", entry.entered},
-                     {"left", entry.left},
-                     {"activated", entry.activated},
-                     {"deactivated", entry.deactivated}};
-  json["churn"] = Rounded(entry.churn);
-  json["still_share"] = Rounded(entry.still_share);
-  json["provenance"] = entry.provenance;
-  json["licence"] = entry.licence;
-  json["sha256"] = entry.sha256;
-  return json;
+void Members(auto& archive, Is<FileSource> auto& file) {
+  archive.Must("path", file.path);
+  archive.Must("line", file.line);
 }
+
+void Members(auto& archive, Is<ReferenceSummary> auto& reference) {
+  archive.Must("kind", reference.kind);
+  archive.Some("status", reference.status);
+  if (std::remove_reference_t<decltype(archive)>::kReads || reference.status == "solved") {
+    archive.May("f_unique", reference.f_unique);
+    archive.May("nullity_on_active", reference.nullity_on_active);
+    archive.May("strictly_complementary", reference.strictly_complementary);
+  }
+  archive.Some("proof", reference.proof);
+  archive.Some("energy_bound", reference.energy_bound);
+  archive.Some("energy_shift", reference.energy_shift);
+  archive.Some("w_bound", reference.w_bound);
+  archive.Some("f_bound", reference.f_bound);
+  archive.Some("detail", reference.detail);
+}
+
+// A problem comes from a recipe, or from a file and perhaps the recipe that the file was made by.
+void SourceMembers(Writer& writer, const ManifestEntry& entry) {
+  const auto* file = std::get_if<FileSource>(&entry.source);
+  writer.Some("recipe", file != nullptr ? entry.remake : std::get<Recipe>(entry.source));
+  if (file != nullptr) writer.Must("file", *file);
+  writer.Must("base", entry.base.empty() ? entry.id : entry.base);
+  writer.Must("origin", entry.origin);
+}
+
+void SourceMembers(const Reader& reader, ManifestEntry& entry) {
+  const bool has_file = reader.field.Has("file");
+  entry.base = entry.id;
+  if (reader.field.Has("recipe") || !has_file) {
+    Recipe recipe;
+    reader.Must("recipe", recipe);
+    entry.base = BaseOf(recipe);
+    if (recipe.motion_step > 0) entry.origin = "motion";
+    entry.source = recipe;
+    if (has_file) entry.remake = std::move(recipe);
+  }
+  if (has_file) reader.Must("file", entry.source.emplace<FileSource>());
+}
+
+void Members(auto& archive, Is<ManifestEntry> auto& entry) {
+  archive.Must("id", entry.id);
+  archive.Must("family", entry.family);
+  SourceMembers(archive, entry);
+  archive.Some("grid", entry.grid);
+  archive.Some("purpose", entry.purpose);
+  auto& p = entry.properties;
+  archive.Must("rows", p.rows);
+  archive.May("bilateral", p.bilateral);
+  archive.May("bodies", p.bodies);
+  archive.May("nonzeros_A", p.nonzeros_A);
+  archive.May("nonzeros_J", p.nonzeros_J);
+  archive.May("rank", p.rank.value);
+  archive.May("rank_method", p.rank.method);
+  archive.May("numerical_rank", p.numerical_rank);
+  archive.May("condition", p.condition.value);
+  archive.May("condition_method", p.condition.method);
+  archive.May("redundancy", p.redundancy);
+  archive.May("mass_ratio", p.mass_ratio);
+  archive.May("kinds", p.kinds);
+  std::optional<double> active;
+  std::optional<Index> degenerate;
+  if (entry.answer) std::tie(active, degenerate) = std::tie(entry.answer->fraction_active, entry.answer->degenerate);
+  archive.May("fraction_active", active);
+  archive.May("degenerate", degenerate);
+  if constexpr (std::remove_reference_t<decltype(archive)>::kReads) {
+    if (active) entry.answer = {*active, degenerate.value_or(0)};
+  }
+  archive.May("reference", entry.reference);
+  archive.May("provenance", entry.provenance);
+  archive.May("licence", entry.licence);
+  archive.Must("sha256", entry.sha256);
+}
+
+void Members(auto& archive, Is<SequenceEntry> auto& entry) {
+  archive.Must("id", entry.id);
+  archive.Must("family", entry.family);
+  archive.Must("start", entry.start);
+  archive.Must("steps", entry.steps);
+  archive.Must("problems", entry.problems);
+  archive.Object("rows", [&](auto& inside) {
+    inside.May("least", entry.least_rows);
+    inside.May("median", entry.median_rows);
+    inside.Must("most", entry.most_rows);
+  });
+  archive.May("unsolvable", entry.unsolvable);
+  archive.Object("changes", [&](auto& inside) {
+    inside.May("entered", entry.entered);
+    inside.May("left", entry.left);
+    inside.May("activated", entry.activated);
+    inside.May("deactivated", entry.deactivated);
+  });
+  archive.May("churn", entry.churn);
+  archive.May("still_share", entry.still_share);
+  archive.May("provenance", entry.provenance);
+  archive.May("licence", entry.licence);
+  archive.Must("sha256", entry.sha256);
+}
+
+void Members(auto& archive, Is<Refusal> auto& refusal) {
+  archive.Must("id", refusal.id);
+  archive.Must("reason", refusal.reason);
+}
+
+// ----- fill-ups
 
 // Seeds by scene and rows, in the order of the problems.
 Json Describe(const FillClass& fill, std::span<const ManifestEntry> problems) {
@@ -150,8 +283,6 @@ Json Describe(const FillClass& fill, std::span<const ManifestEntry> problems) {
   return json;
 }
 
-Json Describe(const Refusal& refusal) { return {{"id", refusal.id}, {"reason", refusal.reason}}; }
-
 // One item a line.
 std::string Lines(const std::vector<Json>& items) {
   std::string text = "[";
@@ -159,12 +290,10 @@ std::string Lines(const std::vector<Json>& items) {
   return text + (items.empty() ? "]" : "\n ]");
 }
 
-template <typename Item>
-std::vector<Json> DescribeAll(const std::vector<Item>& items) {
-  std::vector<Json> described;
-  described.reserve(items.size());
-  for (const Item& item : items) described.push_back(Describe(item));
-  return described;
+std::string LinesOf(const auto& items) {
+  std::vector<Json> lines;
+  for (const auto& item : items) lines.push_back(Writer::ToJson(item));
+  return Lines(lines);
 }
 
 std::vector<Json> DescribeFill(const Manifest& manifest) {
@@ -175,122 +304,6 @@ std::vector<Json> DescribeFill(const Manifest& manifest) {
     rest = rest.subspan(fill.problems);
   }
   return described;
-}
-
-// ----- reading
-
-std::uint64_t Seed(const JsonField& field) {
-  constexpr double kMost = 9007199254740992;  // beyond it a JSON number need not be the integer it shows
-  const double value = field.Number();
-  if (!(value >= 0 && value <= kMost && value == static_cast<double>(static_cast<std::uint64_t>(value)))) {
-    field.Mismatch("a seed, an integer from 0 to 2^53");
-  }
-  return static_cast<std::uint64_t>(value);
-}
-
-int PositiveInteger(const JsonField& field) {
-  const int value = field.Integer();
-  if (value < 1) field.Mismatch("an integer >= 1");
-  return value;
-}
-
-Recipe ReadRecipe(const JsonField& field) {
-  Recipe recipe;
-  recipe.scene = field["scene"].String();
-  recipe.rows = PositiveInteger(field["rows"]);
-  recipe.seed = Seed(field["seed"]);
-  if (field.Has("changes")) {
-    for (const JsonField& change : field["changes"].Items()) {
-      recipe.changes.push_back({change["name"].String(), change["amount"].Number()});
-    }
-  }
-  if (field.Has("motion_step")) recipe.motion_step = PositiveInteger(field["motion_step"]);
-  return recipe;
-}
-
-std::string ReadHash(const JsonField& field) {
-  constexpr size_t kDigits = 64;
-  std::string hash = field.String();
-  if (hash.size() != kDigits || hash.find_first_not_of("0123456789abcdef") != std::string::npos) {
-    field.Mismatch("a SHA-256 of 64 hexadecimal digits");
-  }
-  return hash;
-}
-
-std::string TextOr(const JsonField& field, const char* key) { return field.Has(key) ? field[key].String() : ""; }
-
-std::optional<double> NumberOrNothing(const JsonField& field, const char* key) {
-  return field.Has(key) ? field[key].NumberOrNull() : std::nullopt;
-}
-
-std::optional<Index> CountOrNothing(const JsonField& field, const char* key) {
-  return field.Has(key) && !field[key].IsNull() ? std::optional<Index>(field[key].Integer()) : std::nullopt;
-}
-
-std::optional<bool> TruthOrNothing(const JsonField& field, const char* key) {
-  return field.Has(key) && !field[key].IsNull() ? std::optional<bool>(field[key].Boolean()) : std::nullopt;
-}
-
-ProblemProperties ReadProperties(const JsonField& field) {
-  ProblemProperties p;
-  p.rows = field["rows"].Integer();
-  p.bilateral = CountOrNothing(field, "bilateral").value_or(0);
-  p.bodies = CountOrNothing(field, "bodies").value_or(0);
-  p.nonzeros_A = CountOrNothing(field, "nonzeros_A").value_or(0);
-  p.nonzeros_J = CountOrNothing(field, "nonzeros_J");
-  p.rank = {CountOrNothing(field, "rank"), TextOr(field, "rank_method")};
-  p.numerical_rank = CountOrNothing(field, "numerical_rank");
-  p.condition = {NumberOrNothing(field, "condition"), TextOr(field, "condition_method")};
-  p.redundancy = NumberOrNothing(field, "redundancy");
-  p.mass_ratio = NumberOrNothing(field, "mass_ratio");
-  if (field.Has("kinds")) {
-    for (const auto& [kind, count] : field["kinds"].Members()) p.kinds[kind] = count.Integer();
-  }
-  return p;
-}
-
-ReferenceSummary ReadReference(const JsonField& field) {
-  ReferenceSummary reference;
-  reference.kind = field["kind"].String();
-  reference.status = TextOr(field, "status");
-  reference.f_unique = TruthOrNothing(field, "f_unique");
-  reference.nullity_on_active = CountOrNothing(field, "nullity_on_active");
-  reference.strictly_complementary = TruthOrNothing(field, "strictly_complementary");
-  reference.proof = TextOr(field, "proof");
-  reference.energy_bound = NumberOrNothing(field, "energy_bound");
-  reference.energy_shift = NumberOrNothing(field, "energy_shift");
-  reference.w_bound = NumberOrNothing(field, "w_bound");
-  reference.f_bound = NumberOrNothing(field, "f_bound");
-  reference.detail = TextOr(field, "detail");
-  return reference;
-}
-
-ManifestEntry ReadEntry(const JsonField& field) {
-  ManifestEntry entry;
-  entry.id = field["id"].String();
-  entry.family = field["family"].String();
-  entry.base = entry.id;
-  if (field.Has("recipe") || !field.Has("file")) {
-    Recipe recipe = ReadRecipe(field["recipe"]);
-    entry.base = BaseOf(recipe);
-    if (recipe.motion_step > 0) entry.origin = "motion";
-    entry.source = recipe;
-    if (field.Has("file")) entry.remake = std::move(recipe);
-  }
-  if (field.Has("file")) {
-    entry.source =
-        FileSource{field["file"]["path"].String(), static_cast<std::size_t>(PositiveInteger(field["file"]["line"]))};
-  }
-  entry.grid = TextOr(field, "grid");
-  entry.purpose = TextOr(field, "purpose");
-  entry.properties = ReadProperties(field);
-  const std::optional<double> active = NumberOrNothing(field, "fraction_active");
-  if (active.has_value()) entry.answer = {*active, CountOrNothing(field, "degenerate").value_or(0)};
-  if (field.Has("reference")) entry.reference = ReadReference(field["reference"]);
-  entry.provenance = TextOr(field, "provenance");
-  entry.licence = TextOr(field, "licence");
-  entry.sha256 = ReadHash(field["sha256"]);
-  return entry;
 }
 
 void ReadFillClass(const JsonField& field, Manifest* manifest) {
@@ -312,18 +325,6 @@ void ReadFillClass(const JsonField& field, Manifest* manifest) {
     field["problems"].Mismatch("the number of seeds, " + std::to_string(fill.problems));
   }
   manifest->fill_classes.push_back(std::move(fill));
-}
-
-SequenceEntry ReadSequence(const JsonField& field) {
-  SequenceEntry entry;
-  entry.id = field["id"].String();
-  entry.family = field["family"].String();
-  entry.start = ReadRecipe(field["start"]);
-  entry.steps = PositiveInteger(field["steps"]);
-  entry.problems = PositiveInteger(field["problems"]);
-  entry.most_rows = PositiveInteger(field["rows"]["most"]);
-  entry.sha256 = ReadHash(field["sha256"]);
-  return entry;
 }
 
 }  // namespace
@@ -391,10 +392,10 @@ std::string FormatManifest(const Manifest& manifest) {
   member("purpose", Json(manifest.purpose).dump());
   if (!manifest.references.empty()) member("references", Json(manifest.references).dump());
   member("refused_by_reason", counts.dump());
-  member("refused", Lines(DescribeAll(manifest.refused)));
-  member("problems", Lines(DescribeAll(manifest.problems)));
+  member("refused", LinesOf(manifest.refused));
+  member("problems", LinesOf(manifest.problems));
   if (!manifest.fill.empty()) member("fill", Lines(DescribeFill(manifest)));
-  member("sequences", Lines(DescribeAll(manifest.sequences)), true);
+  member("sequences", LinesOf(manifest.sequences), true);
   return text + "}\n";
 }
 
@@ -414,13 +415,12 @@ Manifest ReadManifest(const std::string& path) {
   if (root.Has("purpose")) manifest.purpose = root["purpose"].String();
   if (root.Has("references")) manifest.references = root["references"].String();
   std::set<std::string> ids;
-  const auto once = [&ids](const JsonField& item, const std::string& id) {
-    if (!ids.insert(id).second) item["id"].Mismatch("an id of its own");
+  const auto read = [&ids](const JsonField& item, auto& entry) {
+    Reader::Get(item, &entry);
+    entry.sha256 = ReadHash(item["sha256"]);
+    if (!ids.insert(entry.id).second) item["id"].Mismatch("an id of its own");
   };
-  for (const JsonField& item : root["problems"].Items()) {
-    manifest.problems.push_back(ReadEntry(item));
-    once(item, manifest.problems.back().id);
-  }
+  for (const JsonField& item : root["problems"].Items()) read(item, manifest.problems.emplace_back());
   if (root.Has("fill")) {
     for (const JsonField& item : root["fill"].Items()) {
       const size_t before = manifest.fill.size();
@@ -431,10 +431,7 @@ Manifest ReadManifest(const std::string& path) {
     }
   }
   if (root.Has("sequences")) {
-    for (const JsonField& item : root["sequences"].Items()) {
-      manifest.sequences.push_back(ReadSequence(item));
-      once(item, manifest.sequences.back().id);
-    }
+    for (const JsonField& item : root["sequences"].Items()) read(item, manifest.sequences.emplace_back());
   }
   return manifest;
 }

@@ -1,5 +1,6 @@
 #include "benchmarks/collection/plan.h"
 
+#include <boost/algorithm/string/join.hpp>
 #include <initializer_list>
 #include <utility>
 
@@ -202,12 +203,11 @@ const std::vector<std::string>& AllTiers() {
 }
 
 Tier PlanTier(std::string_view name) {
-  std::string known;
   for (const auto& [key, plan] : kPlans) {
     if (key == name) return plan();
-    known += (known.empty() ? "" : ", ") + std::string(key);
   }
-  throw InputError("unknown tier '" + std::string(name) + "', expected one of " + known);
+  throw InputError("unknown tier '" + std::string(name) + "', expected one of " +
+                   boost::algorithm::join(AllTiers(), ", "));
 }
 
 }  // namespace lcpbench

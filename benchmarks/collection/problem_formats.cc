@@ -6,7 +6,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "solvers/io/fclib_file.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/io/siconos_text.h"
@@ -56,12 +56,6 @@ ProblemFormat FormatOfFile(const std::string& path) {
     if (std::find(extensions.begin(), extensions.end(), extension) != extensions.end()) return format.format;
   }
   return ProblemFormat::kJsonLines;
-}
-
-std::vector<std::string> FormatNames() {
-  std::vector<std::string> names;
-  for (const Format& format : Formats()) names.emplace_back(format.name);
-  return names;
 }
 
 std::string NameOf(ProblemFormat format) { return Of(format).name; }

@@ -20,7 +20,6 @@ enum class ProblemFormat {
 ProblemFormat FormatOfFile(const std::string& path);
 
 /// "jsonl", "mtx", "hdf5" and "dat", also the extensions that files of these formats are given.
-std::vector<std::string> FormatNames();
 std::string NameOf(ProblemFormat format);
 /// @throws InputError for another name
 ProblemFormat FormatNamed(const std::string& name);

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
@@ -38,7 +38,7 @@ inline constexpr Index kMostRowsDense = 2000;
 /// Up to this many rows conditions are estimated where A is nonsingular; above there are none.
 inline constexpr Index kMostRowsEstimated = 20'000;
 
-/// O(rows^2 columns) up to kMostRowsDense, then what a sparse factorisation of A costs, and then O(entries of A).
+/// O(rows^2 columns) up to kMostRowsDense, then what a sparse factorization of A costs, and then O(entries of A).
 ProblemProperties MeasureProperties(const LcpProblem& problem);
 
 /// How the answer lies: by exact zeros of w and f where these are proved, else by `negligible`.

@@ -1,7 +1,7 @@
 #include <iostream>
 #include <memory>
 
-#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/command/commands.h"
 #include "model/records/records.h"
 

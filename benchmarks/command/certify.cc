@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/measure/exact_guess.h"
 #include "solvers/exact/bounded_reference.h"

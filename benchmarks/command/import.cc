@@ -10,7 +10,6 @@
 
 #include "benchmarks/collection/examine.h"
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/input_files.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/command/commands.h"
@@ -106,11 +105,11 @@ class Importer {
   void Take(const LcpProblem& problem, FileSource source, const std::string& where) {
     if (!ids_.insert(problem.id()).second) throw InputError(where + ": id '" + problem.id() + "' is there already");
     const Examined examined = Examine(problem, arguments_.examine);
-    ManifestEntry entry = EntryOf(problem, manifest_.name, examined);
+    ManifestEntry& entry = manifest_.problems.emplace_back(examined.entry);
+    entry.family = manifest_.name;
     entry.source = std::move(source);
     entry.provenance = arguments_.provenance;
     entry.licence = arguments_.licence;
-    manifest_.problems.push_back(std::move(entry));
     if (!examined.reference_line.empty()) references_ += examined.reference_line + '\n';
   }
 

@@ -8,7 +8,6 @@
 #include "benchmarks/command/commands.h"
 #include "benchmarks/drawing/animation_page.h"
 #include "benchmarks/drawing/picture.h"
-#include "benchmarks/drawing/picture_solution.h"
 #include "benchmarks/drawing/svg_text.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/scene_source.h"
@@ -89,14 +88,14 @@ int DrawScene(const SceneArguments& arguments) {
   const ContactSystem system = arguments.time > 0 ? InstantWithContacts(scene.world)
                                                   : LoadInstant(arguments.scene, arguments.size, arguments.seed);
   const AssembledLcp lcp = AssembleContactLcp(system);
-  const PictureSolution solution = SolveForPicture(lcp.problem, arguments.solver);
+  const std::optional<PictureSolution> solution = SolveForPicture(lcp.problem, arguments.solver);
 
   PictureExtras extras;
   extras.loads = &scene.world.loads;
-  extras.caption = solution.caption;
+  if (solution) extras.caption = solution->caption;
   if (arguments.time > 0) extras.caption = "t = " + Short(arguments.time) + " s, " + extras.caption;
   Write(arguments.output,
-        RenderSvg(system, lcp, solution.found ? &solution.f : nullptr, solution.found ? &solution.w : nullptr, extras));
+        RenderSvg(system, lcp, solution ? &solution->f : nullptr, solution ? &solution->w : nullptr, extras));
   return 0;
 }
 

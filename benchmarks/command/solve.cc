@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "benchmarks/campaign/reference_floor.h"
-#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/solver_options.h"
 #include "solvers/io/json_lines.h"

@@ -19,7 +19,7 @@ class Listener {
       FinishStep(problem.time);
       begun_ = true;
       begin_ = problem.time;
-      forces_ = ForcesOf(problem);
+      forces_ = ForcesOf(problem.system, problem.rows, problem.result.f);
       impulses_ = problem.kind == MotionProblemKind::kTimeStep;
     }
   }
@@ -29,52 +29,23 @@ class Listener {
     if (!begun_) return;
     const double h = time - begin_;
     if (impulses_ && h > 0) {
-      for (AnimationForce& force : forces_) force.force = (1 / h) * force.force;
+      for (DrawnForce& force : forces_) force.force = (1 / h) * force.force;
     }
     if (!first_known_) first_ = forces_;
     first_known_ = true;
     impulses_ = false;
   }
 
-  const std::vector<AnimationForce>& first() const { return first_; }
-  const std::vector<AnimationForce>& last() const { return forces_; }
-  std::vector<AnimationImpact> TakeImpacts() { return std::exchange(impacts_, {}); }
+  const std::vector<DrawnForce>& first() const { return first_; }
+  const std::vector<DrawnForce>& last() const { return forces_; }
+  std::vector<DrawnForce> TakeImpacts() { return std::exchange(impacts_, {}); }
 
  private:
-  static Vec2 PointOf(const MotionProblem& problem, const RowInfo& row) {
-    const ConstraintType type = problem.system.constraints[static_cast<std::size_t>(row.constraint)].type;
-    const bool distant = type == ConstraintType::kRod || type == ConstraintType::kRope;
-    return distant ? (OnBody2(problem, row) ? row.p2 : row.p1) : 0.5 * (row.p1 + row.p2);
-  }
-
-  static bool OnBody2(const MotionProblem& problem, const RowInfo& row) {
-    const Constraint& constraint = problem.system.constraints[static_cast<std::size_t>(row.constraint)];
-    return problem.system.bodies[static_cast<std::size_t>(constraint.body1)].fixed;
-  }
-
-  static std::vector<AnimationForce> ForcesOf(const MotionProblem& problem) {
-    std::vector<AnimationForce> forces;
-    int constraint = -1;
-    for (std::size_t i = 0; i < problem.rows.size(); ++i) {
-      const RowInfo& row = problem.rows[i];
-      const double f = problem.result.f[static_cast<Index>(i)];
-      if (!std::isfinite(f) || f == 0) continue;
-      const Vec2 force = (OnBody2(problem, row) ? -f : f) * row.n;
-      if (row.axis == 'y' && row.constraint == constraint) {
-        forces.back().force = forces.back().force + force;  // the two rows of a pin are one force
-      } else {
-        forces.push_back({PointOf(problem, row), force});
-      }
-      constraint = row.constraint;
-    }
-    return forces;
-  }
-
   void NoteImpact(const MotionProblem& problem) {
     for (std::size_t i = 0; i < problem.rows.size(); ++i) {
       const double p = problem.result.f[static_cast<Index>(i)];
       if (!problem.rows[i].bilateral && std::isfinite(p) && p > 0) {
-        impacts_.push_back({PointOf(problem, problem.rows[i]), p});
+        impacts_.push_back({PlaceOf(problem.system, problem.rows[i]), p * problem.rows[i].n});
       }
     }
   }
@@ -82,10 +53,10 @@ class Listener {
   bool begun_ = false;
   double begin_ = 0;
   bool impulses_ = false;  // forces_ holds impulses still
-  std::vector<AnimationForce> forces_;
+  std::vector<DrawnForce> forces_;
   bool first_known_ = false;
-  std::vector<AnimationForce> first_;
-  std::vector<AnimationImpact> impacts_;
+  std::vector<DrawnForce> first_;
+  std::vector<DrawnForce> impacts_;
 };
 
 double FrameCount(const AnimationOptions& options) { return std::ceil(options.duration * options.fps - 1e-9); }

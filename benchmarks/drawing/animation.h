@@ -4,23 +4,12 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/drawing/drawn_scene.h"
 #include "model/contact/world.h"
 #include "model/geometry/vec2.h"
 #include "model/motion/motion.h"
 
 namespace lcpbench {
-
-/// The force of one constraint on its body 1, or on body 2 where body 1 is fixed; world frame.
-struct AnimationForce {
-  Vec2 at;     ///< [m]
-  Vec2 force;  ///< [N]
-};
-
-/// An impact's impulse at one contact.
-struct AnimationImpact {
-  Vec2 at;             ///< [m]
-  double impulse = 0;  ///< [N s] >= 0
-};
 
 struct BodyPose {
   Vec2 x;            ///< centre of mass [m]
@@ -29,12 +18,12 @@ struct BodyPose {
 
 /// What the page shows at one time.
 struct AnimationFrame {
-  double time = 0;                       ///< [s]
-  std::vector<BodyPose> poses;           ///< in the order of World::bodies
-  std::vector<AnimationForce> forces;    ///< of the last step before `time`
-  std::vector<AnimationImpact> impacts;  ///< since the frame before
-  double kinetic = 0;                    ///< [J]
-  double potential = 0;                  ///< [J]
+  double time = 0;                  ///< [s]
+  std::vector<BodyPose> poses;      ///< in the order of World::bodies
+  std::vector<DrawnForce> forces;   ///< of the last step before `time`
+  std::vector<DrawnForce> impacts;  ///< contact impulses since the frame before [N s]
+  double kinetic = 0;               ///< [J]
+  double potential = 0;             ///< [J]
 };
 
 /// A recorded motion.

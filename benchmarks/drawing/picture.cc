@@ -3,231 +3,103 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
+#include <memory>
 #include <optional>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
-#include "benchmarks/drawing/picture_layout.h"
+#include "benchmarks/drawing/drawn_scene.h"
+#include "benchmarks/drawing/outline_path.h"
 #include "benchmarks/drawing/svg_text.h"
-#include "model/detection/detection.h"
+#include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-// Bodies smaller than this show no centre of mass [px].
-constexpr double kSmallBody = 24;
+// All in pixels.
+constexpr double kPageWidth = 900;
+constexpr double kPagePadding = 20;
+constexpr double kTitleHeight = 40;
+constexpr double kMaxDrawingHeight = 620;
+constexpr double kStripGap = 10;
+constexpr double kSmallBody = 24;  ///< smaller ones show no centre of mass
 
 /// What a row is drawn as: grey disc where nothing is solved, filled disc, open diamond, open disc, the joint's symbol.
 enum class RowKind { kPlain, kActive, kOpen, kDegenerate, kJoint };
-inline constexpr std::array kRowKinds{RowKind::kPlain, RowKind::kActive, RowKind::kOpen, RowKind::kDegenerate,
-                                      RowKind::kJoint};
+/// Of contacts, by RowKind.
+constexpr std::array kContactNames{"contact and normal", "active, f > 0", "separating, w > 0", "f = w = 0"};
 
-/// Everything that the parts of a picture are drawn from. Sizes in pixels.
-struct Picture {
-  Picture(const ContactSystem& drawn, const AssembledLcp& assembled, const Eigen::VectorXd* forces,
-          const Eigen::VectorXd* accelerations, const Loads* drawn_loads);
+/// How the world is laid out on the page: `strips` windows of equal width, one below the other.
+struct Layout {
+  double scale = 1;   ///< [px/m]
+  Vec2 top_left;      ///< world point at the drawing's upper left corner
+  double width = 0;   ///< of one strip [px]
+  double height = 0;  ///< of one strip [px]
+  int strips = 1;
+  double body_size = 0;  ///< median extent of the movable bodies [px]
 
-  const ContactSystem& system;
-  const AssembledLcp& lcp;
-  const Eigen::VectorXd* f;
-  const Loads* loads;
-  Layout layout;
-  std::string id;  ///< prefix of all identifiers
-  std::vector<RowKind> kinds;
-  double line = 1;         ///< stroke width of edges
-  double mark = 3;         ///< radius of a contact's mark
-  double arrow = 1;        ///< stroke width of forces
-  double hatch = 9;        ///< depth of the hatching of unbounded bodies
-  double connector = 4;    ///< half width of springs, dampers and of rods' ends
-  double arrow_scale = 0;  ///< [px/N]; 0 without forces
-
- private:
-  void Classify(const Eigen::VectorXd* w);
+  /// Measured from the upper left corner of the first strip, as if the strips were side by side.
+  Vec2 ToPage(Vec2 p) const { return {(p.x - top_left.x) * scale, (top_left.y - p.y) * scale}; }
+  double drawing_height() const { return strips * height + (strips - 1) * kStripGap; }
 };
 
-/// Where springs and dampers are fastened, world frame.
-std::vector<Vec2> EndsOf(const ContactSystem& system, const Loads* loads) {
-  std::vector<Vec2> ends;
-  const auto add = [&](const auto& connectors) {
-    for (const auto& connector : connectors) {
-      for (const Attachment& end : {connector.end1, connector.end2}) {
-        ends.push_back(ToWorld(system.bodies[static_cast<std::size_t>(end.body)], end.point));
-      }
-    }
+/// Fits what ViewOf says of the bodies and points into kPageWidth x kMaxDrawingHeight. Rows much wider than high are
+/// broken into strips.
+Layout MakeLayout(const std::vector<Body>& bodies, const std::vector<Vec2>& points) {
+  const std::vector<Bounds> bounds = BoundsOf(bodies);
+  const Bounds view = ViewOf(bodies, bounds, points);
+  const double median = MedianExtent(bodies, bounds);
+  const double largest = std::max({ExtentOf(view), median, std::numeric_limits<double>::min()});
+  constexpr double kWidth = kPageWidth - 2 * kPagePadding;
+  // k strips are k^2 as high in total as one.
+  const auto strips_of = [](const Eigen::Vector2d& size) {
+    return static_cast<int>(std::sqrt(kMaxDrawingHeight * size.x() / (kWidth * size.y())));
   };
-  if (loads == nullptr) return ends;
-  add(loads->springs);
-  add(loads->dampers);
-  return ends;
-}
-
-Picture::Picture(const ContactSystem& drawn, const AssembledLcp& assembled, const Eigen::VectorXd* forces,
-                 const Eigen::VectorXd* accelerations, const Loads* drawn_loads)
-    : system(drawn),
-      lcp(assembled),
-      f(forces),
-      loads(drawn_loads),
-      layout(MakeLayout(drawn, assembled, EndsOf(drawn, drawn_loads))),
-      id(Identifier(drawn.name)) {
-  Classify(accelerations);
-  hatch = std::clamp(0.4 * layout.body_size, 4.0, 9.0);
-  connector = std::clamp(0.09 * layout.body_size, 1.2, 6.0);
-  // Neither small bodies nor crowded rows shall drown in marks.
-  const double area =
-      layout.width * layout.drawing_height() / static_cast<double>(std::max<std::size_t>(1, lcp.rows.size()));
-  const double spacing = std::sqrt(area);
-  const double crowd = layout.body_size > 0 ? std::min(layout.body_size, 1.5 * spacing) : 1.5 * spacing;
-  mark = std::clamp(0.06 * crowd, 0.9, 4.5);
-  line = std::clamp(0.045 * crowd, 0.4, 1.8);
-  arrow = std::clamp(0.05 * crowd, 0.8, 2.2);
-  if (f == nullptr) return;
-  double largest = 0;
-  for (Index i = 0; i < f->size(); ++i) {
-    if (std::isfinite((*f)[i])) largest = std::max(largest, std::abs((*f)[i]));
+  // A few bodies shall not fill the page: at least two median extents in view, with room around them.
+  double margin = std::max({0.04 * largest, 0.25 * median, (2 * median - largest) / 2});
+  Eigen::Vector2d size = view.sizes().array() + 2 * margin;
+  Layout layout;
+  if (strips_of(size) > 1) {
+    // The margin belongs to the outer ends of the row, and above and below it.
+    margin = std::min(margin, 0.1 * (view.sizes().y() + median));
+    size = view.sizes().array() + 2 * margin;
+    layout.strips = std::max(2, strips_of(size));
+    layout.scale = kWidth * layout.strips / size.x();
+  } else {
+    layout.scale = std::min(kWidth / size.x(), kMaxDrawingHeight / size.y());
   }
-  if (largest > 0) arrow_scale = std::clamp(crowd, 8.0, 80.0) / largest;
+  layout.top_left = {view.min().x() - margin, view.max().y() + margin};
+  layout.width = size.x() * layout.scale / layout.strips;
+  layout.height = size.y() * layout.scale;
+  layout.body_size = median * layout.scale;
+  return layout;
 }
 
-void Picture::Classify(const Eigen::VectorXd* w) {
-  const auto n = static_cast<Index>(lcp.rows.size());
-  kinds.assign(lcp.rows.size(), RowKind::kPlain);
-  const bool solved = f != nullptr && w != nullptr && n > 0;
-  // In one unit, sqrt(A_ii) f and w / sqrt(A_ii), so that rows and the two sides compare.
-  Eigen::VectorXd force(solved ? n : 0);
-  Eigen::VectorXd motion(solved ? n : 0);
-  for (Index i = 0; i < force.size(); ++i) {
-    const double diagonal = lcp.problem.DiagonalA()[i];
-    const double root = diagonal > 0 ? std::sqrt(diagonal) : 1;
-    force[i] = root * (*f)[i];
-    motion[i] = (*w)[i] / root;
-  }
-  constexpr double kZero = 1e-9;
-  const double threshold = solved ? kZero * std::max(force.cwiseAbs().maxCoeff(), motion.cwiseAbs().maxCoeff()) : 0;
-  for (Index i = 0; i < n; ++i) {
-    RowKind& kind = kinds[static_cast<std::size_t>(i)];
-    if (lcp.rows[static_cast<std::size_t>(i)].bilateral) {
-      kind = RowKind::kJoint;
-    } else if (solved) {
-      kind = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
-             : force[i] > motion[i]                     ? RowKind::kActive
-                                                        : RowKind::kOpen;
-    }
-  }
-}
-
-std::string Stroke(double width, std::string_view color = kInkColor, std::string_view fill = "none") {
-  return "\" fill=\"" + std::string(fill) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" + Px(width) +
-         "\"/>";
-}
-
-double StrokeOf(double half) { return std::clamp(0.3 * half, 0.5, 1.5); }
-
-/// Across from-to, with the length of a pixel.
-struct Axes {
-  Vec2 along;
-  Vec2 across;
-  double length;
-};
-Axes AxesOf(Vec2 from, Vec2 to) {
-  const double length = Norm(to - from);
-  const Vec2 along = length > 0 ? (1 / length) * (to - from) : Vec2{1, 0};
-  return {along, Perp(along), length};
-}
-
-void AppendArrow(Vec2 from, Vec2 to, double width, std::string_view color, std::string* out) {
-  const Vec2 along = to - from;
-  const double length = Norm(along);
-  if (!(length > 0)) return;
-  const Vec2 unit = (1 / length) * along;
-  const double head = std::min(4 * width, 0.6 * length);
-  const Vec2 neck = to - head * unit;
-  const Vec2 side = (0.45 * head) * Perp(unit);
-  *out += "<path d=\"M" + Px(from) + "L" + Px(neck) + "\" stroke=\"" + std::string(color) + "\" stroke-width=\"" +
-          Px(width) + "\" stroke-linecap=\"butt\"/><path d=\"M" + Px(to) + "L" + Px(neck + side) + "L" +
-          Px(neck - side) + "Z\" fill=\"" + std::string(color) + "\"/>\n";
-}
-
-std::string PinShape(Vec2 at, double radius) {
-  return "<circle cx=\"" + Px(at.x) + "\" cy=\"" + Px(at.y) + "\" r=\"" + Px(radius) +
-         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
-}
-
-std::string SliderShape(Vec2 at, Vec2 normal, double radius) {
-  const Vec2 n = (0.8 * radius) * normal;
-  const Vec2 t = (1.4 * radius) * Perp(normal);
-  return "<path d=\"M" + Px(at + n + t) + "L" + Px(at + n - t) + "L" + Px(at - n - t) + "L" + Px(at - n + t) + "Z" +
-         Stroke(StrokeOf(radius), kInkColor, "#FFFFFF");
-}
-
-std::string SpringShape(Vec2 from, Vec2 to, double half) {
-  const auto [along, across, length] = AxesOf(from, to);
-  constexpr int kCoils = 6;
-  // A sixth of the length on either side stays straight.
-  std::string path = "<path d=\"M" + Px(from);
-  for (int k = 0; k <= 2 * kCoils; ++k) {
-    const double share = 1.0 / 6 + (2.0 / 3) * k / (2 * kCoils);
-    const double side = k == 0 || k == 2 * kCoils ? 0 : (k % 2 == 0 ? -1 : 1);
-    path += "L" + Px(from + (share * length) * along + (side * half) * across);
-  }
-  return path + "L" + Px(to) + Stroke(StrokeOf(half));
-}
-
-std::string DamperShape(Vec2 from, Vec2 to, double half) {
-  const auto [along, across, length] = AxesOf(from, to);
-  const Vec2 bottom = from + (0.35 * length) * along;
-  const Vec2 piston = from + (0.52 * length) * along;
-  const Vec2 rim = from + (0.65 * length) * along;
-  const Vec2 side = half * across;
-  return "<path d=\"M" + Px(from) + "L" + Px(bottom) + "M" + Px(rim + side) + "L" + Px(bottom + side) + "L" +
-         Px(bottom - side) + "L" + Px(rim - side) + "M" + Px(piston + 0.7 * side) + "L" + Px(piston - 0.7 * side) +
-         "M" + Px(piston) + "L" + Px(to) + Stroke(StrokeOf(half));
-}
-
-std::string RodShape(Vec2 from, Vec2 to, double half) {
-  const std::string line = "<path d=\"M" + Px(from) + "L" + Px(to);
-  return line + Stroke(2 * half) + line + Stroke(2 * half - std::min(1.6, half), "#FFFFFF") + PinShape(from, half) +
-         PinShape(to, half);
-}
-
-std::string RopeShape(Vec2 from, Vec2 to, double length, double half) {
-  const double span = Norm(to - from);
-  // The sag of a shallow parabola of that length; slack on the screen only where it can be seen.
-  const double slack = std::min(length - span, span);
-  const double sag = slack > 1e-3 * span ? std::sqrt(0.375 * span * slack) : 0;
-  const Vec2 control = 0.5 * (from + to) + Vec2{0, 2 * sag};
-  const double dot = std::max(0.8, 0.35 * half);
-  return "<path d=\"M" + Px(from) + "Q" + Px(control) + " " + Px(to) + Stroke(StrokeOf(half)) + "<circle cx=\"" +
-         Px(from.x) + "\" cy=\"" + Px(from.y) + "\" r=\"" + Px(dot) + "\"/><circle cx=\"" + Px(to.x) + "\" cy=\"" +
-         Px(to.y) + "\" r=\"" + Px(dot) + "\"/>";
-}
+/// World directions as directions of the page.
+Vec2 Mirrored(Vec2 v) { return {v.x, -v.y}; }
 
 std::string MarkShape(RowKind kind, double radius) {
-  const std::string stroke = "\" stroke-width=\"" + Px(std::max(0.5, 0.3 * radius)) + "\"/>";
-  const std::string disc = "<circle r=\"" + Px(radius) + "\" fill=\"";
+  const double width = std::max(0.5, 0.3 * radius);
+  const std::string h = Px(1.35 * radius);
   switch (kind) {
     case RowKind::kPlain:
-      return disc + "#777777\"/>";
+      return SvgCircle({}, radius, {.fill = "#777777"});
     case RowKind::kActive:
-      return disc + std::string(kForceColor) + "\"/>";
+      return SvgCircle({}, radius, {.fill = kForceColor});
     case RowKind::kDegenerate:
-      return disc + "#FFFFFF\" stroke=\"" + std::string(kForceColor) + stroke;
-    case RowKind::kOpen: {
-      const std::string h = Px(1.35 * radius);
-      return "<path d=\"M0 -" + h + "L" + h + " 0L0 " + h + "L-" + h + " 0Z\" fill=\"#FFFFFF\" stroke=\"" +
-             std::string(kInkColor) + stroke;
-    }
+      return SvgCircle({}, radius, {kForceColor, width, kWhite});
+    case RowKind::kOpen:
+      return SvgPath("M0 -" + h + "L" + h + " 0L0 " + h + "L-" + h + " 0Z", {kInkColor, width, kWhite});
     case RowKind::kJoint:
       break;
   }
   return {};
-}
-
-std::string PatternId(const Picture& picture, const Body& body) {
-  return picture.id + (IsDriven(body) ? "-driven" : "-fixed");
 }
 
 std::string Tooltip(const Body& body) {
@@ -238,521 +110,361 @@ std::string Tooltip(const Body& body) {
   return text + "v = (" + Short(body.v.x) + ", " + Short(body.v.y) + ") m/s, " + Short(body.omega) + " rad/s";
 }
 
-void AppendCenterOfMass(Vec2 p, double arm, std::string* out) {
-  *out += "<path d=\"M" + Px(p - Vec2{arm, 0}) + "h" + Px(2 * arm) + "M" + Px(p - Vec2{0, arm}) + "v" + Px(2 * arm) +
-          "\" stroke=\"#888888\" stroke-width=\"0.8\"/>";
-}
-
-/// A body that only joints and loads hold.
-void AppendPointMass(Vec2 p, double radius, std::string* out) {
-  *out += "<circle cx=\"" + Px(p.x) + "\" cy=\"" + Px(p.y) + "\" r=\"" + Px(radius) + "\" fill=\"" +
-          std::string(kBodyFill) + "\" stroke=\"#888888\"/>";
-  AppendCenterOfMass(p, radius, out);
-}
-
-/// Where a driven body is going: an open circle with an arrow head for its spin, a straight arrow for its travel.
-void AppendDrive(const Picture& picture, const Body& body, std::string* out) {
-  constexpr double kReach = 13;  // [px]
-  constexpr double kWidth = 1.6;
-  const Vec2 at = picture.layout.ToPage(body.x);
-  const double spin = body.omega != 0 ? body.omega : body.alpha;
-  const Vec2 travel = Norm(body.v) > 0 ? body.v : body.acceleration;
-  const std::string color(kDrivenFill[1]);
-  if (spin != 0) {
-    const double sign = spin > 0 ? 1 : -1;
-    const auto point = [&](double degrees) {
-      const Rotation turn = SinCos(sign * degrees * kPi / 180);
-      return at + kReach * Vec2{turn.cos, -turn.sin};
-    };
-    *out += "<path d=\"M" + Px(point(30)) + "A" + Px(kReach) + " " + Px(kReach) + " 0 1 " + (sign > 0 ? "0 " : "1 ") +
-            Px(point(300)) + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"" + Px(kWidth) + "\"/>";
-    AppendArrow(point(295), point(335), kWidth, kDrivenFill[1], out);
+/// A row is active, separating or degenerate where f and w are given, by their sides in one unit, sqrt(A_ii) f and
+/// w / sqrt(A_ii), so that rows and the two sides compare.
+std::vector<RowKind> Classify(const AssembledLcp& lcp, const Eigen::VectorXd* f, const Eigen::VectorXd* w) {
+  std::vector<RowKind> kinds(lcp.rows.size(), RowKind::kPlain);
+  const bool solved = f != nullptr && w != nullptr && !kinds.empty();
+  Eigen::ArrayXd force;
+  Eigen::ArrayXd motion;
+  if (solved) {
+    const Eigen::ArrayXd D = lcp.problem.DiagonalA().array();
+    const Eigen::ArrayXd root = (D > 0).select(D.sqrt(), 1);
+    force = root * f->array();
+    motion = w->array() / root;
   }
-  if (Norm(travel) > 0) {
-    const Vec2 along = (1 / Norm(travel)) * Vec2{travel.x, -travel.y};
-    AppendArrow(at - kReach * along, at + (1.6 * kReach) * along, kWidth, kDrivenFill[1], out);
-  }
-}
-
-void AppendFill(const Picture& picture, const Body& body, const PageMap& map, std::string* out) {
-  const Outline outline = OutlineOf(body);
-  const std::string pattern = "url(#" + PatternId(picture, body) + ")";
-  if (!body.fixed || IsBounded(outline)) {
-    *out += "<path d=\"" + OutlinePath(outline, map) + "\" fill-rule=\"evenodd\" fill=\"" +
-            (body.fixed ? pattern : std::string(kBodyFill)) + "\"/>";
-    return;
-  }
-  for (const OutlineEdge& piece : body.outline) {
-    *out += "<path d=\"" + BandPath(piece, map, picture.hatch) + "\" fill-rule=\"evenodd\" fill=\"" + pattern + "\"/>";
-  }
-}
-
-void AppendBody(const Picture& picture, const Body& body, std::string* out) {
-  const PageMap map = picture.layout.MapOf(body);
-  *out += "<g><title>" + Escape(Tooltip(body)) + "</title>";
-  if (!body.outline.empty()) AppendFill(picture, body, map, out);
-  std::array<std::string, kEdgeStyles.size()> paths;
-  for (const OutlineEdge& piece : body.outline) {
-    paths[static_cast<std::size_t>(KindOf(piece.edge))] += PiecePath(piece, map, "M");
-  }
-  for (std::size_t kind = 0; kind < paths.size(); ++kind) {
-    if (paths[kind].empty()) continue;
-    *out += "<path d=\"" + paths[kind] + "\" fill=\"none\" stroke=\"" + std::string(kEdgeStyles[kind].color) +
-            "\" stroke-width=\"" + Px(body.fixed ? std::max(picture.line, 1.2) : picture.line) + "\"/>";
-  }
-  if (!body.fixed && body.outline.empty()) {
-    AppendPointMass(map.origin, std::max(2.0, picture.connector), out);
-  } else if (!body.fixed && picture.layout.scale * BoundsOf(body).extent() > kSmallBody) {
-    AppendCenterOfMass(map.origin, std::clamp(0.04 * picture.layout.body_size, 1.5, 4.0), out);
-  }
-  if (IsDriven(body)) AppendDrive(picture, body, out);
-  *out += "</g>\n";
-}
-
-void AppendPatterns(const Picture& picture, std::string* out) {
-  for (const bool driven : {false, true}) {
-    const auto& colors = driven ? kDrivenFill : kFixedFill;
-    *out += "<pattern id=\"" + picture.id + (driven ? "-driven" : "-fixed") +
-            "\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(" +
-            (driven ? "-45" : "45") + ")\"><rect width=\"6\" height=\"6\" fill=\"" + std::string(colors[0]) +
-            "\"/><line x1=\"0\" y1=\"0\" x2=\"0\" y2=\"6\" stroke=\"" + std::string(colors[1]) +
-            "\" stroke-width=\"1.6\"/></pattern>\n";
-  }
-}
-
-void AppendBodies(const Picture& picture, std::string* out) {
-  for (const bool fixed : {true, false}) {
-    for (const Body& body : picture.system.bodies) {
-      if (body.fixed == fixed) AppendBody(picture, body, out);
+  constexpr double kZero = 1e-9;
+  const double threshold = solved ? kZero * std::max(force.abs().maxCoeff(), motion.abs().maxCoeff()) : 0;
+  for (std::size_t k = 0; k < kinds.size(); ++k) {
+    const auto i = static_cast<Index>(k);
+    if (lcp.rows[k].bilateral) {
+      kinds[k] = RowKind::kJoint;
+    } else if (solved) {
+      kinds[k] = std::max(force[i], motion[i]) <= threshold ? RowKind::kDegenerate
+                 : force[i] > motion[i]                     ? RowKind::kActive
+                                                            : RowKind::kOpen;
     }
   }
+  return kinds;
 }
 
-const Body& BodyOf(const Picture& picture, int index) { return picture.system.bodies[static_cast<std::size_t>(index)]; }
-
-Vec2 PageOf(const Picture& picture, const Attachment& at) {
-  return picture.layout.ToPage(ToWorld(BodyOf(picture, at.body), at.point));
-}
-
-/// The path that a path joint's vertex is kept on.
-void AppendJointPath(const Picture& picture, const Constraint& joint, std::string* out) {
-  for (const bool second : {false, true}) {
-    const std::optional<OutlineEdge> path = WholeCurve(second ? joint.feature2 : joint.feature1);
-    if (!path) continue;
-    const Body& body = BodyOf(picture, second ? joint.body2 : joint.body1);
-    *out += "<path d=\"" + PiecePath(*path, picture.layout.MapOf(body), "M") + "\" fill=\"none\" stroke=\"" +
-            std::string(kSoftInkColor) + "\" stroke-width=\"" + Px(std::max(0.5, 0.7 * picture.line)) +
-            "\" stroke-dasharray=\"6 3 1 3\"/>\n";
-  }
-}
-
-void AppendJoint(const Picture& picture, const RowInfo& row, const Constraint& joint, std::string* out) {
-  const Vec2 p1 = picture.layout.ToPage(row.p1);
-  const Vec2 p2 = picture.layout.ToPage(row.p2);
-  const double radius = std::max(1.2, 0.8 * picture.connector);
-  switch (joint.type) {
-    case ConstraintType::kContact:
-      return;
-    case ConstraintType::kPin:
-      if (row.axis == 'x') *out += PinShape(0.5 * (p1 + p2), radius) + "\n";
-      return;
-    case ConstraintType::kPathJoint:
-      *out += SliderShape(0.5 * (p1 + p2), {row.n.x, -row.n.y}, radius) + "\n";
-      return;
-    case ConstraintType::kRod:
-      *out += RodShape(p1, p2, 0.6 * picture.connector) + "\n";
-      return;
-    case ConstraintType::kRope:
-      *out += RopeShape(p1, p2, joint.length * picture.layout.scale, picture.connector) + "\n";
-      return;
-  }
-}
-
-bool SameEnds(const Spring& spring, const Damper& damper) {
-  const auto same = [](const Attachment& a, const Attachment& b) {
-    return a.body == b.body && a.point.x == b.point.x && a.point.y == b.point.y;
-  };
-  return (same(spring.end1, damper.end1) && same(spring.end2, damper.end2)) ||
-         (same(spring.end1, damper.end2) && same(spring.end2, damper.end1));
-}
-
-/// Beside each other where they share both ends, as they often do.
-void AppendSpringsAndDampers(const Picture& picture, std::string* out) {
-  const auto aside = [&](Vec2 from, Vec2 to, double by) {
-    const double length = Norm(to - from);
-    return length > 0 ? (by * 1.3 * picture.connector / length) * Perp(to - from) : Vec2{};
-  };
-  const auto& [springs, dampers] = std::tie(picture.loads->springs, picture.loads->dampers);
-  for (const Spring& spring : springs) {
-    const bool shared =
-        std::any_of(dampers.begin(), dampers.end(), [&](const Damper& damper) { return SameEnds(spring, damper); });
-    const Vec2 from = PageOf(picture, spring.end1);
-    const Vec2 to = PageOf(picture, spring.end2);
-    const Vec2 shift = aside(from, to, shared ? 1 : 0);
-    *out += SpringShape(from + shift, to + shift, picture.connector) + "\n";
-  }
-  for (const Damper& damper : dampers) {
-    // The same side for a damper whose ends are named the other way round.
-    double side = 0;
-    for (const Spring& spring : springs) {
-      if (SameEnds(spring, damper)) side = spring.end1.body == damper.end1.body ? -1 : 1;
-    }
-    const Vec2 from = PageOf(picture, damper.end1);
-    const Vec2 to = PageOf(picture, damper.end2);
-    const Vec2 shift = aside(from, to, side);
-    *out += DamperShape(from + shift, to + shift, picture.connector) + "\n";
-  }
-}
-
-void AppendConnectors(const Picture& picture, std::string* out) {
-  for (const Constraint& joint : picture.system.constraints) {
-    if (joint.type == ConstraintType::kPathJoint) AppendJointPath(picture, joint, out);
-  }
-  if (picture.loads != nullptr) AppendSpringsAndDampers(picture, out);
-  for (const RowInfo& row : picture.lcp.rows) {
-    AppendJoint(picture, row, picture.system.constraints[static_cast<std::size_t>(row.constraint)], out);
-  }
-}
-
-/// One force on the page; the two rows of a pin give one.
-struct Force {
+/// One force on the page.
+struct Arrow {
   Vec2 from;
   Vec2 to;
   double newtons = 0;
 };
 
-bool IsContact(const Picture& picture, const RowInfo& row) {
-  return picture.system.constraints[static_cast<std::size_t>(row.constraint)].type == ConstraintType::kContact;
-}
+/// Draws the parts of a picture one after the other. Sizes in pixels.
+class Picture {
+ public:
+  Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd* f, const Eigen::VectorXd* w,
+          const Loads* loads);
+  std::string Render(const std::string& caption);
 
-/// Whether the force on body 2 is shown: of a fixed body it would say nothing.
-bool OnBody2(const Picture& picture, const RowInfo& row) {
-  const Constraint& constraint = picture.system.constraints[static_cast<std::size_t>(row.constraint)];
-  return picture.system.bodies[static_cast<std::size_t>(constraint.body1)].fixed;
-}
+ private:
+  void AddBody(const Body& body);
+  void AddDrive(const Body& body);
+  void AddConnectors();
+  void AddContacts();
+  void AddLabels();
+  void AddTitle(const std::string& caption);
+  std::vector<LegendItem> Legend() const;
+  double AddLegend(double top);
 
-/// Where the row's force acts on the body it is shown on.
-Vec2 PointOf(const Picture& picture, const RowInfo& row) {
-  const ConstraintType type = picture.system.constraints[static_cast<std::size_t>(row.constraint)].type;
-  const bool distant = type == ConstraintType::kRod || type == ConstraintType::kRope;
-  return picture.layout.ToPage(distant ? (OnBody2(picture, row) ? row.p2 : row.p1) : 0.5 * (row.p1 + row.p2));
-}
-
-std::vector<Force> CollectForces(const Picture& picture) {
-  std::vector<Force> forces;
-  if (picture.arrow_scale == 0) return forces;
-  const auto& rows = picture.lcp.rows;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    Vec2 total = (*picture.f)[static_cast<Index>(i)] * rows[i].n;
-    if (rows[i].axis == 'x' && i + 1 < rows.size() && rows[i + 1].axis == 'y') {
-      total = total + (*picture.f)[static_cast<Index>(i + 1)] * rows[i + 1].n;
-      ++i;
-    }
-    if (OnBody2(picture, rows[i])) total = -total;
-    const Vec2 length = picture.arrow_scale * Vec2{total.x, -total.y};
-    constexpr double kVisible = 0.5;  // [px]
-    if (!IsFinite(length) || Norm(length) < kVisible) continue;
-    const Vec2 from = PointOf(picture, rows[i]);
-    forces.push_back({from, from + length, Norm(total)});
+  const Body& BodyOf(int index) const { return system_.bodies[static_cast<std::size_t>(index)]; }
+  bool IsContact(const RowInfo& row) const {
+    return system_.constraints[static_cast<std::size_t>(row.constraint)].type == ConstraintType::kContact;
   }
-  return forces;
-}
-
-void AppendNormal(const Picture& picture, const RowInfo& row, std::string* out) {
-  const Vec2 p = PointOf(picture, row);
-  const Vec2 half = (2.2 * picture.mark) * Vec2{row.n.x, -row.n.y};
-  *out += "<path d=\"M" + Px(p - half) + "L" + Px(p + half) + "\" stroke=\"" + std::string(kInkColor) +
-          "\" stroke-width=\"" + Px(std::max(0.4, 0.6 * picture.line)) + "\"/>\n";
-}
-
-std::string MarkId(const Picture& picture, RowKind kind) {
-  return picture.id + "-mark" + std::to_string(static_cast<int>(kind));
-}
-
-/// An axis-parallel box on the page, for keeping labels apart.
-struct Box {
-  Vec2 low;
-  Vec2 high;
-  bool Meets(const Box& other) const {
-    return low.x < other.high.x && other.low.x < high.x && low.y < other.high.y && other.low.y < high.y;
+  Vec2 PageOf(const Attachment& at) const {
+    return layout_.ToPage(BodyOf(at.body).x + Rotate(SinCos(BodyOf(at.body).theta), at.point));
   }
+  Vec2 PageOf(const RowInfo& row) const { return layout_.ToPage(PlaceOf(system_, row)); }
+  /// From paths in the body's frame to the page.
+  std::string TransformOf(const Body& body) const;
+  std::string MarkId(RowKind kind) const { return id_ + "-mark" + std::to_string(static_cast<int>(kind)); }
+  std::string PatternId(bool driven) const { return id_ + (driven ? "-driven" : "-fixed"); }
+
+  const ContactSystem& system_;
+  const AssembledLcp& lcp_;
+  const Loads* loads_;
+  std::vector<Connector> connectors_;
+  std::vector<RowKind> kinds_;
+  std::string id_;  ///< prefix of all identifiers
+  Layout layout_;
+  double line_ = 1;         ///< stroke width of edges
+  double mark_ = 3;         ///< radius of a contact's mark
+  double arrow_ = 1;        ///< stroke width of forces
+  double hatch_ = 9;        ///< depth of the hatching of unbounded bodies
+  double connector_ = 4;    ///< half width of springs, dampers and of rods' ends
+  double arrow_scale_ = 0;  ///< [px/N]; 0 without forces
+  std::vector<Arrow> arrows_;
+  std::string out_;
 };
 
-/// Values beside the arrows' heads, each where it meets nothing else; left out where there is no such place.
-class ForceLabels {
- public:
-  ForceLabels(const Picture& picture, const std::vector<Force>& forces) {
-    page_ = {{0, 0}, {picture.layout.width * picture.layout.strips, picture.layout.height}};
-    for (const Force& force : forces) {
-      // A slanted arrow as a chain of boxes; the box of the whole would shut out half the picture.
-      constexpr int kPieces = 8;
-      for (int k = 0; k <= kPieces; ++k) {
-        const Vec2 p = force.from + (static_cast<double>(k) / kPieces) * (force.to - force.from);
-        taken_.push_back({p - Vec2{3, 3}, p + Vec2{3, 3}});
-      }
-    }
-    for (const RowInfo& row : picture.lcp.rows) {
-      const Vec2 p = PointOf(picture, row);
-      const Vec2 reach{1.5 * picture.mark, 1.5 * picture.mark};
-      taken_.push_back({p - reach, p + reach});
+Picture::Picture(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd* f,
+                 const Eigen::VectorXd* w, const Loads* loads)
+    : system_(system),
+      lcp_(lcp),
+      loads_(loads),
+      connectors_(ConnectorsOf(system.constraints, loads)),
+      kinds_(Classify(lcp, f, w)),
+      id_(Identifier(system.name)) {
+  std::vector<Vec2> points;
+  for (const RowInfo& row : lcp.rows) points.insert(points.end(), {row.p1, row.p2});
+  for (const Connector& connector : connectors_) {
+    for (const Attachment& end : {connector.end1, connector.end2}) {
+      if (!connector.path) points.push_back(BodyOf(end.body).x + Rotate(SinCos(BodyOf(end.body).theta), end.point));
     }
   }
+  layout_ = MakeLayout(system.bodies, points);
+  hatch_ = std::clamp(0.4 * layout_.body_size, 4.0, 9.0);
+  connector_ = std::clamp(0.09 * layout_.body_size, 1.2, 6.0);
+  // Neither small bodies nor crowded rows shall drown in marks.
+  const double rows = std::max(1.0, static_cast<double>(lcp.rows.size()));
+  const double spacing = 1.5 * std::sqrt(layout_.width * layout_.drawing_height() / rows);
+  const double crowd = layout_.body_size > 0 ? std::min(layout_.body_size, spacing) : spacing;
+  mark_ = std::clamp(0.06 * crowd, 0.9, 4.5);
+  line_ = std::clamp(0.045 * crowd, 0.4, 1.8);
+  arrow_ = std::clamp(0.05 * crowd, 0.8, 2.2);
+  if (f == nullptr) return;
+  double largest = 0;
+  for (const double force : *f) largest = std::isfinite(force) ? std::max(largest, std::abs(force)) : largest;
+  if (largest == 0) return;
+  arrow_scale_ = std::clamp(crowd, 8.0, 80.0) / largest;
+  for (const auto& [at, force] : ForcesOf(system, lcp.rows, *f)) {
+    const Vec2 length = arrow_scale_ * Mirrored(force);
+    constexpr double kVisible = 0.5;
+    if (IsFinite(length) && Norm(length) >= kVisible) {
+      arrows_.push_back({layout_.ToPage(at), layout_.ToPage(at) + length, Norm(force)});
+    }
+  }
+}
 
-  void Append(const Force& force, std::string* out) {
+std::string Picture::TransformOf(const Body& body) const {
+  const auto [cos, sin] = SinCos(body.theta);
+  std::string text;
+  for (const double entry : {cos, -sin, -sin, -cos}) text += std::to_string(entry) + " ";
+  return " transform=\"matrix(" + text + Px(layout_.ToPage(body.x)) + ")\"";
+}
+
+/// Where a driven body is going: an open circle with an arrow head for its spin, a straight arrow for its travel.
+void Picture::AddDrive(const Body& body) {
+  constexpr double kReach = 13;
+  constexpr double kWidth = 1.6;
+  const Vec2 at = layout_.ToPage(body.x);
+  const double spin = body.omega != 0 ? body.omega : body.alpha;
+  const Vec2 travel = Norm(body.v) > 0 ? body.v : body.acceleration;
+  if (spin != 0) {
+    const auto point = [&](double degrees) {
+      const Rotation turn = SinCos(std::copysign(degrees, spin) * kPi / 180);
+      return at + kReach * Vec2{turn.cos, -turn.sin};
+    };
+    out_ +=
+        SvgPath("M" + Px(point(30)) + "A" + Px({kReach, kReach}) + " 0 1 " + (spin > 0 ? "0 " : "1 ") + Px(point(300)),
+                {kDrivenFill[1], kWidth});
+    out_ += SvgArrow(point(295), point(335), kWidth, kDrivenFill[1]);
+  }
+  if (Norm(travel) > 0) {
+    const Vec2 along = (kReach / Norm(travel)) * Mirrored(travel);
+    out_ += SvgArrow(at - along, at + 1.6 * along, kWidth, kDrivenFill[1]);
+  }
+}
+
+void Picture::AddBody(const Body& body) {
+  out_ += "<g" + TransformOf(body) + "><title>" + Escape(Tooltip(body)) + "</title>";
+  const BodyPaths paths = PathsOf(body, layout_.scale, hatch_);
+  const std::string pattern = "url(#" + PatternId(IsDriven(body)) + ")";
+  if (!body.outline.empty()) {
+    out_ += SvgPath(paths.fill,
+                    {.fill = body.fixed ? std::string_view(pattern) : kBodyFill, .more = " fill-rule=\"evenodd\""});
+  }
+  for (std::size_t kind = 0; kind < paths.edges.size(); ++kind) {
+    if (paths.edges[kind].empty()) continue;
+    out_ += SvgPath(paths.edges[kind], {kEdgeStyles[kind].color, body.fixed ? std::max(line_, 1.2) : line_});
+  }
+  double arm = 0;  // of the cross at the centre of mass
+  if (!body.fixed && body.outline.empty()) {
+    // Only joints and loads hold it.
+    arm = std::max(2.0, connector_);
+    out_ += SvgCircle({}, arm, {"#888888", 1, kBodyFill});
+  } else if (!body.fixed && layout_.scale * ExtentOf(BoundsOf(body)) > kSmallBody) {
+    arm = std::clamp(0.04 * layout_.body_size, 1.5, 4.0);
+  }
+  const std::string a = Px(arm);
+  if (arm > 0) out_ += SvgPath("M-" + a + " 0L" + a + " 0M0 -" + a + "L0 " + a, {"#888888", 0.8});
+  out_ += "</g>\n";
+  if (IsDriven(body)) AddDrive(body);
+}
+
+void Picture::AddConnectors() {
+  for (const Connector& connector : connectors_) {
+    if (!connector.path) continue;
+    out_ += SvgPath(PiecePath(*connector.path, layout_.scale, "M"),
+                    {kSoftInkColor, std::max(0.5, 0.7 * line_), "none",
+                     " stroke-dasharray=\"6 3 1 3\"" + TransformOf(BodyOf(connector.end2.body))});
+  }
+  const double radius = std::max(1.2, 0.8 * connector_);
+  for (const Connector& connector : connectors_) {
+    const Vec2 from = PageOf(connector.end1);
+    const Vec2 to = PageOf(connector.end2);
+    if (connector.type == "pin") {
+      out_ += PinShape(0.5 * (from + to), radius);
+    } else if (!connector.path) {
+      out_ += ConnectorShape(connector, from, to, connector_, connector.length * layout_.scale);
+    }
+  }
+  for (const RowInfo& row : lcp_.rows) {
+    const Constraint& joint = system_.constraints[static_cast<std::size_t>(row.constraint)];
+    if (joint.type == ConstraintType::kPathJoint) out_ += SliderShape(PageOf(row), Mirrored(row.n), radius);
+  }
+}
+
+void Picture::AddContacts() {
+  for (const RowInfo& row : lcp_.rows) {
+    const Vec2 half = (2.2 * mark_) * Mirrored(row.n);
+    if (!IsContact(row)) continue;
+    out_ +=
+        SvgPath("M" + Px(PageOf(row) - half) + "L" + Px(PageOf(row) + half), {kInkColor, std::max(0.4, 0.6 * line_)});
+  }
+  for (const Arrow& arrow : arrows_) out_ += SvgArrow(arrow.from, arrow.to, arrow_, kForceColor);
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (!IsContact(lcp_.rows[i])) continue;
+    const Vec2 p = PageOf(lcp_.rows[i]);
+    out_ += "<use href=\"#" + MarkId(kinds_[i]) + "\" x=\"" + Px(p.x) + "\" y=\"" + Px(p.y) + "\"/>\n";
+  }
+}
+
+/// Values beside the arrows' heads, each where it meets nothing else; left out where there is no such place.
+void Picture::AddLabels() {
+  constexpr std::size_t kMaxLabels = 40;
+  constexpr double kSmallestLabelled = 30;  // body size
+  const bool readable = layout_.body_size == 0 || layout_.body_size >= kSmallestLabelled;
+  if (arrows_.size() > kMaxLabels || !readable) return;
+  std::vector<Bounds> taken;
+  const auto box = [](Vec2 p, Vec2 half) { return Bounds(PointOf(p - half), PointOf(p + half)); };
+  for (const Arrow& arrow : arrows_) {
+    // A slanted arrow as a chain of boxes; the box of the whole would shut out half the picture.
+    constexpr int kPieces = 8;
+    for (int k = 0; k <= kPieces; ++k) {
+      taken.push_back(box(arrow.from + (static_cast<double>(k) / kPieces) * (arrow.to - arrow.from), {3, 3}));
+    }
+  }
+  for (const RowInfo& row : lcp_.rows) taken.push_back(box(PageOf(row), {1.5 * mark_, 1.5 * mark_}));
+  const Bounds page(Eigen::Vector2d(0, 0), Eigen::Vector2d(layout_.width * layout_.strips, layout_.height));
+  // The largest first: they say most.
+  std::stable_sort(arrows_.begin(), arrows_.end(),
+                   [](const Arrow& a, const Arrow& b) { return a.newtons > b.newtons; });
+  for (const Arrow& arrow : arrows_) {
     constexpr double kHeight = 12;
     constexpr double kCharacter = 6.2;
-    const std::string text = Short(force.newtons) + " N";
+    const std::string text = Short(arrow.newtons) + " N";
     const Vec2 half{kCharacter * static_cast<double>(text.size()) / 2 + 1, kHeight / 2};
-    const Vec2 along = (1 / Norm(force.to - force.from)) * (force.to - force.from);
+    const Vec2 along = Unit(arrow.to - arrow.from);
     const double beyond = std::abs(along.x) * half.x + std::abs(along.y) * half.y + 4;
     const double beside = std::abs(along.y) * half.x + std::abs(along.x) * half.y + 6;
     for (const Vec2 offset : {beyond * along, beside * Perp(along), -beside * Perp(along)}) {
-      const Vec2 at = force.to + offset;
-      const Box box{at - half, at + half};
-      const bool inside = box.low.x >= page_.low.x && box.low.y >= page_.low.y && box.high.x <= page_.high.x &&
-                          box.high.y <= page_.high.y;
-      if (!inside || std::any_of(taken_.begin(), taken_.end(), [&](const Box& other) { return box.Meets(other); })) {
-        continue;
-      }
-      taken_.push_back(box);
-      *out += "<text x=\"" + Px(at.x) + "\" y=\"" + Px(at.y + 4) +
-              "\" text-anchor=\"middle\" font-size=\"11\" fill=\"#9A4300\" stroke=\"#FFFFFF\" stroke-width=\"2.5\" "
-              "paint-order=\"stroke\">" +
-              text + "</text>\n";
-      return;
+      const Vec2 at = arrow.to + offset;
+      const Bounds place = box(at, half);
+      const auto meets = [&](const Bounds& other) { return place.intersects(other); };
+      if (!page.contains(place) || std::any_of(taken.begin(), taken.end(), meets)) continue;
+      taken.push_back(place);
+      out_ += SvgText(at + Vec2{0, 4}, 11, text,
+                      " text-anchor=\"middle\" fill=\"#9A4300\" stroke=\"#FFFFFF\" stroke-width=\"2.5\""
+                      " paint-order=\"stroke\"");
+      break;
     }
   }
-
- private:
-  Box page_;
-  std::vector<Box> taken_;
-};
-
-void AppendMarks(const Picture& picture, std::string* out) {
-  // Once each: a scene may have thousands of rows.
-  for (const RowKind kind : kRowKinds) {
-    if (kind == RowKind::kJoint) continue;
-    *out += "<g id=\"" + MarkId(picture, kind) + "\">" + MarkShape(kind, picture.mark) + "</g>\n";
-  }
 }
 
-void AppendRows(const Picture& picture, std::string* out) {
-  const auto& rows = picture.lcp.rows;
-  for (const RowInfo& row : rows) {
-    if (IsContact(picture, row)) AppendNormal(picture, row, out);
-  }
-  std::vector<Force> forces = CollectForces(picture);
-  for (const Force& force : forces) AppendArrow(force.from, force.to, picture.arrow, kForceColor, out);
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (!IsContact(picture, rows[i])) continue;
-    const Vec2 p = PointOf(picture, rows[i]);
-    *out += "<use href=\"#" + MarkId(picture, picture.kinds[i]) + "\" x=\"" + Px(p.x) + "\" y=\"" + Px(p.y) + "\"/>\n";
-  }
-  // The largest first: they say most.
-  constexpr std::size_t kMaxLabels = 40;
-  constexpr double kSmallestLabelled = 30;  // body size [px]
-  const bool readable = picture.layout.body_size == 0 || picture.layout.body_size >= kSmallestLabelled;
-  if (forces.size() > kMaxLabels || !readable) return;
-  ForceLabels labels(picture, forces);
-  std::stable_sort(forces.begin(), forces.end(), [](const Force& a, const Force& b) { return a.newtons > b.newtons; });
-  for (const Force& force : forces) labels.Append(force, out);
-}
-
-// All in pixels.
-constexpr double kLine = 24;
-constexpr double kArrow = 70;
-constexpr double kBar = 90;
-constexpr double kCharacterWidth = 6.6;
-
-/// Draws a symbol whose left end, at half height, is at the given point.
-using DrawSymbol = std::function<std::string(Vec2)>;
-
-/// Places items from left to right, in as many lines as they need.
-class Flow {
- public:
-  Flow(double top, std::string* out) : y_(top + kLine / 2), out_(out) {}
-
-  void Add(double symbol_width, const std::string& text, const DrawSymbol& draw) {
-    const double width = symbol_width + 8 + kCharacterWidth * static_cast<double>(text.size());
-    if (x_ > kPagePadding && x_ + width > kPageWidth - kPagePadding) {
-      x_ = kPagePadding;
-      y_ += kLine;
+std::vector<LegendItem> Picture::Legend() const {
+  constexpr double kArrow = 70;
+  constexpr double kBar = 90;
+  std::vector<LegendItem> items = LegendOf(system_.bodies, connectors_);
+  for (std::size_t kind = 0; kind < kContactNames.size(); ++kind) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < kinds_.size(); ++i) {
+      if (IsContact(lcp_.rows[i]) && static_cast<std::size_t>(kinds_[i]) == kind) ++count;
     }
-    *out_ += draw({x_, y_}) + "<text x=\"" + Px(x_ + symbol_width + 7) + "\" y=\"" + Px(y_ + 4.5) +
-             "\" font-size=\"13\" fill=\"" + std::string(kInkColor) + "\">" + Escape(text) + "</text>\n";
-    x_ += width + 20;
-  }
-
-  double bottom() const { return y_ + kLine / 2; }
-
- private:
-  double x_ = kPagePadding;
-  double y_;
-  std::string* out_;
-};
-
-std::string Counted(const char* name, std::size_t count) {
-  return std::string(name) + " (" + std::to_string(count) + ")";
-}
-
-void AddEdges(const Picture& picture, Flow* flow) {
-  std::array<bool, kEdgeStyles.size()> shown{};
-  for (const Body& body : picture.system.bodies) {
-    for (const OutlineEdge& piece : body.outline) shown[static_cast<std::size_t>(KindOf(piece.edge))] = true;
-  }
-  for (std::size_t kind = 0; kind < shown.size(); ++kind) {
-    if (!shown[kind]) continue;
-    flow->Add(24, std::string(kEdgeStyles[kind].name), [&](Vec2 p) {
-      return "<path d=\"M" + Px(p) + "h24\" stroke=\"" + std::string(kEdgeStyles[kind].color) +
-             "\" stroke-width=\"2.4\"/>";
-    });
-  }
-}
-
-void AddBodies(const Picture& picture, Flow* flow) {
-  for (const bool driven : {false, true}) {
-    const auto count = std::count_if(picture.system.bodies.begin(), picture.system.bodies.end(), [&](const Body& body) {
-      return body.fixed && !body.outline.empty() && IsDriven(body) == driven;
-    });
     if (count == 0) continue;
-    flow->Add(24, driven ? "driven" : "fixed", [&](Vec2 p) {
-      return "<rect x=\"" + Px(p.x) + "\" y=\"" + Px(p.y - 6) + "\" width=\"24\" height=\"12\" fill=\"url(#" +
-             picture.id + (driven ? "-driven" : "-fixed") + ")\"/>";
-    });
+    items.push_back({12,
+                     "<g transform=\"translate(6 0)\">" + SvgPath("M0 -9v18", {kInkColor, 1}) +
+                         MarkShape(static_cast<RowKind>(kind), 4.2) + "</g>",
+                     Counted(kContactNames[kind], count)});
   }
+  if (arrow_scale_ > 0) {
+    const double force = RoundDown(kArrow / arrow_scale_);
+    const double length = force * arrow_scale_;
+    items.push_back({length, SvgArrow({}, {length, 0}, arrow_, kForceColor), Short(force) + " N"});
+  }
+  if (loads_ != nullptr && Norm(loads_->gravity) > 0) {
+    const double g = Norm(loads_->gravity);
+    const Vec2 half = (9 / g) * Mirrored(loads_->gravity);
+    items.push_back(
+        {18, SvgArrow(Vec2{9, 0} - half, Vec2{9, 0} + half, 1.4, kInkColor), "gravity " + Short(g) + " m/s\u00B2"});
+  }
+  const double distance = RoundDown(kBar / layout_.scale);
+  const double bar = distance * layout_.scale;
+  items.push_back({bar, SvgPath("M0 -4v8m0 -4h" + Px(bar) + "m0 -4v8", {kInkColor, 1.4}), Short(distance) + " m"});
+  return items;
 }
 
-void AddContacts(const Picture& picture, Flow* flow) {
-  static constexpr std::array<const char*, 4> kNames{"contact and normal", "active, f > 0", "separating, w > 0",
-                                                     "f = w = 0"};
-  std::array<std::size_t, kRowKinds.size()> counts{};
-  for (std::size_t i = 0; i < picture.lcp.rows.size(); ++i) {
-    const auto constraint = static_cast<std::size_t>(picture.lcp.rows[i].constraint);
-    if (picture.system.constraints[constraint].type == ConstraintType::kContact) {
-      ++counts[static_cast<std::size_t>(picture.kinds[i])];
+/// Places the items from left to right, in as many lines as they need. @return the height of all
+double Picture::AddLegend(double top) {
+  constexpr double kLine = 24;
+  constexpr double kCharacterWidth = 6.6;
+  Vec2 at{kPagePadding, top + kLine / 2};
+  for (const auto& [symbol_width, symbol, text] : Legend()) {
+    const double width = symbol_width + 8 + kCharacterWidth * static_cast<double>(text.size());
+    if (at.x > kPagePadding && at.x + width > kPageWidth - kPagePadding) at = {kPagePadding, at.y + kLine};
+    out_ += "<g transform=\"translate(" + Px(at) + ")\">" + symbol +
+            SvgText({symbol_width + 7, 4.5}, 13, text, " fill=\"" + std::string(kInkColor) + '"') + "</g>\n";
+    at.x += width + 20;
+  }
+  return at.y + kLine / 2 - top;
+}
+
+void Picture::AddTitle(const std::string& caption) {
+  const auto movable =
+      std::count_if(system_.bodies.begin(), system_.bodies.end(), [](const Body& body) { return !body.fixed; });
+  const std::size_t rows = lcp_.rows.size();
+  out_ += SvgText({kPagePadding, 26}, 16, system_.name, " font-weight=\"bold\" fill=\"" + std::string(kInkColor) + '"');
+  out_.erase(out_.rfind("</text>"));
+  out_ += "<tspan font-weight=\"normal\" font-size=\"13\" dx=\"14\" fill=\"#555555\">" + std::to_string(movable) +
+          (movable == 1 ? " movable body, " : " movable bodies, ") + std::to_string(rows) +
+          (rows == 1 ? " row" : " rows") + (caption.empty() ? "" : ", " + Escape(caption)) + "</tspan></text>\n";
+}
+
+/// The scene stands there once, as a definition that every strip is a window on.
+std::string Picture::Render(const std::string& caption) {
+  out_ = "<defs>\n";
+  for (const bool driven : {false, true}) {
+    const auto& [ground, stripes] = driven ? kDrivenFill : kFixedFill;
+    // In the frame of bodies, with y up.
+    out_ += "<pattern id=\"" + PatternId(driven) +
+            "\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\" patternTransform=\"rotate(" +
+            (driven ? "45" : "-45") + ")\">" + SvgPath("M0 0h6v6h-6Z", {.fill = ground}) +
+            SvgPath("M0 0v6", {stripes, 1.6}) + "</pattern>\n";
+  }
+  // Once each: a scene may have thousands of rows.
+  for (std::size_t kind = 0; kind < kContactNames.size(); ++kind) {
+    const auto row_kind = static_cast<RowKind>(kind);
+    out_ += "<g id=\"" + MarkId(row_kind) + "\">" + MarkShape(row_kind, mark_) + "</g>\n";
+  }
+  out_ += "<g id=\"" + id_ + "-scene\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n";
+  for (const bool fixed : {true, false}) {
+    for (const Body& body : system_.bodies) {
+      if (body.fixed == fixed) AddBody(body);
     }
   }
-  for (std::size_t kind = 0; kind < kNames.size(); ++kind) {
-    if (counts[kind] == 0) continue;
-    flow->Add(12, Counted(kNames[kind], counts[kind]), [&](Vec2 p) {
-      return "<g transform=\"translate(" + Px(p + Vec2{6, 0}) + ")\"><path d=\"M0 -9v18\" stroke=\"" +
-             std::string(kInkColor) + "\" stroke-width=\"1\"/>" + MarkShape(static_cast<RowKind>(kind), 4.2) + "</g>";
-    });
+  AddConnectors();
+  AddContacts();
+  AddLabels();
+  out_ += "</g>\n</defs>\n<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n";
+  AddTitle(caption);
+  const std::string size = Px(layout_.width) + "\" height=\"" + Px(layout_.height);
+  for (int strip = 0; strip < layout_.strips; ++strip) {
+    out_ += "<svg x=\"" + Px((kPageWidth - layout_.width) / 2) + "\" y=\"" +
+            Px(kTitleHeight + strip * (layout_.height + kStripGap)) + "\" width=\"" + size + "\" viewBox=\"" +
+            Px(strip * layout_.width) + " 0 " + Px({layout_.width, layout_.height}) +
+            "\" overflow=\"hidden\"><use href=\"#" + id_ + "-scene\"/></svg>\n";
   }
-}
-
-void AddConnectors(const Picture& picture, Flow* flow) {
-  constexpr double kLength = 34;
-  constexpr double kHalf = 4;
-  const auto count = [&](ConstraintType type) {
-    return static_cast<std::size_t>(std::count_if(picture.system.constraints.begin(), picture.system.constraints.end(),
-                                                  [&](const Constraint& joint) { return joint.type == type; }));
-  };
-  const auto add = [&](double width, const char* name, std::size_t number, const DrawSymbol& draw) {
-    if (number > 0) flow->Add(width, Counted(name, number), draw);
-  };
-  const Vec2 across{kLength, 0};
-  add(10, "pin", count(ConstraintType::kPin), [&](Vec2 p) { return PinShape(p + Vec2{5, 0}, 4); });
-  add(16, "path joint", count(ConstraintType::kPathJoint), [&](Vec2 p) {
-    return SliderShape(p + Vec2{8, 0}, {0, 1}, 5);
-  });
-  add(kLength, "rod", count(ConstraintType::kRod), [&](Vec2 p) { return RodShape(p, p + across, 2.4); });
-  add(kLength, "rope", count(ConstraintType::kRope), [&](Vec2 p) {
-    return RopeShape(p - Vec2{0, 3}, p + across - Vec2{0, 3}, 1.08 * kLength, kHalf);
-  });
-  if (picture.loads == nullptr) return;
-  add(kLength, "spring", picture.loads->springs.size(), [&](Vec2 p) { return SpringShape(p, p + across, kHalf); });
-  add(kLength, "damper", picture.loads->dampers.size(), [&](Vec2 p) { return DamperShape(p, p + across, kHalf); });
-}
-
-void AddScales(const Picture& picture, Flow* flow) {
-  if (picture.arrow_scale > 0) {
-    const double force = RoundDown(kArrow / picture.arrow_scale);
-    const double length = force * picture.arrow_scale;
-    flow->Add(length, Short(force) + " N", [&](Vec2 p) {
-      std::string symbol;
-      AppendArrow(p, p + Vec2{length, 0}, picture.arrow, kForceColor, &symbol);
-      return symbol;
-    });
-  }
-  if (picture.loads != nullptr && Norm(picture.loads->gravity) > 0) {
-    const Vec2 g = picture.loads->gravity;
-    const Vec2 half = (9 / Norm(g)) * Vec2{g.x, -g.y};
-    flow->Add(18, "gravity " + Short(Norm(g)) + " m/s\u00B2", [&](Vec2 p) {
-      std::string symbol;
-      AppendArrow(p + Vec2{9, 0} - half, p + Vec2{9, 0} + half, 1.4, kInkColor, &symbol);
-      return symbol;
-    });
-  }
-  const double distance = RoundDown(kBar / picture.layout.scale);
-  const double bar = distance * picture.layout.scale;
-  flow->Add(bar, Short(distance) + " m", [&](Vec2 p) {
-    return "<path d=\"M" + Px(p) + "m0 -4v8m0 -4h" + Px(bar) + "m0 -4v8\" stroke=\"" + std::string(kInkColor) +
-           "\" stroke-width=\"1.4\" fill=\"none\"/>";
-  });
-}
-
-double AppendLegend(const Picture& picture, double top, std::string* out) {
-  Flow flow(top, out);
-  AddEdges(picture, &flow);
-  AddBodies(picture, &flow);
-  AddContacts(picture, &flow);
-  AddConnectors(picture, &flow);
-  AddScales(picture, &flow);
-  return flow.bottom() - top;
-}
-
-constexpr double kTitleHeight = 40;  // [px]
-
-std::string Count(std::size_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
-void AppendTitle(const Picture& picture, const std::string& caption, std::string* out) {
-  const auto movable = std::count_if(picture.system.bodies.begin(), picture.system.bodies.end(),
-                                     [](const Body& body) { return !body.fixed; });
-  std::string text = Count(static_cast<std::size_t>(movable), "movable body", "movable bodies") + ", " +
-                     Count(picture.lcp.rows.size(), "row", "rows");
-  if (!caption.empty()) text += ", " + caption;
-  *out += "<text x=\"" + Px(kPagePadding) + "\" y=\"26\" font-size=\"16\" font-weight=\"bold\" fill=\"" +
-          std::string(kInkColor) + "\">" + Escape(picture.system.name) +
-          "<tspan font-weight=\"normal\" font-size=\"13\" dx=\"14\" fill=\"#555555\">" + Escape(text) +
-          "</tspan></text>\n";
-}
-
-/// The scene once, as a definition that every strip is a window on.
-void AppendScene(const Picture& picture, std::string* out) {
-  *out += "<defs>\n";
-  AppendPatterns(picture, out);
-  AppendMarks(picture, out);
-  *out += "<g id=\"" + picture.id + "-scene\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\n";
-  AppendBodies(picture, out);
-  AppendConnectors(picture, out);
-  AppendRows(picture, out);
-  *out += "</g>\n</defs>\n";
-}
-
-std::string Render(const Picture& picture, const std::string& caption) {
-  const Layout& layout = picture.layout;
-  std::string legend;
-  const double legend_top = kTitleHeight + layout.drawing_height() + 14;
-  const double page_height = legend_top + AppendLegend(picture, legend_top, &legend) + kPagePadding;
-
-  std::string out = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + Px(kPageWidth) + " " +
-                    Px(page_height) + "\" width=\"" + Px(kPageWidth) + "\" height=\"" + Px(page_height) +
-                    "\" font-family=\"Helvetica, Arial, sans-serif\">\n";
-  out += "<title>" + Escape(picture.system.name) + "</title>\n";
-  AppendScene(picture, &out);
-  out += "<rect width=\"100%\" height=\"100%\" fill=\"#FFFFFF\"/>\n";
-  AppendTitle(picture, caption, &out);
-  for (int strip = 0; strip < layout.strips; ++strip) {
-    const double x = (kPageWidth - layout.width) / 2;
-    const double y = kTitleHeight + strip * (layout.height + kStripGap);
-    out += "<svg x=\"" + Px(x) + "\" y=\"" + Px(y) + "\" width=\"" + Px(layout.width) + "\" height=\"" +
-           Px(layout.height) + "\" viewBox=\"" + Px(strip * layout.width) + " 0 " + Px(layout.width) + " " +
-           Px(layout.height) + "\" overflow=\"hidden\"><use href=\"#" + picture.id + "-scene\"/></svg>\n";
-  }
-  return out + legend + "</svg>\n";
+  const double legend_top = kTitleHeight + layout_.drawing_height() + 14;
+  const std::string height = Px(legend_top + AddLegend(legend_top) + kPagePadding);
+  const std::string width = Px(kPageWidth);
+  return "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + width + " " + height + "\" width=\"" + width +
+         "\" height=\"" + height + "\" font-family=\"Helvetica, Arial, sans-serif\">\n<title>" + Escape(system_.name) +
+         "</title>\n" + out_ + "</svg>\n";
 }
 
 }  // namespace
@@ -766,7 +478,30 @@ std::string RenderSvg(const ContactSystem& system, const AssembledLcp& lcp, cons
                        std::to_string(values->size()));
     }
   }
-  return Render(Picture(system, lcp, f, w, extras.loads), extras.caption);
+  return Picture(system, lcp, f, w, extras.loads).Render(extras.caption);
+}
+
+std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key) {
+  std::vector<std::string> keys = {solver_key};
+  if (solver_key.empty()) {
+    keys.clear();
+    for (const SolverEntry& entry : AllSolvers()) {
+      if (entry.available) keys.push_back(entry.key);
+    }
+  }
+  for (const std::string& key : keys) {
+    const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
+    if (problem.size() == 0) return std::nullopt;
+    LcpResult result;
+    const LcpOptions options;
+    solver->Solve(problem, options, &result);
+    const Verdict verdict = Verify(problem, result, options.tolerance);
+    const bool is_answer = result.f.size() == problem.size() && result.f.allFinite();
+    if (!is_answer || (solver_key.empty() && !verdict.passes)) continue;
+    const std::string doubt = ": " + std::string(ToString(result.status)) + ", not verified";
+    return PictureSolution{result.f, verdict.metrics.w, key + (verdict.passes ? "" : doubt)};
+  }
+  return std::nullopt;
 }
 
 }  // namespace lcpbench

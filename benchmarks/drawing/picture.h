@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 
 #include "model/contact/assembly.h"
@@ -19,7 +20,7 @@ struct PictureExtras {
 
 /// A picture of a contact system and, where given, of its solution: a self-contained SVG document, y up, equal axes,
 /// fitted to the movable bodies, the contacts and fixed bodies of a like size. Bodies are filled lightly, holes left
-/// open, their edges coloured by kind (picture_style.h); fixed bodies are hatched, driven ones (that move as
+/// open, their edges coloured by kind (drawn_scene.h); fixed bodies are hatched, driven ones (that move as
 /// prescribed) in a colour of their own with an arrow for their motion; unbounded ones (floors, the rim of a track) are
 /// hatched on the material side and clipped. Every contact is marked at its point with its normal, by a shape that says
 /// whether it bears force; joints, rods, ropes, springs and dampers have the usual symbols; forces are arrows, on body
@@ -34,5 +35,18 @@ struct PictureExtras {
 /// @throws InputError if f or w has not n entries
 std::string RenderSvg(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd* f,
                       const Eigen::VectorXd* w, const PictureExtras& extras = {});
+
+/// The answer that a picture shows.
+struct PictureSolution {
+  Eigen::VectorXd f;    ///< n forces
+  Eigen::VectorXd w;    ///< n gap accelerations, of the verifier
+  std::string caption;  ///< the solver and its verdict, in a few words
+};
+
+/// The answer of one solver whatever the verdict, or, without a key, the first verified answer of any solver of this
+/// build; nothing where there is none, or no row.
+/// @param solver_key  a registry key, or ""
+/// @throws InputError as MakeSolver
+std::optional<PictureSolution> SolveForPicture(const LcpProblem& problem, const std::string& solver_key);
 
 }  // namespace lcpbench

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/drawing/picture_layout.h"
+#include "benchmarks/drawing/drawn_scene.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/scene.h"
@@ -36,10 +36,7 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
 }
 
 ContactSystem InstantWithContacts(const World& world) {
-  std::vector<Bounds> bounds;
-  bounds.reserve(world.bodies.size());
-  for (const Body& body : world.bodies) bounds.push_back(BoundsOf(body));
-  const double median = MedianExtent(world.bodies, bounds);
+  const double median = MedianExtent(world.bodies, BoundsOf(world.bodies));
   const double size = median > 0 ? median : 1;
   return InstantOf(world, ContactFinder(world).Find(world.bodies, kFoundGap * size, kFoundDepth * size));
 }
@@ -55,8 +52,7 @@ std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& 
   // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
   // that are slower than what counts as rest anyway need no impact.
   if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
-  options.acceleration.lcp_tolerance = lcp.tolerance;
-  options.acceleration.lcp_time_limit_s = lcp.time_limit_s;
+  options.acceleration.lcp = lcp;
   return MakeMotion(scene.level, scene.world, options, solver);
 }
 

@@ -26,7 +26,8 @@ constexpr double kCarriesShare = 1e-20;
 
 constexpr Index kBodyColumns = 3;
 
-double SpreadOf(const Eigen::VectorXd& values) {
+template <typename Values>
+double SpreadOf(const Values& values) {
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
   for (const double value : values) {
@@ -60,9 +61,7 @@ void MeasureFactors(const LcpProblem& problem, const Islands& islands, ProblemFe
     redundant += std::max<Index>(0, surplus);
   }
   features->redundancy = static_cast<double>(redundant) / static_cast<double>(J.rows());
-  if (masses.empty()) return;
-  const auto [least, most] = std::minmax_element(masses.begin(), masses.end());
-  features->mass_spread = *most / *least;
+  if (!masses.empty()) features->mass_spread = SpreadOf(masses);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 
 #include "benchmarks/campaign/reference_floor.h"
@@ -26,7 +27,6 @@ using Json = nlohmann::json;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kFloorTimeLimit = 10;  // [s]
 constexpr double kBudget = 60;          // of a pass [s]
-constexpr NoiseRule kNoise;
 // Copies of a problem that stands alone: enough for a quantile, and no more rows than a worker reads in a second.
 constexpr double kMostCopies = 40;
 constexpr double kMostCopiedRows = 20'000;
@@ -58,95 +58,20 @@ void FindFloors(double tolerance, std::vector<SequenceStep>* steps) {
   }
 }
 
+// Null where it is not finite.
+double NumberAt(const Json& numbers, size_t step) {
+  const Json& number = numbers.at(step);
+  return number.is_number() ? number.get<double>() : kInfinity;
+}
+
 // One solver in one mode: its passes so far.
 struct Entrant {
   Measurement found;
   bool done = false;
   std::vector<std::vector<double>> calm;  // by step: latencies in rounds without preemption
   std::vector<std::vector<double>> all;
-};
 
-class Study {
- public:
-  Study(const MeasurementPlan& plan, const ProblemSteps& steps, const std::string& file, const std::string& hash)
-      : plan_(plan), steps_(static_cast<int>(steps.steps.size())), worker_(OptionsOf(plan)) {
-    request_.sequence = steps.name;
-    request_.file = file;
-    request_.sha256 = hash;
-    request_.tier = plan.tolerance;
-    request_.judged = {plan.tolerance};
-    for (const double tier : kTiers) {
-      if (tier != plan.tolerance) request_.judged.push_back(tier);
-    }
-    std::sort(request_.judged.rbegin(), request_.judged.rend());
-    request_.time_per_row_s = 1e-3;
-    request_.least_s = 0.2;
-    request_.most_s = kBudget;
-    request_.budget_s = kBudget;
-    for (const std::string& key : plan.solvers) {
-      for (const bool warm : {false, true}) {
-        if (warm && !steps.rows_are_known) continue;
-        Entrant entrant;
-        entrant.found.solver = key;
-        entrant.found.warm = warm;
-        entrant.calm.resize(steps.steps.size());
-        entrant.all.resize(steps.steps.size());
-        entrants_.push_back(std::move(entrant));
-      }
-    }
-  }
-
-  std::vector<Measurement> Run() {
-    ProgressBar bar("recommend", plan_.rounds * static_cast<int>(entrants_.size()));
-    std::vector<size_t> round(entrants_.size());
-    std::iota(round.begin(), round.end(), size_t{0});
-    for (int k = 0; k < plan_.rounds; ++k) {
-      for (const size_t index : ShuffleGroups(round, 1, k)) {
-        Entrant& entrant = entrants_[index];
-        if (!entrant.done) Pass(k, &entrant);
-        bar.Advance(1, entrant.found.solver);
-      }
-    }
-    std::vector<Measurement> measurements;
-    for (Entrant& entrant : entrants_) {
-      for (size_t step = 0; step < entrant.all.size(); ++step) {
-        const std::vector<double>& times = entrant.calm[step].empty() ? entrant.all[step] : entrant.calm[step];
-        entrant.found.latency_s.push_back(times.empty() ? kInfinity : MedianOf(times));
-      }
-      measurements.push_back(std::move(entrant.found));
-    }
-    return measurements;
-  }
-
- private:
-  static WorkerOptions OptionsOf(const MeasurementPlan& plan) {
-    WorkerOptions options;
-    options.solver_arguments = plan.solver_arguments;
-    options.memory_bytes = std::uint64_t{8} << 30U;
-    options.cpu = plan.cpu;
-    return options;
-  }
-
-  // Again where the clock was slow meanwhile: the last pass counts.
-  void Pass(int round, Entrant* entrant) {
-    request_.solver = entrant->found.solver;
-    request_.warm = entrant->found.warm;
-    SequenceReply reply;
-    for (int run = 0; run <= kNoise.most_reruns; ++run) {
-      const double before = ProbeSpeed();
-      reply = worker_.Run(request_);
-      const double probe = std::max(before, ProbeSpeed());
-      fast_probe_s_ = std::min({fast_probe_s_, before, probe});
-      const bool disturbed = DisturbanceOf(kNoise, {probe, 1, 0}, fast_probe_s_) > 0;
-      if (!disturbed || reply.outcome != "completed") break;
-      if (run == kNoise.most_reruns) ++entrant->found.disturbed;
-    }
-    if (reply.results.is_null()) reply.results = StepRecord(request_.judged, plan_.tolerance).Results(steps_);
-    Add(round, reply, entrant);
-  }
-
-  void Add(int round, const SequenceReply& reply, Entrant* entrant) {
-    Measurement& found = entrant->found;
+  void Add(const SequenceReply& reply, int round, double tolerance) {
     const Json& results = reply.results;
     found.outcome = reply.outcome;
     found.detail = reply.detail;
@@ -155,38 +80,66 @@ class Study {
       const auto tier = verdict.at("tier").get<double>();
       const int passed = verdict.at("passed").get<int>();
       found.passed[tier] = round == 0 ? passed : std::min(found.passed[tier], passed);
-      if (tier == plan_.tolerance) {
-        found.false_successes = std::max(found.false_successes, verdict.at("false_successes").get<int>());
-      }
+      if (tier != tolerance) continue;
+      found.false_successes = std::max(found.false_successes, verdict.at("false_successes").get<int>());
     }
-    const auto preempted = results.at("preempted").get<std::vector<int>>();
+    const auto preempted = results.at("preempted").get<std::set<size_t>>();
     const auto reached = results.at("reached").get<size_t>();
     for (size_t step = 0; step < reached; ++step) {
       const double latency = NumberAt(results.at("latency_s"), step);
-      entrant->all[step].push_back(latency);
+      all[step].push_back(latency);
+      if (preempted.count(step) == 0) calm[step].push_back(latency);
       found.raw_max_s = std::max(found.raw_max_s, latency);
-      if (std::find(preempted.begin(), preempted.end(), static_cast<int>(step)) == preempted.end()) {
-        entrant->calm[step].push_back(latency);
-      }
       found.rho = std::max(found.rho, NumberAt(results.at("rho"), step));
     }
     if (reached == 0) found.rho = kInfinity;
-    if (reply.outcome != "completed" || found.passed[plan_.tolerance] == 0) entrant->done = true;
+    done = reply.outcome != "completed" || found.passed[tolerance] == 0;
   }
 
-  // Null where it is not finite.
-  static double NumberAt(const Json& numbers, size_t step) {
-    const Json& number = numbers.at(step);
-    return number.is_number() ? number.get<double>() : kInfinity;
+  Measurement Finish() {
+    for (size_t step = 0; step < all.size(); ++step) {
+      const std::vector<double>& times = calm[step].empty() ? all[step] : calm[step];
+      found.latency_s.push_back(times.empty() ? kInfinity : MedianOf(times));
+    }
+    return std::move(found);
   }
-
-  const MeasurementPlan& plan_;
-  int steps_;
-  WorkerProcess worker_;
-  SequenceRequest request_;
-  std::vector<Entrant> entrants_;
-  double fast_probe_s_ = kInfinity;
 };
+
+// As campaigns run passes over sequences.
+SequenceRequest RequestOf(const MeasurementPlan& plan, const std::string& name, const std::string& file,
+                          const std::string& hash) {
+  const CampaignPlan campaign;
+  SequenceRequest request;
+  request.sequence = name;
+  request.file = file;
+  request.sha256 = hash;
+  request.tier = plan.tolerance;
+  request.judged = campaign.tiers;
+  if (std::count(campaign.tiers.begin(), campaign.tiers.end(), plan.tolerance) == 0) {
+    request.judged.push_back(plan.tolerance);
+  }
+  std::sort(request.judged.rbegin(), request.judged.rend());
+  request.time_per_row_s = campaign.time_per_row_s;
+  request.least_s = campaign.least_s;
+  request.most_s = kBudget;
+  request.budget_s = kBudget;
+  return request;
+}
+
+// A pass; again where the clock was slow meanwhile: the last one counts.
+SequenceReply RunPass(WorkerProcess* worker, const SequenceRequest& request, double* fast_probe_s, int* disturbed) {
+  const NoiseRule noise;
+  for (int run = 0;; ++run) {
+    const double before = ProbeSpeed();
+    SequenceReply reply = worker->Run(request);
+    const double probe = std::max(before, ProbeSpeed());
+    *fast_probe_s = std::min({*fast_probe_s, before, probe});
+    const bool calm = DisturbanceOf(noise, {probe, 1, 0}, *fast_probe_s) <= 0;
+    if (!calm && reply.outcome == "completed" && run < noise.most_reruns) continue;
+    if (!calm && reply.outcome == "completed") ++*disturbed;
+    return reply;
+  }
+}
 
 }  // namespace
 
@@ -199,8 +152,42 @@ std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemStep
   }
   const ScratchFolder folder;
   const std::string file = folder.File("steps.jsonl.gz");
-  const std::string hash = WriteSequenceSteps(steps.steps, file);
-  return Study(plan, steps, file, hash).Run();
+  SequenceRequest request = RequestOf(plan, steps.name, file, WriteSequenceSteps(steps.steps, file));
+  const size_t count = steps.steps.size();
+  std::vector<Entrant> entrants;
+  for (const std::string& key : plan.solvers) {
+    for (const bool warm : {false, true}) {
+      if (warm && !steps.rows_are_known) continue;
+      Entrant& entrant = entrants.emplace_back();
+      entrant.found.solver = key;
+      entrant.found.warm = warm;
+      entrant.calm.resize(count);
+      entrant.all.resize(count);
+    }
+  }
+  WorkerProcess worker(
+      {.solver_arguments = plan.solver_arguments, .memory_bytes = CampaignPlan{}.memory_bytes, .cpu = plan.cpu});
+  double fast_probe_s = kInfinity;
+  ProgressBar bar("recommend", plan.rounds * static_cast<int>(entrants.size()));
+  std::vector<size_t> order(entrants.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  for (int round = 0; round < plan.rounds; ++round) {
+    for (const size_t index : ShuffleGroups(order, 1, round)) {
+      Entrant& entrant = entrants[index];
+      bar.Advance(1, entrant.found.solver);
+      if (entrant.done) continue;
+      request.solver = entrant.found.solver;
+      request.warm = entrant.found.warm;
+      SequenceReply reply = RunPass(&worker, request, &fast_probe_s, &entrant.found.disturbed);
+      if (reply.results.is_null()) {
+        reply.results = StepRecord(request.judged, plan.tolerance).Results(static_cast<int>(count));
+      }
+      entrant.Add(reply, round, plan.tolerance);
+    }
+  }
+  std::vector<Measurement> measurements;
+  for (Entrant& entrant : entrants) measurements.push_back(entrant.Finish());
+  return measurements;
 }
 
 }  // namespace lcpbench

@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
-#include "benchmarks/collection/input_files.h"
+#include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/problem_formats.h"
-#include "benchmarks/motions/scene_source.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/contact/assembly.h"
 #include "model/motion/row_matching.h"
 #include "solvers/io/json_lines.h"
@@ -82,57 +82,42 @@ ProblemSteps ReadLines(const std::string& path) {
   return found;
 }
 
-ProblemSteps Instant(const std::string& scene, int size, std::uint64_t seed) {
+// A problem that stands alone.
+ProblemSteps Single(LcpProblem problem) {
   ProblemSteps found;
-  LcpProblem problem = AssembleContactLcp(LoadInstant(scene, size, seed)).problem;
   const auto rows = static_cast<std::size_t>(problem.size());
   found.steps.push_back({std::move(problem), std::vector<int>(rows, -1), {}});
   return found;
 }
 
-// Of the acceleration level the first problem of each step, as SequenceWriter has it.
-ProblemSteps Moving(const std::string& scene_name, int size, std::uint64_t seed, int steps) {
-  const MovingScene scene = LoadScene(scene_name, size, seed);
+ProblemSteps Moving(const std::string& scene, int size, std::uint64_t seed, int steps) {
   const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
-  const std::unique_ptr<Motion> motion = StartMotion(scene, LcpOptions{}, *solver);
   ProblemSteps found;
   found.rows_are_known = true;
   RowMatching matching;
-  bool taken = false;
-  motion->set_observer([&](const MotionProblem& met) {
+  FollowScene(LoadScene(scene, size, seed), *solver, steps, [&](const MotionProblem& met) {
     // Where a time step has no solution, the relaxed problem that is solved instead follows.
-    if (met.problem.size() == 0 || met.result.status != LcpStatus::kSolved) return;
-    if (met.kind == MotionProblemKind::kAcceleration && taken) return;
-    taken = taken || met.kind == MotionProblemKind::kAcceleration;
-    found.steps.push_back({met.problem, PreviousRows(&matching, met), {}});
+    if (met.problem.size() > 0 && met.result.status == LcpStatus::kSolved) {
+      found.steps.push_back({met.problem, PreviousRows(&matching, met), {}});
+    }
+    return true;
   });
-  for (int k = 0; k < steps && motion->status() == MotionStatus::kMoving; ++k) {
-    taken = false;
-    motion->Advance(scene.step);
-  }
-  if (found.steps.empty()) throw InputError(scene_name + ": met no problem within " + std::to_string(steps) + " steps");
+  if (found.steps.empty()) throw InputError(scene + ": met no problem within " + std::to_string(steps) + " steps");
   return found;
 }
 
 void RequireRows(const ProblemSteps& found) {
   for (const SequenceStep& step : found.steps) {
-    if (step.problem.size() > 0 && step.problem.has_standard_bounds()) continue;
-    throw InputError(found.name + ": problem '" + step.problem.id() +
-                     "': expected one row or more, unilateral or bilateral ones");
+    if (step.problem.size() > 0) continue;
+    throw InputError(found.name + ": problem '" + step.problem.id() + "': expected one row or more");
   }
 }
 
 }  // namespace
 
 ProblemSteps ReadProblemSteps(const std::string& path) {
-  ProblemSteps found;
-  if (FormatOfFile(path) == ProblemFormat::kJsonLines) {
-    found = ReadLines(path);
-  } else {
-    LcpProblem problem = ReadProblemFile(path);
-    const auto rows = static_cast<std::size_t>(problem.size());
-    found.steps.push_back({std::move(problem), std::vector<int>(rows, -1), {}});
-  }
+  ProblemSteps found =
+      FormatOfFile(path) == ProblemFormat::kJsonLines ? ReadLines(path) : Single(ReadProblemFile(path));
   found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
   RequireRows(found);
   return found;
@@ -140,7 +125,8 @@ ProblemSteps ReadProblemSteps(const std::string& path) {
 
 ProblemSteps MakeProblemSteps(const std::string& scene, int size, std::uint64_t seed, int steps) {
   if (steps < 1) throw InputError("--steps: expected a number >= 1");
-  ProblemSteps found = steps == 1 ? Instant(scene, size, seed) : Moving(scene, size, seed, steps);
+  ProblemSteps found = steps == 1 ? Single(AssembleContactLcp(LoadInstant(scene, size, seed)).problem)
+                                  : Moving(scene, size, seed, steps);
   found.name = scene;
   RequireRows(found);
   return found;

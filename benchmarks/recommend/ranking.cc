@@ -1,6 +1,8 @@
 #include "benchmarks/recommend/ranking.h"
 
 #include <algorithm>
+#include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <cstdio>
 #include <tuple>
 
@@ -9,19 +11,11 @@
 namespace lcpbench {
 namespace {
 
-std::string Percent(double share) {
-  char text[16];
-  std::snprintf(text, sizeof text, share < 0.01 ? "%.1g %%" : "%.0f %%", 100 * share);
-  return text;
-}
+std::string Percent(double share) { return FormatNumber(100 * share, share < 0.01 ? "%.1g %%" : "%.0f %%"); }
 
+// "1e-6"
 std::string TierText(double tier) {
-  char text[16];
-  std::snprintf(text, sizeof text, "%.0e", tier);
-  // 1e-06 -> 1e-6
-  std::string short_text = text;
-  const size_t zero = short_text.find("e-0");
-  return zero == std::string::npos ? short_text : short_text.erase(zero + 2, 1);
+  return boost::algorithm::replace_first_copy(FormatNumber(tier, "%.0e"), "e-0", "e-");
 }
 
 int PassedAt(const Measurement& measured, double tier) {
@@ -92,6 +86,12 @@ Assessment Assess(const Measurement& measured, const RecommendationRequest& requ
 }
 
 }  // namespace
+
+std::string FormatNumber(double value, const char* format) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  return text.data();
+}
 
 std::vector<Assessment> RankMeasurements(const std::vector<Measurement>& measurements,
                                          const RecommendationRequest& request) {

@@ -1,53 +1,41 @@
 #include "benchmarks/recommend/recommendation.h"
 
 #include <algorithm>
-#include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <cmath>
-#include <cstdio>
+#include <utility>
 
-#include "benchmarks/recommend/embedding.h"
+#include "embedding_template.h"
 #include "solvers/registry.h"
+#include "support/number_text.h"
 
 namespace lcpbench {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kManyInFields = 1e4;  // beyond, numbers are written with an exponent
-
-std::string Rounded(double value, int digits = 3) {
-  char text[32];
-  const bool plain = value == 0 || (std::abs(value) >= 1e-3 && std::abs(value) <= kManyInFields * 10);
-  std::snprintf(text, sizeof text, plain ? "%.*g" : "%.*e", plain ? digits + 2 : digits - 1, value);
-  return text;
-}
+// What the engine's CMakeLists.txt needs.
+constexpr const char* kCMake =
+    "find_package(lcpbench REQUIRED)\n"
+    "target_link_libraries(your_engine PRIVATE lcpbench::solvers)\n";
 
 // Shares and times are no better known than that.
-std::string ShortText(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
+std::string ShortText(double value) { return FormatNumber(value, "%.3g"); }
+
+std::string Rounded(double value) {
+  const bool plain = value == 0 || (std::abs(value) >= 1e-3 && std::abs(value) <= 1e5);
+  return FormatNumber(value, plain ? "%.5g" : "%.2e");
 }
 
 std::string TimeText(double seconds) {
   if (!std::isfinite(seconds)) return "-";
-  struct Unit {
-    double seconds;
-    const char* name;
-  };
-  constexpr std::array<Unit, 3> kUnits = {{{1e-9, "ns"}, {1e-6, "µs"}, {1e-3, "ms"}}};
-  for (const Unit& unit : kUnits) {
-    if (seconds < 999.5 * unit.seconds) return ShortText(seconds / unit.seconds) + " " + unit.name;
+  for (const auto& [unit, name] : {std::pair{1e-9, " ns"}, {1e-6, " µs"}, {1e-3, " ms"}}) {
+    if (seconds < 999.5 * unit) return ShortText(seconds / unit) + name;
   }
   return ShortText(seconds) + " s";
 }
 
-std::string ErrorText(double value) {
-  if (!std::isfinite(value)) return "-";
-  char text[16];
-  std::snprintf(text, sizeof text, "%.1e", value);
-  return text;
-}
+std::string ErrorText(double value) { return std::isfinite(value) ? FormatNumber(value, "%.1e") : "-"; }
 
 // Columns, not bytes: µ has two of those.
 std::string Padded(const std::string& text, size_t width) {
@@ -176,7 +164,39 @@ std::string RunnersUp(const Recommendation& all) {
 
 Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
+std::string SettingsText(const Settings& settings) {
+  if (settings.empty()) return "";
+  std::string pairs;
+  for (const auto& [name, value] : settings) {
+    pairs += (pairs.empty() ? "{\"" : ", {\"") + name + "\", \"" + value + "\"}";
+  }
+  return ", {" + pairs + "}";
+}
+
 }  // namespace
+
+std::string EmbeddingCode(const std::string& solver, bool warm, const RecommendationRequest& request) {
+  const SolverEntry& entry = FindSolver(solver);
+  const std::string& base = entry.base.empty() ? entry.key : entry.base;
+  const std::string limit = request.deadline_s ? "    options.time_limit_s = " + NumberText(*request.deadline_s) +
+                                                     ";  // of the solve, without set-up\n"
+                                               : "";
+  std::vector<std::pair<std::string, std::string>> replacements = {
+      {"@TOLERANCE@", NumberText(request.tolerance)},
+      {"@LIMIT@", limit},
+      {"@START@", warm ? "    options.initial_f = forces_before;\n" : ""},
+      {"@SOLVER@", base},
+      {"@SETTINGS@", SettingsText(entry.settings)}};
+  if (!warm) {
+    // Measured from cold starts: no start value to take.
+    replacements.emplace_back("; forces_before: a start value for every row of this step, 0 for new ones, or null.",
+                              ".");
+    replacements.emplace_back("const Eigen::VectorXd* forces_before, ", "");
+  }
+  std::string code = kEmbeddingTemplate;
+  for (const auto& [mark, text] : replacements) boost::algorithm::replace_first(code, mark, text);
+  return code;
+}
 
 std::string FormatRecommendation(const Recommendation& all) {
   const Assessment& best = all.ranked.front();
@@ -189,7 +209,7 @@ std::string FormatRecommendation(const Recommendation& all) {
   text += RunnersUp(all) + UntriedText(all) + DisturbedText(all);
   if (!best.meets) return text;
   text += "\nC++:\n\n" + EmbeddingCode(best.measured.solver, best.measured.warm, all.request) +
-          OriginNote(best.measured.solver) + "\nCMake:\n\n" + EmbeddingCMake();
+          OriginNote(best.measured.solver) + "\nCMake:\n\n" + kCMake;
   return text;
 }
 
@@ -242,7 +262,7 @@ nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {
   json["recommended"] = best.meets ? Json(best.measured.solver) : Json(nullptr);
   json["start"] = best.meets ? Json(best.measured.warm ? "warm" : "cold") : Json(nullptr);
   json["cpp"] = best.meets ? Json(EmbeddingCode(best.measured.solver, best.measured.warm, all.request)) : Json(nullptr);
-  json["cmake"] = best.meets ? Json(EmbeddingCMake()) : Json(nullptr);
+  json["cmake"] = best.meets ? Json(kCMake) : Json(nullptr);
   return json;
 }
 

@@ -41,4 +41,9 @@ std::string FormatRecommendation(const Recommendation& recommendation);
 /// The same as one JSON object (RESULTS.md).
 nlohmann::ordered_json DescribeRecommendation(const Recommendation& recommendation);
 
+/// The C++ by which an engine uses a solver as it was measured: a class that compiles as it is against the installed
+/// headers.
+/// @param solver  registry key; of a variant its base and settings are written
+std::string EmbeddingCode(const std::string& solver, bool warm, const RecommendationRequest& request);
+
 }  // namespace lcpbench

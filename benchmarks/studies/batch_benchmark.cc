@@ -1,25 +1,23 @@
 // Times BatchSolver: many problems of 10, 20 and 30 rows, one per SIMD lane, with each instruction set of this machine,
 // beside one problem after another by `auto` and `dantzig` in the same run.
 //
-// A batch: 512 seeds of one scene family, so that lanes hold different problems. The table has nanoseconds per problem
-// and the ratio to `auto`, the share of problems that lanes left to `auto`, and how many of the 512 answers the
-// verifier refused. `dense` is the form without LcpProblem objects. Set-up (DenseA, symmetry) is not timed. Takes the
-// options of Google Benchmark (--benchmark_filter=disc-pile, --benchmark_min_time=0.05, ...).
-
-#include <benchmark/benchmark.h>
+// A batch: 512 seeds of one scene family, so that lanes hold different problems. Items (study.h) are problems; counted
+// are also the share of problems that lanes left to `auto`, and how many of the 512 answers the verifier refused.
+// `dense` is the form without LcpProblem objects. Set-up (DenseA, symmetry) is not timed.
 
 #include <array>
 #include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/auto/auto_solver.h"
 #include "solvers/batch/solve_batch.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/pivoting/dantzig.h"
+#include "solvers/registry.h"
 
 namespace lcpbench {
 namespace {
@@ -90,47 +88,43 @@ void TimeDense(benchmark::State& state, Workload* work) {
 }
 
 // A problem is prepared, hence known, only once per batch: Prepare is part of what one pays for one after another.
-template <typename Solver>
-void TimeOneByOne(benchmark::State& state, Workload* work) {
-  Solver solver;
-  solver.Reserve(work->rows);
+void TimeOneByOne(benchmark::State& state, Workload* work, const char* key) {
+  const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
+  solver->Reserve(work->rows);
   const auto solve_all = [&] {
-    for (std::size_t p = 0; p < work->problems.size(); ++p) solver.Solve(work->problems[p], {}, &work->results[p]);
+    for (std::size_t p = 0; p < work->problems.size(); ++p) solver->Solve(work->problems[p], {}, &work->results[p]);
   };
   solve_all();
   for (auto _ : state) solve_all();
 }
 
-struct Method {
-  std::string name;
-  std::function<void(benchmark::State&, Workload*)> run;
-};
+using Method = std::function<void(benchmark::State&, Workload*)>;
 
-std::vector<Method> Methods() {
-  std::vector<Method> methods;
-  methods.push_back({"auto", TimeOneByOne<AutoSolver>});
-  methods.push_back({"dantzig", TimeOneByOne<DantzigSolver>});
-  for (const BatchInstructions instructions : AvailableBatchInstructions()) {
-    methods.push_back({std::string(ToString(instructions)), [instructions](benchmark::State& state, Workload* work) {
-                         TimeBatch(state, work, instructions);
-                       }});
+std::vector<std::pair<std::string, Method>> Methods() {
+  std::vector<std::pair<std::string, Method>> methods;
+  for (const char* key : {"auto", "dantzig"}) {
+    methods.emplace_back(key, [key](benchmark::State& state, Workload* work) { TimeOneByOne(state, work, key); });
   }
-  methods.push_back({"dense", TimeDense});
+  for (const BatchInstructions instructions : AvailableBatchInstructions()) {
+    methods.emplace_back(ToString(instructions), [instructions](benchmark::State& state, Workload* work) {
+      TimeBatch(state, work, instructions);
+    });
+  }
+  methods.emplace_back("dense", TimeDense);
   return methods;
 }
 
 // By problems before method, so that a workload is made once.
 void RegisterAll() {
-  const std::vector<Method> methods = Methods();
   for (const int rows : kSizes) {
     for (const SceneFamily& family : AllScenes()) {
-      for (const Method& method : methods) {
-        const std::string name = std::string(family.key) + "/" + method.name + "/" + std::to_string(rows);
-        const auto time = [key = family.key, rows, run = method.run](benchmark::State& state) {
+      for (const auto& [method, run] : Methods()) {
+        const std::string name = std::string(family.key) + "/" + method + "/" + std::to_string(rows);
+        const auto time = [key = family.key, rows, run = run](benchmark::State& state) {
           Workload& work = kept.Get(std::string(key) + "/" + std::to_string(rows), key, rows);
           run(state, &work);
           state.counters["refused"] = work.CountRefused();
-          state.counters[kItems] = kSeeds;
+          CountPerItem(state, kSeeds);
         };
         benchmark::RegisterBenchmark(name.c_str(), time)->Unit(benchmark::kMicrosecond);
       }
@@ -143,5 +137,5 @@ void RegisterAll() {
 
 int main(int argc, char** argv) {
   lcpbench::RegisterAll();
-  return lcpbench::RunStudy(argc, argv, {"Nanoseconds per problem (ratio to auto)", 1e9, "auto"});
+  return lcpbench::RunStudy(argc, argv);
 }

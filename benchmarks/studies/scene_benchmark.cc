@@ -1,10 +1,7 @@
 // Times what comes before a solve, stage by stage, for every scene family at 10^3 to 10^5 rows: generating the scene,
-// finding its contacts from the outlines of its bodies, assembling J, gamma and b, forming A. The table has
-// microseconds per row, the most memory resident at a time and the exponent p of time ~ rows^p.
-// --largest=N (a power of ten) goes on to N rows or stops there. Takes the options of Google Benchmark besides
-// (--benchmark_filter=disc-pile, ...).
-
-#include <benchmark/benchmark.h>
+// finding its contacts from the outlines of its bodies, assembling J, gamma and b, forming A. Items (study.h) are rows;
+// counted is also the most memory resident at a time, and Google Benchmark fits how the time grows.
+// --largest=N (a power of ten) goes on to N rows or stops there.
 
 #include <algorithm>
 #include <array>
@@ -23,7 +20,6 @@
 #include "model/motion/contact_finder.h"
 #include "model/scenes/scene.h"
 #include "model/scenes/scene_builder.h"
-#include "support/exit_status.h"
 
 namespace lcpbench {
 namespace {
@@ -117,20 +113,23 @@ void Time(const SceneFamily& family, int rows, const Stage& stage, benchmark::St
     }
   }
   state.counters["MB"] = 1e-6 * PeakBytes();
-  state.counters[kItems] = rows;
+  CountPerItem(state, rows);
+  state.SetComplexityN(rows);
 }
 
-// By size before stage, so that a workload is made once.
 void RegisterAll(int largest) {
   for (const SceneFamily& family : AllScenes()) {
-    for (int rows = kSmallest; rows <= largest; rows *= 10) {
-      for (const Stage& stage : kStages) {
-        const std::string name = std::string(family.key) + "/" + stage.name + "/" + std::to_string(rows);
-        benchmark::RegisterBenchmark(
-            name.c_str(), [&family, rows, &stage](benchmark::State& state) { Time(family, rows, stage, state); })
-            ->Unit(benchmark::kMillisecond)
-            ->MinTime(kLeastTime);
-      }
+    for (const Stage& stage : kStages) {
+      const std::string name = std::string(family.key) + "/" + stage.name;
+      const auto time = [&family, &stage](benchmark::State& state) {
+        Time(family, static_cast<int>(state.range(0)), stage, state);
+      };
+      benchmark::RegisterBenchmark(name.c_str(), time)
+          ->RangeMultiplier(10)
+          ->Range(kSmallest, largest)
+          ->Complexity()
+          ->Unit(benchmark::kMillisecond)
+          ->MinTime(kLeastTime);
     }
   }
 }
@@ -152,5 +151,5 @@ int main(int argc, char** argv) {
     return lcpbench::kMisuse;
   }
   lcpbench::RegisterAll(largest);
-  return lcpbench::RunStudy(static_cast<int>(end - argv), argv, {"Microseconds per row, and p of time ~ rows^p", 1e6});
+  return lcpbench::RunStudy(static_cast<int>(end - argv), argv);
 }

@@ -1,26 +1,27 @@
 #pragma once
 
+#include <benchmark/benchmark.h>
+
 #include <memory>
 #include <string>
 
+#include "support/exit_status.h"
+
 namespace lcpbench {
 
-/// The table that a program of this folder prints after Google Benchmark's own output. Its benchmarks are named
-/// `<subject>/<method>/<size>`; their counters are kItems and what else the table shall show.
-struct Study {
-  const char* heading;         ///< of the table
-  double scale;                ///< its unit of time in a second
-  const char* reference = "";  ///< the method that all others are compared with
-};
+/// The counter of every study: the time per item (a row, a contact, a problem) [s].
+inline void CountPerItem(benchmark::State& state, double items) {
+  state.counters["per item"] = {items, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert};
+}
 
-/// Counter: what the time is divided by, 1 or more.
-inline constexpr const char* kItems = "items";
-
-/// Runs what is registered, with the options of Google Benchmark. The table has a line per subject and method: at every
-/// size the time per item (the least CPU time of all repetitions), its ratio to that of the reference and the other
-/// counters (the largest); the exponent p of time ~ items^p by least squares; and the geometric mean over subjects.
-/// @return the exit status
-int RunStudy(int argc, char** argv, const Study& study);
+/// Runs what is registered, with the options of Google Benchmark (--benchmark_filter=disc-pile,
+/// --benchmark_repetitions=5, --benchmark_format=csv, ...). @return the exit status
+inline int RunStudy(int argc, char** argv) {
+  benchmark::Initialize(&argc, argv);
+  if (benchmark::ReportUnrecognizedArguments(argc, argv)) return kMisuse;
+  benchmark::RunSpecifiedBenchmarks();
+  return 0;
+}
 
 /// The one workload that is kept: Google Benchmark runs a benchmark several times in a row, and those of one workload
 /// follow each other.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -16,40 +18,54 @@
 namespace lcpbench {
 namespace {
 
-Vec2 ScaledAbout(Vec2 fixed, Vec2 point, double factor) { return fixed + factor * (point - fixed); }
-
-// The edge scaled about a point of the body frame; vertices and straight edges stay themselves.
+// The curve scaled about a point of the body frame; vertices, straight edges and Bezier curves stay themselves.
 void Scale(Vec2 fixed, double factor, Feature* feature) {
-  if (auto* arc = std::get_if<ArcEdge>(feature)) {
-    arc->center = ScaledAbout(fixed, arc->center, factor);
-    arc->radius *= factor;
-  } else if (auto* ellipse = std::get_if<EllipseEdge>(feature)) {
-    ellipse->center = ScaledAbout(fixed, ellipse->center, factor);
-    ellipse->a *= factor;
-    ellipse->b *= factor;
-  } else if (auto* oval = std::get_if<SuperellipseEdge>(feature)) {
-    oval->center = ScaledAbout(fixed, oval->center, factor);
-    oval->a *= factor;
-    oval->b *= factor;
-  }
+  const auto scale = [&](std::string_view name, auto& value) {
+    if constexpr (requires { value.x; }) value = fixed + factor * (value - fixed);
+    if constexpr (std::is_same_v<decltype(value), double&>) value *= name == "phi" ? 1 : factor;
+  };
+  std::visit(
+      [&](auto& edge) {
+        if constexpr (requires { edge.side; }) ForEachField(edge, scale);
+      },
+      *feature);
 }
 
 bool IsConvexCurve(const Feature& feature) {
-  if (const auto* arc = std::get_if<ArcEdge>(&feature)) return arc->side == Side::kConvex;
-  if (const auto* ellipse = std::get_if<EllipseEdge>(&feature)) return ellipse->side == Side::kConvex;
-  if (const auto* oval = std::get_if<SuperellipseEdge>(&feature)) return oval->side == Side::kConvex;
-  return false;
+  return std::visit(
+      [](const auto& edge) {
+        if constexpr (requires { edge.side; }) return edge.side == Side::kConvex;
+        return false;
+      },
+      feature);
 }
 
 Vec2 InBodyFrame(const Body& body, Vec2 world) {
-  const Rotation rotation = SinCos(body.theta);
-  const Vec2 d = world - body.x;
-  return {rotation.cos * d.x + rotation.sin * d.y, -rotation.sin * d.x + rotation.cos * d.y};
+  const auto [cos, sin] = SinCos(body.theta);
+  return Rotate({cos, -sin}, world - body.x);
+}
+
+/// Calls `change` with both features of every contact, the one that it touches, and the contact point in its body's
+/// frame.
+template <typename Change>
+void ForEachFeature(ContactSystem* system, const Change& change) {
+  const AssembledLcp assembled = AssembleContactLcp(*system);
+  for (const RowInfo& row : assembled.rows) {
+    Constraint& contact = system->constraints[static_cast<size_t>(row.constraint)];
+    if (contact.type != ConstraintType::kContact) continue;
+    const auto& bodies = system->bodies;
+    change(&contact.feature1, contact.feature2, InBodyFrame(bodies[static_cast<size_t>(contact.body1)], row.p1));
+    change(&contact.feature2, contact.feature1, InBodyFrame(bodies[static_cast<size_t>(contact.body2)], row.p2));
+  }
+}
+
+void Require(bool holds, const char* expected, double found) {
+  if (!holds) throw InputError(std::string("expected ") + expected + ", found " + std::to_string(found));
 }
 
 using Entry = Eigen::Triplet<double, int>;
 
-constexpr Index kPerBody = 3;
+constexpr int kPerBody = 3;
 
 // ----- parts of a problem by factors
 
@@ -72,15 +88,11 @@ LcpProblem WithRows(const LcpProblem& given, const std::vector<Entry>& entries, 
   return LcpProblem::FromFactors(given.id(), J, given.inverse_mass(), std::move(b), std::move(bounds));
 }
 
-void RequireShare(double share) {
-  if (!(share >= 0 && share <= 1)) throw InputError("expected a share in [0, 1], found " + std::to_string(share));
-}
-
 // ----- choosing rows
 
 // So many of the candidates, ascending: a random permutation's first ones [Fisher, Yates].
 std::vector<Index> Choose(std::vector<Index> candidates, double share, std::uint64_t seed) {
-  RequireShare(share);
+  Require(share >= 0 && share <= 1, "a share in [0, 1]", share);
   const auto count = static_cast<size_t>(std::floor(share * static_cast<double>(candidates.size()) + 0.5));
   Random random(seed);
   for (size_t k = 0; k < count; ++k) {
@@ -102,34 +114,21 @@ std::vector<Index> UnilateralRows(const LcpProblem& problem) {
 
 // ----- rows made from rows
 
-struct NewRow {
-  std::vector<std::pair<Index, double>> J;
-  double b = 0;
-};
-
-NewRow RowOf(const LcpProblem& problem, Index i) {
-  NewRow row;
-  for (SparseMatrix::InnerIterator it(problem.J(), i); it; ++it) row.J.emplace_back(it.col(), it.value());
-  row.b = problem.b()[i];
-  return row;
-}
-
-// The given rows, and after them what `change` makes of copies of the chosen ones.
-void Append(Instance* instance, const std::vector<Index>& chosen,
-            const std::function<void(Index row, NewRow* copy)>& change) {
+// The given rows, and after them the chosen ones times `sign`. `change(row, copy, entries, b)` adds to the copy.
+using ChangeOfCopy = std::function<void(Index row, int copy, std::vector<Entry>* entries, double* b)>;
+void Append(Instance* instance, const std::vector<Index>& chosen, double sign, const ChangeOfCopy& change = {}) {
   const LcpProblem& given = instance->problem;
   const Index n = given.size();
   std::vector<Entry> entries = EntriesOf(given.J());
   Eigen::VectorXd b(n + static_cast<Index>(chosen.size()));
   b.head(n) = given.b();
-  Index next = n;
+  auto next = static_cast<int>(n);
   for (const Index i : chosen) {
-    NewRow row = RowOf(given, i);
-    change(i, &row);
-    for (const auto& [column, value] : row.J) {
-      entries.emplace_back(static_cast<int>(next), static_cast<int>(column), value);
+    for (SparseMatrix::InnerIterator it(given.J(), i); it; ++it) {
+      entries.emplace_back(next, static_cast<int>(it.col()), sign * it.value());
     }
-    b[next] = row.b;
+    b[next] = sign * given.b()[i];
+    if (change) change(i, next, &entries, &b[next]);
     instance->rows.push_back(instance->rows[static_cast<size_t>(i)]);
     ++next;
   }
@@ -142,6 +141,16 @@ double FreeSpin(const Body& body) { return body.fixed ? body.alpha : body.torque
 double GyrationRadius(const Body& body) { return std::sqrt(body.inertia / body.mass); }
 
 }  // namespace
+
+Instance InstanceOf(ContactSystem system) {
+  AssembledLcp assembled = AssembleContactLcp(system);
+  return {std::move(system), std::move(assembled.rows), std::move(assembled.problem)};
+}
+
+LcpProblem WithId(const LcpProblem& given, std::string id) {
+  return LcpProblem::FromFactors(std::move(id), given.J(), given.inverse_mass(), given.b(),
+                                 RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
+}
 
 double PortablePower(double ratio, double u) {
   if (u >= 1) return ratio;
@@ -159,91 +168,55 @@ double PortablePower(double ratio, double u) {
 }
 
 void ContrastCurvature(ContactSystem* system, double contrast, std::uint64_t seed) {
-  if (!(contrast >= 1 && std::isfinite(contrast))) {
-    throw InputError("expected a contrast >= 1, found " + std::to_string(contrast));
-  }
-  const AssembledLcp assembled = AssembleContactLcp(*system);
+  Require(contrast >= 1 && std::isfinite(contrast), "a contrast >= 1", contrast);
   Random random(seed);
-  for (const RowInfo& row : assembled.rows) {
-    Constraint& constraint = system->constraints[static_cast<size_t>(row.constraint)];
-    if (constraint.type != ConstraintType::kContact) continue;
-    const auto shrink = [&](int body, Vec2 point, Feature* feature) {
-      if (!IsConvexCurve(*feature)) return;
-      const double factor = 1 / PortablePower(contrast, random.Uniform());
-      Scale(InBodyFrame(system->bodies[static_cast<size_t>(body)], point), factor, feature);
-    };
-    shrink(constraint.body1, row.p1, &constraint.feature1);
-    shrink(constraint.body2, row.p2, &constraint.feature2);
-  }
+  ForEachFeature(system, [&](Feature* feature, const Feature& /*other*/, Vec2 point) {
+    if (IsConvexCurve(*feature)) Scale(point, 1 / PortablePower(contrast, random.Uniform()), feature);
+  });
 }
 
 void MakeConformal(ContactSystem* system, double clearance) {
-  if (!(clearance > 0 && clearance < 1)) {
-    throw InputError("expected a clearance in (0, 1), found " + std::to_string(clearance));
-  }
-  const AssembledLcp assembled = AssembleContactLcp(*system);
+  Require(clearance > 0 && clearance < 1, "a clearance in (0, 1)", clearance);
   bool any = false;
-  for (const RowInfo& row : assembled.rows) {
-    Constraint& constraint = system->constraints[static_cast<size_t>(row.constraint)];
-    if (constraint.type != ConstraintType::kContact) continue;
-    const auto fit = [&](int body, Vec2 point, Feature* feature, const Feature& other) {
-      const auto* inner = std::get_if<ArcEdge>(feature);
-      const auto* outer = std::get_if<ArcEdge>(&other);
-      if (inner == nullptr || outer == nullptr) return;
-      if (inner->side != Side::kConvex || outer->side != Side::kConcave) return;
-      any = true;
-      Scale(InBodyFrame(system->bodies[static_cast<size_t>(body)], point),
-            (1 - clearance) * outer->radius / inner->radius, feature);
-    };
-    fit(constraint.body1, row.p1, &constraint.feature1, constraint.feature2);
-    fit(constraint.body2, row.p2, &constraint.feature2, constraint.feature1);
-  }
+  ForEachFeature(system, [&](Feature* feature, const Feature& other, Vec2 point) {
+    const auto* inner = std::get_if<ArcEdge>(feature);
+    const auto* outer = std::get_if<ArcEdge>(&other);
+    if (inner == nullptr || outer == nullptr) return;
+    if (inner->side != Side::kConvex || outer->side != Side::kConcave) return;
+    any = true;
+    Scale(point, (1 - clearance) * outer->radius / inner->radius, feature);
+  });
   if (!any) throw InputError("expected a convex arc in a concave one, found none in '" + system->name + "'");
 }
 
 void DuplicateRows(Instance* instance, double share, std::uint64_t seed) {
-  Append(instance, Choose(UnilateralRows(instance->problem), share, seed), [](Index, NewRow*) {});
+  Append(instance, Choose(UnilateralRows(instance->problem), share, seed), 1);
 }
 
 void OpposeRows(Instance* instance, double share, std::uint64_t seed) {
-  Append(instance, Choose(UnilateralRows(instance->problem), share, seed), [](Index, NewRow* row) {
-    for (auto& [column, value] : row->J) value = -value;
-    row->b = -row->b;
-  });
+  Append(instance, Choose(UnilateralRows(instance->problem), share, seed), -1);
 }
 
 void CrowdContacts(Instance* instance, double share, double distance, std::uint64_t seed) {
-  if (!(distance > 0 && std::isfinite(distance))) {
-    throw InputError("expected a distance > 0, found " + std::to_string(distance));
-  }
+  Require(distance > 0 && std::isfinite(distance), "a distance > 0", distance);
   const ContactSystem& system = instance->system;
   const auto constraint_of = [instance, &system](Index i) -> const Constraint& {
     return system.constraints[static_cast<size_t>(instance->rows[static_cast<size_t>(i)].constraint)];
   };
-  std::vector<Index> contacts;
-  for (const Index i : UnilateralRows(instance->problem)) {
-    if (constraint_of(i).type == ConstraintType::kContact) contacts.push_back(i);
-  }
-  Append(instance, Choose(contacts, share, seed), [&](Index i, NewRow* row) {
+  std::vector<Index> contacts = UnilateralRows(instance->problem);
+  std::erase_if(contacts, [&](Index i) { return constraint_of(i).type != ConstraintType::kContact; });
+  const auto change = [&](Index i, int copy, std::vector<Entry>* entries, double* b) {
     const Constraint& constraint = constraint_of(i);
     const Body& body1 = system.bodies[static_cast<size_t>(constraint.body1)];
     const Body& body2 = system.bodies[static_cast<size_t>(constraint.body2)];
     const bool first = body2.fixed || (!body1.fixed && body1.inertia <= body2.inertia);
     const double shift = distance * GyrationRadius(first ? body1 : body2);
-    // p + shift t, t = Perp(n): R x n becomes R x n + shift t x n = R x n - shift.
-    const auto add = [row](Index column, double value) {
-      for (auto& [at, old] : row->J) {
-        if (at == column) {
-          old += value;
-          return;
-        }
-      }
-      row->J.emplace_back(column, value);
-    };
-    add(kPerBody * constraint.body1 + 2, -shift);
-    add(kPerBody * constraint.body2 + 2, shift);
-    row->b -= shift * (FreeSpin(body1) - FreeSpin(body2));
-  });
+    // p + shift t, t = Perp(n): R x n becomes R x n + shift t x n = R x n - shift. Entries of one place add up.
+    entries->emplace_back(copy, kPerBody * constraint.body1 + 2, -shift);
+    entries->emplace_back(copy, kPerBody * constraint.body2 + 2, shift);
+    *b -= shift * (FreeSpin(body1) - FreeSpin(body2));
+  };
+  Append(instance, Choose(std::move(contacts), share, seed), 1, change);
 }
 
 void AddSlack(Instance* instance, double slack) {
@@ -263,9 +236,7 @@ void AddSlack(Instance* instance, double slack) {
 
 void ScaleRows(Instance* instance, double binades, std::uint64_t seed) {
   constexpr double kMost = 100;
-  if (!(binades >= 0 && binades <= kMost && binades == std::floor(binades))) {
-    throw InputError("expected whole binades from 0 to 100, found " + std::to_string(binades));
-  }
+  Require(binades >= 0 && binades <= kMost && binades == std::floor(binades), "whole binades from 0 to 100", binades);
   const LcpProblem& given = instance->problem;
   const int range = static_cast<int>(binades);
   Random random(seed);
@@ -282,9 +253,7 @@ void ScaleRows(Instance* instance, double binades, std::uint64_t seed) {
 }
 
 LcpProblem SpreadMasses(const LcpProblem& given, double ratio, std::uint64_t seed) {
-  if (!(ratio >= 1 && std::isfinite(ratio))) {
-    throw InputError("mass ratio must be at least 1 and finite, found " + std::to_string(ratio));
-  }
+  Require(ratio >= 1 && std::isfinite(ratio), "a finite mass ratio of at least 1", ratio);
   Eigen::VectorXd inverse_mass = given.inverse_mass();
   std::vector<Index> movable;
   for (Index body = 0; body < inverse_mass.size() / kPerBody; ++body) {
@@ -305,6 +274,25 @@ LcpProblem SpreadMasses(const LcpProblem& given, double ratio, std::uint64_t see
   // What was proved of the rank and of unique forces depends on which masses are zero only.
   return LcpProblem::FromFactors(given.id() + "-spread", given.J(), inverse_mass, given.b(),
                                  RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()), given.facts());
+}
+
+Eigen::VectorXd AnotherB(const LcpProblem& problem, std::uint64_t seed) {
+  constexpr double kShare = 0.1;
+  const Eigen::VectorXd& D = problem.DiagonalA();
+  const Eigen::VectorXd& b = problem.b();
+  double load = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (D[i] > 0) load = std::max(load, std::abs(b[i]) / std::sqrt(D[i]));
+  }
+  Random random(seed);
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(problem.size());
+  for (Index i = 0; i < problem.size(); ++i) {
+    const double u = random.Uniform(problem.is_bilateral(i) ? -1 : 0, 1);
+    if (D[i] > 0) d[i] = kShare * load / std::sqrt(D[i]) * u;
+  }
+  Eigen::VectorXd w;
+  problem.ComputeW(d, &w);  // A d + b
+  return b - (w - b);
 }
 
 }  // namespace lcpbench

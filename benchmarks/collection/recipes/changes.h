@@ -1,10 +1,28 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
+#include <vector>
 
-#include "benchmarks/collection/recipes/instance.h"
+#include "model/contact/assembly.h"
+#include "model/contact/system.h"
+#include "solvers/lcp/problem.h"
 
 namespace lcpbench {
+
+/// A problem on its way from a scene to the collection: the bodies, and rows that have a geometry each. Rows that were
+/// added by a change stand last and have that of the row they were made from.
+struct Instance {
+  ContactSystem system;
+  std::vector<RowInfo> rows;
+  LcpProblem problem;
+};
+
+/// @throws InputError as AssembleContactLcp
+Instance InstanceOf(ContactSystem system);
+
+/// The same problem, given by factors, under another name.
+LcpProblem WithId(const LcpProblem& given, std::string id);
 
 /// ratio^u for ratio > 0 and u in [0, 1], by the leading 53 binary digits of u and repeated square roots: IEEE + * and
 /// sqrt only, and so the same bits on every machine, which std::pow does not promise. Relative error below 1e-14.
@@ -66,5 +84,12 @@ void OpposeRows(Instance* instance, double share, std::uint64_t seed);
 /// @param ratio  >= 1
 /// @throws InputError for ratio < 1 or not finite
 LcpProblem SpreadMasses(const LcpProblem& given, double ratio, std::uint64_t seed);
+
+/// Another right-hand side for the same matrix, as the next step of a driver with constant geometry has it:
+///     b' = b - A d,   d_i = 0.1 |D^-1/2 b|_inf D_ii^-1/2 u_i,   D = diag A,
+/// u_i uniform in [0, 1) on unilateral rows and in [-1, 1) on bilateral ones, 0 where A_ii = 0. Where f is feasible for
+/// b, f + d is for b', so that the problem stays solvable (but for roundings where rows depend on each other).
+/// Deterministic by seed.  O(entries of the given form)
+Eigen::VectorXd AnotherB(const LcpProblem& problem, std::uint64_t seed);
 
 }  // namespace lcpbench

@@ -70,11 +70,6 @@ ContactSystem Squeezed(std::string_view key, int rows, std::uint64_t seed, doubl
   return line.system();
 }
 
-ContactSystem SqueezedRow(int rows, std::uint64_t seed) { return Squeezed("squeezed-row", rows, seed, 1); }
-ContactSystem BarelySqueezedRow(int rows, std::uint64_t seed) {
-  return Squeezed("barely-squeezed-row", rows, seed, 0x1p-30);
-}
-
 // Discs on a floor, weighed down, and nothing that pushes them together: sideways f = w = 0, upright f > 0.
 ContactSystem IdleLine(int rows, std::uint64_t seed) {
   Line line("idle-line", rows, seed);
@@ -154,10 +149,11 @@ ContactSystem OverpinnedBeam(int rows, std::uint64_t seed) {
 
 constexpr std::array kCases{
     HardCase{"squeezed-row",
-             "Discs between closing walls: no forces exist, and methods without rays run on to a limit.", &SqueezedRow},
+             "Discs between closing walls: no forces exist, and methods without rays run on to a limit.",
+             [](int rows, std::uint64_t seed) { return Squeezed("squeezed-row", rows, seed, 1); }},
     HardCase{"barely-squeezed-row",
              "The same by a billionth of the loads: a loose tolerance accepts a point of a problem that has none.",
-             &BarelySqueezedRow},
+             [](int rows, std::uint64_t seed) { return Squeezed("barely-squeezed-row", rows, seed, 0x1p-30); }},
     HardCase{"idle-line", "Contacts with f = w = 0 among loaded ones: strict complementarity fails, and pivots tie.",
              &IdleLine},
     HardCase{"fixed-pairs", "Rows of zeros in A, half of them with b = 0: division by the diagonal.", &FixedPairs},

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "benchmarks/motions/scene_source.h"
 #include "model/motion/row_matching.h"
 #include "support/input_error.h"
 
@@ -86,27 +85,39 @@ void SweepSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, 
   }
 }
 
-std::string FollowMotion(const Recipe& start, int steps, const std::function<bool(const MotionStep& step)>& handle) {
-  MovingScene scene = LoadScene(start.scene, start.rows, start.seed);
-  scene.level = MotionLevel::kVelocity;
-  SweepSolver solver;
+std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
+                        const std::function<bool(const MotionProblem& met)>& handle) {
   const std::unique_ptr<Motion> motion = StartMotion(scene, LcpOptions{}, solver);
-  ClosingCount closings;
-  Recipe recipe = start;
   bool goes_on = true;
+  bool acceleration_met = false;
   motion->set_observer([&](const MotionProblem& met) {
-    closings.Follow(met);
-    ++recipe.motion_step;
-    goes_on = handle(
-        {recipe.motion_step, closings.count(), Instance{met.system, met.rows, WithId(met.problem, RecipeId(recipe))}});
+    const bool is_acceleration = met.kind == MotionProblemKind::kAcceleration;
+    if (is_acceleration && acceleration_met) return;
+    acceleration_met = acceleration_met || is_acceleration;
+    goes_on = handle(met);
   });
   for (int k = 0; k < steps && goes_on; ++k) {
+    acceleration_met = false;
     motion->Advance(scene.step);
     if (motion->status() != MotionStatus::kMoving) {
       return "stopped in step " + std::to_string(k + 1) + ": " + motion->detail();
     }
   }
   return {};
+}
+
+std::string FollowMotion(const Recipe& start, int steps, const std::function<bool(const MotionStep& step)>& handle) {
+  MovingScene scene = LoadScene(start.scene, start.rows, start.seed);
+  scene.level = MotionLevel::kVelocity;
+  SweepSolver solver;
+  ClosingCount closings;
+  Recipe recipe = start;
+  return FollowScene(scene, solver, steps, [&](const MotionProblem& met) {
+    closings.Follow(met);
+    ++recipe.motion_step;
+    return handle(
+        {recipe.motion_step, closings.count(), Instance{met.system, met.rows, WithId(met.problem, RecipeId(recipe))}});
+  });
 }
 
 void TakeSteps(const Recipe& start, int count, const std::function<bool(const MotionStep& step)>& accept) {

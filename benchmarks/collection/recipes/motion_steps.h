@@ -3,8 +3,9 @@
 #include <functional>
 #include <string>
 
-#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/recipe.h"
+#include "benchmarks/motions/scene_source.h"
 #include "solvers/lcp/solver.h"
 
 namespace lcpbench {
@@ -29,6 +30,13 @@ class SweepSolver final : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 };
 
+/// Lets a scene move until `handle` returns false, and at most `steps` steps of its own length. Of the acceleration
+/// problems of a step the first one is handled: how many steps the integrator takes in between is its own matter.
+/// Impacts and time steps are handled all.
+/// @return "" or why the motion ended before its time
+std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
+                        const std::function<bool(const MotionProblem& met)>& handle);
+
 /// One time step of a motion.
 struct MotionStep {
   int number = 0;  ///< from 1
@@ -38,9 +46,8 @@ struct MotionStep {
   Instance instance;  ///< its id is that of the recipe with this step
 };
 
-/// Lets a scene move until `handle` returns false, and at most `steps` time steps.
+/// FollowScene for a recipe's scene at the velocity level, driven by SweepSolver.
 /// @param start  neither changes nor a step
-/// @return "" or why the motion ended before its time
 /// @throws InputError as StartScene
 std::string FollowMotion(const Recipe& start, int steps, const std::function<bool(const MotionStep& step)>& handle);
 

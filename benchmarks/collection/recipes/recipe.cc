@@ -1,13 +1,13 @@
 #include "benchmarks/collection/recipes/recipe.h"
 
 #include <algorithm>
+#include <boost/algorithm/string/join.hpp>
 #include <utility>
 #include <variant>
 
 #include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/hard_cases.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "model/geometry/overloaded.h"
 #include "model/scenes/scene.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -15,41 +15,42 @@
 namespace lcpbench {
 namespace {
 
-using SystemChange = void (*)(ContactSystem* system, double amount, std::uint64_t seed);
-using RowChange = void (*)(Instance* instance, double amount, std::uint64_t seed);
-
 // Half of the contacts, for changes whose number is not the share.
 constexpr double kCrowdedShare = 0.5;
 
-struct Entry {
-  ChangeKind kind;
-  std::variant<SystemChange, RowChange> apply;
+struct ChangeKind {
+  const char* name;
+  // Of the system, or else of its rows.
+  void (*of_system)(ContactSystem* system, double amount, std::uint64_t seed);
+  void (*of_rows)(Instance* instance, double amount, std::uint64_t seed);
 };
 
-const Entry kChanges[] = {
-    {{"curvature-contrast", "radii of convex edges at contacts multiplied by random factors from 1 to 1 / amount"},
-     SystemChange{[](ContactSystem* s, double a, std::uint64_t seed) { ContrastCurvature(s, a, seed); }}},
-    {{"conformal", "convex arcs in concave ones with a radius smaller by the share `amount`"},
-     SystemChange{[](ContactSystem* s, double a, std::uint64_t) { MakeConformal(s, a); }}},
-    {{"mass-ratio", "masses multiplied by random factors from 1 to `amount`"},
-     RowChange{[](Instance* i, double a, std::uint64_t seed) { i->problem = SpreadMasses(i->problem, a, seed); }}},
-    {{"duplicate-rows", "the share `amount` of the unilateral rows once more"}, RowChange{&DuplicateRows}},
-    {{"crowd-contacts", "half of the contacts with a neighbour at `amount` radii of gyration"},
-     RowChange{[](Instance* i, double a, std::uint64_t seed) { CrowdContacts(i, kCrowdedShare, a, seed); }}},
-    {{"slack", "`amount` in units of the mean load added to b of every contact"},
-     RowChange{[](Instance* i, double a, std::uint64_t) { AddSlack(i, a); }}},
-    {{"scale-rows", "rows multiplied by random powers of two, exponents up to +-amount"}, RowChange{&ScaleRows}},
-    {{"oppose-rows", "the share `amount` of the unilateral rows once more with the other sign"},
-     RowChange{&OpposeRows}},
+constexpr ChangeKind kChanges[] = {
+    // Radii of convex edges at contacts multiplied by random factors from 1 to 1 / amount.
+    {"curvature-contrast", &ContrastCurvature, nullptr},
+    // Convex arcs in concave ones with a radius smaller by the share `amount`.
+    {"conformal", [](ContactSystem* s, double a, std::uint64_t) { MakeConformal(s, a); }, nullptr},
+    // Masses multiplied by random factors from 1 to `amount`.
+    {"mass-ratio", nullptr,
+     [](Instance* i, double a, std::uint64_t seed) { i->problem = SpreadMasses(i->problem, a, seed); }},
+    // The share `amount` of the unilateral rows once more.
+    {"duplicate-rows", nullptr, &DuplicateRows},
+    // Half of the contacts with a neighbour at `amount` radii of gyration.
+    {"crowd-contacts", nullptr,
+     [](Instance* i, double a, std::uint64_t seed) { CrowdContacts(i, kCrowdedShare, a, seed); }},
+    // `amount` in units of the mean load added to b of every contact.
+    {"slack", nullptr, [](Instance* i, double a, std::uint64_t) { AddSlack(i, a); }},
+    // Rows multiplied by random powers of two, exponents up to +-amount.
+    {"scale-rows", nullptr, &ScaleRows},
+    // The share `amount` of the unilateral rows once more with the other sign.
+    {"oppose-rows", nullptr, &OpposeRows},
 };
 
-const Entry& Find(const std::string& name) {
-  std::string known;
-  for (const Entry& entry : kChanges) {
-    if (name == entry.kind.name) return entry;
-    known += (known.empty() ? "" : ", ") + std::string(entry.kind.name);
+const ChangeKind& Find(const std::string& name) {
+  for (const ChangeKind& kind : kChanges) {
+    if (name == kind.name) return kind;
   }
-  throw InputError("unknown change '" + name + "', expected one of " + known);
+  throw InputError("unknown change '" + name + "', expected one of " + boost::algorithm::join(AllChanges(), ", "));
 }
 
 ContactSystem Generate(const Recipe& recipe) {
@@ -61,27 +62,38 @@ ContactSystem Generate(const Recipe& recipe) {
 }
 
 std::string KindOf(const Feature& feature) {
-  const auto curved = [](Side side, const char* name) {
-    return (side == Side::kConcave ? "concave " : "") + std::string(name);
-  };
-  return std::visit(Overloaded{[](const Vertex&) { return std::string("vertex"); },
-                               [](const StraightEdge&) { return std::string("straight"); },
-                               [&](const ArcEdge& edge) { return curved(edge.side, "arc"); },
-                               [&](const EllipseEdge& edge) { return curved(edge.side, "ellipse"); },
-                               [&](const SuperellipseEdge& edge) { return curved(edge.side, "superellipse"); },
-                               [](const BezierEdge&) { return std::string("bezier"); }},
-                    feature);
+  return std::visit(
+      [](const auto& edge) {
+        std::string name = edge.kName;
+        if constexpr (requires { edge.side; }) name = (edge.side == Side::kConcave ? "concave " : "") + name;
+        return name;
+      },
+      feature);
+}
+
+std::string KindOf(const Constraint& constraint) {
+  switch (constraint.type) {
+    case ConstraintType::kContact:
+      break;
+    case ConstraintType::kPathJoint:
+      return "path joint";
+    case ConstraintType::kPin:
+      return "pin";
+    case ConstraintType::kRod:
+      return "rod";
+    case ConstraintType::kRope:
+      return "rope";
+  }
+  const auto [first, second] = std::minmax({KindOf(constraint.feature1), KindOf(constraint.feature2)});
+  return first + " on " + second;
 }
 
 }  // namespace
 
-const std::vector<ChangeKind>& AllChanges() {
-  static const std::vector<ChangeKind> kinds = [] {
-    std::vector<ChangeKind> all;
-    for (const Entry& entry : kChanges) all.push_back(entry.kind);
-    return all;
-  }();
-  return kinds;
+std::vector<std::string> AllChanges() {
+  std::vector<std::string> names;
+  for (const ChangeKind& kind : kChanges) names.emplace_back(kind.name);
+  return names;
 }
 
 std::string RecipeId(const Recipe& recipe) {
@@ -102,16 +114,12 @@ Instance MakeInstance(const Recipe& recipe) {
     if (recipe.motion_step > 0) return MakeMotionStep(recipe);
     ContactSystem system = Generate(recipe);
     // Curvature first, wherever it stands in the list: rows are made from the edges.
-    for (const Change& change : recipe.changes) {
-      if (const auto* apply = std::get_if<SystemChange>(&Find(change.name).apply)) {
-        (*apply)(&system, change.amount, recipe.seed);
-      }
+    for (const auto& [name, amount] : recipe.changes) {
+      if (Find(name).of_system != nullptr) Find(name).of_system(&system, amount, recipe.seed);
     }
     Instance instance = InstanceOf(std::move(system));
-    for (const Change& change : recipe.changes) {
-      if (const auto* apply = std::get_if<RowChange>(&Find(change.name).apply)) {
-        (*apply)(&instance, change.amount, recipe.seed);
-      }
+    for (const auto& [name, amount] : recipe.changes) {
+      if (Find(name).of_rows != nullptr) Find(name).of_rows(&instance, amount, recipe.seed);
     }
     instance.problem = WithId(instance.problem, id);
     return instance;
@@ -122,29 +130,7 @@ Instance MakeInstance(const Recipe& recipe) {
 
 std::map<std::string, int> CountKinds(const ContactSystem& system) {
   std::map<std::string, int> counts;
-  for (const Constraint& constraint : system.constraints) {
-    switch (constraint.type) {
-      case ConstraintType::kContact: {
-        std::string first = KindOf(constraint.feature1);
-        std::string second = KindOf(constraint.feature2);
-        if (second < first) std::swap(first, second);
-        ++counts[first + " on " + second];
-        break;
-      }
-      case ConstraintType::kPathJoint:
-        ++counts["path joint"];
-        break;
-      case ConstraintType::kPin:
-        ++counts["pin"];
-        break;
-      case ConstraintType::kRod:
-        ++counts["rod"];
-        break;
-      case ConstraintType::kRope:
-        ++counts["rope"];
-        break;
-    }
-  }
+  for (const Constraint& constraint : system.constraints) ++counts[KindOf(constraint)];
   return counts;
 }
 

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/recipes/instance.h"
+#include "benchmarks/collection/recipes/changes.h"
 
 namespace lcpbench {
 
-/// One change of a generated problem, by name (AllChanges), with its one number.
+/// One change of a generated problem, by name (kChanges in recipe.cc), with its one number.
 struct Change {
   std::string name;
   double amount = 0;
@@ -28,12 +28,7 @@ struct Recipe {
   bool operator==(const Recipe&) const = default;
 };
 
-/// What a change does, and what its number means.
-struct ChangeKind {
-  const char* name;
-  const char* meaning;
-};
-const std::vector<ChangeKind>& AllChanges();
+std::vector<std::string> AllChanges();
 
 /// "<scene>-n<rows>-s<seed>", "-<change>-<amount>" for every change, "-motion-step<k>" for a step of a motion.
 std::string RecipeId(const Recipe& recipe);

@@ -1,4 +1,4 @@
-// ---- the recorded motion: words of 16 bits, see benchmarks/drawing/animation_data.h
+// ---- the recorded motion: words of 16 bits, see benchmarks/drawing/animation_page.h
 
 const element = (id) => document.getElementById(id);
 const scene = JSON.parse(element("scene").textContent);

@@ -1,8 +1,5 @@
 // ---- the bodies
 
-// Arrows of the largest usual force are that long; rare ones may be kArrowCut times longer, then they are cut.
-const kArrowBodies = 1.3;
-const kArrowCut = 3;
 // Bodies smaller than this are drawn with one edge colour, smaller ones than the second without edges [px].
 const kFewEdges = 9;
 const kNoEdges = 2.5;
@@ -10,13 +7,12 @@ const kImpactFade = 8;  // [frames]
 
 const canvas = element("stage");
 const context = canvas.getContext("2d");
-const arrowPerNewton = scene.typicalForce > 0 ? kArrowBodies * scene.bodySize / scene.typicalForce : 0;
 const view = {scale: 1, x: 0, y: 0, zoom: 1, width: 0, height: 0, ratio: 1};
 
 for (const body of scene.bodies) {
   if (body.fill !== undefined) {
     body.fillPath = new Path2D(body.fill);
-    body.edgePaths = body.edges.map(([kind, path]) => [scene.edgeStyles[kind][1], new Path2D(path)]);
+    body.edgePaths = body.edges.map(([color, path]) => [color, new Path2D(path)]);
   }
 }
 for (const link of scene.connectors) {
@@ -31,12 +27,7 @@ function hatching([ground, stripe]) {
   pen.fillRect(0, 0, 16, 16);
   pen.strokeStyle = stripe;
   pen.lineWidth = 3;
-  pen.beginPath();
-  for (const shift of [-16, 0, 16]) {
-    pen.moveTo(shift - 4, 20);
-    pen.lineTo(shift + 20, -4);
-  }
-  pen.stroke();
+  pen.stroke(new Path2D("M-20 20L4 -4M-4 20L20 -4M12 20L36 -4"));
   return context.createPattern(tile, "repeat");
 }
 const patterns = {fixed: hatching(scene.colors.fixed), driven: hatching(scene.colors.driven)};
@@ -120,98 +111,72 @@ function drawBody(body) {
 
 function drawPointMass(body) {
   pageTransform();
-  const [x, y] = toPage(body.now[0], body.now[1]);
+  disc(toPage(body.now[0], body.now[1]), 4, scene.colors.body, "#7d8791", 1);
+}
+
+function disc([x, y], radius, fill, stroke, width, square = false) {
   context.beginPath();
-  context.arc(x, y, 4, 0, 2 * Math.PI);
-  context.fillStyle = scene.colors.body;
+  if (square) context.rect(x - radius, y - radius, 2 * radius, 2 * radius);
+  else context.arc(x, y, radius, 0, 2 * Math.PI);
+  context.fillStyle = fill;
   context.fill();
-  context.strokeStyle = "#7d8791";
-  context.lineWidth = 1;
+  context.strokeStyle = stroke;
+  context.lineWidth = width;
   context.stroke();
 }
 
-// ---- what holds them
+// ---- what holds them, as benchmarks/drawing/drawn_scene.cc draws it
+
+const strokeOf = (half) => Math.min(1.5, Math.max(0.5, 0.3 * half));
+const pin = (at, radius, square) => disc(at, radius, "#fff", scene.colors.ink, strokeOf(radius), square);
+
+function drawPath(link) {
+  const scale = bodyTransform(scene.bodies[link.b], link.unit);
+  context.setLineDash([6 / scale, 3 / scale, 1 / scale, 3 / scale]);
+  context.lineWidth = 1 / scale;
+  context.strokeStyle = scene.colors.soft;
+  context.stroke(link.pathShape);
+  context.setLineDash([]);
+}
 
 function drawConnector(link) {
-  const a = pagePoint(scene.bodies[link.a], link.p);
   const half = Math.min(6, Math.max(1.2, 0.09 * scene.bodySize * view.scale));
-  if (link.type === "path") {
-    const scale = bodyTransform(scene.bodies[link.b], link.unit);
-    context.setLineDash([6 / scale, 3 / scale, 1 / scale, 3 / scale]);
-    context.lineWidth = 1 / scale;
-    context.strokeStyle = "#6b7280";
-    context.stroke(link.pathShape);
-    context.setLineDash([]);
-    pageTransform();
-    marker(a, half, true);
+  if (link.path) drawPath(link);
+  const a = pagePoint(scene.bodies[link.a], link.p);
+  const b = link.path ? a : pagePoint(scene.bodies[link.b], link.q);
+  pageTransform();
+  if (link.path || link.type === "pin") {
+    pin([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], Math.max(1.2, 0.8 * half), Boolean(link.path));
     return;
   }
-  const b = pagePoint(scene.bodies[link.b], link.q);
-  pageTransform();
-  context.strokeStyle = scene.colors.ink;
-  context.lineWidth = Math.min(1.5, Math.max(0.5, 0.3 * half));
-  if (link.type === "pin") marker([(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], half, false);
-  else connectorShapes[link.type](a, b, half, link);
-}
-
-function marker([x, y], half, square) {
-  context.beginPath();
-  if (square) context.rect(x - half, y - half, 2 * half, 2 * half);
-  else context.arc(x, y, Math.max(1.2, 0.8 * half), 0, 2 * Math.PI);
-  context.fillStyle = "#fff";
-  context.fill();
-  context.strokeStyle = scene.colors.ink;
-  context.lineWidth = Math.min(1.5, Math.max(0.5, 0.3 * half));
-  context.stroke();
-}
-
-// A polyline of points given as share of the way from a to b and distance beside it; null lifts the pen.
-function along(a, b, points) {
   const [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-  const length = Math.hypot(dx, dy) || 1;
-  let down = false;
-  context.beginPath();
-  for (const point of points) {
-    if (point) {
-      const [x, y] = [a[0] + point[0] * dx - point[1] * dy / length, a[1] + point[0] * dy + point[1] * dx / length];
-      if (down) context.lineTo(x, y);
-      else context.moveTo(x, y);
-    }
-    down = Boolean(point);
-  }
-  context.stroke();
-}
-
-const connectorShapes = {
-  rod(a, b, half) {
-    const width = 1.2 * half;
-    for (const [color, stroke] of [[scene.colors.ink, width], ["#fff", width - Math.min(1.6, half / 2)]]) {
-      context.strokeStyle = color;
-      context.lineWidth = Math.max(0.4, stroke);
-      along(a, b, [[0, 0], [1, 0]]);
-    }
-    marker(a, 0.8 * half, false);
-    marker(b, 0.8 * half, false);
-  },
-  rope(a, b, half, link) {
-    const span = Math.hypot(b[0] - a[0], b[1] - a[1]);
+  const span = Math.hypot(dx, dy) || 1;
+  let [ax, ay] = [-dy * half / span, dx * half / span];  // across
+  const [x0, y0] = [a[0] + 1.3 * link.side * ax, a[1] + 1.3 * link.side * ay];
+  if (link.type === "rope") {
     const slack = Math.min(link.length * view.scale - span, span);
-    const sag = slack > 1e-3 * span ? Math.sqrt(0.375 * span * slack) : 0;
-    context.beginPath();
-    context.moveTo(a[0], a[1]);
-    context.quadraticCurveTo((a[0] + b[0]) / 2, (a[1] + b[1]) / 2 + 2 * sag, b[0], b[1]);
-    context.stroke();
-  },
-  spring(a, b, half) {
-    const points = [[0, 0]];
-    for (let k = 0; k <= 12; ++k) points.push([1 / 6 + k / 18, k % 12 === 0 ? 0 : k % 2 ? half : -half]);
-    along(a, b, [...points, [1, 0]]);
-  },
-  damper(a, b, half) {
-    along(a, b, [[0, 0], [0.35, 0], null, [0.65, half], [0.35, half], [0.35, -half], [0.65, -half], null,
-                 [0.52, 0.7 * half], [0.52, -0.7 * half], null, [0.52, 0], [1, 0]]);
-  },
-};
+    [ax, ay] = [0, slack > 1e-3 * span ? Math.sqrt(0.375 * span * slack) : 0];
+  }
+  const line = new Path2D();
+  for (const [along, across, down] of scene.symbols[link.type]) {
+    const point = [x0 + along * dx + across * ax, y0 + along * dy + across * ay];
+    if (down) line.lineTo(...point);
+    else line.moveTo(...point);
+  }
+  const stroke = (color, width) => {
+    context.strokeStyle = color;
+    context.lineWidth = width;
+    context.stroke(line);
+  };
+  if (link.type !== "rod") {
+    stroke(scene.colors.ink, strokeOf(half));
+    return;
+  }
+  stroke(scene.colors.ink, 1.2 * half);
+  stroke("#fff", 1.2 * half - Math.min(1.6, 0.6 * half));
+  pin(a, 0.6 * half);
+  pin(b, 0.6 * half);
+}
 
 // ---- what acts between them
 
@@ -219,13 +184,13 @@ function drawForces(frames, frame) {
   const {begins, value} = frames.forces;
   const k = Math.min(Math.round(frame), frameCount - 1);
   const width = Math.min(2.2, Math.max(0.8, 0.05 * scene.bodySize * view.scale));
-  const longest = kArrowCut * kArrowBodies * scene.bodySize * view.scale;
+  const longest = scene.longestArrow * view.scale;
   const shafts = new Path2D();
   const heads = new Path2D();
   for (let i = begins[k]; i < begins[k + 1]; ++i) {
     const [x, y] = toPage(value(0, i), value(1, i));
-    let dx = value(2, i) * arrowPerNewton * view.scale;
-    let dy = -value(3, i) * arrowPerNewton * view.scale;
+    let dx = value(2, i) * scene.arrowPerNewton * view.scale;
+    let dy = -value(3, i) * scene.arrowPerNewton * view.scale;
     const length = Math.hypot(dx, dy);
     if (length < 1) continue;
     const cut = Math.min(1, longest / length);
@@ -259,7 +224,7 @@ function drawImpacts(frames, frame) {
     context.beginPath();
     for (let i = begins[k]; i < begins[k + 1]; ++i) {
       const [x, y] = toPage(value(0, i), value(1, i));
-      const radius = 2 + 0.5 * scene.bodySize * view.scale * Math.sqrt(value(2, i) / scene.largestImpulse);
+      const radius = 2 + 0.5 * scene.bodySize * view.scale * Math.sqrt(Math.hypot(value(2, i), value(3, i)) / scene.largestImpulse);
       context.moveTo(x + radius, y);
       context.arc(x, y, radius, 0, 2 * Math.PI);
     }
@@ -278,14 +243,7 @@ function drawScale() {
   context.fillRect(8, y - 9, width + context.measureText(text).width + 16, 18);
   context.strokeStyle = context.fillStyle = scene.colors.ink;
   context.lineWidth = 1.4;
-  context.beginPath();
-  context.moveTo(12, y - 4);
-  context.lineTo(12, y + 4);
-  context.moveTo(12, y);
-  context.lineTo(12 + width, y);
-  context.moveTo(12 + width, y - 4);
-  context.lineTo(12 + width, y + 4);
-  context.stroke();
+  context.stroke(new Path2D(`M12 ${y - 4}v8m0 -4h${width}m0 -4v8`));
   context.fillText(text, 18 + width, y + 4);
 }
 

@@ -126,30 +126,8 @@ function listenToPointers() {
 }
 
 function writeLegend() {
-  const items = [];
-  const used = new Set(scene.bodies.flatMap((body) => (body.edges || []).map(([kind]) => kind)));
-  for (const kind of [...used].sort()) {
-    const [name, color] = scene.edgeStyles[kind];
-    items.push([`<svg width="24" height="4"><path d="M0 2h24" stroke="${color}" stroke-width="3"/></svg>`, name]);
-  }
-  for (const kind of ["fixed", "driven"]) {
-    if (!scene.bodies.some((body) => body.kind === kind && body.fill)) continue;
-    const [ground, stripe] = scene.colors[kind];
-    items.push([`<svg width="24" height="12"><rect width="24" height="12" fill="${ground}"/><path d="M1 11L11 1M9 11L19 1M17 11L23 5" stroke="${stripe}" stroke-width="1.6"/></svg>`, kind]);
-  }
-  if (arrowPerNewton > 0) {
-    items.push([`<svg width="34" height="10"><path d="M0 5h26" stroke="${scene.colors.force}" stroke-width="2.2"/><path d="M34 5L25 1V9Z" fill="${scene.colors.force}"/></svg>`,
-                `force: ${short(scene.typicalForce)} N are ${short(kArrowBodies * scene.bodySize)} m long, at most ${short(kArrowCut * kArrowBodies * scene.bodySize)} m`]);
-  }
-  if (scene.largestImpulse > 0) {
-    items.push([`<svg width="12" height="12"><circle cx="6" cy="6" r="5" fill="none" stroke="${scene.colors.force}" stroke-width="1.5"/></svg>`,
-                `impact, largest ${short(scene.largestImpulse)} N s`]);
-  }
-  const counts = new Map();
-  for (const {type} of scene.connectors) counts.set(type, (counts.get(type) || 0) + 1);
-  const names = {pin: "pins", path: "path joints", rod: "rods", rope: "ropes", spring: "springs", damper: "dampers"};
-  for (const [type, count] of counts) items.push(["", `${names[type]}: ${count}`]);
-  element("legend").innerHTML = items.map(([symbol, text]) => `<li>${symbol}${text}</li>`).join("");
+  element("legend").innerHTML = scene.legend.map(([width, symbol, text]) =>
+    `<li><svg width="${width}" height="14" viewBox="0 -7 ${width} 14">${symbol}</svg>${text}</li>`).join("");
 }
 
 function writeCaption() {
@@ -201,3 +179,7 @@ async function start() {
   requestAnimationFrame(tick);
 }
 
+start().catch((error) => {
+  notice(`This page cannot be shown: ${error.message}`);
+  throw error;
+});

@@ -38,19 +38,13 @@ function preparePlot() {
   pen.textAlign = "right";
   for (const energy of ticks(highestEnergy, 4)) {
     const y = Math.round(plotY(energy)) + 0.5;
-    pen.beginPath();
-    pen.moveTo(plot.left, y);
-    pen.lineTo(plot.width - plot.right, y);
-    pen.stroke();
+    pen.stroke(new Path2D(`M${plot.left} ${y}H${plot.width - plot.right}`));
     pen.fillText(energy === 0 ? "0 J" : round(energy), plot.left - 6, y + 4);
   }
   const duration = timeOf(frameCount - 1);
   for (const time of duration > 0 ? ticks(duration, plot.width < 500 ? 4 : 8) : [0]) {
     const x = plotX(time * scene.fps);
-    pen.beginPath();
-    pen.moveTo(x, plot.top);
-    pen.lineTo(x, plot.height - plot.bottom + 3);
-    pen.stroke();
+    pen.stroke(new Path2D(`M${x} ${plot.top}V${plot.height - plot.bottom + 3}`));
     pen.textAlign = x > plot.width - 24 ? "right" : "center";
     pen.fillText(`${round(time)} s`, Math.min(x, plot.width), plot.height - 6);
   }
@@ -72,10 +66,7 @@ function drawPlot(frame) {
   const x = plotX(frame);
   plotContext.strokeStyle = "#D55E00";
   plotContext.lineWidth = 1.5;
-  plotContext.beginPath();
-  plotContext.moveTo(x, plot.top);
-  plotContext.lineTo(x, plot.height - plot.bottom);
-  plotContext.stroke();
+  plotContext.stroke(new Path2D(`M${x} ${plot.top}V${plot.height - plot.bottom}`));
   const k = Math.min(Math.round(frame), frameCount - 1);
   for (const {id, color, values} of energies) {
     plotContext.fillStyle = color;

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/changes.h"
@@ -60,13 +63,10 @@ TEST(PortablePower, IsThePower) {
   }
 }
 
-TEST_P(ChangesOf, DuplicatesKeepRankAndAccelerations) {
-  const Instance given = Given(GetParam());
-  Instance changed = given;
-  DuplicateRows(&changed, 0.5, 3);
+/// Every row that was added is a unilateral one of the given rows times `sign`, and the rank stays.
+void ExpectCopies(const Instance& given, const Instance& changed, double sign) {
   const Index n = given.problem.size();
-  const auto unilateral = static_cast<double>(n - static_cast<Index>(given.problem.bilateral_rows().size()));
-  EXPECT_EQ(changed.problem.size(), n + static_cast<Index>(std::floor(0.5 * unilateral + 0.5)));
+  EXPECT_GT(changed.problem.size(), n);
   ASSERT_EQ(changed.rows.size(), static_cast<size_t>(changed.problem.size()));
   EXPECT_EQ(RankOf(changed.problem, 1000), RankOf(given.problem, 1000));
   EXPECT_EQ(changed.problem.bilateral_rows(), given.problem.bilateral_rows());
@@ -76,11 +76,21 @@ TEST_P(ChangesOf, DuplicatesKeepRankAndAccelerations) {
   for (Index i = n; i < changed.problem.size(); ++i) {
     bool found = false;
     for (Index k = 0; k < n && !found; ++k) {
-      found = after.row(i) == before.row(k) && changed.problem.b()[i] == given.problem.b()[k] &&
+      found = after.row(i) == sign * before.row(k) && changed.problem.b()[i] == sign * given.problem.b()[k] &&
               !given.problem.is_bilateral(k);
     }
     EXPECT_TRUE(found) << i;
   }
+}
+
+TEST_P(ChangesOf, DuplicatesKeepRankAndAccelerations) {
+  const Instance given = Given(GetParam());
+  Instance changed = given;
+  DuplicateRows(&changed, 0.5, 3);
+  ExpectCopies(given, changed, 1);
+  const Index n = given.problem.size();
+  const auto unilateral = static_cast<double>(n - static_cast<Index>(given.problem.bilateral_rows().size()));
+  EXPECT_EQ(changed.problem.size(), n + static_cast<Index>(std::floor(0.5 * unilateral + 0.5)));
   const Eigen::VectorXd w = AnswerW(given.problem);
   const double scale = given.problem.b().cwiseAbs().maxCoeff();
   EXPECT_LE((AnswerW(changed.problem).head(n) - w).cwiseAbs().maxCoeff(), 1e-8 * scale);
@@ -90,18 +100,7 @@ TEST_P(ChangesOf, OpposedRowsKeepTheRankAndNegate) {
   const Instance given = Given(GetParam());
   Instance changed = given;
   OpposeRows(&changed, 0.25, 5);
-  const Index n = given.problem.size();
-  EXPECT_GT(changed.problem.size(), n);
-  EXPECT_EQ(RankOf(changed.problem, 1000), RankOf(given.problem, 1000));
-  const Eigen::MatrixXd before(given.problem.J());
-  const Eigen::MatrixXd after(changed.problem.J());
-  for (Index i = n; i < changed.problem.size(); ++i) {
-    bool found = false;
-    for (Index k = 0; k < n && !found; ++k) {
-      found = after.row(i) == -before.row(k) && changed.problem.b()[i] == -given.problem.b()[k];
-    }
-    EXPECT_TRUE(found) << i;
-  }
+  ExpectCopies(given, changed, -1);
 }
 
 // The neighbour's row from its definition: R x n with R moved along the tangent, and b from the free accelerations.
@@ -215,6 +214,71 @@ TEST_P(ChangesOf, CurvatureChangesGammaAlone) {
             1e-6 * (1 + b.cwiseAbs().maxCoeff()));
 }
 
+TEST_P(ChangesOf, AnotherBLeavesProblemsSolvableAndMovesTheirForces) {
+  const LcpProblem given = MakeInstance({std::string(GetParam()), 25, 1, {}}).problem;
+  const Eigen::VectorXd b = AnotherB(given, 5);
+  EXPECT_EQ(AnotherB(given, 5), b);
+  EXPECT_NE(AnotherB(given, 6), b);
+  const LcpProblem problem = given.WithB(b);
+  LcpResult before;
+  LcpResult after;
+  MakeSolver("dantzig")->Solve(given, {}, &before);
+  MakeSolver("dantzig")->Solve(problem, {}, &after);
+  EXPECT_TRUE(Verify(problem, after, 1e-9).passes) << after.detail;
+  const double change = (after.f - before.f).norm() / before.f.norm();
+  EXPECT_GT(change, 1e-3);
+  EXPECT_LT(change, 10);
+}
+
+// b' + A d = b, with forces d that only press.
+TEST(AnotherB, IsWhatMoreForceWouldUndo) {
+  const LcpProblem given = LcpProblem::FromDense("d", Eigen::Vector3d(2, 8, 0).asDiagonal(), Eigen::Vector3d(-4, 1, 1),
+                                                 RowBounds::WithBilateralRows(3, {1}));
+  const Eigen::VectorXd change = given.b() - AnotherB(given, 1);
+  const double load = 4 / std::sqrt(2.0);
+  EXPECT_GE(change[0], 0);
+  EXPECT_LE(change[0], 0.1 * load * std::sqrt(2.0));
+  EXPECT_LE(std::abs(change[1]), 0.1 * load * std::sqrt(8.0));
+  EXPECT_EQ(change[2], 0);
+}
+
+TEST_P(ChangesOf, SpreadMassesAreMultipliedByOneToTheRatio) {
+  const LcpProblem given = Given(GetParam()).problem;
+  EXPECT_EQ(SpreadMasses(given, 1, 1).inverse_mass(), given.inverse_mass());
+  for (const double ratio : {10.0, 1e6}) {
+    const LcpProblem spread = SpreadMasses(given, ratio, 3);
+    std::vector<double> factors;
+    for (Index body = 0; body < given.inverse_mass().size() / 3; ++body) {
+      const Eigen::Vector3d before = given.inverse_mass().segment<3>(3 * body);
+      const Eigen::Vector3d after = spread.inverse_mass().segment<3>(3 * body);
+      if (before.isZero(0)) {
+        EXPECT_TRUE(after.isZero(0)) << body;
+        continue;
+      }
+      factors.push_back(before.maxCoeff() / after.maxCoeff());
+      // Mass and inertia of a body by the same factor: its shape stays.
+      EXPECT_LE((factors.back() * after - before).norm(), 1e-14 * before.norm()) << body;
+    }
+    EXPECT_EQ(spread.b(), given.b());
+    EXPECT_EQ(Eigen::MatrixXd(spread.J()), Eigen::MatrixXd(given.J()));
+    EXPECT_EQ(spread.bilateral_rows(), given.bilateral_rows());
+    if (factors.size() < 2) continue;
+    const auto [least, most] = std::minmax_element(factors.begin(), factors.end());
+    EXPECT_NEAR(*least, 1, 1e-14);
+    EXPECT_NEAR(*most, ratio, 1e-13 * ratio);
+    EXPECT_NE(SpreadMasses(given, ratio, 4).inverse_mass(), spread.inverse_mass());
+  }
+}
+
+TEST_P(ChangesOf, SpreadMassesLeaveProblemsSolvable) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const LcpProblem spread = SpreadMasses(Given(GetParam()).problem, 1e6, seed);
+    LcpResult result;
+    MakeSolver("dantzig")->Solve(spread, {}, &result);
+    EXPECT_TRUE(Verify(spread, result, 1e-6).passes) << result.detail;
+  }
+}
+
 TEST(Changes, CurvatureMatters) {
   for (const char* scene : {"disc-track", "rockers", "ovals-in-bowl", "gear-train", "cam-follower"}) {
     const LcpProblem given = Given(scene).problem;
@@ -258,19 +322,17 @@ TEST(Changes, CrowdingMakesTheConditionWorseWithTheSquareOfTheDistance) {
 }
 
 TEST(Changes, AreTheSameForTheSameSeedOnly) {
-  for (const ChangeKind& kind : AllChanges()) {
-    if (std::string(kind.name) == "conformal" || std::string(kind.name) == "slack") continue;
-    const double amount = std::string(kind.name) == "mass-ratio" || std::string(kind.name) == "curvature-contrast" ? 100
-                          : std::string(kind.name) == "scale-rows"                                                 ? 30
-                                                                   : 0.5;
-    const Recipe recipe{"rockers", kRows, 1, {{kind.name, amount}}};
+  const std::map<std::string, double> amounts = {{"mass-ratio", 100}, {"curvature-contrast", 100}, {"scale-rows", 30}};
+  for (const std::string& name : AllChanges()) {
+    if (name == "conformal" || name == "slack") continue;
+    const Recipe recipe{"rockers", kRows, 1, {{name, amounts.count(name) > 0 ? amounts.at(name) : 0.5}}};
     Recipe other = recipe;
     other.seed = 2;
     const LcpProblem a = MakeInstance(recipe).problem;
     const LcpProblem b = MakeInstance(recipe).problem;
-    EXPECT_EQ(Eigen::MatrixXd(a.J()), Eigen::MatrixXd(b.J())) << kind.name;
-    EXPECT_EQ(a.b(), b.b()) << kind.name;
-    EXPECT_EQ(a.inverse_mass(), b.inverse_mass()) << kind.name;
+    EXPECT_EQ(Eigen::MatrixXd(a.J()), Eigen::MatrixXd(b.J())) << name;
+    EXPECT_EQ(a.b(), b.b()) << name;
+    EXPECT_EQ(a.inverse_mass(), b.inverse_mass()) << name;
     EXPECT_EQ(a.id(), RecipeId(recipe));
     EXPECT_NE(RecipeId(recipe), RecipeId(other));
   }
@@ -280,7 +342,8 @@ TEST(Changes, RefuseImpossibleNumbers) {
   const std::pair<const char*, double> kImpossible[] = {
       {"duplicate-rows", 1.5}, {"duplicate-rows", -0.1}, {"oppose-rows", std::nan("")}, {"crowd-contacts", 0},
       {"scale-rows", 0.5},     {"scale-rows", 1000},     {"mass-ratio", 0.5},           {"curvature-contrast", 0.5},
-      {"conformal", 1},        {"slack", std::nan("")},  {"no-such-change", 1},         {"conformal", 0}};
+      {"conformal", 1},        {"slack", std::nan("")},  {"no-such-change", 1},         {"conformal", 0},
+      {"mass-ratio", -1},      {"mass-ratio", HUGE_VAL}, {"mass-ratio", std::nan("")}};
   for (const auto& [name, amount] : kImpossible) {
     try {
       MakeInstance({"disc-track", 20, 1, {{name, amount}}});

@@ -84,25 +84,15 @@ TEST(Manifest, IsReadAsItWasWritten) {
   tier.problems[1].grid = "mass ratio";
   tier.problems[2].purpose = "Nothing.";
   tier.sequences.push_back({{"rockers", 5, 3, {}}, 100});
-  const BuiltTier built = BuildTier(tier, {}, nullptr, [](int, int, const std::string&) {});
-  ASSERT_EQ(built.manifest.problems.size(), 6U);
-  const Manifest read = ReadManifest(WriteTemporary("round.json", FormatManifest(built.manifest)));
-  EXPECT_EQ(read.name, "smoke");
-  EXPECT_EQ(read.version, kCollectionVersion);
+  Manifest built = BuildTier(tier, {}, nullptr, [](int, int, const std::string&) {}).manifest;
+  built.refused.clear();  // which is not read
+  const std::string text = FormatManifest(built);
+  const Manifest read = ReadManifest(WriteTemporary("round.json", text));
+  EXPECT_EQ(FormatManifest(read), text);
   ASSERT_EQ(read.problems.size(), 6U);
   ProblemSource source("");
-  for (size_t k = 0; k < read.problems.size(); ++k) {
-    const ManifestEntry& a = built.manifest.problems[k];
-    const ManifestEntry& b = read.problems[k];
-    EXPECT_EQ(b.id, a.id);
-    EXPECT_EQ(b.grid, a.grid);
-    EXPECT_EQ(b.purpose, a.purpose);
-    EXPECT_EQ(std::get<Recipe>(b.source), std::get<Recipe>(a.source));
-    EXPECT_EQ(b.sha256, a.sha256);
-    EXPECT_EQ(ContentHash(source.Get(b)), b.sha256);
-  }
+  for (const ManifestEntry& entry : read.problems) EXPECT_EQ(ContentHash(source.Get(entry)), entry.sha256);
   ASSERT_EQ(read.sequences.size(), 1U);
-  EXPECT_EQ(read.sequences[0].start, built.manifest.sequences[0].start);
   EXPECT_EQ(read.sequences[0].sha256, MeasureSequence(read.sequences[0].start, 100).sha256);
 }
 
@@ -124,24 +114,16 @@ TEST(Manifest, HasStepsOfMotionsAndFillUpsAsTheyWereWritten) {
     entry.sha256 = hash;
   }
   EXPECT_EQ(manifest.problems[0].id, "disc-pile-n45-s1-motion-step60");
-  manifest.fill_classes = {{"4-6", 3, {{"f = 0", 2}}, hash}};
+  manifest.fill_classes = {{"4-6", 3, {}, hash}};
   for (const Recipe& recipe : {Recipe{"rockers", 4, 7, {}}, Recipe{"rockers", 4, 9, {}}, Recipe{"rockers", 6, 7, {}}}) {
     manifest.fill.push_back(FillEntry(recipe));
   }
-  const Manifest read = ReadManifest(WriteTemporary("steps.json", FormatManifest(manifest)));
-  ASSERT_EQ(read.problems.size(), 2U);
-  EXPECT_EQ(read.problems[1].remake, manifest.problems[1].remake);
-  EXPECT_EQ(std::get<FileSource>(read.problems[1].source).line, 100U);
-  EXPECT_EQ(read.problems[1].origin, "motion");
-  EXPECT_EQ(read.problems[1].base, "disc-pile-n45-s1-motion");
-  ASSERT_EQ(read.fill_classes.size(), 1U);
-  EXPECT_EQ(read.fill_classes[0].sha256, hash);
+  const std::string text = FormatManifest(manifest);
+  const Manifest read = ReadManifest(WriteTemporary("steps.json", text));
+  EXPECT_EQ(FormatManifest(read), text);
+  EXPECT_EQ(read.problems.at(1).remake, manifest.problems[1].remake);
   ASSERT_EQ(read.fill.size(), 3U);
-  for (size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(std::get<Recipe>(read.fill[k].source), std::get<Recipe>(manifest.fill[k].source));
-    EXPECT_TRUE(read.fill[k].fill);
-    EXPECT_EQ(read.fill[k].base, read.fill[k].id);
-  }
+  for (const ManifestEntry& entry : read.fill) EXPECT_TRUE(entry.fill && entry.base == entry.id);
   const std::map<std::string, double> weights = WeightsByBase(read.problems);
   EXPECT_EQ(weights.size(), 1U);
   EXPECT_EQ(weights.at("disc-pile-n45-s1-motion"), 0.5);

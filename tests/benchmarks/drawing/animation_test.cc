@@ -1,35 +1,37 @@
 #include "benchmarks/drawing/animation.h"
 
 #include <gtest/gtest.h>
+#include <openssl/evp.h>
 #include <zlib.h>
 
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
-#include "benchmarks/drawing/animation_data.h"
 #include "benchmarks/drawing/animation_page.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
+#include "tests/benchmarks/command_fixture.h"
 #include "tests/benchmarks/free_flight.h"
 
 namespace lcpbench {
 namespace {
 
-/// Reads a page's frames as animation_data.h describes them, independently of the page's script.
+/// Reads a page's frames as animation_page.h describes them, independently of the page's script.
 class Unpacker {
  public:
   Unpacker(const AnimationData& data, std::size_t frames) : frames_(frames) {
-    const std::string packed = FromBase64(data.frames);
+    std::vector<unsigned char> packed(data.frames.size());
+    EXPECT_GT(EVP_DecodeBlock(packed.data(), reinterpret_cast<const unsigned char*>(data.frames.data()),
+                              static_cast<int>(data.frames.size())),
+              0);
     std::vector<unsigned char> bytes(std::size_t{1} << 26U);
     uLongf size = bytes.size();
-    EXPECT_EQ(uncompress(bytes.data(), &size, reinterpret_cast<const Bytef*>(packed.data()), packed.size()), Z_OK);
+    EXPECT_EQ(uncompress(bytes.data(), &size, packed.data(), packed.size()), Z_OK);
     for (std::size_t i = 0; i < size / 2; ++i) words_.push_back(bytes[i] + 256U * bytes[size / 2 + i]);
   }
 
@@ -66,23 +68,6 @@ class Unpacker {
   bool finished() const { return at_ == words_.size(); }
 
  private:
-  static std::string FromBase64(const std::string& text) {
-    std::string bytes;
-    std::uint32_t group = 0;
-    int bits = 0;
-    for (const char c : text) {
-      if (c == '=') break;
-      const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-      group = (group << 6U | static_cast<std::uint32_t>(digits.find(c))) & 0xFFFFFFU;
-      bits += 6;
-      if (bits >= 8) {
-        bits -= 8;
-        bytes.push_back(static_cast<char>(group >> static_cast<unsigned>(bits) & 0xFFU));
-      }
-    }
-    return bytes;
-  }
-
   std::size_t frames_;
   std::vector<unsigned> words_;
   std::size_t at_ = 0;
@@ -164,7 +149,7 @@ TEST(AnimationRecording, ShowsImpactsInTheFrameAfterThem) {
   EXPECT_TRUE(animation.frames[0].impacts.empty());
   for (std::size_t k = 1; k < 3; ++k) {
     ASSERT_EQ(animation.frames[k].impacts.size(), 1U);
-    EXPECT_EQ(animation.frames[k].impacts[0].impulse, 3);
+    EXPECT_EQ(animation.frames[k].impacts[0].force, (Vec2{0, 3}));
     EXPECT_TRUE(animation.frames[k].forces.empty());
   }
 }
@@ -203,7 +188,7 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
     for (std::size_t i = 0; i < (5 * k) % 7; ++i) {
       const Vec2 at = random.InUnitDisc();
       animation.frames[k].forces.push_back({at, 10 * random.UnitVector()});
-      animation.frames[k].impacts.push_back({at, random.Uniform(1, 2)});
+      animation.frames[k].impacts.push_back({at, {random.Uniform(1, 2), 0}});
     }
     animation.frames[k].forces.push_back({{}, {1e-3, 0}});
   }
@@ -223,20 +208,9 @@ TEST(AnimationData, KeepsForcesThatChangeInNumberAndLeavesOutFaintOnes) {
       EXPECT_NEAR(forces[k][i][1], frame.forces[i].at.y, place);
       EXPECT_NEAR(forces[k][i][2], frame.forces[i].force.x, 10 * kVisibleForce);
       EXPECT_NEAR(forces[k][i][3], frame.forces[i].force.y, 10 * kVisibleForce);
-      EXPECT_NEAR(impacts[k][i][2], frame.impacts[i].impulse, 2 * kVisibleForce);
+      EXPECT_NEAR(impacts[k][i][2], frame.impacts[i].force.x, 2 * kVisibleForce);
     }
   }
-}
-
-TEST(AnimationData, WritesBase64AsTheStandardSays) {
-  // RFC 4648, section 10.
-  EXPECT_EQ(Base64(""), "");
-  EXPECT_EQ(Base64("f"), "Zg==");
-  EXPECT_EQ(Base64("fo"), "Zm8=");
-  EXPECT_EQ(Base64("foo"), "Zm9v");
-  EXPECT_EQ(Base64("foob"), "Zm9vYg==");
-  EXPECT_EQ(Base64("fooba"), "Zm9vYmE=");
-  EXPECT_EQ(Base64("foobar"), "Zm9vYmFy");
 }
 
 /// Bodies and frames that nothing makes easy to compress: what a crowded pile gives.
@@ -252,7 +226,7 @@ Animation Crowd(int bodies, int frames) {
       frame.poses[i].x = frame.poses[i].x + 1e-2 * random.InUnitDisc();
       frame.poses[i].theta += 1e-2 * random.Uniform(-1, 1);
     }
-    for (AnimationForce& force : frame.forces) {
+    for (DrawnForce& force : frame.forces) {
       force.at = force.at + 1e-3 * random.InUnitDisc();
       force.force = force.force + 1e-2 * random.InUnitDisc();
     }
@@ -282,22 +256,16 @@ TEST(AnimationPage, NeedsNothingElseAndEscapesNames) {
 }
 
 /// What a headless Chromium makes of a page.
-class AnimationInBrowser : public testing::Test {
+class AnimationInBrowser : public CommandTest {
  protected:
   void SetUp() override {
+    CommandTest::SetUp();
     for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
       if (browser_.empty() && std::system(("command -v " + std::string(name) + " > /dev/null 2>&1").c_str()) == 0) {
         browser_ = name;
       }
     }
     if (browser_.empty()) GTEST_SKIP() << "no Chromium on this machine: the page is not opened";
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("lcpbench_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override {
-    if (!folder_.empty()) std::filesystem::remove_all(folder_);
   }
 
   struct Outcome {
@@ -306,19 +274,19 @@ class AnimationInBrowser : public testing::Test {
     std::vector<std::string> said;  ///< everything else on the console
   };
 
-  /// The page's self-test at a window size. Not by --dump-dom, which does not wait for animation frames: the browser
-  /// runs until the verdict is on the console.
-  Outcome SelfTest(const std::string& page, const std::string& size) const {
-    std::ofstream(folder_ / "page.html", std::ios::binary) << page;
-    const std::string log = (folder_ / "log").string();
-    const std::string command =
-        browser_ + " --headless --no-sandbox --disable-gpu --user-data-dir=" + (folder_ / "profile").string() +
-        " --enable-logging=stderr --window-size=" + size + " 'file://" + (folder_ / "page.html").string() +
-        "#selftest' > " + log + " 2>&1 & browser=$!; for i in $(seq 900); do grep -Eq '\"selftest (passed|failed)' " +
-        log + " && break; sleep 0.1; done; kill $browser; wait $browser; true";
+  /// What animation_selftest.js finds at a window size. Not by --dump-dom, which does not wait for animation frames:
+  /// the browser runs until the verdict is on the console.
+  Outcome SelfTest(std::string page, const std::string& size) const {
+    page.insert(page.rfind("})();"), ReadFile(LCPBENCH_SOURCE_DIR "/tests/benchmarks/drawing/animation_selftest.js"));
+    Write("page.html", page);
+    const std::string command = browser_ + " --headless --no-sandbox --disable-gpu --user-data-dir=" + Path("profile") +
+                                " --enable-logging=stderr --window-size=" + size + " 'file://" + Path("page.html") +
+                                "' > " + Path("log") +
+                                " 2>&1 & browser=$!; for i in $(seq 900); do grep -Eq '\"selftest (passed|failed)' " +
+                                Path("log") + " && break; sleep 0.1; done; kill $browser; wait $browser; true";
     EXPECT_EQ(std::system(command.c_str()), 0);
     Outcome outcome;
-    std::istringstream lines(Text("log"));
+    std::istringstream lines(ReadFile(Path("log")));
     for (std::string line; std::getline(lines, line);) {
       const std::size_t at = line.find("CONSOLE");
       if (at == std::string::npos) continue;
@@ -335,15 +303,7 @@ class AnimationInBrowser : public testing::Test {
     return outcome;
   }
 
-  std::string Text(const std::string& name) const {
-    std::ifstream file(folder_ / name, std::ios::binary);
-    std::stringstream text;
-    text << file.rdbuf();
-    return text.str();
-  }
-
   std::string browser_;
-  std::filesystem::path folder_;
 };
 
 /// One of everything that the page draws.

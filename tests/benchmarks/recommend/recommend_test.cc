@@ -9,14 +9,15 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "benchmarks/measure/quantile.h"
-#include "benchmarks/recommend/embedding.h"
 #include "benchmarks/recommend/features.h"
 #include "benchmarks/recommend/problem_steps.h"
 #include "benchmarks/recommend/ranking.h"
+#include "benchmarks/recommend/recommendation.h"
 #include "benchmarks/recommend/rules.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
@@ -115,9 +116,6 @@ class RulesFile : public CommandTest {
     Write("rules.json", json.dump());
     return ReadRecommendationRules(Path("rules.json"));
   }
-  std::string Refusal(const Json& json) const {
-    return MessageOf([&] { Read(json); });
-  }
 };
 
 TEST_F(RulesFile, TheRegionIsThatOfTheFeaturesAtTheLoosestTierThatIsStrictEnough) {
@@ -149,28 +147,22 @@ TEST_F(RulesFile, WhatIsNotKnownExcludesNoRegion) {
 }
 
 TEST_F(RulesFile, MistakesNameFileAndField) {
-  const auto broken = [](const std::string& pointer, const Json& value) {
+  const std::tuple<std::string, Json, std::string> mistakes[] = {
+      {"/regions/1/candidates/0", "danzig", ": expected the key of a solver, found \"danzig\""},
+      {"/regions/0/tier", "strict", ": expected a number, found \"strict\""},
+      {"/schema", "lcpbench-tuned/1", ": expected \"lcpbench-recommendation/1\", found \"lcpbench-tuned/1\""},
+      {"/regions/0/where/colour", {0, 1}, ": expected a feature"},
+      {"/regions/0/solvers/0/within", 7, ": expected a number of 0"},
+      {"/regions", Json::array(), ": expected one region or more"},
+      {"/regions/2/peers", Json::value_t::discarded, ": missing field, expected an array"}};
+  for (const auto& [field, value, expected] : mistakes) {
+    const Json::json_pointer place(field);
     Json json = Rules();
-    json[Json::json_pointer(pointer)] = value;
-    return json;
-  };
-  const std::string file = Path("rules.json");
-  EXPECT_EQ(Refusal(broken("/regions/1/candidates/0", "danzig")),
-            file + ": /regions/1/candidates/0: expected the key of a solver, found \"danzig\"");
-  EXPECT_EQ(Refusal(broken("/regions/0/tier", "strict")),
-            file + ": /regions/0/tier: expected a number, found \"strict\"");
-  EXPECT_EQ(Refusal(broken("/schema", "lcpbench-tuned/1")),
-            file + ": /schema: expected \"lcpbench-recommendation/1\", found \"lcpbench-tuned/1\"");
-  EXPECT_NE(Refusal(broken("/regions/0/where/colour", {0, 1})).find("/regions/0/where/colour: expected a feature"),
-            std::string::npos);
-  EXPECT_NE(
-      Refusal(broken("/regions/0/solvers/0/within", 7)).find("/regions/0/solvers/0/within: expected a number of 0"),
-      std::string::npos);
-  EXPECT_NE(Refusal(broken("/regions", Json::array())).find("/regions: expected one region or more"),
-            std::string::npos);
-  Json without = Rules();
-  without["regions"][2].erase("peers");
-  EXPECT_NE(Refusal(without).find("/regions/2/peers: missing field, expected an array"), std::string::npos);
+    json[place] = value;
+    if (value.is_discarded()) json[place.parent_pointer()].erase(place.back());
+    const std::string message = MessageOf([&] { Read(json); });
+    EXPECT_TRUE(message.starts_with(Path("rules.json") + ": " + field + expected)) << message;
+  }
   EXPECT_NE(MessageOf([] { ReadRecommendationRules("/nowhere/rules.json"); }).find("/nowhere/rules.json: cannot be"),
             std::string::npos);
 }
@@ -375,10 +367,8 @@ TEST_F(RecommendCommand, SaysPlainlyWhereNothingMeetsTheRequest) {
 }
 
 TEST_F(RecommendCommand, AProblemWithoutASolutionHasNoRecommendation) {
-  const Json found = [&] {
-    Write("none.jsonl", R"({"id":"none","A":[[0,0],[0,1]],"b":[-1,-1]})");
-    return Recommend(Path("none.jsonl"));
-  }();
+  Write("none.jsonl", R"({"id":"none","A":[[0,0],[0,1]],"b":[-1,-1]})");
+  const Json found = Recommend(Path("none.jsonl"));
   EXPECT_TRUE(found["recommended"].is_null());
   EXPECT_EQ(found["ranked"][0]["verified"], 0);
 }

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "model/geometry/feature.h"
+#include "model/shape/outline.h"
+
+namespace lcpbench {
+
+// Outlines as path commands of SVG, which Path2D of browsers reads too: in the body's frame, y up, `unit` path units
+// per metre.
+
+/// Arcs and ellipses as A, Bezier curves as C, what SVG has no command for (superellipses, arcs too flat for a
+/// renderer's floats) as a polygon within kFlatness of the curve. `move` leads to the piece's start: "M" or "L".
+std::string PiecePath(const OutlineEdge& piece, double unit, std::string_view move);
+
+/// All loops, closed. Fill by the even-odd rule: holes stay empty.
+std::string OutlinePath(const Outline& outline, double unit);
+
+/// The band between the piece and its copy, moved `depth` path units into the material: for hatching, closed.
+std::string BandPath(const OutlineEdge& piece, double unit, double depth);
+
+/// Parameters from s_begin to s_end between which the piece is straight to within `flatness` [m].
+std::vector<double> FlatParameters(const OutlineEdge& piece, double flatness);
+
+/// Whether the outline encloses material of its own, and not, as a floor or the rim of a round track does, bounds the
+/// material of the whole plane beyond: its first loop closes and runs counter-clockwise.
+bool IsBounded(const Outline& outline);
+
+/// The whole curve that an edge stands for, a straight edge and a Bezier curve from end to end; none for a vertex.
+std::optional<OutlineEdge> WholeCurve(const Feature& feature);
+
+/// Path units.
+inline constexpr double kFlatness = 0.05;
+
+}  // namespace lcpbench
