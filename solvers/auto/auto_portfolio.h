@@ -8,7 +8,7 @@
 #include "solvers/active_set/bpp.h"
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/first_order/nncg.h"
-#include "solvers/first_order/psor.h"
+#include "solvers/first_order/pgs.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/dantzig.h"
@@ -73,7 +73,7 @@ class AutoPortfolio {
   std::int64_t nncg_limit_ = 0;  // 0: not worth a try
   std::int64_t psor_limit_ = 0;
 
-  PsorSolver psor_;
+  PgsSolver psor_;
   NncgSolver nncg_;
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;
