@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/cost_model.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/lcp/verify.h"
 #include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
