@@ -36,6 +36,8 @@ constexpr double kDivergence = 0.25;
 // Of a ray: smaller parts of its largest entry are rounding of other components.
 constexpr double kRaySupport = 1e-7;
 constexpr int kRayCorrections = 6;
+// Rays are looked at in this size, so that b does not round A y away in w = A y + b.
+constexpr double kLift = 0x1p200;
 constexpr double kRayWeight = 1e-10;
 
 size_t At(Index i) { return static_cast<size_t>(i); }
@@ -99,7 +101,7 @@ BlockPivoting::End BlockPivoting::SolveActive() {
 }
 
 // Fills violated_, ascending. Signs are judged relative to the rounding of forces and gaps.
-Index BlockPivoting::FindViolated(bool of_proximal, double noise) {
+Index BlockPivoting::FindViolated(bool of_proximal) {
   const ScaledVectors& scaled = *task_.scaled;
   const double size = f_.cwiseAbs().dot(root_);
   const double force_noise = of_proximal ? kForceNoise * kEpsilon / weight_ * LargestForce() : 0.0;
@@ -107,7 +109,7 @@ Index BlockPivoting::FindViolated(bool of_proximal, double noise) {
   for (Index i = 0; i < f_.size(); ++i) {
     if (scaled.is_joint(i) || !scaled.acts(i)) continue;
     const bool violated = active_[At(i)] != 0 ? f_[i] * root_[i] < -force_noise
-                                              : w_[i] < -noise * (size * GapRoot(i) + std::abs(scaled.b[i]));
+                                              : w_[i] < -(kNoise * size * GapRoot(i) + kNoise * std::abs(scaled.b[i]));
     if (violated) violated_.push_back(i);
   }
   return static_cast<Index>(violated_.size());
@@ -134,7 +136,7 @@ BlockPivoting::End BlockPivoting::PivotBlocks(const Rules& rules) {
     if (rules.end_when_singular && first && kDependentShare * task_.block->CountDependentRows() > n) {
       return End::kSingular;
     }
-    const auto count = static_cast<double>(FindViolated(true, kNoise));
+    const auto count = static_cast<double>(FindViolated(true));
     if (count == 0) return End::kNotMet;
     if (rules.try_every_set) {
       proximal_ = f_;
@@ -142,8 +144,8 @@ BlockPivoting::End BlockPivoting::PivotBlocks(const Rules& rules) {
       if (Publish() || Refine(task_.tolerance)) return End::kDone;
       f_ = proximal_;
     }
-    const double most = least < none ? std::max(rules.progress * least, rules.few_wrong * rows)
-                                     : rules.most_wrong * rows;
+    const double most =
+        least < none ? std::max(rules.progress * least, rules.few_wrong * rows) : rules.most_wrong * rows;
     if (count > most) return End::kGaveUp;
     if (count < least) {
       least = count;
@@ -162,7 +164,8 @@ BlockPivoting::End BlockPivoting::PivotBlocks(const Rules& rules) {
   }
 }
 
-// f_F += x with A_FF x = -(A f + b)_F by conjugate gradients, preconditioned with the factor, or by refinement on it. Leaves w_ = A f + b.
+// f_F += x with A_FF x = -(A f + b)_F by conjugate gradients, preconditioned with the factor, or by refinement on it.
+// Leaves w_ = A f + b.
 BlockPivoting::End BlockPivoting::CorrectForces() {
   const ScaledVectors& scaled = *task_.scaled;
   const Index n = f_.size();
@@ -205,8 +208,9 @@ BlockPivoting::End BlockPivoting::CorrectForces() {
 
 // Where rounding is what is left, and too much for rows whose terms are all tiny: with residuals in extended precision.
 bool BlockPivoting::Refine(double tolerance) {
+  if (task_.sink == nullptr || task_.conjugate) return false;
   double most = kWorthRefining;
-  for (int k = 0; k < kMaxRefinements && task_.sink != nullptr && tier() > tolerance && !TimeIsUp(); ++k) {
+  for (int k = 0; k < kMaxRefinements && tier() > tolerance && !TimeIsUp(); ++k) {
     GiveForces(0, &ray_);
     const auto rho = static_cast<double>(product_.Rho(ray_));
     if (!(rho <= std::max(most, task_.tolerance))) return false;
@@ -228,9 +232,7 @@ BlockPivoting::End BlockPivoting::Polish(Index most, double tolerance) {
   for (int round = 0; round < kMaxPolishes; ++round) {
     if (const End end = CorrectForces(); end != End::kNotMet) return end;
     if (Publish() || Refine(tolerance)) return End::kDone;
-    Index count = FindViolated(false, kNoise);
-    // Signs that rounding may have made matter where every term of a row is tiny.
-    if (count == 0 && tier() > task_.tolerance) count = FindViolated(false, 0);
+    const Index count = FindViolated(false);
     if (count == 0 && task_.sink == nullptr) return End::kDone;
     if (count == 0 || count >= least) break;
     least = count;
@@ -285,17 +287,15 @@ bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
   const LcpProblem& problem = *task_.problem;
   const Index n = f_.size();
   const Eigen::VectorXd& b = problem.b();
-  const double least = kRaySupport * direction.cwiseAbs().maxCoeff();
-  direction_ = direction;
+  const double size = direction.cwiseAbs().maxCoeff();
+  if (!(size > 0) || !std::isfinite(size)) return false;
+  direction_ = kLift * (direction / size);  // so that small whole ratios, which are frequent, are exact
   for (Index i = 0; i < n; ++i) {
-    const bool acts = scaled.acts(i) && (scaled.is_joint(i) ? std::abs(direction[i]) : direction[i]) > least;
+    const bool acts = scaled.acts(i) && (scaled.is_joint(i) ? direction_[i] != 0 : direction_[i] > kRaySupport * kLift);
     active_[At(i)] = acts ? 1 : 0;
   }
   for (int pass = 0; pass <= kRayCorrections; ++pass) {
-    for (Index i = 0; i < n; ++i) {
-      const bool acts = active_[At(i)] != 0 && (scaled.is_joint(i) || direction_[i] > 0);
-      ray_[i] = acts ? direction_[i] * scaled.scale[i] : 0.0;
-    }
+    for (Index i = 0; i < n; ++i) ray_[i] = active_[At(i)] != 0 ? direction_[i] * scaled.scale[i] : 0.0;
     product_.Rho(ray_);  // w = A y + b
     long double b_dot_y = 0;
     long double b_size = 0;
@@ -305,14 +305,14 @@ bool BlockPivoting::FindRay(const Eigen::VectorXd& direction) {
       b_dot_y += static_cast<long double>(b[i]) * ray_[i];
       b_size += std::abs(b[i]) / root;
       largest = std::max(largest, std::abs(product_.w(i) - b[i]) / root);
+      residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scaled.scale[i];
+      if (!scaled.is_joint(i)) ray_[i] = std::max(ray_[i], 0.0);
     }
-    if (!(b_dot_y < 0)) return false;
     if (-b_dot_y >= FarkasVerdict::kRayThreshold * largest * b_size && VerifyFarkasRay(problem, ray_).accepted) {
-      accepted_ray_ = ray_;
+      accepted_ray_ = ray_ / kLift;
       return true;
     }
     if (pass == 0 && !task_.block->Factor(active_, kRayWeight, task_.deadline)) return false;
-    for (Index i = 0; i < n; ++i) residual_[i] = static_cast<double>(product_.w(i) - b[i]) * scaled.scale[i];
     task_.block->Solve(residual_.data());
     direction_ -= residual_;
   }
@@ -336,7 +336,7 @@ BlockPivoting::End BlockPivoting::Run(const Rules& rules) {
       size = std::max(size, std::abs(proximal_[i]) * root_[i]);
     }
     if (step > 0 && tier() > proof_tolerance() && moved * (step + 1) >= kDivergence * size &&
-        FindRay(proximal_ - center_)) {
+        FindRay(direction_ = proximal_ - center_)) {
       return End::kInfeasible;
     }
     center_ = proximal_;

@@ -71,8 +71,8 @@ class BlockPivoting {
     const Deadline* deadline = nullptr;  ///< nullptr for none
     std::int64_t factors = 0;            ///< limit
     double tolerance = 0;
-    /// Whether forces are corrected by conjugate gradients, preconditioned with the factor: faster than refinement, but
-    /// they magnify what of b is inconsistent with dependent rows.
+    /// Whether forces are corrected by conjugate gradients in double, preconditioned with the factor: faster than
+    /// refinement, which follows in extended precision, but they magnify what of b is inconsistent with dependent rows.
     bool conjugate = false;
     /// Forces beside loaded bodies are rounding where those by A are 0 (BodyActiveBlock).
     bool through_bodies = false;
@@ -80,8 +80,8 @@ class BlockPivoting {
 
   /// How far a Run goes.
   struct Rules {
-    double weight = 1e-8;       ///< proximal weight e at the start, at least kLeastWeight
-    double largest_weight = 1;  ///< see BppOptions::largest_proximal
+    double weight = 1e-8;        ///< proximal weight e at the start, at least kLeastWeight
+    double largest_weight = 1;   ///< see BppOptions::largest_proximal
     double weight_factor = 0.3;  ///< of e from one proximal step to the next
     int steps = 60;              ///< proximal ones
     int patience = 3;            ///< see BppOptions::patience
@@ -113,7 +113,8 @@ class BlockPivoting {
   /// A factor of A_FF + weight D_FF within the limits of the task: kDone, or why there is none.
   End Factor(const std::vector<char>& active, double weight);
   /// Corrects f_F on A itself from the given F and f, with a new factor of that weight; rows that are violated then
-  /// change sides while their number falls, from less than `most`; refines to rounding. kNotMet if no candidate was good enough.
+  /// change sides while their number falls, from less than `most`; refines to rounding. kNotMet if no candidate was
+  /// good enough.
   End Finish(const std::vector<char>& active, const Eigen::VectorXd& f, double weight, Index most);
   /// Candidate forces, in the problem's units: those up to `least` of the largest D^1/2 f are 0.
   void GiveForces(double least, Eigen::VectorXd* f) const;
@@ -135,12 +136,10 @@ class BlockPivoting {
   End CorrectForces();
   bool Refine(double tolerance);
   End Polish(Index most, double tolerance);
-  Index FindViolated(bool of_proximal, double noise);
+  Index FindViolated(bool of_proximal);
   void Exchange(bool least_only);
   bool Publish();
-  double tier() const {
-    return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier();
-  }
+  double tier() const { return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier(); }
   double LargestForce() const { return f_.cwiseAbs().cwiseProduct(root_).maxCoeff(); }
   double proof_tolerance() const { return std::min(task_.tolerance, kProofTolerance); }
   bool TimeIsUp() const { return task_.deadline != nullptr && task_.deadline->Expired(); }

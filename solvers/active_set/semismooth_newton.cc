@@ -56,10 +56,12 @@ constexpr int kMaxContinuationSteps = 50;
 // about 1e-15, must stay small beside it. From a start, where rows change sides, a heavier one.
 constexpr double kFinishWeight = 1e-10;
 constexpr double kStartWeight = 1e-8;
-// Where b is consistent with dependent rows only up to rounding r, a correction moves f by r / weight in the null space,
-// which can make forces negative. If c itself is nearly right, a heavier weight is tried then.
+// Where b is consistent with dependent rows only up to rounding r, a correction moves f by r / weight in the null
+// space, which can make forces negative. If c itself is nearly right, a heavier weight is tried then.
 constexpr double kGentleWeight = 1e-6;
 constexpr double kNearlySolved = 1e-3;
+// Tier from which an answer within the tolerance is taken.
+constexpr double kNearlyExact = 3e-7;
 // On the way of continuation: where more than one row in so many is wrong, exchanging them all rarely ends.
 constexpr Index kPartWrong = 30;
 constexpr Index kFewWrong = 30;
@@ -242,7 +244,8 @@ double SemismoothNewtonEngine::RhoOf(const Eigen::VectorXd& f) {
 // f_F near c_F with w_F = 0.
 BlockPivoting::End SemismoothNewtonEngine::Finish(double weight, Index most) {
   const End end = pivoting_.Finish(in_F_, c_, weight, most);
-  return end == End::kNotMet && IsAnswer() ? End::kDone : end;
+  // A looser answer is no reason to end: the problem may have none, and the next finish may be exact.
+  return end == End::kNotMet && answer_.tier() <= std::min(tolerance_, kNearlyExact) ? End::kDone : end;
 }
 
 // The rows that a good c leaves active are mostly the right ones. Where the finish from them does not end, proximal

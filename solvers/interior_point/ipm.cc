@@ -25,12 +25,14 @@ constexpr int kMostRecentred = 3;
 constexpr double kRecentredMu = 10;  // a row that blocks every step is off centre by more than that
 constexpr double kLeastMu = 1e-22;   // nothing is to be learnt below
 // Active sets tried from an interior iterate, as long as every one leaves at most half of the violated rows.
-constexpr BlockPivoting::Rules kFromIterate = {.weight_factor = 0.01, .steps = 3, .try_every_set = true, .progress = 0.5, .factors = 5};
+constexpr BlockPivoting::Rules kFromIterate = {
+    .weight_factor = 0.01, .steps = 3, .try_every_set = true, .progress = 0.5, .factors = 5};
 // Of a warm start, in double the work of a step at most where it fails at once: none after the first set if that leaves
 // more than 12 % of the rows violated, and no more once a set neither halves their number nor leaves 1 %.
 constexpr BlockPivoting::Rules kFromStart = {
     .try_every_set = true, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01, .factors = 8};
-constexpr BlockPivoting::Rules kLastResort = {.weight_factor = 0.01, .steps = 12, .try_every_set = true, .factors = 300};
+constexpr BlockPivoting::Rules kLastResort = {
+    .weight_factor = 0.01, .steps = 12, .try_every_set = true, .factors = 300};
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
@@ -246,9 +248,7 @@ class IpmEngine {
     return LcpStatus::kNumericalFailure;
   }
 
-  void Remember(IpmRun* run) {
-    run->AcceptScaled(interior_.f(), nullptr);
-  }
+  void Remember(IpmRun* run) { run->AcceptScaled(interior_.f(), nullptr); }
 
   IpmOptions options_;
   WarmStart use_ = WarmStart::kFull;

@@ -19,15 +19,6 @@ constexpr double kBodySpaceRatio = 7;
 
 }  // namespace
 
-double MaxAbs(const Eigen::VectorXd& x) {
-  double largest = 0;
-  for (const double value : x) {
-    if (!(std::abs(value) <= largest)) largest = std::abs(value);
-    if (std::isnan(largest)) return largest;
-  }
-  return largest;
-}
-
 void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
   problem_ = problem;
   analyses_ = 0;

@@ -13,9 +13,6 @@
 
 namespace lcpbench {
 
-/// max |x_i|, 0 for no entries; NaN where x has one.
-double MaxAbs(const Eigen::VectorXd& x);
-
 /// The linear algebra below the `ipm` solver: an LcpProblem in scaled variables, and solves with
 /// A^ + diag(theta) on one symbolic analysis.
 ///
