@@ -10,8 +10,9 @@ constexpr double kNearTolerance = 0.01;
 }  // namespace
 
 void AnswerJudge::Reset(const LcpProblem& problem, bool dense) {
-  estimate_.Reset(problem, dense ? Residual<double>::Rows::kDense : Residual<double>::Rows::kSparse);
-  extended_.Reset(problem, dense ? Residual<long double>::Rows::kDense : Residual<long double>::Rows::kSparse);
+  estimate_.Reset(problem, dense ? ResidualEstimate::Rows::kDense : ResidualEstimate::Rows::kSparse);
+  extended_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
+  extended_.MakeRoom();
   for (Eigen::VectorXd* v : {&f_, &w_, &w_best_}) v->setZero(problem.size());
 }
 

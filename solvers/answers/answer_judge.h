@@ -37,8 +37,8 @@ class AnswerJudge {
   const Eigen::VectorXd& latest_w() const { return latest_is_best_ ? w_best_ : w_; }
 
  private:
-  Residual<double> estimate_;
-  Residual<long double> extended_;
+  ResidualEstimate estimate_;
+  GivenFormTest extended_;
   double tolerance_ = 0;
   double tier_ = std::numeric_limits<double>::infinity();
   bool latest_is_best_ = false;

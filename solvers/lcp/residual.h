@@ -45,6 +45,11 @@ class Residual {
     if (rows == Rows::kSparse) problem.SparseA();
     if (rows == Rows::kGiven && problem.has_factors()) MakeColumns();
   }
+  /// The workspace of Rho(f), which Reset makes unless Rows is kGivenWhenNeeded.
+  void MakeRoom() {
+    Grow(problem_->size(), &w_);
+    if (problem_->has_factors()) Grow(problem_->J().cols(), &body_);
+  }
   /// From here on with the b of a problem that shares the matrix of the one given to Reset.
   void SetB(const LcpProblem& problem) { problem_ = problem; }
 
@@ -54,12 +59,13 @@ class Residual {
     const Eigen::VectorXd& b = problem.b();
     if (problem.has_factors()) {
       const SparseMatrix& J = problem.J();
-      body_.setZero(J.cols());
+      Grow(J.cols(), &body_);
+      body_.head(J.cols()).setZero();
       for (Index i = 0; i < f.size(); ++i) {
         if (f[i] == 0) continue;
         for (SparseMatrix::InnerIterator it(J, i); it; ++it) body_[it.col()] += static_cast<Real>(it.value()) * f[i];
       }
-      for (Index k = 0; k < body_.size(); ++k) body_[k] *= problem.inverse_mass()[k];
+      for (Index k = 0; k < J.cols(); ++k) body_[k] *= problem.inverse_mass()[k];
       for (Index i = 0; i < f.size(); ++i) {
         Real sum = 0;
         for (SparseMatrix::InnerIterator it(J, i); it; ++it) sum += it.value() * body_[it.col()];
@@ -68,9 +74,9 @@ class Residual {
     } else if constexpr (std::is_same_v<Real, double>) {
       problem.ComputeW(f, w);
     } else if (problem.given_form() == MatrixForm::kDense) {
-      *w = b.cast<Real>();
+      w->head(f.size()) = b.cast<Real>();
       for (Index j = 0; j < f.size(); ++j) {
-        if (f[j] != 0) *w += problem.DenseA().col(j).cast<Real>() * static_cast<Real>(f[j]);
+        if (f[j] != 0) w->head(f.size()) += problem.DenseA().col(j).cast<Real>() * static_cast<Real>(f[j]);
       }
     } else {
       for (Index i = 0; i < f.size(); ++i) {
@@ -167,14 +173,14 @@ class Residual {
     const Index* end_;
   };
 
-  void MakeRoom() {
-    w_.resize(problem_->size());
-    if (problem_->has_factors()) body_.resize(problem_->J().cols());
+  // Room stays for the next problem: a fresh solve of a small problem costs little more than its allocations.
+  static void Grow(Index size, Vector* v) {
+    if (v->size() < size) v->resize(size);
   }
   void MakeColumns() {
     columns_ = problem_->J();
     has_columns_ = true;
-    entry_.resize(problem_->size());
+    Grow(problem_->size(), &entry_);
     stamped_.assign(At(problem_->size()), 0);
     stamp_ = 0;
     touched_.reserve(At(problem_->size()));
@@ -217,7 +223,7 @@ class Residual {
 
   std::optional<LcpProblem> problem_;  // a copy shares storage and outlives the caller's
   Rows rows_ = Rows::kGiven;
-  Vector w_, body_;  // body_: a number per column of J
+  Vector w_, body_;  // n numbers, one per column of J; more where an earlier problem was larger
   // Of rows of A = J M^-1 J^T one at a time:
   Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns_;
   bool has_columns_ = false;
