@@ -1,8 +1,12 @@
 #include "solvers/active_set/block_pivoting.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <utility>
 
+#include "solvers/answers/zero_row_ray.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {
@@ -62,6 +66,7 @@ void BlockPivoting::Begin(const Task& task) {
   factors_ = 0;
   single_exchanges_ = 0;
   accepted_ray_.reset();
+  f_.setZero();
   const ScaledVectors& scaled = *task.scaled;
   const auto acts = std::find(scaled.can_act.begin(), scaled.can_act.end(), 1);
   unit_ = acts == scaled.can_act.end() ? 1.0 : scaled.diagonal[acts - scaled.can_act.begin()];
@@ -344,6 +349,61 @@ BlockPivoting::End BlockPivoting::Run(const Rules& rules) {
     weight_ = std::max(weight_ * rules.weight_factor, kLeastWeight);
   }
   return End::kNotMet;
+}
+
+void PivotingSetup::Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks) {
+  self_check = self_checks;
+  block = blocks.Analyze(problem, allowed);
+  if (self_check) answer.Reset(problem, blocks.is_dense(block));
+  pivoting.Reserve(problem);
+  scaled.Reset(problem);
+}
+
+bool PivotingSetup::Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline,
+                          std::int64_t factors, bool conjugate, LcpResult* result) {
+  if (!scaled.Load(problem)) {
+    result->status = LcpStatus::kUnsupported;
+    result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
+    return false;
+  }
+  const double proof_tolerance = std::min(options.tolerance, BlockPivoting::kProofTolerance);
+  result->farkas_ray = FindZeroRowRay(problem, proof_tolerance * scaled.b_norm);
+  if (result->farkas_ray.has_value()) {
+    result->status = LcpStatus::kInfeasible;
+    return false;
+  }
+  block->Load(problem, scaled.scale);
+  if (self_check) answer.Start(problem, options.tolerance, result);
+  BlockPivoting::Task task;
+  task.problem = &problem;
+  task.scaled = &scaled;
+  task.block = block;
+  task.sink = self_check ? &answer : nullptr;
+  task.deadline = deadline;
+  task.factors = options.max_iterations > 0 ? options.max_iterations : factors;
+  task.tolerance = options.tolerance;
+  task.conjugate = conjugate;
+  task.through_bodies = blocks.is_through_bodies(block);
+  pivoting.Begin(task);
+  return true;
+}
+
+void PivotingSetup::Conclude(BlockPivoting::End end, double tolerance, LcpResult* result) {
+  using End = BlockPivoting::End;
+  if (!self_check) pivoting.GiveForces(blocks.is_through_bodies(block) ? kEpsilon : 0, &result->f);
+  result->iterations = pivoting.factors();
+  if (end == End::kInfeasible) {
+    result->status = LcpStatus::kInfeasible;
+    result->farkas_ray = std::move(pivoting.ray());
+  } else if (self_check ? answer.tier() <= tolerance : end == End::kDone) {
+    result->status = LcpStatus::kSolved;
+  } else if (end == End::kIterationLimit || end == End::kStopped) {
+    result->status = end == End::kStopped ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
+  } else {
+    std::array<char, 96> text{};
+    std::snprintf(text.data(), text.size(), "tier %.1e after all proximal steps, and no proven ray", answer.tier());
+    result->detail = end == End::kSingular ? "A is singular" : end == End::kCycling ? "blocks cycle" : text.data();
+  }
 }
 
 }  // namespace lcpbench

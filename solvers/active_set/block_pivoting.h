@@ -10,7 +10,7 @@
 #include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/linear_algebra/active_block.h"
+#include "solvers/linear_algebra/active_block_choice.h"
 #include "solvers/linear_algebra/scaled_vectors.h"
 
 namespace lcpbench {
@@ -158,6 +158,25 @@ class BlockPivoting {
   Eigen::VectorXd f_, w_, center_, proximal_;
   Eigen::VectorXd residual_, direction_, image_, preconditioned_, ray_;
   std::optional<Eigen::VectorXd> accepted_ray_;
+};
+
+/// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.
+struct PivotingSetup {
+  void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks);
+  /// Loads the problem. False where result says already how it ends.
+  /// @param factors  limit unless the options have one
+  bool Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
+             bool conjugate, LcpResult* result);
+  /// The result of a solve that ended so; its detail is left to the solver.
+  void Conclude(BlockPivoting::End end, double tolerance, LcpResult* result);
+  double StepTime() const { return blocks.StepTime(block, scaled.b.size()); }
+
+  bool self_check = true;
+  ActiveBlockChoice blocks;
+  ActiveBlock* block = nullptr;
+  ScaledVectors scaled;
+  JudgedAnswer answer;
+  BlockPivoting pivoting;
 };
 
 }  // namespace lcpbench

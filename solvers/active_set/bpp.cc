@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <limits>
 #include <optional>
 
 #include "solvers/active_set/block_pivoting.h"
-#include "solvers/answers/zero_row_ray.h"
-#include "solvers/linear_algebra/active_block_choice.h"
 
 namespace lcpbench {
 namespace {
@@ -34,8 +30,8 @@ class BppEngine {
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
   void Prepare(const LcpProblem& problem);
-  double StepTime() const { return blocks_.StepTime(block_, f_.size()); }
-  bool is_dense() const { return blocks_.is_dense(block_); }
+  double StepTime() const { return setup_.StepTime(); }
+  bool is_dense() const { return setup_.blocks.is_dense(setup_.block); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
@@ -45,11 +41,7 @@ class BppEngine {
   End Run(const Eigen::VectorXd* initial_f, Index n);
 
   const BppOptions options_;
-  JudgedAnswer answer_;
-  ActiveBlockChoice blocks_;
-  ActiveBlock* block_ = nullptr;
-  ScaledVectors scaled_;
-  BlockPivoting pivoting_;
+  PivotingSetup setup_;
   Eigen::VectorXd f_, w_;  // of a warm start
 };
 
@@ -64,32 +56,31 @@ void BppEngine::Prepare(const LcpProblem& problem) {
   const Index n = problem.size();
   using Form = BppOptions::Form;
   const bool bodies_only = options_.form == Form::kBodies && ActiveBlockChoice::HasBodies(problem);
-  block_ =
-      blocks_.Analyze(problem, {.sparse = options_.form != Form::kDense && !bodies_only,
-                                .dense = options_.form != Form::kSparse && !bodies_only && n <= options_.max_dense_rows,
-                                .bodies = bodies_only || options_.form == Form::kAny});
-  if (options_.self_check) answer_.Reset(problem, is_dense());
-  pivoting_.Reserve(problem);
-  scaled_.Reset(problem);
+  setup_.Prepare(problem,
+                 {.sparse = options_.form != Form::kDense && !bodies_only,
+                  .dense = options_.form != Form::kSparse && !bodies_only && n <= options_.max_dense_rows,
+                  .bodies = bodies_only || options_.form == Form::kAny},
+                 options_.self_check);
   for (Eigen::VectorXd* v : {&f_, &w_}) v->setZero(n);
 }
 
 // With forces that are of use here, F is what they leave active, and they are the first centre: the step from there is
 // shorter than from 0. Of other forces only the set is taken.
 void BppEngine::StartWarm(const Eigen::VectorXd& initial_f) {
+  const ScaledVectors& scaled = setup_.scaled;
   f_.setZero();
-  const double cold = scaled_.Rho(f_, scaled_.b);
-  scaled_.Clip(initial_f, &f_);
-  block_->Multiply(f_.data(), w_.data());
-  w_ += scaled_.b;
-  if (scaled_.Rho(f_, w_) <= kUsefulForces * cold) return pivoting_.StartFrom(f_, w_);
-  pivoting_.StartCold();
-  const auto size = [&](Index i) { return scaled_.is_joint(i) ? 0.0 : f_[i] * std::sqrt(scaled_.diagonal[i]); };
+  const double cold = scaled.Rho(f_, scaled.b);
+  scaled.Clip(initial_f, &f_);
+  setup_.block->Multiply(f_.data(), w_.data());
+  w_ += scaled.b;
+  if (scaled.Rho(f_, w_) <= kUsefulForces * cold) return setup_.pivoting.StartFrom(f_, w_);
+  setup_.pivoting.StartCold();
+  const auto size = [&](Index i) { return scaled.is_joint(i) ? 0.0 : f_[i] * std::sqrt(scaled.diagonal[i]); };
   double largest = 0;
   for (Index i = 0; i < f_.size(); ++i) largest = std::max(largest, size(i));
   for (Index i = 0; i < f_.size(); ++i) {
-    if (scaled_.is_joint(i) || !scaled_.acts(i)) continue;
-    pivoting_.active()[static_cast<size_t>(i)] = size(i) > kWarmThreshold * largest ? 1 : 0;
+    if (scaled.is_joint(i) || !scaled.acts(i)) continue;
+    setup_.pivoting.active()[static_cast<size_t>(i)] = size(i) > kWarmThreshold * largest ? 1 : 0;
   }
 }
 
@@ -105,65 +96,24 @@ BlockPivoting::End BppEngine::Run(const Eigen::VectorXd* initial_f, Index n) {
     warm.most_wrong = kFarStart;
     warm.end_when_cycling = true;
     StartWarm(*initial_f);
-    const End end = pivoting_.Run(warm);
+    const End end = setup_.pivoting.Run(warm);
     if (end != End::kGaveUp && end != End::kCycling) return end;
     rules.end_when_singular = false;
   }
   // From all rows, where the start is not as good as it should be.
   rules.end_when_cycling = options_.end_when_cycling;
-  pivoting_.StartCold();
-  return pivoting_.Run(rules);
+  setup_.pivoting.StartCold();
+  return setup_.pivoting.Run(rules);
 }
 
 void BppEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   std::optional<Deadline> deadline;
   if (std::isfinite(options.time_limit_s)) deadline.emplace(options);
-  if (!scaled_.Load(problem)) {
-    result->status = LcpStatus::kUnsupported;
-    result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
-    return;
-  }
-  const double proof_tolerance = std::min(options.tolerance, BlockPivoting::kProofTolerance);
-  result->farkas_ray = FindZeroRowRay(problem, proof_tolerance * scaled_.b_norm);
-  if (result->farkas_ray.has_value()) {
-    result->status = LcpStatus::kInfeasible;
-    return;
-  }
-  block_->Load(problem, scaled_.scale);
-  if (options_.self_check) answer_.Start(problem, options.tolerance, result);
-  BlockPivoting::Task task;
-  task.problem = &problem;
-  task.scaled = &scaled_;
-  task.block = block_;
-  task.sink = options_.self_check ? &answer_ : nullptr;
-  task.deadline = deadline.has_value() ? &*deadline : nullptr;
-  task.factors = options.max_iterations > 0 ? options.max_iterations
-                                            : kFactorizationsPerRow * problem.size() + kExtraFactorizations;
-  task.tolerance = options.tolerance;
-  task.conjugate = true;
-  task.through_bodies = blocks_.is_through_bodies(block_);
-  pivoting_.Begin(task);
-  const End end = Run(options.initial_f, problem.size());
-  if (!options_.self_check) {
-    pivoting_.GiveForces(task.through_bodies ? std::numeric_limits<double>::epsilon() : 0, &result->f);
-  }
-  result->iterations = pivoting_.factors();
-  if (end == End::kInfeasible) {
-    result->status = LcpStatus::kInfeasible;
-    result->farkas_ray = std::move(pivoting_.ray());
-  } else if (options_.self_check ? answer_.tier() <= options.tolerance : end == End::kDone) {
-    result->status = LcpStatus::kSolved;
-  } else if (end == End::kIterationLimit || end == End::kStopped) {
-    result->status = end == End::kStopped ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
-  } else if (end == End::kSingular || end == End::kCycling) {
-    result->detail = end == End::kSingular ? "A is singular" : "blocks cycle";
-  } else {
-    char text[128];
-    std::snprintf(text, sizeof text, "residual %.1e above the tolerance after all proximal steps, and no proven ray",
-                  answer_.tier());
-    result->detail = text;
-  }
-  if (const std::int64_t single = pivoting_.single_exchanges(); single > 0) {
+  const std::int64_t factors = kFactorizationsPerRow * problem.size() + kExtraFactorizations;
+  const Deadline* limit = deadline.has_value() ? &*deadline : nullptr;
+  if (!setup_.Begin(problem, options, limit, factors, /*conjugate=*/true, result)) return;
+  setup_.Conclude(Run(options.initial_f, problem.size()), options.tolerance, result);
+  if (const std::int64_t single = setup_.pivoting.single_exchanges(); single > 0) {
     result->detail += (result->detail.empty() ? "" : "; ") + std::to_string(single) + " single exchanges";
   }
 }

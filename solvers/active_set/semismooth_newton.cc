@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "solvers/active_set/block_pivoting.h"
-#include "solvers/answers/zero_row_ray.h"
-#include "solvers/linear_algebra/active_block_choice.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -81,7 +77,7 @@ class SemismoothNewtonEngine {
 
   std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNotSymmetric(problem); }
   void Prepare(const LcpProblem& problem);
-  double StepTime() const { return blocks_.StepTime(block_, n_); }
+  double StepTime() const { return setup_.StepTime(); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
@@ -100,20 +96,18 @@ class SemismoothNewtonEngine {
   End Finish(double weight, Index most);
   End FinishFromCenter();
   bool Expired() const { return deadline_->Expired(); }
-  bool IsAnswer() const { return answer_.tier() <= tolerance_; }
 
   SemismoothNewtonOptions options_;
-  ActiveBlockChoice blocks_;
-  ActiveBlock* block_ = nullptr;
-  JudgedAnswer answer_;
-  BlockPivoting pivoting_;  // of which the finish and the rays are used
+  PivotingSetup setup_;
+  BlockPivoting& pivoting_ = setup_.pivoting;  // of which the finish and the rays are used
+  const JudgedAnswer& answer_ = setup_.answer;
+  const ScaledVectors& scaled_ = setup_.scaled;
   double tolerance_ = 0;
   std::optional<Deadline> deadline_;
 
   Index n_ = 0;
-  bool continuation_ = false;  // still
-  bool exact_ = false;         // u solves the latest subproblem
-  ScaledVectors scaled_;
+  bool continuation_ = false;      // still
+  bool exact_ = false;             // u solves the latest subproblem
   Eigen::VectorXd c_, u_, w_;      // proximal centre, dual point, A u + b
   Eigen::VectorXd step_, step_w_;  // u' - u and A (u' - u)
   Eigen::VectorXd inverse_;        // 1 / (eps D)
@@ -124,10 +118,8 @@ class SemismoothNewtonEngine {
 
 void SemismoothNewtonEngine::Prepare(const LcpProblem& problem) {
   n_ = problem.size();
-  block_ = blocks_.Analyze(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows});
-  if (options_.self_check) answer_.Reset(problem, blocks_.is_dense(block_));
-  pivoting_.Reserve(problem);
-  scaled_.Reset(problem);
+  setup_.Prepare(problem, {.dense = n_ <= kMaxDenseRows, .bodies = n_ >= options_.continuation_rows},
+                 options_.self_check);
   for (Eigen::VectorXd* v : {&c_, &u_, &w_, &step_, &step_w_, &inverse_, &growth_}) v->setZero(n_);
   in_F_.assign(At(n_), 0);
 }
@@ -202,10 +194,10 @@ BlockPivoting::End SemismoothNewtonEngine::SolveSubproblem(double eps) {
     if (pivoting_.factors() >= most && eps < kHeaviestWeight) return End::kCycling;
     if (const End end = pivoting_.Factor(in_F_, eps); end != End::kDone) return end;
     for (Index p = 0; p < n_; ++p) step_[p] = eps * scaled_.diagonal[p] * c_[p] - scaled_.b[p];
-    block_->Solve(step_.data());
+    setup_.block->Solve(step_.data());
     if (Expired()) return End::kStopped;
     step_ -= u_;
-    block_->Multiply(step_.data(), step_w_.data());
+    setup_.block->Multiply(step_.data(), step_w_.data());
     slope_at_0_ = u_.dot(step_w_);
     curvature_ = step_.dot(step_w_);
     const double t = StepLength();
@@ -230,13 +222,13 @@ bool SemismoothNewtonEngine::IsDiverging(int steps) const {
 
 void SemismoothNewtonEngine::RestartFromCenter() {
   u_ = c_;
-  block_->Multiply(u_.data(), w_.data());
+  setup_.block->Multiply(u_.data(), w_.data());
   w_ += scaled_.b;
 }
 
 // In step_w_ remains A f + b.
 double SemismoothNewtonEngine::RhoOf(const Eigen::VectorXd& f) {
-  block_->Multiply(f.data(), step_w_.data());
+  setup_.block->Multiply(f.data(), step_w_.data());
   step_w_ += scaled_.b;
   return scaled_.Rho(f, step_w_);
 }
@@ -327,51 +319,13 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
 void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   tolerance_ = options.tolerance;
   deadline_.emplace(options);
-  if (!scaled_.Load(problem)) {
-    result->status = LcpStatus::kUnsupported;
-    result->detail = "A has a negative diagonal entry, so it is not positive semidefinite";
-    return;
-  }
-  const double proof_tolerance = std::min(tolerance_, BlockPivoting::kProofTolerance);
-  if (auto ray = FindZeroRowRay(problem, proof_tolerance * scaled_.b_norm)) {
-    result->farkas_ray = std::move(ray);
-    result->status = LcpStatus::kInfeasible;
-    return;
-  }
-  block_->Load(problem, scaled_.scale);
   continuation_ = n_ >= options_.continuation_rows;
-  if (options_.self_check) answer_.Start(problem, tolerance_, result);
-  BlockPivoting::Task task;
-  task.problem = &problem;
-  task.scaled = &scaled_;
-  task.block = block_;
-  task.sink = options_.self_check ? &answer_ : nullptr;
-  task.deadline = &*deadline_;
-  task.factors = options.max_iterations > 0 ? options.max_iterations
-                 : continuation_            ? SemismoothNewtonSolver::kContinuationFactors
-                                            : SemismoothNewtonSolver::kDefaultFactors;
-  task.tolerance = tolerance_;
-  task.through_bodies = blocks_.is_through_bodies(block_);
-  pivoting_.Begin(task);
-  const End end = Run(Start(options.initial_f));
-  result->iterations = pivoting_.factors();
-  if (!options_.self_check) {
-    pivoting_.GiveForces(0, &result->f);
-  } else if (answer_.tier() == kInfinity) {
+  const std::int64_t factors =
+      continuation_ ? SemismoothNewtonSolver::kContinuationFactors : SemismoothNewtonSolver::kDefaultFactors;
+  if (!setup_.Begin(problem, options, &*deadline_, factors, /*conjugate=*/false, result)) return;
+  setup_.Conclude(Run(Start(options.initial_f)), tolerance_, result);
+  if (options_.self_check && answer_.tier() == kInfinity) {
     for (Index p = 0; p < n_; ++p) result->f[p] = scaled_.GivenForce(p, c_[p]);
-  }
-  if (options_.self_check && end != End::kInfeasible ? IsAnswer() : end == End::kDone) {
-    result->status = LcpStatus::kSolved;
-  } else if (end == End::kInfeasible) {
-    result->status = LcpStatus::kInfeasible;
-    result->farkas_ray = std::move(pivoting_.ray());
-  } else if (end == End::kStopped || end == End::kIterationLimit) {
-    result->status = end == End::kStopped ? LcpStatus::kTimeLimit : LcpStatus::kIterationLimit;
-  } else {
-    char text[96];
-    std::snprintf(text, sizeof text, "tier %.1e after %d proximal steps, and no proven ray", answer_.tier(),
-                  kMaxProximalSteps);
-    result->detail = text;
   }
 }
 

@@ -90,7 +90,6 @@ double CyclesPerBody(const LcpProblem& problem) {
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
     : newton_factorisations_(newton_factorisations),
-      self_check_(self_check),
       psor_({.end_when_hopeless = true, .self_check = self_check}),
       nncg_({.end_when_hopeless = true, .self_check = self_check}),
       bpp_({.end_when_singular = true, .self_check = self_check}),

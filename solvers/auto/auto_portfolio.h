@@ -63,7 +63,6 @@ class AutoPortfolio {
   bool Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
 
   std::int64_t newton_factorisations_;
-  bool self_check_;
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;

@@ -32,7 +32,6 @@ void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
       if (problem.inverse_mass()[k] > 0) contact_entries += counts[k] * counts[k];
     }
   }
-  a_is_affordable_ = contact_entries <= kAffordableEntries;
   ScaleRows();
   body_space_ = ChooseBodySpace(space, contact_entries);
   if (body_space_) {
@@ -44,7 +43,7 @@ void ScaledSystem::Prepare(const LcpProblem& problem, Space space) {
 
 bool ScaledSystem::ChooseBodySpace(Space space, double contact_entries) {
   if (space == Space::kContact || !BodySpace::Suits(*problem_)) return false;
-  if (space == Space::kBody || !a_is_affordable_) return true;
+  if (space == Space::kBody || contact_entries > kAffordableEntries) return true;
   return contact_entries > kBodySpaceRatio * static_cast<double>(problem_->J().nonZeros());
 }
 

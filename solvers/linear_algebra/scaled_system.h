@@ -85,7 +85,6 @@ class ScaledSystem {
   KeptOrder kept_;        // for it
   BodySpace bodies_;
   bool body_space_ = false;
-  bool a_is_affordable_ = true;
   int analyses_ = 0;
 };
 
