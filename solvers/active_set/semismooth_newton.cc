@@ -90,6 +90,7 @@ class SemismoothNewtonEngine {
   End SolveSubproblem(double eps);
   bool IsDiverging(int steps) const;
   void RestartFromCenter();
+  void PublishCenter();
   double StepLength() const;
   double Slope(double t, double* curvature) const;
   double RhoOf(const Eigen::VectorXd& f);
@@ -257,6 +258,12 @@ BlockPivoting::End SemismoothNewtonEngine::FinishFromCenter() {
   return End::kNotMet;
 }
 
+void SemismoothNewtonEngine::PublishCenter() {
+  if (!options_.self_check) return;
+  for (Index p = 0; p < n_; ++p) setup_.answer.candidate()[p] = scaled_.GivenForce(p, c_[p]);
+  setup_.answer.Publish();
+}
+
 BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
   End end = warm ? FinishFromCenter() : End::kNotMet;
   double eps = continuation_ ? kContinuationStart : options_.first_weight;
@@ -300,6 +307,7 @@ BlockPivoting::End SemismoothNewtonEngine::Run(bool warm) {
     const std::int64_t steps = pivoting_.factors() - before;
     RestartFromCenter();
     const double rho = scaled_.Rho(c_, w_);
+    if (rho < answer_.tier()) PublishCenter();
     if (rho <= tolerance_ || rho <= kWorthAnother * finished_rho) {
       finished_rho = rho;
       end = FinishFromCenter();
@@ -323,10 +331,9 @@ void SemismoothNewtonEngine::Solve(const LcpProblem& problem, const LcpOptions& 
   const std::int64_t factors =
       continuation_ ? SemismoothNewtonSolver::kContinuationFactors : SemismoothNewtonSolver::kDefaultFactors;
   if (!setup_.Begin(problem, options, &*deadline_, factors, /*conjugate=*/false, result)) return;
-  setup_.Conclude(Run(Start(options.initial_f)), tolerance_, result);
-  if (options_.self_check && answer_.tier() == kInfinity) {
-    for (Index p = 0; p < n_; ++p) result->f[p] = scaled_.GivenForce(p, c_[p]);
-  }
+  const End end = Run(Start(options.initial_f));
+  if (answer_.tier() == kInfinity) PublishCenter();
+  setup_.Conclude(end, tolerance_, result);
 }
 
 SemismoothNewtonOptions SemismoothNewtonOptions::FromSettings(const Settings& settings, const char* key) {
