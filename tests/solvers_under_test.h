@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "solvers/registry.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 
@@ -38,5 +40,23 @@ inline std::string SolverTestName(const testing::TestParamInfo<SolverEntry>& inf
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 }
+
+/// For tests over solvers: skips those that are not in this build.
+class SolverTest : public testing::TestWithParam<SolverEntry> {
+ protected:
+  void SetUp() override {
+    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
+    solver_ = GetParam().make({});
+  }
+
+  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options) {
+    return SolveWith(solver_.get(), problem, options);
+  }
+  LcpResult Solve(const LcpProblem& problem, double tolerance, double limit_s = LcpOptions{}.time_limit_s) {
+    return Solve(problem, LcpOptions{.tolerance = tolerance, .time_limit_s = limit_s});
+  }
+
+  std::unique_ptr<LcpSolver> solver_;
+};
 
 }  // namespace lcpbench

@@ -16,7 +16,7 @@
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 #include "tests/benchmarks/command_fixture.h"
-#include "tests/solvers/lcp/stacked_column.h"
+#include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {

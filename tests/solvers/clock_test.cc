@@ -25,26 +25,13 @@ std::int64_t reads;
 std::int64_t expires_at;
 double CountingClock() { return ++reads >= expires_at ? 2.0 : 0.0; }
 
-class ClockTest : public testing::TestWithParam<SolverEntry> {
+class ClockTest : public SolverTest {
  protected:
-  void SetUp() override {
-    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
-    solver_ = GetParam().make({});
-  }
-
   LcpResult Solve(const LcpProblem& problem, std::int64_t expires) {
     reads = 0;
     expires_at = expires;
-    LcpOptions options;
-    options.tolerance = kTolerance;
-    options.time_limit_s = 1;
-    options.now = &CountingClock;
-    LcpResult result;
-    solver_->Solve(problem, options, &result);
-    return result;
+    return SolverTest::Solve(problem, {.tolerance = kTolerance, .time_limit_s = 1, .now = &CountingClock});
   }
-
-  std::unique_ptr<LcpSolver> solver_;
 };
 
 constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
@@ -83,15 +70,10 @@ TEST_P(ClockTest, EndsTheSolveSoonAfterItHasRunOut) {
 
 TEST_P(ClockTest, FactorisationsAreTimedWhereThatIsAskedFor) {
   const LcpProblem problem = PlantedProblem(kRows, 150, 1, 0, 0).problem;
-  LcpOptions options;
-  options.tolerance = kTolerance;
-  LcpResult plain;
-  solver_->Solve(problem, options, &plain);
+  const LcpResult plain = SolverTest::Solve(problem, kTolerance);
   EXPECT_LT(plain.factor_s, 0);
-  options.time_factorisations = true;
-  LcpResult timed;
   const double start = SteadyNow();
-  solver_->Solve(problem, options, &timed);
+  const LcpResult timed = SolverTest::Solve(problem, {.tolerance = kTolerance, .time_factorisations = true});
   const double solve_s = SteadyNow() - start;
   EXPECT_LE(timed.factor_s, solve_s);
   EXPECT_TRUE((timed.f.array() == plain.f.array()).all());

@@ -16,36 +16,18 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/solvers/lcp/stacked_column.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
 
-LcpOptions OptionsFor(double tolerance) {
-  LcpOptions options;
-  options.tolerance = tolerance;
-  return options;
-}
-
-class SolverContract : public testing::TestWithParam<SolverEntry> {
+class SolverContract : public SolverTest {
  protected:
-  void SetUp() override {
-    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
-    solver_ = GetParam().make({});
-  }
-
-  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options) {
-    LcpResult result;
-    solver_->Solve(problem, options, &result);
-    return result;
-  }
-
   // The heart of the suite: what is promised holds, and nothing is claimed that the verdict refutes.
   void Check(const TestProblem& test, double tolerance) {
     SCOPED_TRACE(test.problem.id() + " at " + std::to_string(tolerance));
-    const LcpResult result = Solve(test.problem, OptionsFor(tolerance));
+    const LcpResult result = Solve(test.problem, tolerance);
     const Verdict verdict = Verify(test.problem, result, tolerance, &test.reference);
     EXPECT_NE(result.status, LcpStatus::kNotRun);
     EXPECT_EQ(result.f.size(), test.problem.size());
@@ -78,8 +60,6 @@ class SolverContract : public testing::TestWithParam<SolverEntry> {
       }
     }
   }
-
-  std::unique_ptr<LcpSolver> solver_;
 };
 
 INSTANTIATE_TEST_SUITE_P(AllSolvers, SolverContract, testing::ValuesIn(OwnSolvers()), SolverTestName);
@@ -108,16 +88,13 @@ TEST_P(SolverContract, GeneratedProblemsMayFailButMayNotLie) {
 TEST_P(SolverContract, HeavyOnLightIsNeverCalledInfeasible) {
   for (const auto& [n, ratio] : {std::pair<Index, double>{500, 1e6}, {1000, 1e7}, {500, 1e8}}) {
     const StackedColumn column = MakeStackedColumn(n, ratio);
-    LcpOptions options = OptionsFor(1e-9);
-    options.time_limit_s = 2;
-    const LcpResult result = Solve(column.problem, options);
+    const LcpResult result = Solve(column.problem, 1e-9, 2);
     EXPECT_NE(result.status, LcpStatus::kInfeasible) << n << " bodies of masses 1 and " << ratio;
   }
 }
 
 TEST_P(SolverContract, NoRowsIsSolved) {
-  const LcpResult result =
-      Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), OptionsFor(1e-9));
+  const LcpResult result = Solve(LcpProblem::FromDense("empty", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), 1e-9);
   EXPECT_EQ(result.status, LcpStatus::kSolved);
   EXPECT_EQ(result.f.size(), 0);
 }
@@ -127,7 +104,7 @@ TEST_P(SolverContract, NonnegativeBGivesZeroF) {
     const LcpProblem base = PlantedProblem(12, 4, seed, 0, 0).problem;
     const LcpProblem problem =
         LcpProblem::FromFactors("nonnegative-b", base.J(), base.inverse_mass(), base.b().cwiseAbs());
-    const LcpResult result = Solve(problem, OptionsFor(1e-9));
+    const LcpResult result = Solve(problem, 1e-9);
     if (result.status != LcpStatus::kSolved) continue;
     const Eigen::VectorXd scaled = result.f.cwiseProduct(problem.DiagonalA().cwiseSqrt());
     const Eigen::VectorXd b_scaled = problem.b().cwiseQuotient(problem.DiagonalA().cwiseSqrt());
@@ -150,10 +127,8 @@ TEST_P(SolverContract, DiagonalAHasClosedForm) {
       d[i] = std::ldexp(1.0, static_cast<int>(random() % 20) - 10);
       b[i] = static_cast<double>(random() % 19) - 9;
     }
-    MatrixFacts facts;
-    facts.symmetric = facts.positive_semidefinite = true;
-    const LcpProblem problem = LcpProblem::FromDense("diagonal", d.asDiagonal(), b, {}, facts);
-    const LcpResult result = Solve(problem, OptionsFor(1e-6));
+    const LcpProblem problem = LcpProblem::FromDense("diagonal", d.asDiagonal(), b, {}, SymmetricPsd());
+    const LcpResult result = Solve(problem, 1e-6);
     ASSERT_EQ(result.status, LcpStatus::kSolved) << result.detail;
     const double b_scaled = std::max(1e-300, b.cwiseQuotient(d.cwiseSqrt()).norm());
     for (Index i = 0; i < n; ++i) {
@@ -164,13 +139,10 @@ TEST_P(SolverContract, DiagonalAHasClosedForm) {
 
 TEST_P(SolverContract, RepeatedSolvesAreBitwiseIdentical) {
   for (const TestProblem& test : {PlantedProblem(20, 5, 1, 0, 0), PlantedProblem(30, 4, 2, 5, 3)}) {
-    const LcpOptions options = OptionsFor(1e-6);
-    const LcpResult first = Solve(test.problem, options);
-    Solve(PlantedProblem(7, 3, 9, 0, 0).problem, options);  // another problem in between leaves nothing behind
-    const LcpResult again = Solve(test.problem, options);
-    const std::unique_ptr<LcpSolver> fresh = GetParam().make({});
-    LcpResult other;
-    fresh->Solve(test.problem, options, &other);
+    const LcpResult first = Solve(test.problem, 1e-6);
+    Solve(PlantedProblem(7, 3, 9, 0, 0).problem, 1e-6);  // another problem in between leaves nothing behind
+    const LcpResult again = Solve(test.problem, 1e-6);
+    const LcpResult other = SolveWith(GetParam().make({}).get(), test.problem, {.tolerance = 1e-6});
     EXPECT_EQ(first.f, again.f);
     EXPECT_EQ(first.f, other.f);
     EXPECT_EQ(first.status, again.status);
@@ -186,8 +158,8 @@ TEST_P(SolverContract, ScalingBScalesF) {
       const LcpProblem scaled =
           LcpProblem::FromFactors("scaled-b", test.problem.J(), test.problem.inverse_mass(), s * test.problem.b(),
                                   RowBounds::WithBilateralRows(test.problem.size(), test.problem.bilateral_rows()));
-      const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
-      const LcpResult two = Solve(scaled, OptionsFor(1e-6));
+      const LcpResult one = Solve(test.problem, 1e-6);
+      const LcpResult two = Solve(scaled, 1e-6);
       EXPECT_EQ(one.status, two.status) << one.detail << " | " << two.detail;
       if (one.status != LcpStatus::kSolved || two.status != LcpStatus::kSolved) continue;
       const Eigen::VectorXd w1 = ComputeMetrics(test.problem, one.f).w;
@@ -205,8 +177,8 @@ TEST_P(SolverContract, RescaledRowsAndMassesGetTheSameVerdict) {
     for (double& s : scale) s = std::ldexp(1.0, static_cast<int>(random() % 40) - 20);
     for (const int exponent : {-40, 0, 40}) {
       const LcpProblem scaled = ScaleRows(test.problem, scale, std::ldexp(1.0, exponent));
-      const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
-      const LcpResult two = Solve(scaled, OptionsFor(1e-6));
+      const LcpResult one = Solve(test.problem, 1e-6);
+      const LcpResult two = Solve(scaled, 1e-6);
       EXPECT_EQ(one.status, two.status) << test.problem.id() << ": " << one.detail << " | " << two.detail;
       EXPECT_FALSE(Verify(scaled, two, 1e-6).false_success);
     }
@@ -221,8 +193,8 @@ TEST_P(SolverContract, PermutingContactsPermutesW) {
     std::mt19937 random(seed);
     for (size_t i = order.size() - 1; i > 0; --i) std::swap(order[i], order[random() % (i + 1)]);
     const LcpProblem permuted = PermuteRows(test.problem, order);
-    const LcpResult one = Solve(test.problem, OptionsFor(1e-6));
-    const LcpResult two = Solve(permuted, OptionsFor(1e-6));
+    const LcpResult one = Solve(test.problem, 1e-6);
+    const LcpResult two = Solve(permuted, 1e-6);
     if (one.status != LcpStatus::kSolved || two.status != LcpStatus::kSolved) continue;
     const Eigen::VectorXd w1 = ComputeMetrics(test.problem, one.f).w;
     const Eigen::VectorXd w2 = ComputeMetrics(permuted, two.f).w;
@@ -248,7 +220,7 @@ TEST_P(SolverContract, DenseAndSparseAndFactorsGiveTheSameW) {
 TEST_P(SolverContract, WarmStartsAreSafe) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     const TestProblem test = PlantedProblem(20, 5, seed, seed % 2 == 0 ? 5 : 0, 0);
-    LcpOptions options = OptionsFor(1e-6);
+    LcpOptions options{.tolerance = 1e-6};
     const LcpResult cold = Solve(test.problem, options);
     for (const double disturbance : {0.0, 0.01, 1.0, -1e6}) {
       Eigen::VectorXd start = cold.f;
@@ -266,7 +238,7 @@ TEST_P(SolverContract, WarmStartsAreSafe) {
 
 TEST_P(SolverContract, LimitsEndASolveHonestly) {
   const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
-  LcpOptions options = OptionsFor(1e-9);
+  LcpOptions options{.tolerance = 1e-9};
   options.max_iterations = 1;
   const LcpResult limited = Solve(test.problem, options);
   EXPECT_FALSE(Verify(test.problem, limited, 1e-9).false_success);
@@ -274,10 +246,9 @@ TEST_P(SolverContract, LimitsEndASolveHonestly) {
       << ToString(limited.status);
 
   // A clock that is always past the limit.
-  options = OptionsFor(1e-9);
-  options.time_limit_s = 1e-3;
   static double now;
   now = 0;
+  options = {.tolerance = 1e-9, .time_limit_s = 1e-3};
   options.now = [] { return now += 1.0; };
   const LcpResult late = Solve(test.problem, options);
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit) << late.detail;
@@ -290,28 +261,24 @@ TEST_P(SolverContract, OtherBoundsAreUnsupported) {
   Eigen::Vector2d upper(1, std::numeric_limits<double>::infinity());
   const LcpProblem box =
       LcpProblem::FromDense("box", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, -1), {lower, upper});
-  EXPECT_EQ(Solve(box, OptionsFor(1e-6)).status, LcpStatus::kUnsupported);
+  EXPECT_EQ(Solve(box, 1e-6).status, LcpStatus::kUnsupported);
 }
 
 TEST_P(SolverContract, ImpossibleOptionsAreRefused) {
   const LcpProblem problem = PlantedProblem(3, 2, 1, 0, 0).problem;
-  LcpResult result;
   for (const double tolerance : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_THROW(solver_->Solve(problem, OptionsFor(tolerance), &result), InputError);
+    EXPECT_THROW(Solve(problem, tolerance), InputError);
   }
-  LcpOptions options;
-  options.time_limit_s = 0;
-  EXPECT_THROW(solver_->Solve(problem, options, &result), InputError);
-  options = {};
+  EXPECT_THROW(Solve(problem, 1e-9, 0), InputError);
   const Eigen::VectorXd short_f = Eigen::VectorXd::Zero(2);
-  options.initial_f = &short_f;
-  EXPECT_THROW(solver_->Solve(problem, options, &result), InputError);
+  EXPECT_THROW(Solve(problem, {.initial_f = &short_f}), InputError);
   EXPECT_THROW(GetParam().make({{"no-such-option", "1"}}), InputError);
 }
 
-TEST(Registry, AnOlderKeyFindsItsSolver) { EXPECT_EQ(FindSolver("suitesparse").key, "ipm"); }
-
-TEST(Registry, AShortKeyFindsItsSolver) { EXPECT_EQ(FindSolver("ssn").key, "semismooth-newton"); }
+TEST(Registry, AnOlderAndAShortKeyFindTheirSolvers) {
+  EXPECT_EQ(FindSolver("suitesparse").key, "ipm");
+  EXPECT_EQ(FindSolver("ssn").key, "semismooth-newton");
+}
 
 TEST(Registry, UnknownKeysNameTheKnownOnes) {
   try {

@@ -152,13 +152,6 @@ constexpr ExactFamily kUnsolvable[] = {
 
 }  // namespace
 
-MatrixFacts SymmetricPsd() {
-  MatrixFacts facts;
-  facts.symmetric = true;
-  facts.positive_semidefinite = true;
-  return facts;
-}
-
 TestProblem PlantedExactly(unsigned seed, Index largest, bool wide_masses) {
   TestRandom random(seed);
   const Index n = random.Integer(1, static_cast<int>(largest));

@@ -18,9 +18,6 @@ class TestRandom {
   std::mt19937 engine_;
 };
 
-/// Facts of a symmetric positive semidefinite A.
-MatrixFacts SymmetricPsd();
-
 /// A solvable problem of 1 to `largest` rows with a planted answer.
 /// A = G diag(m) G^T with small integers G (n x r, so every rank occurs) and m powers of two with exponents up to +-13
 /// (`wide_masses`): all of A and b is exact in double, and so are singularity, duplicates, opposed rows and degeneracy.

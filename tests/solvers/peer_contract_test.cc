@@ -19,20 +19,10 @@
 namespace lcpbench {
 namespace {
 
-class PeerContract : public testing::TestWithParam<SolverEntry> {
+class PeerContract : public SolverTest {
  protected:
-  void SetUp() override {
-    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
-    solver_ = GetParam().make({});
-  }
-
   LcpResult Solve(const LcpProblem& problem, double tolerance, double limit_s = 2) {
-    LcpOptions options;
-    options.tolerance = tolerance;
-    options.time_limit_s = limit_s;
-    LcpResult result;
-    solver_->Solve(problem, options, &result);
-    return result;
+    return SolverTest::Solve(problem, tolerance, limit_s);
   }
 
   void Judge(const TestProblem& test, double tolerance) {
@@ -69,7 +59,6 @@ class PeerContract : public testing::TestWithParam<SolverEntry> {
   // A library's own options may be meant for games, and the key promises not to touch them.
   static double EasyTier() { return GetParam().key.ends_with("-default") ? 1e-3 : 1e-6; }
 
-  std::unique_ptr<LcpSolver> solver_;
   int problems_ = 0;
   int passed_ = 0;
   int false_ = 0;
@@ -107,9 +96,7 @@ TEST_P(PeerContract, IsolatedContactsAreSolved) {
   const Index n = 9;
   Eigen::VectorXd b(n);
   for (Index i = 0; i < n; ++i) b[i] = static_cast<double>(i % 5) - 2.5;
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  const LcpProblem problem = LcpProblem::FromDense("isolated", Eigen::MatrixXd::Identity(n, n), b, {}, facts);
+  const LcpProblem problem = LcpProblem::FromDense("isolated", Eigen::MatrixXd::Identity(n, n), b, {}, SymmetricPsd());
   const LcpResult result = Solve(problem, EasyTier());
   EXPECT_TRUE(Verify(problem, result, EasyTier()).passes) << ToString(result.status) << " " << result.detail;
   EXPECT_GT(result.own_fresh_s, 0);
@@ -117,12 +104,10 @@ TEST_P(PeerContract, IsolatedContactsAreSolved) {
 
 // A well-conditioned joint system: either refused by name, or solved.
 TEST_P(PeerContract, BilateralRowsAreSolvedOrRefused) {
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
   Eigen::Matrix3d A;
   A << 2, 1, 0, 1, 2, 1, 0, 1, 2;
-  const LcpProblem problem =
-      LcpProblem::FromDense("joint", A, Eigen::Vector3d(-1, 2, -1), RowBounds::WithBilateralRows(3, {1}), facts);
+  const LcpProblem problem = LcpProblem::FromDense("joint", A, Eigen::Vector3d(-1, 2, -1),
+                                                   RowBounds::WithBilateralRows(3, {1}), SymmetricPsd());
   const LcpResult result = Solve(problem, EasyTier());
   if (result.status == LcpStatus::kUnsupported) {
     EXPECT_FALSE(result.detail.empty());
@@ -159,12 +144,7 @@ TEST_P(PeerContract, AnotherBOnTheSameMatrixIsANewProblem) {
 
 TEST_P(PeerContract, PartsAreTimedWhereTheyAreWanted) {
   const LcpProblem problem = PlantedProblem(20, 8, 1, 0, 0).problem;
-  LcpOptions options;
-  options.time_limit_s = 2;
-  options.tolerance = 1e-6;
-  options.time_parts = true;
-  LcpResult result;
-  solver_->Solve(problem, options, &result);
+  const LcpResult result = SolverTest::Solve(problem, {.tolerance = 1e-6, .time_limit_s = 2, .time_parts = true});
   EXPECT_GE(result.own_solve_s, 0);
   EXPECT_LE(result.own_solve_s + std::max(0.0, result.own_convert_s), result.own_fresh_s);
 }
@@ -234,11 +214,7 @@ TEST(PeerSettings, AShiftedFactorizationSolvesMoreOfTheSingularProblems) {
       const auto solver = MakeSolver(key, settings);
       int passed = 0;
       for (const TestProblem& test : GeneratedProblems()) {
-        LcpOptions options;
-        options.tolerance = 1e-6;
-        options.time_limit_s = 0.5;
-        LcpResult result;
-        solver->Solve(test.problem, options, &result);
+        const LcpResult result = SolveWith(solver.get(), test.problem, {.tolerance = 1e-6, .time_limit_s = 0.5});
         if (Verify(test.problem, result, 1e-6).passes) ++passed;
       }
       return passed;

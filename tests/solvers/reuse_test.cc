@@ -14,30 +14,22 @@
 #include "solvers/lcp/work_counts.h"
 #include "solvers/registry.h"
 #include "tests/solvers/exact_problems.h"
-#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
 
-class Reuse : public testing::TestWithParam<SolverEntry> {
+class Reuse : public SolverTest {
  protected:
   void SetUp() override {
-    if (!GetParam().available) GTEST_SKIP() << "not in this build";
+    SolverTest::SetUp();
     static const std::set<std::string> kSweeps = {"pgs", "psor", "nncg", "apgd"};
     if (kSweeps.contains(GetParam().key)) options_.max_iterations = 200;  // they have no end on redundant rows
   }
   static std::unique_ptr<LcpSolver> Make() { return GetParam().make({}); }
-  LcpResult Solve(LcpSolver* solver, const LcpProblem& problem) const {
-    LcpResult result;
-    solver->Solve(problem, options_, &result);
-    return result;
-  }
+  LcpResult Solve(LcpSolver* solver, const LcpProblem& problem) const { return SolveWith(solver, problem, options_); }
 
-  const LcpOptions& options() const { return options_; }
-
- private:
   LcpOptions options_;
 };
 
@@ -174,16 +166,16 @@ TEST_P(Reuse, NothingIsKeptOfOtherProblemsButWorkspace) {
     const int others = is_slow ? 7 : 31;
     for (int which = 0; which < (n == 300 ? kFamilies : kFamilies - 1); ++which) {
       const ProblemArrays arrays = Family(which, n, 1);
-      const Effort fresh = SolveFresh(Make().get(), arrays, options());
+      const Effort fresh = SolveFresh(Make().get(), arrays, options_);
       const std::unique_ptr<LcpSolver> after_one = Make();
-      SolveFresh(after_one.get(), Family(which, n, 2), options());
-      const Effort second = SolveFresh(after_one.get(), arrays, options());
+      SolveFresh(after_one.get(), Family(which, n, 2), options_);
+      const Effort second = SolveFresh(after_one.get(), arrays, options_);
       const std::unique_ptr<LcpSolver> used = Make();
       for (int k = 0; k < others; ++k) {
         SolveFresh(used.get(), Family((which + k) % (n == 300 ? kFamilies : kFamilies - 1), n, 2U + unsigned(k)),
-                   options());
+                   options_);
       }
-      const Effort late = SolveFresh(used.get(), arrays, options());
+      const Effort late = SolveFresh(used.get(), arrays, options_);
       const std::string what = arrays.id + ", " + std::to_string(n) + " rows: " + fresh.result.detail;
       ExpectSame(late.result, fresh.result, what);
       EXPECT_EQ(late.work.factorizations, fresh.work.factorizations) << what;

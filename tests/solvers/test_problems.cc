@@ -1,8 +1,10 @@
 #include "tests/solvers/test_problems.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -17,12 +19,8 @@ int Integer(std::mt19937& random, int low, int high) {
 
 TestProblem Dense(const std::string& name, const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Eigen::VectorXd& f,
                   const std::vector<Index>& bilateral = {}) {
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  LcpReference reference;
-  reference.status = LcpReference::Status::kSolved;
-  reference.w = A * f + b;
-  return {LcpProblem::FromDense(name, A, b, RowBounds::WithBilateralRows(b.size(), bilateral), facts), reference};
+  return {LcpProblem::FromDense(name, A, b, RowBounds::WithBilateralRows(b.size(), bilateral), SymmetricPsd()),
+          {LcpReference::Status::kSolved, A * f + b, std::nullopt}};
 }
 
 TestProblem Infeasible(TestProblem test) {
@@ -49,7 +47,19 @@ TestProblem Chain(Index n, unsigned seed) {
   return {LcpProblem::FromFactors("chain-" + std::to_string(n), J, inverse_mass, b), reference};
 }
 
+using Triplets = std::vector<Eigen::Triplet<double, int>>;
+
+double Uniform(std::mt19937_64* random, double low, double high) {
+  return low + (high - low) * static_cast<double>((*random)() >> 11) * 0x1p-53;
+}
+
 }  // namespace
+
+MatrixFacts SymmetricPsd() {
+  MatrixFacts facts;
+  facts.symmetric = facts.positive_semidefinite = true;
+  return facts;
+}
 
 std::ostream& operator<<(std::ostream& out, const TestProblem& test) { return out << test.problem.id(); }
 
@@ -184,6 +194,130 @@ LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, do
   return LcpProblem::FromFactors(problem.id() + "-scaled", J, mass_scale * problem.inverse_mass(),
                                  scale.cwiseProduct(problem.b()),
                                  RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()));
+}
+
+LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
+  Index rows = 0;
+  Index columns = 0;
+  for (const LcpProblem& part : parts) {
+    rows += part.size();
+    columns += part.J().cols();
+  }
+  std::vector<Eigen::Triplet<double, int>> entries;
+  Eigen::VectorXd inverse_mass(columns);
+  Eigen::VectorXd b(rows);
+  std::vector<Index> bilateral;
+  Index row = 0;
+  Index column = 0;
+  for (const LcpProblem& part : parts) {
+    for (Index i = 0; i < part.size(); ++i) {
+      for (SparseMatrix::InnerIterator it(part.J(), i); it; ++it) {
+        entries.emplace_back(static_cast<int>(row + i), static_cast<int>(column + it.col()), it.value());
+      }
+      if (part.is_bilateral(i)) bilateral.push_back(row + i);
+    }
+    b.segment(row, part.size()) = part.b();
+    inverse_mass.segment(column, part.J().cols()) = part.inverse_mass();
+    row += part.size();
+    column += part.J().cols();
+  }
+  SparseMatrix J(rows, columns);
+  J.setFromTriplets(entries.begin(), entries.end());
+  const LcpProblem ordered = LcpProblem::FromFactors("composed-" + std::to_string(seed), std::move(J), inverse_mass, b,
+                                                     RowBounds::WithBilateralRows(rows, bilateral));
+  std::vector<Index> order(static_cast<size_t>(rows));
+  std::iota(order.begin(), order.end(), 0);
+  std::mt19937 random(seed);
+  for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
+  return PermuteRows(ordered, order);
+}
+
+LcpProblem Column(Index n, unsigned seed) {
+  std::mt19937_64 random(seed);
+  Triplets entries;
+  Eigen::VectorXd acceleration(3 * n);
+  for (int k = 0; k < n; ++k) {
+    entries.emplace_back(k, 3 * k + 1, 1.0);
+    if (k > 0) entries.emplace_back(k, 3 * (k - 1) + 1, -1.0);
+    acceleration.segment<3>(Index{3} * k) << 0.0, -10.0 + Uniform(&random, -8.0, 8.0), 0.0;
+  }
+  SparseMatrix J(n, 3 * n);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("column-" + std::to_string(n), J, Eigen::VectorXd::Ones(3 * n), J * acceleration);
+}
+
+LcpProblem DiscPile(Index n, unsigned seed) {
+  constexpr int kWidth = 10;
+  const double half = 0.5;
+  const double height = std::sqrt(0.75);
+  std::mt19937_64 random(seed);
+  Triplets entries;
+  int row = 0;
+  int disc = 0;
+  for (; row < n; ++disc) {
+    const int below = disc - kWidth;
+    for (const double side : {-half, half}) {
+      if (row >= n) break;
+      entries.emplace_back(row, 3 * disc, -side);
+      entries.emplace_back(row, 3 * disc + 1, height);
+      const int neighbour = below + (side > 0 ? 1 : 0);
+      if (neighbour >= 0 && neighbour < disc) {
+        entries.emplace_back(row, 3 * neighbour, side);
+        entries.emplace_back(row, 3 * neighbour + 1, -height);
+      }
+      ++row;
+    }
+  }
+  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(Index{3} * disc);
+  for (Index k = 0; k < disc; ++k) {
+    acceleration[3 * k] = Uniform(&random, -3.0, 3.0);
+    acceleration[3 * k + 1] = -10.0;
+  }
+  SparseMatrix J(n, Index{3} * disc);
+  J.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromFactors("pile-" + std::to_string(n), J, Eigen::VectorXd::Ones(Index{3} * disc),
+                                 J * acceleration);
+}
+
+LcpProblem JammedColumn(Index n, unsigned seed) {
+  const LcpProblem column = Column(n, seed);
+  Triplets entries;
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(column.J(), i); it; ++it) {
+      entries.emplace_back(static_cast<int>(i), static_cast<int>(it.col()), it.value());
+    }
+  }
+  const int top = 3 * static_cast<int>(n - 1);
+  entries.emplace_back(static_cast<int>(n), top, 1.0);
+  entries.emplace_back(static_cast<int>(n + 1), top, -1.0);
+  SparseMatrix J(n + 2, column.J().cols());
+  J.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd b(n + 2);
+  b << column.b(), -1.0, 0.5;
+  return LcpProblem::FromFactors("jam", J, column.inverse_mass(), b);
+}
+
+StackedColumn MakeStackedColumn(Index n, double ratio) {
+  constexpr double kGravity = 9.81;
+  SparseMatrix J(n, 3 * n);
+  J.reserve(Eigen::VectorXi::Constant(n, 2));
+  Eigen::VectorXd inverse_mass(3 * n);
+  std::vector<long double> f(static_cast<size_t>(n));
+  long double above = 0;
+  for (Index i = n - 1; i >= 0; --i) {
+    const double mass = i % 2 == 0 ? 1 : ratio;
+    inverse_mass.segment(3 * i, 3).setConstant(1 / mass);
+    above += 1 / static_cast<long double>(1 / mass);  // the mass that the problem holds, not the one it was made from
+    f[static_cast<size_t>(i)] = kGravity * above;
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (i > 0) J.insert(i, 3 * i - 2) = -1;
+    J.insert(i, 3 * i + 1) = 1;
+  }
+  // Between bodies that fall alike gaps do not change.
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
+  b[0] = -kGravity;
+  return {LcpProblem::FromFactors("column", J, inverse_mass, b), f};
 }
 
 }  // namespace lcpbench

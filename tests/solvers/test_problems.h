@@ -14,6 +14,9 @@ struct TestProblem {
   LcpReference reference;
 };
 
+/// Facts of a symmetric positive semidefinite A.
+MatrixFacts SymmetricPsd();
+
 std::ostream& operator<<(std::ostream& out, const TestProblem& test);
 
 /// The exact LCPs of the oracle set; empty where the outside data is absent.
@@ -40,5 +43,27 @@ LcpProblem PermuteRows(const LcpProblem& problem, const std::vector<Index>& orde
 
 /// J -> S J, b -> S b, and inverse mass times `mass_scale`.
 LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, double mass_scale);
+
+/// One problem of independent parts given by factors, its rows shuffled by `seed`.
+LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed);
+
+/// Unit masses on a vertical line, each resting on the one below, pushed by random loads: some contacts open. A is
+/// tridiagonal.
+LcpProblem Column(Index n, unsigned seed);
+
+/// Discs in rows of ten on a floor, each touching the two below: as many contacts as translations, and side loads that
+/// open some of them.
+LcpProblem DiscPile(Index n, unsigned seed);
+
+/// A solvable column of n rows, and two opposed rows on its top body that both demand to open: infeasible.
+LcpProblem JammedColumn(Index n, unsigned seed);
+
+/// A column of bodies standing on the ground, one vertical row between neighbours, mass 1 below and `ratio` above in
+/// turns; only gravity. Every contact carries what lies above it, f_i = g (m_i + m_{i+1} + ...), and w = 0.
+struct StackedColumn {
+  LcpProblem problem;          ///< by factors, n rows
+  std::vector<long double> f;  ///< exact but for the rounding of long double
+};
+StackedColumn MakeStackedColumn(Index n, double ratio);
 
 }  // namespace lcpbench

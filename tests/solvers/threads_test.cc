@@ -44,11 +44,7 @@ std::vector<LcpProblem> FreshProblems() {
 }
 
 LcpResult SolveOne(LcpSolver* solver, const LcpProblem& problem) {
-  LcpOptions options;
-  options.tolerance = kTolerance;
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
+  return SolveWith(solver, problem, {.tolerance = kTolerance});
 }
 
 void ExpectSameBits(const LcpResult& expected, const LcpResult& actual) {
@@ -58,17 +54,12 @@ void ExpectSameBits(const LcpResult& expected, const LcpResult& actual) {
   EXPECT_EQ(expected.farkas_ray, actual.farkas_ray);
 }
 
-class ThreadsTest : public testing::TestWithParam<SolverEntry> {
+class ThreadsTest : public SolverTest {
  protected:
-  void SetUp() override {
-    if (!GetParam().available) GTEST_SKIP() << GetParam().key << " is not in this build";
-  }
-
   std::vector<LcpResult> OnOneThread(const std::vector<LcpProblem>& problems) const {
-    const std::unique_ptr<LcpSolver> solver = GetParam().make({});
     std::vector<LcpResult> results;
     results.reserve(problems.size());
-    for (const LcpProblem& problem : problems) results.push_back(SolveOne(solver.get(), problem.CopyOfGivenForm()));
+    for (const LcpProblem& problem : problems) results.push_back(SolveOne(solver_.get(), problem.CopyOfGivenForm()));
     return results;
   }
 

@@ -7,7 +7,7 @@
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "tests/solvers/lcp/stacked_column.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {

@@ -11,9 +11,8 @@
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
-#include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
-#include "tests/solvers/stacked_problems.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {

@@ -9,7 +9,6 @@
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 #include "tests/solvers/first_order_runs.h"
-#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {

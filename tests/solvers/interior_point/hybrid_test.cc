@@ -8,7 +8,7 @@
 #include <algorithm>
 
 #include "tests/solvers/solve_with.h"
-#include "tests/solvers/stacked_problems.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {

@@ -15,7 +15,6 @@
 
 #include "support/input_error.h"
 #include "tests/solvers/solve_with.h"
-#include "tests/solvers/stacked_problems.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {

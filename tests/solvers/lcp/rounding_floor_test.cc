@@ -7,7 +7,7 @@
 #include <random>
 
 #include "solvers/lcp/verify.h"
-#include "tests/solvers/lcp/stacked_column.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -294,9 +294,7 @@ TEST(VerdictAtTheFloor, AHugeSelfStressDoesNotLoosenAVerdict) {
   // A body between two walls: f = (1, 0) + t (1, 1) for any t >= 0.
   Eigen::Matrix2d A;
   A << 1, -1, -1, 1;
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  const LcpProblem problem = LcpProblem::FromDense("walls", A, Eigen::Vector2d(-1, 1), {}, facts);
+  const LcpProblem problem = LcpProblem::FromDense("walls", A, Eigen::Vector2d(-1, 1), {}, SymmetricPsd());
   const LcpReference reference = WithFloor(RoundingFloor(problem, Eigen::Vector2d(1, 0)));
   int loosened = 0;
   for (double t = 1; t < 1e14; t *= 3) {

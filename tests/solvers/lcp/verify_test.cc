@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "solvers/lcp/residual.h"
-#include "tests/solvers/lcp/stacked_column.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
@@ -46,9 +46,7 @@ Planted Plant(Index n, unsigned seed) {
   Eigen::VectorXd f = Eigen::VectorXd::Zero(n);
   Eigen::VectorXd w = Eigen::VectorXd::Zero(n);
   for (Index i = 0; i < n; ++i) (random() % 2 == 0 ? f : w)[i] = std::abs(normal(random));
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  return {LcpProblem::FromDense("planted", A, w - A * f, {}, facts), f, w};
+  return {LcpProblem::FromDense("planted", A, w - A * f, {}, SymmetricPsd()), f, w};
 }
 
 TEST(Verify, AnExactSolutionPassesTheStrictestTier) {

@@ -11,8 +11,8 @@
 
 #include "solvers/lcp/verify.h"
 #include "solvers/pivoting/dantzig.h"
-#include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {

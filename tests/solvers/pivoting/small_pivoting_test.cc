@@ -11,8 +11,8 @@
 #include "benchmarks/measure/allocation_count.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/islands.h"
-#include "tests/solvers/composed_problems.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
