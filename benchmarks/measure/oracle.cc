@@ -10,7 +10,6 @@
 #include "support/clock.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/cholmod_factor.h"
-#include "solvers/linear_algebra/graph_order.h"
 #endif
 
 namespace lcpbench {

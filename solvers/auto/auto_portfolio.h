@@ -51,7 +51,6 @@ class AutoPortfolio {
   bool suits_tableau() const { return suits_tableau_; }
 
  private:
-  enum class Trust { kVerifiesItself, kVerify };
   bool PrepareBpp(const LcpProblem& problem);
   void AskAll(Choice choice, LcpResult* result);
   void Remember(const Eigen::VectorXd& f);
@@ -61,10 +60,9 @@ class AutoPortfolio {
   bool TryBpp(LcpResult* result);
   bool TryNewton(LcpResult* result);
   bool TryHybrid(LcpResult* result);
-  bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
+  bool Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
 
   std::int64_t newton_factorisations_;
-  bool self_check_;
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/auto/islands.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/islands.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"
 
