@@ -11,7 +11,7 @@
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/first_order/sweeps/lanes.h"
-#include "solvers/first_order/sweeps/row_work.h"
+#include "solvers/first_order/sweeps/row_kernel.h"
 
 namespace lcpbench {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "solvers/answers/zero_row_ray.h"
+#include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {

@@ -11,7 +11,7 @@
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/active_block_choice.h"
-#include "solvers/linear_algebra/scaled_vectors.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 
 namespace lcpbench {
 

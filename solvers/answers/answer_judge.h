@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <limits>
+#include <optional>
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/residual.h"
@@ -44,5 +45,9 @@ class AnswerJudge {
   bool latest_is_best_ = false;
   Eigen::VectorXd f_, w_, w_best_;
 };
+
+/// A_ii = 0 makes row i of a PSD A zero: w_i = b_i whatever f is. If that is wrong by more than `threshold` in some
+/// such row, +-e_i as a ray that VerifyFarkasRay accepts. O(n); allocates for a ray only. Internal to solvers/.
+std::optional<Eigen::VectorXd> FindZeroRowRay(const LcpProblem& problem, double threshold);
 
 }  // namespace lcpbench

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <string>
 
-#include "solvers/interior_point/interior_finish.h"
 #include "solvers/lcp/residual.h"
+#include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {
 namespace {
@@ -68,7 +68,7 @@ void HybridEngine::Prepare(const LcpProblem& problem) {
   if (problem.size() > kMostRowsAnalysed) return;
   interior_.Prepare(problem);
   const IpmStatistics& factor = interior_.statistics();
-  sweeps_per_factorization_ = SweepsPerFactorization(problem, factor.factor_flops, factor.fill);
+  sweeps_per_factorization_ = CostModel::SweepsPerFactorization(problem, factor.factor_flops, factor.fill);
 }
 
 void HybridEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {

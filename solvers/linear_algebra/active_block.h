@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "solvers/lcp/solver.h"
+#include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {
 
@@ -37,6 +38,97 @@ class ActiveBlock {
   /// Rows of the last factor that depend on others: whose pivot is little more than the shift.  O(n)
   virtual Index CountDependentRows() const = 0;
   static constexpr double kDependentPivot = 10;  ///< in shift A_ii
+};
+
+/// ActiveBlock on the dense A: L D L^T from scratch, left-looking by panels of eight columns. L D is stored by blocks
+/// of 16 rows, columns of a block one after the other, so that the product of a block with the rows of a panel reads
+/// memory in order and keeps its 16 x 8 sums in registers. F is filled up with rows of the unit matrix to whole blocks.
+/// No library routine, because those allocate in a factorisation.
+class DenseActiveBlock final : public ActiveBlock {
+ public:
+  void Analyze(const LcpProblem& problem) override;
+  void Load(const LcpProblem& problem, const Eigen::VectorXd& scale) override;
+  bool Factor(const std::vector<char>& active, double shift, const Deadline* deadline) override;
+  void Solve(double* x) override;
+  void Multiply(const double* x, double* y) const override;
+  Index CountDependentRows() const override;
+  double factor_time() const override { return FactorTime(n_); }
+  /// The same without an analysis, which allocates three n x n arrays.
+  static double FactorTime(Index n);
+
+ private:
+  static constexpr Index kRows = 16;
+  static constexpr Index kPanel = 8;
+
+  using Strip = Eigen::Map<Eigen::Array<double, kRows, 1>>;
+
+  // Column k of the block of rows [kRows block, kRows (block + 1)).
+  double* strip(Index block, Index k) { return factor_.data() + (block * padded_ + k) * kRows; }
+  void Gather(double shift);
+  void UpdatePanel(Index begin);
+  void FactorPanel(Index begin);
+
+  Index n_ = 0;
+  Index padded_ = 0;         // |F| in whole blocks
+  Eigen::MatrixXd A_;        // S A S
+  std::vector<Index> rows_;  // F
+  Eigen::VectorXd factor_;   // K_FF, then L D, diagonal and below
+  Eigen::VectorXd inverse_;  // 1 / D_kk
+  Eigen::VectorXd floor_;    // least pivot of each row
+  Eigen::VectorXd panel_;    // rows of the panel of L, packed
+  Eigen::VectorXd x_, sums_;
+};
+
+/// ActiveBlock on the sparse A: L D L^T in an approximate minimum degree order, with one symbolic analysis for all F.
+///
+/// Rows are computed one after the other (up-looking [Davis 2006, sec. 4.7]) on the pattern of the factor of the whole
+/// A: a row outside F is a row of zeros. Row r depends on its descendants in the elimination tree only, so a Factor
+/// after a small change of F computes the changed rows and their ancestors anew and keeps the others. Columns of equal
+/// structure are handled up to four together, which shares the indices and the accumulator.
+///
+/// In a sequence the analysis is kept for a next problem of the same pattern, the order for one that differs little
+/// (KeptOrder).
+class SparseActiveBlock final : public ActiveBlock {
+ public:
+  void Analyze(const LcpProblem& problem) override;
+  void Load(const LcpProblem& problem, const Eigen::VectorXd& scale) override;
+  bool Factor(const std::vector<char>& active, double shift, const Deadline* deadline) override;
+  void Solve(double* x) override;
+  void Multiply(const double* x, double* y) const override;
+  double factor_time() const override;
+  Index CountDependentRows() const override;
+
+ private:
+  bool HasPattern(const SparseMatrix& A) const;
+  void OrderAnew(const SparseMatrix& A);
+  void Permute(const SparseMatrix& A);
+  void FindPatterns();
+  void ComputeRow(int r);
+
+  // Of the A analysed last: its pattern, by rows, and its order.
+  std::vector<int> outer_, inner_;
+  KeptOrder kept_;
+
+  // A in elimination order: the diagonal, and the entries left of it by rows.
+  int n_ = 0;
+  std::vector<int> order_;                    // place in the elimination order -> row of the problem
+  std::vector<int> start_, column_, source_;  // of row r: [start_[r], start_[r+1]); source_: entry of SparseA()
+  std::vector<int> diagonal_source_;
+  std::vector<double> values_, diagonal_;
+
+  // L: by columns with ascending rows, and for each row the places of its entries.
+  std::vector<int> parent_;
+  std::vector<int> column_start_, rows_;
+  std::vector<int> row_start_, row_columns_, row_places_;
+  std::vector<int> chain_;  // how many columns from this one on have its structure, 1 to 4
+  std::vector<double> lower_, pivots_;
+  double factor_work_ = 0;  // multiply-adds
+
+  // State.
+  double shift_ = 0;  // 0: nothing factored yet
+  std::vector<char> active_, dirty_;
+  std::vector<double> y_;
+  mutable std::vector<double> in_, out_;
 };
 
 }  // namespace lcpbench

@@ -29,7 +29,7 @@ double ActiveBlockChoice::StepTime(const ActiveBlock* chosen, Index rows) const 
 
 bool ActiveBlockChoice::HasBodies(const LcpProblem& problem) {
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  return BodyActiveBlock::Suits(problem);
+  return BodySpace::Suits(problem);
 #else
   return problem.size() < 0;
 #endif

@@ -2,8 +2,7 @@
 
 #include <memory>
 
-#include "solvers/linear_algebra/dense_active_block.h"
-#include "solvers/linear_algebra/sparse_active_block.h"
+#include "solvers/linear_algebra/active_block.h"
 
 namespace lcpbench {
 

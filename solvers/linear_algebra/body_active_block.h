@@ -27,9 +27,6 @@ namespace lcpbench {
 /// than the freedoms of their bodies: a lower bound.
 class BodyActiveBlock final : public ActiveBlock {
  public:
-  /// Whether the problem has the form for it.
-  static bool Suits(const LcpProblem& problem) { return BodySpace::Suits(problem); }
-
   /// @throws std::runtime_error as CholmodFactor::Analyze
   void Analyze(const LcpProblem& problem) override;
   void Load(const LcpProblem& problem, const Eigen::VectorXd& scale) override;

@@ -38,6 +38,10 @@ struct CostModel {
     if (problem.has_factors() && problem.has_two_body_rows()) return kSweepRow * static_cast<double>(problem.size());
     return kSweepEntry * static_cast<double>(problem.SparseA().nonZeros());
   }
+  /// How many of these take as long as one factorization of `flops` and `fill` in the interior point, with its solves.
+  static double SweepsPerFactorization(const LcpProblem& problem, double flops, double fill) {
+    return (kInteriorFlop * flops + kInteriorEntry * fill) / Sweep(problem);
+  }
 };
 
 }  // namespace lcpbench

@@ -9,7 +9,7 @@
 #include "solvers/linear_algebra/cholmod_factor.h"
 #include "solvers/linear_algebra/islands.h"
 #include "solvers/linear_algebra/kept_order.h"
-#include "solvers/linear_algebra/scaled_vectors.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 
 namespace lcpbench {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "solvers/linear_algebra/permuted_lcp.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 #include "solvers/pivoting/dense_ldlt.h"
 
 namespace lcpbench {

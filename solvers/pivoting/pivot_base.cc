@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/answers/zero_row_ray.h"
+#include "solvers/answers/answer_judge.h"
 #include "solvers/lcp/engine_solver.h"
 #include "solvers/lcp/verify.h"
 

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include "solvers/linear_algebra/power_of_two.h"
+#include "solvers/linear_algebra/scaled_lcp.h"
 #include "solvers/pivoting/tableau_rules.h"
 #include "solvers/pivoting/vector_register.h"
 

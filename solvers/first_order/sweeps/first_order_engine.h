@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "solvers/first_order/sweeps/row_work.h"
+#include "solvers/first_order/sweeps/row_kernel.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 
