@@ -28,7 +28,7 @@ struct BatchOptions {
   int threads = 1;
   BatchInstructions instructions = BatchInstructions::kBest;  ///< refused where this machine lacks them
   /// Of the solver that gets what the lanes do not solve.
-  AutoOptions fallback;
+  AutoOptions fallback = {};
 };
 
 /// Problems of one size in one piece of memory, for callers that have no use for LcpProblem objects.

@@ -81,7 +81,8 @@ constexpr double kWorthSweeps = 1e6;  // flop; below, going on is as cheap, and 
 class InteriorFinish {
  public:
   // @param self_check  of the sweeps
-  explicit InteriorFinish(bool self_check);
+  explicit InteriorFinish(bool self_check)
+      : sweeps_(NncgOptions{.end_when_hopeless = true, .self_check = self_check}) {}
 
   // Set-up for a problem; the sweeps' own set-up waits until they are first needed.
   // @param factor_work  of one factorisation [flop]: sweeps are for where that is much
@@ -91,13 +92,18 @@ class InteriorFinish {
 
   // @param f, w  an interior iterate, scaled, after a step whose factor is the system's latest
   // @returns whether run->best_f() meets the tier now
-  bool Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+  bool Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
+    return Refine(run, f, w) || (may_sweep_ && Sweep(run, f));
+  }
   // Rows whose side the latest Try found to be wrong after one solve, as a fraction of all: how far F is from right.
   double wrong_rows() const { return wrong_rows_; }
   bool may_sweep() const { return may_sweep_; }
   // From run->best_f(), for as long as the rate of convergence promises the tier within `iterations`.
   // @returns as Try
-  bool SweepFromBest(IpmRun* run, std::int64_t iterations);
+  bool SweepFromBest(IpmRun* run, std::int64_t iterations) {
+    const Eigen::VectorXd start = run->best_f();
+    return Sweeps(run, start, kClose * run->options().tolerance, iterations);
+  }
 
  private:
   bool Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
@@ -112,9 +118,6 @@ class InteriorFinish {
   bool may_sweep_ = false;
   double least_tried_ = 0;  // rho of the last iterate that the sweeps were given
 };
-
-InteriorFinish::InteriorFinish(bool self_check)
-    : sweeps_(NncgOptions{.end_when_hopeless = true, .self_check = self_check}) {}
 
 void InteriorFinish::Reserve(Index n, double factor_work) {
   may_sweep_ = factor_work > kWorthSweeps;
@@ -179,11 +182,6 @@ bool InteriorFinish::Sweep(IpmRun* run, const Eigen::VectorXd& f) {
   return Sweeps(run, start, kClose * tolerance, rho <= kNear * tolerance ? kSweepsWhereNear : kSweeps);
 }
 
-bool InteriorFinish::SweepFromBest(IpmRun* run, std::int64_t iterations) {
-  const Eigen::VectorXd start = run->best_f();
-  return Sweeps(run, start, kClose * run->options().tolerance, iterations);
-}
-
 bool InteriorFinish::Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations) {
   const LcpProblem& problem = run->system().problem();
   if (!prepared_) {
@@ -198,10 +196,6 @@ bool InteriorFinish::Sweeps(IpmRun* run, const Eigen::VectorXd& start, double to
   LcpResult result;
   sweeps_.Solve(problem, options, &result);
   return run->Accept(result.f);
-}
-
-bool InteriorFinish::Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
-  return Refine(run, f, w) || (may_sweep_ && Sweep(run, f));
 }
 
 }  // namespace

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "solvers/lcp/settings.h"
-#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 
@@ -52,15 +52,15 @@ class DirectSolverTest : public testing::TestWithParam<DirectSolver> {
  protected:
   void SetUp() override;
 
-  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options = {});
+  LcpResult Solve(const LcpProblem& problem, const LcpOptions& options = {}) {
+    return SolveWith(solver_.get(), problem, options);
+  }
 
   /// Solved, verified at 1e-9 and at the rho that is asked for, and w is the known one.
   void ExpectSolved(const TestProblem& test, const LcpResult& result);
   void ExpectSolved(const LcpProblem& problem, const LcpResult& result) { ExpectSolved({problem, {}}, result); }
-  /// Proved infeasible by a ray that the verifier accepts.
-  static void ExpectProof(const LcpProblem& problem, const LcpResult& result);
 
-  /// As one of the two above asks; but the solver may have failed where it says so, which is counted.
+  /// As ExpectSolved or ExpectRay asks; but the solver may have failed where it says so, which is counted.
   void Judge(const TestProblem& test, const LcpResult& result);
   /// At most `part` of the judged problems were left undecided.
   void ExpectUndecided(double part) const;

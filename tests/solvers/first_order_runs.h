@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
-#include "solvers/lcp/solver.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 
@@ -32,13 +32,7 @@ inline LcpProblem PressedChain(Index n) {
 /// @param iterations  the limit; 0 is the solver's own
 inline LcpResult Iterate(LcpSolver* solver, const LcpProblem& problem, double tolerance, std::int64_t iterations,
                          const Eigen::VectorXd* start = nullptr) {
-  LcpOptions options;
-  options.tolerance = tolerance;
-  options.max_iterations = iterations;
-  options.initial_f = start;
-  LcpResult result;
-  solver->Solve(problem, options, &result);
-  return result;
+  return SolveWith(solver, problem, {.tolerance = tolerance, .max_iterations = iterations, .initial_f = start});
 }
 template <typename Solver>
 LcpResult IterateNew(const LcpProblem& problem, const typename Solver::Options& options, double tolerance,

@@ -14,18 +14,24 @@ inline LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, const L
   return result;
 }
 
-/// Claimed to be solved, and verified at the default tolerance.
-inline void ExpectSolved(const LcpProblem& problem, const LcpResult& result) {
-  const Verdict verdict = Verify(problem, result, LcpOptions{}.tolerance);
+/// Claimed to be solved, and verified at the tolerance.
+inline void ExpectSolved(const LcpProblem& problem, const LcpResult& result,
+                         double tolerance = LcpOptions{}.tolerance) {
+  const Verdict verdict = Verify(problem, result, tolerance);
   EXPECT_EQ(result.status, LcpStatus::kSolved) << problem.id() << ": " << result.detail;
-  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason;
+  EXPECT_TRUE(verdict.passes) << problem.id() << ": " << verdict.reason << "; " << result.detail;
 }
+
+/// A clock for LcpOptions::now that moves one second per look, from `ticks` on.
+inline double ticks = 0;
+inline double TickingClock() { return ticks += 1; }
 
 /// Proved infeasible by a ray that the verifier accepts.
 inline void ExpectRay(const LcpProblem& problem, const LcpResult& result) {
   EXPECT_EQ(result.status, LcpStatus::kInfeasible) << problem.id() << ": " << result.detail;
-  ASSERT_TRUE(result.farkas_ray.has_value());
-  EXPECT_TRUE(VerifyFarkasRay(problem, *result.farkas_ray).accepted);
+  ASSERT_TRUE(result.farkas_ray.has_value()) << problem.id();
+  const FarkasVerdict verdict = VerifyFarkasRay(problem, *result.farkas_ray);
+  EXPECT_TRUE(verdict.accepted) << problem.id() << ": " << verdict.reason;
 }
 
 }  // namespace lcpbench

@@ -47,13 +47,23 @@ TestProblem Chain(Index n, unsigned seed) {
   return {LcpProblem::FromFactors("chain-" + std::to_string(n), J, inverse_mass, b), reference};
 }
 
-using Triplets = std::vector<Eigen::Triplet<double, int>>;
+}  // namespace
+
+SparseMatrix MatrixOf(Index rows, Index columns, const Triplets& entries) {
+  SparseMatrix matrix(rows, columns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+std::vector<Index> AllRows(Index n) {
+  std::vector<Index> rows(static_cast<size_t>(n));
+  std::iota(rows.begin(), rows.end(), 0);
+  return rows;
+}
 
 double Uniform(std::mt19937_64* random, double low, double high) {
   return low + (high - low) * static_cast<double>((*random)() >> 11) * 0x1p-53;
 }
-
-}  // namespace
 
 MatrixFacts SymmetricPsd() {
   MatrixFacts facts;
@@ -202,7 +212,7 @@ LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
     rows += part.size();
     columns += part.J().cols();
   }
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   Eigen::VectorXd inverse_mass(columns);
   Eigen::VectorXd b(rows);
   std::vector<Index> bilateral;
@@ -220,12 +230,10 @@ LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {
     row += part.size();
     column += part.J().cols();
   }
-  SparseMatrix J(rows, columns);
-  J.setFromTriplets(entries.begin(), entries.end());
-  const LcpProblem ordered = LcpProblem::FromFactors("composed-" + std::to_string(seed), std::move(J), inverse_mass, b,
-                                                     RowBounds::WithBilateralRows(rows, bilateral));
-  std::vector<Index> order(static_cast<size_t>(rows));
-  std::iota(order.begin(), order.end(), 0);
+  const LcpProblem ordered =
+      LcpProblem::FromFactors("composed-" + std::to_string(seed), MatrixOf(rows, columns, entries), inverse_mass, b,
+                              RowBounds::WithBilateralRows(rows, bilateral));
+  std::vector<Index> order = AllRows(rows);
   std::mt19937 random(seed);
   for (size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random() % k]);
   return PermuteRows(ordered, order);
@@ -240,8 +248,7 @@ LcpProblem Column(Index n, unsigned seed) {
     if (k > 0) entries.emplace_back(k, 3 * (k - 1) + 1, -1.0);
     acceleration.segment<3>(Index{3} * k) << 0.0, -10.0 + Uniform(&random, -8.0, 8.0), 0.0;
   }
-  SparseMatrix J(n, 3 * n);
-  J.setFromTriplets(entries.begin(), entries.end());
+  const SparseMatrix J = MatrixOf(n, 3 * n, entries);
   return LcpProblem::FromFactors("column-" + std::to_string(n), J, Eigen::VectorXd::Ones(3 * n), J * acceleration);
 }
 
@@ -272,8 +279,7 @@ LcpProblem DiscPile(Index n, unsigned seed) {
     acceleration[3 * k] = Uniform(&random, -3.0, 3.0);
     acceleration[3 * k + 1] = -10.0;
   }
-  SparseMatrix J(n, Index{3} * disc);
-  J.setFromTriplets(entries.begin(), entries.end());
+  const SparseMatrix J = MatrixOf(n, Index{3} * disc, entries);
   return LcpProblem::FromFactors("pile-" + std::to_string(n), J, Eigen::VectorXd::Ones(Index{3} * disc),
                                  J * acceleration);
 }
@@ -289,11 +295,9 @@ LcpProblem JammedColumn(Index n, unsigned seed) {
   const int top = 3 * static_cast<int>(n - 1);
   entries.emplace_back(static_cast<int>(n), top, 1.0);
   entries.emplace_back(static_cast<int>(n + 1), top, -1.0);
-  SparseMatrix J(n + 2, column.J().cols());
-  J.setFromTriplets(entries.begin(), entries.end());
   Eigen::VectorXd b(n + 2);
   b << column.b(), -1.0, 0.5;
-  return LcpProblem::FromFactors("jam", J, column.inverse_mass(), b);
+  return LcpProblem::FromFactors("jam", MatrixOf(n + 2, column.J().cols(), entries), column.inverse_mass(), b);
 }
 
 StackedColumn MakeStackedColumn(Index n, double ratio) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <ostream>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,14 @@ struct TestProblem {
 MatrixFacts SymmetricPsd();
 
 std::ostream& operator<<(std::ostream& out, const TestProblem& test);
+
+using Triplets = std::vector<Eigen::Triplet<double, int>>;
+/// The sum of these entries.
+SparseMatrix MatrixOf(Index rows, Index columns, const Triplets& entries);
+/// 0, 1, ..., n - 1.
+std::vector<Index> AllRows(Index n);
+/// The same on every machine.
+double Uniform(std::mt19937_64* random, double low, double high);
 
 /// The exact LCPs of the oracle set; empty where the outside data is absent.
 std::vector<TestProblem> OracleProblems();

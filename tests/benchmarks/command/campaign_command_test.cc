@@ -58,9 +58,8 @@ class CampaignCommand : public CommandTest {
   long AnalysedRows(const std::string& solver) {
     Succeed("analyse " + Path("c"));
     const std::vector<std::string> rows = Lines(ReadFile(folder_ / "c" / "analysis" / "coverage.csv"));
-    return std::count_if(rows.begin(), rows.end(), [&](const std::string& row) {
-      return row.find("," + solver + ",") != std::string::npos;
-    });
+    return std::count_if(rows.begin(), rows.end(),
+                         [&](const std::string& row) { return row.find("," + solver + ",") != std::string::npos; });
   }
   std::vector<Json> Cells() const { return CellsOf(folder_ / "c"); }
   std::vector<Json> Streams() const { return JsonLines(folder_ / "c" / "streams.jsonl"); }

@@ -12,11 +12,11 @@
 
 #include "benchmarks/measure/allocation_count.h"
 #include "solvers/first_order/sweeps/first_order_engine.h"
-#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/first_order_runs.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -25,18 +25,10 @@ namespace {
 class FirstOrder : public testing::TestWithParam<std::string> {
  protected:
   static LcpResult Solve(const LcpProblem& problem, const LcpOptions& options, const Settings& settings = {}) {
-    const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam(), settings);
-    LcpResult result;
-    solver->Solve(problem, options, &result);
-    return result;
+    return SolveWith(MakeSolver(GetParam(), settings).get(), problem, options);
   }
   static LcpResult IterateFrom0(const LcpProblem& problem, std::int64_t iterations, const Settings& settings) {
     return Iterate(MakeSolver(GetParam(), settings).get(), problem, 1e-15, iterations);
-  }
-  static LcpOptions At(double tolerance) {
-    LcpOptions options;
-    options.tolerance = tolerance;
-    return options;
   }
   // Every value of every setting but `form`.
   static std::vector<Settings> Variants() {
@@ -64,15 +56,13 @@ std::vector<TestProblem> EasyProblems() {
 LcpProblem ThreeBodyProblem(unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> entry(-3, 3);
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   for (int i = 0; i < 8; ++i) {
     for (int k = 0; k < 12; ++k) entries.emplace_back(i, k, entry(random));
   }
-  SparseMatrix J(8, 12);
-  J.setFromTriplets(entries.begin(), entries.end());
   Eigen::VectorXd b(8);
   for (double& value : b) value = entry(random);
-  return LcpProblem::FromFactors("three-body", J, Eigen::VectorXd::LinSpaced(12, 0.5, 2.0), b);
+  return LcpProblem::FromFactors("three-body", MatrixOf(8, 12, entries), Eigen::VectorXd::LinSpaced(12, 0.5, 2.0), b);
 }
 
 TEST_P(FirstOrder, SolvesEasyProblemsToEveryTierInEveryFormAndVariant) {
@@ -81,9 +71,10 @@ TEST_P(FirstOrder, SolvesEasyProblemsToEveryTierInEveryFormAndVariant) {
       for (const char* form : {"auto", "assembled", "matrix-free"}) {
         settings["form"] = form;
         for (const double tolerance : kTiers) {
-          const LcpResult result = Solve(test.problem, At(tolerance), settings);
-          EXPECT_EQ(result.status, LcpStatus::kSolved) << test.problem.id() << " " << form << " " << tolerance;
-          EXPECT_TRUE(Verify(test.problem, result, tolerance, &test.reference).passes) << test.problem.id();
+          const LcpResult result = Solve(test.problem, {.tolerance = tolerance}, settings);
+          SCOPED_TRACE(std::string(form) + " " + std::to_string(tolerance));
+          ExpectSolved(test.problem, result, tolerance);
+          EXPECT_FALSE(Verify(test.problem, result, tolerance, &test.reference).false_success);
         }
       }
     }
@@ -142,13 +133,12 @@ TEST_P(FirstOrder, EnergyNeverRises) {
 TEST_P(FirstOrder, UnitsChangeNothingButTheUnits) {
   for (const TestProblem& test : EasyProblems()) {
     const LcpProblem& problem = test.problem;
-    const RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
-    const LcpResult plain = Solve(problem, At(1e-6));
+    const LcpResult plain = Solve(problem, {.tolerance = 1e-6});
     for (const double of_mass : {1e-12, 1.0, 1e12}) {
       for (const double of_b : {1e-12, 1.0, 1e12}) {
-        const LcpProblem scaled =
-            LcpProblem::FromFactors("units", problem.J(), of_mass * problem.inverse_mass(), of_b * problem.b(), bounds);
-        const LcpResult result = Solve(scaled, At(1e-6));
+        const LcpProblem scaled = LcpProblem::FromFactors("units", problem.J(), of_mass * problem.inverse_mass(),
+                                                          of_b * problem.b(), problem.bounds());
+        const LcpResult result = Solve(scaled, {.tolerance = 1e-6});
         EXPECT_EQ(result.status, plain.status) << problem.id() << " " << of_mass << " " << of_b;
         // Powers of ten round; a stopping test may then see the tolerance met one iteration earlier or later.
         EXPECT_NEAR(static_cast<double>(result.iterations), static_cast<double>(plain.iterations), 2);
@@ -159,9 +149,9 @@ TEST_P(FirstOrder, UnitsChangeNothingButTheUnits) {
     }
     for (const int exponent : {-40, 40}) {
       const double s = std::ldexp(1.0, exponent);
-      const LcpProblem scaled =
-          LcpProblem::FromFactors("exact", problem.J(), s * s * problem.inverse_mass(), s * problem.b(), bounds);
-      const LcpResult result = Solve(scaled, At(1e-6));
+      const LcpProblem scaled = LcpProblem::FromFactors("exact", problem.J(), s * s * problem.inverse_mass(),
+                                                        s * problem.b(), problem.bounds());
+      const LcpResult result = Solve(scaled, {.tolerance = 1e-6});
       EXPECT_EQ(result.iterations, plain.iterations);
       EXPECT_EQ(result.f * s, plain.f) << problem.id();
     }
@@ -184,7 +174,7 @@ TEST_P(FirstOrder, AllocatesNothingOncePrepared) {
       result.f.setZero(problem.size());
       solver->Prepare(problem);
       const long before = AllocationCount();
-      solver->Solve(problem, At(1e-9), &result);
+      solver->Solve(problem, {.tolerance = 1e-9}, &result);
       EXPECT_EQ(AllocationCount(), before) << problem.id() << " " << form;
       EXPECT_GT(result.iterations, 0);
     }
@@ -193,18 +183,13 @@ TEST_P(FirstOrder, AllocatesNothingOncePrepared) {
 
 TEST_P(FirstOrder, WarmStartAtTheSolutionTakesNoIteration) {
   for (const TestProblem& test : EasyProblems()) {
-    const LcpResult cold = Solve(test.problem, At(1e-9));
+    const LcpResult cold = Solve(test.problem, {.tolerance = 1e-9});
     ASSERT_EQ(cold.status, LcpStatus::kSolved);
-    LcpOptions options = At(1e-6);
-    options.initial_f = &cold.f;
-    const LcpResult warm = Solve(test.problem, options);
+    const LcpResult warm = Solve(test.problem, {.tolerance = 1e-6, .initial_f = &cold.f});
     EXPECT_EQ(warm.status, LcpStatus::kSolved);
     EXPECT_EQ(warm.iterations, 0) << test.problem.id();
   }
 }
-
-double g_clock = 0;
-double StepClock() { return g_clock += 1.0; }
 
 // A long chain: tridiagonal A that is given as such.
 LcpProblem LongChain(Index n) {
@@ -221,37 +206,27 @@ LcpProblem LongChain(Index n) {
 TEST_P(FirstOrder, ReadsTheClockOftenWithinAnIteration) {
   constexpr Index kRows = 4 * FirstOrderEngine::kEntriesPerClockRead;
   const LcpProblem problem = LongChain(kRows);
-  LcpOptions options = At(1e-9);
-  options.now = &StepClock;
-  options.time_limit_s = 0.5;  // over at the first reading
-  const LcpResult late = Solve(problem, options);
+  const LcpResult late = Solve(problem, {.time_limit_s = 0.5, .now = &TickingClock});  // over at the first reading
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit);
   EXPECT_EQ(late.iterations, 0);
   EXPECT_TRUE(late.f.allFinite());
 
-  options.time_limit_s = 1e9;
-  options.max_iterations = 5;
-  g_clock = 0;
-  const LcpResult limited = Solve(problem, options);
+  ticks = 0;
+  const LcpResult limited = Solve(problem, {.max_iterations = 5, .time_limit_s = 1e9, .now = &TickingClock});
   EXPECT_EQ(limited.status, LcpStatus::kIterationLimit);
   // Every iteration multiplies by every entry of A at least once, and two of three are off the diagonal.
-  EXPECT_GE(g_clock, 5.0 * 2 * kRows / FirstOrderEngine::kEntriesPerClockRead);
+  EXPECT_GE(ticks, 5.0 * 2 * kRows / FirstOrderEngine::kEntriesPerClockRead);
 }
 
 TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
   const Eigen::MatrixXd opposed = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
   const LcpProblem jam = LcpProblem::FromDense("jam", opposed, Eigen::Vector2d(-1, -1), {}, SymmetricPsd());
-  LcpOptions options = At(1e-6);
-  options.max_iterations = 500;
-  const LcpResult result = Solve(jam, options);
+  const LcpResult result = Solve(jam, {.tolerance = 1e-6, .max_iterations = 500});
   EXPECT_NE(result.status, LcpStatus::kSolved);
   EXPECT_NE(result.status, LcpStatus::kInfeasible);
   EXPECT_TRUE(result.f.allFinite());
 
-  LcpOptions limited = At(1e-6);
-  limited.time_limit_s = 3.5;  // read at every check
-  limited.now = &StepClock;
-  const LcpResult late = Solve(jam, limited);
+  const LcpResult late = Solve(jam, {.tolerance = 1e-6, .time_limit_s = 3.5, .now = &TickingClock});
   EXPECT_EQ(late.status, LcpStatus::kTimeLimit);
   EXPECT_GT(late.iterations, 0);
   EXPECT_TRUE(late.f.allFinite());
@@ -259,7 +234,7 @@ TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
 
 TEST_P(FirstOrder, RefusesWhatItsRowsCannotBe) {
   const auto status = [&](const Eigen::MatrixXd& A, const Settings& settings) {
-    return Solve(LcpProblem::FromDense("refused", A, Eigen::Vector2d(-1, 1)), At(1e-6), settings).status;
+    return Solve(LcpProblem::FromDense("refused", A, Eigen::Vector2d(-1, 1)), {.tolerance = 1e-6}, settings).status;
   };
   const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(2, 2);
   EXPECT_EQ(status(one, {}), LcpStatus::kSolved);

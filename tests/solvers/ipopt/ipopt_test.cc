@@ -8,31 +8,22 @@
 #include <vector>
 
 #include "solvers/ipopt/quadratic_program.h"
-#include "solvers/lcp/verify.h"
-#include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/solvers_under_test.h"
 
 namespace lcpbench {
 namespace {
 
-class Ipopt : public testing::TestWithParam<const char*> {
+class Ipopt : public SolverTest {
  protected:
-  void SetUp() override {
-    if (!FindSolver(GetParam()).available) GTEST_SKIP() << GetParam() << " is not in this build";
-  }
   static LcpResult Solve(const LcpProblem& problem, double tolerance, const Settings& settings = {},
                          const Eigen::VectorXd* start = nullptr) {
-    LcpOptions options;
-    options.tolerance = tolerance;
-    options.initial_f = start;
-    LcpResult result;
-    MakeSolver(GetParam(), settings)->Solve(problem, options, &result);
-    return result;
+    return SolveWith(GetParam().make(settings).get(), problem, {.tolerance = tolerance, .initial_f = start});
   }
 };
 
-INSTANTIATE_TEST_SUITE_P(Backends, Ipopt, testing::Values("ipopt-qp", "ipopt-ncp"),
-                         [](const auto& backend) { return std::string(backend.param) == "ipopt-qp" ? "Qp" : "Ncp"; });
+INSTANTIATE_TEST_SUITE_P(Backends, Ipopt, testing::Values(FindSolver("ipopt-qp"), FindSolver("ipopt-ncp")),
+                         SolverTestName);
 
 TEST_P(Ipopt, EveryFormReachesEveryTierOnPlantedProblems) {
   for (const double tolerance : kTiers) {
@@ -40,8 +31,8 @@ TEST_P(Ipopt, EveryFormReachesEveryTierOnPlantedProblems) {
       for (unsigned seed = 0; seed < 6; ++seed) {
         const TestProblem test = PlantedProblem(12, 5, seed, 0, seed % 2 == 0 ? 0 : 3);
         const LcpResult result = Solve(test.problem, tolerance, {{"form", form}});
-        EXPECT_EQ(result.status, LcpStatus::kSolved) << form << " at " << tolerance << ": " << result.detail;
-        EXPECT_TRUE(Verify(test.problem, result, tolerance).passes) << form << " at " << tolerance;
+        SCOPED_TRACE(std::string(form) + " at " + std::to_string(tolerance));
+        ExpectSolved(test.problem, result, tolerance);
       }
     }
   }
@@ -50,13 +41,9 @@ TEST_P(Ipopt, EveryFormReachesEveryTierOnPlantedProblems) {
 TEST_P(Ipopt, SolvesTheOracleAtMediumToleranceAndClaimsNothingFalse) {
   const std::vector<TestProblem> problems = OracleProblems();
   if (problems.empty()) GTEST_SKIP() << "the outside reference data is not beside this checkout";
-  const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam());
   for (const TestProblem& test : problems) {
-    LcpOptions options;
-    options.tolerance = 1e-6;
-    LcpResult result;
-    solver->Solve(test.problem, options, &result);
-    const Verdict verdict = Verify(test.problem, result, options.tolerance, &test.reference);
+    const LcpResult result = SolverTest::Solve(test.problem, 1e-6);
+    const Verdict verdict = Verify(test.problem, result, 1e-6, &test.reference);
     EXPECT_FALSE(verdict.false_success) << test << verdict.reason;
     EXPECT_FALSE(verdict.false_infeasible) << test;
     if (test.reference.status == LcpReference::Status::kInfeasible) {
@@ -64,10 +51,7 @@ TEST_P(Ipopt, SolvesTheOracleAtMediumToleranceAndClaimsNothingFalse) {
     } else {
       EXPECT_EQ(result.status, LcpStatus::kSolved) << test << result.detail;
     }
-    if (result.status == LcpStatus::kInfeasible) {
-      ASSERT_TRUE(result.farkas_ray.has_value()) << test;
-      EXPECT_TRUE(VerifyFarkasRay(test.problem, *result.farkas_ray).accepted) << test;
-    }
+    if (result.status == LcpStatus::kInfeasible) ExpectRay(test.problem, result);
   }
 }
 
@@ -106,30 +90,20 @@ TEST_P(Ipopt, WarmStartAtTheSolutionTakesNoIterationAndNearItFewer) {
 TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
   const LcpProblem problem = PlantedProblem(15, 6, 8, 4, 3).problem;
   const LcpResult fresh = Solve(problem, 1e-9);
-  const std::unique_ptr<LcpSolver> reused = MakeSolver(GetParam());
-  LcpResult result;
   const auto expect_as_fresh = [&](const char* after) {
-    reused->Solve(problem, {}, &result);
+    const LcpResult result = SolverTest::Solve(problem, LcpOptions{});
     EXPECT_EQ(result.status, LcpStatus::kSolved) << after;
     EXPECT_EQ(result.iterations, fresh.iterations) << after;
     EXPECT_TRUE((result.f.array() == fresh.f.array()).all()) << after;
   };
-  LcpOptions limited;
-  limited.max_iterations = 2;
-  reused->Solve(problem, limited, &result);
-  EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
-  EXPECT_EQ(result.iterations, 2);
-  EXPECT_NE(result.detail.find("Maximum_Iterations_Exceeded"), std::string::npos);
+  const LcpResult limited = SolverTest::Solve(problem, {.max_iterations = 2});
+  EXPECT_EQ(limited.status, LcpStatus::kIterationLimit);
+  EXPECT_EQ(limited.iterations, 2);
+  EXPECT_NE(limited.detail.find("Maximum_Iterations_Exceeded"), std::string::npos);
   expect_as_fresh("iteration limit");
-  LcpOptions warm;
-  warm.initial_f = &fresh.f;
-  warm.tolerance = 1e-12;
-  reused->Solve(problem, warm, &result);
+  SolverTest::Solve(problem, {.tolerance = 1e-12, .initial_f = &fresh.f});
   expect_as_fresh("warm start");
-  LcpOptions late;
-  late.time_limit_s = 1e-9;
-  reused->Solve(problem, late, &result);
-  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
+  EXPECT_EQ(SolverTest::Solve(problem, {.time_limit_s = 1e-9}).status, LcpStatus::kTimeLimit);
   expect_as_fresh("time limit");
 }
 
@@ -138,9 +112,7 @@ TEST_P(Ipopt, InfeasibleByOpposedRowsIsProvedByARay) {
   J.insert(0, 0) = 1.0;
   J.insert(1, 0) = -1.0;
   const LcpProblem jam = LcpProblem::FromFactors("jam", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1, 0.25));
-  const LcpResult result = Solve(jam, 1e-9);
-  ASSERT_EQ(result.status, LcpStatus::kInfeasible) << result.detail;
-  EXPECT_TRUE(VerifyFarkasRay(jam, *result.farkas_ray).accepted);
+  ExpectRay(jam, Solve(jam, 1e-9));
 }
 
 // Mehrotra mode used to crash in Ipopt's restoration phase; redundant joints lead there.
@@ -151,7 +123,7 @@ TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
   const int count = 60;
   for (int sample = 0; sample < count; ++sample) {
     const int bodies = 3 + sample % 6;
-    std::vector<Eigen::Triplet<double, int>> entries;
+    Triplets entries;
     std::vector<Index> bilateral;
     int n = 0;
     for (int body = 0; body < bodies; ++body) {
@@ -165,8 +137,7 @@ TEST_P(Ipopt, RedundantJointsNeverCrashAndNeverLie) {
       }
     }
     const Index columns = Index{3} * bodies;
-    SparseMatrix J(n, columns);
-    J.setFromTriplets(entries.begin(), entries.end());
+    const SparseMatrix J = MatrixOf(n, columns, entries);
     Eigen::VectorXd inverse_mass(columns);
     Eigen::VectorXd acceleration(columns);
     for (double& value : inverse_mass) value = std::pow(10.0, 2 * uniform(random));
@@ -188,12 +159,8 @@ TEST(IpoptQp, RefusesNonsymmetricA) {
   Eigen::MatrixXd A(2, 2);
   A << 1, 0.5, 0, 1;
   const LcpProblem problem = LcpProblem::FromDense("nonsymmetric", A, Eigen::Vector2d(-1, -1));
-  LcpResult result;
-  MakeSolver("ipopt-qp")->Solve(problem, {}, &result);
-  EXPECT_EQ(result.status, LcpStatus::kUnsupported);
-  MakeSolver("ipopt-ncp")->Solve(problem, {}, &result);
-  EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
-  EXPECT_TRUE(Verify(problem, result, LcpOptions().tolerance).passes);
+  EXPECT_EQ(SolveWith(MakeSolver("ipopt-qp").get(), problem).status, LcpStatus::kUnsupported);
+  ExpectSolved(problem, SolveWith(MakeSolver("ipopt-ncp").get(), problem));
 }
 
 TEST(IpoptProgram, ItsDerivativesAreThoseOfTheDenseForm) {

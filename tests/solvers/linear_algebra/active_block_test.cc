@@ -12,8 +12,7 @@
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/body_active_block.h"
 #endif
-#include "solvers/linear_algebra/dense_active_block.h"
-#include "solvers/linear_algebra/sparse_active_block.h"
+#include "solvers/linear_algebra/active_block.h"
 #include "tests/solvers/exact_problems.h"
 
 namespace lcpbench {
@@ -26,7 +25,7 @@ using Eigen::VectorXd;
 // eighth a copy of an earlier one: redundant from 3 rows per body on.
 LcpProblem RandomBodies(Index bodies, Index rows, unsigned seed) {
   TestRandom random(seed);
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   std::vector<std::pair<int, int>> pairs;
   std::vector<Eigen::Matrix<double, 6, 1>> normals;
   for (int i = 0; i < rows; ++i) {
@@ -72,6 +71,14 @@ VectorXd RandomSide(Index n, TestRandom* random) {
   VectorXd right(n);
   for (double& value : right) value = random->Integer(-9, 9);
   return right;
+}
+
+template <typename Block>
+Block Loaded(const LcpProblem& problem) {
+  Block block;
+  block.Analyze(problem);
+  block.Load(problem, VectorXd::Ones(problem.size()));
+  return block;
 }
 
 template <typename Block>
@@ -131,9 +138,7 @@ TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
     const LcpProblem problem = RandomBodies(4, 40, seed);
     const Index n = problem.size();
     const std::vector<char> active(static_cast<size_t>(n), 1);
-    TypeParam block;
-    block.Analyze(problem);
-    block.Load(problem, VectorXd::Ones(n));
+    auto block = Loaded<TypeParam>(problem);
     block.Factor(active, 1e-8, nullptr);
     const VectorXd right = problem.DenseA() * VectorXd::Ones(n);
     VectorXd x = right;
@@ -145,17 +150,13 @@ TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
 TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
   const Index n = 60;
   const LcpProblem problem = RandomBodies(25, n, 5);
-  const VectorXd scale = VectorXd::Ones(n);
-  SparseActiveBlock updated;
-  updated.Analyze(problem);
-  updated.Load(problem, scale);
-  SparseActiveBlock fresh;
-  fresh.Analyze(problem);
+  auto updated = Loaded<SparseActiveBlock>(problem);
+  auto fresh = Loaded<SparseActiveBlock>(problem);
   TestRandom random(7);
   std::vector<char> active(static_cast<size_t>(n), 1);
   for (int change = 0; change < 50; ++change) {
     updated.Factor(active, 1e-6, nullptr);
-    fresh.Load(problem, scale);
+    fresh.Load(problem, VectorXd::Ones(n));
     fresh.Factor(active, 1e-6, nullptr);
     VectorXd x = VectorXd::LinSpaced(n, -1, 1);
     VectorXd y = x;
@@ -195,14 +196,9 @@ TEST(BodyActiveBlock, AnUpdatedFactorSolvesAsANewOneAfterHundredsOfChanges) {
   for (const double shift : {1e-1, 1e-4, 1e-8, 1e-10}) {
     const Index n = 400;
     const LcpProblem problem = RandomBodies(120, n, 11);
-    const VectorXd scale = VectorXd::Ones(n);
     TestRandom random(23);
-    BodyActiveBlock updated;
-    updated.Analyze(problem);
-    updated.Load(problem, scale);
-    BodyActiveBlock fresh;
-    fresh.Analyze(problem);
-    fresh.Load(problem, scale);
+    auto updated = Loaded<BodyActiveBlock>(problem);
+    auto fresh = Loaded<BodyActiveBlock>(problem);
     fresh.set_may_update(false);
     std::vector<char> active = RandomSet(n, &random);
     for (int change = 0; change < 400; ++change) {
@@ -232,12 +228,10 @@ TEST(BodyActiveBlock, AnUpdatedFactorSolvesAsANewOneAfterHundredsOfChanges) {
 TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
   const Index n = 600;
   const LcpProblem problem = RandomBodies(200, n, 3);
-  VectorXd first(n);
+  VectorXd first;
   std::int64_t updates = 0;
   for (int run = 0; run < 3; ++run) {
-    BodyActiveBlock block;
-    block.Analyze(problem);
-    block.Load(problem, VectorXd::Ones(n));
+    auto block = Loaded<BodyActiveBlock>(problem);
     TestRandom random(5);
     std::vector<char> active = RandomSet(n, &random);
     VectorXd x = RandomSide(n, &random);
@@ -261,12 +255,10 @@ TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
   }
 }
 
-TEST(BodyActiveBlock, CountsRowsBeyondTheFreedomsOfTheirBodies) {
+TEST(BodyActiveBlock, CountsRowsBeyondTheDegreesOfFreedomOfTheirBodies) {
   const Index n = 40;
   const LcpProblem problem = RandomBodies(2, n, 1);
-  BodyActiveBlock block;
-  block.Analyze(problem);
-  block.Load(problem, VectorXd::Ones(n));
+  auto block = Loaded<BodyActiveBlock>(problem);
   std::vector<char> active(static_cast<size_t>(n), 1);
   block.Factor(active, 1e-6, nullptr);
   EXPECT_EQ(block.CountDependentRows(), n - 6);

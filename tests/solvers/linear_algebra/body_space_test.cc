@@ -90,7 +90,7 @@ TEST(BodySpace, RowsThatAreOutDoNotMove) {
 // Bodies in a ring of `bodies`, rows between neighbours and some `reach` further on; every `missing`-th row is left
 // out.
 LcpProblem Ring(int bodies, int reach, int missing) {
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   int rows = 0;
   int drawn = 0;
   const auto join = [&](int a, int b) {
@@ -106,9 +106,8 @@ LcpProblem Ring(int bodies, int reach, int missing) {
     join(a, (a + 1) % bodies);
     join(a, (a + reach) % bodies);
   }
-  SparseMatrix J(rows, 3 * bodies);
-  J.setFromTriplets(entries.begin(), entries.end());
-  return LcpProblem::FromFactors("ring", J, Eigen::VectorXd::Ones(3 * bodies), Eigen::VectorXd::Ones(rows));
+  return LcpProblem::FromFactors("ring", MatrixOf(rows, 3 * bodies, entries), Eigen::VectorXd::Ones(3 * bodies),
+                                 Eigen::VectorXd::Ones(rows));
 }
 
 int AnalysesOf(const LcpProblem& problem, BodySpace* bodies) {
@@ -135,11 +134,9 @@ TEST(BodySpace, InASequenceKeepsWhatStillFitsOfTheProblemBefore) {
     BodySpace space;
     EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 13), &space), 1);
     EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 13), &space), 0);
-    // Contacts that are lost leave zeros behind, and may come back.
     EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 0), &space), 1);
-    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 11), &space), 0);
-    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 7), &space), 0);
-    EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 0), &space), 0);
+    // Contacts that are lost leave zeros behind, and may come back.
+    for (const int missing : {11, 7, 0}) EXPECT_EQ(AnalysesOf(Ring(bodies, 3, missing), &space), 0);
     // Too much of the pattern would be zeros; other pairs; more bodies; fewer.
     EXPECT_EQ(AnalysesOf(Ring(bodies, 3, 2), &space), 1);
     EXPECT_GE(AnalysesOf(Ring(bodies, 5, 0), &space), 1);
@@ -153,16 +150,16 @@ TEST(GraphOrder, IsAPermutationThatKeepsTreesFreeOfFill) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     std::mt19937 random(seed);
     const int n = 1 + static_cast<int>(random() % 200);
-    std::vector<Eigen::Triplet<double, int>> edges;
+    Triplets edges;
     for (int k = 1; k < n; ++k) edges.emplace_back(k, static_cast<int>(random() % static_cast<unsigned>(k)), 1.0);
     Graph graph(n, n);
     graph.setFromTriplets(edges.begin(), edges.end());
     for (const GraphOrder order : {GraphOrder::kMinimumDegree, GraphOrder::kNestedDissection}) {
       const Eigen::VectorXi nodes = OrderGraph(graph, order);
       ASSERT_EQ(nodes.size(), n);
-      std::vector<int> sorted(nodes.begin(), nodes.end());
+      std::vector<Index> sorted(nodes.begin(), nodes.end());
       std::sort(sorted.begin(), sorted.end());
-      for (int k = 0; k < n; ++k) ASSERT_EQ(sorted[static_cast<size_t>(k)], k);
+      ASSERT_EQ(sorted, AllRows(n));
       if (order == GraphOrder::kNestedDissection) continue;
       // A tree has a perfect order: every node has at most one neighbour that is eliminated after it.
       std::vector<int> place(static_cast<size_t>(n)), later(static_cast<size_t>(n), 0);

@@ -4,7 +4,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <numeric>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -28,6 +27,8 @@ Eigen::MatrixXd Arrow(Eigen::Index n, Eigen::Index hub) {
   return arrow;
 }
 
+Eigen::VectorXi GivenOrder(Eigen::Index n) { return Eigen::VectorXi::LinSpaced(n, 0, static_cast<int>(n) - 1); }
+
 TEST(CholmodFactor, SolvesInAnyGivenOrder) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -37,8 +38,7 @@ TEST(CholmodFactor, SolvesInAnyGivenOrder) {
     for (double& value : root.reshaped()) value = random() % 3 == 0 ? normal(random) : 0.0;
     Eigen::MatrixXd matrix = root * root.transpose();
     matrix.diagonal().array() += 1;
-    Eigen::VectorXi order(n);
-    std::iota(order.begin(), order.end(), 0);
+    Eigen::VectorXi order = GivenOrder(n);
     std::shuffle(order.begin(), order.end(), random);
     Eigen::VectorXd expected(n);
     for (double& value : expected) value = normal(random);
@@ -56,14 +56,11 @@ TEST(CholmodFactor, SolvesInAnyGivenOrder) {
 // The factor of an arrow is full if its hub goes first, and as sparse as the arrow if it goes last.
 TEST(CholmodFactor, EliminatesInTheGivenOrder) {
   const Eigen::Index n = 20;
-  Eigen::VectorXi hub_first(n);
-  std::iota(hub_first.begin(), hub_first.end(), 0);
-  const Eigen::VectorXi hub_last = hub_first.reverse();
   const ColumnMatrix lower = LowerTriangle(Arrow(n, 0));
   CholmodFactor factor;
-  factor.Analyze(Definiteness::kPositiveDefinite, lower, hub_first);
+  factor.Analyze(Definiteness::kPositiveDefinite, lower, GivenOrder(n));
   EXPECT_EQ(factor.fill(), static_cast<double>(n * (n + 1)) / 2);
-  factor.Analyze(Definiteness::kPositiveDefinite, lower, hub_last);
+  factor.Analyze(Definiteness::kPositiveDefinite, lower, GivenOrder(n).reverse());
   EXPECT_EQ(factor.fill(), static_cast<double>(2 * n - 1));
   // A later analysis without an order is AMD's again.
   factor.Analyze(Definiteness::kPositiveDefinite, lower);
@@ -86,9 +83,6 @@ ColumnMatrix GridLaplacian(int side, double shift) {
 TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged) {
   const ColumnMatrix lower = GridLaplacian(60, 0.01);
   const Eigen::Index n = lower.cols();
-  Eigen::VectorXi backwards(n);
-  std::iota(backwards.begin(), backwards.end(), 0);
-  backwards.reverseInPlace();
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
   Eigen::VectorXd expected(n);
@@ -96,7 +90,7 @@ TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged)
   for (const int way : {0, 1, 2}) {
     CholmodFactor factor;
     if (way == 0) factor.Analyze(Definiteness::kPositiveDefinite, lower);
-    if (way == 1) factor.Analyze(Definiteness::kPositiveDefinite, lower, backwards);
+    if (way == 1) factor.Analyze(Definiteness::kPositiveDefinite, lower, GivenOrder(n).reverse());
     if (way == 2) factor.AnalyzeAsOrdered(lower);
     for (const double diagonal : {4.01, 5.0, 1e9}) {
       ColumnMatrix changed = lower;
@@ -112,7 +106,7 @@ TEST(CholmodFactor, SolvesBySupernodesInEveryOrderAndAgainAfterTheValuesChanged)
   }
 }
 
-// A factorisation that has failed leaves nothing behind that the next one would see.
+// A factorization that has failed leaves nothing behind that the next one would see.
 TEST(CholmodFactor, RefusesAPivotThatIsNotPositiveAndRecovers) {
   const ColumnMatrix lower = GridLaplacian(60, 0.01);
   const Eigen::Index n = lower.cols();
@@ -138,9 +132,10 @@ TEST(CholmodFactor, RefusesAPivotThatIsNotPositiveAndRecovers) {
 TEST(CholmodFactor, RefusesWhatIsNoPermutation) {
   const ColumnMatrix lower = LowerTriangle(Arrow(3, 0));
   CholmodFactor factor;
-  EXPECT_THROW(factor.Analyze(Definiteness::kPositiveDefinite, lower, Eigen::Vector2i(0, 1)), std::runtime_error);
-  EXPECT_THROW(factor.Analyze(Definiteness::kPositiveDefinite, lower, Eigen::Vector3i(0, 1, 1)), std::runtime_error);
-  EXPECT_THROW(factor.Analyze(Definiteness::kPositiveDefinite, lower, Eigen::Vector3i(0, 1, 3)), std::runtime_error);
+  for (const std::vector<int>& nodes : std::vector<std::vector<int>>{{0, 1}, {0, 1, 1}, {0, 1, 3}}) {
+    const Eigen::VectorXi order = Eigen::VectorXi::Map(nodes.data(), static_cast<Eigen::Index>(nodes.size()));
+    EXPECT_THROW(factor.Analyze(Definiteness::kPositiveDefinite, lower, order), std::runtime_error);
+  }
 }
 
 }  // namespace

@@ -1,15 +1,17 @@
-// What is particular to dantzig and lemke; what they share with the other direct solvers is in direct_solvers_test.cc,
-// the contract of all solvers in contract_test.cc.
+// What is particular to dantzig, lemke and their factor; what they share with the other direct solvers is in
+// direct_solvers_test.cc, the contract of all solvers in contract_test.cc.
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <vector>
 
-#include "solvers/lcp/verify.h"
 #include "solvers/pivoting/dantzig.h"
+#include "solvers/pivoting/dense_ldlt.h"
 #include "solvers/pivoting/lemke.h"
 #include "support/input_error.h"
 #include "tests/solvers/exact_problems.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 namespace {
@@ -17,11 +19,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-LcpResult Solve(const LcpProblem& problem, const LcpOptions& options = {}) {
+LcpResult Solve(const LcpProblem& problem) {
   LemkeSolver solver;
-  LcpResult result;
-  solver.Solve(problem, options, &result);
-  return result;
+  return SolveWith(&solver, problem);
 }
 
 TEST(Dantzig, MakesOneMoreRowRightWithEveryPivotWhereNoForceBlocks) {
@@ -32,10 +32,7 @@ TEST(Dantzig, MakesOneMoreRowRightWithEveryPivotWhereNoForceBlocks) {
   one_by_one.block_start = false;
   DantzigSolver solver(one_by_one);
   for (Index pivots = 1; pivots < n; ++pivots) {
-    LcpOptions options;
-    options.max_iterations = pivots;
-    LcpResult result;
-    solver.Solve(problem, options, &result);
+    const LcpResult result = SolveWith(&solver, problem, {.max_iterations = pivots});
     EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
     EXPECT_EQ(result.iterations, pivots);
     EXPECT_EQ((result.f.array() > 0).count(), pivots);
@@ -59,8 +56,7 @@ TEST(Lemke, TakesFewPivotsOnFullyDegenerateProblems) {
   for (unsigned seed = 0; seed < 500; ++seed) {
     const LcpProblem problem = FullyDegenerate(seed, 40);
     const LcpResult result = Solve(problem);
-    EXPECT_EQ(result.status, LcpStatus::kSolved) << "seed " << seed << ": " << result.detail;
-    EXPECT_TRUE(Verify(problem, result, 1e-9).passes) << "seed " << seed;
+    ExpectSolved(problem, result);
     EXPECT_LE(result.iterations, 4 * problem.size() + 4) << "seed " << seed;
   }
 }
@@ -92,6 +88,64 @@ TEST(Pivoting, ReadsItsSettings) {
   EXPECT_TRUE(options.block_start);
   EXPECT_FALSE(LemkeOptions::FromSettings({}).block_start);
   EXPECT_THROW(LemkeOptions::FromSettings({{"rank_tolerance", "0"}}), InputError);
+}
+
+MatrixXd Lower(const DenseLdlt& factor) {
+  MatrixXd L = MatrixXd::Identity(factor.size(), factor.size());
+  for (Index k = 0; k < factor.size(); ++k) {
+    for (Index i = k + 1; i < factor.size(); ++i) L(i, k) = factor.lower(i, k);
+  }
+  return L;
+}
+
+void Enter(const MatrixXd& A, const std::vector<Index>& rows, Index row, DenseLdlt* factor) {
+  VectorXd z = A(rows, row);
+  factor->ForwardSolve(z.data());
+  factor->Append(z.data(), factor->PivotOf(z.data(), A(row, row)));
+}
+
+TEST(DenseLdlt, AFactorUpdatedManyTimesEqualsAFreshOne) {
+  for (const Index n : {1, 2, 7, 8, 40}) {
+    TestRandom random(static_cast<unsigned>(n));
+    MatrixXd G(n, n + 2);
+    for (Index i = 0; i < G.size(); ++i) G(i) = random.Integer(-9, 9);
+    const MatrixXd A = G * G.transpose() + MatrixXd::Identity(n, n);
+    DenseLdlt updated;
+    updated.Reserve(n);
+    updated.Reset(n);
+    std::vector<Index> inside;
+    std::vector<Index> outside = AllRows(n);
+    for (int change = 0; change < 400; ++change) {
+      if (inside.empty() || (!outside.empty() && random.Chance(0.6))) {
+        const auto pick = static_cast<size_t>(random.Integer(0, static_cast<int>(outside.size()) - 1));
+        Enter(A, inside, outside[pick], &updated);
+        inside.push_back(outside[pick]);
+        outside.erase(outside.begin() + static_cast<std::ptrdiff_t>(pick));
+      } else {
+        const int pick = random.Integer(0, static_cast<int>(inside.size()) - 1);
+        updated.Remove(pick);
+        outside.push_back(inside[static_cast<size_t>(pick)]);
+        inside.erase(inside.begin() + pick);
+      }
+    }
+    DenseLdlt fresh;
+    fresh.Reserve(n);
+    fresh.Reset(n);
+    std::vector<Index> entered;
+    for (const Index row : inside) {
+      Enter(A, entered, row, &fresh);
+      entered.push_back(row);
+    }
+    ASSERT_EQ(updated.size(), fresh.size());
+    if (fresh.size() == 0) continue;
+    const double scale = A.diagonal().maxCoeff();
+    for (Index k = 0; k < fresh.size(); ++k) EXPECT_NEAR(updated.pivot(k), fresh.pivot(k), 1e-11 * scale);
+    EXPECT_LE((Lower(updated) - Lower(fresh)).cwiseAbs().maxCoeff(), 1e-11) << "n = " << n;
+    VectorXd x = VectorXd::LinSpaced(fresh.size(), 1, 2);
+    const VectorXd right = x;
+    updated.Solve(x.data());
+    EXPECT_LE((A(inside, inside) * x - right).cwiseAbs().maxCoeff(), 1e-9);
+  }
 }
 
 }  // namespace

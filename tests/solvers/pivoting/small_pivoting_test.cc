@@ -126,8 +126,7 @@ TEST(SmallPivoting, PowersOfTwoChangeNoBit) {
     const double t = std::ldexp(1.0, random.Integer(-40, 40));
     const MatrixXd A = s.asDiagonal() * planted.problem.DenseA() * s.asDiagonal();
     const VectorXd b = t * s.cwiseProduct(planted.problem.b());
-    const LcpProblem scaled = LcpProblem::FromDense(
-        "scaled", A, b, RowBounds::WithBilateralRows(n, planted.problem.bilateral_rows()), SymmetricPsd());
+    const LcpProblem scaled = LcpProblem::FromDense("scaled", A, b, planted.problem.bounds(), SymmetricPsd());
     VectorXd f = VectorXd::Zero(n);
     VectorXd g = VectorXd::Zero(n);
     const double rho = tableau.Solve(planted.problem, {}, &f).rho;

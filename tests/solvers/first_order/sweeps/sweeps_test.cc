@@ -5,14 +5,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 #include <set>
 #include <vector>
 
 #include "solvers/first_order/pgs.h"
-#include "solvers/first_order/sweeps/colouring.h"
-#include "solvers/first_order/sweeps/row_work.h"
+#include "solvers/first_order/sweeps/row_kernel.h"
 #include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
@@ -38,16 +36,8 @@ std::vector<TestProblem> Problems() {
   return problems;
 }
 
-PgsOptions With(RowForm form, SweepOrder sweep, double omega = 1) {
-  PgsOptions options;
-  options.form = form;
-  options.sweep = sweep;
-  options.relaxation = omega;
-  return options;
-}
-
 LcpResult Iterate(const LcpProblem& problem, RowForm form, SweepOrder sweep, std::int64_t sweeps, double omega = 1) {
-  return IterateNew<PgsSolver>(problem, With(form, sweep, omega), 1e-15, sweeps);
+  return IterateNew<PgsSolver>(problem, {.form = form, .sweep = sweep, .relaxation = omega}, 1e-15, sweeps);
 }
 
 // Whether two rows press on one body that can move.
@@ -69,8 +59,7 @@ TEST(Colouring, IsGreedyInBlocksOfRows) {
       const LcpProblem& problem = test.problem;
       const Index n = problem.size();
       std::vector<Index> colour(static_cast<size_t>(n));
-      std::vector<Index> expected(static_cast<size_t>(n));
-      std::iota(expected.begin(), expected.end(), 0);
+      std::vector<Index> expected = AllRows(n);
       const auto conflict = [&](Index i, Index j) {
         return by_bodies ? ShareBody(problem, i, j) : problem.SparseA().coeff(i, j) != 0;
       };
@@ -112,13 +101,14 @@ TEST(Sweeps, ColouredSweepsAreForwardSweepsOfPermutedRowsBitForBit) {
 TEST(Sweeps, SymmetricSweepsOfAReversedProblemStartBackwards) {
   // Two sweeps there and back; the reversed problem's first sweep is the given one's second.
   const TestProblem test = PlantedProblem(20, 12, 3, 0, 0);
-  std::vector<Index> reverse(20);
-  for (Index i = 0; i < 20; ++i) reverse[static_cast<size_t>(i)] = 19 - i;
+  std::vector<Index> reverse = AllRows(20);
+  std::reverse(reverse.begin(), reverse.end());
   const LcpResult there = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kForward, 1);
   const LcpResult both = Iterate(test.problem, RowForm::kMatrixFree, SweepOrder::kSymmetric, 2);
   const Eigen::VectorXd start = there.f.reverse();
-  const LcpResult back = IterateNew<PgsSolver>(PermuteRows(test.problem, reverse),
-                                               With(RowForm::kMatrixFree, SweepOrder::kForward), 1e-15, 1, &start);
+  const LcpResult back =
+      IterateNew<PgsSolver>(PermuteRows(test.problem, reverse),
+                            {.form = RowForm::kMatrixFree, .sweep = SweepOrder::kForward}, 1e-15, 1, &start);
   const double size = both.f.cwiseAbs().maxCoeff();
   EXPECT_LE((back.f.reverse() - both.f).cwiseAbs().maxCoeff(), 1e-12 * size);
   EXPECT_GT((there.f - both.f).cwiseAbs().maxCoeff(), 1e-3 * size);
@@ -155,7 +145,7 @@ LcpProblem Loose(Index n, int bilateral_every) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Index bodies = n;
   std::uniform_int_distribution<Index> any(0, bodies - 1);
-  std::vector<Eigen::Triplet<double, int>> entries;
+  Triplets entries;
   std::vector<Index> bilateral;
   for (Index row = 0; row < n; ++row) {
     if (bilateral_every > 0 && row % bilateral_every == 0) bilateral.push_back(row);
@@ -167,12 +157,11 @@ LcpProblem Loose(Index n, int bilateral_every) {
       entries.emplace_back(static_cast<int>(row), static_cast<int>(3 * second + k), uniform(random));
     }
   }
-  SparseMatrix J(n, 3 * bodies);
-  J.setFromTriplets(entries.begin(), entries.end());
   const auto draw = [&](Index) { return uniform(random); };
   const Eigen::VectorXd b = Eigen::VectorXd::NullaryExpr(n, draw);
   const Eigen::VectorXd inverse_mass = Eigen::VectorXd::NullaryExpr(3 * bodies, draw).cwiseAbs();
-  return LcpProblem::FromFactors("loose", J, inverse_mass, b, RowBounds::WithBilateralRows(n, bilateral));
+  return LcpProblem::FromFactors("loose", MatrixOf(n, 3 * bodies, entries), inverse_mass, b,
+                                 RowBounds::WithBilateralRows(n, bilateral));
 }
 
 // The last size is one that fetches rows ahead.
