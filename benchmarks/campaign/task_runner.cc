@@ -10,9 +10,9 @@
 
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/collection/recipes/changes.h"
+#include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/collection/references.h"
-#include "benchmarks/collection/size_classes.h"
+#include "benchmarks/collection/properties.h"
 #include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/peak_memory.h"
 #include "solvers/lcp/verify.h"

@@ -365,7 +365,7 @@ LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
 
 LcpProblem ProblemSource::Read(const FileSource& source) {
   const std::string path = (std::filesystem::path(folder_) / source.path).string();
-  if (FormatOfFile(path) != ProblemFormat::kJsonLines) return ReadProblemFile(path);
+  if (const auto read = FormatOfFile(path).read) return read(path);
   if (!open_ || open_->name() != path || open_->number() >= source.line) open_.emplace(path);
   std::string line;
   while (open_->number() < source.line) {
@@ -431,7 +431,10 @@ Manifest ReadManifest(const std::string& path) {
     }
   }
   if (root.Has("sequences")) {
-    for (const JsonField& item : root["sequences"].Items()) read(item, manifest.sequences.emplace_back());
+    for (const JsonField& item : root["sequences"].Items()) {
+      read(item, manifest.sequences.emplace_back());
+      for (const JsonField& count : {item["problems"], item["rows"]["most"]}) PositiveInteger(count);
+    }
   }
   return manifest;
 }

@@ -15,7 +15,6 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/collection/sequences.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/measure/progress.h"
 #include "solvers/io/json_lines.h"
@@ -55,7 +54,7 @@ int Build(const BuildArguments& arguments) {
     fs::create_directories((folder / name).parent_path());
     WriteGzipFile((folder / name).string(), lines);
   };
-  if (tier.has_references) write(built.manifest.references, built.references);
+  if (tier.has_files) write(built.manifest.references, built.references);
   if (tier.has_files) write("problems/" + tier.name + ".jsonl.gz", built.problems);
   if (!built.motion_problems.empty()) write(kMotionProblems, built.motion_problems);
   std::ofstream file(path);

@@ -27,31 +27,31 @@ class Sink {
  public:
   Sink(const std::string& output, const std::string& format)
       : output_(output), is_folder_(fs::is_directory(output)), format_(FormatOf(output, is_folder_, format)) {
-    if (is_folder_ || format_ != ProblemFormat::kJsonLines || output == "-") return;
+    if (is_folder_ || format_.read != nullptr || output == "-") return;
     file_.open(output);
     if (!file_) throw InputError(output + ": cannot be opened for writing");
   }
 
   void Take(const LcpProblem& problem) {
-    if (!is_folder_ && format_ == ProblemFormat::kJsonLines) {
+    if (!is_folder_ && format_.read == nullptr) {
       std::ostream& out = output_ == "-" ? std::cout : file_;
       out << FormatLcpRecord(problem) << '\n' << std::flush;
       if (!out) throw InputError(output_ + ": writing failed");
       return;
     }
     const std::string path =
-        is_folder_ ? (fs::path(output_) / (FileName(problem.id()) + "." + NameOf(format_))).string() : output_;
+        is_folder_ ? (fs::path(output_) / (FileName(problem.id()) + "." + format_.name)).string() : output_;
     if (!written_.insert(path).second) {
       throw InputError(path + ": expected one problem of this name, found '" + problem.id() +
                        "' besides; a folder takes problems of different ids");
     }
-    WriteProblemFile(problem, path, format_);
+    format_.write(problem, path);
   }
 
  private:
-  static ProblemFormat FormatOf(const std::string& output, bool is_folder, const std::string& format) {
-    if (is_folder) return format.empty() ? ProblemFormat::kMatrixMarket : FormatNamed(format);
-    if (format.empty() || FormatNamed(format) == FormatOfFile(output)) return FormatOfFile(output);
+  static const ProblemFormat& FormatOf(const std::string& output, bool is_folder, const std::string& format) {
+    if (is_folder) return FormatNamed(format.empty() ? "mtx" : format);
+    if (format.empty() || &FormatNamed(format) == &FormatOfFile(output)) return FormatOfFile(output);
     throw InputError("--to " + format + ": expected a folder or a file of this format for --output, found '" + output +
                      "'");
   }
@@ -69,7 +69,7 @@ class Sink {
 
   std::string output_;
   bool is_folder_;
-  ProblemFormat format_;
+  const ProblemFormat& format_;  // with a reader unless it is JSON lines
   std::ofstream file_;
   std::set<std::string> written_;
 };

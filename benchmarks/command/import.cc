@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/examine.h"
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/problem_formats.h"
+#include "benchmarks/collection/references.h"
 #include "benchmarks/command/commands.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
@@ -40,7 +40,7 @@ bool IsJsonLines(const fs::path& path) {
 
 // A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
 bool IsProblemFile(const fs::path& path) {
-  if (FormatOfFile(path.string()) == ProblemFormat::kJsonLines) return false;
+  if (FormatOfFile(path.string()).read == nullptr) return false;
   if (path.extension() != ".mtx") return true;
   const std::string stem = path.stem().string();
   for (const char* part : {"_b", "_x", "_J", "_invM", "_bilateral"}) {
@@ -95,7 +95,7 @@ class Importer {
       return;
     }
     try {
-      Take(ReadProblemFile(file.string()), {relative, 1}, file.string());
+      Take(FormatOfFile(file.string()).read(file.string()), {relative, 1}, file.string());
     } catch (const InputError& error) {
       std::cerr << "lcpbench: " << error.what() << std::endl;
       status_ = kMisuse;

@@ -6,9 +6,9 @@
 #include <optional>
 
 #include "benchmarks/command/commands.h"
-#include "benchmarks/drawing/animation_page.h"
+#include "benchmarks/drawing/animation.h"
 #include "benchmarks/drawing/picture.h"
-#include "benchmarks/drawing/svg_text.h"
+#include "benchmarks/drawing/svg.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/scene_source.h"
 #include "model/contact/assembly.h"

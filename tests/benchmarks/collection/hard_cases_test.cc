@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/recipe.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/sparse_rank.h"

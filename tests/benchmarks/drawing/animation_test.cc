@@ -11,7 +11,6 @@
 #include <sstream>
 #include <vector>
 
-#include "benchmarks/drawing/animation_page.h"
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
@@ -21,7 +20,7 @@
 namespace lcpbench {
 namespace {
 
-/// Reads a page's frames as animation_page.h describes them, independently of the page's script.
+/// Reads a page's frames as animation.h describes them, independently of the page's script.
 class Unpacker {
  public:
   Unpacker(const AnimationData& data, std::size_t frames) : frames_(frames) {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "benchmarks/drawing/drawn_scene.h"
-#include "benchmarks/drawing/outline_path.h"
+#include "benchmarks/drawing/svg.h"
 #include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"

@@ -14,9 +14,8 @@
 #include <vector>
 
 #include "benchmarks/measure/quantile.h"
-#include "benchmarks/recommend/features.h"
+#include "benchmarks/recommend/measurement.h"
 #include "benchmarks/recommend/problem_steps.h"
-#include "benchmarks/recommend/ranking.h"
 #include "benchmarks/recommend/recommendation.h"
 #include "benchmarks/recommend/rules.h"
 #include "support/input_error.h"
