@@ -6,6 +6,7 @@ usage: coverage.py [--check]    (--check: exit status 1 where the README is not 
 
 import json
 import sys
+from collections import Counter
 from pathlib import Path
 
 _DATA = Path(__file__).resolve().parent
@@ -36,66 +37,46 @@ def kind_mix(kinds):
 
 
 def _class(value, classes):
-    if value is None:
-        return _UNKNOWN
-    return next(label for label, limit in classes if value <= limit)
-
-
-def _columns():
-    columns = [(r, c) for r, _ in _REDUNDANCY for c, _ in _CONDITION]
-    return columns + [(_UNKNOWN, _UNKNOWN)]
+    return _UNKNOWN if value is None else next(label for label, limit in classes if value <= limit)
 
 
 def _cell(problem):
-    redundancy = _class(problem["redundancy"], _REDUNDANCY)
-    condition = _class(problem["condition"], _CONDITION)
-    if _UNKNOWN in (redundancy, condition):
-        return (_UNKNOWN, _UNKNOWN)
-    return (redundancy, condition)
+    cell = _class(problem["redundancy"], _REDUNDANCY), _class(problem["condition"], _CONDITION)
+    return (_UNKNOWN, _UNKNOWN) if _UNKNOWN in cell else cell
 
 
 def _table(header, rows):
     lines = ["| " + " | ".join(header) + " |", "| --- |" + " ---: |" * (len(header) - 1)]
-    lines += ["| " + " | ".join(str(cell) for cell in row) + " |" for row in rows]
-    return "\n".join(lines)
+    return "\n".join(lines + ["| " + " | ".join(map(str, row)) + " |" for row in rows])
 
 
 def coverage(problems):
     """Size × kind mix by redundancy × condition, counted."""
-    counts = {}
-    for problem in problems:
-        row = (_class(problem["rows"], _SIZES), kind_mix(problem["kinds"]))
-        counts.setdefault(row, {}).setdefault(_cell(problem), 0)
-        counts[row][_cell(problem)] += 1
+    counts = Counter((_class(p["rows"], _SIZES), kind_mix(p["kinds"]), _cell(p)) for p in problems)
+    columns = [(r, c) for r, _ in _REDUNDANCY for c, _ in _CONDITION] + [(_UNKNOWN, _UNKNOWN)]
     order = [label for label, _ in _SIZES]
     rows = []
-    for row in sorted(counts, key=lambda r: (order.index(r[0]), r[1])):
-        cells = counts[row]
-        rows.append([f"{row[0]}, {row[1]}"] + [cells.get(c, "") for c in _columns()] + [sum(cells.values())])
-    header = ["rows, kinds"] + [r if r == _UNKNOWN else f"{r}; {c}" for r, c in _columns()] + ["all"]
-    return _table(header, rows)
+    for size, kinds in sorted({key[:2] for key in counts}, key=lambda row: (order.index(row[0]), row[1])):
+        cells = [counts[size, kinds, column] for column in columns]
+        rows.append([f"{size}, {kinds}", *(count or "" for count in cells), sum(cells)])
+    return _table(["rows, kinds", *(r if r == _UNKNOWN else f"{r}; {c}" for r, c in columns), "all"], rows)
 
 
 def overview(manifests):
     """One row per tier."""
     rows = []
     for tier, manifest in manifests.items():
-        problems = manifest["problems"]
-        sizes = [p["rows"] for p in problems]
-        kinds = [p["reference"]["kind"] for p in problems]
-        rows.append(
-            [f"`{tier}`", len(problems), f"{min(sizes)} … {max(sizes)}"]
-            + [kinds.count(kind) for kind in ("certified", "bounded", "none")]
-            + [len(manifest["refused"])]
-        )
+        sizes = [p["rows"] for p in manifest["problems"]]
+        kinds = Counter(p["reference"]["kind"] for p in manifest["problems"])
+        rows.append([f"`{tier}`", len(sizes), f"{min(sizes)} … {max(sizes)}",
+                     *(kinds[kind] for kind in ("certified", "bounded", "none")), len(manifest["refused"])])
     return _table(["tier", "problems", "rows", "certified", "bounded", "no reference", "refused"], rows)
 
 
 def weights(problems):
     """1 / k for each of the k problems that have a base in common."""
-    bases = [problem["base"] for problem in problems]
-    counts = {base: bases.count(base) for base in set(bases)}
-    return [1 / counts[base] for base in bases]
+    counts = Counter(problem["base"] for problem in problems)
+    return [1 / counts[problem["base"]] for problem in problems]
 
 
 def motion_share(problems):
@@ -114,8 +95,8 @@ def motions(problems):
     for label, least, most in [*_MOTION_CLASSES, ("all", 1, 10**9)]:
         chosen = [problem for problem in problems if least <= problem["rows"] <= most]
         steps = [problem for problem in chosen if problem["origin"] == "motion"]
-        row = [label, len(chosen), len({problem["base"] for problem in chosen}), len(steps)]
-        rows.append(row + [len({problem["base"] for problem in steps}), f"{100 * motion_share(chosen):.0f} %"])
+        bases, of_steps = (len({problem["base"] for problem in some}) for some in (chosen, steps))
+        rows.append([label, len(chosen), bases, len(steps), of_steps, f"{100 * motion_share(chosen):.0f} %"])
     return _table(["rows", "problems", "bases", "steps of motions", "motions", "their weight"], rows)
 
 
@@ -140,100 +121,78 @@ def _answer_kind(problem):
 def small_answers(problems):
     """What the engine tier's answers are: nothing is refused there."""
     kinds = ["f = 0", "no active contact", "all rows active", "some"]
-    rows = []
-    for size in (1, 2, 3):
-        found = [_answer_kind(problem) for problem in problems if problem["rows"] == size]
-        rows.append([size] + [found.count(kind) for kind in kinds])
-    return _table(["rows"] + [kind + " of the contacts active" if kind == "some" else kind for kind in kinds], rows)
+    found = Counter((problem["rows"], _answer_kind(problem)) for problem in problems)
+    rows = [[size, *(found[size, kind] for kind in kinds)] for size in (1, 2, 3)]
+    return _table(["rows", *kinds[:-1], "some of the contacts active"], rows)
 
 
 def references(manifests):
     """How references are proved, and how tight bounds are."""
-    rows = {}
-    for manifest in manifests.values():
-        for problem in manifest["problems"]:
-            reference = problem["reference"]
-            name = reference["kind"]
-            if name == "none":
-                continue
-            name += ": " + reference.get("proof", reference["status"])
-            rows.setdefault(name, []).append(reference)
-    table = []
-    for name in sorted(rows):
-        row = [name, len(rows[name])]
+    by_name = {}
+    for reference in (problem["reference"] for manifest in manifests.values() for problem in manifest["problems"]):
+        if reference["kind"] != "none":
+            name = f"{reference['kind']}: {reference.get('proof', reference['status'])}"
+            by_name.setdefault(name, []).append(reference)
+    rows = []
+    for name, found in sorted(by_name.items()):
+        row = [name, len(found)]
         for field in ("w_bound", "energy_shift"):
-            values = sorted(r[field] for r in rows[name] if field in r)
+            values = sorted(r[field] for r in found if field in r)
             row += [f"{values[len(values) // 2]:.1e}", f"{values[-1]:.1e}"] if values else ["exact", "exact"]
-        table.append([str(cell).replace("0.0e+00", "0") for cell in row])
-    header = ["reference", "problems", "bound of w: median", "largest", "shift of b: median", "largest"]
-    return _table(header, table)
+        rows.append([str(cell).replace("0.0e+00", "0") for cell in row])
+    return _table(["reference", "problems", "bound of w: median", "largest", "shift of b: median", "largest"], rows)
 
 
 def refusals(manifests):
     """Candidates that were not taken, by tier and reason."""
-    rows = []
-    for tier, manifest in manifests.items():
-        rows += [[f"`{tier}`: {reason}", count] for reason, count in manifest["refused_by_reason"].items()]
-    return _table(["refused", "candidates"], rows)
+    return _table(["refused", "candidates"], [[f"`{tier}`: {reason}", count] for tier, manifest in manifests.items()
+                                              for reason, count in manifest["refused_by_reason"].items()])
 
 
 def sequences(entries):
     """One row per sequence."""
-    rows = []
-    for entry in entries:
-        sizes = entry["rows"]
-        rows.append(
-            [f"`{entry['id']}`", entry["problems"], f"{sizes['least']} / {sizes['median']} / {sizes['most']}"]
-            + [entry["changes"][key] for key in ("entered", "left", "activated", "deactivated")]
-            + [entry["churn"], f"{100 * entry['still_share']:.0f} %"]
-        )
-    header = ["sequence", "problems", "rows", "entered", "left", "activated", "deactivated", "churn", "still"]
-    return _table(header, rows)
+    changes = ["entered", "left", "activated", "deactivated"]
+    rows = [[f"`{entry['id']}`", entry["problems"], "{least} / {median} / {most}".format(**entry["rows"]),
+             *(entry["changes"][key] for key in changes), entry["churn"], f"{100 * entry['still_share']:.0f} %"]
+            for entry in entries]
+    return _table(["sequence", "problems", "rows", *changes, "churn", "still"], rows)
 
 
 def text():
     manifests = {tier: json.loads((_DATA / f"{tier}.json").read_text(encoding="utf-8")) for tier in _TIERS}
     entries = json.loads((_DATA / "sequences.json").read_text(encoding="utf-8"))["sequences"]
     everything = [problem for manifest in manifests.values() for problem in manifest["problems"]]
-    return "\n\n".join(
-        [
-            _BEGIN,
-            overview(manifests),
-            "Problems by size and kinds of constraints (rows), redundancy 1 − rank/n and condition of A (columns, "
-            "`redundancy; condition`; `?`: not measured):",
-            coverage(everything),
-            "How the answers are known, how far w / √A_ii may be off, and by how much D^-½ b of the problem that this is "
-            "proved for differs from the given one:",
-            references(manifests),
-            "Candidates that were not taken:",
-            refusals(manifests),
-            "Steps of motions in `standard`, by weight (each of k problems of one base 1/k; fill-ups are not among these):",
-            motions(manifests["standard"]["problems"]),
-            "Fill-ups:",
-            fill_ups(manifests),
-            "What few rows have as answer (`engine`, where nothing is refused):",
-            small_answers(manifests["engine"]["problems"]),
-            "Sequences (rows: least / median / most; rows that came, went, became active, ceased to be; churn: all of "
-            "these by rows, mean; still: problems without any):",
-            sequences(entries),
-            _END,
-        ]
-    )
-
-
-def updated(readme):
-    begin = readme.index(_BEGIN)
-    end = readme.index(_END) + len(_END)
-    return readme[:begin] + text() + readme[end:]
+    return "\n\n".join([
+        _BEGIN,
+        overview(manifests),
+        "Problems by size and kinds of constraints (rows), redundancy 1 − rank/n and condition of A (columns, "
+        "`redundancy; condition`; `?`: not measured):",
+        coverage(everything),
+        "How the answers are known, how far w / √A_ii may be off, and by how much D^-½ b of the problem that this is "
+        "proved for differs from the given one:",
+        references(manifests),
+        "Candidates that were not taken:",
+        refusals(manifests),
+        "Steps of motions in `standard`, by weight (each of k problems of one base 1/k; fill-ups are not among these):",
+        motions(manifests["standard"]["problems"]),
+        "Fill-ups:",
+        fill_ups(manifests),
+        "What few rows have as answer (`engine`, where nothing is refused):",
+        small_answers(manifests["engine"]["problems"]),
+        "Sequences (rows: least / median / most; rows that came, went, became active, ceased to be; churn: all of "
+        "these by rows, mean; still: problems without any):",
+        sequences(entries),
+        _END,
+    ])
 
 
 def main():
     readme = _README.read_text(encoding="utf-8")
-    new = updated(readme)
-    if "--check" in sys.argv[1:]:
-        return 0 if new == readme else 1
-    _README.write_text(new, encoding="utf-8")
-    return 0
+    end = readme.index(_END) + len(_END)
+    new = readme[:readme.index(_BEGIN)] + text() + readme[end:]
+    if "--check" not in sys.argv[1:]:
+        _README.write_text(new, encoding="utf-8")
+    return int("--check" in sys.argv[1:] and new != readme)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 """Draws which folders include which as docs/includes.svg, lower layers below. Run it when tests/house_test.py says that
-the drawing is out of date; a new folder needs a place in _BOXES first."""
+the drawing is out of date; a new folder needs a place in _BOXES first, and a new long arrow one in _LANES."""
 
 import html
-import os
 import re
 import subprocess
 from collections import Counter
@@ -27,15 +26,11 @@ class Include(NamedTuple):
 
 def tracked_files(root=ROOT):
     """Paths from the root; without a git repository, every file outside build folders."""
-    if (root / ".git").exists():
-        listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, check=False)
-        if listed.returncode == 0 and listed.stdout:
-            return sorted(path for path in listed.stdout.decode().split("\0") if path and (root / path).is_file())
-    found = []
-    for folder, inner, names in os.walk(root):
-        inner[:] = [name for name in inner if name not in (".git", "build", "__pycache__")]
-        found += [(Path(folder) / name).relative_to(root).as_posix() for name in names]
-    return sorted(found)
+    listed = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, check=False)
+    if listed.returncode == 0 and listed.stdout:
+        return sorted(path for path in listed.stdout.decode().split("\0") if path and (root / path).is_file())
+    found = [path.relative_to(root) for path in root.rglob("*") if path.is_file()]
+    return sorted(path.as_posix() for path in found if not {".git", "build", "__pycache__"}.intersection(path.parts))
 
 
 def includes(files, root=ROOT):
@@ -86,15 +81,28 @@ def drawn(found):
     return boxes, {arrow: number for arrow, number in arrows.items() if arrow not in implied}
 
 
+_LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
+_WIDTH = 114
+_PITCH, _HEIGHT, _HEADING, _ROWS = 88, 50, 66, 9
+
+
 class Box(NamedTuple):
     row: int  # from below; arrows point to lower rows
     left: int
     right: int
     text: tuple  # what the folder holds, a line each
 
+    @property
+    def middle(self):
+        return (self.left + self.right) / 2
 
-_LEFT = [30, 162, 294, 426, 558, 728, 856]  # of columns
-_WIDTH = 114
+    @property
+    def is_wide(self):
+        return self.right - self.left > 3 * _WIDTH
+
+
+def _top(row):
+    return _HEADING + (_ROWS - 1 - row) * _PITCH
 
 
 def _at(row, column, *text, span=0):
@@ -132,6 +140,16 @@ _BOXES = {
     "model/geometry": _at(1, 5, "vectors, edges, curves, bounding boxes", span=128),
     "support": Box(0, 14, 986, ("clock, files, JSON fields, child processes, errors: nothing of LCPs",)),
 }
+# x at which a long arrow passes the rows between its boxes; the others go straight.
+_LANES = {
+    ("benchmarks", "model/records"): 850,
+    ("solvers", "solvers/peers"): 153,
+    ("solvers/ipopt", "solvers/lcp"): 22,
+    ("solvers/interior_point", "solvers/answers"): 417,
+    ("solvers/interior_point", "solvers/linear_algebra"): 285,
+    ("solvers/peers/<library>", "solvers/linear_algebra"): 153,
+}
+_NAMES = {"solvers": "solvers/*.h"}  # what the box holds, where that is not the whole folder
 _PANELS = {"solvers": (14, 688, 568), "model": (712, 986, 751)}  # behind a top folder's boxes: left, right, its name
 _PANEL_TOP_ROW = 7
 _COLOURS = {  # panel, box, lines
@@ -152,96 +170,27 @@ _CAPTION = (
     "benchmarks/ and solvers/peers/<library> stand for the folders in them. Drawn by docs/draw_includes.py; "
     "a test compares it with the tree.",
 )
-_PITCH, _HEIGHT, _HEADING = 88, 50, 66
-_ROWS = 9
 _WIDEST = [(9, 3.4), (3, 2.2), (1, 1.2)]  # from so many includes on, the width of an arrow
 _HEAD = 7  # length of an arrow's head
 
 
-def _top(row):
-    return _HEADING + (_ROWS - 1 - row) * _PITCH
+def _end(box, other, lane):
+    """Where an arrow from or to `box` begins or ends: towards `other`; above, below or on its lane at a wide box."""
+    if box.is_wide:
+        wanted = lane or min(box, other, key=lambda b: b.right - b.left).middle
+        return min(max(wanted, box.left + 16), box.right - 16)
+    return box.middle + (0 if other.is_wide else min(max((other.middle - box.middle) / 7, -42), 42))
 
 
-def _bottom(row):
-    return _top(row) + _HEIGHT
-
-
-def _middle(box):
-    return (box.left + box.right) / 2
-
-
-def _gap(row, wanted, taken):
-    """The x nearest to `wanted` where an arrow may pass the row: between boxes, 9 off other arrows."""
-    boxes = [box for box in _BOXES.values() if box.row == row]
-    free = [
-        x
-        for x in range(18, 983)
-        if all(not box.left - 6 < x < box.right + 6 for box in boxes) and all(abs(x - other) >= 9 for other in taken)
-    ]
-    return min(free, key=lambda x: (abs(x - wanted), x))
-
-
-def _is_wide(box):
-    return box.right - box.left > 3 * _WIDTH
-
-
-def _opposite(box, other):
-    """Where an arrow from or to `box` would best meet `other`."""
-    if not _is_wide(other):
-        return _middle(other)
-    if _is_wide(box):  # below or above the middle of the shorter one
-        return _middle(min(box, other, key=lambda b: b.right - b.left))
-    return min(max(_middle(box), other.left + 16), other.right - 16)
-
-
-def _spread(ends, box):
-    """{arrow: x} of the arrows at one side of a box; ends = [(x where it comes from, arrow)]."""
-    if _is_wide(box):
-        return {arrow: min(max(x, box.left + 16), box.right - 16) for x, arrow in ends}
-    step = min(22, (box.right - box.left - 28) / max(len(ends) - 1, 1))
-    first = _middle(box) - step * (len(ends) - 1) / 2
-    return {arrow: first + step * i for i, (_, arrow) in enumerate(sorted(ends))}
-
-
-def _gaps(arrows):
-    """{arrow: [(x, row), ...]}: where it passes the rows between its boxes."""
-    gaps, taken = {}, {row: [] for row in range(_ROWS)}
-    for arrow in sorted(arrows, key=lambda a: (_BOXES[a[0]].row - _BOXES[a[1]].row, a)):
-        source, target = (_BOXES[box] for box in arrow)
-        if source.row <= target.row:
-            raise ValueError(f"{arrow[0]} includes {arrow[1]} and must be drawn above it: change its row in _BOXES")
-        rows = range(target.row + 1, source.row)
-        begin, end = _opposite(target, source), _opposite(source, target)
-        passed = []
-        for row in rows:  # from below
-            straight = end + (begin - end) * (row - target.row) / (source.row - target.row)
-            x = _gap(row, passed[-1][0] if passed and _is_wide(source) else straight, taken[row])
-            taken[row].append(x)
-            passed.append((x, row))
-        gaps[arrow] = passed[::-1]
-    return gaps
-
-
-def _routes(arrows):
-    """{arrow: [(x, y), ...]}: from the bottom of a box by the gaps of the rows between to the top of another."""
-    gaps = _gaps(arrows)
-    starts, ends = {}, {}
-    for name, box in sorted(_BOXES.items()):
-        into = [(gaps[a][-1][0] if gaps[a] else _opposite(box, _BOXES[a[0]]), a) for a in arrows if a[1] == name]
-        ends.update(_spread(into, box))
-    for arrow in arrows:  # upright from a wide box
-        if _is_wide(_BOXES[arrow[0]]):
-            gaps[arrow] = [(ends[arrow] if x == _middle(_BOXES[arrow[1]]) else x, row) for x, row in gaps[arrow]]
-    for name, box in sorted(_BOXES.items()):
-        out = [(gaps[a][0][0] if gaps[a] else _opposite(box, _BOXES[a[1]]), a) for a in arrows if a[0] == name]
-        starts.update(_spread(out, box))
-    routes = {}
-    for arrow in arrows:
-        route = [(starts[arrow], _bottom(_BOXES[arrow[0]].row))]
-        for x, row in gaps[arrow]:
-            route += [(x, _top(row) - 4), (x, _bottom(row) + 4)]
-        routes[arrow] = [*route, (ends[arrow], _top(_BOXES[arrow[1]].row) - _HEAD)]
-    return routes
+def _route(arrow):
+    """[(x, y), ...]: from the bottom of a box, by the arrow's lane where it has one, to the top of another."""
+    source, target = (_BOXES[box] for box in arrow)
+    if source.row <= target.row:
+        raise ValueError(f"{arrow[0]} includes {arrow[1]} and must be drawn above it: change its row in _BOXES")
+    lane = _LANES.get(arrow)
+    begin, end = _end(source, target, lane), _end(target, source, lane)
+    between = [(lane, _top(source.row - 1) - 4), (lane, _top(target.row + 1) + _HEIGHT + 4)] if lane else []
+    return [(begin, _top(source.row) + _HEIGHT), *between, (end, _top(target.row) - _HEAD)]
 
 
 def _curve(route):
@@ -257,35 +206,24 @@ def _text(x, y, size, words, extra="", anchor="middle"):
     return f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" text-anchor="{anchor}"{extra}>{html.escape(words)}</text>'
 
 
-def _name_lines(folder):
-    """(what stands small above the name, the name)."""
-    if folder == "solvers":
-        return "", "solvers/*.h"
-    name = folder.partition("/")[2] or folder + "/"
-    above, _, last = name.rpartition("/")
-    return (above + "/", last) if above and last else ("", name)
-
-
 def _box(folder, box):
-    top = folder.partition("/")[0]
+    top, _, inner = folder.partition("/")
+    above, _, name = inner.rpartition("/")
     _, fill, line = _COLOURS[top]
-    y, middle = _top(box.row), _middle(box)
+    y, width = _top(box.row), box.right - box.left
+    lines = [(9.5, above + "/", f' fill="{line}"')] if above else []
+    lines.append((12.5, name or _NAMES.get(top, f"{top}/"), f' font-weight="bold" fill="{line}"'))
+    lines += [(10, text, "") for text in box.text]
     parts = [
         f'<g data-folder="{html.escape(folder)}">',
-        f'<rect x="{box.left}" y="{y}" width="{box.right - box.left}" height="{_HEIGHT}" rx="6" fill="{fill}" '
-        f'stroke="{line}"/>',
+        f'<rect x="{box.left}" y="{y}" width="{width}" height="{_HEIGHT}" rx="6" fill="{fill}" stroke="{line}"/>',
     ]
-    above, name = _name_lines(folder)
-    lines = ([(9.5, above, f' fill="{line}"')] if above else []) + [(12.5, name, f' font-weight="bold" fill="{line}"')]
-    lines += [(10, text, "") for text in box.text]
-    for size, text, _ in lines:
-        if len(text) * size * 0.6 > box.right - box.left + 6:
+    baseline = y + (_HEIGHT - sum(size + 2.5 for size, _, _ in lines)) / 2 - 2.5
+    for size, text, extra in lines:
+        if len(text) * size * 0.6 > width + 6:
             raise ValueError(f"too long for its box: {text}")
-    heights = [size + 2.5 for size, _, _ in lines]
-    baseline = y + (_HEIGHT - sum(heights)) / 2 - 2.5
-    for height, (size, text, extra) in zip(heights, lines):
-        baseline += height
-        parts.append(_text(middle, baseline, size, text, extra))
+        baseline += size + 2.5
+        parts.append(_text(box.middle, baseline, size, text, extra))
     return [*parts, "</g>"]
 
 
@@ -293,7 +231,8 @@ def drawing(boxes, arrows):
     if boxes != set(_BOXES):
         lacks, needless = sorted(boxes - set(_BOXES)), sorted(set(_BOXES) - boxes)
         raise ValueError(f"_BOXES lacks {lacks} and has without need {needless}")
-    height = _bottom(0) + 84
+    bottom = _top(0) + _HEIGHT
+    height = bottom + 84
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 1000 {height}" width="1000" height="{height}" '
         'font-family="Helvetica, Arial, sans-serif" fill="#263238">',
@@ -306,13 +245,14 @@ def drawing(boxes, arrows):
         fill, _, line = _COLOURS[top]
         y = _top(_PANEL_TOP_ROW) - 12
         parts.append(
-            f'<rect x="{left}" y="{y}" width="{right - left}" height="{_bottom(1) + 14 - y}" rx="10" '
+            f'<rect x="{left}" y="{y}" width="{right - left}" height="{_top(1) + _HEIGHT + 14 - y}" rx="10" '
             f'fill="{fill}" stroke="{line}" stroke-opacity="0.25"/>'
         )
         parts.append(_text(name, y + 26, 15, f"{top}/", f' font-weight="bold" fill="{line}"'))
-    for arrow, route in sorted(_routes(arrows).items()):
+    for arrow in sorted(arrows):
         colour = _COLOURS[arrow[0].partition("/")[0]][2]
         width = next(width for least, width in _WIDEST if arrows[arrow] >= least)
+        route = _route(arrow)
         x, y = route[-1]
         half = 3 + width / 2
         parts.append(
@@ -322,7 +262,7 @@ def drawing(boxes, arrows):
         )
     for folder in sorted(_BOXES):
         parts += _box(folder, _BOXES[folder])
-    parts += [_text(14, _bottom(0) + 28 + 17 * i, 11.5, line, "", "start") for i, line in enumerate(_CAPTION)]
+    parts += [_text(14, bottom + 28 + 17 * i, 11.5, line, "", "start") for i, line in enumerate(_CAPTION)]
     return "\n".join([*parts, "</svg>", ""])
 
 

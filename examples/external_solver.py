@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""An external solver in Python: least squares with bounds, from SciPy (solvers/peers/protocol/protocol.h has the protocol).
+"""An external solver in Python: least squares with bounds, from SciPy (docs/protocol.md has the protocol).
 
     lcpbench solve --external mine=examples/external_solver.py --solver mine problems.jsonl
 """

@@ -10,6 +10,7 @@ comparison found a difference; 2 with one line on standard error when the argume
 
 import argparse
 import datetime
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -117,7 +118,7 @@ def _report(options: argparse.Namespace) -> None:
     """Make a report of campaigns: one interactive page without links, a summary, figures and tables."""
     from lcpbench_report import markdown, summary
     from lcpbench_report.inputs import load_inputs
-    from lcpbench_report.static import write_static
+    from lcpbench_report.static.write import write_static
     from lcpbench_report.web import gallery
     from lcpbench_report.web.page import render
 
@@ -151,7 +152,8 @@ def _report(options: argparse.Namespace) -> None:
           _file("-o", "--output", metavar="FILE", help="what was chosen [tuned.json in --data]"))
 def _tune(options: argparse.Namespace) -> int:
     """Tune all solvers with one budget, on problems that nothing is compared on, for `lcpbench run --tuned`."""
-    from lcpbench_report.tuning import campaign, record
+    from lcpbench_report.statistics.jsonl import write_object
+    from lcpbench_report.tuning import campaign, choice
     from lcpbench_report.tuning.space import draw, load_spaces
 
     if options.budget < 1:
@@ -160,7 +162,7 @@ def _tune(options: argparse.Namespace) -> int:
     spaces, sizes = load_spaces(space_file), campaign.sizes_of(options.sizes)
     command = campaign.Command(options.lcpbench)
     tried = {key: draw(spaces[key], options.budget, options.seed)
-             for key in campaign.chosen_solvers(options.solvers, list(spaces), command.available())}
+             for key in campaign.chosen_solvers(options.solvers, list(spaces), command.available("solvers"))}
     for key in [key for key, configurations in tried.items() if len(configurations) == 1]:
         print(f"{key}: nothing to tune")
         del tried[key]
@@ -174,12 +176,12 @@ def _tune(options: argparse.Namespace) -> int:
         print("no tuning problem is in " + ", ".join(others))
         folder = campaign.run_campaign(command, manifest, options.folder, tried, options.passes, options.cpu,
                                        options.resume)
-    except campaign.CommandError as error:
-        return error.status
-    asked = record.Asked(options.budget, options.seed, space_file, sizes, options.problem_seed)
+    except subprocess.CalledProcessError as error:
+        return error.returncode
+    asked = choice.Asked(options.budget, options.seed, space_file, sizes, options.problem_seed)
     date = datetime.datetime.now(datetime.timezone.utc).strftime("%Y-%m-%d")
     output = options.output or options.data / "tuned.json"
-    record.write(output, record.describe(*_load(options, folder), spaces, tried, asked, others, date, print))
+    write_object(output, choice.describe(*_load(options, folder), spaces, tried, asked, others, date, print))
     print(f"{output}: budget {options.budget}, {sum(map(len, tried.values()))} configurations of {len(tried)} solvers")
     return 0
 
@@ -194,7 +196,7 @@ def _headline(options: argparse.Namespace) -> None:
     from lcpbench_report import markdown, readme_blocks
     from lcpbench_report.headline_table import headline
     from lcpbench_report.inputs import load_inputs
-    from lcpbench_report.static import write_figure_of_times
+    from lcpbench_report.static.write import write_figure_of_times
 
     inputs = load_inputs(options.folders, ablation=options.ablation)
     found = headline(inputs)
@@ -206,9 +208,9 @@ def _headline(options: argparse.Namespace) -> None:
     if not texts:
         raise ReportError(", ".join(map(str, options.update)), "no block of numbers",
                           "'<!-- numbers:NAME -->' and, after it, '<!-- end -->'")
-    source = readme_blocks.Source(inputs, found, options.root)
     # All before the first is written.
-    filled = {path: readme_blocks.fill(text, readme_blocks.Page(source, path)) for path, text in texts.items()}
+    filled = {path: readme_blocks.fill(text, readme_blocks.Page(inputs, found, options.root, path))
+              for path, text in texts.items()}
     write_figure_of_times(inputs, options.root / readme_blocks.FIGURE)
     for path, text in filled.items():
         path.write_text(text, encoding="utf-8")
@@ -221,13 +223,14 @@ def _headline(options: argparse.Namespace) -> None:
           _file("-o", "--output", required=True, metavar="FILE", help="JSON"))
 def _recommendation(options: argparse.Namespace) -> None:
     """Make the rules of `lcpbench recommend` of campaigns, and try them on families that they were not made of."""
-    from lcpbench_report.recommendation import evaluation, record
+    from lcpbench_report.recommendation import evaluation
     from lcpbench_report.recommendation.outcomes import read_outcomes, read_sequences
+    from lcpbench_report.statistics.jsonl import write_object
 
     outcomes = read_outcomes(options.campaigns, options.features)
-    made = record.make(outcomes, read_sequences(options.campaigns),
-                       frozenset(filter(None, options.leave_out.split(","))))
-    record.write(made, options.output)
+    made = evaluation.make(outcomes, read_sequences(options.campaigns),
+                           frozenset(filter(None, options.leave_out.split(","))))
+    write_object(options.output, made)
     if made["evaluation"]:
         print(evaluation.as_text(made["evaluation"]))
     print(f"{options.output}: {len(made['regions'])} regions")
@@ -246,10 +249,10 @@ def _archive(options: argparse.Namespace) -> None:
 @_command("calibrate", _file("campaign", help="a campaign with variants, see `make calibrate`"))
 def _calibrate(options: argparse.Namespace) -> int:
     """Tell whether a campaign finds no difference where there is none, and a slow-down where there is one."""
-    from lcpbench_report.statistics import calibration
+    from lcpbench_report.statistics import pairwise
 
-    found = calibration.calibration_table(*_load(options, options.campaign))
-    print(calibration.as_table(found).markdown(), end="")
+    found = pairwise.calibration_table(*_load(options, options.campaign))
+    print(pairwise.calibration_words(found).markdown(), end="")
     return 0 if found["right"].all() else 1
 
 

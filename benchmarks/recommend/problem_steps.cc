@@ -108,9 +108,8 @@ ProblemSteps Moving(const std::string& scene, int size, std::uint64_t seed, int 
 
 void RequireRows(const ProblemSteps& found) {
   for (const SequenceStep& step : found.steps) {
-    if (step.problem.size() > 0 && step.problem.has_standard_bounds()) continue;
-    throw InputError(found.name + ": problem '" + step.problem.id() +
-                     "': expected one row or more, unilateral or bilateral ones");
+    if (step.problem.size() > 0) continue;
+    throw InputError(found.name + ": problem '" + step.problem.id() + "': expected one row or more");
   }
 }
 

@@ -51,7 +51,7 @@ Feature ParseFeature(const JsonField& field, const std::string& type, const std:
   } else {
     std::variant_alternative_t<kind, Feature> feature;
     if (type != feature.kName) return ParseFeature<kind + 1>(field, type, known + " " + feature.kName);
-    feature.Fields(feature, [&](const char* name, auto& value) { Read(field[name], &value); });
+    ForEachField(feature, [&](const char* name, auto& value) { Read(field[name], &value); });
     return feature;
   }
 }

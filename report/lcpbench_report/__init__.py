@@ -2,12 +2,13 @@
 (benchmarks/RESULTS.md), and every number comes from them.
 
     statistics                  reads a campaign, and the tables that `lcpbench analyse` writes
-    inputs, motion, csv_table   all that one report is made of
+    inputs, motion              all that one report is made of
     choice, decision            what is shown where not all can be; which solver to take, by one rule
+    headline_table, shown_tables, table   tables that people read, as Markdown, HTML and LaTeX
     summary, fairness           sentences made of the data
-    web                         the interactive page
-    static, markdown_*, headline_table    figures and tables for papers, summary.md, numbers in README.md and docs/
-    style, formats              how solvers look, and numbers as text
+    web, static, markdown       the interactive page; figures and tables for papers; summary.md
+    readme_blocks, changes_markdown   numbers in README.md and docs/; what changed between two campaigns
+    style, solver_facts, formats   how solvers look and are spoken of, and numbers as text
+    recommendation, tuning      rules of `lcpbench recommend`; settings by `lcpbench tune`
     archive                     campaigns that are kept with the source
-    recommendation, tuning      rules of `lcpbench recommend`, settings chosen by `lcpbench tune`
 """

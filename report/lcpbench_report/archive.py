@@ -1,8 +1,7 @@
 """Makes of a campaign's folder, or of a study of motion, one that is small enough to be kept with the source.
 
 The same files, which every script reads: campaign.json as it is; the lines of the others with numbers of few digits,
-sorted by size class, solver and tier so that like stands beside like, and compressed by xz. motion.csv is compressed as it
-is.
+sorted so that like stands beside like, and compressed by xz. motion.csv is compressed as it is.
 """
 
 import json
@@ -18,17 +17,15 @@ from .statistics.load import PROBLEMS_FILE, STREAMS_FILE
 from .statistics.steps import FILE as STEPS_FILE
 
 CAMPAIGN = "campaign.json"
-# File -> what its lines are sorted by. Problems keep their order, which is that of tables and figures.
-_FILES: dict[str, Callable[[dict], tuple] | None] = {
-    PROBLEMS_FILE: None,
-    STREAMS_FILE: lambda line: (line["size_class"], line["solver"], line["first"], -line["tier"], line["kind"] != "judge",
-                                line["kind"], line["pass"]),
-    STEPS_FILE: lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]),
+# File -> what its lines are sorted by; significant digits of times and of other numbers. Problems keep their order,
+# which is that of tables and figures. 0.05 % of a time is far below what rounds differ by, a residual's magnitude is what
+# counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
+_FILES: dict[str, tuple[Callable[[dict], tuple], int, int]] = {
+    PROBLEMS_FILE: (lambda line: (), 4, 3),
+    STREAMS_FILE: (lambda line: (line["size_class"], line["solver"], line["first"], -line["tier"],
+                                 line["kind"] != "judge", line["kind"], line["pass"]), 4, 3),
+    STEPS_FILE: (lambda step: (step["sequence"], step["solver"], -step["tier"], step["mode"], step["round"]), 3, 2),
 }
-# Significant digits of times and of other numbers: 0.05 % of a time is far below what rounds differ by, a residual's
-# magnitude is what counts, and a single step is timed once, where the clock has hardly two digits of a microsecond.
-_STREAM_DIGITS = (4, 3)
-_STEP_DIGITS = (3, 2)
 _AS_IT_IS = ("tier", "best_tier", "weight", "deadline_s")
 
 
@@ -47,20 +44,14 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
         return {path.name: path.stat().st_size}
     shutil.copyfile(folder / CAMPAIGN, output / CAMPAIGN)
     written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}
-    for name, order in _FILES.items():
-        if not (folder / name).is_file():
-            continue
-        lines = []
-        digits = _STEP_DIGITS if name == STEPS_FILE else _STREAM_DIGITS
-        for _, line in read_lines(folder / name, lambda note: None):
-            text = json.dumps(_rounded(line, *digits), separators=(",", ":"))
-            lines.append((order(line) if order else (), text))
-        if order:
-            lines.sort()
-        path = packed(output / name)
-        with lzma.open(path, "wt", encoding="utf-8", preset=9) as file:
-            file.writelines(text + "\n" for _, text in lines)
-        written[path.name] = path.stat().st_size
+    for name, (order, *digits) in _FILES.items():
+        if (folder / name).is_file():
+            lines = sorted((order(line), number, json.dumps(_rounded(line, *digits), separators=(",", ":")))
+                           for number, line in read_lines(folder / name, lambda note: None))
+            path = packed(output / name)
+            with lzma.open(path, "wt", encoding="utf-8", preset=9) as file:
+                file.writelines(text + "\n" for *_, text in lines)
+            written[path.name] = path.stat().st_size
     return written
 
 

@@ -17,14 +17,9 @@ _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solv
                 "instruction_sets", "cores", "os", "kernel", "hypervisor", "library_threads", "libraries")
 
 
-def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes, shown: int = _SHOWN) -> str:
-    """@param shown  rows of a table at most; what is left out is counted"""
-    lines = [f"# {old.info['name']}: {new_name} against {old_name}", "", _judgement(changes), ""]
-    lines += _environment(old, new)
-    lines += _verdicts(changes, shown)
-    lines += _speeds(changes, shown)
-    lines += _agreement(changes)
-    lines += _only_in_one(changes)
+def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes) -> str:
+    lines = [f"# {old.info['name']}: {new_name} against {old_name}", "", _judgement(changes), "", *_environment(old, new),
+             *_verdicts(changes), *_speeds(changes), *_agreement(changes), *_only_in_one(changes)]
     return "\n".join(lines).rstrip("\n") + "\n"
 
 
@@ -40,19 +35,14 @@ def _judgement(changes: Changes) -> str:
 def _environment(old: Campaign, new: Campaign) -> list[str]:
     """Only what differs."""
     a, b = (campaign.info.get("environment", {}) for campaign in (old, new))
-    rows = []
-    for key in _ENVIRONMENT:
-        if isinstance(a.get(key), dict) and isinstance(b.get(key), dict):
-            rows += [[f"{key}.{name}", a[key].get(name, ""), b[key].get(name, "")]
-                     for name in dict.fromkeys([*a[key], *b[key]]) if a[key].get(name) != b[key].get(name)]
-        elif a.get(key) != b.get(key):
-            rows.append([key, a.get(key, ""), b.get(key, "")])
-    if not rows:
-        return ["Both were run in the same environment.", ""]
-    return _table(["environment", "old", "new"], rows)
+    # Versions of libraries one by one.
+    a, b = ({f"{key}.{name}" if name else key: value for key in _ENVIRONMENT if key in of
+             for name, value in (of[key] if isinstance(of[key], dict) else {"": of[key]}).items()} for of in (a, b))
+    rows = [[name, a.get(name, ""), b.get(name, "")] for name in dict.fromkeys([*a, *b]) if a.get(name) != b.get(name)]
+    return _table(["environment", "old", "new"], rows) if rows else ["Both were run in the same environment.", ""]
 
 
-def _verdicts(changes: Changes, shown: int) -> list[str]:
+def _verdicts(changes: Changes) -> list[str]:
     wrong = changes.cells.loc[changes.lost.index.union(changes.false_successes.index)]
     first = wrong["verdict_new"] == FALSE_SUCCESS
     wrong = pd.concat([wrong[first], wrong[~first]])
@@ -63,15 +53,15 @@ def _verdicts(changes: Changes, shown: int) -> list[str]:
         lines += _table(["cell", "before", "now", "time before", "limit"],
                         [[f"`{_name(row)}`", _verdict(row, "old"), _verdict(row, "new"),
                           formats.seconds(row["time_s_old"]), formats.seconds(row["time_limit_s_new"])]
-                         for _, row in wrong.iterrows()], shown)
+                         for _, row in wrong.iterrows()])
     if not changes.gained.empty:
         lines += ["Verified now, and not before:", ""]
         lines += _table(["cell", "before"], [[f"`{_name(row)}`", _verdict(row, "old")]
-                                             for _, row in changes.gained.iterrows()], shown)
+                                             for _, row in changes.gained.iterrows()])
     return lines
 
 
-def _speeds(changes: Changes, shown: int) -> list[str]:
+def _speeds(changes: Changes) -> list[str]:
     lines = []
     for title, table in (("Slower", changes.slower), ("Faster", changes.faster)):
         lines += [f"## {title}", ""]
@@ -83,13 +73,13 @@ def _speeds(changes: Changes, shown: int) -> list[str]:
                  f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}",
                  f"{row.p:.1g}"] for row in table.itertuples()]
         lines += _table(["solver", "rows", "family", "set that does not count", "tier", "problems", "new / old",
-                         "quickest passes", "p"], rows, shown)
+                         "quickest passes", "p"], rows)
     return lines + [f"Out of {formats.plural(int(changes.speeds['p'].notna().sum()), 'comparison')}: solver × tier, over "
                     f"all problems, by size class and by family. Median ratio of the fresh times of answers that both "
                     f"verified, problems by their weight, with an interval by bootstrap over families and bases; p of "
                     f"Wilcoxon's signed-rank test of bases, adjusted by Holm for all of them. A change needs "
-                    f"p < {pairwise.LEVEL:g} and an interval beyond {_margin()}, by the medians of the passes and by "
-                    f"the quickest ones.", ""]
+                    f"p < {pairwise.LEVEL:g} and an interval beyond {100 * (MARGIN - 1):.0f} %, by the medians of the passes "
+                    "and by the quickest ones.", ""]
 
 
 def _agreement(changes: Changes) -> list[str]:
@@ -103,17 +93,15 @@ def _agreement(changes: Changes) -> list[str]:
 
 
 def _only_in_one(changes: Changes) -> list[str]:
-    parts = [(name, table) for name, table in (("OLD", changes.only_old), ("NEW", changes.only_new)) if len(table)]
-    if not parts:
-        return []
-    lines = ["## Only in one", "", "These cells were judged by nothing above.", ""]
-    rows = [[f"`{solver}`", name, len(own)] for name, table in parts
+    rows = [[f"`{solver}`", name, len(own)] for name, table in (("OLD", changes.only_old), ("NEW", changes.only_new))
             for solver, own in table.groupby("solver", sort=False)]
-    return lines + _table(["solver", "only in", "cells"], rows)
+    return ["## Only in one", "", "These cells were judged by nothing above.", "",
+            *_table(["solver", "only in", "cells"], rows)] if rows else []
 
 
-def _table(head: list[str], rows: list[list], shown: int | None = None) -> list[str]:
-    return [Table(head, rows, "l" * len(head)).markdown(shown)]
+def _table(head: list[str], rows: list[list]) -> list[str]:
+    """What is left out is counted."""
+    return [Table(head, rows, "l" * len(head)).markdown(_SHOWN)]
 
 
 def _name(row) -> str:
@@ -123,8 +111,4 @@ def _name(row) -> str:
 def _verdict(row, when: str) -> str:
     """With the rule by which a cell was excluded."""
     rule = row[f"excluded_{when}"]
-    return formats.status(row[f"verdict_{when}"]).replace(":", ": ") + (f": {rule}" if rule else "")
-
-
-def _margin() -> str:
-    return f"{100 * (MARGIN - 1):.0f} %"
+    return row[f"verdict_{when}"].replace("_", " ").replace(":", ": ") + (f": {rule}" if rule else "")

@@ -7,8 +7,7 @@ import pandas as pd
 from .inputs import Inputs
 from .statistics.cells import EXCLUDED
 from .statistics.groups import COUNTED, GROUP
-from .statistics.means import penalised, shift_of, shifted_geometric_mean
-from .statistics.weighted import weighted_median
+from .statistics.means import mean_time, shift_of
 from .solver_facts import library, method
 
 TIER = 1e-6  # that every solver here is meant for
@@ -19,8 +18,7 @@ TIERS = (1e-3, 1e-6, 1e-9)  # of the collection; what has many more is a study o
 
 def main_tier(inputs: Inputs) -> float:
     """The one nearest to TIER, of problems if there are any, else of sequences."""
-    tiers = inputs.tiers or [tier for campaign in inputs.campaigns for tier in campaign.info["tiers"]]
-    return nearest(tiers)
+    return nearest(inputs.tiers or [tier for campaign in inputs.campaigns for tier in campaign.info["tiers"]])
 
 
 def nearest(tiers, wanted: float = TIER) -> float:
@@ -36,16 +34,15 @@ def shown_tiers(inputs: Inputs) -> list[float]:
     return usual or [main_tier(inputs)]
 
 
-def main_cells(inputs: Inputs, tier: float) -> pd.DataFrame:
-    """Cells of one tier on the problems that count."""
-    cells = inputs.cells
-    return cells[(cells["tier"] == tier) & cells["counts"].astype(bool)] if len(cells) else cells
+def main_cells(inputs: Inputs) -> pd.DataFrame:
+    """Cells of the main tier on the problems that count."""
+    return inputs.cells[(inputs.cells["tier"] == main_tier(inputs)) & inputs.cells["counts"].astype(bool)]
 
 
-def size_classes(inputs: Inputs, cells: pd.DataFrame) -> list[dict]:
-    """Those that `cells` have problems of, smallest first, as in campaign.json."""
+def size_classes(inputs: Inputs, cells: pd.DataFrame) -> list[str]:
+    """Those that `cells` have problems of, smallest first."""
     there = set(cells["size_class"])
-    return [of for of in inputs.size_classes if of["key"] in there]
+    return [of["key"] for of in inputs.size_classes if of["key"] in there]
 
 
 def families(inputs: Inputs) -> list[str]:
@@ -53,30 +50,28 @@ def families(inputs: Inputs) -> list[str]:
     return list(dict.fromkeys(about["family"] for about in inputs.problems.values()))
 
 
-def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
-    """Rows of a table of inputs.analysis: problems that count, and the tier if one is asked for."""
-    chosen = table["set"] == COUNTED
-    if tier is not None:
-        chosen &= table["tier"] == tier
-    return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
-
-
 def table(inputs: Inputs, name: str, tier: float | None = None) -> pd.DataFrame:
-    """Those rows of a table of inputs.analysis; none where there is no such table."""
+    """As counted(), of a table of inputs.analysis; none where there is no such table."""
     found = inputs.analysis.get(name)
     return pd.DataFrame(columns=_ASKED_FOR) if found is None else counted(found, tier)
 
 
+def counted(table: pd.DataFrame, tier: float | None = None) -> pd.DataFrame:
+    """Rows of a table of the statistics: problems that count, and the tier if one is asked for."""
+    chosen = (table["set"] == COUNTED) & (True if tier is None else table["tier"] == tier)
+    return table[chosen].drop(columns=[column for column in GROUP if column != "tier"])
+
+
 def best_own(inputs: Inputs, most: int = 12) -> list[str]:
     """The better setting of every method; the `most` best ones, in the order of the registry."""
-    return _best(inputs, lambda entry: entry["origin"] == "own", method, most)
+    return _best(inputs, {key: method(inputs.entries[key]) for key in inputs.own}, most)
 
 
 def best_peers(inputs: Inputs, most: int = 12) -> list[str]:
     """The best solver of every library (and external ones) on the problems that all the library's solvers were given;
     where it is excluded from larger ones by its size limit, also the best of those that are not. The `most` best of
     them, in the order of the registry."""
-    return _best(inputs, lambda entry: entry["origin"] != "own", library, most)
+    return _best(inputs, {key: library(inputs.entries[key]) for key in inputs.peers}, most)
 
 
 def best_of(inputs: Inputs, table: pd.DataFrame) -> list[str]:
@@ -85,24 +80,19 @@ def best_of(inputs: Inputs, table: pd.DataFrame) -> list[str]:
     return [key for key in best_own(inputs, 20) + best_peers(inputs, 20) if key in there]
 
 
-def _main_cells(inputs: Inputs) -> pd.DataFrame:
-    return main_cells(inputs, main_tier(inputs))
-
-
 def _ranked(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
     """By the shifted geometric mean, in which what was not verified has the time limit: failing does not pay."""
-    shift = shift_of(cells) if len(cells) else math.nan
-    means = {solver: shifted_geometric_mean(penalised(mine["time_s"], mine["time_limit_s"]), shift, mine["weight"])
-             for solver, mine in cells.groupby("solver")}
+    shift = shift_of(cells)
+    means = {solver: mean_time(mine, shift) for solver, mine in cells.groupby("solver")}
     return sorted(solvers, key=lambda solver: means.get(solver, math.inf))
 
 
-def _best(inputs: Inputs, wanted, group_of, most: int) -> list[str]:
+def _best(inputs: Inputs, group_of: dict[str, str], most: int) -> list[str]:
+    """@param group_of  of every solver in question"""
     groups: dict[str, list[str]] = {}
-    for entry in inputs.solvers:
-        if wanted(entry) and entry["key"] in inputs.keys:
-            groups.setdefault(group_of(entry), []).append(entry["key"])
-    cells = _main_cells(inputs)
+    for key, group in group_of.items():
+        groups.setdefault(group, []).append(key)
+    cells = main_cells(inputs)
     chosen = [key for group in groups.values() for key in _best_of(cells, group)]
     kept = set(_ranked(cells, chosen)[:most])
     return [key for key in inputs.keys if key in kept]
@@ -121,9 +111,3 @@ def _best_of(cells: pd.DataFrame, solvers: list[str]) -> list[str]:
     beyond = mine[mine["size_class"].isin(absent.loc[absent["solver"] == first, "size_class"])]
     others = [solver for solver in solvers if beyond.loc[beyond["solver"] == solver, "passes"].any()]
     return [first, _ranked(beyond, others)[0]] if others else [first]
-
-
-def median_time(cells: pd.DataFrame) -> float:
-    """Weighted median of cells' times, where what was not verified took infinitely long: failing on the hard ones cannot
-    lower it. Infinite where half or more were not verified, NaN without any."""
-    return weighted_median(cells["time_s"], cells["weight"])

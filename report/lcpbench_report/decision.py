@@ -13,8 +13,9 @@ import pandas as pd
 from . import choice
 from .inputs import Inputs
 from .statistics.cells import VERIFIED
-from .statistics.means import penalised, shift_of, shifted_geometric_mean
-from .statistics.weighted import weighted_median, weighted_share
+from .statistics.latency import ALL
+from .statistics.means import mean_time, shift_of
+from .statistics.weighted import weighted_share
 
 SHARE = 0.99
 
@@ -27,7 +28,6 @@ class Contender:
     verified: int
     problems: int
     share: float  # verified, by weight
-    median_rho: float  # of verified answers
 
 
 @dataclass(frozen=True)
@@ -49,34 +49,30 @@ def contenders(cells: pd.DataFrame, own: list[str]) -> list[Contender]:
     """
     turns = cells.groupby("problem")["solver"].transform("nunique")
     cells = cells[turns == turns.max()]
-    shift, found = shift_of(cells) if len(cells) else math.nan, []
+    shift, found = shift_of(cells), []
     for solver, mine in cells.groupby("solver", sort=False):
-        good = mine[mine["verdict"] == VERIFIED]
-        times = penalised(mine["time_s"], mine["time_limit_s"])
-        found.append(Contender(solver, solver in own, shifted_geometric_mean(times, shift, mine["weight"]),
-                               len(good), len(mine), weighted_share(mine["verdict"] == VERIFIED, mine["weight"]),
-                               weighted_median(good["rho"], good["weight"])))
+        good = mine["verdict"] == VERIFIED
+        found.append(Contender(solver, solver in own, mean_time(mine, shift), int(good.sum()), len(mine),
+                               weighted_share(good, mine["weight"])))
     most = max((contender.share for contender in found), default=0)
     return sorted((c for c in found if c.share and c.share >= SHARE * most), key=lambda c: c.mean)
 
 
 def by_class(inputs: Inputs) -> list[Choice]:
     """Size classes x redundancy x tiers that have problems that count."""
-    if inputs.cells.empty:
-        return []
-    cells = inputs.cells[inputs.cells["counts"].astype(bool)]
+    cells = inputs.counted
     redundancy = {name: (about.get("redundancy") or 0) > 0 for name, about in inputs.problems.items()}
     dependent = cells["problem"].map(redundancy).astype(bool)
     found = []
-    for of in choice.size_classes(inputs, cells):
+    for size_class in choice.size_classes(inputs, cells):
         for redundant in (False, True):
-            of_class = cells[(cells["size_class"] == of["key"]) & (dependent == redundant)]
+            of_class = cells[(cells["size_class"] == size_class) & (dependent == redundant)]
             for tier in inputs.tiers:
                 chosen = of_class[of_class["tier"] == tier]
                 everyone = contenders(chosen, inputs.own)
                 own = contenders(chosen[chosen["solver"].isin(inputs.own)], inputs.own)
                 if everyone:
-                    found.append(Choice(of["key"], redundant, tier, chosen["problem"].nunique(), own, everyone))
+                    found.append(Choice(size_class, redundant, tier, chosen["problem"].nunique(), own, everyone))
     return found
 
 
@@ -86,43 +82,32 @@ def by_deadline(inputs: Inputs) -> list[dict]:
 
     @returns a row per accuracy (the loosest first) and size, with an entry per deadline in `choices`
     """
-    deadlines, latency = inputs.analysis.get("deadline"), inputs.analysis.get("latency_by_solver")
-    if deadlines is None or deadlines.empty:
+    deadlines = inputs.analysis.get("deadline")
+    if deadlines is None:
         return []
-    warm = latency[latency["mode"] == "warm"]
     found = []
-    for tier in sorted(set(deadlines["tier"]), reverse=True):
-        for size in sorted(set(deadlines["size"].astype(str)), key=_number):
-            rows = deadlines[(deadlines["tier"] == tier) & (deadlines["size"].astype(str) == size)]
-            choices = []
-            for deadline in sorted(set(deadlines["deadline_s"])):
-                mine = rows[rows["deadline_s"] == deadline]
-                ranked = sorted(((1 - row.verified_share, _p99(warm, row.solver, size, tier), row.solver)
-                                 for row in mine.itertuples()))
-                choices.append({"deadline_s": deadline, "solver": ranked[0][2], "missed": ranked[0][0],
-                                "p99": ranked[0][1], "next": ranked[1] if ranked[1:] else None} if ranked else None)
-            found.append({"tier": tier, "size": size, "choices": choices})
+    parts = {(-tier, _number(size)): (tier, size, rows) for (tier, size), rows in deadlines.groupby(["tier", "size"])}
+    for _, (tier, size, rows) in sorted(parts.items(), key=lambda part: part[0]):
+        warm = passes(inputs, tier, size=size).set_index("solver")["p99"]
+        choices = []
+        for deadline in sorted(set(deadlines["deadline_s"])):
+            ranked = sorted((1 - row.verified_share, warm.get(row.solver, math.inf), row.solver)
+                            for row in rows[rows["deadline_s"] == deadline].itertuples())
+            choices.append({"deadline_s": deadline, "solver": ranked[0][2], "missed": ranked[0][0],
+                            "p99": ranked[0][1], "next": ranked[1] if ranked[1:] else None} if ranked else None)
+        found.append({"tier": tier, "size": size, "choices": choices})
     return found
 
 
 def _number(size: str) -> float:
     """For an order: all sizes together come last."""
-    return float(size) if size.isdigit() else math.inf
+    return math.inf if size == ALL else float(size)
 
 
-def _p99(warm: pd.DataFrame, solver: str, size: str, tier: float) -> float:
-    """Of the warm pass that was asked for the tier nearest to `tier`."""
-    rows = warm[(warm["solver"] == solver) & (warm["size"].astype(str) == size)]
+def passes(inputs: Inputs, tier: float, mode: str = "warm", size: str = ALL) -> pd.DataFrame:
+    """latency_by_solver's rows of one mode and size of sequences; of every solver at the tier nearest to `tier`."""
+    latency = inputs.analysis.get("latency_by_solver", pd.DataFrame(columns=["solver", "mode", "size", "p99"]))
+    rows = latency[(latency["mode"] == mode) & (latency["size"] == size)]
     if rows.empty:
-        return math.inf
-    return float(rows.loc[(rows["tier"].map(math.log) - math.log(tier)).abs().idxmin(), "p99"])
-
-
-def passes(inputs: Inputs, tier: float, mode: str = "warm") -> pd.DataFrame:
-    """latency_by_solver's rows of one mode over sequences of all sizes; of every solver at the tier nearest to `tier`."""
-    latency = inputs.analysis.get("latency_by_solver")
-    if latency is None or latency.empty:
-        return pd.DataFrame(columns=["solver"])
-    rows = latency[(latency["mode"] == mode) & (latency["size"].astype(str) == "all")]
-    nearest = (rows["tier"].map(math.log) - math.log(tier)).abs().groupby(rows["solver"]).idxmin()
-    return rows.loc[nearest]
+        return rows
+    return rows.loc[(rows["tier"].map(math.log) - math.log(tier)).abs().groupby(rows["solver"]).idxmin()]

@@ -1,233 +1,165 @@
 """What the numbers cannot carry. Each line states a fact of these results; lines whose fact does not hold are left
 out."""
 
+from collections.abc import Iterator
+
 from . import formats
 from .inputs import Inputs
-from .statistics.cells import CHANGED, LEAST_PASSES
+from .statistics.cells import CHANGED, LEAST_PASSES, VERIFIED
 from .statistics.load import TASK_BUDGET
 
 # A solver is called out as built for looser tiers when it verifies less than this part of what it does at the loosest.
 _TIER_DROP = 0.75
 # Cells whose time is uncertain by more than this are counted.
 _UNCERTAIN = 0.1
+_Lines = Iterator[tuple[str, str]]
 
 
 def limitations(inputs: Inputs) -> list[tuple[str, str]]:
     """[(subject, sentences)]"""
-    rules = (_measure, _machine, _builds, _noise, _changed, _limit, _excluded, _budget, _unavailable, _tiers, _direct, _floor,
-             _processes, _first_version, _checks, _weights, _ablation, _sets, _deadlines, _scope)
+    rules = (_measure, _builds, _noise, _rules, _solvers, _judging, _problems)
     return [line for rule in rules for line in rule(inputs)]
 
 
-def _measure(inputs: Inputs) -> list:
+def _measure(inputs: Inputs) -> _Lines:
     if inputs.cells.empty:
-        return []
+        return
     passes = max(campaign.info.get("passes", 0) for campaign in inputs.campaigns)
-    return [("Fresh times", "A time is one interval from the caller's arrays (J by rows, inverse masses, b, kinds of rows) "
-             "to f: validation, forms of A, scaling, ordering, analysis, factorizations, fallbacks and the solver's own check "
-             "are inside, for peers as for ours; making the arrays, workspace kept from earlier problems, transport between "
-             "processes and the verdict are outside. The solver object was warmed on other problems and meets each problem "
-             f"once a pass, in another random order each time; the median of at most {passes} passes counts. Below 2 µs a "
-             "pair of clock reads covers several different problems, and each is given their mean. Parts of a time are from "
-             "passes of their own, and are never summed. Who solves problem after problem of one matrix, or from a warm "
-             "start, finds that in the second time (“again”) and in the sequences.")]
+    yield ("Fresh times", "A time is one interval from the caller's arrays (J by rows, inverse masses, b, kinds of rows) "
+           "to f: validation, forms of A, scaling, ordering, analysis, factorizations, fallbacks and the solver's own check "
+           "are inside, for peers as for ours; making the arrays, workspace kept from earlier problems, transport between "
+           "processes and the verdict are outside. The solver object was warmed on other problems and meets each problem "
+           f"once a pass, in another random order each time; the median of at most {passes} passes counts. Below 2 µs a "
+           "pair of clock reads covers several different problems, and each is given their mean. Parts of a time are from "
+           "passes of their own, and are never summed. Who solves problem after problem of one matrix, or from a warm "
+           "start, finds that in the second time (“again”) and in the sequences.")
 
 
-def _environments(inputs: Inputs) -> list[dict]:
-    return [campaign.info.get("environment", {}) for campaign in inputs.campaigns]
+def _builds(inputs: Inputs) -> _Lines:
+    environments = [campaign.info.get("environment", {}) for campaign in inputs.campaigns]
+    machines = list(dict.fromkeys(f"{e.get('cpu', 'unknown')}, {e.get('cores', '?')} cores" for e in environments))
+    threads = environments[0].get("library_threads")
+    yield ("One machine" if len(machines) == 1 else "Several machines",
+           f"Times are from {'; '.join(machines)}. Ratios between solvers, and even their order, can differ on "
+           "another." + (f" BLAS and OpenMP ran on {formats.plural(threads, 'thread')}." if threads else ""))
+    if any(e.get("git_dirty") for e in environments):
+        yield ("Uncommitted changes", "The tree differed from its commit when this was built: the commit alone does not "
+               "reproduce it.")
+    if kinds := {str(e.get("build_type", "")) for e in environments} - {"", "Release", "RelWithDebInfo"}:
+        yield ("Build type", f"Built as {formats.words(sorted(kinds))}: times are not those of an optimised build.")
+    if flags := {str(e.get("solver_flags", "")) for e in environments} - {""}:
+        yield ("Compiler flags", f"Our solvers are compiled with {formats.words(sorted(flags))} as well; peers come from "
+               "Debian as they are, for the least common x86-64. Who compiles a peer for his own machine will see it "
+               "faster.")
 
 
-def _machine(inputs: Inputs) -> list:
-    machines = list(dict.fromkeys(f"{e.get('cpu', 'unknown')}, {e.get('cores', '?')} cores"
-                                  for e in _environments(inputs)))
-    threads = _environments(inputs)[0].get("library_threads")
-    return [("One machine" if len(machines) == 1 else "Several machines",
-             f"Times are from {'; '.join(machines)}. Ratios between solvers, and even their order, can differ on "
-             "another." + (f" BLAS and OpenMP ran on {formats.plural(threads, 'thread')}." if threads else ""))]
-
-
-def _builds(inputs: Inputs) -> list:
-    lines = []
-    if any(e.get("git_dirty") for e in _environments(inputs)):
-        lines.append(("Uncommitted changes", "The tree differed from its commit when this was built: the commit alone "
-                      "does not reproduce it."))
-    kinds = {str(e.get("build_type", "")) for e in _environments(inputs)} - {"", "Release", "RelWithDebInfo"}
-    if kinds:
-        lines.append(("Build type", f"Built as {formats.words(sorted(kinds))}: times are not those of an optimised "
-                      "build."))
-    flags = {str(e.get("solver_flags", "")) for e in _environments(inputs)}
-    if flags - {""}:
-        lines.append(("Compiler flags", f"Our solvers are compiled with {formats.words(sorted(flags - {''}))} as well; "
-                      "peers come from Debian as they are, for the least common x86-64. Who compiles a peer for his "
-                      "own machine will see it faster."))
-    return lines
-
-
-def _run(inputs: Inputs):
-    return inputs.cells[inputs.cells["excluded"] == ""]
-
-
-def _noise(inputs: Inputs) -> list:
-    cells = _run(inputs)
+def _noise(inputs: Inputs) -> _Lines:
+    cells = inputs.cells[inputs.cells["excluded"] == ""]
     timed = cells[cells["passes"].astype(bool) & cells["fresh_low"].notna()]
-    if timed.empty:
-        return []
-    half = (timed["fresh_high"] - timed["fresh_low"]) / 2 / timed["fresh_s"]
-    disturbed = int((cells["disturbed"] > 0).sum())
-    few = float((timed["timed"] < LEAST_PASSES).mean())
-    lines = [("Noise",
-              f"The 95 % interval of a problem's time has a half width of {formats.percent(half.median())} in the median; "
-              f"it is above {formats.percent(_UNCERTAIN)} for {formats.percent(float((half > _UNCERTAIN).mean()))} of the "
-              f"times. {disturbed} of {len(cells)} cells had a pass that the machine disturbed even when it was run "
-              "again; it does not count where there are others. Differences within the intervals mean nothing.")]
-    if few > 0.005:
-        lines.append(("Few passes", f"{formats.percent(few)} of the timed cells have fewer than {LEAST_PASSES} passes, and "
-                      "their intervals say nothing of what differs between passes."))
-    return lines
-
-
-def _changed(inputs: Inputs) -> list:
-    cells = _run(inputs)
+    if len(timed):
+        half = (timed["fresh_high"] - timed["fresh_low"]) / 2 / timed["fresh_s"]
+        yield ("Noise", "The 95 % interval of a problem's time has a half width of "
+               f"{formats.percent(half.median())} in the median; it is above {formats.percent(_UNCERTAIN)} for "
+               f"{formats.percent(float((half > _UNCERTAIN).mean()))} of the times. {int((cells['disturbed'] > 0).sum())} "
+               f"of {len(cells)} cells had a pass that the machine disturbed even when it was run again; it does not count "
+               "where there are others. Differences within the intervals mean nothing.")
+        few = float((timed["timed"] < LEAST_PASSES).mean())
+        if few > 0.005:
+            yield ("Few passes", f"{formats.percent(few)} of the timed cells have fewer than {LEAST_PASSES} passes, and "
+                   "their intervals say nothing of what differs between passes.")
     changed = cells[cells["verdict"] == CHANGED]
-    if changed.empty:
-        return []
-    who = list(dict.fromkeys(changed["solver"]))[:5]
-    return [("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem was "
-             "solved by itself, and not in a timed pass, after other problems: counted as failed (for example "
-             f"{formats.words(who)}).")]
+    if len(changed):
+        yield ("Answers that changed", f"In {formats.plural(len(changed), 'cell')} the answer was verified when the problem "
+               "was solved by itself, and not in a timed pass, after other problems: counted as failed (for example "
+               f"{formats.words(list(dict.fromkeys(changed['solver']))[:5])}).")
 
 
-def _limit(inputs: Inputs) -> list:
-    cells = _run(inputs)
-    hit = cells[cells["claim"].isin(("time_limit", "killed"))]
-    lines = []
-    for name, campaign in zip(inputs.names, inputs.campaigns):
-        limits = campaign.info["limits"]
-        lines.append(f"{name}: {limits['time_per_row_s'] * 1e3:g} ms a row, at least {limits['least_s']:g} s and at most "
-                     f"{limits['most_s']:g} s")
-    who = hit["solver"].value_counts()
-    ended = ", ".join(f"{solver} {who[solver]}" for solver in inputs.keys if solver in who)
-    return [("Time limit", f"One solve may take ({'; '.join(lines)}). "
-             + (f"{formats.plural(len(hit), 'cell')} ended there ({ended}); with more time some might be verified."
-                if len(hit) else "No cell ended there."))]
+def _few(items: list[str], most: int, between: str = ", ") -> str:
+    return between.join([*items[:most], *["…"] * (len(items) > most)])
 
 
-def _excluded(inputs: Inputs) -> list:
-    left_out = inputs.cells[~inputs.cells["excluded"].isin(("", TASK_BUDGET))]
-    if left_out.empty:
-        return []
-    parts = []
-    for rule, group in left_out.groupby("excluded", sort=False):
-        who = [solver for solver in inputs.keys if solver in set(group["solver"])]
-        parts.append(f"“{rule}” ({', '.join(who[:6])}{', …' if len(who) > 6 else ''}: {len(group)})")
-    return [("Excluded by rule", f"{formats.plural(len(left_out), 'cell')} did not take place, by rules fixed before the "
-             f"run: {'; '.join(parts[:8])}{'; …' if len(parts) > 8 else ''}. In means, profiles and counts they stand as "
-             "not solved.")]
-
-
-def _budget(inputs: Inputs) -> list:
+def _rules(inputs: Inputs) -> _Lines:
+    """Limits of time, exclusions, budgets, builds."""
     cells = inputs.cells
+    hit = cells[(cells["excluded"] == "") & cells["claim"].isin(("time_limit", "killed"))]["solver"].value_counts()
+    limits = [f"{name}: {of['time_per_row_s'] * 1e3:g} ms a row, at least {of['least_s']:g} s and at most {of['most_s']:g} s"
+              for name, of in zip(inputs.names, (campaign.info["limits"] for campaign in inputs.campaigns))]
+    ended = ", ".join(f"{solver} {hit[solver]}" for solver in inputs.in_order(hit.index))
+    yield ("Time limit", f"One solve may take ({'; '.join(limits)}). "
+           + (f"{formats.plural(hit.sum(), 'cell')} ended there ({ended}); with more time some might be verified."
+              if len(hit) else "No cell ended there."))
+    left_out = cells[~cells["excluded"].isin(("", TASK_BUDGET))]
+    if len(left_out):
+        parts = [f"“{rule}” ({_few(inputs.in_order(group['solver']), 6)}: {len(group)})"
+                 for rule, group in left_out.groupby("excluded", sort=False)]
+        yield ("Excluded by rule", f"{formats.plural(len(left_out), 'cell')} did not take place, by rules fixed before the "
+               f"run: {_few(parts, 8, '; ')}. In means, profiles and counts they stand as not solved.")
     late = cells[cells["excluded"] == TASK_BUDGET]
     untimed = int((cells["passes"].astype(bool) & (cells["timed"] == 0)).sum())
-    if late.empty and not untimed:
-        return []
-    who = [solver for solver in inputs.keys if solver in set(late["solver"])]
     parts = []
     if len(late):
         parts.append(f"{formats.plural(len(late), 'cell')} had no turn, since the solver's budget for judging a size class "
-                     f"was spent ({', '.join(who[:8])}{', …' if len(who) > 8 else ''}): they stand as not solved.")
+                     f"was spent ({_few(inputs.in_order(late['solver']), 8)}): they stand as not solved.")
     if untimed:
         parts.append(f"{formats.plural(untimed, 'verified cell')} had no turn in a timed pass: the time of the solve that was "
                      "judged stands for it.")
-    return [("Budgets", " ".join(parts))]
+    if parts:
+        yield "Budgets", " ".join(parts)
+    if missing := [entry["key"] for entry in inputs.solvers if not entry["available"]]:
+        yield ("Not in this build", f"{formats.words(missing)}: without their libraries these have no results. “make peers” "
+               "installs what Debian has.")
 
 
-def _unavailable(inputs: Inputs) -> list:
-    missing = [entry["key"] for entry in inputs.solvers if not entry["available"]]
-    return [("Not in this build", f"{formats.words(missing)}: without their libraries these have no results. “make "
-             "peers” installs what Debian has.")] if missing else []
+def _solvers(inputs: Inputs) -> _Lines:
+    if len(inputs.tiers) > 1:
+        verified = inputs.cells[inputs.cells["verdict"] == VERIFIED].groupby(["solver", "tier"]).size()
+        loose, strict = max(inputs.tiers), min(inputs.tiers)
+        if drop := [solver for solver in inputs.keys
+                    if verified.get((solver, strict), 0) < _TIER_DROP * verified.get((solver, loose), 0)]:
+            yield ("Loose methods at strict tiers", f"{formats.words(drop)} verify much less at {formats.power(strict)} than "
+                   f"at {formats.power(loose)}: they are judged here at tiers that they are not built for too.")
+    if direct := [key for key in inputs.entries if key in inputs.keys and not inputs.entries[key]["uses_tolerance"]]:
+        yield ("Direct methods", f"Not steered by the tolerance: {formats.words(direct)}. One run stands for every tier, so a "
+               "loose tier does not make them faster.")
+    if passed := int(inputs.cells["at_floor"].sum()):
+        yield ("Rounding floor", f"{formats.plural(passed, 'cell')} passed only because the tier is looser where rounding the "
+               "proved answer to doubles exceeds it already (rounding_floor.h).")
+    if inputs.peers:
+        yield ("Other projects' solvers", "They run in worker processes and are timed there, from the same arrays as ours: "
+               "forming what the library takes, a dense A by the one shared assembly or sparse matrices, is on their clock. "
+               "Their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
+               "problems, one rule for all (solvers/peers/tier_settings.h). Their authors were not asked.")
+    if who := [key for key in inputs.keys if inputs.entries[key].get("protocol") == 1]:
+        yield ("External programs of protocol 1", f"{formats.words(who)}: these are handed matrices, not arrays. Forming them "
+               "took place in the host, was timed there and is added to their times.")
 
 
-def _tiers(inputs: Inputs) -> list:
-    if len(inputs.tiers) < 2 or inputs.cells.empty:
-        return []
-    verified = inputs.cells[inputs.cells["verdict"] == "verified"]
-    counts = verified.groupby(["solver", "tier"]).size()
-    loose, strict = max(inputs.tiers), min(inputs.tiers)
-    drop = [solver for solver in inputs.keys
-            if counts.get((solver, loose), 0) and
-            counts.get((solver, strict), 0) < _TIER_DROP * counts.get((solver, loose), 0)]
-    return [("Loose methods at strict tiers", f"{formats.words(drop)} verify much less at {formats.power(strict)} than at "
-             f"{formats.power(loose)}: they are judged here at tiers that they are not built for too.")] if drop else []
+def _judging(inputs: Inputs) -> _Lines:
+    yield ("Own checks", "Our solvers that check an answer before they return it do so by the residual that the verifier "
+           "uses, inside the clock; peers check as their libraries do. What such a check is worth shows in the ablation "
+           "table, where ours run without it and peers with one and a further solve.")
+    if len(inputs.cells):
+        problems = inputs.cells.drop_duplicates("problem")
+        variants, filled = int((problems["weight"] < 1).sum()), int(problems["fill"].astype(bool).sum())
+        weights = problems[problems["counts"].astype(bool)].groupby("origin")["weight"].sum()
+        share = weights.get("motion", 0) / max(weights.sum(), 1e-300)
+        yield ("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
+               f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems weigh less than 1. "
+               f"{formats.percent(float(share))} of the counted weight are steps of motions; {filled} problems fill up size "
+               "classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")
+    if found := [entry["key"] for entry in inputs.solvers if entry.get("ablation")]:
+        yield ("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "
+               "solvers without their own check, peers with a check and one more solve with a shifted diagonal, and our "
+               "solvers built for the instruction set that Debian's peers are built for.")
 
 
-def _direct(inputs: Inputs) -> list:
-    direct = [e["key"] for e in inputs.solvers if e["key"] in inputs.keys and not e["uses_tolerance"]]
-    return [("Direct methods", f"Not steered by the tolerance: {formats.words(direct)}. One run stands for every tier, "
-             "so a loose tier does not make them faster.")] if direct else []
-
-
-def _floor(inputs: Inputs) -> list:
-    passed = int(inputs.cells["at_floor"].sum())
-    return [("Rounding floor", f"{formats.plural(passed, 'cell')} passed only because the tier is looser where rounding "
-             "the proved answer to doubles exceeds it already (rounding_floor.h).")] if passed else []
-
-
-def _processes(inputs: Inputs) -> list:
-    peers = [solver for solver in inputs.keys if solver not in inputs.own]
-    return [("Other projects' solvers", "They run in worker processes and are timed there, from the same arrays as ours: "
-             "forming what the library takes, a dense A by the one shared assembly or sparse matrices, is on their clock. "
-             "Their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
-             "problems, one rule for all (solvers/peers/tier_settings.h). Their authors were not asked.")] if peers else []
-
-
-def _first_version(inputs: Inputs) -> list:
-    who = [entry["key"] for entry in inputs.solvers if entry.get("protocol") == 1 and entry["key"] in inputs.keys]
-    return [("External programs of protocol 1", f"{formats.words(who)}: these are handed matrices, not arrays. Forming them "
-             "took place in the host, was timed there and is added to their times.")] if who else []
-
-
-def _checks(inputs: Inputs) -> list:
-    return [("Own checks", "Our solvers that check an answer before they return it do so by the residual that the verifier "
-             "uses, inside the clock; peers check as their libraries do. What such a check is worth shows in the ablation "
-             "table, where ours run without it and peers with one and a further solve.")]
-
-
-def _weights(inputs: Inputs) -> list:
-    if inputs.cells.empty:
-        return []
-    problems = inputs.cells.drop_duplicates("problem")
-    variants = int((problems["weight"] < 1).sum())
-    motion, weight = problems[(problems["origin"] == "motion") & problems["counts"].astype(bool)], problems["weight"]
-    share = motion["weight"].sum() / max(weight[problems["counts"].astype(bool)].sum(), 1e-300)
-    filled = int(problems["fill"].astype(bool).sum())
-    return [("Weights", f"Of the k problems of one base, which differ in one number or are steps of one motion, each weighs "
-             f"1/k in medians, shares and intervals: {variants} of {len(problems)} problems weigh less than 1. "
-             f"{formats.percent(float(share))} of the counted weight are steps of motions; {filled} problems fill up size "
-             "classes, by the recipes of the collection with further seeds. Intervals draw families, and bases within them.")]
-
-
-def _ablation(inputs: Inputs) -> list:
-    found = [entry["key"] for entry in inputs.solvers if entry.get("ablation")]
-    return [("Ablation", f"{formats.plural(len(found), 'key')} stand in the ablation table only, in no other figure: our "
-             "solvers without their own check, peers with a check and one more solve with a shifted diagonal, and our "
-             "solvers built for the instruction set that Debian's peers are built for.")] if found else []
-
-
-def _sets(inputs: Inputs) -> list:
-    apart = [about for about in inputs.problems.values() if not about["counts"]]
-    return [("Problems apart", f"{formats.plural(len(apart), 'problem')} (most of them meant to break something) are shown, "
-             "but are in no mean, profile or count.")] if apart else []
-
-
-def _deadlines(inputs: Inputs) -> list:
-    if "deadline" not in inputs.analysis:
-        return []
-    steps = sum(int(sequence["steps"]) for campaign in inputs.campaigns for sequence in campaign.sequences.values())
-    return [("Sequences", f"The {steps} steps of the sequences were recorded once, driven by one solver: every solver is "
-             "given the same problems, not those that its own errors would lead to. The motion section shows these.")]
-
-
-def _scope(_: Inputs) -> list:
-    return [("Scope", "Scenes are synthetic, planar and frictionless; solvers were called one at a time. ρ is our "
-             "measure: a library that stops on a criterion of its own may do more work than a tier needs.")]
+def _problems(inputs: Inputs) -> _Lines:
+    if apart := sum(not about["counts"] for about in inputs.problems.values()):
+        yield ("Problems apart", f"{formats.plural(apart, 'problem')} (most of them meant to break something) are shown, but "
+               "are in no mean, profile or count.")
+    if "deadline" in inputs.analysis:
+        steps = sum(int(sequence["steps"]) for campaign in inputs.campaigns for sequence in campaign.sequences.values())
+        yield ("Sequences", f"The {steps} steps of the sequences were recorded once, driven by one solver: every solver is "
+               "given the same problems, not those that its own errors would lead to. The motion section shows these.")
+    yield ("Scope", "Scenes are synthetic, planar and frictionless; solvers were called one at a time. ρ is our measure: a "
+           "library that stops on a criterion of its own may do more work than a tier needs.")

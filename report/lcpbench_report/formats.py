@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 DASH = "–"
 _UNITS = (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6), ("ns", 1e-9))
 _NARROW = "\u202f"  # no-break space before a unit
@@ -94,10 +96,10 @@ def words(items: list[str]) -> str:
     return items[0] if len(items) == 1 else ", ".join(items[:-1]) + " and " + items[-1] if items else ""
 
 
-def status(key: str) -> str:
-    """iteration_limit -> iteration limit"""
-    return key.replace("_", " ")
-
-
-def bytes_(value: float) -> str:
-    return f"{value / 2**30:.1f}\u202fGiB"
+def short(value: object) -> object:
+    """As JSON has it: a number with four digits, null where it is not finite; anything else as it is."""
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    return value if not isinstance(value, float) else float(f"{value:.4g}") if math.isfinite(value) else None

@@ -15,9 +15,8 @@ import pandas as pd
 
 from . import choice
 from .inputs import Inputs
-from .statistics.class_times import ALL
+from .statistics.class_times import ALL, LEAST_TURNS, RIGHT
 from .statistics.intervals import Bootstrap
-from .statistics.peer_ratio import LEAST_TURNS, RIGHT
 
 
 @dataclass(frozen=True)
@@ -34,7 +33,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Ratio:
-    """A weighted median with its interval; of no problems NaN."""
+    """A weighted median with its interval."""
 
     median: float
     low: float
@@ -47,11 +46,11 @@ class ClassRow:
 
     size_class: str
     problems: int
-    own: str | None
-    peer: str | None  # the best of the right ones; None where none is
     entries: dict[str, Entry]  # of every solver that was run on the class
-    to_fastest: Ratio | None  # over the peer that is the fastest on each problem
-    to_peer: Ratio | None  # over `peer`
+    own: str | None = None
+    peer: str | None = None  # the best of the right ones; None where none is
+    to_fastest: Ratio | None = None  # over the peer that is the fastest on each problem
+    to_peer: Ratio | None = None  # over `peer`
 
 
 @dataclass(frozen=True)
@@ -66,10 +65,9 @@ class Headline:
 def headline(inputs: Inputs) -> Headline:
     """By solver: the better setting of every own method, and the best of every peer library."""
     shown = choice.best_own(inputs, 20) + choice.best_peers(inputs, 20)
-    tier = choice.main_tier(inputs)
-    times = choice.counted(inputs.analysis["class_times"], tier)
-    ratios = choice.counted(inputs.analysis["peer_ratio"], tier).set_index(["size_class", "solver"])
-    cells = choice.main_cells(inputs, tier)
+    tier, cells = choice.main_tier(inputs), choice.main_cells(inputs)
+    ratios = choice.table(inputs, "peer_ratio", tier).set_index(["size_class", "solver"])
+    times = choice.table(inputs, "class_times", tier)
     classes = [_row(inputs, key, rows, ratios, cells[cells["size_class"] == key])
                for key, rows in times.groupby("size_class", sort=False) if key != ALL]
     ran = [solver for solver in shown if any(solver in row.entries for row in classes)]
@@ -79,29 +77,23 @@ def headline(inputs: Inputs) -> Headline:
 def _row(inputs: Inputs, size_class: str, times: pd.DataFrame, ratios: pd.DataFrame, cells: pd.DataFrame) -> ClassRow:
     entries = {of.solver: Entry(of.problems, of.attempted, of.verified_share, of.median_s, of.p99_s)
                for of in times.itertuples()}
-    own = best({solver: entry for solver, entry in entries.items() if solver in inputs.own})
-    problems = cells["problem"].nunique()
+    rivals = _rivals({key: entry for key, entry in entries.items() if key in inputs.own})
     entries |= {solver: replace(entries[solver], best=True) for solver in tied(cells, entries)}
-    if own is None:
-        return ClassRow(size_class, problems, None, None, entries, None, None)
+    row = ClassRow(size_class, cells["problem"].nunique(), entries)
+    if not rivals:
+        return row
+    own = min(rivals, key=rivals.get)
     of = ratios.loc[(size_class, own)]
-    peer = of["peer"] or None
-    return ClassRow(size_class, problems, own, peer, entries, _ratio(of, ""), _ratio(of, "peer_") if peer else None)
+    return replace(row, own=own, peer=of["peer"] or None, to_fastest=_ratio(of, "ratio"),
+                   to_peer=_ratio(of, "peer_ratio"))
 
 
-def _ratio(of: pd.Series, prefix: str) -> Ratio | None:
-    found = Ratio(*(float(of[f"{prefix}ratio{end}"]) for end in ("", "_low", "_high")))
-    return None if math.isnan(found.median) else found
-
-
-def best(entries: dict[str, Entry]) -> str | None:
-    """None where nobody verifies more than half."""
-    rivals = _rivals(entries)
-    return min(rivals, key=rivals.get, default=None)
+def _ratio(of: pd.Series, name: str) -> Ratio | None:
+    return None if math.isnan(of[name]) else Ratio(*(float(of[name + end]) for end in ("", "_low", "_high")))
 
 
 def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
-    """Median times of those that can be the best: a few problems say little."""
+    """Median times of those that can be the best, for few problems say little; empty where nobody verifies half."""
     most = max((entry.problems for entry in entries.values()), default=0)
     sampled = {solver: entry for solver, entry in entries.items() if entry.problems >= min(LEAST_TURNS, most)}
     least = min(RIGHT, max((entry.share for entry in sampled.values()), default=0))
@@ -111,9 +103,10 @@ def _rivals(entries: dict[str, Entry]) -> dict[str, float]:
 
 def tied(cells: pd.DataFrame, entries: dict[str, Entry]) -> list[str]:
     """The best of all and those that it is not told apart from."""
-    first, rivals = best(entries), _rivals(entries)
-    if first is None:
+    rivals = _rivals(entries)
+    if not rivals:
         return []
+    first = min(rivals, key=rivals.get)
     chosen = cells[cells["solver"].isin(rivals)]
     times = chosen.pivot(index="problem", columns="solver", values="time_s")
     weights = chosen.drop_duplicates("problem").set_index("problem")["weight"]

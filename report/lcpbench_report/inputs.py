@@ -9,10 +9,11 @@ import pandas as pd
 from . import motion as motion_file
 from .errors import ReportError
 from .statistics import tables
-from .statistics.ablation import ablation_table
-from .statistics.cells import ablation_cells, cell_table
+from .statistics.cells import cell_table
+from .statistics.class_times import ablation_table
 from .statistics.load import Campaign, load_campaign
-from .statistics.precision import delivered_table
+from .statistics.means import delivered_table
+from .style import SolverStyle, solver_styles
 
 PATHOLOGICAL = "pathological"  # the set of problems that are meant to break something
 
@@ -27,7 +28,7 @@ class Inputs:
     ablated: pd.DataFrame  # of those alone: for the table `ablation`, and nothing else
     motion: pd.DataFrame | None = None  # motion_file.COLUMNS
     notes: list[str] = field(default_factory=list)
-    precision: pd.DataFrame | None = None  # statistics.precision's table `delivered` of a campaign over every decade
+    precision: pd.DataFrame | None = None  # the table `delivered` of a campaign over every decade
     ablation: Campaign | None = None  # a campaign of its own for the table `ablation`, whose problems may be those of others
 
     @cached_property
@@ -36,23 +37,43 @@ class Inputs:
         not in the build: colours must not depend on what was built."""
         entries: dict[str, dict] = {}
         for campaign in sorted(self.campaigns, key=lambda campaign: -len(campaign.info["solvers"])):
-            for entry in campaign.info["solvers"]:
-                if not entries.get(entry["key"], {}).get("available"):
-                    entries[entry["key"]] = entry
+            entries |= {key: entry for key, entry in campaign.solvers.items()
+                        if not entries.get(key, {}).get("available")}
         return list(entries.values())
 
     @cached_property
     def keys(self) -> list[str]:
         """Solvers that ran on anything."""
-        ran = set(self.cells["solver"])
-        for campaign in self.campaigns:
-            ran |= {solver for _, solver, *_ in campaign.passes}
+        ran = {*self.cells["solver"], *(solver for campaign in self.campaigns for _, solver, *_ in campaign.passes)}
         return [entry["key"] for entry in self.solvers if entry["key"] in ran]
 
     @cached_property
+    def entries(self) -> dict[str, dict]:
+        """Of `solvers`, by key."""
+        return {entry["key"]: entry for entry in self.solvers}
+
+    @cached_property
     def own(self) -> list[str]:
-        origins = {entry["key"]: entry["origin"] for entry in self.solvers}
-        return [key for key in self.keys if origins[key] == "own"]
+        return [key for key in self.keys if self.entries[key]["origin"] == "own"]
+
+    @cached_property
+    def peers(self) -> list[str]:
+        return [key for key in self.keys if key not in self.own]
+
+    def in_order(self, solvers) -> list[str]:
+        """These, as the registry has them."""
+        there = set(solvers)
+        return [key for key in self.keys if key in there]
+
+    @cached_property
+    def counted(self) -> pd.DataFrame:
+        """The cells of problems that count."""
+        return self.cells[self.cells["counts"].astype(bool)]
+
+    @cached_property
+    def styles(self) -> dict[str, SolverStyle]:
+        """How solvers look, by key."""
+        return solver_styles(self.solvers)
 
     @cached_property
     def problems(self) -> dict[str, dict]:
@@ -74,11 +95,11 @@ class Inputs:
         """The tables of statistics.tables (RESULTS.md), by name; those of cells over all folders together."""
         makers = tables.makers_of(self.cells, self.ablated, self.solvers) if len(self.cells) else {}
         if self.ablation is not None:
-            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), ablation_cells(self.ablation),
+            makers["ablation"] = partial(ablation_table, cell_table(self.ablation), cell_table(self.ablation, True),
                                          self.ablation.info["solvers"])
-        stepped = [campaign for campaign in self.campaigns if campaign.passes]
-        if stepped:
-            makers |= {name: partial(_of_steps, table, stepped) for name, table in tables.STEP_TABLES.items()}
+        for campaign in self.campaigns:
+            if campaign.passes:  # of one at most
+                makers |= {name: partial(table, campaign) for name, table in tables.STEP_TABLES.items()}
         return tables.Tables(makers)
 
 
@@ -89,8 +110,6 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
     @param ablation   a campaign of `--suite ablation`; likewise
     @throws ReportError for the first thing that does not fit
     """
-    if motion is not None and not motion_file.is_present(motion):
-        raise ReportError(str(motion), f"has no {motion_file.FILE}", "a folder written by `lcpbench motion`")
     table = motion_file.read(motion) if motion is not None else None
     campaigns = [load_campaign(folder) for folder in folders]
     for campaign in campaigns:
@@ -106,15 +125,11 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    cells, ablated = (_joined([table(campaign) for campaign in campaigns]) for table in (cell_table, ablation_cells))
+    cells, ablated = (_joined([cell_table(campaign, of) for campaign in campaigns]) for of in (False, True))
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
                   table, notes, delivered, load_campaign(ablation) if ablation is not None else None)
-
-
-def _of_steps(table, campaigns: list[Campaign]) -> pd.DataFrame:
-    return pd.concat([table(campaign) for campaign in campaigns], ignore_index=True)
 
 
 def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:

@@ -7,8 +7,7 @@ from .fairness import limitations
 from .formats import DASH, percent, plural, power, share_of, times
 from .headline_table import Headline, headline
 from .inputs import Inputs
-from .statistics.class_times import ALL, LEAST_FOR_P99
-from .statistics.peer_ratio import RIGHT
+from .statistics.class_times import ALL, LEAST_FOR_P99, RIGHT
 from .summary import false_successes, peers
 from .table import Table
 
@@ -43,16 +42,18 @@ def short_caption(inputs: Inputs, found: Headline) -> str:
 
 def _where(inputs: Inputs) -> str:
     """Machine, commit and date of the first campaign that has them."""
-    for campaign in inputs.campaigns:
-        environment = campaign.info.get("environment") or {}
-        if not environment:
-            continue
-        commit = str(environment.get("git_commit") or "")[:12]
-        started = str(campaign.info.get("started") or "")[:10]
-        parts = [environment.get("cpu"), environment.get("compiler"), "one thread",
-                 commit and f"commit {commit}" + (" with changes" if environment.get("git_dirty") else ""), started]
-        return " (" + ", ".join(str(part) for part in parts if part) + ")"
-    return ""
+    known = [campaign.info for campaign in inputs.campaigns if campaign.info.get("environment")]
+    return f" ({_measured(known[0], ['cpu', 'compiler'], 'one thread')})" if known else ""
+
+
+def _measured(info: dict, keys: list[str], *words: str) -> str:
+    """What campaign.json says of these keys of the environment, the words, commit and date."""
+    environment = info.get("environment") or {}
+    commit = str(environment.get("git_commit") or "")[:12]
+    changes = " with changes" if environment.get("git_dirty") else ""
+    parts = [*map(environment.get, keys), *words, commit and f"commit {commit}{changes}",
+             str(info.get("started") or "")[:10]]
+    return ", ".join(str(part) for part in parts if part)
 
 
 def details(inputs: Inputs, found: Headline) -> str:
@@ -65,9 +66,8 @@ def details(inputs: Inputs, found: Headline) -> str:
              shown_tables.by_solver(found).markdown()]
     if found.left_out:
         lines.append(f"{plural(len(found.left_out), 'other solver or setting', 'other solvers and settings')} are in the report.\n")
-    absent = [entry["key"] for entry in inputs.solvers if not entry["available"]]
-    if absent:
-        lines.append("Not in this build: " + ", ".join(f"`{key}`" for key in absent) + ".\n")
+    if absent := [shown_tables.key(entry["key"]) for entry in inputs.solvers if not entry["available"]]:
+        lines.append(f"Not in this build: {', '.join(absent)}.\n")
     return "\n".join(lines)
 
 
@@ -137,15 +137,7 @@ def _part(title: str, table: Table | None, words: str) -> list[str]:
 def _environment(inputs: Inputs) -> list[str]:
     lines = ["## Measured", ""]
     for name, campaign in zip(inputs.names, inputs.campaigns):
-        environment = campaign.info.get("environment") or {}
-        known = [environment.get("cpu"), environment.get("os"), environment.get("compiler"), environment.get("flags"),
-                 environment.get("solver_flags")]
-        commit = str(environment.get("git_commit") or "")[:12]
-        if commit:
-            known.append(f"commit {commit}" + (" with changes" if environment.get("git_dirty") else ""))
-        known.append(str(campaign.info.get("started") or "")[:10])
-        count = len(campaign.problems) or len(campaign.sequences)
-        what = "problems" if campaign.problems else "sequences"
-        told = ", ".join(str(part) for part in known if part)
-        lines.append(f"- {name}: {count} {what}" + (f"; {told}" if told else ""))
+        count = f"{len(campaign.problems)} problems" if campaign.problems else f"{len(campaign.sequences)} sequences"
+        told = _measured(campaign.info, ["cpu", "os", "compiler", "flags", "solver_flags"])
+        lines.append(f"- {name}: " + "; ".join(filter(None, [count, told])))
     return [*lines, ""]

@@ -1,6 +1,5 @@
 """What a solver's error does to motion: motion.csv of `lcpbench motion`, read and checked."""
 
-import math
 from pathlib import Path
 
 import pandas as pd
@@ -9,24 +8,27 @@ from .errors import ReportError
 from .statistics.jsonl import is_there, packed
 
 FILE = "motion.csv"
-# Column -> kind.
+# Column -> kind, of which "?" marks those that may be empty: "" or NaN after reading.
 COLUMNS = {
     "scene": "text", "level": "text", "size": "integer", "seed": "integer", "solver": "text", "tolerance": "number",
     "step": "integer", "time": "number", "energy": "number?", "energy_error": "number?", "penetration": "number?",
     "joint_error": "number?", "distance": "number?", "rho": "number?", "solve_time_s": "number", "solves": "integer",
     "failed": "integer", "not_passed": "integer", "false_successes": "integer", "stopped": "text?",
 }
-# Kind -> what a cell of it is, in words. A "?" marks kinds that may be empty: "" or NaN after reading.
-_WORDS = {"text": "a word", "text?": "anything", "integer": "a whole number", "number": "a number",
-          "number?": "a number, inf, nan or nothing"}
+# Kind -> what a cell of it looks like, and is in words.
+_NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
+_KINDS = {"text": (r".+", "a word"), "text?": (r".*", "anything"), "integer": (r"[+-]?\d+", "a whole number"),
+          "number": (_NUMBER, "a number"), "number?": (rf"({_NUMBER}|[+-]?(inf|nan))?", "a number, inf, nan or nothing")}
 
 
 def read(folder: Path) -> pd.DataFrame:
     """The columns; others are dropped. A file that ends in .xz stands for one that is not there.
 
-    @throws ReportError naming line and column of the first cell that does not fit
+    @throws ReportError where there is none, or naming line and column of the first cell that does not fit
     """
     path = folder / FILE
+    if not is_there(path):
+        raise ReportError(str(folder), f"has no {FILE}", "a folder written by `lcpbench motion`")
     try:
         raw = pd.read_csv(path if path.is_file() else packed(path), dtype=str, keep_default_na=False)
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
@@ -39,10 +41,6 @@ def read(folder: Path) -> pd.DataFrame:
     return pd.DataFrame({column: _column(path.name, column, kind, raw[column]) for column, kind in COLUMNS.items()})
 
 
-def is_present(folder: Path) -> bool:
-    return is_there(folder / FILE)
-
-
 def scenes(table: pd.DataFrame | None) -> list[tuple[str, str]]:
     """(scene, level) in the order of the file; none without one."""
     return [] if table is None else list(dict.fromkeys(zip(table["scene"], table["level"])))
@@ -52,26 +50,10 @@ def of_scene(table: pd.DataFrame, scene: str, level: str) -> pd.DataFrame:
     return table[(table["scene"] == scene) & (table["level"] == level)]
 
 
-def _column(file: str, column: str, kind: str, cells: pd.Series) -> list:
-    values = []
-    for index, cell in enumerate(cells):
-        value = _parse(cell.strip() if isinstance(cell, str) else "", kind)
-        if value is None:
-            raise ReportError(file, f"line {index + 2}, column '{column}' is {cell!r}", _WORDS[kind])
-        values.append(value)
-    return values
-
-
-def _parse(cell: str, kind: str) -> object:
-    """None when the cell does not fit."""
-    if kind == "text?":
-        return cell
-    if kind == "text":
-        return cell or None
-    if kind == "number?" and not cell:
-        return math.nan
-    try:
-        value = int(cell) if kind == "integer" else float(cell)
-    except ValueError:
-        return None
-    return None if kind == "number" and not math.isfinite(value) else value
+def _column(file: str, column: str, kind: str, cells: pd.Series) -> pd.Series:
+    pattern, words = _KINDS[kind]
+    cells = cells.str.strip()
+    wrong = ~cells.str.fullmatch(pattern)
+    if wrong.any():
+        raise ReportError(file, f"line {wrong.idxmax() + 2}, column '{column}' is {cells[wrong.idxmax()]!r}", words)
+    return cells if kind.startswith("text") else cells.replace("", "nan").astype(int if kind == "integer" else float)

@@ -24,20 +24,24 @@ _ALT = "Median fresh time against the number of rows: own solvers, the best of e
 
 
 @dataclass(frozen=True)
-class Source:
+class Page:
     inputs: Inputs
     found: Headline  # of the inputs
     root: Path  # of the repository: what is committed there, and the figure
-
-
-@dataclass(frozen=True)
-class Page:
-    source: Source
     path: Path  # of the Markdown file: its links are relative to its folder
+
+    @property
+    def info(self) -> dict:
+        """campaign.json of the first campaign."""
+        return self.inputs.campaigns[0].info
+
+    def data(self, name: str) -> dict:
+        """A file of data/."""
+        return json.loads((self.root / "data" / f"{name}.json").read_text(encoding="utf-8"))
 
     def link(self, target: Path) -> str:
         """@param target  below the repository"""
-        return Path(os.path.relpath((self.source.root / target).resolve(), self.path.resolve().parent)).as_posix()
+        return Path(os.path.relpath((self.root / target).resolve(), self.path.resolve().parent)).as_posix()
 
 
 def has_blocks(text: str) -> bool:
@@ -64,51 +68,31 @@ def fill(text: str, page: Page) -> str:
 
 def _headline(page: Page) -> str:
     """What README shows: caption, table by size class, where we lose, figure."""
-    inputs, found = page.source.inputs, page.source.found
-    return "\n".join([markdown.short_caption(inputs, found), "", shown_tables.classes(found).markdown(), summary.peers(found),
-                      "", f"![{_ALT}]({page.link(FIGURE)})"])
-
-
-def _headline_details(page: Page) -> str:
-    """The conventions, false successes, and the table of all solvers."""
-    inputs, found = page.source.inputs, page.source.found
-    return markdown.caption(inputs, found) + "\n\n" + markdown.details(inputs, found)
-
-
-def _info(page: Page) -> dict:
-    """campaign.json of the first campaign."""
-    return page.source.inputs.campaigns[0].info
-
-
-def _data(page: Page, name: str) -> dict:
-    """A file of data/."""
-    return json.loads((page.source.root / "data" / f"{name}.json").read_text(encoding="utf-8"))
+    return "\n".join([markdown.short_caption(page.inputs, page.found), "", shown_tables.classes(page.found).markdown(),
+                      summary.peers(page.found), "", f"![{_ALT}]({page.link(FIGURE)})"])
 
 
 def _streams(page: Page) -> str:
     """1000 problems up to 30 rows, 256 up to 100 rows"""
-    largest: dict[int, int] = {}
-    for of in _info(page)["size_classes"]:
-        if of["stream"]:
-            largest[of["stream"]] = of["most"]
+    largest = {of["stream"]: of["most"] for of in page.info["size_classes"] if of["stream"]}
     return formats.words([f"{least} problems up to {rows} rows" for least, rows in largest.items()])
 
 
 def _limits(page: Page) -> str:
     """Rules of size and whom they leave out."""
     rules: dict[tuple, list[str]] = {}
-    for limit in _info(page).get("size_limits", []):
+    for limit in page.info.get("size_limits", []):
         rules.setdefault((limit["reason"], limit["largest"]), []).append(f"`{limit['solver']}`")
     return "; ".join(f"{reason}: to {largest} rows ({', '.join(who)})" for (reason, largest), who in rules.items())
 
 
 def _manifests(page: Page) -> str:
-    return formats.words([f"`{of['name']}` {of['version']}" for of in _info(page).get("manifests", [])])
+    return formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])])
 
 
 def _tuning(page: Page) -> str:
     """What data/tuned.json says of how settings were chosen."""
-    tuned = _data(page, "tuned")
+    tuned = page.data("tuned")
     solvers = tuned["solvers"]
     tried = [len(solver["tried"]) for solver in solvers]
     changed = [f"`{solver['solver']}`" for solver in solvers if solver["chosen"]]
@@ -121,7 +105,7 @@ def _tuning(page: Page) -> str:
 
 def _recommendation(page: Page) -> str:
     """What data/recommendation.json says of families that its rules were not made of."""
-    tried = _data(page, "recommendation")["evaluation"]
+    tried = page.data("recommendation")["evaluation"]
     shares = [of["families"]["share"] for of in tried["tiers"]]
     passed, groups = (sum(of["families"][key] for of in tried["tiers"]) for key in ("pass", "groups"))
     return (f"the best of the named backends is within {tried['within']:g}× of the best of ours on {100 * min(shares):.1f} % "
@@ -131,15 +115,11 @@ def _recommendation(page: Page) -> str:
 
 def _solvers(page: Page, origin: str) -> list[dict]:
     """Of the campaign, without other settings of the same solver."""
-    return [of for of in _info(page)["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
+    return [of for of in page.info["solvers"] if of["origin"] == origin and of["setting"] != "variant"]
 
 
-def _keys(keys: list[str]) -> str:
-    return ", ".join(f"`{key}`" for key in keys)
-
-
-def _scene_keys(page: Page) -> str:
-    return _keys(sorted({about["family"] for about in page.source.inputs.problems.values()}))
+def _keys(keys) -> str:
+    return ", ".join(map(shown_tables.key, keys))
 
 
 def _solver_table(page: Page, origin: str, *more: str) -> str:
@@ -147,7 +127,7 @@ def _solver_table(page: Page, origin: str, *more: str) -> str:
 
     @param more  further members of the solvers' entries
     """
-    declared = {of["solver"]: of["settings"] for of in _data(page, "tuning")["solvers"]}
+    declared = {of["solver"]: of["settings"] for of in page.data("tuning")["solvers"]}
     rows = []
     for of in _solvers(page, origin):
         settings = "; ".join(f"`{name}` {', '.join(values)}" for name, values in declared.get(of["key"], {}).items())
@@ -158,17 +138,19 @@ def _solver_table(page: Page, origin: str, *more: str) -> str:
 
 BLOCKS: dict[str, Callable[[Page], str]] = {
     "headline": _headline,
-    "headline-details": _headline_details,
-    "ablation": lambda page: markdown.ablation(page.source.inputs),
-    "ablation-of-checks": lambda page: markdown.checks(page.source.inputs),
+    # The conventions, false successes, and the table of all solvers.
+    "headline-details": lambda page: "\n\n".join(words(page.inputs, page.found)
+                                                 for words in (markdown.caption, markdown.details)),
+    "ablation": lambda page: markdown.ablation(page.inputs),
+    "ablation-of-checks": lambda page: markdown.checks(page.inputs),
     "streams": _streams,
-    "passes": lambda page: str(_info(page)["passes"]),
+    "passes": lambda page: str(page.info["passes"]),
     "limits": _limits,
     "manifests": _manifests,
     "tuning": _tuning, "recommendation": _recommendation,
-    "own-keys": lambda page: _keys([of["key"] for of in _solvers(page, "own")]),
-    "peer-keys": lambda page: _keys([of["key"] for of in _solvers(page, "peer")]),
-    "scene-keys": _scene_keys,
+    "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
+    "peer-keys": lambda page: _keys(of["key"] for of in _solvers(page, "peer")),
+    "scene-keys": lambda page: _keys(sorted({about["family"] for about in page.inputs.problems.values()})),
     "own-solvers": lambda page: _solver_table(page, "own"),
     "peer-solvers": lambda page: _solver_table(page, "peer", "library_version", "licence"),
 }

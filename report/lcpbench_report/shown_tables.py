@@ -9,17 +9,17 @@ import pandas as pd
 
 from . import choice, decision, formats, motion, solver_facts
 from .formats import DASH, power, residual, seconds, share_of, size_class, times
-from .headline_table import Entry, Headline, Ratio, headline
+from .headline_table import Entry, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED
-from .statistics.class_times import ALL
-from .statistics.peer_ratio import RIGHT
+from .statistics.class_times import ALL, RIGHT
 from .table import Table
 
 _MOST_SOLVERS = 25  # of the table of sequences
 
 
-def _key(solver: str) -> str:
+def key(solver: str) -> str:
+    """As code."""
     return f"`{solver}`"
 
 
@@ -35,9 +35,10 @@ def classes(found: Headline) -> Table:
     for row in found.classes:
         own, peer = row.entries.get(row.own), row.entries.get(row.peer)
         tails = [seconds(entry.p99_s) for entry in (own, peer) if entry and not math.isnan(entry.p99_s)]
-        rows.append([size_class(row.size_class), row.problems, _named(row.own, own), _right(own),
-                     _named(row.peer, peer) if peer else f"none is right on {formats.percent(RIGHT)}", _right(peer),
-                     ratio(row.to_peer), ratio(row.to_fastest), ", ".join(tails) or DASH])
+        rows.append([size_class(row.size_class), row.problems, *_named(row.own, own, DASH),
+                     *_named(row.peer, peer, f"none is right on {formats.percent(RIGHT)}"),
+                     *(DASH if of is None else _with_interval(of.median, of.low, of.high)
+                       for of in (row.to_peer, row.to_fastest)), ", ".join(tails) or DASH])
     return Table(["rows", "problems", "best of ours", "right", "best right peer", "right", "ours / that peer",
                   "ours / fastest peer of each problem", "99 %: ours, peer"], rows, "lrlrlrrrr")
 
@@ -45,7 +46,7 @@ def classes(found: Headline) -> Table:
 def by_solver(found: Headline) -> Table:
     """A row per solver, a column per size class."""
     return Table(["solver", *(size_class(row.size_class) for row in found.classes)],
-                 [[_key(solver), *(cell(row.entries.get(solver), row.problems) for row in found.classes)]
+                 [[key(solver), *(cell(row.entries.get(solver), row.problems) for row in found.classes)]
                   for solver in found.solvers])
 
 
@@ -61,25 +62,19 @@ def cell(entry: Entry | None, problems: int) -> str:
     return time if entry.share == 1 and not sample else f"{time} · {verified}{sample}"
 
 
-def ratio(found: Ratio | None) -> str:
-    """0.60 (0.55–0.64): with its interval"""
-    return DASH if found is None else _with_interval(found.median, found.low, found.high)
-
-
 def _with_interval(value: float, low: float, high: float) -> str:
+    """0.60 (0.55–0.64)"""
     if math.isnan(value):
         return DASH
     return times(value) + ("" if math.isnan(low) else f" ({times(low)}–{times(high)})")
 
 
-def _named(solver: str | None, entry: Entry | None) -> str:
-    if solver is None or entry is None:
-        return DASH
-    return f"**{_key(solver)} {seconds(entry.time_s)}**" if entry.best else f"{_key(solver)} {seconds(entry.time_s)}"
-
-
-def _right(entry: Entry | None) -> str:
-    return DASH if entry is None else share_of(entry.share)
+def _named(solver: str | None, entry: Entry | None, without: str) -> tuple[str, str]:
+    """Who and how fast, and the share that is right."""
+    if entry is None:
+        return without, DASH
+    words = f"{key(solver)} {seconds(entry.time_s)}"
+    return f"**{words}**" if entry.best else words, share_of(entry.share)
 
 
 def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
@@ -87,10 +82,8 @@ def ablation(inputs: Inputs, all_only: bool = False) -> Table | None:
 
     @param all_only  of all size classes together
     """
-    rows = []
-    for of in ablations(inputs).to_dict("records"):
-        if all_only and of["size_class"] != ALL:
-            continue
+    rows, found = [], ablations(inputs)
+    for of in (found[found["size_class"] == ALL] if all_only and len(found) else found).to_dict("records"):
         false, before = (int(of[prefix + "false_successes"] + of[prefix + "below_tier"]) for prefix in ("", "base_"))
         rows.append([of["base"], solver_facts.ABLATIONS[of["ablation"]],
                      "all" if of["size_class"] == ALL else size_class(of["size_class"]), int(of["problems"]),
@@ -117,17 +110,17 @@ def choices(inputs: Inputs, detailed: bool = False) -> Table | None:
     for found in decision.by_class(inputs):
         ranked = found.own or found.everyone
         best, peer = ranked[0], next((rival for rival in found.everyone if not rival.own), None)
-        after = [f"next {_key(ranked[1].solver)} {formats.ratio(ranked[1].mean / best.mean)}×"] if ranked[1:] else []
+        after = [f"next {key(ranked[1].solver)} {formats.ratio(ranked[1].mean / best.mean)}×"] if ranked[1:] else []
         if detailed:
             after.insert(0, f"{formats.percent(best.share)} verified")
             if peer is not None and peer.mean < best.mean:
-                after.append(f"faster: {_key(peer.solver)} {formats.ratio(peer.mean / best.mean)}×")
+                after.append(f"faster: {key(peer.solver)} {formats.ratio(peer.mean / best.mean)}×")
         row = rows.setdefault((found.size_class, found.redundant), {"problems": found.problems})
-        name = f"**{_key(best.solver)}**" if detailed else _key(best.solver)
+        name = f"**{key(best.solver)}**" if detailed else key(best.solver)
         row[found.tier] = "\n".join(filter(None, [f"{name} {seconds(best.mean)}", "; ".join(after)]))
     return _table(["rows", "redundant", *["problems"] * detailed, *(f"tier {power(tier)}" for tier in tiers)],
-                  [[size_class(key), "yes" if redundant else "no", *[row["problems"]] * detailed,
-                    *(row.get(tier, DASH) for tier in tiers)] for (key, redundant), row in rows.items()],
+                  [[size_class(of), "yes" if redundant else "no", *[row["problems"]] * detailed,
+                    *(row.get(tier, DASH) for tier in tiers)] for (of, redundant), row in rows.items()],
                   "llr" + "l" * len(tiers) if detailed else "")
 
 
@@ -143,8 +136,8 @@ def within_deadlines(inputs: Inputs) -> Table | None:
         missed = f"{formats.percent(of['missed'])} missed" if of["missed"] else "none missed"
         if of["next"]:
             share, p99, solver = of["next"]
-            missed += f"; next {_key(solver)}: {formats.percent(share) if share else 'none'}, {seconds(p99)}"
-        return f"{_key(of['solver'])} p99 {seconds(of['p99'])}\n{missed}"
+            missed += f"; next {key(solver)}: {formats.percent(share) if share else 'none'}, {seconds(p99)}"
+        return f"{key(of['solver'])} p99 {seconds(of['p99'])}\n{missed}"
 
     limits = [f"{seconds(of['deadline_s'])} a step" for of in found[0]["choices"]]
     return Table(["accuracy", "rows", *limits],
@@ -179,9 +172,9 @@ def _by_tier(inputs: Inputs, name: str, words: Callable[[pd.Series], str],
     by = chosen(choice.table(inputs, name)).set_index(["solver", "tier"])
     tiers = [tier for tier in choice.shown_tiers(inputs) if tier in by.index.get_level_values("tier")]
     rows = []
-    for solver in inputs.keys:
+    for solver in inputs.in_order(by.index.get_level_values("solver")):
         cells = [words(by.loc[(solver, tier)]) if (solver, tier) in by.index else DASH for tier in tiers]
-        rows += [[_key(solver), *cells]] * any(text != DASH for text in cells)
+        rows += [[key(solver), *cells]] * any(text != DASH for text in cells)
     return _table(["solver", *(f"tier {power(tier)}" for tier in tiers)], rows)
 
 
@@ -192,10 +185,9 @@ def robustness(inputs: Inputs) -> Table | None:
     counts = {"verified": cells["verdict"] == VERIFIED, "proved infeasible": cells["proved_infeasible"].astype(bool),
               "false successes": cells["verdict"] == FALSE_SUCCESS, "below the tier": cells["verdict"] == BELOW_TIER,
               "excluded": cells["excluded"] != ""}
-    there = set(cells["solver"])
     return _table(["solver", *counts], [
-        [_key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
-        for solver in inputs.keys if solver in there])
+        [key(solver), *(int(holds[cells["solver"] == solver].sum()) for holds in counts.values())]
+        for solver in inputs.in_order(cells["solver"])])
 
 
 def pathological(inputs: Inputs) -> pd.DataFrame:
@@ -208,10 +200,10 @@ def accuracy(inputs: Inputs) -> Table | None:
     """Verified answers at the main tier: residual, and error against answers that are known exactly."""
     table = choice.table(inputs, "accuracy", choice.main_tier(inputs))
     table = table[(table["answers"] == "verified") & (table["reference"] == "certified")]
-    by = table[table["problems"] > 0].set_index(["solver", "metric"])
+    by = table.set_index(["solver", "metric"])
     levels = {"median": "median", "p99": "99 %", "max": "largest"}
     metrics = {"rho": "ρ", "w_error": "error of w"}
-    rows = [[_key(solver), int(by.loc[(solver, "rho"), "problems"]),
+    rows = [[key(solver), int(by.loc[(solver, "rho"), "problems"]),
              *(residual(by.loc[(solver, metric), level]) if (solver, metric) in by.index else DASH
                for metric in metrics for level in levels)] for solver in inputs.keys if (solver, "rho") in by.index]
     columns = [f"{metric}, {level}" for metric in metrics.values() for level in levels.values()]
@@ -221,13 +213,12 @@ def accuracy(inputs: Inputs) -> Table | None:
 def scaling(inputs: Inputs) -> Table | None:
     """Exponents of time ~ rows^exponent over the families, at the main tier."""
     table, rows = choice.table(inputs, "scaling", choice.main_tier(inputs)), []
-    for solver in inputs.keys:
+    for solver in inputs.in_order(table["solver"]):
         mine = table[table["solver"] == solver]
-        if len(mine):
-            values, width = mine["exponent"], mine["exponent_high"] - mine["exponent_low"]
-            found = (values.median(), values.min(), values.max(), width.median() / 2)
-            rows.append([_key(solver), len(mine), *map(formats.ratio, found),
-                         f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
+        values, width = mine["exponent"], mine["exponent_high"] - mine["exponent_low"]
+        found = (values.median(), values.min(), values.max(), width.median() / 2)
+        rows.append([key(solver), len(mine), *map(formats.ratio, found),
+                     f"{mine['rows_min'].min():.0f}–{mine['rows_max'].max():.0f}"])
     return _table(["solver", "families", "median exponent", "least", "largest", "median half width (95 %)", "rows"],
                   rows)
 
@@ -243,12 +234,11 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
     rows = []
     if not table.empty:
         table = table.sort_values("warm_gain", ascending=False) if detailed else \
-            table.set_index("solver", drop=False).loc[_in_order(inputs, table["solver"])]
+            table.set_index("solver", drop=False).loc[inputs.in_order(table["solver"])]
     for of in table.to_dict("records"):
-        gain = f"{of['warm_gain']:.2f}" if math.isfinite(of["warm_gain"]) else DASH
-        if detailed:
-            gain = _with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"])
-        rows.append([_key(of["solver"]), *[power(of["tier"])] * detailed, *_latency(of), gain])
+        gain = _with_interval(of["warm_gain"], of["warm_gain_low"], of["warm_gain_high"]) if detailed else \
+            f"{of['warm_gain']:.2f}" if math.isfinite(of["warm_gain"]) else DASH
+        rows.append([key(of["solver"]), *[power(of["tier"])] * detailed, *_latency(of), gain])
     return _table(["solver", *["asked for"] * detailed, *_LATENCY, "cold over warm"],
                   rows if detailed else rows[:_MOST_SOLVERS])
 
@@ -256,18 +246,12 @@ def sequences(inputs: Inputs, detailed: bool = False) -> Table | None:
 _LATENCY = ("verified", "median", "99 %", "largest")
 
 
-def _latency(of: dict | pd.Series) -> list[str]:
-    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
-
-
 def _share(of: dict | pd.Series) -> str:
     return formats.share(int(of["verified"]), int(of["steps"]))
 
 
-def _in_order(inputs: Inputs, solvers) -> list[str]:
-    """As the registry has them."""
-    there = set(solvers)
-    return [key for key in inputs.keys if key in there]
+def _latency(of: dict | pd.Series) -> list[str]:
+    return [_share(of), *(seconds(of[level]) for level in ("p50", "p99", "max"))]
 
 
 def latencies(inputs: Inputs) -> Table | None:
@@ -275,24 +259,24 @@ def latencies(inputs: Inputs) -> Table | None:
     tier, none = choice.main_tier(inputs), [DASH] * len(_LATENCY)
     modes = {mode: decision.passes(inputs, tier, mode).set_index("solver") for mode in ("cold", "warm")}
     rows = []
-    for solver in _in_order(inputs, [*modes["cold"].index, *modes["warm"].index]):
+    for solver in inputs.in_order([*modes["cold"].index, *modes["warm"].index]):
         cold, warm = (_latency(table.loc[solver]) if solver in table.index else none for table in modes.values())
         gain = modes["warm"]["warm_gain"].get(solver, math.nan) if len(modes["warm"]) else math.nan
-        rows.append([_key(solver), *cold, *warm, formats.ratio(gain)])
+        rows.append([key(solver), *cold, *warm, formats.ratio(gain)])
     return _table(["solver", *(f"{mode}: {name}" for mode in modes for name in _LATENCY), "gain"], rows)
 
 
 def in_time(inputs: Inputs) -> Table | None:
     """Share of steps in time and verified, per deadline, over all sequences."""
     table = inputs.analysis.get("deadline")
-    if table is None or not len(table):
+    if table is None:
         return None
-    table = table[table["size"].astype(str) == ALL]
+    table = table[table["size"] == ALL]
     table = table[table["tier"] == choice.nearest(table["tier"])]
     by, limits = table.set_index(["solver", "deadline_s"]), sorted(set(table["deadline_s"]))
     return _table(["solver", *(f"in time and verified, {seconds(limit)}" for limit in limits)],
-                  [[_key(solver), *(_share(by.loc[(solver, limit)]) if (solver, limit) in by.index else DASH
-                                    for limit in limits)] for solver in _in_order(inputs, table["solver"])])
+                  [[key(solver), *(_share(by.loc[(solver, limit)]) if (solver, limit) in by.index else DASH
+                                    for limit in limits)] for solver in inputs.in_order(table["solver"])])
 
 
 def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
@@ -300,12 +284,13 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     found = []
     for scene, level in motion.scenes(inputs.motion):
         table, rows = motion.of_scene(inputs.motion, scene, level), []
+        loosest_first = table.sort_values("tolerance", ascending=False, kind="stable")
+        runs = loosest_first.groupby(["solver", "tolerance"], sort=False)
         order = list(dict.fromkeys(table["solver"]))
-        ordered = table.assign(order=table["solver"].map(order.index), loosest=-table["tolerance"])
-        for _, run in ordered.groupby(["order", "loosest"]):
+        for _, run in sorted(runs, key=lambda part: order.index(part[0][0])):
             last = run.iloc[-1]
-            rows.append([_key(last["solver"]), power(last["tolerance"]),
-                         *(_worst(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
+            rows.append([key(last["solver"]), power(last["tolerance"]),
+                         *(residual(run[of].max()) for of in ("energy_error", "penetration", "joint_error", "distance")),
                          seconds(last["solve_time_s"] / max(1, last["step"])),
                          *(int(last[of]) for of in ("solves", "failed", "not_passed")),
                          f"**{last['false_successes']}**" if last["false_successes"] else 0, last["stopped"]])
@@ -315,24 +300,17 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
     return found
 
 
-def _worst(value: float) -> str:
-    return DASH if not math.isfinite(value) else "0" if value == 0 else f"{value:.1e}"
-
-
 # ----- solvers
 
 def settings(inputs: Inputs) -> Table:
     """How every solver was set, whose it is, and what it was given."""
     limits = {entry["solver"]: entry for campaign in inputs.campaigns for entry in campaign.info.get("size_limits", [])}
     rows = []
-    for entry in inputs.solvers:
-        key = entry["key"]
-        if key not in inputs.keys:
-            continue
-        limit = next((limits[name] for name in limits if key == name or key.startswith(name + "-")), None)
+    for entry in map(inputs.entries.get, inputs.keys):
+        limit = next((limits[name] for name in limits if f"{entry['key']}-".startswith(name + "-")), None)
         values = ", ".join(f"{name} = {value}" for name, value in entry.get("settings", {}).items())
         whose = f"{solver_facts.ORIGINS.get(entry['origin'], '')} {entry.get('library_version', '')}"
-        rows.append([_key(key), entry.get("method", ""), whose.strip(),
+        rows.append([key(entry["key"]), entry.get("method", ""), whose.strip(),
                      f"{solver_facts.setting(entry)} {values}".strip(), solver_facts.TOLERANCES[entry["tolerance"]],
                      f"{limit['largest']} rows: {limit['reason']}" if limit else "any", entry.get("licence", "")])
     return Table(["solver", "method", "whose", "settings", "stops by", "largest problem given", "licence"], rows,

@@ -44,10 +44,6 @@ class SolverStyle:
     own: bool
 
     @property
-    def marker_path(self) -> str:
-        return MARKER_PATHS[self.marker]
-
-    @property
     def plotly_symbol(self) -> str:
         """The marker's name in Plotly; peers' are hollow."""
         return _PLOTLY_SYMBOLS[self.marker] + ("" if self.own else "-open")
@@ -63,21 +59,17 @@ def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
     styles = _own_styles([s["key"] for s in solvers if s["origin"] == "own" and method(s) == s["key"]])
     libraries: dict[str, dict[str, str]] = {name: {} for name in LIBRARIES}  # library -> method -> marker
     for solver in solvers:
-        key, base = solver["key"], method(solver)
-        if solver["origin"] == "own":
-            if key not in styles:
-                parent = styles.get(base) or SolverStyle(_OWN[0], _MARKERS[0], _SOLID, True)
-                styles[key] = replace(parent, dash=_variant_dash(key))
-            continue
-        markers = libraries.setdefault(library(solver), {})
-        colour = _PEERS[list(libraries).index(library(solver)) % len(_PEERS)]
-        marker = markers.setdefault(base, _free_marker(base, library(solver), list(markers.values())))
-        styles[key] = SolverStyle(colour, marker, _SOLID if base == key else _variant_dash(key), False)
+        key, base, of = solver["key"], method(solver), library(solver)
+        varied = _DASHES.get(key.rpartition("-")[2], _VARIANT)
+        if solver["origin"] != "own":
+            markers = libraries.setdefault(of, {})
+            colour = _PEERS[list(libraries).index(of) % len(_PEERS)]
+            marker = markers.setdefault(base, _free_marker(base, of, list(markers.values())))
+            styles[key] = SolverStyle(colour, marker, _SOLID if base == key else varied, False)
+        elif key not in styles:
+            parent = styles.get(base) or SolverStyle(_OWN[0], _MARKERS[0], _SOLID, True)
+            styles[key] = replace(parent, dash=varied)
     return {solver["key"]: styles[solver["key"]] for solver in solvers}
-
-
-def _variant_dash(key: str):
-    return _DASHES.get(key.rpartition("-")[2], _VARIANT)
 
 
 def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:

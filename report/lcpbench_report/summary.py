@@ -1,7 +1,5 @@
 """What the data say, in ten lines at most. Every figure is computed; a line whose data are absent is left out."""
 
-import pandas as pd
-
 from . import choice, decision, formats, shown_tables
 from .choice import main_tier
 from .headline_table import ClassRow, Headline, headline
@@ -13,14 +11,9 @@ MOST_LINES = 11
 
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
-    rules = (_what, _peers, _coverage, false_successes, _fastest, _by_size, _accuracy, _robustness, _sequences, _motion,
-             _scaling)
-    lines = [line for rule in rules if (line := rule(inputs))]
-    return lines[:MOST_LINES]
-
-
-def _counted(inputs: Inputs) -> pd.DataFrame:
-    return inputs.cells[inputs.cells["counts"].astype(bool)]
+    rules = (_what, lambda of: peers(headline(of)) if len(of.cells) else "", _coverage, false_successes, _fastest,
+             _by_size, _accuracy, _robustness, _sequences, _motion, _scaling)
+    return [line for rule in rules if (line := rule(inputs))][:MOST_LINES]
 
 
 def _keys(solvers: list[str], most: int = 6) -> str:
@@ -34,9 +27,8 @@ def _what(inputs: Inputs) -> str:
     cells = inputs.cells
     if cells.empty:
         return ""
-    peers = len(inputs.keys) - len(inputs.own)
     rows = [about["rows"] for about in inputs.problems.values()]
-    others = f" and {formats.plural(peers, 'setting')} of other projects' solvers" if peers else ""
+    others = f" and {formats.plural(len(inputs.peers), 'setting')} of other projects' solvers" if inputs.peers else ""
     return (f"{formats.plural(len(inputs.own), 'solver')} of ours{others} on {len(inputs.problems)} problems of "
             f"{cells['family'].nunique()} families, {min(rows)} to {max(rows)} rows, at "
             f"{formats.words([formats.power(t) for t in inputs.tiers])}: {len(cells)} cells, each answer judged by one "
@@ -44,7 +36,7 @@ def _what(inputs: Inputs) -> str:
 
 
 def _coverage(inputs: Inputs) -> str:
-    counted = _counted(inputs)
+    counted = inputs.counted
     if counted.empty:
         return ""
     # Where a campaign was run with some solvers only, it says nothing of the others.
@@ -53,11 +45,11 @@ def _coverage(inputs: Inputs) -> str:
     problems = common["problem"].nunique()
     verified = (common["verdict"] == VERIFIED).groupby(common["solver"]).sum()
     cells = common.groupby("solver").size()
-    whole = [solver for solver in inputs.keys if cells.get(solver, 0) and verified[solver] == cells[solver]]
+    whole = [solver for solver in inputs.in_order(cells.index) if verified[solver] == cells[solver]]
     if whole:
         return (f"All of the {problems} problems that count and that every solver was run on are verified at every tier "
                 f"by {_keys(whole)}.")
-    best = max((solver for solver in inputs.keys if solver in cells), key=lambda solver: verified[solver])
+    best = max(inputs.in_order(cells.index), key=verified.get)
     return (f"No solver verifies all of the {problems} problems that count at every tier; `{best}` comes closest, with "
             f"{int(verified[best])} of {int(cells[best])} cells.")
 
@@ -72,7 +64,7 @@ def false_successes(inputs: Inputs) -> str:
     false = ran["verdict"] == FALSE_SUCCESS
     text = (f"False successes (claimed solved, refuted by the verifier), over all tiers: {int((false & own).sum())} in "
             f"{int(own.sum())} solves of ours")
-    if len(inputs.keys) == len(inputs.own):
+    if not inputs.peers:
         return text + "."
     most = ran[false & ~own]["solver"].value_counts()
     worst = [f"`{solver}` {count}" for solver, count in most.items()][:3]
@@ -101,19 +93,13 @@ def _fastest(inputs: Inputs) -> str:
 
 
 def _by_size(inputs: Inputs) -> str:
-    cells = choice.main_cells(inputs, main_tier(inputs))
-    if cells.empty:
-        return ""
-    parts = []
-    for of in choice.size_classes(inputs, cells):
-        ranked = decision.contenders(cells[cells["size_class"] == of["key"]], list(inputs.own))
+    cells, parts = choice.main_cells(inputs), []
+    for size_class in choice.size_classes(inputs, cells):
+        ranked = decision.contenders(cells[cells["size_class"] == size_class], inputs.own)
         if ranked:
-            parts.append(f"{_rows([formats.size_class(of['key'])])} `{ranked[0].solver}` ({formats.seconds(ranked[0].mean)})")
+            best = ranked[0]
+            parts.append(f"{_rows([formats.size_class(size_class)])} `{best.solver}` ({formats.seconds(best.mean)})")
     return f"By size, among those that verify as much as any: {'; '.join(parts)}." if len(parts) > 1 else ""
-
-
-def _peers(inputs: Inputs) -> str:
-    return peers(headline(inputs)) if len(inputs.cells) else ""
 
 
 def peers(found: Headline) -> str:
@@ -125,13 +111,14 @@ def peers(found: Headline) -> str:
     won = [row for row in rows if row.to_fastest.high < 1]
     tied = [formats.size_class(row.size_class) for row in rows if row not in lost and row not in won]
     if lost:
-        parts = [f"Against the fastest peer of every single problem we lose at {formats.words([_lost(row) for row in lost])}."]
+        losses = formats.words([_told(row, "times its time") for row in lost])
+        parts = [f"Against the fastest peer of every single problem we lose at {losses}."]
     else:
         parts = ["In no size class is the fastest peer of every single problem faster than our best solver."]
     if tied:
         parts.append(f"Not decided, because the interval contains 1: {_rows(tied)}.")
     if won:
-        parts.append(f"We win at {formats.words([_won(row) for row in won])}.")
+        parts.append(f"We win at {formats.words([_told(row, 'of its time') for row in won])}.")
     return " ".join(parts)
 
 
@@ -139,20 +126,14 @@ def _rows(size_classes: list[str]) -> str:
     return formats.words(size_classes) + (" row" if size_classes[-1:] == ["1"] else " rows")
 
 
-def _lost(row: ClassRow) -> str:
-    return f"{_rows([formats.size_class(row.size_class)])} ({formats.times(row.to_fastest.median)} times its time)"
-
-
-def _won(row: ClassRow) -> str:
-    share = f"{formats.times(row.to_fastest.median)} of its time" if row.to_fastest.median else "no peer is right on half"
-    return f"{_rows([formats.size_class(row.size_class)])} ({share})"
+def _told(row: ClassRow, words: str) -> str:
+    median = row.to_fastest.median
+    told = f"{formats.times(median)} {words}" if median else "no peer is right on half"
+    return f"{_rows([formats.size_class(row.size_class)])} ({told})"
 
 
 def _accuracy(inputs: Inputs) -> str:
-    counted = _counted(inputs)
-    if counted.empty:
-        return ""
-    tier = min(inputs.tiers)
+    counted, tier = inputs.counted, min(inputs.tiers, default=0)
     proved = counted[(counted["tier"] == tier) & (counted["verdict"] == VERIFIED)
                      & counted["reference"].isin(("certified", "bounded")) & counted["w_error"].notna()]
     if proved.empty:
@@ -160,8 +141,7 @@ def _accuracy(inputs: Inputs) -> str:
     errors = proved.groupby("solver")["w_error"].quantile(0.99)
     most = proved["solver"].value_counts()
     enough = [solver for solver in inputs.keys if most.get(solver, 0) >= 0.95 * most.max()]
-    best = min(enough, key=lambda solver: errors[solver])
-    worst = max(enough, key=lambda solver: errors[solver])
+    best, worst = min(enough, key=errors.get), max(enough, key=errors.get)
     return (f"Against proved answers ({proved['problem'].nunique()} problems, {formats.power(tier)}) w of `{best}` is off "
             f"by at most {formats.residual(errors[best])} in 99 of 100 verified answers, of `{worst}` by "
             f"{formats.residual(errors[worst])} (of those that verify 95 % as many as any).")
@@ -169,17 +149,16 @@ def _accuracy(inputs: Inputs) -> str:
 
 def _robustness(inputs: Inputs) -> str:
     cells = shown_tables.pathological(inputs)
+    cells = cells[cells["tier"] == main_tier(inputs)]
     if cells.empty:
         return ""
-    cells = cells[cells["tier"] == main_tier(inputs)]
     right = (cells["verdict"] == VERIFIED) | cells["proved_infeasible"].astype(bool)
     verified = cells[right]["solver"].value_counts()
     false = cells[cells["verdict"] == FALSE_SUCCESS]["solver"].value_counts()
     ranked = sorted(inputs.keys, key=lambda solver: (-verified.get(solver, 0), false.get(solver, 0)))[:3]
     parts = [f"`{solver}` {int(verified.get(solver, 0))}" for solver in ranked]
-    liars = sum(solver in false.index for solver in inputs.keys)
     return (f"Of {cells['problem'].nunique()} problems meant to break something, at {formats.power(main_tier(inputs))} "
-            f"most are answered rightly (solved, or infeasible with a proof) by {', '.join(parts)}; {liars} of "
+            f"most are answered rightly (solved, or infeasible with a proof) by {', '.join(parts)}; {len(false)} of "
             f"{cells['solver'].nunique()} solvers claim a wrong answer at least once.")
 
 
@@ -193,8 +172,7 @@ def _sequences(inputs: Inputs) -> str:
     gains = enough[enough["warm_gain"].notna()].sort_values("warm_gain", ascending=False)
     gain = "" if gains.empty else (f"; a warm start gains most for `{gains.iloc[0]['solver']}` "
                                    f"({formats.ratio(gains.iloc[0]['warm_gain'])} times)")
-    whole = [solver for solver in inputs.keys
-             if (rows[rows["solver"] == solver]["verified_share"] == 1).any()]
+    whole = inputs.in_order(rows.loc[rows["verified_share"] == 1, "solver"])
     every = f"; all are verified of {_keys(whole)}" if whole else ""
     return (f"Steps of motions, warm, asked for {formats.power(best['tier'])}: the least 99th percentile has "
             f"`{best['solver']}`, {formats.seconds(best['p99'])} (median {formats.seconds(best['p50'])}, largest "
@@ -207,12 +185,11 @@ def _motion(inputs: Inputs) -> str:
     if table is None:
         return ""
     last = table.sort_values("step").groupby(["scene", "level", "solver", "tolerance"]).last().reset_index()
-    ours = last["solver"].isin(inputs.own)
     strict = min(table["tolerance"])
     worst = table[table["tolerance"] == strict].groupby(["scene", "level", "solver"])["energy_error"].max().reset_index()
     parts = []
-    for words, rows, errors in (("ours", last[ours], worst[worst["solver"].isin(inputs.own)]),
-                                ("other projects' solvers", last[~ours], worst[~worst["solver"].isin(inputs.own)])):
+    for words, of in (("ours", True), ("other projects' solvers", False)):
+        rows, errors = (some[some["solver"].isin(inputs.own) == of] for some in (last, worst))
         if len(rows):
             ended = int((rows["stopped"] == "").sum())
             parts.append(f"with {words} {ended} of {len(rows)} motions run to their end, and at {formats.power(strict)} the "
@@ -223,17 +200,14 @@ def _motion(inputs: Inputs) -> str:
 
 def _scaling(inputs: Inputs) -> str:
     """Exponents over all sizes would praise what has a large overhead; what counts is who is fast at the end."""
-    tier = main_tier(inputs)
-    at_tier = choice.main_cells(inputs, tier)
-    if at_tier.empty:
-        return ""
-    top = at_tier["rows"].max()
-    ranked = decision.contenders(at_tier[at_tier["rows"] == top], inputs.own)
+    cells = choice.main_cells(inputs)
+    top = cells["rows"].max()
+    ranked = decision.contenders(cells[cells["rows"] == top], inputs.own)
     if not ranked or top <= 100:
         return ""
     best = ranked[0]
     second = f"; next is `{ranked[1].solver}` with {formats.ratio(ranked[1].mean / best.mean)} times" if ranked[1:] else ""
-    rows = choice.table(inputs, "scaling", tier)
+    rows = choice.table(inputs, "scaling", main_tier(inputs))
     rows = rows[rows["solver"] == best.solver]
     growth = f"; over all sizes its time grows as n^{rows['exponent'].median():.2f} (median over families)" if len(rows) else ""
     return (f"At the largest size, {int(top)} rows, `{best.solver}` is the fastest of those that verify as much as any "

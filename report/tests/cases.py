@@ -1,9 +1,11 @@
-"""What tests have in common: folders of their own, and the commands of report.py."""
+"""What tests have in common: folders of their own, edits of campaigns' files, and the commands of report.py."""
 
 import contextlib
 import io
+import json
 import tempfile
 import unittest
+from collections.abc import Callable
 from pathlib import Path
 
 import report
@@ -17,9 +19,18 @@ class FolderCase(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
 
+    def assert_refused(self, *words, told: tuple[str, ...] = ()) -> None:
+        """`report.py WORDS...` ends with status 2, writes nothing and tells why in one line."""
+        status, out, error = run(*words)
+        self.assertEqual((status, out, error.count("\n")), (2, "", 1), error)
+        for word in told:
+            self.assertIn(word, error)
+
 
 class SharedFolderCase(unittest.TestCase):
     """All tests of a class have one folder, `path`."""
+
+    assert_refused = FolderCase.assert_refused
 
     @classmethod
     def setUpClass(cls):
@@ -37,3 +48,20 @@ def run(*words) -> tuple[int, str, str]:
         except SystemExit as end:
             status = end.code
     return status, out.getvalue(), error.getvalue()
+
+
+def json_of(path: Path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def edit_info(folder: Path, **members) -> dict:
+    """@returns what campaign.json of the folder has now"""
+    info = json_of(folder / "campaign.json") | members
+    (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
+    return info
+
+
+def edit_lines(path: Path, change: Callable[[dict], dict | None]) -> None:
+    """@param change  of every line's object; None: the line goes"""
+    lines = [change(json.loads(line)) for line in path.read_text(encoding="utf-8").splitlines()]
+    path.write_text("".join(json.dumps(line) + "\n" for line in lines if line is not None), encoding="utf-8")

@@ -59,26 +59,23 @@ def median_times(rng, factors: dict[str, float], problems: int = 100, noise: Noi
 def cells_of(times: pd.DataFrame, tier: float = 1e-6, **columns) -> pd.DataFrame:
     """What the tables need of a table of cells, from problems x solvers (inf: failed, NaN: no such cell). Every problem
     is a base of its own."""
-    rows = []
-    for problem, row in times.iterrows():
-        for solver, time in row.dropna().items():
-            solved = bool(np.isfinite(time))
-            rows.append({"set": "main", "counts": True, "tier": tier, "problem": problem, "base": str(problem),
-                         "weight": 1.0, "origin": "placed", "fill": False, "family": "piles", "rows": 10,
-                         "size_class": "7-12", "reference": "certified", "solver": solver, "asked": True,
-                         "time_s": time, "fresh_s": time if solved else np.nan, "first_s": time if solved else np.nan,
-                         "again_s": time if solved else np.nan, "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3,
-                         "oracle_ratio": time / 1e-3, "verdict": "verified" if solved else "failed:time_limit",
-                         "excluded": "", "passes": solved, "at_floor": False, "false_success": False,
-                         "false_infeasible": False, "claim": "solved" if solved else "time_limit", "rho": tier / 2,
-                         "problem_s": np.nan, "prepare_s": np.nan, "convert_s": np.nan, "solve_s": np.nan} | columns)
-    return pd.DataFrame(rows)
+    cells = times.rename_axis(index="problem", columns="solver").stack().rename("time_s").reset_index()
+    time, solved = cells["time_s"], np.isfinite(cells["time_s"])
+    known = time.where(solved)
+    return cells.assign(**{
+        "set": "main", "counts": True, "tier": tier, "base": cells["problem"].astype(str), "weight": 1.0,
+        "origin": "placed", "fill": False, "family": "piles", "rows": 10, "size_class": "7-12", "reference": "certified",
+        "asked": True, "fresh_s": known, "first_s": known, "again_s": known, **dict.fromkeys(PARTS, np.nan),
+        "time_limit_s": TIME_LIMIT, "oracle_s": 1e-3, "oracle_ratio": time / 1e-3, "excluded": "", "passes": solved,
+        "at_floor": False, "false_success": False, "false_infeasible": False, "rho": tier / 2,
+        "verdict": np.where(solved, "verified", "failed:time_limit"),
+        "claim": np.where(solved, "solved", "time_limit")} | columns)
 
 
 def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers=TIERS, noise: Noise | None = None,
                    copies: int = COPIES, change: Callable[[dict], dict] = lambda record: record, run: int = 0,
                    solvers: dict[str, dict] | None = None,
-                   change_problem: Callable[[dict], dict] = lambda record: record) -> Path:
+                   change_problem: Callable[[dict], dict] = lambda record: record, info: dict | None = None) -> Path:
     """Fills `folder` and returns it. Besides `copies` problems for every family and size there is an engine's problem,
     which does not count.
 
@@ -87,12 +84,13 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     @param run      of the same campaign: the problems are as difficult, the noise is another
     @param solvers  what the entries of solvers in campaign.json have besides: {"peer": {"origin": "peer"}}
     @param change_problem  what becomes of a problem's record
+    @param info  what campaign.json has besides
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
     entries = [_solver(key, True) | (solvers or {}).get(key, {}) for key in factors]
-    (folder / "campaign.json").write_text(json.dumps(campaign_info(list(tiers), seed, [*entries, _solver("absent", False)],
-                                                                   noise.passes)), encoding="utf-8")
+    described = campaign_info(list(tiers), seed, [*entries, _solver("absent", False)], noise.passes) | (info or {})
+    (folder / "campaign.json").write_text(json.dumps(described), encoding="utf-8")
     problems = [_problem(f"{family}-{rows}-{copy}", "main", family, rows)
                 for family in FAMILIES for rows in SIZES for copy in range(copies)]
     problems.append(_problem("ragdoll", "engine", "ragdolls", 40) | {"counts": False, "reference": "none"})

@@ -1,19 +1,29 @@
 """Made-up folders for whole reports: campaigns with peers and pathological problems, sequences and a motion. Not
 measurements."""
 
-import json
+import functools
+import itertools
+import tempfile
 from pathlib import Path
 
 import pandas as pd
 
 from lcpbench_report import motion
 from lcpbench_report.inputs import Inputs, load_inputs
-from .synthetic_campaign import Noise, exclude, fail, write_campaign, write_lines
+from .cases import edit_lines
+from .synthetic_campaign import TIERS, Noise, exclude, fail, write_campaign
 from .synthetic_steps import SEQUENCES, STEPS, one_pass, write_sequences
+
+SCENE, LEVEL = "disc-pile", "velocity"
+STARTED = "2026-01-02T03:04:05Z"
+
+
+# ----- three solvers: for pages and decisions
 
 FACTORS = {"auto": 1.0, "pgs": 3.0, "ode-dantzig": 2.0}
 PEERS = ("ode-dantzig",)
-SCENE, LEVEL = "disc-pile", "velocity"
+_ENVIRONMENT = {"cpu": "a made-up CPU", "cores": 2, "git_commit": "0123456789abcdef", "git_dirty": False,
+                "solver_flags": "-march=native", "library_threads": 1, "memory_bytes": 2**30}
 
 
 def spoiled(record: dict) -> dict:
@@ -28,18 +38,12 @@ def spoiled(record: dict) -> dict:
 
 def write_cells(folder: Path) -> Path:
     """A campaign in which the engine's problem is a pathological one."""
-    write_campaign(folder, FACTORS, change=spoiled, noise=Noise(passes=3), copies=2,
-                   solvers={key: {"origin": "peer"} for key in PEERS})
-    info = json.loads((folder / "campaign.json").read_text(encoding="utf-8"))
-    for solver in info["solvers"]:
-        solver["method"] = f"the method of {solver['key']} <&>"
-    info["started"] = "2026-01-02T03:04:05Z"
-    info["environment"] = {"cpu": "a made-up CPU", "cores": 2, "git_commit": "0123456789abcdef", "git_dirty": False,
-                           "solver_flags": "-march=native", "library_threads": 1, "memory_bytes": 2**30}
-    (folder / "campaign.json").write_text(json.dumps(info), encoding="utf-8")
-    problems = [json.loads(line) for line in (folder / "problems.jsonl").read_text(encoding="utf-8").splitlines()]
-    write_lines(folder / "problems.jsonl", [problem | ({"set": "pathological"} if problem["set"] == "engine" else {})
-                                            for problem in problems])
+    solvers = {key: {"method": f"the method of {key} <&>"} | ({"origin": "peer"} if key in PEERS else {})
+               for key in FACTORS}
+    write_campaign(folder, FACTORS, change=spoiled, noise=Noise(passes=3), copies=2, solvers=solvers,
+                   info={"started": STARTED, "environment": _ENVIRONMENT})
+    edit_lines(folder / "problems.jsonl", lambda problem: problem | ({"set": "pathological"}
+                                                                     if problem["set"] == "engine" else {}))
     return folder
 
 
@@ -47,11 +51,10 @@ def write_steps(folder: Path) -> Path:
     """`auto` gains by warm starts, `pgs` misses a step of the deadline."""
     passes = []
     for name, _ in SEQUENCES:
-        for solver, cold, warm in (("auto", 2e-5, 1e-5), ("pgs", 8e-5, 6e-5)):
-            passes += [one_pass(name, solver, "cold", [cold] * STEPS), one_pass(name, solver, "warm", [warm] * STEPS),
-                       one_pass(name, solver, "deadline-1ms", [warm] * STEPS, failed=[3] if solver == "pgs" else [])]
-        passes += [one_pass(name, "ode-dantzig", mode, [3e-5] * STEPS)
-                   for mode in ("cold", "warm")]
+        for solver, cold, warm in (("auto", 2e-5, 1e-5), ("pgs", 8e-5, 6e-5), ("ode-dantzig", 3e-5, 3e-5)):
+            passes += [one_pass(name, solver, mode, [time] * STEPS) for mode, time in (("cold", cold), ("warm", warm))]
+            if solver not in PEERS:
+                passes.append(one_pass(name, solver, "deadline-1ms", [warm] * STEPS, failed=[3] if solver == "pgs" else []))
     return write_sequences(folder, passes, solvers=(("auto", "own"), ("pgs", "own"), ("ode-dantzig", "peer")))
 
 
@@ -84,5 +87,47 @@ def write_all(folder: Path) -> tuple[list[Path], Path]:
     return [write_cells(folder / "standard"), write_steps(folder / "sequences")], write_motion(folder / "motion")
 
 
-def whole_inputs(folder: Path) -> Inputs:
-    return load_inputs(*write_all(folder))
+@functools.cache
+def whole_inputs() -> Inputs:
+    """One for all tests: nobody changes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        return load_inputs(*write_all(Path(folder)))
+
+
+# ----- many solvers: for the headline and figures
+
+OWN = ("auto", "dantzig", "pgs")
+# Of one library two methods: the second is quicker, and not given large problems; of another two settings: the
+# default one is slower.
+MANY = {"auto": 1.0, "dantzig": 0.5, "pgs": 3.0, "ode-dantzig": 2.0, "ode-lemke": 0.6, "clp": 20.0, "clp-default": 40.0}
+FAILING, NEXT = "dantzig", "ode-lemke"  # the fastest, but not on all problems of any size; the next one
+ENVIRONMENT = {"cpu": "A Processor", "compiler": "GNU 12.2.0", "git_commit": "0123456789abcdef", "git_dirty": False,
+               "os": "An OS", "flags": "-O3"}
+
+
+def write_problems(folder: Path, change=None, tiers=TIERS) -> Path:
+    """Every fourth problem is a pathological one, another fourth has a grid.
+
+    @param change  of a cell's record, default: failures and exclusions of some solvers
+    """
+    numbers = itertools.count()
+
+    def of_sets(problem: dict) -> dict:
+        index = next(numbers)
+        if problem["set"] != "main":
+            return problem
+        return problem | {"set": "standard" if index % 4 else "pathological",
+                          "grid": "mass ratio" if index % 4 == 1 else ""}
+
+    return write_campaign(folder, MANY, copies=2, tiers=tiers, change=change or _fail_some, change_problem=of_sets,
+                          solvers={key: {"origin": "peer"} for key in MANY if key not in OWN},
+                          info={"environment": ENVIRONMENT, "started": STARTED})
+
+
+def _fail_some(record: dict) -> dict:
+    """FAILING is wrong on one of the two problems of every family and size; large ones are not given to ode-lemke."""
+    if record["solver"] == FAILING and record["problem"].endswith("-1"):
+        return fail(record, "solved")
+    if record["solver"] == "ode-lemke" and any(f"-{rows}-" in record["problem"] for rows in (200, 500)):
+        return exclude(record)
+    return record

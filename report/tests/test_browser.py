@@ -3,7 +3,6 @@
 import shutil
 import unittest
 
-
 from lcpbench_report import plotly_bundle
 from lcpbench_report.web import gallery
 from lcpbench_report.web.page import render
@@ -32,7 +31,7 @@ class Browser(SharedFolderCase):
         super().setUpClass()
         path = cls.path / "index.html"
         pictures = gallery.read(write_pictures(cls.path / "pictures"))
-        path.write_text(render(whole_inputs(cls.path / "results"), pictures), encoding="utf-8")
+        path.write_text(render(whole_inputs(), pictures), encoding="utf-8")
         options = webdriver.ChromeOptions()
         options.binary_location = _CHROMIUM
         for argument in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage",
@@ -55,11 +54,15 @@ class Browser(SharedFolderCase):
     def run_script(self, script: str, *arguments):
         return self.driver.execute_script(script, *arguments)
 
-    def names(self, figure: str) -> set[str]:
-        """Of the traces that a figure has now."""
+    def drawn(self, figure: str, mode: str = "") -> dict[str, dict]:
+        """The traces that a figure has now, by name: of the mode if one is asked for."""
         self.run_script("return draw(arguments[0]).then(() => 0)", figure)
-        return set(self.run_script("return document.getElementById('figure-' + arguments[0]).data.map((t) => t.name)",
-                                   figure))
+        traces = self.run_script("""return document.getElementById('figure-' + arguments[0]).data
+          .map(({name, mode, x, y, text}) => ({name, mode, x, y, text}))""", figure)
+        return {trace["name"]: trace for trace in traces if not mode or trace["mode"] == mode}
+
+    def names(self, figure: str) -> set[str]:
+        return set(self.drawn(figure))
 
     def choose(self, name: str, value: str) -> None:
         Select(self.driver.find_element(By.CSS_SELECTOR, f"select[data-choice={name}]")).select_by_value(value)
@@ -78,12 +81,7 @@ class Browser(SharedFolderCase):
     def test_what_comes_into_sight_is_drawn_without_being_asked(self):
         place = self.driver.find_element(By.ID, "figure-profile")
         self.run_script("arguments[0].scrollIntoView()", place)
-        self.run_script("return new Promise((done) => setTimeout(done, 100))")
-        for _ in range(100):
-            if self.run_script("return Boolean(arguments[0].data)", place):
-                return
-            self.run_script("return new Promise((done) => setTimeout(done, 100))")
-        self.fail("the profile was not drawn")
+        WebDriverWait(self.driver, 20).until(lambda _: self.run_script("return Boolean(arguments[0].data)", place))
 
     def test_a_chip_takes_a_solver_out_and_puts_it_back(self):
         self.assertIn("pgs", self.names("profile"))
@@ -121,15 +119,9 @@ class Browser(SharedFolderCase):
     def test_times_are_divided_by_what_was_chosen(self):
         self.choose("family", "piles")
         self.choose("norm", "solver:auto")
-        self.names("times")
-        line = self.run_script("""return document.getElementById('figure-times').data
-          .find((t) => t.name === 'pgs' && t.mode === 'lines+markers').y""")
-        for value in line:
-            self.assertAlmostEqual(value, 3.0, delta=0.5)
-        auto = self.run_script("""return document.getElementById('figure-times').data
-          .find((t) => t.name === 'auto' && t.mode === 'lines+markers').y""")
-        for value in auto:
-            self.assertAlmostEqual(value, 1.0, places=6)
+        for solver, ratio, delta in (("pgs", 3.0, 0.5), ("auto", 1.0, 1e-6)):
+            for value in self.drawn("times", "lines+markers")[solver]["y"]:
+                self.assertAlmostEqual(value, ratio, delta=delta)
 
     def test_metric_changes_the_axis(self):
         title = "return draw('times').then(() => document.getElementById('figure-times').layout.yaxis.title.text)"
@@ -139,26 +131,21 @@ class Browser(SharedFolderCase):
 
     def test_marks_say_which_problem_they_are(self):
         self.choose("family", "piles")
-        self.names("times")
-        words = self.run_script("""return document.getElementById('figure-times').data
-          .filter((t) => t.mode === 'markers').flatMap((t) => t.text)""")
+        words = self.drawn("times", "markers")["pgs"]["text"]
         self.assertTrue(any("pgs</b> on piles-20-1<br>verified at 1e-6" in text for text in words))
 
     def test_the_profile_is_that_of_the_statistics(self):
-        self.names("profile")
-        curve = self.run_script("""const t = document.getElementById('figure-profile').data
-          .find((t) => t.name === 'auto'); return [t.x, t.y]""")
+        curve = self.drawn("profile")["auto"]
         # auto is the fastest but where noise says otherwise, and solves all.
-        self.assertAlmostEqual(curve[1][-1], 1.0)
-        self.assertLess(curve[0][len(curve[0]) - 2], 1.5)
+        self.assertAlmostEqual(curve["y"][-1], 1.0)
+        self.assertLess(curve["x"][-2], 1.5)
 
     def test_the_table_sorts_by_what_is_clicked(self):
         order = "return [...document.querySelectorAll('#league tbody th')].map((th) => th.textContent.trim())"
         self.assertEqual(self.run_script(order)[0], "auto")
-        self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[4].click()  # the mean time
-        self.assertEqual(self.run_script(order)[0], "auto")
-        self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[4].click()
-        self.assertEqual(self.run_script(order)[-1], "auto")
+        for place in (0, -1):
+            self.driver.find_elements(By.CSS_SELECTOR, "#league thead button")[4].click()  # the mean time
+            self.assertEqual(self.run_script(order)[place], "auto")
 
     def test_a_family_that_has_a_picture_links_to_it(self):
         link = self.driver.find_element(By.ID, "picture")

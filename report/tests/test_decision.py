@@ -4,7 +4,6 @@ import unittest
 
 import pandas as pd
 
-
 from lcpbench_report import decision, fairness, markdown, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
@@ -21,11 +20,10 @@ class Contenders(unittest.TestCase):
         table = pd.DataFrame(times, index=[f"p{i}" for i in range(len(next(iter(times.values()))))])
         return [found.solver for found in decision.contenders(cells_of(table), list(times))]
 
-    def test_the_fastest_of_those_that_verify_all(self):
+    def test_the_fastest_of_those_that_verify_all_and_nobody_wins_by_failing(self):
         self.assertEqual(self.ranked({"slow": [2e-3] * 10, "fast": [1e-3] * 10}), ["fast", "slow"])
-
-    def test_nobody_wins_by_failing(self):
         self.assertEqual(self.ranked({"sound": [2e-3] * 10, "hasty": [1e-6] * 9 + [INF]}), ["sound"])
+        self.assertEqual(self.ranked({"only": [INF, INF]}), [])
 
     def test_one_failure_in_a_hundred_is_entered_with_its_limit(self):
         times = {"sound": [2e-3] * 100, "hasty": [1e-3] * 99 + [INF]}
@@ -38,15 +36,12 @@ class Contenders(unittest.TestCase):
         ranked = decision.contenders(cells_of(pd.DataFrame(times, index=["a", "b", "c"])), list(times))
         self.assertEqual([(found.solver, found.problems) for found in ranked], [("early", 1), ("late", 1)])
 
-    def test_who_verifies_nothing_is_no_contender(self):
-        self.assertEqual(self.ranked({"only": [INF, INF]}), [])
-
 
 class WholeReport(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.inputs = whole_inputs(cls.path)
+        cls.inputs = whole_inputs()
 
     def test_every_class_names_the_fastest_of_ours(self):
         choices = decision.by_class(self.inputs)
@@ -97,7 +92,7 @@ class WholeReport(SharedFolderCase):
         self.assertNotIn("Ablation", found)
 
 
-class TwoFigures(FolderCase):
+class Parts(FolderCase):
     def test_what_was_never_asked_is_below_the_tier_and_no_false_success(self):
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "clp": 2.0, "clp-default": 2.0}, copies=1,
@@ -108,9 +103,7 @@ class TwoFigures(FolderCase):
         self.assertIn(f"0 in {each} solves of ours, {each} in {each} of other projects' solvers that were asked", text)
         self.assertIn(f"end below it in {each} of {each} solves", text)
 
-
-class Ablations(FolderCase):
-    def test_they_stand_in_their_own_table_and_nowhere_else(self):
+    def test_ablations_stand_in_their_own_table_and_nowhere_else(self):
         entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
@@ -123,8 +116,6 @@ class Ablations(FolderCase):
         self.assertNotIn("auto-unchecked", "".join(summary.summary_lines(inputs)) + str(decision.by_class(inputs)))
         self.assertRegex(markdown.checks(inputs), r"without it, `auto` is right on 95.% instead of 100.%")
 
-
-class Folders(FolderCase):
     def test_a_problem_in_two_folders_is_told(self):
         (standard, sequences), motion = write_all(self.folder)
         with self.assertRaisesRegex(ReportError, "is in .* too"):

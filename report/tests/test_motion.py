@@ -2,7 +2,6 @@
 
 from types import SimpleNamespace
 
-
 from lcpbench_report import motion, shown_tables
 from lcpbench_report.errors import ReportError
 from .cases import FolderCase
@@ -20,8 +19,8 @@ class Motion(FolderCase):
         self.assertEqual((scene, level, len(table.rows)), (SCENE, LEVEL, 3))
         rows = {tuple(row[:2]): dict(zip(table.columns, row)) for row in table.rows}
         full, stopped = rows["`auto`", "1e-6"], rows["`pgs`", "1e-3"]
-        self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-08", "6.0e-09", 99))
-        self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-03", 49, "not finite"))
+        self.assertEqual((full["energy error"], full["penetration [m]"], full["solves"]), ("9.9e-8", "6.0e-9", 99))
+        self.assertEqual((stopped["energy error"], stopped["solves"], stopped["stopped"]), ("4.9e-3", 49, "not finite"))
 
     def test_scenes_keep_their_order(self):
         self.assertEqual(motion.scenes(motion.read(self.folder)), [(SCENE, LEVEL)])

@@ -3,21 +3,20 @@
 import base64
 import json
 import re
-import tempfile
 import unittest
 from pathlib import Path
 from unittest import mock
 
 import numpy as np
+import pandas as pd
 
-
-from lcpbench_report import plotly_bundle
+from lcpbench_report import formats, plotly_bundle
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.web import encoding, gallery, page
+from lcpbench_report.web import gallery, page, payload
 from .cases import FolderCase, SharedFolderCase, run
-from .synthetic_campaign import Noise, write_campaign
-from .synthetic_report import FACTORS, whole_inputs, write_all, write_pictures, write_steps
+from .synthetic_campaign import cells_of, write_campaign
+from .synthetic_report import FACTORS, whole_inputs, write_pictures, write_steps
 
 # Plotly's script takes a second and says nothing here.
 NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
@@ -25,10 +24,10 @@ NO_BUNDLE = mock.patch.object(plotly_bundle, "minified", return_value="")
 
 def decoded(text: str) -> np.ndarray:
     codes = np.frombuffer(base64.b64decode(text), dtype="<i2").astype(float)
-    values = 10 ** (codes / encoding.STEPS_PER_DECADE)
-    values[codes == encoding.ZERO] = 0
-    values[codes == encoding.INFINITE] = np.inf
-    values[codes == encoding.UNKNOWN] = np.nan
+    values = 10 ** (codes / payload.STEPS_PER_DECADE)
+    values[codes == payload.ZERO] = 0
+    values[codes == payload.INFINITE] = np.inf
+    values[codes == payload.UNKNOWN] = np.nan
     return values
 
 
@@ -38,27 +37,22 @@ def data_of(text: str) -> dict:
 
 class Encoding(unittest.TestCase):
     def test_numbers_keep_their_digits_over_forty_decades(self):
+        """What is too small or large is moved to the nearest, and what is no positive number stays what it is."""
         given = 10.0 ** np.random.default_rng(1).uniform(-20, 20, 10000)
-        self.assertLess(np.abs(decoded(encoding.pack(given)) / given - 1).max(), 7.3e-4)
-
-    def test_what_is_no_positive_number_stays_what_it_is(self):
-        found = decoded(encoding.pack([0, np.inf, np.nan, 1.0]))
-        self.assertEqual(list(found[[0, 1, 3]]), [0, np.inf, 1])
-        self.assertTrue(np.isnan(found[2]))
-
-    def test_what_is_too_small_or_large_is_moved_to_the_nearest(self):
-        np.testing.assert_allclose(decoded(encoding.pack([1e-300, 1e300])), [1e-20, 1e20], rtol=1e-9)
+        self.assertLess(np.abs(decoded(payload.pack(given)) / given - 1).max(), 7.3e-4)
+        np.testing.assert_allclose(decoded(payload.pack([1e-300, 1e300, 0, np.inf, np.nan, 1.0])),
+                                   [1e-20, 1e20, 0, np.inf, np.nan, 1.0], rtol=1e-9)
 
     def test_shares(self):
-        found = base64.b64decode(encoding.pack_shares([0, 0.034, 9.0, np.nan]))
-        self.assertEqual(list(found), [0, 3, 254, encoding.NO_SPREAD])
+        found = base64.b64decode(payload.pack_shares([0, 0.034, 9.0, np.nan]))
+        self.assertEqual(list(found), [0, 3, 254, payload.NO_SPREAD])
 
 
 class Page(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.inputs = whole_inputs(cls.path)
+        cls.inputs = whole_inputs()
         with NO_BUNDLE:
             cls.pictures = gallery.read(write_pictures(cls.path / "pictures"))
             cls.text = page.render(cls.inputs, cls.pictures)
@@ -73,14 +67,22 @@ class Page(SharedFolderCase):
         letters = {"verified": "v", "false success": "f", "excluded": "x", "below the tier": "b", "failed:iteration_limit": "i"}
         for row in self.inputs.cells.itertuples():
             of_solver = self.data["cells"][row.solver]
-            tier = f"{row.tier:.0e}"
+            tier = formats.power(row.tier)
             at = names.index(row.problem)
             self.assertEqual(of_solver["verdicts"][tier][at], letters[row.verdict])
         of_solver = self.data["cells"]["pgs"]
-        times = decoded(of_solver["numbers"][of_solver["places"]["1e-06"]]["time"])
+        times = decoded(of_solver["numbers"][of_solver["places"]["1e-6"]]["time"])
         mine = self.inputs.cells[(self.inputs.cells["solver"] == "pgs") & (self.inputs.cells["tier"] == 1e-6)]
         expected = mine.set_index("problem")["time_s"].reindex(names)
         np.testing.assert_allclose(times, expected, rtol=1e-3)
+
+    def test_a_proof_counts_more_than_a_claim_and_the_spread_is_half_of_the_interval(self):
+        cells = cells_of(pd.DataFrame({"a": [np.inf, np.inf, 2.0]})).assign(
+            fresh_low=1.0, fresh_high=2.0, false_infeasible=[True, True, False], proved_infeasible=[False, True, False],
+            iterations=1, backward_error=0.0, w_error=0.0)
+        found = payload._cells(cells, [0, 1, 2, 3])
+        self.assertEqual(found["verdicts"], {"1e-6": "qrv."})
+        self.assertEqual(list(base64.b64decode(found["numbers"][0]["spread"])), [255, 255, 25, 255])
 
     def test_text_of_the_data_is_escaped(self):
         self.assertIn("the method of pgs &lt;&amp;&gt;", self.text)
@@ -99,8 +101,8 @@ class Page(SharedFolderCase):
         self.assertEqual([s["key"] for s in self.data["solvers"] if s["shown"]], ["auto", "pgs", "ode-dantzig"])
 
     def test_parts_that_are_absent_have_no_section(self):
-        with tempfile.TemporaryDirectory() as folder, NO_BUNDLE:
-            text = page.render(load_inputs([write_steps(Path(folder))]))
+        with NO_BUNDLE:
+            text = page.render(load_inputs([write_steps(self.path / "steps")]))
         self.assertNotIn('id="performance"', text)
         self.assertIn('id="sequences"', text)
         self.assertNotIn("figure-energy", text)
@@ -114,18 +116,18 @@ class Page(SharedFolderCase):
         self.assertEqual(self.data["pictures"], ["piles", "rockers"])
 
     def test_pictures_that_are_missing_too_large_or_none_are_refused(self):
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            with self.assertRaisesRegex(ReportError, "scenes.txt"):
+        folder = self.path / "wrong"
+        folder.mkdir()
+        with self.assertRaisesRegex(ReportError, "scenes.txt"):
+            gallery.read(folder)
+        write_pictures(folder)
+        for content in ("<html>", "<svg" + " " * 400_000):
+            (folder / "piles.svg").write_text(content, encoding="utf-8")
+            with self.assertRaisesRegex(ReportError, "piles.svg"):
                 gallery.read(folder)
-            write_pictures(folder)
-            for content in ("<html>", "<svg" + " " * 400_000):
-                (folder / "piles.svg").write_text(content, encoding="utf-8")
-                with self.assertRaisesRegex(ReportError, "piles.svg"):
-                    gallery.read(folder)
-            (folder / "piles.svg").unlink()
-            with self.assertRaisesRegex(ReportError, "missing"):
-                gallery.read(folder)
+        (folder / "piles.svg").unlink()
+        with self.assertRaisesRegex(ReportError, "missing"):
+            gallery.read(folder)
 
     def test_nothing_is_fetched(self):
         self.assertEqual(re.findall(r'(?:src|href)="(?!#|data:)[^"]*"', self.text), [])
@@ -135,18 +137,15 @@ class Script(FolderCase):
     def test_one_page_below_ten_megabytes_with_the_licence_of_what_it_embeds(self):
         if not plotly_bundle.BUNDLE.is_file():
             self.skipTest("python3-plotly is not installed")
-        campaigns, motion = write_all(self.folder)
-        out = self.folder / "out" / "index.html"
-        self.assertEqual(run("report", *campaigns, "--motion", motion, "-o", out)[0], 0)
-        text = out.read_text(encoding="utf-8")
+        text = page.render(whole_inputs())
         self.assertLess(len(text.encode()), 10e6)
         self.assertIn("Licensed under the MIT license", text)
         self.assertEqual(text.count("</script>"), 3)
 
     def test_the_summary_tells_what_changed_since_an_earlier_run(self):
         slower = FACTORS | {"pgs": 2 * FACTORS["pgs"]}
-        old = write_campaign(self.folder / "old", FACTORS, noise=Noise(passes=5))
-        new = write_campaign(self.folder / "new", slower, noise=Noise(passes=5), run=1)
+        old, new = (write_campaign(self.folder / str(run), factors, tiers=(1e-6,), run=run)
+                    for run, factors in enumerate((FACTORS, slower)))
         with NO_BUNDLE:
             self.assertEqual(run("report", new, "--previous", old, "-o", self.folder / "out" / "index.html")[0], 0)
         text = (self.folder / "out" / "summary.md").read_text(encoding="utf-8")
@@ -158,5 +157,5 @@ class Script(FolderCase):
         with self.assertRaisesRegex(ReportError, "python3-plotly"):
             plotly_bundle.minified(Path("/nowhere/plotly.js"))
 
-    def test_a_folder_that_is_no_campaign_ends_with_status_2(self):
-        self.assertEqual(run("report", self.folder, "-o", self.folder / "x.html")[0], 2)
+    def test_a_folder_that_is_no_campaign_is_refused(self):
+        self.assert_refused("report", self.folder, "-o", self.folder / "x.html")

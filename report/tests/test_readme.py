@@ -58,10 +58,10 @@ class Readme(unittest.TestCase):
     @unittest.skipIf(_reason(), _reason())
     def test_the_blocks_are_those_of_the_committed_results(self):
         inputs = load_inputs([_CORE], ablation=_ABLATION)
-        source = readme_blocks.Source(inputs, headline(inputs), _ROOT)
+        found = headline(inputs)
         for path, text in _PAGES.items():
             with self.subTest(_name(path)):
-                filled = readme_blocks.fill(text, readme_blocks.Page(source, path))
+                filled = readme_blocks.fill(text, readme_blocks.Page(inputs, found, _ROOT, path))
                 self.assertEqual(text.splitlines(), filled.splitlines(), _HELP)
 
     def test_links_lead_to_files_and_headings_that_are_there(self):

@@ -1,11 +1,8 @@
 """Are two campaigns called the same when, and only when, nothing but times differs?"""
 
-import json
-
-
 from lcpbench_report.statistics import same
-from .cases import FolderCase, run
-from .synthetic_campaign import METRICS, TIERS, exclude, fail, write_campaign, write_lines
+from .cases import FolderCase, edit_info, edit_lines, run
+from .synthetic_campaign import METRICS, TIERS, exclude, fail, write_campaign
 
 FACTORS = {"a": 1.0, "b": 2.0}
 CELLS = 13 * len(FACTORS)  # of one tier
@@ -23,14 +20,13 @@ class SameResults(FolderCase):
                           for run in range(2))
 
     def test_other_times_rounds_and_machines_are_the_same(self):
-        self._edit_plan(environment={"cpu": "another"}, environment_hash="1")
-        self._edit_lines("problems.jsonl", lambda p: p | {"oracle_s": 1.0})
-        lines = [json.loads(line) | {"environment": "1"} for line in self._lines("streams.jsonl")]
-        kept = [line for line in lines if line["pass"] < 2][::-1]  # in another order, and one timed pass only
-        write_lines(self.b / "streams.jsonl", kept)
-        status, out, _ = self._run()
-        self.assertEqual(status, 0, out)
-        self.assertIn(f"cells: {CELLS}, all the same", out)
+        edit_info(self.b, environment={"cpu": "another"}, environment_hash="1")
+        edit_lines(self.b / "problems.jsonl", lambda p: p | {"oracle_s": 1.0})
+        # In another order, and one timed pass only.
+        edit_lines(self.b / "streams.jsonl", lambda line: line | {"environment": "1"} if line["pass"] < 2 else None)
+        lines = (self.b / "streams.jsonl").read_text(encoding="utf-8").splitlines()
+        (self.b / "streams.jsonl").write_text("\n".join([*lines[::-1], ""]), encoding="utf-8")
+        self.expect(0, f"cells: {CELLS}, all the same")
 
     def test_every_field_of_a_cell_counts(self):
         changes = {"excluded": exclude, "claim": lambda c: c | {"claim": "iteration_limit"},
@@ -45,69 +41,46 @@ class SameResults(FolderCase):
         for name, change in changes.items():
             with self.subTest(field=name):
                 self._write_b(lambda c, change=change: change(c) if _is_victim(c) else c)
-                status, out, _ = self._run()
-                self.assertEqual(status, 1)
-                self.assertIn("1 differ;", out)
-                self.assertIn(name, out)
-                self.assertIn(f"solve/{VICTIM}/a/0.001", out)
+                self.expect(1, "1 differ;", name, f"solve/{VICTIM}/a/0.001")
 
     def test_missing_cells_are_told_from_either_side(self):
-        self._edit_lines("streams.jsonl", lambda line: None if line["solver"] == "b" and line["size_class"] == "7-12"
+        edit_lines(self.b / "streams.jsonl", lambda line: None if line["solver"] == "b" and line["size_class"] == "7-12"
                          else line)
-        status, out, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertIn(f"cells: {CELLS - 2} in both, 0 differ; 2 in A only, 0 in B only", out)
-        self.assertIn("A only: solve/piles-10-0/b/0.001", out)
+        self.expect(1, f"cells: {CELLS - 2} in both, 0 differ; 2 in A only, 0 in B only",
+                    "A only: solve/piles-10-0/b/0.001")
         self.a, self.b = self.b, self.a
-        self.assertIn("0 in A only, 2 in B only", self._run()[1])
+        self.expect(1, "0 in A only, 2 in B only")
 
     def test_solvers_of_ablations_count_too(self):
         bare = {"b": {"ablation": "no-self-check", "base": "a"}}
         write_campaign(self.a, FACTORS, tiers=TIERS[:1], copies=1, solvers=bare)
         write_campaign(self.b, FACTORS, tiers=TIERS[:1], copies=1, solvers=bare,
                        change=lambda c: fail(c) if c["solver"] == "b" else c)
-        self.assertIn(f"{CELLS} in both, {CELLS // 2} differ", self._run()[1])
+        self.expect(1, f"{CELLS} in both, {CELLS // 2} differ")
 
     def test_long_lists_are_cut_and_counted(self):
         self._write_b(lambda c: fail(c, "time_limit"))
-        status, out, _ = self._run("--show", "3")
-        self.assertEqual(status, 1)
-        self.assertIn(f"{CELLS} differ ({CELLS} of them with a solve that a time limit ended)", out)
-        self.assertIn(f"... and {CELLS - 3} more", out)
+        self.expect(1, f"{CELLS} differ ({CELLS} of them with a solve that a time limit ended)",
+                    f"... and {CELLS - 3} more", more=("--show", "3",))
 
     def test_another_plan_is_not_the_same(self):
-        self._edit_plan(seed=2, filter="n8")
-        status, out, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertIn("seed 1 | 2", out)
-        self.assertIn("B only: filter", out)
+        edit_info(self.b, seed=2, filter="n8")
+        self.expect(1, "seed 1 | 2", "B only: filter")
 
     def test_another_problem_of_the_same_name_is_not_the_same(self):
-        self._edit_lines("problems.jsonl", lambda p: p | {"fraction_active": 0.25})
-        status, out, _ = self._run()
-        self.assertEqual(status, 1)
-        self.assertIn("fraction_active 0.5 | 0.25", out)
+        edit_lines(self.b / "problems.jsonl", lambda p: p | {"fraction_active": 0.25})
+        self.expect(1, "fraction_active 0.5 | 0.25")
 
     def test_mistakes_are_told_in_one_line(self):
         (self.b / "campaign.json").unlink()
         for folder in (self.b, self.b / "nowhere"):
-            self.b = folder
-            status, out, error = self._run()
-            self.assertEqual((status, out, error.count("\n")), (2, "", 1), error)
+            self.assert_refused("same", self.a, folder)
 
     def _write_b(self, change) -> None:
         write_campaign(self.b, FACTORS, tiers=TIERS[:1], copies=1, run=1, change=change)
 
-    def _run(self, *more: str) -> tuple[int, str, str]:
-        return run("same", self.a, self.b, *more)
-
-    def _lines(self, name: str) -> list[str]:
-        return (self.b / name).read_text(encoding="utf-8").splitlines()
-
-    def _edit_lines(self, name: str, edit) -> None:
-        records = [edit(json.loads(line)) for line in self._lines(name)]
-        (self.b / name).write_text("".join(json.dumps(r) + "\n" for r in records if r is not None), encoding="utf-8")
-
-    def _edit_plan(self, **values) -> None:
-        path = self.b / "campaign.json"
-        path.write_text(json.dumps(json.loads(path.read_text(encoding="utf-8")) | values), encoding="utf-8")
+    def expect(self, status: int, *words: str, more: tuple = ()) -> None:
+        found, out, _ = run("same", self.a, self.b, *more)
+        self.assertEqual(found, status, out)
+        for word in words:
+            self.assertIn(word, out)

@@ -1,5 +1,4 @@
-"""Figures and tables for papers.
-"""
+"""Figures and tables for papers."""
 
 import gzip
 import io
@@ -11,13 +10,13 @@ import xml.etree.ElementTree
 
 import pandas as pd
 
-
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.static import write, write_static
+from lcpbench_report.static import write
+from lcpbench_report.static.write import write_static
 from lcpbench_report.static.quality import kind_of
 from lcpbench_report.table import Table, html, latex
 from .cases import SharedFolderCase
-from .report_inputs import FAILING, all_inputs, write_problems, write_steps
+from .synthetic_report import FAILING, write_motion, write_problems, write_steps
 
 FIGURES = {"profile-1e-3", "profile-1e-6", "profile-1e-9", "time-by-size", "time-by-family", "accuracy", "coverage",
            "work-precision", "scaling", "robustness", "robustness-grids", "sequence-latency", "sequence-deadlines",
@@ -30,7 +29,8 @@ class Static(SharedFolderCase):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.inputs = all_inputs(cls.path)
+        campaigns = [write_problems(cls.path / "standard"), write_steps(cls.path / "sequences")]
+        cls.inputs = load_inputs(campaigns, write_motion(cls.path / "motion"))
         cls.written = write_static(cls.inputs, cls.path / "out")
 
     def test_every_figure_is_there_twice_and_what_is_returned_was_written(self):
@@ -79,11 +79,8 @@ class Static(SharedFolderCase):
         self.assertEqual({path.stem for path in written if path.suffix == ".tex"}, {"sequences", "deadlines"})
 
     def test_two_tiers_are_no_study_of_precision(self):
-        folder = write_problems(self.path / "two")
-        inputs = load_inputs([folder])
-        inputs.cells = inputs.cells[inputs.cells["tier"] > 1e-8]
-        found = dict(write.figures(inputs))
-        self.assertIsNone(found["work-precision"]())
+        inputs = load_inputs([write_problems(self.path / "two", tiers=(1e-3, 1e-6))])
+        self.assertIsNone(dict(write.figures(inputs))["work-precision"]())
 
     def test_csv_tables_are_those_of_the_analysis(self):
         table = pd.read_csv(self.path / "out/tables/coverage.csv")

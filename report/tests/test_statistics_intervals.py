@@ -4,7 +4,6 @@ import math
 import unittest
 import unittest.mock
 
-
 import numpy as np
 import pandas as pd
 
@@ -34,6 +33,9 @@ class Weights(unittest.TestCase):
         self.assertEqual(weighted_median([1, 2, INF], [1, 1, 1]), 2)
         self.assertEqual(weighted_median([1, INF], [1, 1]), INF)
         self.assertEqual(weighted_median([1, INF], [1.01, 1]), 1)
+        self.assertEqual(weighted_median([1, 2, INF, INF], [1] * 4), INF)
+        self.assertEqual(weighted_median([1, 2, 4, INF], [1] * 4), 3)
+        self.assertEqual(weighted_median([1, 2, 4, INF], [1, 0.1, 0.1, 0.1]), 1)
 
     def test_quantiles_by_hand(self):
         found = quantiles([5.0, 1.0, NAN, 3.0, 2.0, 4.0])
@@ -99,8 +101,8 @@ class Clusters(unittest.TestCase):
 
     def test_drawn_together_what_is_common_cancels(self):
         values = np.random.default_rng(9).normal(0, 3, 50)
-        low, high = Bootstrap(problems_of([0] * 50, list(range(50)))).ratio_of_means(
-            range(50), values + math.log(0.8), values, np.ones(50), np.exp)
+        low, high = Bootstrap(problems_of([0] * 50, list(range(50)))).mean(
+            range(50), values + math.log(0.8), np.ones(50), np.exp, over=values)
         self.assertAlmostEqual(low, 0.8, delta=1e-4)
         self.assertAlmostEqual(high, 0.8, delta=1e-4)
 

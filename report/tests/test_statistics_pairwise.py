@@ -4,20 +4,29 @@ import math
 import unittest
 from unittest import mock
 
-
 import numpy as np
 import pandas as pd
 
+from lcpbench_report.errors import ReportError
 from lcpbench_report.statistics import pairwise
 from lcpbench_report.statistics.intervals import holm
-from .synthetic_campaign import Noise, cells_of, median_times
+from lcpbench_report.statistics.load import load_campaign
+from .cases import FolderCase
+from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 
 INF = math.inf
+VARIANTS = {"again": {}, "slow": {"slowdown": "1.1"}, "other": {"relaxation": "1.3"}}
 SAME_SEEDS, SLOWER_SEEDS, INTERVAL_SEEDS = 200, 60, 150
 
 
 def pair(table: pd.DataFrame, a: str, b: str) -> pd.Series:
     return table[(table["a"] == a) & (table["b"] == b)].iloc[0]
+
+
+def compared(times: pd.DataFrame, **about) -> pd.DataFrame:
+    """Every problem is a base of one family and weighs the same, unless `about` says otherwise."""
+    known = pd.DataFrame({"family": "", "base": times.index.astype(str), "weight": 1.0}, index=times.index)
+    return pairwise.compare_pairs(times, known.assign(**about))
 
 
 class Example(unittest.TestCase):
@@ -26,7 +35,7 @@ class Example(unittest.TestCase):
     TIMES = pd.DataFrame({"a": [1.0, 8.0, 1.0, INF, INF, 1.0], "b": [2.0, 2.0, INF, 1.0, INF, 8.0]}, list("pqrstu"))
 
     def test_counts_and_shares(self):
-        row = pair(pairwise.compare_pairs(self.TIMES), "a", "b")
+        row = pair(compared(self.TIMES), "a", "b")
         counts = ["problems", "both", "a_only", "b_only", "neither", "a_faster", "b_faster"]
         self.assertEqual(list(row[counts]), [6, 3, 1, 1, 1, 2, 1])
         np.testing.assert_allclose(row[["share_1", "share_2", "share_10"]].astype(float), [3 / 6, 3 / 6, 4 / 6])
@@ -53,8 +62,8 @@ class Example(unittest.TestCase):
     def test_exchanging_a_and_b_changes_nothing_else(self):
         times = median_times(np.random.default_rng(1), {"a": 1.0, "b": 1.02, "c": 3.0}, 40)
         times.iloc[:5, 0] = INF
-        given = pairwise.compare_pairs(times)
-        exchanged = pairwise.compare_pairs(times[["c", "b", "a"]])
+        given = compared(times)
+        exchanged = compared(times[["c", "b", "a"]])
         for row in given.itertuples():
             other = pair(exchanged, row.a, row.b)
             for column in pairwise.COLUMNS[3:]:
@@ -68,7 +77,7 @@ class Example(unittest.TestCase):
 
     def test_equal_times_and_nothing_in_common_are_no_difference(self):
         times = pd.DataFrame({"a": [1.0, 2.0], "b": [1.0, 2.0], "c": [INF, INF]})
-        table = pairwise.compare_pairs(times)
+        table = compared(times)
         self.assertEqual(set(table["verdict"]), {pairwise.NO_DIFFERENCE})
         self.assertTrue(table.loc[table["b"] == "c", "wilcoxon_p"].isna().all())
         self.assertEqual(pair(table, "a", "c")["share_1"], 1.0)
@@ -82,7 +91,7 @@ class Example(unittest.TestCase):
         """Who fails on all that is hard is not the faster one."""
         times = median_times(np.random.default_rng(2), {"a": 1.0, "b": 0.8}, 60)
         times.iloc[30:, 1] = INF
-        row = pair(pairwise.compare_pairs(times), "a", "b")
+        row = pair(compared(times), "a", "b")
         self.assertEqual(row["verdict"], pairwise.B_FASTER)  # where both answer
         self.assertGreater(row["share_1"], 0.45)  # and yet a wins half of all problems
         self.assertEqual(row["a_only"], 30)
@@ -92,13 +101,11 @@ class Bases(unittest.TestCase):
     def test_variants_of_one_base_are_one_witness(self):
         """Forty variants of one base on which a is faster, and three other bases on which b is."""
         times = pd.DataFrame({"a": [1.0] * 40 + [4.0] * 3, "b": [2.0] * 40 + [1.0] * 3})
-        about = pairwise.independent(times.index).assign(base=["one"] * 40 + ["x", "y", "z"],
-                                                         weight=[1 / 40] * 40 + [1.0] * 3)
-        row = pair(pairwise.compare_pairs(times, about), "a", "b")
+        row = pair(compared(times, base=["one"] * 40 + ["x", "y", "z"], weight=[1 / 40] * 40 + [1.0] * 3), "a", "b")
         self.assertEqual((row["both"], row["bases"], row["ratio"]), (43, 4, 4.0))
         self.assertAlmostEqual(row["share_1"], 1 / 4)
         self.assertAlmostEqual(row["sign_p"], 10 / 16)  # one against three
-        blind = pair(pairwise.compare_pairs(times), "a", "b")
+        blind = pair(compared(times), "a", "b")
         self.assertEqual(blind["verdict"], pairwise.A_FASTER)
         self.assertEqual(row["verdict"], pairwise.NO_DIFFERENCE)
 
@@ -110,8 +117,8 @@ class Bases(unittest.TestCase):
             bases = np.repeat(np.arange(20), 8)
             times = pd.DataFrame({"a": np.exp(rng.normal(0, 1, 160))})
             times["b"] = times["a"] * np.exp(rng.normal(0, 0.3, 20)[bases] + rng.normal(0, 0.02, 160))
-            about = pairwise.independent(times.index).assign(base=bases.astype(str), weight=1 / 8)
-            alarms += pair(pairwise.compare_pairs(times, about), "a", "b")["verdict"] != pairwise.NO_DIFFERENCE
+            alarms += pair(compared(times, base=bases.astype(str), weight=1 / 8), "a", "b")["verdict"] != \
+                pairwise.NO_DIFFERENCE
         self.assertLessEqual(alarms / (SAME_SEEDS // 2), 0.06)
 
 
@@ -162,7 +169,7 @@ class Truth(unittest.TestCase):
         found = 0
         for seed in range(SLOWER_SEEDS):
             times = median_times(np.random.default_rng([11, seed]), {"quick": 1.0, "slow": 1.1})
-            found += pair(pairwise.compare_pairs(times), "quick", "slow")["verdict"] == pairwise.A_FASTER
+            found += pair(compared(times), "quick", "slow")["verdict"] == pairwise.A_FASTER
         self.assertGreaterEqual(found / SLOWER_SEEDS, 0.95)
 
     def test_the_interval_holds_the_true_ratio(self):
@@ -172,7 +179,7 @@ class Truth(unittest.TestCase):
             rng = np.random.default_rng([12, seed])
             times = median_times(rng, {"quick": 1.0, "slow": 1.25}, 60)
             times["slow"] *= np.exp(rng.normal(0, 0.3, len(times)))
-            row = pair(pairwise.compare_pairs(times), "slow", "quick")
+            row = pair(compared(times), "slow", "quick")
             held += row["ratio_low"] <= 1.25 <= row["ratio_high"]
         self.assertTrue(0.88 <= held / INTERVAL_SEEDS <= 0.99, held / INTERVAL_SEEDS)
 
@@ -181,6 +188,29 @@ class Truth(unittest.TestCase):
         found = []
         for seed in range(seeds):
             times = median_times(np.random.default_rng([10, seed]), factors, problems, noise)
-            table = pairwise.compare_pairs(times)
+            table = compared(times)
             found.append(int((table["verdict"] != pairwise.NO_DIFFERENCE).sum()) // 2)
         return found
+
+
+class Calibration(FolderCase):
+    def campaign(self, factors: dict[str, float]):
+        return load_campaign(write_campaign(self.folder / "c", factors, tiers=(1e-6,), solvers={
+            key: {"base": "plain", "settings": settings} for key, settings in VARIANTS.items()}))
+
+    def test_truth_is_found(self):
+        table = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.0, "slow": 1.1, "other": 2.0}))
+        rows = table.set_index("variant")
+        self.assertEqual(sorted(rows.index), ["again", "slow"])  # nobody knows how much another setting should take
+        self.assertTrue(rows["right"].all())
+        self.assertAlmostEqual(rows.loc["slow", "ratio"], 1.1, delta=0.02)
+        self.assertLess(rows.loc["slow", "ratio_low"], rows.loc["slow", "ratio_high"])
+
+    def test_a_false_alarm_and_a_miss_are_wrong(self):
+        rows = pairwise.calibration_table(self.campaign({"plain": 1.0, "again": 1.2, "slow": 1.0})).set_index("variant")
+        self.assertFalse(rows.loc["again", "right"].any())
+        self.assertFalse(rows.loc["slow", "right"].any())
+
+    def test_campaigns_without_variants_are_refused(self):
+        with self.assertRaisesRegex(ReportError, "variant"):
+            pairwise.calibration_table(self.campaign({"plain": 1.0, "other": 2.0}))

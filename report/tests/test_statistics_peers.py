@@ -3,16 +3,13 @@
 import math
 import unittest
 
-
 import numpy as np
 import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
-from lcpbench_report.statistics.ablation import ablation_table
-from lcpbench_report.statistics.cells import ablation_cells, cell_table
-from lcpbench_report.statistics.class_times import class_table, tied
+from lcpbench_report.statistics.cells import cell_table
+from lcpbench_report.statistics.class_times import ablation_table, class_table, peer_ratio_table, tied
 from lcpbench_report.statistics.load import load_campaign
-from lcpbench_report.statistics.peer_ratio import peer_ratio_table
 from .cases import SharedFolderCase
 from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
 
@@ -122,7 +119,7 @@ class Folder(SharedFolderCase):
                        solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "own"},
                                 "checked": {"ablation": "checked", "base": "peer", "origin": "peer"}})
         cls.campaign, cls.inputs = load_campaign(cls.path), load_inputs([cls.path])
-        cls.cells, cls.ablated = cell_table(cls.campaign), ablation_cells(cls.campaign)
+        cls.cells, cls.ablated = cell_table(cls.campaign), cell_table(cls.campaign, True)
 
     @staticmethod
     def change(record: dict) -> dict:

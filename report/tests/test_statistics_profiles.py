@@ -3,7 +3,6 @@
 import math
 import unittest
 
-
 import numpy as np
 import pandas as pd
 
@@ -11,7 +10,7 @@ from lcpbench_report.statistics import means
 from lcpbench_report.statistics.coverage import coverage_table
 from lcpbench_report.statistics.intervals import share_interval
 from lcpbench_report.statistics.pairwise import pair_shares
-from lcpbench_report.statistics.profiles import TAUS, profile, profile_table
+from lcpbench_report.statistics.distributions import TAUS, profile, profile_table
 from .synthetic_campaign import TIME_LIMIT, cells_of
 
 INF = math.inf

@@ -1,8 +1,6 @@
-"""Looks of solvers: distinct, and the same in every campaign.
-"""
+"""Looks of solvers: distinct, and the same in every campaign."""
 
 import unittest
-
 
 from lcpbench_report.style import solver_styles
 
@@ -21,13 +19,9 @@ class Style(unittest.TestCase):
     def setUp(self):
         self.styles = solver_styles(entries())
 
-    def test_no_two_own_solvers_share_colour_and_marker(self):
-        looks = {(self.styles[key].colour, self.styles[key].marker) for key in OWN}
-        self.assertEqual(len(looks), len(OWN))
-
-    def test_own_solvers_of_one_colour_have_other_dashes(self):
-        looks = {(self.styles[key].colour, str(self.styles[key].dash)) for key in OWN}
-        self.assertEqual(len(looks), len(OWN))
+    def test_own_solvers_of_one_colour_have_other_markers_and_dashes(self):
+        for look in (lambda s: (s.colour, s.marker), lambda s: (s.colour, str(s.dash))):
+            self.assertEqual(len({look(self.styles[key]) for key in OWN}), len(OWN))
 
     def test_the_important_ones_have_colours_of_their_own(self):
         important = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke")

@@ -197,8 +197,7 @@ struct ProblemBatch {
   std::size_t size() const { return problems.size(); }
   Index LaneRows(std::size_t p) const {
     const LcpProblem& problem = problems[p];
-    const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && problem.has_standard_bounds() &&
-                      problem.IsNumericallySymmetric();
+    const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && problem.IsNumericallySymmetric();
     return fits ? problem.size() : 0;
   }
   BatchItem Item(std::size_t p) {

@@ -51,7 +51,7 @@ struct DenseBatch {
 /// refinement comes before where rho > 1e-13. Where rho alone meets the tolerance, extended precision decides, by the
 /// problem's given form. A lane that did not finish, or does not pass, goes to AutoSolver: its answers, statuses, rays
 /// and details are those of AutoSolver, and so is the guaranteed class: symmetric positive semidefinite A of any rank.
-/// So do problems with more than kMaxRows rows, with other bounds, with nonsymmetric A, and all problems if
+/// So do problems with more than kMaxRows rows, with nonsymmetric A, and all problems if
 /// options.max_iterations is set, whose unit is that of a single backend. A failure leaves what AutoSolver leaves.
 ///
 /// Cost: about n pivots of n^2 / 2 fused operations for a whole vector of problems, two to four times, plus reading A.

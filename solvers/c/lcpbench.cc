@@ -84,6 +84,7 @@ void Require(const lcpbench_problem* problem) { RequireNotNull(problem, "problem
 void Require(const lcpbench_solver* solver) { RequireNotNull(solver, "solver", "a solver"); }
 void Require(const lcpbench_result* result) { RequireNotNull(result, "result", "a result"); }
 void RequireOutput(const void* pointer, const char* name) { RequireNotNull(pointer, name, "where to write"); }
+void RequireHandle(const void* pointer, const char* name) { RequireNotNull(pointer, name, "the address of a pointer"); }
 
 // Sizes beyond this are uninitialised memory, not a later version's struct.
 constexpr std::size_t kLargestStruct = 65536;
@@ -104,9 +105,7 @@ void CopyOut(const Struct& source, Struct* target, std::size_t size) {
 constexpr std::int64_t kLargestSize = std::numeric_limits<std::int32_t>::max();
 
 void RequireSize(std::int64_t size, const char* name) {
-  if (size < 0 || size > kLargestSize) {
-    Refuse(name, size, std::string("0 <= ") + name + " < 2^31");
-  }
+  if (size < 0 || size > kLargestSize) Refuse(name, size, std::string("0 <= ") + name + " < 2^31");
 }
 
 std::string Place(const char* array, std::int64_t i) { return std::string(array) + "[" + std::to_string(i) + "]"; }
@@ -126,16 +125,12 @@ Eigen::VectorXd ReadVector(const double* values, std::int64_t size, const char* 
 }
 
 RowBounds ReadKinds(const std::uint8_t* kinds, std::int64_t n) {
-  std::vector<Index> bilateral;
   if (kinds == nullptr) return {};
   for (std::int64_t i = 0; i < n; ++i) {
-    if (kinds[i] == LCPBENCH_BILATERAL) {
-      bilateral.push_back(i);
-    } else if (kinds[i] != LCPBENCH_UNILATERAL) {
-      Refuse(Place("kinds", i), kinds[i], "LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
-    }
+    if (kinds[i] == LCPBENCH_BILATERAL || kinds[i] == LCPBENCH_UNILATERAL) continue;
+    Refuse(Place("kinds", i), kinds[i], "LCPBENCH_UNILATERAL (0) or LCPBENCH_BILATERAL (1)");
   }
-  return RowBounds::WithBilateralRows(n, bilateral);
+  return {{kinds, kinds + n}};
 }
 
 MatrixFacts ReadFacts(std::uint32_t facts) {
@@ -149,13 +144,21 @@ MatrixFacts ReadFacts(std::uint32_t facts) {
   return read;
 }
 
-void RequireStatedSymmetry(const LcpProblem& problem) {
-  if (problem.facts().symmetric && !problem.IsNumericallySymmetric()) {
-    char asymmetry[32];
-    std::snprintf(asymmetry, sizeof asymmetry, "%.3g", problem.Asymmetry());
-    throw InputError(std::string("facts has LCPBENCH_SYMMETRIC, but A is not symmetric: entries (i, j) and (j, i) ") +
-                     "differ by up to " + asymmetry + " of their diagonal entries");
-  }
+// Makes the problem of n rows that `make` returns, whose A must be what is said of it.
+template <typename Make>
+lcpbench_error MakeProblem(const char* function, std::int64_t n, lcpbench_problem** problem, Make make) {
+  return Guard(function, [&] {
+    RequireHandle(problem, "problem");
+    RequireSize(n, "n");
+    LcpProblem made = make();
+    if (made.facts().symmetric && !made.IsNumericallySymmetric()) {
+      char asymmetry[32];
+      std::snprintf(asymmetry, sizeof asymmetry, "%.3g", made.Asymmetry());
+      throw InputError(std::string("facts has LCPBENCH_SYMMETRIC, but A is not symmetric: entries (i, j) and (j, i) ") +
+                       "differ by up to " + asymmetry + " of their diagonal entries");
+    }
+    *problem = new lcpbench_problem{std::move(made)};
+  });
 }
 
 void RequireNoEntryTwice(const SparseMatrix& matrix, const char* name) {
@@ -192,9 +195,7 @@ SparseMatrix ReadCompressed(const char* name, std::int64_t rows, std::int64_t co
                        std::to_string(starts[k]) + " before it");
     }
   }
-  if (starts[outer] != entries) {
-    Refuse(Place("starts", outer), starts[outer], "entries = " + std::to_string(entries));
-  }
+  if (starts[outer] != entries) Refuse(Place("starts", outer), starts[outer], "entries = " + std::to_string(entries));
   if (entries == 0) return matrix;
   RequireNotNull(indices, "indices", "an array of indices");
   RequireNotNull(values, "values", "an array of numbers");
@@ -242,7 +243,7 @@ static_assert(static_cast<int>(LcpStatus::kTimeLimit) == LCPBENCH_TIME_LIMIT);
 static_assert(static_cast<int>(LcpStatus::kNumericalFailure) == LCPBENCH_NUMERICAL_FAILURE);
 static_assert(static_cast<int>(LcpStatus::kUnsupported) == LCPBENCH_UNSUPPORTED);
 
-// Size in version 0.1: what programs compiled against it pass. Members that are added later come behind it.
+// Sizes in version 0.1: what programs compiled against it pass. Members that are added later come behind them.
 constexpr std::size_t kFirstVerdict = offsetof(lcpbench_verdict, ray_reason) + sizeof(lcpbench_verdict::ray_reason);
 
 bool IsStatus(lcpbench_status status) { return status >= LCPBENCH_NOT_RUN && status <= LCPBENCH_UNSUPPORTED; }
@@ -289,7 +290,30 @@ void Judge(const LcpProblem& problem, const LcpResult& result, double tolerance,
   if (w != nullptr) std::copy(m.w.begin(), m.w.end(), w);
 }
 
-// Sizes in version 0.1: what programs compiled against it pass. Members that are added later come behind them.
+// Writes one thing of a result.
+template <typename Value, typename Get>
+lcpbench_error Tell(const char* function, const lcpbench_result* result, Value* value, const char* name, Get get) {
+  return Guard(function, [&] {
+    Require(result);
+    RequireOutput(value, name);
+    *value = get(result->result);
+  });
+}
+
+// Writes where a vector of a result is, NULL where it has none.
+template <typename Get>
+lcpbench_error TellVector(const char* function, const lcpbench_result* result, const double** values, const char* name,
+                          std::int64_t* n, Get get) {
+  return Guard(function, [&] {
+    Require(result);
+    RequireOutput(values, name);
+    RequireOutput(n, "n");
+    const Eigen::VectorXd* const vector = get(result->result);
+    *n = vector == nullptr ? 0 : vector->size();
+    *values = *n == 0 ? nullptr : vector->data();
+  });
+}
+
 constexpr std::size_t kFirstInfo = offsetof(lcpbench_solver_info, is_peer) + sizeof(std::int32_t);
 constexpr std::size_t kFirstOptions = offsetof(lcpbench_solve_options, initial_f_size) + sizeof(std::int64_t);
 
@@ -340,13 +364,9 @@ const char* lcpbench_version() { return LCPBENCH_VERSION; }
 
 lcpbench_error lcpbench_problem_from_dense(int64_t n, const double* A, lcpbench_layout layout, const double* b,
                                            const uint8_t* kinds, uint32_t facts, lcpbench_problem** problem) {
-  return Guard(__func__, [&] {
-    RequireNotNull(problem, "problem", "the address of a pointer");
-    RequireSize(n, "n");
-    LcpProblem made = LcpProblem::FromDense("", ReadDense(A, n, layout), ReadVector(b, n, "b"), ReadKinds(kinds, n),
-                                            ReadFacts(facts));
-    RequireStatedSymmetry(made);
-    *problem = new lcpbench_problem{std::move(made)};
+  return MakeProblem(__func__, n, problem, [&] {
+    return LcpProblem::FromDense("", ReadDense(A, n, layout), ReadVector(b, n, "b"), ReadKinds(kinds, n),
+                                 ReadFacts(facts));
   });
 }
 
@@ -354,13 +374,9 @@ lcpbench_error lcpbench_problem_from_sparse(int64_t n, lcpbench_layout layout, c
                                             const int32_t* indices, const double* values, int64_t entries,
                                             const double* b, const uint8_t* kinds, uint32_t facts,
                                             lcpbench_problem** problem) {
-  return Guard(__func__, [&] {
-    RequireNotNull(problem, "problem", "the address of a pointer");
-    RequireSize(n, "n");
-    LcpProblem made = LcpProblem::FromSparse("", ReadCompressed("A", n, n, layout, starts, indices, values, entries),
-                                             ReadVector(b, n, "b"), ReadKinds(kinds, n), ReadFacts(facts));
-    RequireStatedSymmetry(made);
-    *problem = new lcpbench_problem{std::move(made)};
+  return MakeProblem(__func__, n, problem, [&] {
+    return LcpProblem::FromSparse("", ReadCompressed("A", n, n, layout, starts, indices, values, entries),
+                                  ReadVector(b, n, "b"), ReadKinds(kinds, n), ReadFacts(facts));
   });
 }
 
@@ -368,17 +384,14 @@ lcpbench_error lcpbench_problem_from_factors(int64_t n, int64_t columns, lcpbenc
                                              const int32_t* indices, const double* values, int64_t entries,
                                              const double* inverse_mass, const double* b, const uint8_t* kinds,
                                              lcpbench_problem** problem) {
-  return Guard(__func__, [&] {
-    RequireNotNull(problem, "problem", "the address of a pointer");
-    RequireSize(n, "n");
+  return MakeProblem(__func__, n, problem, [&] {
     RequireSize(columns, "columns");
     Eigen::VectorXd masses = ReadVector(inverse_mass, columns, "inverse_mass");
     for (int64_t k = 0; k < columns; ++k) {
       if (masses[k] < 0) Refuse(Place("inverse_mass", k), masses[k], "a number >= 0");
     }
-    *problem = new lcpbench_problem{
-        LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
-                                std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n))};
+    return LcpProblem::FromFactors("", ReadCompressed("J", n, columns, layout, starts, indices, values, entries),
+                                   std::move(masses), ReadVector(b, n, "b"), ReadKinds(kinds, n));
   });
 }
 
@@ -394,54 +407,31 @@ void lcpbench_problem_free(lcpbench_problem* problem) { delete problem; }
 
 lcpbench_error lcpbench_result_create(lcpbench_result** result) {
   return Guard(__func__, [&] {
-    RequireNotNull(result, "result", "the address of a pointer");
+    RequireHandle(result, "result");
     *result = new lcpbench_result();
   });
 }
 
 lcpbench_error lcpbench_result_status(const lcpbench_result* result, lcpbench_status* status) {
-  return Guard(__func__, [&] {
-    Require(result);
-    RequireOutput(status, "status");
-    *status = static_cast<lcpbench_status>(result->result.status);
-  });
+  return Tell(__func__, result, status, "status",
+              [](const LcpResult& of) { return static_cast<lcpbench_status>(of.status); });
 }
 
 lcpbench_error lcpbench_result_iterations(const lcpbench_result* result, int64_t* iterations) {
-  return Guard(__func__, [&] {
-    Require(result);
-    RequireOutput(iterations, "iterations");
-    *iterations = result->result.iterations;
-  });
-}
-
-lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n) {
-  return Guard(__func__, [&] {
-    Require(result);
-    RequireNotNull(f, "f", "where to write a pointer");
-    RequireOutput(n, "n");
-    *n = result->result.f.size();
-    *f = *n == 0 ? nullptr : result->result.f.data();
-  });
+  return Tell(__func__, result, iterations, "iterations", [](const LcpResult& of) { return of.iterations; });
 }
 
 lcpbench_error lcpbench_result_detail(const lcpbench_result* result, const char** detail) {
-  return Guard(__func__, [&] {
-    Require(result);
-    RequireNotNull(detail, "detail", "where to write a pointer");
-    *detail = result->result.detail.c_str();
-  });
+  return Tell(__func__, result, detail, "detail", [](const LcpResult& of) { return of.detail.c_str(); });
+}
+
+lcpbench_error lcpbench_result_f(const lcpbench_result* result, const double** f, int64_t* n) {
+  return TellVector(__func__, result, f, "f", n, [](const LcpResult& of) { return &of.f; });
 }
 
 lcpbench_error lcpbench_result_farkas_ray(const lcpbench_result* result, const double** ray, int64_t* n) {
-  return Guard(__func__, [&] {
-    Require(result);
-    RequireNotNull(ray, "ray", "where to write a pointer");
-    RequireOutput(n, "n");
-    const auto& known = result->result.farkas_ray;
-    *n = known.has_value() ? known->size() : 0;
-    *ray = *n == 0 ? nullptr : known->data();
-  });
+  return TellVector(__func__, result, ray, "ray", n,
+                    [](const LcpResult& of) { return of.farkas_ray.has_value() ? &*of.farkas_ray : nullptr; });
 }
 
 const char* lcpbench_status_key(lcpbench_status status) {
@@ -456,9 +446,7 @@ lcpbench_error lcpbench_verify_result(const lcpbench_problem* problem, const lcp
   return Guard(__func__, [&] {
     Require(problem);
     Require(result);
-    if (result->result.status == LcpStatus::kNotRun) {
-      throw InputError("result is empty, expected one of a solve");
-    }
+    if (result->result.status == LcpStatus::kNotRun) throw InputError("result is empty, expected one of a solve");
     if (result->result.f.size() != problem->problem.size()) {
       throw InputError("result has " + std::to_string(result->result.f.size()) +
                        " forces, expected the problem's n = " + std::to_string(problem->problem.size()));
@@ -472,9 +460,7 @@ lcpbench_error lcpbench_verify(const lcpbench_problem* problem, const double* f,
   return Guard(__func__, [&] {
     Require(problem);
     const Index n = problem->problem.size();
-    if (f_size != n) {
-      Refuse("f_size", f_size, "the problem's n = " + std::to_string(n));
-    }
+    if (f_size != n) Refuse("f_size", f_size, "the problem's n = " + std::to_string(n));
     if (n > 0) RequireNotNull(f, "f", "n numbers");
     if (!IsStatus(claim)) Refuse("claim", claim, "a lcpbench_status");
     LcpResult result;
@@ -517,7 +503,7 @@ lcpbench_error lcpbench_solver_describe(size_t index, lcpbench_solver_info* info
 lcpbench_error lcpbench_solver_create(const char* key, const lcpbench_setting* settings, size_t count,
                                       lcpbench_solver** solver) {
   return Guard(__func__, [&] {
-    RequireNotNull(solver, "solver", "the address of a pointer");
+    RequireHandle(solver, "solver");
     RequireNotNull(key, "key", "a solver's key");
     *solver = new lcpbench_solver{MakeSolver(key, ReadSettings(settings, count))};
   });

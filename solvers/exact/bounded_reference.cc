@@ -32,7 +32,6 @@ constexpr double kProximal = 0x1p-30;
 Index Count(const std::vector<Index>& rows) { return static_cast<Index>(rows.size()); }
 
 void RequireBounded(const LcpProblem& problem) {
-  if (!problem.has_standard_bounds()) throw InputError(problem.id() + ": expected unilateral and bilateral rows only");
   if (problem.has_factors()) return;
   if (problem.Asymmetry() != 0) throw InputError(problem.id() + ": expected a symmetric A, found entries that differ");
   if (!problem.facts().positive_semidefinite) {
@@ -58,19 +57,13 @@ double ScaledNorm(const DyadicLcp& lcp, const std::vector<BigInteger>& d, long b
   return sum.ToDouble();
 }
 
-double RootUp(double value) {
-  UpperBound root(value);
-  root.TakeRoot();
-  return root.ToDouble();
-}
-
 // One RefineReference.
 class Refinement {
  public:
   Refinement(const LcpProblem& problem, const Eigen::VectorXd& f_start, const BoundedOptions& options)
       : problem_(problem),
         lcp_(problem),
-        deadline_(Limits(options)),
+        deadline_(LcpOptions{.time_limit_s = options.time_limit_s}),
         most_dependent_rows_(options.most_dependent_rows),
         f_(At(problem.size())) {
     double largest_load = 0;
@@ -103,7 +96,7 @@ class Refinement {
       factor.emplace(problem_, Rows());
       if (!factor->dependent().empty()) break;
       Refine(*factor, {});
-      settled = !Exchange();
+      settled = !Exchange([this](Index i) { return w_[At(i)] >= 0; });
     }
     if (!settled) {
       f_ = start;
@@ -113,7 +106,7 @@ class Refinement {
     Clip();
     if (!settled) {
       factor.emplace(problem_, Rows());
-      if (FindVertex(*factor)) {
+      if (TakeVertex(*factor)) {
         factor.emplace(problem_, Rows());
         Refine(*factor, {});
         Clip();
@@ -128,12 +121,6 @@ class Refinement {
   }
 
  private:
-  static LcpOptions Limits(const BoundedOptions& options) {
-    LcpOptions limits;
-    limits.time_limit_s = options.time_limit_s;
-    return limits;
-  }
-
   Index size() const { return problem_.size(); }
   long gap_bits() const { return lcp_.matrix_bits() + scale_.force_bits; }
   std::vector<Index> Rows() const {
@@ -160,14 +147,16 @@ class Refinement {
     Evaluate();
   }
 
-  // Rows with wrong signs change sides; false where there are none.
-  bool Exchange() {
+  // Active rows with a force below 0 and others whose gap is not right change sides; false where there are none.
+  template <typename Predicate>
+  bool Exchange(Predicate has_right_gap) {
     bool any = false;
     for (Index i = 0; i < size(); ++i) {
       if (problem_.is_bilateral(i) || !(problem_.DiagonalA()[i] > 0)) continue;
-      if ((active_[At(i)] != 0 ? f_[At(i)] : w_[At(i)]) >= 0) continue;
-      if (active_[At(i)] != 0) f_[At(i)] = 0;
-      active_[At(i)] = active_[At(i)] != 0 ? 0 : 1;
+      const bool is_active = active_[At(i)] != 0;
+      if (is_active ? f_[At(i)] >= 0 : has_right_gap(i)) continue;
+      if (is_active) f_[At(i)] = 0;
+      active_[At(i)] = is_active ? 0 : 1;
       any = true;
     }
     return any;
@@ -192,20 +181,15 @@ class Refinement {
   }
 
   // Which rows of a set of dependent ones are active as their doubles say it; false where that comes to no end.
-  bool FindVertex(const ActiveFactor& factor) {
+  bool TakeVertex(const ActiveFactor& factor) {
     const Index dependent = Count(factor.dependent());
     if (dependent == 0 || dependent > most_dependent_rows_) return false;
-    const std::vector<BigInteger> polished = f_;
-    VertexSearch search(problem_, lcp_, scale_, deadline_);
-    const bool found = search.Run(factor.independent(), factor.dependent(), &f_);
-    reference_.pivots = search.pivots();
-    if (!found) {
-      f_ = polished;
-      Evaluate();
-      return false;
-    }
+    std::optional<Vertex> vertex =
+        FindVertex(problem_, lcp_, scale_, factor.independent(), factor.dependent(), f_, deadline_, &reference_.pivots);
+    if (!vertex.has_value()) return false;
+    f_ = std::move(vertex->f);
     active_.assign(At(size()), 0);
-    for (const Index i : search.basis()) active_[At(i)] = 1;
+    for (const Index i : vertex->basis) active_[At(i)] = 1;
     return true;
   }
 
@@ -226,44 +210,34 @@ class Refinement {
       for (Index k = 0; k < change.size(); ++k) f_[At(rows[At(k)])] -= Scaled(change[k], scale_.force_bits + unit);
       ++reference_.refinements;
       Evaluate();
-      bool any = false;
-      for (Index i = 0; i < size(); ++i) {
-        if (problem_.is_bilateral(i) || !(problem_.DiagonalA()[i] > 0)) continue;
-        if (active_[At(i)] != 0) {
-          if (f_[At(i)] >= 0) continue;
-          f_[At(i)] = 0;
-          active_[At(i)] = 0;
-        } else {
-          // S^-2 is D but for a factor of 2.
-          const double pull = kProximal * problem_.DiagonalA()[i] * ToDouble(center[At(i)], scale_.force_bits + unit);
-          if (ToDouble(w_[At(i)], gap_bits() + unit) >= pull) continue;
-          active_[At(i)] = 1;
-        }
-        any = true;
-      }
-      if (!any) return true;
+      // S^-2 is D but for a factor of 2.
+      const auto is_pulled_open = [&](Index i) {
+        const double pull = kProximal * problem_.DiagonalA()[i] * ToDouble(center[At(i)], scale_.force_bits + unit);
+        return ToDouble(w_[At(i)], gap_bits() + unit) >= pull;
+      };
+      if (!Exchange(is_pulled_open)) return true;
     }
     return true;
   }
 
+  // False where they are not proved to be the active ones; then detail says why.
   bool ProveActiveRows(const ActiveFactor& factor) {
-    if (!factor.dependent().empty()) {
-      reference_.detail = "some active rows depend on others";
-      return false;
-    }
+    reference_.detail = ProveOrTellWhyNot(factor);
+    return reference_.detail.empty();
+  }
+
+  std::string ProveOrTellWhyNot(const ActiveFactor& factor) {
+    if (!factor.dependent().empty()) return "some active rows depend on others";
     const double eigenvalue = factor.LeastEigenvalueBound();
-    if (eigenvalue == 0) {
-      reference_.detail = "no bound > 0 of the least eigenvalue on the active rows";
-      return false;
-    }
+    if (eigenvalue == 0) return "no bound > 0 of the least eigenvalue on the active rows";
     // R = |S w_F|; |S^-1 (x - f_F)| <= R / eigenvalue and |x - f_F|_A <= R / eigenvalue^1/2.
     const std::vector<Index>& rows = factor.independent();
+    const Eigen::VectorXd& scale = factor.factor().scale();
     UpperBound squares(0.0);
     for (size_t k = 0; k < rows.size(); ++k) {
       UpperBound square(w_[At(rows[k])] * w_[At(rows[k])], 2 * gap_bits());
-      const UpperBound scale(factor.factor().scale()[static_cast<Index>(k)]);
-      square *= scale;
-      square *= scale;
+      square *= UpperBound(scale[static_cast<Index>(k)]);
+      square *= UpperBound(scale[static_cast<Index>(k)]);
       squares += square;
     }
     UpperBound energy = squares;
@@ -276,38 +250,32 @@ class Refinement {
     double f_bound = 0;
     for (size_t k = 0; k < rows.size(); ++k) {
       UpperBound error = distance;
-      error *= UpperBound(factor.factor().scale()[static_cast<Index>(k)]);
+      error *= UpperBound(scale[static_cast<Index>(k)]);
       if (!problem_.is_bilateral(rows[k]) && !error.IsBelow(f_[At(rows[k])], scale_.force_bits)) {
-        reference_.detail = "a force is too small to be told from 0";
-        return false;
+        return "a force is too small to be told from 0";
       }
-      UpperBound root(lcp_.diagonal(rows[k]), lcp_.matrix_bits());
-      root.TakeRoot();
-      error *= root;
+      error *= RootOfExactDiagonal(rows[k]);
       f_bound = std::max(f_bound, error.ToDouble());
     }
     for (Index i = 0; i < size(); ++i) {
-      if (active_[At(i)] != 0) continue;
-      if (problem_.is_bilateral(i)) {
-        if (w_[At(i)] == 0) continue;
-        reference_.detail = "a joint that nothing moves";
-        return false;
-      }
-      UpperBound error(lcp_.diagonal(i), lcp_.matrix_bits());
-      error.TakeRoot();
+      if (active_[At(i)] != 0 || (problem_.is_bilateral(i) && w_[At(i)] == 0)) continue;
+      if (problem_.is_bilateral(i)) return "a joint that nothing moves";
+      UpperBound error = RootOfExactDiagonal(i);
       error *= w_bound;
-      if (!error.IsBelow(w_[At(i)], gap_bits())) {
-        reference_.detail = "a gap is too small to be told from 0";
-        return false;
-      }
+      if (!error.IsBelow(w_[At(i)], gap_bits())) return "a gap is too small to be told from 0";
     }
     reference_.proof = BoundedReference::Proof::kActiveRows;
     reference_.energy_bound = energy.ToDouble();
     reference_.w_bound = w_bound.ToDouble();
     reference_.f_bound = f_bound;
     SetGaps([this](Index i) { return active_[At(i)] == 0; });
-    reference_.detail.clear();
-    return true;
+    return {};
+  }
+
+  UpperBound RootOfExactDiagonal(Index i) const {
+    UpperBound root(lcp_.diagonal(i), lcp_.matrix_bits());
+    root.TakeRoot();
+    return root;
   }
 
   // With gaps on the active rows that are too small to count and not negative.
@@ -323,23 +291,21 @@ class Refinement {
                            : Scaled(RootOfDiagonal(problem_, i), gap_bits() + scale_.load_exponent - kTargetBits));
     }
     Refine(factor, target);
-    bool feasible = true;
+    BigInteger energy = 0;
     for (Index i = 0; i < size(); ++i) {
-      const bool right = problem_.is_bilateral(i) ? w_[At(i)] == 0 : w_[At(i)] >= 0 && f_[At(i)] >= 0;
-      feasible = feasible && right;
-    }
-    if (!feasible) {
+      if (problem_.is_bilateral(i) ? w_[At(i)] == 0 : w_[At(i)] >= 0 && f_[At(i)] >= 0) {
+        energy += f_[At(i)] * w_[At(i)];  // 0 on bilateral rows
+        continue;
+      }
       f_ = exact;
       Evaluate();
       return false;
     }
-    BigInteger energy = 0;
-    for (Index i = 0; i < size(); ++i) {
-      if (!problem_.is_bilateral(i)) energy += f_[At(i)] * w_[At(i)];
-    }
     reference_.proof = BoundedReference::Proof::kFeasiblePoint;
     reference_.energy_bound = UpperBound(energy, scale_.force_bits + gap_bits()).ToDouble();
-    reference_.w_bound = RootUp(reference_.energy_bound);
+    UpperBound root(reference_.energy_bound);
+    root.TakeRoot();
+    reference_.w_bound = root.ToDouble();
     SetGaps([](Index) { return true; });
     return true;
   }
@@ -384,44 +350,8 @@ class Refinement {
 }  // namespace
 
 const char* ToString(BoundedReference::Proof proof) {
-  switch (proof) {
-    case BoundedReference::Proof::kActiveRows:
-      return "active rows";
-    case BoundedReference::Proof::kFeasiblePoint:
-      return "feasible point";
-    case BoundedReference::Proof::kNearbyProblem:
-      return "nearby problem";
-  }
-  return "";
-}
-
-EnergyCertificate BoundEnergy(const LcpProblem& problem, const std::vector<Rational>& f) {
-  RequireBounded(problem);
-  const Index n = problem.size();
-  if (f.size() != At(n)) throw InputError(problem.id() + ": expected " + std::to_string(n) + " forces");
-  const DyadicLcp lcp(problem);
-  long bits = lcp.least_force_bits();
-  for (const Rational& value : f) {
-    const BigInteger below = denominator(value);
-    const auto power = static_cast<long>(msb(below));
-    if (below != BigInteger(1) << power) throw InputError(problem.id() + ": expected forces in binary digits");
-    bits = std::max(bits, power);
-  }
-  std::vector<BigInteger> forces(At(n));
-  for (Index i = 0; i < n; ++i) {
-    if (!problem.is_bilateral(i) && f[At(i)] < 0) throw InputError(problem.id() + ": expected forces >= 0");
-    forces[At(i)] = numerator(Shifted(f[At(i)], bits));
-  }
-  std::vector<BigInteger> w;
-  lcp.ComputeGaps(forces, bits, &w);
-  const long gap_bits = lcp.matrix_bits() + bits;
-  BigInteger energy = 0;
-  for (Index i = 0; i < n; ++i) {
-    if (problem.is_bilateral(i) || w[At(i)] < 0) continue;
-    energy += forces[At(i)] * w[At(i)];
-    w[At(i)] = 0;  // no shift
-  }
-  return {UpperBound(energy, bits + gap_bits).ToDouble(), ScaledNorm(lcp, w, gap_bits)};
+  constexpr const char* kNames[] = {"active rows", "feasible point", "nearby problem"};
+  return kNames[static_cast<int>(proof)];
 }
 
 BoundedReference RefineReference(const LcpProblem& problem, const Eigen::VectorXd& f_start,

@@ -10,25 +10,14 @@
 
 namespace lcpbench {
 
-/// What forces f say of the solution, proved: every bound is evaluated without rounding errors, or with all of them
-/// rounded up, from the doubles of the problem as given and from f as it is.
+/// A reference answer for problems beyond exact arithmetic. Every bound is evaluated without rounding errors, or with
+/// all of them rounded up, from the doubles of the problem as given and from f as it is.
 ///
 /// Let f >= 0 on unilateral rows, w = A f + b, and w~ >= 0 on unilateral rows, = 0 on bilateral ones. With b~ = b + (w~
 /// - w) the problem has the feasible point f, hence, A being positive semidefinite, a solution f~* with gaps w~*, and
 ///   |f - f~*|_A^2 = (f - f~*).(w~ - w~*) = f.w~ - f.w~* - f~*.w~ + f~*.w~* <= f.w~ = E,
 /// as f~*.w~* = 0 and what is subtracted is >= 0. By Cauchy's inequality |w~ - w~*|_i = |e_i.A (f - f~*)| <= A_ii^1/2
 /// E^1/2 for every row.
-struct EnergyCertificate {
-  double energy_bound = 0;  ///< E rounded up
-  double energy_shift = 0;  ///< |D^-1/2 (b~ - b)|_2 rounded up, D = diag A with 1 where that is 0; 0: b~ is b
-};
-
-/// The certificate of f with w~ = max(w, 0) on unilateral rows, as Metrics::energy_bound has it.
-/// @param f  exact in binary digits (denominators are powers of two), >= 0 on unilateral rows
-/// @throws InputError where f is not that, or A not symmetric or not known to be positive semidefinite
-EnergyCertificate BoundEnergy(const LcpProblem& problem, const std::vector<Rational>& f);
-
-/// A reference answer for problems beyond exact arithmetic.
 struct BoundedReference {
   /// Which problem f solves, and how that is proved.
   enum class Proof {
@@ -36,7 +25,7 @@ struct BoundedReference {
     /// eigenvalue has a proved bound, active_factor.h), the exact solution of A_FF x = -b_F is so near to f_F that x >
     /// 0, and the gaps elsewhere so large that they are > 0 with x, too. f* is then the only solution.
     kActiveRows,
-    /// The problem as given: w >= 0, w = 0 on bilateral rows, exactly. EnergyCertificate with b~ = b.
+    /// The problem as given: w >= 0, w = 0 on bilateral rows, exactly. b~ = b.
     kFeasiblePoint,
     /// A problem nearby: f solves (A, b~) exactly, w~ being w on unilateral rows with f = 0 and w > 0, and 0 elsewhere.
     /// For solutions f* of the given problem, if it has any: |f - f*|_A^2 <= (f - f*).(b - b~) <= energy_shift |D^1/2
@@ -51,7 +40,8 @@ struct BoundedReference {
   Eigen::VectorXd w;
   /// |f - f*|_A^2 <= energy_bound, f* any solution of the problem that `proof` names.
   double energy_bound = 0;
-  double energy_shift = 0;  ///< 0 but for kNearbyProblem, EnergyCertificate
+  /// |D^-1/2 (b~ - b)|_2 rounded up, D = diag A with 1 where that is 0; 0 but for kNearbyProblem.
+  double energy_shift = 0;
   /// A_ii^-1/2 |w_i - w*_i| <= w_bound on every row, before w is rounded to doubles; w* belongs to f*.
   double w_bound = 0;
   /// |D^1/2 (f - f*)|_inf <= f_bound, of kActiveRows, where f is unique.
@@ -61,7 +51,7 @@ struct BoundedReference {
   Index dependent = 0;  ///< of these, those that doubles take to depend on the others
   int exchanges = 0;    ///< active sets tried
   int refinements = 0;  ///< solves with the factor
-  int pivots = 0;       ///< of VertexSearch, among dependent rows
+  int pivots = 0;       ///< of FindVertex, among dependent rows
   std::string detail;   ///< why the proof is no better
 };
 const char* ToString(BoundedReference::Proof proof);

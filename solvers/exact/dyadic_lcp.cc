@@ -10,8 +10,6 @@ namespace lcpbench {
 namespace {
 
 constexpr int kDigits = std::numeric_limits<double>::digits;
-// More than a double's: bounds shall not grow by their own rounding.
-constexpr mpfr_prec_t kBoundBits = 96;
 
 constexpr int kMostRefinements = 60;
 // A refinement that gains less than a factor of this has come to its end.
@@ -29,22 +27,17 @@ Parts Split(double value) {
   return {static_cast<std::int64_t>(std::ldexp(fraction, kDigits)), exponent - kDigits};
 }
 
-// The bits behind the point that all of the numbers need.
-template <class Iterator>
-long BitsOf(Iterator begin, Iterator end) {
-  long bits = 0;
-  for (; begin != end; ++begin) {
-    if (*begin == 0) continue;
-    const Parts parts = Split(*begin);
+// The bits behind the point that all of the numbers need, and the numbers times 2^bits.
+std::vector<BigInteger> AllScaled(const double* values, Index count, long* bits) {
+  *bits = 0;
+  for (Index i = 0; i < count; ++i) {
+    if (values[i] == 0) continue;
+    const Parts parts = Split(values[i]);
     const int zeros = std::countr_zero(static_cast<std::uint64_t>(parts.mantissa));
-    bits = std::max(bits, -static_cast<long>(parts.exponent) - zeros);
+    *bits = std::max(*bits, -static_cast<long>(parts.exponent) - zeros);
   }
-  return bits;
-}
-
-std::vector<BigInteger> Scaled(const double* begin, Index count, long bits) {
   std::vector<BigInteger> scaled(At(count));
-  for (Index i = 0; i < count; ++i) scaled[At(i)] = lcpbench::Scaled(begin[i], bits);
+  for (Index i = 0; i < count; ++i) scaled[At(i)] = Scaled(values[i], *bits);
   return scaled;
 }
 
@@ -62,123 +55,69 @@ BigInteger Scaled(double value, long bits) {
   return scaled;
 }
 
-DyadicLcp::DyadicLcp(const LcpProblem& problem) : problem_(problem) {
-  const Index n = problem.size();
-  const auto take = [this](const double* values, Index count) {
-    entry_bits_ = BitsOf(values, values + count);
-    entries_ = Scaled(values, count, entry_bits_);
-  };
-  diagonal_.resize(At(n));
+DyadicLcp::DyadicLcp(const LcpProblem& problem)
+    : problem_(problem),
+      given_(problem.has_factors() ? problem.J() : problem.SparseA()),
+      diagonal_(At(problem.size())) {
+  entries_ = AllScaled(given_.valuePtr(), given_.nonZeros(), &matrix_bits_);
   if (problem.has_factors()) {
-    const SparseMatrix& J = problem.J();
-    const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
-    take(J.valuePtr(), J.nonZeros());
-    const long mass_bits = BitsOf(inverse_mass.data(), inverse_mass.data() + inverse_mass.size());
-    inverse_mass_ = Scaled(inverse_mass.data(), inverse_mass.size(), mass_bits);
-    matrix_bits_ = 2 * entry_bits_ + mass_bits;
-    for (Index i = 0; i < n; ++i) {
-      for (Index k = J.outerIndexPtr()[i]; k < J.outerIndexPtr()[i + 1]; ++k) {
-        diagonal_[At(i)] += entries_[At(k)] * entries_[At(k)] * inverse_mass_[At(J.innerIndexPtr()[k])];
-      }
-    }
-  } else if (problem.given_form() == MatrixForm::kSparse) {
-    const SparseMatrix& A = problem.SparseA();
-    take(A.valuePtr(), A.nonZeros());
-    matrix_bits_ = entry_bits_;
-    for (Index i = 0; i < n; ++i) {
-      for (Index k = A.outerIndexPtr()[i]; k < A.outerIndexPtr()[i + 1]; ++k) {
-        if (A.innerIndexPtr()[k] == i) diagonal_[At(i)] = entries_[At(k)];
-      }
-    }
-  } else {
-    take(problem.DenseA().data(), n * n);
-    matrix_bits_ = entry_bits_;
-    for (Index i = 0; i < n; ++i) diagonal_[At(i)] = entries_[At(i * n + i)];
+    long mass_bits = 0;
+    inverse_mass_ = AllScaled(problem.inverse_mass().data(), problem.inverse_mass().size(), &mass_bits);
+    matrix_bits_ = 2 * matrix_bits_ + mass_bits;
   }
-  b_bits_ = BitsOf(problem.b().data(), problem.b().data() + n);
-  b_ = Scaled(problem.b().data(), n, b_bits_);
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (Index k = given_.outerIndexPtr()[i]; k < given_.outerIndexPtr()[i + 1]; ++k) {
+      const Index column = given_.innerIndexPtr()[k];
+      if (problem.has_factors()) {
+        diagonal_[At(i)] += entries_[At(k)] * entries_[At(k)] * inverse_mass_[At(column)];
+      } else if (column == i) {
+        diagonal_[At(i)] = entries_[At(k)];
+      }
+    }
+  }
+  b_ = AllScaled(problem.b().data(), problem.size(), &b_bits_);
 }
 
 void DyadicLcp::ComputeGaps(const std::vector<BigInteger>& f, long force_bits, std::vector<BigInteger>* w) const {
   const Index n = problem_.size();
+  const int* const start = given_.outerIndexPtr();
+  const int* const column = given_.innerIndexPtr();
+  // Of factors M^-1 J^T f.
+  std::vector<BigInteger> moved(inverse_mass_.size());
+  for (Index i = 0; problem_.has_factors() && i < n; ++i) {
+    if (f[At(i)] == 0) continue;
+    for (Index k = start[i]; k < start[i + 1]; ++k) moved[At(column[k])] += entries_[At(k)] * f[At(i)];
+  }
+  for (size_t k = 0; k < moved.size(); ++k) moved[k] *= inverse_mass_[k];
+  const std::vector<BigInteger>& factor = problem_.has_factors() ? moved : f;
   w->resize(At(n));
   const auto shift = static_cast<mp_bitcnt_t>(matrix_bits_ + force_bits - b_bits_);
-  for (Index i = 0; i < n; ++i) mpz_mul_2exp((*w)[At(i)].backend().data(), b_[At(i)].backend().data(), shift);
-  if (problem_.has_factors()) {
-    const SparseMatrix& J = problem_.J();
-    std::vector<BigInteger> moved(inverse_mass_.size());
-    for (Index i = 0; i < n; ++i) {
-      if (f[At(i)] == 0) continue;
-      for (Index k = J.outerIndexPtr()[i]; k < J.outerIndexPtr()[i + 1]; ++k) {
-        moved[At(J.innerIndexPtr()[k])] += entries_[At(k)] * f[At(i)];
-      }
-    }
-    for (size_t k = 0; k < moved.size(); ++k) moved[k] *= inverse_mass_[k];
-    for (Index i = 0; i < n; ++i) {
-      for (Index k = J.outerIndexPtr()[i]; k < J.outerIndexPtr()[i + 1]; ++k) {
-        (*w)[At(i)] += entries_[At(k)] * moved[At(J.innerIndexPtr()[k])];
-      }
-    }
-  } else if (problem_.given_form() == MatrixForm::kSparse) {
-    const SparseMatrix& A = problem_.SparseA();
-    for (Index i = 0; i < n; ++i) {
-      for (Index k = A.outerIndexPtr()[i]; k < A.outerIndexPtr()[i + 1]; ++k) {
-        (*w)[At(i)] += entries_[At(k)] * f[At(A.innerIndexPtr()[k])];
-      }
-    }
-  } else {
-    for (Index j = 0; j < n; ++j) {
-      if (f[At(j)] == 0) continue;
-      for (Index i = 0; i < n; ++i) (*w)[At(i)] += entries_[At(j * n + i)] * f[At(j)];
-    }
+  for (Index i = 0; i < n; ++i) {
+    BigInteger& sum = (*w)[At(i)];
+    mpz_mul_2exp(sum.backend().data(), b_[At(i)].backend().data(), shift);
+    for (Index k = start[i]; k < start[i + 1]; ++k) sum += entries_[At(k)] * factor[At(column[k])];
   }
 }
 
-UpperBound::UpperBound(const BigInteger& number, long bits) {
-  mpfr_init2(value_, kBoundBits);
-  mpfr_set_z_2exp(value_, number.backend().data(), -bits, MPFR_RNDU);
+UpperBound::Float UpperBound::Converted(const BigInteger& number, long bits, mpfr_rnd_t rounding) {
+  Float converted;
+  mpfr_set_z_2exp(converted.backend().data(), number.backend().data(), -bits, rounding);
+  return converted;
 }
-UpperBound::UpperBound(double number) {
-  mpfr_init2(value_, kBoundBits);
-  mpfr_set_d(value_, number, MPFR_RNDU);
-}
-UpperBound::UpperBound(const UpperBound& other) {
-  mpfr_init2(value_, kBoundBits);
-  mpfr_set(value_, other.value_, MPFR_RNDU);
-}
-UpperBound& UpperBound::operator=(const UpperBound& other) {
-  mpfr_set(value_, other.value_, MPFR_RNDU);
-  return *this;
-}
-UpperBound::~UpperBound() { mpfr_clear(value_); }
-
 UpperBound& UpperBound::operator+=(const UpperBound& other) {
-  mpfr_add(value_, value_, other.value_, MPFR_RNDU);
+  mpfr_add(get(), get(), other.get(), MPFR_RNDU);
   return *this;
 }
 UpperBound& UpperBound::operator*=(const UpperBound& other) {
-  mpfr_mul(value_, value_, other.value_, MPFR_RNDU);
+  mpfr_mul(get(), get(), other.get(), MPFR_RNDU);
   return *this;
 }
 void UpperBound::DivideBy(const BigInteger& divisor, long bits) {
-  mpfr_t below;
-  mpfr_init2(below, kBoundBits);
-  mpfr_set_z_2exp(below, divisor.backend().data(), -bits, MPFR_RNDD);
-  mpfr_div(value_, value_, below, MPFR_RNDU);
-  mpfr_clear(below);
+  const Float below = Converted(divisor, bits, MPFR_RNDD);
+  mpfr_div(get(), get(), below.backend().data(), MPFR_RNDU);
 }
-void UpperBound::DivideBy(double divisor) { mpfr_div_d(value_, value_, divisor, MPFR_RNDU); }
-void UpperBound::TakeRoot() { mpfr_sqrt(value_, value_, MPFR_RNDU); }
-double UpperBound::ToDouble() const { return mpfr_get_d(value_, MPFR_RNDU); }
-
-bool UpperBound::IsBelow(const BigInteger& number, long bits) const {
-  mpfr_t below;
-  mpfr_init2(below, kBoundBits);
-  mpfr_set_z_2exp(below, number.backend().data(), -bits, MPFR_RNDD);
-  const bool is_below = mpfr_less_p(value_, below) != 0;
-  mpfr_clear(below);
-  return is_below;
-}
+void UpperBound::DivideBy(double divisor) { mpfr_div_d(get(), get(), divisor, MPFR_RNDU); }
+void UpperBound::TakeRoot() { mpfr_sqrt(get(), get(), MPFR_RNDU); }
 
 double ToDouble(const BigInteger& number, long bits) {
   long exponent = 0;

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <mpfr.h>
-
+#include <boost/multiprecision/mpfr.hpp>
 #include <vector>
 
 #include "solvers/exact/active_factor.h"
@@ -44,11 +43,11 @@ class DyadicLcp {
 
  private:
   const LcpProblem& problem_;
-  std::vector<BigInteger> entries_;  // of J or A, in the order of storage
+  const SparseMatrix& given_;        // J or A
+  std::vector<BigInteger> entries_;  // of it, in the order of storage
   std::vector<BigInteger> inverse_mass_;
   std::vector<BigInteger> diagonal_;
   std::vector<BigInteger> b_;
-  long entry_bits_ = 0;
   long matrix_bits_ = 0;
   long b_bits_ = 0;
 };
@@ -57,11 +56,8 @@ class DyadicLcp {
 class UpperBound {
  public:
   /// number 2^-bits, number >= 0.
-  UpperBound(const BigInteger& number, long bits);
-  explicit UpperBound(double number);
-  UpperBound(const UpperBound& other);
-  UpperBound& operator=(const UpperBound& other);
-  ~UpperBound();
+  UpperBound(const BigInteger& number, long bits) : value_(Converted(number, bits, MPFR_RNDU)) {}
+  explicit UpperBound(double number) : value_(number) {}
 
   UpperBound& operator+=(const UpperBound& other);
   UpperBound& operator*=(const UpperBound& other);
@@ -70,12 +66,22 @@ class UpperBound {
   void DivideBy(double divisor);
   void TakeRoot();
   /// Not below; infinite beyond the range of doubles.
-  double ToDouble() const;
+  double ToDouble() const { return mpfr_get_d(get(), MPFR_RNDU); }
   /// Whether number 2^-bits is larger, for certain.
-  bool IsBelow(const BigInteger& number, long bits) const;
+  bool IsBelow(const BigInteger& number, long bits) const { return value_ < Converted(number, bits, MPFR_RNDD); }
 
  private:
-  mpfr_t value_;
+  // More digits than a double's: bounds shall not grow by their own rounding. MPFR's functions round as they are told,
+  // Boost's operators do not.
+  using Float = boost::multiprecision::number<
+      boost::multiprecision::mpfr_float_backend<29, boost::multiprecision::allocate_stack>,
+      boost::multiprecision::et_off>;
+
+  static Float Converted(const BigInteger& number, long bits, mpfr_rnd_t rounding);
+  mpfr_ptr get() { return value_.backend().data(); }
+  mpfr_srcptr get() const { return value_.backend().data(); }
+
+  Float value_;
 };
 
 /// The digits of forces and gaps, and what they are measured by. Internal to solvers/exact/.

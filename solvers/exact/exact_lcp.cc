@@ -44,7 +44,7 @@ class ExactSolve {
   ExactSolve(const ExactLcp& problem, const ExactOptions& options)
       : problem_(problem),
         options_(options),
-        deadline_(Limits(options)),
+        deadline_(LcpOptions{.time_limit_s = options.time_limit_s, .now = options.now}),
         a_(CommonDenominator(problem.A)),
         c_(CommonDenominator(problem.b)),
         A_(Scaled(problem.A, problem.size, a_)),
@@ -89,13 +89,6 @@ class ExactSolve {
   }
 
  private:
-  static LcpOptions Limits(const ExactOptions& options) {
-    LcpOptions limits;
-    limits.time_limit_s = options.time_limit_s;
-    limits.now = options.now;
-    return limits;
-  }
-
   // From the guess in doubles; where that is not right almost at once, from one in more digits.
   ExactPivoting::End Pivot(const std::vector<char>& start, const std::vector<char>& support, ExactPivoting* pivoting) {
     const auto any = [](const std::vector<char>& marks) {
@@ -105,12 +98,8 @@ class ExactSolve {
     const ExactPivoting::End end =
         pivoting->Run(start, deadline_, options_.guess ? kSolvesOfFirstGuess : kSolvesOfNoGuess);
     if (end != ExactPivoting::End::kSolveLimit) return end;
-    std::vector<Index> joints;
-    for (const Index i : AllRows(problem_.size)) {
-      if (problem_.bilateral[At(i)] != 0) joints.push_back(i);
-    }
-    const std::optional<LemkeGuess> guess =
-        GuessByLemke(A_, b_, problem_.bilateral, IndependentRows(A_, joints), deadline_);
+    const std::vector<Index> joints = IndependentRows(A_, Marked(problem_.bilateral));
+    const std::optional<LemkeGuess> guess = GuessByLemke(A_, b_, problem_.bilateral, joints, deadline_);
     if (!guess.has_value()) return pivoting->Run(start, deadline_);
     if (any(guess->support) && pivoting->TryRay(guess->support)) return ExactPivoting::End::kRay;
     return pivoting->Run(guess->active, deadline_);
@@ -131,15 +120,13 @@ class ExactSolve {
     const Index n = problem_.size;
     Eigen::MatrixXd A(n, n);
     Eigen::VectorXd b(n);
-    std::vector<Index> bilateral;
     for (Index i = 0; i < n; ++i) {
       b[i] = problem_.b[At(i)].convert_to<double>();
       for (Index j = 0; j < n; ++j) A(i, j) = problem_.A[At(i * n + j)].convert_to<double>();
-      if (problem_.bilateral[At(i)] != 0) bilateral.push_back(i);
     }
     if (!A.allFinite() || !b.allFinite()) return;
-    const ExactGuess guess =
-        options_.guess(LcpProblem::FromDense(problem_.id, A, b, RowBounds::WithBilateralRows(n, bilateral)));
+    const ExactGuess guess = options_.guess(
+        LcpProblem::FromDense(problem_.id, A, b, {{problem_.bilateral.begin(), problem_.bilateral.end()}}));
     const auto mark = [&](const Eigen::VectorXd& values, std::vector<char>* marks) {
       if (values.size() != n || !values.allFinite()) return;
       double largest = 0;
@@ -230,22 +217,11 @@ class ExactSolve {
 
 // A x in common denominators: sums of rationals would reduce every one of them.
 std::vector<Rational> Product(const ExactLcp& problem, const std::vector<Rational>& x) {
-  const Index n = problem.size;
-  const BigInteger a = CommonDenominator(problem.A);
-  const BigInteger d = CommonDenominator(x);
-  std::vector<BigInteger> scaled(At(n));
-  for (Index j = 0; j < n; ++j) scaled[At(j)] = numerator(x[At(j)]) * (d / denominator(x[At(j)]));
-  std::vector<Rational> product(At(n));
-  const BigInteger unit = a * d;
-  for (Index i = 0; i < n; ++i) {
-    BigInteger sum = 0;
-    for (Index j = 0; j < n; ++j) {
-      const Rational& entry = problem.A[At(i * n + j)];
-      if (entry == 0 || scaled[At(j)] == 0) continue;
-      sum += numerator(entry) * (a / denominator(entry)) * scaled[At(j)];
-    }
-    product[At(i)] = Rational(sum, unit);
-  }
+  const BigInteger a = CommonDenominator(problem.A), d = CommonDenominator(x);
+  IntegerMatrix scaled(problem.size, 1);
+  fmpz_mat_mul(scaled.get(), Scaled(problem.A, problem.size, a).get(), Scaled(x, problem.size, d).get());
+  std::vector<Rational> product;
+  for (Index i = 0; i < problem.size; ++i) product.push_back(ToRational(scaled.at(i, 0)) / Rational(a * d));
   return product;
 }
 
@@ -282,17 +258,8 @@ std::string FaultOfRay(const ExactLcp& problem, const std::vector<Rational>& y) 
 }  // namespace
 
 const char* ToString(ExactAnswer::Status status) {
-  switch (status) {
-    case ExactAnswer::Status::kSolved:
-      return "solved";
-    case ExactAnswer::Status::kInfeasible:
-      return "infeasible";
-    case ExactAnswer::Status::kNotSemidefinite:
-      return "not positive semidefinite";
-    case ExactAnswer::Status::kTimeLimit:
-      return "time limit";
-  }
-  return "";
+  constexpr const char* kNames[] = {"solved", "infeasible", "not positive semidefinite", "time limit"};
+  return kNames[static_cast<int>(status)];
 }
 
 ExactAnswer SolveExactly(const ExactLcp& problem, const ExactOptions& options) {

@@ -143,10 +143,7 @@ ExactPivoting::End ExactPivoting::Run(const std::vector<char>& start, const Dead
 }
 
 bool ExactPivoting::TryRay(const std::vector<char>& support) {
-  std::vector<Index> rows;
-  for (Index i = 0; i < size(); ++i) {
-    if (support[At(i)] != 0) rows.push_back(i);
-  }
+  const std::vector<Index> rows = Marked(support);
   const std::vector<Index> independent = IndependentRows(A_, rows);
   size_t tries = 0;
   for (const Index k : rows) {

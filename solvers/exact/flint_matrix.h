@@ -13,46 +13,31 @@
 
 namespace lcpbench {
 
-/// FLINT's matrices of integers and of rationals, owned. Internal to solvers/exact/.
-class IntegerMatrix {
+/// A matrix of FLINT's, owned. Internal to solvers/exact/.
+template <typename Value, typename Entry, void (*init)(Value*, slong, slong), void (*clear)(Value*)>
+class FlintMatrix {
  public:
-  IntegerMatrix(Index rows, Index columns) { fmpz_mat_init(value_, rows, columns); }
-  IntegerMatrix(const IntegerMatrix& other) { fmpz_mat_init_set(value_, other.value_); }
-  IntegerMatrix(IntegerMatrix&& other) noexcept : IntegerMatrix(0, 0) { fmpz_mat_swap(value_, other.value_); }
-  IntegerMatrix& operator=(IntegerMatrix other) {
-    fmpz_mat_swap(value_, other.value_);
+  FlintMatrix(Index rows, Index columns) { init(&value_, rows, columns); }
+  FlintMatrix(const FlintMatrix&) = delete;
+  FlintMatrix(FlintMatrix&& other) noexcept : FlintMatrix(0, 0) { std::swap(value_, other.value_); }
+  FlintMatrix& operator=(FlintMatrix other) {
+    std::swap(value_, other.value_);
     return *this;
   }
-  ~IntegerMatrix() { fmpz_mat_clear(value_); }
+  ~FlintMatrix() { clear(&value_); }
 
-  Index rows() const { return fmpz_mat_nrows(value_); }
-  Index columns() const { return fmpz_mat_ncols(value_); }
-  fmpz* at(Index i, Index j) { return fmpz_mat_entry(value_, i, j); }
-  const fmpz* at(Index i, Index j) const { return fmpz_mat_entry(value_, i, j); }
-  fmpz_mat_struct* get() { return value_; }
-  const fmpz_mat_struct* get() const { return value_; }
-
- private:
-  fmpz_mat_t value_;
-};
-
-class RationalMatrix {
- public:
-  RationalMatrix(Index rows, Index columns) { fmpq_mat_init(value_, rows, columns); }
-  RationalMatrix(RationalMatrix&& other) noexcept : RationalMatrix(0, 0) { fmpq_mat_swap(value_, other.value_); }
-  RationalMatrix& operator=(RationalMatrix&&) = delete;
-  ~RationalMatrix() { fmpq_mat_clear(value_); }
-
-  Index rows() const { return fmpq_mat_nrows(value_); }
-  Index columns() const { return fmpq_mat_ncols(value_); }
-  fmpq* at(Index i, Index j) { return fmpq_mat_entry(value_, i, j); }
-  const fmpq* at(Index i, Index j) const { return fmpq_mat_entry(value_, i, j); }
-  fmpq_mat_struct* get() { return value_; }
-  const fmpq_mat_struct* get() const { return value_; }
+  Index rows() const { return value_.r; }
+  Index columns() const { return value_.c; }
+  Entry* at(Index i, Index j) { return value_.rows[i] + j; }
+  const Entry* at(Index i, Index j) const { return value_.rows[i] + j; }
+  Value* get() { return &value_; }
+  const Value* get() const { return &value_; }
 
  private:
-  fmpq_mat_t value_;
+  Value value_;
 };
+using IntegerMatrix = FlintMatrix<fmpz_mat_struct, fmpz, &fmpz_mat_init, &fmpz_mat_clear>;
+using RationalMatrix = FlintMatrix<fmpq_mat_struct, fmpq, &fmpq_mat_init, &fmpq_mat_clear>;
 
 /// One integer, owned.
 class Integer {
@@ -76,11 +61,12 @@ inline Rational ToRational(const fmpq* from) {
   return to;
 }
 
-inline Rational ToRational(const fmpz* from) {
+inline BigInteger ToInteger(const fmpz* from) {
   BigInteger to;
   fmpz_get_mpz(to.backend().data(), from);
-  return Rational(to);
+  return to;
 }
+inline Rational ToRational(const fmpz* from) { return Rational(ToInteger(from)); }
 
 /// numerator / denominator.
 inline Rational ToRational(const fmpz* numerator, const fmpz* denominator) {
@@ -91,6 +77,13 @@ inline Rational ToRational(const fmpz* numerator, const fmpz* denominator) {
 inline std::vector<Index> AllRows(Index n) {
   std::vector<Index> rows(At(n));
   std::iota(rows.begin(), rows.end(), Index{0});
+  return rows;
+}
+
+/// The rows that are marked with a number other than 0.
+inline std::vector<Index> Marked(const std::vector<char>& marks) {
+  std::vector<Index> rows = AllRows(static_cast<Index>(marks.size()));
+  std::erase_if(rows, [&](Index i) { return marks[At(i)] == 0; });
   return rows;
 }
 

@@ -19,8 +19,7 @@ constexpr double kGuessDone = 1e-15;
 Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
   Eigen::MatrixXd result(A.rows(), A.columns());
   slong exponent = 0;
-  for (Index i = 0; i < A.rows(); ++i)
-    exponent = std::max(exponent, static_cast<slong>(fmpz_sizeinbase(A.at(i, i), 2)));
+  for (Index i = 0; i < A.rows(); ++i) exponent = std::max<slong>(exponent, fmpz_bits(A.at(i, i)));
   for (Index i = 0; i < A.rows(); ++i) {
     for (Index j = 0; j < A.columns(); ++j) {
       slong own = 0;
@@ -59,6 +58,26 @@ bool MakeProjector(const IntegerMatrix& N, RationalMatrix* projector) {
   const RationalMatrix right = Solve(gram, transposed);
   fmpq_mat_mul(projector->get(), left.get(), right.get());
   return true;
+}
+
+// f of w = A f + b, f, w >= 0, f w = 0; nothing where there is none, or not by the deadline.
+struct Pivoted {
+  ExactPivoting::End end;
+  std::vector<Rational> f;
+};
+Pivoted Pivot(const RationalMatrix& A, const RationalMatrix& b, const Deadline& deadline) {
+  Integer A_unit, b_unit;  // f = (A_unit / b_unit) f'
+  const IntegerMatrix A_integer = Numerators(A, &A_unit);
+  const IntegerMatrix b_integer = Numerators(b, &b_unit);
+  const std::vector<char> none(At(A.rows()), 0);
+  ExactPivoting pivoting(A_integer, b_integer, none);
+  Pivoted pivoted{pivoting.Run(none, deadline), {}};
+  if (pivoted.end != ExactPivoting::End::kSolved) return pivoted;
+  const Rational unit = ToRational(A_unit.get(), b_unit.get());
+  for (Index i = 0; i < A.rows(); ++i) {
+    pivoted.f.push_back(ToRational(pivoting.f().at(i, 0), pivoting.denominator().get()) * unit);
+  }
+  return pivoted;
 }
 
 }  // namespace
@@ -163,29 +182,17 @@ std::optional<LeastNorm> ProjectOnSet(const SolutionSet& set, const Deadline& de
   fmpq_mat_mul(least.get(), P.get(), f.get());
   fmpq_mat_sub(least.get(), f.get(), least.get());
 
-  std::vector<Index> unilateral;
-  for (Index i = 0; i < n; ++i) {
-    if (set.bilateral[At(i)] == 0) unilateral.push_back(i);
-  }
+  const std::vector<Index> unilateral = OtherRows(n, Marked(set.bilateral));
   const auto m = static_cast<Index>(unilateral.size());
   RationalMatrix block(m, m), right(m, 1);
   for (Index i = 0; i < m; ++i) {
     for (Index j = 0; j < m; ++j) fmpq_set(block.at(i, j), P.at(unilateral[At(i)], unilateral[At(j)]));
     fmpq_set(right.at(i, 0), least.at(unilateral[At(i)], 0));
   }
-  Integer block_unit, right_unit;  // s = (block_unit / right_unit) s'
-  const IntegerMatrix block_integer = Numerators(block, &block_unit);
-  const IntegerMatrix right_integer = Numerators(right, &right_unit);
-  const std::vector<char> none(At(m), 0);
-  ExactPivoting pivoting(block_integer, right_integer, none);
-  if (pivoting.Run(none, deadline) != ExactPivoting::End::kSolved) {
-    return std::nullopt;
-  }
-  const Rational unit = ToRational(block_unit.get(), right_unit.get());
+  const Pivoted pivoted = Pivot(block, right, deadline);
+  if (pivoted.end != ExactPivoting::End::kSolved) return std::nullopt;
   RationalMatrix s(n, 1), moved(n, 1);
-  for (Index i = 0; i < m; ++i) {
-    Assign(s.at(unilateral[At(i)], 0), ToRational(pivoting.f().at(i, 0), pivoting.denominator().get()) * unit);
-  }
+  for (Index i = 0; i < m; ++i) Assign(s.at(unilateral[At(i)], 0), pivoted.f[At(i)]);
   fmpq_mat_mul(moved.get(), P.get(), s.get());
   fmpq_mat_add(least.get(), least.get(), moved.get());
 
@@ -222,13 +229,9 @@ std::optional<bool> IsOnlySolution(const SolutionSet& set, const std::vector<Rat
   RationalMatrix Q(m, m);
   fmpq_mat_one(Q.get());
   fmpq_mat_sub(Q.get(), Q.get(), projector.get());
-  Integer denominator;
-  const IntegerMatrix Q_integer = Numerators(Q, &denominator);
-  IntegerMatrix minus_one(m, 1);
-  for (Index i = 0; i < m; ++i) fmpz_set_si(minus_one.at(i, 0), -1);
-  const std::vector<char> none(At(m), 0);
-  ExactPivoting pivoting(Q_integer, minus_one, none);
-  const ExactPivoting::End end = pivoting.Run(none, deadline);
+  RationalMatrix minus_one(m, 1);
+  for (Index i = 0; i < m; ++i) fmpq_set_si(minus_one.at(i, 0), -1, 1);
+  const ExactPivoting::End end = Pivot(Q, minus_one, deadline).end;
   if (end == ExactPivoting::End::kTimeLimit) return std::nullopt;
   return end == ExactPivoting::End::kSolved;
 }

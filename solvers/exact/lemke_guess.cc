@@ -15,15 +15,7 @@ using Float = boost::multiprecision::number<
 
 constexpr Index kMostPivotsPerRow = 20;
 
-Float ToFloat(const fmpz* integer) {
-  mpz_t value;
-  mpz_init(value);
-  fmpz_get_mpz(value, integer);
-  Float result;
-  mpfr_set_z(result.backend().data(), value, MPFR_RNDN);
-  mpz_clear(value);
-  return result;
-}
+Float ToFloat(const fmpz* integer) { return Float(ToInteger(integer)); }
 
 using Matrix = Eigen::Matrix<Float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
 #include <limits>
 #include <map>
@@ -12,6 +11,7 @@
 #include <vector>
 
 #include "solvers/io/hdf5_file.h"
+#include "solvers/io/same_bits.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -33,7 +33,6 @@ constexpr char kMu[] = "/fclib_local/vectors/mu";
 constexpr char kS[] = "/fclib_local/vectors/s";
 constexpr char kNormalForces[] = "/solution/r";
 constexpr char kBilateralForces[] = "/solution/l";
-constexpr char kOwnGroup[] = "/lcpbench";
 constexpr char kId[] = "/lcpbench/id";
 constexpr char kRowOrder[] = "/lcpbench/row_order";
 constexpr char kJ[] = "/lcpbench/J";
@@ -41,38 +40,36 @@ constexpr char kInverseMass[] = "/lcpbench/inverse_mass";
 
 using Entry = Eigen::Triplet<double, int>;
 
-std::vector<Hdf5Request> AllRequests() {
-  std::vector<Hdf5Request> requests;
+Hdf5Datasets AllDatasets() {
+  Hdf5Datasets wanted{{kId, std::string()}};
   for (const std::string matrix : {kW, kV, kR, kJ}) {
     for (const char* part : {"/nzmax", "/m", "/n", "/nz", "/p", "/i"}) {
-      requests.push_back({matrix + part, Hdf5Kind::kIntegers});
+      wanted.emplace_back(matrix + part, std::vector<int>());
     }
-    requests.push_back({matrix + "/x", Hdf5Kind::kReals});
+    wanted.emplace_back(matrix + "/x", std::vector<double>());
   }
-  for (const char* integers : {kDimension, kRowOrder}) requests.push_back({integers, Hdf5Kind::kIntegers});
+  for (const char* integers : {kDimension, kRowOrder}) wanted.emplace_back(integers, std::vector<int>());
   for (const char* reals : {kQ, kMu, kS, kNormalForces, kBilateralForces, kInverseMass}) {
-    requests.push_back({reals, Hdf5Kind::kReals});
+    wanted.emplace_back(reals, std::vector<double>());
   }
-  requests.push_back({kId, Hdf5Kind::kText});
-  return requests;
+  return wanted;
 }
 
 // The datasets of one file, and what is wrong with them.
 class File {
  public:
-  explicit File(const std::string& path) : path_(path), datasets_(ReadHdf5(path, AllRequests())) {}
+  explicit File(const std::string& path) : path_(path) {
+    for (auto& [name, values] : ReadHdf5(path, AllDatasets())) datasets_.emplace(name, std::move(values));
+  }
 
   [[noreturn]] void Reject(const std::string& place, const std::string& expected, const std::string& found) const {
     throw InputError(path_ + ": " + place + ": expected " + expected + ", found " + found);
   }
 
   bool Has(const std::string& name) const { return datasets_.count(name) > 0; }
-  const std::string& Text(const std::string& name) const { return datasets_.at(name).text; }
-
+  const std::string& Text(const std::string& name) const { return std::get<std::string>(datasets_.at(name)); }
   const std::vector<int>& Integers(const std::string& name) const {
-    const auto found = datasets_.find(name);
-    if (found == datasets_.end()) Reject(name, "a dataset of integers", "none");
-    return found->second.integers;
+    return std::get<std::vector<int>>(Find(name, "a dataset of integers"));
   }
   int Integer(const std::string& name, int least, int most) const {
     const std::vector<int>& values = Integers(name);
@@ -81,20 +78,14 @@ class File {
     if (values[0] < least || values[0] > most) Reject(name, expected, std::to_string(values[0]));
     return values[0];
   }
-  // Finite ones.
-  const std::vector<double>& Reals(const std::string& name) const {
-    const auto found = datasets_.find(name);
-    if (found == datasets_.end()) Reject(name, "a dataset of numbers", "none");
-    const std::vector<double>& values = found->second.reals;
+  // Finite ones, `count` where that is known.
+  const std::vector<double>& Reals(const std::string& name, std::optional<std::int64_t> count = std::nullopt) const {
+    const auto& values = std::get<std::vector<double>>(Find(name, "a dataset of numbers"));
     for (size_t k = 0; k < values.size(); ++k) {
       if (std::isfinite(values[k])) continue;
       Reject(name, "finite numbers", std::to_string(values[k]) + " at " + std::to_string(k));
     }
-    return values;
-  }
-  const std::vector<double>& Reals(const std::string& name, std::int64_t count) const {
-    const std::vector<double>& values = Reals(name);
-    RequireCount(name, values.size(), count);
+    if (count) RequireCount(name, values.size(), *count);
     return values;
   }
   void RequireCount(const std::string& name, size_t found, std::int64_t expected) const {
@@ -103,6 +94,12 @@ class File {
   }
 
  private:
+  const Hdf5Dataset& Find(const std::string& name, const char* expected) const {
+    const auto found = datasets_.find(name);
+    if (found == datasets_.end()) Reject(name, expected, "none");
+    return found->second;
+  }
+
   std::string path_;
   std::map<std::string, Hdf5Dataset> datasets_;
 };
@@ -114,11 +111,9 @@ struct Matrix {
   std::vector<Entry> entries;
 };
 
-void RequireIndices(const File& file, const std::string& name, const std::vector<int>& indices, int end) {
-  for (const int index : indices) {
-    if (index >= 0 && index < end) continue;
-    file.Reject(name, "indices from 0 to " + std::to_string(end - 1), std::to_string(index));
-  }
+void RequireIndex(const File& file, const std::string& name, int index, int end) {
+  if (index >= 0 && index < end) return;
+  file.Reject(name, "indices from 0 to " + std::to_string(end - 1), std::to_string(index));
 }
 
 Matrix ReadMatrix(const File& file, const std::string& name) {
@@ -134,31 +129,28 @@ Matrix ReadMatrix(const File& file, const std::string& name) {
   file.RequireCount(i_name, i.size(), form >= 0 ? form : places);
   if (form >= 0) {
     file.RequireCount(p_name, p.size(), form);
-    RequireIndices(file, p_name, p, matrix.rows);
-    RequireIndices(file, i_name, i, matrix.columns);
-    for (size_t k = 0; k < x.size(); ++k) matrix.entries.emplace_back(p[k], i[k], x[k]);
+    for (size_t k = 0; k < x.size(); ++k) {
+      RequireIndex(file, p_name, p[k], matrix.rows);
+      RequireIndex(file, i_name, i[k], matrix.columns);
+      matrix.entries.emplace_back(p[k], i[k], x[k]);
+    }
     return matrix;
   }
   const bool by_columns = form == kCompressedColumns;
   const int outer = by_columns ? matrix.columns : matrix.rows;
-  const int inner = by_columns ? matrix.rows : matrix.columns;
   file.RequireCount(p_name, p.size(), std::int64_t{outer} + 1);
+  const int inner = by_columns ? matrix.rows : matrix.columns;
   int last = 0;
-  for (size_t k = 0; k < p.size(); ++k) {
-    const int least = last, most = k == 0 ? 0 : places;
-    if (p[k] < least || p[k] > most) {
-      file.Reject(p_name, "a place from " + std::to_string(least) + " to " + std::to_string(most),
+  for (size_t k = 0; k < p.size(); last = p[k++]) {
+    const int most = k == 0 ? 0 : places;
+    if (p[k] < last || p[k] > most) {
+      file.Reject(p_name, "a place from " + std::to_string(last) + " to " + std::to_string(most),
                   std::to_string(p[k]) + " at " + std::to_string(k));
     }
-    last = p[k];
-  }
-  for (int a = 0; a < outer; ++a) {
-    for (auto k = static_cast<size_t>(p[static_cast<size_t>(a)]);
-         k < static_cast<size_t>(p[static_cast<size_t>(a) + 1]); ++k) {
-      if (i[k] < 0 || i[k] >= inner) {
-        file.Reject(i_name, "indices from 0 to " + std::to_string(inner - 1), std::to_string(i[k]));
-      }
-      matrix.entries.emplace_back(by_columns ? i[k] : a, by_columns ? a : i[k], x[k]);
+    for (int e = last; e < p[k]; ++e) {
+      const int a = static_cast<int>(k) - 1, b = i[static_cast<size_t>(e)];
+      RequireIndex(file, i_name, b, inner);
+      matrix.entries.emplace_back(by_columns ? b : a, by_columns ? a : b, x[static_cast<size_t>(e)]);
     }
   }
   return matrix;
@@ -189,11 +181,11 @@ struct LocalProblem {
 // For every contact, and then every bilateral row, its row in the problem.
 std::vector<int> ReadRowOrder(const File& file, int n) {
   std::vector<int> rows(static_cast<size_t>(n));
-  for (int k = 0; k < n; ++k) rows[static_cast<size_t>(k)] = k;
+  std::iota(rows.begin(), rows.end(), 0);
   if (!file.Has(kRowOrder)) return rows;
   const std::vector<int>& given = file.Integers(kRowOrder);
   file.RequireCount(kRowOrder, given.size(), n);
-  RequireIndices(file, kRowOrder, given, n);
+  for (const int row : given) RequireIndex(file, kRowOrder, row, n);
   std::vector<int> sorted = given;
   std::sort(sorted.begin(), sorted.end());
   if (sorted != rows) file.Reject(kRowOrder, "every row once", "one twice");
@@ -234,26 +226,23 @@ LocalProblem ReadLocal(const File& file) {
 }
 
 SparseMatrix AssembleA(const LocalProblem& local) {
-  const int d = local.dimension;
-  const auto is_normal = [d](int row) { return row % d == 0; };
-  const auto contact_row = [&](int row) {
-    return local.contact_rows[static_cast<size_t>(row) / static_cast<size_t>(d)];
+  // The row of the problem; -1 for a tangential one.
+  const auto of_contact = [&](int row) {
+    return row % local.dimension == 0 ? local.contact_rows[static_cast<size_t>(row / local.dimension)] : -1;
   };
-  const auto bilateral_row = [&](int row) { return local.bilateral_rows[static_cast<size_t>(row)]; };
+  const auto of_bilateral = [&](int row) { return local.bilateral_rows[static_cast<size_t>(row)]; };
   std::vector<Entry> entries;
-  for (const Entry& entry : local.W.entries) {
-    if (!is_normal(entry.row()) || !is_normal(entry.col())) continue;
-    entries.emplace_back(contact_row(entry.row()), contact_row(entry.col()), entry.value());
-  }
-  for (const Entry& entry : local.V.entries) {
-    if (!is_normal(entry.row())) continue;
-    const int row = contact_row(entry.row()), column = bilateral_row(entry.col());
-    entries.emplace_back(row, column, entry.value());
-    entries.emplace_back(column, row, entry.value());
-  }
-  for (const Entry& entry : local.R.entries) {
-    entries.emplace_back(bilateral_row(entry.row()), bilateral_row(entry.col()), entry.value());
-  }
+  const auto add = [&](const Matrix& part, auto row_of, auto column_of, bool mirrored) {
+    for (const Entry& entry : part.entries) {
+      const int row = row_of(entry.row()), column = column_of(entry.col());
+      if (row < 0 || column < 0) continue;
+      entries.emplace_back(row, column, entry.value());
+      if (mirrored) entries.emplace_back(column, row, entry.value());
+    }
+  };
+  add(local.W, of_contact, of_contact, false);
+  add(local.V, of_contact, of_bilateral, true);
+  add(local.R, of_bilateral, of_bilateral, false);
   SparseMatrix A(local.size(), local.size());
   A.setFromTriplets(entries.begin(), entries.end());
   return A;
@@ -271,8 +260,7 @@ Eigen::VectorXd Merge(const LocalProblem& local, const std::vector<double>& of_c
 
 LcpProblem ToProblem(const File& file, const LocalProblem& local, const std::string& id) {
   const Index n = local.size();
-  const std::vector<Index> bilateral(local.bilateral_rows.begin(), local.bilateral_rows.end());
-  RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
+  RowBounds bounds = RowBounds::WithBilateralRows(n, {local.bilateral_rows.begin(), local.bilateral_rows.end()});
   Eigen::VectorXd b = Merge(local, local.q, local.s);
   if (!file.Has(kJ + std::string("/m")) && !file.Has(kInverseMass)) {
     return LcpProblem::FromSparse(id, AssembleA(local), std::move(b), std::move(bounds));
@@ -284,105 +272,53 @@ LcpProblem ToProblem(const File& file, const LocalProblem& local, const std::str
   return LcpProblem::FromFactors(id, ToSparse(J), std::move(masses), std::move(b), std::move(bounds));
 }
 
-std::string Part(const char* matrix, const char* part) { return std::string(matrix) + part; }
-
-// A matrix in compressed columns or rows.
-struct Compressed {
-  int rows = 0;
-  int columns = 0;
-  int form = kCompressedColumns;
-  std::vector<int> p{0};
-  std::vector<int> i;
-  std::vector<double> x;
-
-  void Add(Index index, double value) {
-    i.push_back(static_cast<int>(index));
-    x.push_back(value);
-  }
-  void EndOuter() { p.push_back(static_cast<int>(i.size())); }
-};
-
-void WriteMatrix(const Compressed& matrix, const char* name, Hdf5Writer* file) {
-  file->AddGroup(name);
-  file->AddIntegers(Part(name, "/nzmax"), {static_cast<int>(matrix.x.size())});
-  file->AddIntegers(Part(name, "/m"), {matrix.rows});
-  file->AddIntegers(Part(name, "/n"), {matrix.columns});
-  file->AddIntegers(Part(name, "/nz"), {matrix.form});
-  file->AddIntegers(Part(name, "/p"), matrix.p);
-  file->AddIntegers(Part(name, "/i"), matrix.i);
-  file->AddReals(Part(name, "/x"), matrix.x.data(), matrix.x.size());
+// In compressed columns or rows, as Eigen has it.
+template <int order>
+void AddMatrix(const Eigen::SparseMatrix<double, order, int>& matrix, const std::string& name, Hdf5Datasets* file) {
+  const auto add = [&](const char* part, auto values) { file->emplace_back(name + part, std::move(values)); };
+  const auto count = static_cast<int>(matrix.nonZeros());
+  const int *const p = matrix.outerIndexPtr(), *const i = matrix.innerIndexPtr();
+  add("/nzmax", std::vector{count});
+  add("/m", std::vector{static_cast<int>(matrix.rows())});
+  add("/n", std::vector{static_cast<int>(matrix.cols())});
+  add("/nz", std::vector{order == Eigen::ColMajor ? kCompressedColumns : kCompressedRows});
+  add("/p", std::vector(p, p + matrix.outerSize() + 1));
+  add("/i", std::vector(i, i + count));
+  add("/x", std::vector(matrix.valuePtr(), matrix.valuePtr() + count));
 }
 
+using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+
 struct Blocks {
-  Compressed W, V, R;
-  Compressed V_transposed;  // A_BC by rows, for comparison
+  ByColumns W, V, R;
 };
 
 // @param place  of every row among those of its kind
 Blocks Divide(const LcpProblem& problem, const std::vector<int>& place) {
-  using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
-  const SparseMatrix& A = problem.SparseA();
-  const ByColumns columns = A;
-  const auto bilateral = static_cast<int>(problem.bilateral_rows().size());
-  const int contact_rows = kLeastDimension * (static_cast<int>(problem.size()) - bilateral);
-  Blocks blocks;
-  blocks.W.rows = blocks.W.columns = blocks.V.rows = contact_rows;
-  blocks.V.columns = blocks.R.rows = blocks.R.columns = bilateral;
+  const auto bilateral = static_cast<Index>(problem.bilateral_rows().size());
+  const Index contact_rows = kLeastDimension * (problem.size() - bilateral);
   const auto index_of = [&](Index row) {
     return (problem.is_bilateral(row) ? 1 : kLeastDimension) * place[static_cast<size_t>(row)];
   };
-  for (Index j = 0; j < columns.cols(); ++j) {
-    if (!problem.is_bilateral(j)) {
-      for (ByColumns::InnerIterator it(columns, j); it; ++it) {
-        if (!problem.is_bilateral(it.row())) blocks.W.Add(index_of(it.row()), it.value());
-      }
-      for (int row = 0; row < kLeastDimension; ++row) blocks.W.EndOuter();  // tangential columns are empty
-      continue;
+  std::vector<Entry> entries[2][2];  // by whether the row and the column are bilateral
+  const SparseMatrix& A = problem.SparseA();
+  for (Index i = 0; i < A.rows(); ++i) {
+    for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+      std::vector<Entry>& part = entries[problem.is_bilateral(i) ? 1 : 0][problem.is_bilateral(it.col()) ? 1 : 0];
+      part.emplace_back(index_of(i), index_of(it.col()), it.value());
     }
-    for (ByColumns::InnerIterator it(columns, j); it; ++it) {
-      (problem.is_bilateral(it.row()) ? blocks.R : blocks.V).Add(index_of(it.row()), it.value());
-    }
-    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      if (!problem.is_bilateral(it.col())) blocks.V_transposed.Add(index_of(it.col()), it.value());
-    }
-    blocks.R.EndOuter();
-    blocks.V.EndOuter();
-    blocks.V_transposed.EndOuter();
   }
-  return blocks;
-}
-
-Compressed RowsOf(const SparseMatrix& matrix) {
-  Compressed rows;
-  rows.rows = static_cast<int>(matrix.rows());
-  rows.columns = static_cast<int>(matrix.cols());
-  rows.form = kCompressedRows;
-  for (Index i = 0; i < matrix.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(matrix, i); it; ++it) rows.Add(it.col(), it.value());
-    rows.EndOuter();
-  }
-  return rows;
-}
-
-void RequireSymmetricCoupling(const Blocks& blocks, const std::string& id) {
-  const Compressed &V = blocks.V, &other = blocks.V_transposed;
-  if (V.p == other.p && V.i == other.i &&
-      (V.x.empty() || std::memcmp(V.x.data(), other.x.data(), sizeof(double) * V.x.size()) == 0)) {
-    return;
-  }
-  throw InputError("problem '" + id +
+  const auto make = [](Index rows, Index columns, const std::vector<Entry>& part) {
+    ByColumns matrix(rows, columns);
+    matrix.setFromTriplets(part.begin(), part.end());
+    return matrix;
+  };
+  Blocks blocks{make(contact_rows, contact_rows, entries[0][0]), make(contact_rows, bilateral, entries[0][1]),
+                make(bilateral, bilateral, entries[1][1])};
+  if (SameBits(blocks.V, ByColumns(make(bilateral, contact_rows, entries[1][0]).transpose()))) return blocks;
+  throw InputError("problem '" + problem.id() +
                    "': expected the same entries between contacts and bilateral rows in both triangles of A, as FCLib "
                    "keeps one of them, found others");
-}
-
-void WriteOwnGroup(const LcpProblem& problem, const std::vector<int>& rows, Hdf5Writer* file) {
-  file->AddGroup(kOwnGroup);
-  file->AddText(kId, problem.id());
-  file->AddIntegers(kRowOrder, rows);
-  if (!problem.has_factors()) return;
-  WriteMatrix(RowsOf(problem.J()), kJ, file);
-  const Eigen::VectorXd& masses = problem.inverse_mass();
-  file->AddReals(kInverseMass, masses.data(), static_cast<size_t>(masses.size()));
 }
 
 }  // namespace
@@ -411,9 +347,6 @@ FclibProblem ReadFclibProblem(const std::string& path) {
 }
 
 void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
-  if (!problem.has_standard_bounds()) {
-    throw InputError("problem '" + problem.id() + "': expected unilateral and bilateral rows only, found other bounds");
-  }
   const Index n = problem.size();
   if (n > kMost / kLeastDimension) {
     throw InputError("problem '" + problem.id() + "': expected at most " + std::to_string(kMost / kLeastDimension) +
@@ -434,8 +367,7 @@ void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
     }
   }
   const Blocks blocks = Divide(problem, place);
-  RequireSymmetricCoupling(blocks, problem.id());
-  std::vector<double> q(static_cast<size_t>(blocks.W.rows), 0.0), s;
+  std::vector<double> q(static_cast<size_t>(blocks.W.rows()), 0.0), s;
   for (size_t k = 0; k < rows.size(); ++k) {
     const double b = problem.b()[rows[k]];
     if (kLeastDimension * k < q.size()) {
@@ -445,24 +377,26 @@ void WriteFclibProblem(const LcpProblem& problem, const std::string& path) {
     }
   }
 
-  Hdf5Writer file(path);
-  file.AddGroup("/fclib_local");
-  file.AddIntegers(kDimension, {kLeastDimension});
-  WriteMatrix(blocks.W, kW, &file);
+  Hdf5Datasets file{{kDimension, std::vector{kLeastDimension}}};
+  AddMatrix(blocks.W, kW, &file);
   if (!s.empty()) {
-    WriteMatrix(blocks.V, kV, &file);
-    WriteMatrix(blocks.R, kR, &file);
+    AddMatrix(blocks.V, kV, &file);
+    AddMatrix(blocks.R, kR, &file);
+    file.emplace_back(kS, std::move(s));
   }
-  file.AddGroup("/fclib_local/vectors");
-  const std::vector<double> mu(q.size() / kLeastDimension, 0.0);
-  file.AddReals(kQ, q.data(), q.size());
-  file.AddReals(kMu, mu.data(), mu.size());
-  if (!s.empty()) file.AddReals(kS, s.data(), s.size());
-  file.AddGroup("/fclib_local/info");
-  file.AddText("/fclib_local/info/title", problem.id());
-  file.AddText("/fclib_local/info/description", "frictionless: a linear complementarity problem in the normal rows");
-  WriteOwnGroup(problem, rows, &file);
-  file.Close();
+  file.emplace_back(kMu, std::vector<double>(q.size() / kLeastDimension, 0.0));
+  file.emplace_back(kQ, std::move(q));
+  file.emplace_back("/fclib_local/info/title", problem.id());
+  file.emplace_back("/fclib_local/info/description",
+                    std::string("frictionless: a linear complementarity problem in the normal rows"));
+  file.emplace_back(kId, problem.id());
+  file.emplace_back(kRowOrder, std::move(rows));
+  if (problem.has_factors()) {
+    AddMatrix(problem.J(), kJ, &file);
+    const Eigen::VectorXd& masses = problem.inverse_mass();
+    file.emplace_back(kInverseMass, std::vector<double>(masses.begin(), masses.end()));
+  }
+  WriteHdf5(path, file);
 }
 
 }  // namespace lcpbench

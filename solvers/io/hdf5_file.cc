@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <hdf5.h>
+#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -12,11 +13,11 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdlib>
-#include <limits>
+#include <cstring>
 #include <new>
 #include <optional>
-#include <string_view>
-#include <utility>
+#include <set>
+#include <stdexcept>
 
 #include "support/clock.h"
 #include "support/input_error.h"
@@ -24,8 +25,6 @@
 
 namespace lcpbench {
 namespace {
-
-constexpr double kForever = std::numeric_limits<double>::infinity();
 
 // Closes what libhdf5 opened. Negative numbers are its failures.
 class Handle {
@@ -45,63 +44,96 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// What the child may use.
-struct Limits {
-  std::uint64_t memory = 0;  // bytes beyond what it is born with
-  std::uint64_t time_s = 0;  // of the processor
+// What the child may use, of a file of so many bytes.
+std::uint64_t MemoryLimit(std::uint64_t file_size) {  // bytes beyond what it is born with
+  constexpr std::uint64_t kLeast = 64 << 20;
+  constexpr std::uint64_t kPerByte = 4;
+  return kLeast + kPerByte * file_size;
+}
+std::uint64_t TimeLimit(std::uint64_t file_size) {  // seconds of the processor
+  constexpr std::uint64_t kLeast = 5;
+  constexpr std::uint64_t kBytesPerSecond = 20 << 20;  // hardly any disk is slower
+  return kLeast + file_size / kBytesPerSecond;
+}
 
-  explicit Limits(std::uint64_t file_size)
-      : memory(kLeastMemory + kMemoryPerByte * file_size), time_s(kLeastTime + file_size / kBytesPerSecond) {}
+constexpr char kTooLarge[] = "expected a file for which there is memory, found a larger one";
 
- private:
-  static constexpr std::uint64_t kLeastMemory = 64 << 20;
-  static constexpr std::uint64_t kMemoryPerByte = 4;
-  static constexpr std::uint64_t kLeastTime = 5;
-  static constexpr std::uint64_t kBytesPerSecond = 20 << 20;  // hardly any disk is slower
-};
-
-// What the child sends for every request, in their order, as one byte each; then kEnd. After kPresent and kRefused
-// come the number of bytes (std::uint64_t) and the bytes: values as int or double, a text, or a message without the
-// file's name, after which nothing comes.
-enum class Answer : unsigned char { kAbsent, kPresent, kRefused, kEnd };
-
-// What the child found wrong; the message without the file's name.
+// What the child has found wrong; the message without the file's name.
 struct Refusal {
   std::string message;
 };
 
-void Send(int pipe, const void* data, std::size_t size) {
-  if (WriteAll(pipe, data, size, kForever) != Transfer::kDone) _exit(1);
-}
+// Memory that the child writes and its parent reads: how far it came, where the values of every wanted dataset are, and
+// the values.
+class Report {
+ public:
+  struct Place {
+    bool is_there = false;
+    std::uint64_t begin = 0;
+    std::uint64_t size = 0;  // bytes
+  };
+  struct Outcome {
+    bool is_complete = false;
+    char refusal[1000] = {};  // a message without the file's name
+  };
 
-void SendAnswer(int pipe, Answer answer) { Send(pipe, &answer, 1); }
-
-void SendBytes(int pipe, Answer answer, const void* data, std::uint64_t size) {
-  SendAnswer(pipe, answer);
-  Send(pipe, &size, sizeof size);
-  Send(pipe, data, size);
-}
-
-const char* NameOf(Hdf5Kind kind) {
-  switch (kind) {
-    case Hdf5Kind::kIntegers:
-      return "32-bit integers";
-    case Hdf5Kind::kReals:
-      return "64-bit IEEE numbers";
-    default:
-      return "a text of fixed length";
+  // @throws std::runtime_error where there is no memory
+  Report(std::size_t wanted, std::uint64_t file_size)
+      : file_size_(file_size),
+        first_value_(sizeof(Outcome) + wanted * sizeof(Place)),
+        size_(first_value_ + file_size + wanted * kAlignment),
+        memory_(mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (memory_ == MAP_FAILED) throw std::runtime_error(kTooLarge);
   }
-}
+  ~Report() { munmap(memory_, size_); }
+  Report(const Report&) = delete;
+  Report& operator=(const Report&) = delete;
 
-bool IsOfKind(hid_t type, Hdf5Kind kind) {
-  switch (kind) {
-    case Hdf5Kind::kIntegers:
-      return H5Tequal(type, H5T_STD_I32LE) > 0 || H5Tequal(type, H5T_STD_I32BE) > 0;
-    case Hdf5Kind::kReals:
-      return H5Tequal(type, H5T_IEEE_F64LE) > 0 || H5Tequal(type, H5T_IEEE_F64BE) > 0;
-    default:
-      return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
+  Outcome& outcome() { return *static_cast<Outcome*>(memory_); }
+  Place& place(std::size_t k) { return *reinterpret_cast<Place*>(bytes() + sizeof(Outcome) + k * sizeof(Place)); }
+
+  // Room for the values of a dataset. All together they are no more than the file, or some are there twice.
+  char* Take(std::size_t k, std::uint64_t size, const std::string& path) {
+    if (size > file_size_ - used_)
+      throw Refusal{path + ": expected values of its own, found some that are others' too"};
+    used_ += size;
+    place(k) = {true, end_, size};
+    char* const values = bytes() + first_value_ + end_;
+    end_ += (size + kAlignment - 1) / kAlignment * kAlignment;
+    return values;
   }
+  // Of the dataset into `values`; the child is not believed.
+  template <typename List>
+  bool Copy(std::size_t k, List* values) {
+    const Place found = place(k);
+    const std::uint64_t room = size_ - first_value_;
+    if (found.size > room || found.begin > room - found.size) return false;
+    values->resize(found.size / sizeof(typename List::value_type));
+    std::memcpy(values->data(), bytes() + first_value_ + found.begin,
+                values->size() * sizeof(typename List::value_type));
+    return true;
+  }
+
+ private:
+  static constexpr std::uint64_t kAlignment = 8;
+  char* bytes() { return static_cast<char*>(memory_); }
+
+  std::uint64_t file_size_;
+  std::size_t first_value_;
+  std::size_t size_;
+  void* memory_;
+  std::uint64_t used_ = 0;  // by values
+  std::uint64_t end_ = 0;   // of what is taken
+};
+
+// By the index of Hdf5Dataset's alternatives.
+constexpr const char* kTypeNames[] = {"32-bit integers", "64-bit IEEE numbers", "a text of fixed length"};
+enum TypeIndex : std::size_t { kIntegers, kReals, kText };
+
+bool IsOfType(hid_t type, std::size_t index) {
+  if (index == kIntegers) return H5Tequal(type, H5T_STD_I32LE) > 0 || H5Tequal(type, H5T_STD_I32BE) > 0;
+  if (index == kReals) return H5Tequal(type, H5T_IEEE_F64LE) > 0 || H5Tequal(type, H5T_IEEE_F64BE) > 0;
+  return H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0;
 }
 
 // Whether there is such an object; only hard links lead to it.
@@ -156,13 +188,10 @@ std::uint64_t CountOf(hid_t dataset, std::size_t value_size, std::uint64_t file_
   return count;
 }
 
-void SendDataset(int pipe, hid_t file, const Hdf5Request& request, std::uint64_t file_size) {
-  const std::string& path = request.path;
-  if (!Exists(file, path)) {
-    SendAnswer(pipe, Answer::kAbsent);
-    return;
-  }
-  const std::string expected = path + ": expected a dataset of " + NameOf(request.kind);
+void ReadDataset(hid_t file, const std::string& path, std::size_t type_index, std::uint64_t file_size, std::size_t k,
+                 Report* report) {
+  if (!Exists(file, path)) return;
+  const std::string expected = path + ": expected a dataset of " + kTypeNames[type_index];
   H5O_info_t object{};
   if (H5Oget_info_by_name2(file, path.c_str(), &object, H5O_INFO_BASIC, H5P_DEFAULT) < 0) {
     throw Refusal{expected + ", found what libhdf5 cannot read"};
@@ -172,20 +201,16 @@ void SendDataset(int pipe, hid_t file, const Hdf5Request& request, std::uint64_t
   if (!dataset) throw Refusal{expected + ", found one that libhdf5 cannot open"};
   RequireStoredHere(dataset.id(), path);
   const Handle type(H5Dget_type(dataset.id()), H5Tclose);
-  if (!type || !IsOfKind(type.id(), request.kind)) throw Refusal{expected + ", found another type"};
+  if (!type || !IsOfType(type.id(), type_index)) throw Refusal{expected + ", found another type"};
   const std::size_t value_size = H5Tget_size(type.id());
   if (value_size == 0) throw Refusal{expected + ", found values of no size"};
   const std::uint64_t count = CountOf(dataset.id(), value_size, file_size, path);
-  if (request.kind == Hdf5Kind::kText && count != 1) {
-    throw Refusal{expected + ", found " + std::to_string(count) + " texts"};
-  }
-  const bool integers = request.kind == Hdf5Kind::kIntegers;
-  const hid_t memory_type = request.kind == Hdf5Kind::kText ? type.id() : integers ? H5T_NATIVE_INT : H5T_NATIVE_DOUBLE;
-  std::vector<unsigned char> values(count * value_size);
-  if (count > 0 && H5Dread(dataset.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+  if (type_index == kText && count != 1) throw Refusal{expected + ", found " + std::to_string(count) + " texts"};
+  const hid_t memory_types[] = {H5T_NATIVE_INT, H5T_NATIVE_DOUBLE, type.id()};
+  char* const values = report->Take(k, count * value_size, path);
+  if (count > 0 && H5Dread(dataset.id(), memory_types[type_index], H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0) {
     throw Refusal{expected + ", found values that libhdf5 cannot read"};
   }
-  SendBytes(pipe, Answer::kPresent, values.data(), values.size());
 }
 
 void Limit(decltype(RLIMIT_AS) resource, std::uint64_t value) {
@@ -204,7 +229,7 @@ std::uint64_t AddressSpaceInUse() {
 }
 
 // A crash is to be the child's alone: no handlers, no core file, nothing on standard error.
-void BecomeHarmless(int pipe, const Limits& limits) {
+void BecomeHarmless(int socket, std::uint64_t file_size) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   for (int number = 1; number < NSIG; ++number) std::signal(number, SIG_DFL);
   sigset_t none;
@@ -212,68 +237,38 @@ void BecomeHarmless(int pipe, const Limits& limits) {
   sigprocmask(SIG_SETMASK, &none, nullptr);
   const int nowhere = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
-    if (stream != pipe) dup2(nowhere, stream);
+    if (stream != socket) dup2(nowhere, stream);
   }
   Limit(RLIMIT_CORE, 0);
   Limit(RLIMIT_FSIZE, 0);
-  Limit(RLIMIT_CPU, limits.time_s);
-  if (!SanitizerReservesMemory()) Limit(RLIMIT_AS, AddressSpaceInUse() + limits.memory);
+  Limit(RLIMIT_CPU, TimeLimit(file_size));
+  if (!SanitizerReservesMemory()) Limit(RLIMIT_AS, AddressSpaceInUse() + MemoryLimit(file_size));
 }
 
-// Reads the datasets of a file of `file_size` bytes and writes them to `pipe`.
-void RunChild(int pipe, const std::string& path, const std::vector<Hdf5Request>& requests, std::uint64_t file_size,
-              const Limits& limits) {
-  BecomeHarmless(pipe, limits);
+// Reads the wanted datasets of a file of `file_size` bytes.
+void RunChild(int socket, const std::string& path, const Hdf5Datasets& wanted, std::uint64_t file_size,
+              Report* report) {
+  BecomeHarmless(socket, file_size);
+  const auto refuse = [&](const std::string& message) {
+    message.copy(report->outcome().refusal, sizeof report->outcome().refusal - 1);
+  };
   try {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     H5PLset_loading_state(0);
     const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
     if (file < 0) throw Refusal{"expected an HDF5 file that libhdf5 can read, found one that it refuses"};
     Limit(RLIMIT_NOFILE, 0);
-    for (const Hdf5Request& request : requests) SendDataset(pipe, file, request, file_size);
-    SendAnswer(pipe, Answer::kEnd);
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      ReadDataset(file, wanted[k].first, wanted[k].second.index(), file_size, k, report);
+    }
+    report->outcome().is_complete = true;
   } catch (const Refusal& refusal) {
-    SendBytes(pipe, Answer::kRefused, refusal.message.data(), refusal.message.size());
+    refuse(refusal.message);
   } catch (const std::bad_alloc&) {
-    const std::string_view message = "expected a file for which there is memory, found a larger one";
-    SendBytes(pipe, Answer::kRefused, message.data(), message.size());
+    refuse(kTooLarge);
   }
   _exit(0);  // closing a malformed file is one more chance to crash
 }
-
-// Reads from the child until it has ended, or its time is up.
-class Pipe {
- public:
-  Pipe(int end, double deadline) : end_(end), deadline_(deadline) {}
-
-  /// `size` bytes, or false. Memory grows with what comes.
-  template <typename List>
-  bool Fill(List* values, std::uint64_t size) {
-    using Value = typename List::value_type;
-    constexpr std::uint64_t kChunk = std::uint64_t{1} << 20;
-    if (size % sizeof(Value) != 0) return false;
-    for (std::uint64_t read = 0; read < size;) {
-      const std::uint64_t more = std::min(kChunk, size - read);
-      values->resize((read + more) / sizeof(Value));
-      if (!Fill(reinterpret_cast<char*>(values->data()) + read, more)) return false;
-      read += more;
-    }
-    return true;
-  }
-
-  bool Fill(char* data, std::uint64_t size) {
-    const Transfer outcome = ReadAll(end_, data, size, deadline_);
-    timed_out_ = outcome == Transfer::kTimeout;
-    return outcome == Transfer::kDone;
-  }
-
-  bool timed_out() const { return timed_out_; }
-
- private:
-  int end_;
-  double deadline_;
-  bool timed_out_ = false;
-};
 
 std::uint64_t SizeOf(const std::string& path) {
   struct stat status {};
@@ -281,42 +276,6 @@ std::uint64_t SizeOf(const std::string& path) {
   if (!S_ISREG(status.st_mode)) throw InputError(path + ": not a regular file");
   if (access(path.c_str(), R_OK) != 0) throw InputError(path + ": cannot be opened");
   return static_cast<std::uint64_t>(status.st_size);
-}
-
-// The child is not believed either.
-bool Receive(Pipe* pipe, const std::string& path, const std::vector<Hdf5Request>& requests, std::uint64_t file_size,
-             std::map<std::string, Hdf5Dataset>* datasets) {
-  std::uint64_t total = 0;
-  for (std::size_t k = 0;; ++k) {
-    Answer answer{};
-    if (!pipe->Fill(reinterpret_cast<char*>(&answer), 1)) return false;
-    if (answer == Answer::kEnd) return k == requests.size();
-    if (k == requests.size() && answer != Answer::kRefused) return false;
-    if (answer == Answer::kAbsent) continue;
-    std::uint64_t size = 0;
-    if (!pipe->Fill(reinterpret_cast<char*>(&size), sizeof size)) return false;
-    constexpr std::uint64_t kLongestMessage = 1000;
-    if (size > (answer == Answer::kRefused ? kLongestMessage : file_size)) return false;
-    if (answer == Answer::kRefused) {
-      std::string text;
-      if (!pipe->Fill(&text, size)) return false;
-      throw InputError(path + ": " + text);
-    }
-    if (answer != Answer::kPresent) return false;
-    total += size;
-    if (total > file_size) {
-      throw InputError(path + ": " + requests[k].path +
-                       ": expected values of its own, found some that are others' too");
-    }
-    Hdf5Dataset dataset;
-    const Hdf5Kind kind = requests[k].kind;
-    const bool complete = kind == Hdf5Kind::kIntegers ? pipe->Fill(&dataset.integers, size)
-                          : kind == Hdf5Kind::kReals  ? pipe->Fill(&dataset.reals, size)
-                                                      : pipe->Fill(&dataset.text, size);
-    if (!complete) return false;
-    dataset.text.resize(std::min(dataset.text.size(), dataset.text.find('\0')));
-    datasets->emplace(requests[k].path, std::move(dataset));
-  }
 }
 
 // Errors are ours to tell.
@@ -337,86 +296,70 @@ class Silence {
 
 }  // namespace
 
-std::map<std::string, Hdf5Dataset> ReadHdf5(const std::string& path, const std::vector<Hdf5Request>& requests) {
+Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted) {
   constexpr double kWaitPerTime = 4;  // the machine may have other things to do
   const std::uint64_t file_size = SizeOf(path);
-  const Limits limits(file_size);
+  std::optional<Report> report;
   std::optional<Subprocess> child;
   try {
-    child.emplace([&](int pipe) { RunChild(pipe, path, requests, file_size, limits); });
+    report.emplace(wanted.size(), file_size);
+    child.emplace([&](int socket) { RunChild(socket, path, wanted, file_size, &*report); });
   } catch (const std::runtime_error& error) {
     throw InputError(path + ": " + error.what());
   }
-  Pipe pipe(child->socket(), SteadyNow() + kWaitPerTime * static_cast<double>(limits.time_s));
-  std::map<std::string, Hdf5Dataset> datasets;
-  if (Receive(&pipe, path, requests, file_size, &datasets)) return datasets;
-  const std::string how = pipe.timed_out() ? "did not end in time" : DescribeEnd(child->Kill());
+  // Nothing is sent: the socket is closed where the child ends.
+  char none = 0;
+  const double until = SteadyNow() + kWaitPerTime * static_cast<double>(TimeLimit(file_size));
+  const bool has_ended = ReadAll(child->socket(), &none, sizeof none, until) == Transfer::kClosed;
+  const std::string how = has_ended ? DescribeEnd(child->WaitOrKill(1)) : (child->Kill(), "did not end in time");
+  Report::Outcome& outcome = report->outcome();
+  outcome.refusal[sizeof outcome.refusal - 1] = '\0';
+  if (outcome.refusal[0] != '\0') throw InputError(path + ": " + outcome.refusal);
+  bool is_complete = outcome.is_complete;
+  Hdf5Datasets found;
+  for (std::size_t k = 0; k < wanted.size() && is_complete; ++k) {
+    if (!report->place(k).is_there) continue;
+    Hdf5Dataset& values = found.emplace_back(wanted[k]).second;
+    is_complete = std::visit([&](auto& list) { return report->Copy(k, &list); }, values);
+    if (auto* text = std::get_if<std::string>(&values)) text->resize(std::min(text->size(), text->find('\0')));
+  }
+  if (is_complete) return found;
   throw InputError(path + ": expected an HDF5 file that libhdf5 can read, found one on which it " + how);
 }
 
-struct Hdf5Writer::State {
-  std::string path;
-  Silence silence;
-  hid_t file = -1;
-
-  explicit State(std::string path_of_file) : path(std::move(path_of_file)) {}
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (file >= 0) H5Fclose(file);
-  }
-
-  void Require(bool done) const {
+void WriteHdf5(const std::string& path, const Hdf5Datasets& datasets) {
+  const Silence silence;
+  const auto require = [&path](bool done) {
     if (!done) throw InputError(path + ": cannot be written");
-  }
-
-  void Add(const std::string& dataset, hid_t file_type, hid_t memory_type, hid_t space_id, const void* values) const {
-    const Handle space(space_id, H5Sclose);
+  };
+  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
+  require(static_cast<bool>(file));
+  std::set<std::string> groups;
+  for (const auto& [name, dataset] : datasets) {
+    for (std::size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
+      const std::string group = name.substr(0, end);
+      if (!groups.insert(group).second) continue;
+      require(static_cast<bool>(
+          Handle(H5Gcreate2(file.id(), group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose)));
+    }
+    const auto* const text = std::get_if<std::string>(&dataset);
+    const Handle text_type(H5Tcopy(H5T_C_S1), H5Tclose);
+    require(text_type && (text == nullptr || H5Tset_size(text_type.id(), text->size() + 1) >= 0));
+    const hid_t file_types[] = {H5T_STD_I32LE, H5T_IEEE_F64LE, text_type.id()};
+    const hid_t memory_types[] = {H5T_NATIVE_INT, H5T_NATIVE_DOUBLE, text_type.id()};
+    const hsize_t size = std::visit([](const auto& list) { return list.size(); }, dataset);
+    const void* const values = std::visit([](const auto& list) -> const void* { return list.data(); }, dataset);
+    const Handle space(text != nullptr ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &size, nullptr), H5Sclose);
     const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-    Require(space && properties);
     // No times in the file.
-    Require(H5Pset_obj_track_times(properties.id(), false) >= 0);
-    const Handle created(
-        H5Dcreate2(file, dataset.c_str(), file_type, space.id(), H5P_DEFAULT, properties.id(), H5P_DEFAULT), H5Dclose);
-    Require(static_cast<bool>(created));
-    Require(H5Dwrite(created.id(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+    require(space && properties && H5Pset_obj_track_times(properties.id(), false) >= 0);
+    const Handle created(H5Dcreate2(file.id(), name.c_str(), file_types[dataset.index()], space.id(), H5P_DEFAULT,
+                                    properties.id(), H5P_DEFAULT),
+                         H5Dclose);
+    require(created &&
+            H5Dwrite(created.id(), memory_types[dataset.index()], H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
   }
-
-  static hid_t List(std::size_t count) {
-    const hsize_t size = count;
-    return H5Screate_simple(1, &size, nullptr);
-  }
-};
-
-Hdf5Writer::Hdf5Writer(const std::string& path) : state_(std::make_unique<State>(path)) {
-  state_->file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
-  state_->Require(state_->file >= 0);
-}
-
-Hdf5Writer::~Hdf5Writer() = default;
-
-void Hdf5Writer::AddGroup(const std::string& group) {
-  const Handle created(H5Gcreate2(state_->file, group.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  state_->Require(static_cast<bool>(created));
-}
-
-void Hdf5Writer::AddIntegers(const std::string& dataset, const std::vector<int>& values) {
-  state_->Add(dataset, H5T_STD_I32LE, H5T_NATIVE_INT, State::List(values.size()), values.data());
-}
-
-void Hdf5Writer::AddReals(const std::string& dataset, const double* values, std::size_t count) {
-  state_->Add(dataset, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, State::List(count), values);
-}
-
-void Hdf5Writer::AddText(const std::string& dataset, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
-  state_->Require(type && H5Tset_size(type.id(), text.size() + 1) >= 0);
-  state_->Add(dataset, type.id(), type.id(), H5Screate(H5S_SCALAR), text.c_str());
-}
-
-void Hdf5Writer::Close() {
-  const hid_t file = std::exchange(state_->file, -1);
-  state_->Require(H5Fclose(file) >= 0);
+  require(H5Fflush(file.id(), H5F_SCOPE_GLOBAL) >= 0);
 }
 
 }  // namespace lcpbench

@@ -1,16 +1,17 @@
 #include "solvers/io/matrix_market.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "solvers/io/same_bits.h"
 #include "solvers/io/text_words.h"
 #include "support/input_error.h"
 
@@ -25,12 +26,7 @@ std::string Lower(std::string_view word) {
   return lower;
 }
 
-struct Header {
-  bool is_array = false;
-  bool is_symmetric = false;
-};
-
-Header ReadHeader(TextWords* lines) {
+void ReadHeader(TextWords* lines, MarketMatrix* matrix) {
   if (!lines->NextLine()) lines->RejectEnd("'%%MatrixMarket matrix ...'");
   const auto require = [lines](std::initializer_list<std::string_view> allowed) {
     const std::string_view word = lines->Word();
@@ -44,50 +40,34 @@ Header ReadHeader(TextWords* lines) {
   };
   require({"%%MatrixMarket"});
   require({"matrix"});
-  Header header;
-  header.is_array = require({"coordinate", "array"}) == "array";
+  matrix->is_array = require({"coordinate", "array"}) == "array";
   require({"real", "integer"});
-  header.is_symmetric = require({"general", "symmetric"}) == "symmetric";
-  lines->EndOfLine();
-  return header;
+  matrix->is_symmetric = require({"general", "symmetric"}) == "symmetric";
+  lines->Expect("");
 }
 
-void EndOfFile(TextWords* lines, std::int64_t entries) {
-  if (!lines->NextData(kComment)) return;
-  lines->Reject("the end of the file after " + std::to_string(entries) + " entries", lines->Line());
-}
-
-void ReadCoordinates(TextWords* lines, std::int64_t count, MarketMatrix* matrix) {
+void ReadEntries(TextWords* lines, std::int64_t count, MarketMatrix* matrix) {
+  Index i = -1;
+  Index j = 0;
   for (std::int64_t k = 0; k < count; ++k) {
     if (!lines->NextData(kComment)) lines->RejectEnd("entry " + std::to_string(k + 1) + " of " + std::to_string(count));
-    const auto i = static_cast<int>(lines->Integer(1, matrix->rows, "a row") - 1);
-    const auto j = static_cast<int>(lines->Integer(1, matrix->columns, "a column") - 1);
-    if (matrix->is_symmetric && i < j) {
-      lines->Reject("a row from the diagonal of a symmetric matrix down", std::to_string(i + 1));
+    if (!matrix->is_array) {
+      i = lines->Integer(1, matrix->rows, "a row") - 1;
+      j = lines->Integer(1, matrix->columns, "a column") - 1;
+      if (matrix->is_symmetric && i < j) {
+        lines->Reject("a row from the diagonal of a symmetric matrix down", std::to_string(i + 1));
+      }
+    } else if (++i == matrix->rows) {
+      ++j;
+      i = matrix->is_symmetric ? j : 0;
     }
     const double value = lines->Number();
-    lines->EndOfLine();
-    matrix->entries.emplace_back(i, j, value);
-    if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(j, i, value);
+    lines->Expect("");
+    matrix->entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
+    if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(static_cast<int>(j), static_cast<int>(i), value);
   }
-  EndOfFile(lines, count);
-}
-
-void ReadArray(TextWords* lines, MarketMatrix* matrix) {
-  const std::int64_t count =
-      matrix->is_symmetric ? matrix->rows * (matrix->rows + 1) / 2 : matrix->rows * matrix->columns;
-  std::int64_t read = 0;
-  for (Index j = 0; j < matrix->columns; ++j) {
-    for (Index i = matrix->is_symmetric ? j : 0; i < matrix->rows; ++i, ++read) {
-      if (!lines->NextData(kComment))
-        lines->RejectEnd("entry " + std::to_string(read + 1) + " of " + std::to_string(count));
-      const double value = lines->Number();
-      lines->EndOfLine();
-      matrix->entries.emplace_back(static_cast<int>(i), static_cast<int>(j), value);
-      if (matrix->is_symmetric && i != j) matrix->entries.emplace_back(static_cast<int>(j), static_cast<int>(i), value);
-    }
-  }
-  EndOfFile(lines, count);
+  if (!lines->NextData(kComment)) return;
+  lines->Reject("the end of the file after " + std::to_string(count) + " entries", lines->Line());
 }
 
 void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
@@ -101,48 +81,28 @@ void RequireNoneTwice(const MarketMatrix& matrix, const std::string& name) {
                    std::to_string(twice->second + 1) + ") twice");
 }
 
-bool IsSymmetric(const SparseMatrix& matrix) {
-  if (matrix.rows() != matrix.cols()) return false;
-  const SparseMatrix transposed = matrix.transpose();
-  if (transposed.nonZeros() != matrix.nonZeros()) return false;
-  const auto equal = [](const auto* a, const auto* b, Index n) { return std::equal(a, a + n, b); };
-  if (!equal(matrix.outerIndexPtr(), transposed.outerIndexPtr(), matrix.rows() + 1)) return false;
-  if (!equal(matrix.innerIndexPtr(), transposed.innerIndexPtr(), matrix.nonZeros())) return false;
-  // By bits: 0 and -0 are two numbers to whom reads the file.
-  return std::equal(
-      matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros(), transposed.valuePtr(),
-      [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); });
-}
-
 // dir/name.mtx -> dir/name_part.mtx
 std::filesystem::path PartOf(const std::filesystem::path& path, const char* part) {
   return path.parent_path() / (path.stem().string() + part + ".mtx");
 }
 
-std::optional<MarketMatrix> ReadPart(const std::filesystem::path& path) {
+std::optional<MarketMatrix> ReadPart(const std::string& path) {
   if (!std::filesystem::exists(path)) return std::nullopt;
   std::ifstream file(path);
-  if (!file) throw InputError(path.string() + ": cannot be opened");
-  return ReadMarketMatrix(file, path.string());
+  if (!file) throw InputError(path + ": cannot be opened");
+  return ReadMarketMatrix(file, path);
 }
 
-void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const std::filesystem::path& path) {
+void RequireShape(const MarketMatrix& matrix, Index rows, Index columns, const std::string& path) {
   if (matrix.rows == rows && matrix.columns == columns) return;
-  throw InputError(path.string() + ": expected " + std::to_string(rows) + " x " + std::to_string(columns) +
-                   " entries, found " + std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
+  throw InputError(path + ": expected " + std::to_string(rows) + " x " + std::to_string(columns) + " entries, found " +
+                   std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
 }
 
-template <typename Write>
-void WritePart(const std::filesystem::path& path, bool wanted, const Write& write) {
-  if (!wanted) {
-    std::error_code ignored;
-    std::filesystem::remove(path, ignored);
-    return;
-  }
-  std::ofstream file(path);
-  if (file) write(file);
-  file.close();
-  if (!file) throw InputError(path.string() + ": cannot be written");
+void WritePart(const std::filesystem::path& path, bool wanted, const std::function<void(std::ostream&)>& write) {
+  if (wanted) return WriteFile(path.string(), write);
+  std::error_code ignored;
+  std::filesystem::remove(path, ignored);
 }
 
 }  // namespace
@@ -183,10 +143,8 @@ Eigen::VectorXd MarketMatrix::ToVector(const std::string& where) const {
 
 MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
   TextWords lines(input, name);
-  const Header header = ReadHeader(&lines);
   MarketMatrix matrix;
-  matrix.is_array = header.is_array;
-  matrix.is_symmetric = header.is_symmetric;
+  ReadHeader(&lines, &matrix);
   if (!lines.NextData(kComment)) lines.RejectEnd("a line with the size");
   constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
   matrix.rows = lines.Integer(0, kMost, "a number of rows");
@@ -194,20 +152,17 @@ MarketMatrix ReadMarketMatrix(std::istream& input, const std::string& name) {
   if (matrix.is_symmetric && matrix.rows != matrix.columns) {
     lines.Reject("a square symmetric matrix", std::to_string(matrix.rows) + " x " + std::to_string(matrix.columns));
   }
-  if (matrix.is_array) {
-    lines.EndOfLine();
-    ReadArray(&lines, &matrix);
-    return matrix;
-  }
-  const std::int64_t count = lines.Integer(0, kMost, "a number of entries");
-  lines.EndOfLine();
-  ReadCoordinates(&lines, count, &matrix);
-  RequireNoneTwice(matrix, name);
+  const std::int64_t count = !matrix.is_array      ? lines.Integer(0, kMost, "a number of entries")
+                             : matrix.is_symmetric ? matrix.rows * (matrix.rows + 1) / 2
+                                                   : matrix.rows * matrix.columns;
+  lines.Expect("");
+  ReadEntries(&lines, count, &matrix);
+  if (!matrix.is_array) RequireNoneTwice(matrix, name);
   return matrix;
 }
 
 void WriteMarketMatrix(const SparseMatrix& matrix, std::ostream& output) {
-  const bool symmetric = IsSymmetric(matrix);
+  const bool symmetric = matrix.rows() == matrix.cols() && SameBits(matrix, SparseMatrix(matrix.transpose()));
   const auto wanted = [symmetric](Index i, Index j) { return !symmetric || i >= j; };
   Index count = 0;
   for (Index i = 0; i < matrix.rows(); ++i) {
@@ -230,44 +185,42 @@ void WriteMarketVector(const Eigen::VectorXd& vector, std::ostream& output) {
 MarketProblem ReadMarketProblem(const std::string& path) {
   const std::filesystem::path file(path);
   const std::string id = file.stem().string();
-  const std::filesystem::path b_path = PartOf(file, "_b");
-  const std::optional<MarketMatrix> b_file = ReadPart(b_path);
-  if (!b_file.has_value()) throw InputError(b_path.string() + ": cannot be opened; expected the vector b");
-  Eigen::VectorXd b = b_file->ToVector(b_path.string());
+  const auto part = [&](const char* name) { return PartOf(file, name).string(); };
+  const std::optional<MarketMatrix> b_file = ReadPart(part("_b"));
+  if (!b_file.has_value()) throw InputError(part("_b") + ": cannot be opened; expected the vector b");
+  Eigen::VectorXd b = b_file->ToVector(part("_b"));
   const Index n = b.size();
 
   std::vector<Index> bilateral;
-  if (const auto rows = ReadPart(PartOf(file, "_bilateral"))) {
-    const std::string name = PartOf(file, "_bilateral").string();
-    for (const double value : rows->ToVector(name)) {
+  if (const auto rows = ReadPart(part("_bilateral"))) {
+    for (const double value : rows->ToVector(part("_bilateral"))) {
       if (!(value >= 1 && value <= static_cast<double>(n) && value == std::floor(value))) {
-        throw InputError(name + ": expected row numbers from 1 to " + std::to_string(n) + ", found " +
+        throw InputError(part("_bilateral") + ": expected row numbers from 1 to " + std::to_string(n) + ", found " +
                          RoundTripDigits(value));
       }
       bilateral.push_back(static_cast<Index>(value) - 1);
     }
   }
   std::optional<Eigen::VectorXd> x;
-  if (const auto known = ReadPart(PartOf(file, "_x"))) {
-    x = known->ToVector(PartOf(file, "_x").string());
-    if (x->size() != n) RequireShape(*known, n, 1, PartOf(file, "_x"));
+  if (const auto known = ReadPart(part("_x"))) {
+    x = known->ToVector(part("_x"));
+    if (x->size() != n) RequireShape(*known, n, 1, part("_x"));
   }
   RowBounds bounds = RowBounds::WithBilateralRows(n, bilateral);
-  const auto J = ReadPart(PartOf(file, "_J"));
-  const auto inverse_mass = ReadPart(PartOf(file, "_invM"));
+  const auto J = ReadPart(part("_J"));
+  const auto inverse_mass = ReadPart(part("_invM"));
   if (J.has_value() != inverse_mass.has_value()) {
-    throw InputError(PartOf(file, J.has_value() ? "_invM" : "_J").string() +
-                     ": cannot be opened; expected both factors, or none");
+    throw InputError(part(J.has_value() ? "_invM" : "_J") + ": cannot be opened; expected both factors, or none");
   }
   if (J.has_value()) {
-    Eigen::VectorXd masses = inverse_mass->ToVector(PartOf(file, "_invM").string());
-    RequireShape(*J, n, masses.size(), PartOf(file, "_J"));
+    Eigen::VectorXd masses = inverse_mass->ToVector(part("_invM"));
+    RequireShape(*J, n, masses.size(), part("_J"));
     return {LcpProblem::FromFactors(id, J->ToSparse(), std::move(masses), std::move(b), std::move(bounds)),
             std::move(x)};
   }
-  const auto A = ReadPart(file);
+  const auto A = ReadPart(path);
   if (!A.has_value()) throw InputError(path + ": cannot be opened; expected the matrix A, or its factors");
-  RequireShape(*A, n, n, file);
+  RequireShape(*A, n, n, path);
   return {LcpProblem::FromSparse(id, A->ToSparse(), std::move(b), std::move(bounds)), std::move(x)};
 }
 

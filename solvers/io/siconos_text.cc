@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <numeric>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -23,38 +22,34 @@ constexpr std::int64_t kMost = std::numeric_limits<int>::max() - 1;
 enum Storage { kDenseStorage = 0, kSparseStorage = 2 };
 enum SparseOrigin { kTriplet = 1, kColumns = 2 };
 
-struct NumericsMatrix {
-  bool is_dense = true;
-  std::vector<double> by_columns;                    // dense
-  std::vector<Eigen::Triplet<double, int>> entries;  // sparse
+// Rows of a block of equations.
+struct Block {
+  std::int64_t begin, end;
 };
 
 struct MixedProblem {
-  std::int64_t size = 0;
-  NumericsMatrix M;
+  Index size = 0;
+  bool is_dense = true;
+  Eigen::MatrixXd dense;                             // M
+  std::vector<Eigen::Triplet<double, int>> entries;  // of a sparse M
   std::vector<double> q;
-  std::vector<Index> equations;   // ascending
+  std::vector<Block> equations;   // ascending
   std::int64_t most_answers = 0;  // numbers that may follow: z of all rows, w of the complementarity rows
+
+  SparseMatrix Sparse() const {
+    SparseMatrix sparse(size, size);
+    sparse.setFromTriplets(entries.begin(), entries.end());
+    return sparse;
+  }
+  RowBounds Bounds() const {
+    RowBounds bounds;
+    bounds.bilateral.assign(static_cast<size_t>(size), 0);
+    for (const Block& block : equations) {
+      std::fill(bounds.bilateral.begin() + block.begin, bounds.bilateral.begin() + block.end, 1);
+    }
+    return bounds;
+  }
 };
-
-// A word that ends a label: "nnz:", ":", "to".
-void Expect(TextWords* words, std::string_view expected) {
-  const std::string_view word = words->Word();
-  if (word != expected) words->Reject("'" + std::string(expected) + "'", word);
-}
-
-// "3-by-3,"
-void ReadShape(TextWords* words, std::string_view word, std::int64_t n) {
-  const std::string expected = std::to_string(n) + "-by-" + std::to_string(n) + ",";
-  if (word != expected) words->Reject("'" + expected + "'", word);
-}
-
-void AddEntry(TextWords* words, std::int64_t row, std::int64_t column, NumericsMatrix* matrix) {
-  Expect(words, ":");
-  const double value = words->Number();
-  words->EndOfLine();
-  matrix->entries.emplace_back(static_cast<int>(row), static_cast<int>(column), value);
-}
 
 void RequireLine(TextWords* words, const std::string& expected) {
   if (!words->NextLine()) words->RejectEnd(expected);
@@ -62,93 +57,82 @@ void RequireLine(TextWords* words, const std::string& expected) {
 
 // @return how many entries follow
 std::int64_t ReadSparseHeader(TextWords* words, std::int64_t n, SparseOrigin origin) {
-  words->EndOfLine();
+  words->Expect("");
   RequireLine(words, "a line 'CSparse ...'");
-  Expect(words, "CSparse");
+  words->Expect("CSparse");
   RequireLine(words, "a line 'R-by-C, nzmax: N nnz: N'");
-  if (origin == kTriplet) Expect(words, "triplet:");
-  ReadShape(words, words->Word(), n);
-  Expect(words, "nzmax:");
+  if (origin == kTriplet) words->Expect("triplet:");
+  words->Expect(std::to_string(n) + "-by-" + std::to_string(n) + ",");
+  words->Expect("nzmax:");
   words->Integer(0, kMost, "a number of places");
-  Expect(words, "nnz:");
-  if (origin == kTriplet) {
-    const std::int64_t count = words->Integer(0, kMost, "a number of entries");
-    words->EndOfLine();
-    return count;
-  }
-  // "4, 1-norm: 2": the norm is not needed.
+  words->Expect("nnz:");
   std::string_view word = words->Word();
-  if (!word.empty() && word.back() == ',') word.remove_suffix(1);
-  std::int64_t count = -1;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), count);
-  if (error != std::errc() || end != word.data() + word.size() || count < 0 || count > kMost) {
-    words->Reject("a number of entries from 0 to " + std::to_string(kMost), word);
-  }
+  // "4, 1-norm: 2": the norm is not needed.
+  if (origin == kColumns && word.ends_with(',')) word.remove_suffix(1);
+  const std::int64_t count = words->Integer(0, kMost, "a number of entries", word);
+  if (origin == kTriplet) words->Expect("");
   return count;
 }
 
-void ReadTriplets(TextWords* words, std::int64_t n, std::int64_t count, NumericsMatrix* matrix) {
-  for (std::int64_t k = 0; k < count; ++k) {
-    RequireLine(words, "entry " + std::to_string(k + 1) + " of " + std::to_string(count));
-    const std::int64_t row = words->Integer(0, n - 1, "a row");
-    const std::int64_t column = words->Integer(0, n - 1, "a column");
-    AddEntry(words, row, column, matrix);
-  }
-}
-
-void ReadColumns(TextWords* words, std::int64_t n, std::int64_t count, NumericsMatrix* matrix) {
+void ReadSparse(TextWords* words, SparseOrigin origin, MixedProblem* problem) {
+  const std::int64_t n = problem->size;
+  const std::int64_t count = ReadSparseHeader(words, n, origin);
   std::int64_t read = 0;
+  const auto read_entry = [&](std::int64_t column) {
+    RequireLine(words, "entry " + std::to_string(++read) + " of " + std::to_string(count));
+    const std::int64_t row = words->Integer(0, n - 1, "a row");
+    if (origin == kTriplet) column = words->Integer(0, n - 1, "a column");
+    words->Expect(":");
+    problem->entries.emplace_back(static_cast<int>(row), static_cast<int>(column), words->Number());
+    words->Expect("");
+  };
+  if (origin == kTriplet) {
+    while (read < count) read_entry(0);
+    return;
+  }
   for (std::int64_t column = 0; column < n; ++column) {
     RequireLine(words, "column " + std::to_string(column) + " of " + std::to_string(n));
-    Expect(words, "col");
+    words->Expect("col");
     words->Integer(column, column, "the number of a column");
-    Expect(words, ":");
-    Expect(words, "locations");
+    words->Expect(":");
+    words->Expect("locations");
     words->Integer(read, read, "a first location");
-    Expect(words, "to");
+    words->Expect("to");
     const std::int64_t last = words->Integer(read - 1, count - 1, "a last location");
-    words->EndOfLine();
-    for (; read <= last; ++read) {
-      RequireLine(words, "entry " + std::to_string(read + 1) + " of " + std::to_string(count));
-      AddEntry(words, words->Integer(0, n - 1, "a row"), column, matrix);
-    }
+    words->Expect("");
+    while (read <= last) read_entry(column);
   }
   if (read != count) words->Reject(std::to_string(count) + " entries in all columns", std::to_string(read));
 }
-
-std::int64_t ReadStorage(TextWords* words) { return words->IntegerOfAnyLine(0, kMost, "a storage"); }
 
 void ReadShape(TextWords* words, std::int64_t n) {
   words->IntegerOfAnyLine(n, n, "a number of rows");
   words->IntegerOfAnyLine(n, n, "a number of columns");
 }
 
-// What follows storage and shape.
-NumericsMatrix ReadEntries(TextWords* words, std::int64_t n, std::int64_t storage) {
-  NumericsMatrix matrix;
-  if (storage == kDenseStorage) {
-    ReadShape(words, n);
-    matrix.by_columns = words->NumbersOfAnyLine(n * n, "a matrix");
-    return matrix;
-  }
-  if (storage != kSparseStorage) {
-    words->Reject("a matrix of storage 0 (dense) or 2 (sparse)", std::to_string(storage));
-  }
-  matrix.is_dense = false;
-  const auto origin = static_cast<SparseOrigin>(
-      words->IntegerOfAnyLine(kTriplet, kColumns, "a sparse form, triplets (1) or compressed columns (2),"));
-  const std::int64_t count = ReadSparseHeader(words, n, origin);
-  if (origin == kTriplet) {
-    ReadTriplets(words, n, count, &matrix);
-  } else {
-    ReadColumns(words, n, count, &matrix);
-  }
-  return matrix;
+// A block of a matrix, in the order of its numbers in the file.
+template <int order>
+Eigen::MatrixXd ReadBlock(TextWords* words, Index rows, Index columns, const char* name) {
+  const std::vector<double> numbers = words->NumbersOfAnyLine(rows * columns, name);
+  using Numbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, order>;
+  return Eigen::Map<const Numbers>(numbers.data(), rows, columns);
 }
 
-struct Block {
-  std::int64_t begin, end;
-};
+// M without storage and shape, and q.
+void ReadMatrixAndVector(TextWords* words, std::int64_t storage, MixedProblem* problem) {
+  problem->is_dense = storage == kDenseStorage;
+  if (problem->is_dense) {
+    ReadShape(words, problem->size);
+    problem->dense = ReadBlock<Eigen::ColMajor>(words, problem->size, problem->size, "a matrix");
+  } else if (storage != kSparseStorage) {
+    words->Reject("a matrix of storage 0 (dense) or 2 (sparse)", std::to_string(storage));
+  } else {
+    const auto origin = static_cast<SparseOrigin>(
+        words->IntegerOfAnyLine(kTriplet, kColumns, "a sparse form, triplets (1) or compressed columns (2),"));
+    ReadSparse(words, origin, problem);
+  }
+  problem->q = words->NumbersOfAnyLine(problem->size, "q");
+}
 
 // The blocks of equations.
 std::vector<Block> ReadBlocks(TextWords* words, std::int64_t equations, std::int64_t size) {
@@ -169,66 +153,43 @@ std::vector<Block> ReadBlocks(TextWords* words, std::int64_t equations, std::int
   return blocks;
 }
 
-std::vector<Index> RowsOf(const std::vector<Block>& blocks) {
-  std::vector<Index> rows;
-  for (const Block& block : blocks) {
-    for (Index row = block.begin; row < block.end; ++row) rows.push_back(row);
-  }
-  return rows;
-}
-
-SparseMatrix SparseOf(const MixedProblem& problem) {
-  SparseMatrix sparse(problem.size, problem.size);
-  sparse.setFromTriplets(problem.M.entries.begin(), problem.M.entries.end());
-  return sparse;
-}
-
 // The problem of A, B, C, D, a and b: dense, equations first.
 MixedProblem ReadParts(TextWords* words, std::int64_t n, std::int64_t m) {
-  const std::int64_t size = n + m;
-  const std::vector<double> A = words->NumbersOfAnyLine(n * n, "A");
-  const std::vector<double> B = words->NumbersOfAnyLine(m * m, "B");
-  const std::vector<double> C = words->NumbersOfAnyLine(n * m, "C");
-  const std::vector<double> D = words->NumbersOfAnyLine(m * n, "D");
+  const auto read = [words](Index rows, Index columns, const char* name) {
+    return ReadBlock<Eigen::RowMajor>(words, rows, columns, name);
+  };
+  const Eigen::MatrixXd A = read(n, n, "A"), B = read(m, m, "B"), C = read(n, m, "C"), D = read(m, n, "D");
   MixedProblem problem;
-  problem.size = size;
+  problem.size = n + m;
   problem.q = words->NumbersOfAnyLine(n, "a");
   const std::vector<double> b = words->NumbersOfAnyLine(m, "b");
   problem.q.insert(problem.q.end(), b.begin(), b.end());
-  problem.most_answers = size + m;
-  problem.equations = RowsOf({{0, n}});
-  problem.M.by_columns.resize(static_cast<size_t>(size * size));
-  const auto place = [&](const std::vector<double>& part, std::int64_t row, std::int64_t column, std::int64_t columns) {
-    for (size_t k = 0; k < part.size(); ++k) {
-      const auto at = static_cast<std::int64_t>(k);
-      problem.M.by_columns[static_cast<size_t>((column + at % columns) * size + row + at / columns)] = part[k];
-    }
-  };
-  place(A, 0, 0, n);
-  place(B, n, n, m);
-  place(C, 0, n, m);
-  place(D, n, 0, n);
+  problem.most_answers = n + 2 * m;
+  problem.equations = {{0, n}};
+  problem.dense.resize(n + m, n + m);
+  problem.dense.topLeftCorner(n, n) = A;
+  problem.dense.topRightCorner(n, m) = C;
+  problem.dense.bottomLeftCorner(m, n) = D;
+  problem.dense.bottomRightCorner(m, m) = B;
   return problem;
 }
 
 void RequireSame(TextWords* words, const MixedProblem& given, const MixedProblem& parts) {
-  const SparseMatrix sparse = given.M.is_dense ? SparseMatrix() : SparseOf(given);
-  std::vector<Index> order = given.equations;  // the row of M for every row of the parts
-  std::vector<bool> is_equation(static_cast<size_t>(given.size), false);
-  for (const Index row : given.equations) is_equation[static_cast<size_t>(row)] = true;
-  for (Index row = 0; row < given.size; ++row) {
-    if (!is_equation[static_cast<size_t>(row)]) order.push_back(row);
-  }
+  const SparseMatrix sparse = given.is_dense ? SparseMatrix() : given.Sparse();
+  const RowBounds bounds = given.Bounds();
+  std::vector<Index> order(static_cast<size_t>(given.size));  // the row of M for every row of the parts
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_partition(order.begin(), order.end(),
+                        [&](Index row) { return bounds.bilateral[static_cast<size_t>(row)] != 0; });
   const auto require = [&](double expected, double found, const std::string& where) {
     if (expected == found) return;
     words->Reject("A to b as M and q have them, " + RoundTripDigits(expected) + " " + where, RoundTripDigits(found));
   };
-  size_t k = 0;
-  for (const Index column : order) {
-    for (const Index row : order) {
-      const double expected = given.M.is_dense ? given.M.by_columns[static_cast<size_t>(column * given.size + row)]
-                                               : sparse.coeff(row, column);
-      require(expected, parts.M.by_columns[k++],
+  for (Index j = 0; j < given.size; ++j) {
+    const Index column = order[static_cast<size_t>(j)];
+    for (Index i = 0; i < given.size; ++i) {
+      const Index row = order[static_cast<size_t>(i)];
+      require(given.is_dense ? given.dense(row, column) : sparse.coeff(row, column), parts.dense(i, j),
               "in row " + std::to_string(row) + " and column " + std::to_string(column));
     }
   }
@@ -257,13 +218,11 @@ MixedProblem ReadMixed(TextWords* words, bool has_M, bool has_parts, std::int64_
   if (!has_M) return ReadParts(words, n, m);
   MixedProblem problem;
   problem.size = n + m;
-  problem.most_answers = problem.size + m;
-  const std::vector<Block> equations = ReadBlocks(words, n, problem.size);
-  const std::int64_t storage = ReadStorage(words);
+  problem.most_answers = n + 2 * m;
+  problem.equations = ReadBlocks(words, n, problem.size);
+  const std::int64_t storage = words->IntegerOfAnyLine(0, kMost, "a storage");
   ReadShape(words, problem.size);
-  problem.M = ReadEntries(words, problem.size, storage);
-  problem.q = words->NumbersOfAnyLine(problem.size, "q");
-  problem.equations = RowsOf(equations);  // now that q has shown so many rows to be there
+  ReadMatrixAndVector(words, storage, &problem);
   if (has_parts) RequireSame(words, problem, ReadParts(words, n, m));
   return problem;
 }
@@ -287,8 +246,7 @@ MixedProblem Read(TextWords* words) {
     words->Reject("a matrix of " + std::to_string(problem.size) + " x " + std::to_string(problem.size) + " entries",
                   std::to_string(head[2]) + " x " + std::to_string(head[3]));
   }
-  problem.M = ReadEntries(words, problem.size, head[1]);
-  problem.q = words->NumbersOfAnyLine(problem.size, "q");
+  ReadMatrixAndVector(words, head[1], &problem);
   return problem;
 }
 
@@ -335,15 +293,12 @@ void WriteBlocks(const LcpProblem& problem, std::ostream& output) {
 
 LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const std::string& id) {
   TextWords words(input, name);
-  const MixedProblem read = Read(&words);
+  MixedProblem read = Read(&words);
   RequireEnd(&words, read.most_answers);
-  const auto n = static_cast<Index>(read.size);
-  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), n);
-  RowBounds bounds = RowBounds::WithBilateralRows(n, read.equations);
+  Eigen::VectorXd q = Eigen::Map<const Eigen::VectorXd>(read.q.data(), read.size);
   try {
-    if (!read.M.is_dense) return LcpProblem::FromSparse(id, SparseOf(read), std::move(q), std::move(bounds));
-    Eigen::MatrixXd M = Eigen::Map<const Eigen::MatrixXd>(read.M.by_columns.data(), n, n);
-    return LcpProblem::FromDense(id, std::move(M), std::move(q), std::move(bounds));
+    if (!read.is_dense) return LcpProblem::FromSparse(id, read.Sparse(), std::move(q), read.Bounds());
+    return LcpProblem::FromDense(id, std::move(read.dense), std::move(q), read.Bounds());
   } catch (const InputError& error) {  // entries of one place whose sum overflows
     throw InputError(name + ": " + error.what());
   }
@@ -357,9 +312,6 @@ LcpProblem ReadSiconosProblem(const std::string& path) {
 }
 
 void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {
-  if (!problem.has_standard_bounds()) {
-    throw InputError("problem '" + problem.id() + "': expected unilateral and bilateral rows only, found other bounds");
-  }
   if (problem.has_factors()) {
     const SparseMatrix& A = problem.SparseA();
     if (!Eigen::Map<const Eigen::VectorXd>(A.valuePtr(), A.nonZeros()).allFinite()) {
@@ -379,10 +331,7 @@ void WriteSiconosText(const LcpProblem& problem, std::ostream& output) {
 }
 
 void WriteSiconosProblem(const LcpProblem& problem, const std::string& path) {
-  std::ofstream file(path);
-  if (file) WriteSiconosText(problem, file);
-  file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  WriteFile(path, [&](std::ostream& file) { WriteSiconosText(problem, file); });
 }
 
 }  // namespace lcpbench

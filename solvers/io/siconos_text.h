@@ -9,25 +9,8 @@
 namespace lcpbench {
 
 // Text files of Siconos' numerics (.dat): linear complementarity problems (LCP) and mixed ones (MLCP), as
-// linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4, in parentheses
-// what stands in the file; any spaces and line ends between the words).
-//
-//   LCP     n, matrix M, the n numbers of q:             w = M z + q, 0 <= z, w, z w = 0
-//   MLCP    (1 or 0) whether M and q follow, (1 or 0) whether A, B, C, D, a, b follow, the number n of equations, the
-//           number m of complementarity rows;
-//           for M and q: the first row of every block and n + m after the last; for every block 0 (equations, z free
-//           and w = 0) or 1 (complementarity); matrix M; the n + m numbers of q;
-//           for A to b: A (n x n), B (m x m), C (n x m), D (m x n), row by row, a (n), b (m); M = [A C; D B], q = [a;
-//           b]
-//   matrix  storage, rows, columns, and
-//           storage 0, dense: rows, columns once more, the entries *column by column*;
-//           storage 2, sparse: (1) a line that begins with CSparse, (triplet: 3-by-3, nzmax: 4 nnz: 4), and for every
-//           entry (row column : value) from 0; or (2) such a line, (3-by-3, nzmax: 4 nnz: 4, ...), and for every
-//           column (col 0 : locations 0 to 1) and its entries (row : value). Entries of one place add up.
-//
-// Which of the two a file is, its first five words tell. Our bilateral rows are the equations; blocks keep the order of
-// rows. Text after the last number is passed over where it begins with a word; so are up to n + 2m numbers after an
-// MLCP, the known answer in Siconos' own test files.
+// linearComplementarity_newFromFile and mixedLinearComplementarity_newFromFile read them (Siconos 4.4). docs/formats.md
+// has the layout. Our bilateral rows are the equations; blocks keep the order of rows.
 
 /// Dense storage gives a dense problem, sparse storage a sparse one. Memory is in proportion to what the file holds.
 /// @param name  of the file, for error texts

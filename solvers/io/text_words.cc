@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -15,14 +16,18 @@ namespace {
 
 constexpr std::string_view kSpace = " \t\r\v\f";
 
-std::optional<double> FiniteNumber(std::string_view word) {
-  const std::string_view digits = !word.empty() && word.front() == '+' ? word.substr(1) : word;
-  double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || digits.empty() || end != digits.data() + digits.size() || !std::isfinite(value)) {
-    return std::nullopt;
-  }
+// The number that the whole word is.
+template <typename Number>
+std::optional<Number> Parsed(std::string_view word) {
+  Number value{};
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || word.empty() || end != word.data() + word.size()) return std::nullopt;
   return value;
+}
+
+std::optional<double> FiniteNumber(std::string_view word) {
+  const auto value = Parsed<double>(word.starts_with('+') ? word.substr(1) : word);
+  return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 }  // namespace
@@ -30,14 +35,14 @@ std::optional<double> FiniteNumber(std::string_view word) {
 TextWords::TextWords(std::istream& input, std::string name) : input_(input), name_(std::move(name)) {}
 
 bool TextWords::NextLine() {
-  if (!std::getline(input_, line_)) {
+  const bool is_there = static_cast<bool>(std::getline(input_, line_));
+  if (is_there) {
+    ++number_;
+  } else {
     line_.clear();
-    rest_ = line_;
-    return false;
   }
-  ++number_;
   rest_ = line_;
-  return true;
+  return is_there;
 }
 
 bool TextWords::NextData(char comment) {
@@ -68,8 +73,10 @@ std::string_view TextWords::PeekOfAnyLine() {
   return word;
 }
 
-std::int64_t TextWords::Integer(std::int64_t least, std::int64_t most, const std::string& what) {
-  return AsInteger(Word(), least, most, what);
+std::int64_t TextWords::Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word) {
+  const auto value = Parsed<std::int64_t>(word);
+  if (value && least <= *value && *value <= most) return *value;
+  Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
 }
 
 double TextWords::Number() {
@@ -82,7 +89,7 @@ double TextWords::Number() {
 std::int64_t TextWords::IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what) {
   const std::string_view word = WordOfAnyLine();
   if (word.empty()) RejectEnd(what);
-  return AsInteger(word, least, most, what);
+  return Integer(least, most, what, word);
 }
 
 std::vector<double> TextWords::NumbersOfAnyLine(std::int64_t count, const std::string& what) {
@@ -100,33 +107,22 @@ std::vector<double> TextWords::NumbersOfAnyLine(std::int64_t count, const std::s
   return values;
 }
 
-void TextWords::EndOfLine() {
+void TextWords::Expect(std::string_view expected) {
   const std::string_view word = Word();
-  if (!word.empty()) Reject("the end of the line", word);
+  if (word != expected) Reject(expected.empty() ? "the end of the line" : "'" + std::string(expected) + "'", word);
 }
 
 void TextWords::Reject(const std::string& expected, std::string_view found) const {
   constexpr std::size_t kLongest = 40;
   std::string text(found.substr(0, kLongest));
-  for (char& c : text) {
-    if (c < ' ' || c > '~') c = '?';
-  }
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c < ' ' || c > '~'; }, '?');
   if (found.size() > kLongest) text += "...";
   throw InputError(Place() + "expected " + expected + ", found " + (found.empty() ? "nothing" : "'" + text + "'"));
 }
 
 void TextWords::RejectEnd(const std::string& expected) const {
   throw InputError(Place() + "expected " + expected + ", found the end of the file");
-}
-
-std::int64_t TextWords::AsInteger(std::string_view word, std::int64_t least, std::int64_t most,
-                                  const std::string& what) const {
-  std::int64_t value = 0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size() || value < least || value > most) {
-    Reject(what + " from " + std::to_string(least) + " to " + std::to_string(most), word);
-  }
-  return value;
 }
 
 // An empty file ends on its first line.
@@ -136,6 +132,13 @@ std::string RoundTripDigits(double value) {
   char text[40];
   std::snprintf(text, sizeof text, "%.17g", value);
   return text;
+}
+
+void WriteFile(const std::string& path, const std::function<void(std::ostream&)>& write) {
+  std::ofstream file(path);
+  if (file) write(file);
+  file.close();
+  if (!file) throw InputError(path + ": cannot be written");
 }
 
 }  // namespace lcpbench

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <istream>
 #include <string>
 #include <string_view>
@@ -29,15 +30,19 @@ class TextWords {
   std::string_view PeekOfAnyLine();
 
   /// Word() as a number. @throws InputError for what is none, or lies outside
-  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what);
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what) {
+    return Integer(least, most, what, Word());
+  }
+  /// `word`, which may be a part of Word().
+  std::int64_t Integer(std::int64_t least, std::int64_t most, const std::string& what, std::string_view word);
   /// Word() as a finite number. @throws InputError for what is none
   double Number();
   /// The same for WordOfAnyLine().
   std::int64_t IntegerOfAnyLine(std::int64_t least, std::int64_t most, const std::string& what);
   /// `count` numbers. Memory in proportion to those that are there, whatever was promised.
   std::vector<double> NumbersOfAnyLine(std::int64_t count, const std::string& what);
-  /// @throws InputError where the line has a word left
-  void EndOfLine();
+  /// @throws InputError where Word() is another one; "" for the end of the line
+  void Expect(std::string_view expected);
 
   /// This line as a whole.
   const std::string& Line() const { return line_; }
@@ -47,7 +52,6 @@ class TextWords {
   [[noreturn]] void RejectEnd(const std::string& expected) const;
 
  private:
-  std::int64_t AsInteger(std::string_view word, std::int64_t least, std::int64_t most, const std::string& what) const;
   std::string Place() const;
 
   std::istream& input_;
@@ -59,5 +63,8 @@ class TextWords {
 
 /// 17 significant digits: reading gives the same bits.
 std::string RoundTripDigits(double value);
+
+/// Writes a new file. @throws InputError where it cannot be written
+void WriteFile(const std::string& path, const std::function<void(std::ostream&)>& write);
 
 }  // namespace lcpbench

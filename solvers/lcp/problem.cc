@@ -1,7 +1,6 @@
 #include "solvers/lcp/problem.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -17,7 +16,7 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 [[noreturn]] void Reject(const std::string& id, const std::string& what) {
   throw InputError("problem '" + id + "': " + what);
@@ -33,14 +32,6 @@ void RequireFinite(const std::string& id, const char* name, const double* values
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
   Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
                  std::to_string(*found));
-}
-
-void RequireNonnegative(const std::string& id, const Eigen::VectorXd& inverse_mass) {
-  for (Index k = 0; k < inverse_mass.size(); ++k) {
-    if (inverse_mass[k] < 0) {
-      Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(inverse_mass[k]));
-    }
-  }
 }
 
 void RequireShape(const std::string& id, const char* name, Index rows, Index cols, Index want_rows, Index want_cols) {
@@ -83,48 +74,27 @@ void RequireCompressedRows(const ProblemArrays& arrays) {
   }
 }
 
-void CopyCompressedRows(const ProblemArrays& arrays, SparseMatrix* matrix) {
-  matrix->resize(arrays.rows, arrays.columns);
-  matrix->resizeNonZeros(static_cast<Index>(arrays.value.size()));
-  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix->outerIndexPtr());
-  std::copy(arrays.column.begin(), arrays.column.end(), matrix->innerIndexPtr());
-  std::copy(arrays.value.begin(), arrays.value.end(), matrix->valuePtr());
-}
-
-// J in compressed rows and the inverse masses, as they lie in somebody's memory.
-struct FactorView {
-  Index rows;
-  Index columns;
-  const int* row_start;
-  const int* column;
-  const double* value;
-  const double* inverse_mass;
-};
-
-FactorView View(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
-  return {J.rows(), J.cols(), J.outerIndexPtr(), J.innerIndexPtr(), J.valuePtr(), inverse_mass.data()};
-}
-
 // Rows enter their columns' lists one after the other; row i meets those above it in every one of its columns, in the
 // order of the columns.
-void Assemble(const FactorView& factors, double* A, Index stride) {
+void Assemble(const Eigen::Ref<const SparseMatrix>& J, const double* inverse_mass, double* A, Index stride) {
   // An entry of J in the list of its column; next: the one above it, -1 where it is the first.
   struct ColumnEntry {
     int next;
     int row;
     double value;
   };
-  std::fill_n(A, factors.rows * stride, 0.0);
-  std::vector<int> last(static_cast<size_t>(factors.columns), -1);
-  const auto entries = std::make_unique_for_overwrite<ColumnEntry[]>(
-      static_cast<size_t>(factors.rows > 0 ? factors.row_start[factors.rows] : 0));
-  for (Index i = 0; i < factors.rows; ++i) {
+  std::fill_n(A, J.rows() * stride, 0.0);
+  std::vector<int> last(static_cast<size_t>(J.cols()), -1);
+  const int* const start = J.outerIndexPtr();
+  const auto entries =
+      std::make_unique_for_overwrite<ColumnEntry[]>(static_cast<size_t>(J.rows() > 0 ? start[J.rows()] : 0));
+  for (Index i = 0; i < J.rows(); ++i) {
     double* row = A + i * stride;
-    for (int e = factors.row_start[i]; e < factors.row_start[i + 1]; ++e) {
-      const int k = factors.column[e];
-      const double m = factors.inverse_mass[k];
+    for (int e = start[i]; e < start[i + 1]; ++e) {
+      const int k = J.innerIndexPtr()[e];
+      const double m = inverse_mass[k];
       if (m == 0) continue;
-      const double value = factors.value[e];
+      const double value = J.valuePtr()[e];
       entries[static_cast<size_t>(e)] = {last[static_cast<size_t>(k)], static_cast<int>(i), value};
       last[static_cast<size_t>(k)] = e;
       for (int other = e; other >= 0;) {
@@ -146,15 +116,11 @@ struct LcpProblem::Matrix {
   Index rows = 0;
   MatrixFacts facts;
 
-  Eigen::MatrixXd given_dense;
-  SparseMatrix given_sparse;
-  SparseMatrix J;
+  Eigen::MatrixXd dense;  // A of kDense
+  SparseMatrix sparse;    // A of kSparse, J of kFactors
   Eigen::VectorXd inverse_mass;
-
-  Eigen::VectorXd lower;  // empty when every row is unilateral
-  Eigen::VectorXd upper;
+  RowBounds bounds;
   std::vector<Index> bilateral;
-  bool standard_bounds = true;
 
   // Derived on request, once; the flags make that safe from several threads.
   std::once_flag dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
@@ -164,41 +130,33 @@ struct LcpProblem::Matrix {
   double asymmetry = 0;
   bool two_body_rows = false;
 
-  void SetBounds(RowBounds bounds) {
-    if (bounds.lower.size() == 0 && bounds.upper.size() == 0) return;
-    RequireShape(id, "lower", bounds.lower.size(), 1, rows, 1);
-    RequireShape(id, "upper", bounds.upper.size(), 1, rows, 1);
-    lower = std::move(bounds.lower);
-    upper = std::move(bounds.upper);
-    for (Index i = 0; i < rows; ++i) {
-      const double lo = lower[i];
-      const double hi = upper[i];
-      if (!(lo <= hi) || lo == kInfinity || hi == -kInfinity) {
-        Reject(id, "row " + std::to_string(i) + " has bounds [" + std::to_string(lo) + ", " + std::to_string(hi) +
-                       "], expected lower <= upper");
-      }
-      if (lo == -kInfinity && hi == kInfinity) {
-        bilateral.push_back(i);
-      } else if (lo != 0 || hi != kInfinity) {
-        standard_bounds = false;
-      }
+  void TakeSparse(SparseMatrix matrix, const char* name, Index columns) {
+    RequireShape(id, name, matrix.rows(), matrix.cols(), rows, columns);
+    matrix.makeCompressed();
+    RequireFinite(id, name, matrix.valuePtr(), matrix.nonZeros());
+    sparse.swap(matrix);  // Eigen's sparse matrices cannot be moved
+  }
+
+  void TakeMasses(Eigen::VectorXd masses) {
+    RequireFinite(id, "inverse mass", masses.data(), masses.size());
+    for (Index k = 0; k < masses.size(); ++k) {
+      if (masses[k] >= 0) continue;
+      Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(masses[k]));
     }
+    inverse_mass = std::move(masses);
+    facts.symmetric = facts.positive_semidefinite = true;
   }
 
   bool HasTwoBodyRows() const {
     if (inverse_mass.size() % 3 != 0) return false;
-    for (Index i = 0; i < J.rows(); ++i) {
-      std::array<int, 2> blocks = {-1, -1};
-      for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
-        const int block = static_cast<int>(it.col() / 3);
-        if (inverse_mass[it.col()] == 0 || it.value() == 0 || block == blocks[0] || block == blocks[1]) continue;
-        if (blocks[0] < 0) {
-          blocks[0] = block;
-        } else if (blocks[1] < 0) {
-          blocks[1] = block;
-        } else {
-          return false;
-        }
+    for (Index i = 0; i < rows; ++i) {
+      Index first = -1;
+      Index second = -1;
+      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
+        const Index block = it.col() / 3;
+        if (inverse_mass[it.col()] == 0 || it.value() == 0 || block == first || block == second) continue;
+        if (second >= 0) return false;
+        second = std::exchange(first, block);
       }
     }
     return true;
@@ -206,7 +164,8 @@ struct LcpProblem::Matrix {
 
   // A = J M^-1 J^T row by row. Every entry sums m_k (J_ik J_jk) over ascending k, so (i, j) and (j, i) round alike.
   void FormSparseFromFactors() {
-    const Index n = J.rows();
+    const SparseMatrix& J = sparse;
+    const Index n = rows;
     const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
     std::vector<double> sums(static_cast<size_t>(n), 0.0);
     std::vector<Index> last_row(static_cast<size_t>(n), -1);
@@ -271,101 +230,80 @@ LcpProblem::LcpProblem(const std::shared_ptr<Storage>& storage)
 
 RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilateral) {
   RowBounds bounds;
-  if (bilateral.empty()) return bounds;
-  bounds.lower = Eigen::VectorXd::Zero(n);
-  bounds.upper = Eigen::VectorXd::Constant(n, kInfinity);
+  if (!bilateral.empty()) bounds.bilateral.assign(static_cast<size_t>(n), 0);
   for (const Index row : bilateral) {
-    if (row < 0 || row >= n) {
-      throw InputError("bilateral: row index " + std::to_string(row) + " is outside [0, " + std::to_string(n) + ")");
-    }
-    if (bounds.lower[row] != 0) throw InputError("bilateral: row index " + std::to_string(row) + " is listed twice");
-    bounds.lower[row] = -kInfinity;
+    const std::string what = "bilateral: row index " + std::to_string(row);
+    if (row < 0 || row >= n) throw InputError(what + " is outside [0, " + std::to_string(n) + ")");
+    if (std::exchange(bounds.bilateral[static_cast<size_t>(row)], 1) != 0) throw InputError(what + " is listed twice");
   }
   return bounds;
 }
 
 std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b,
-                                                             MatrixFacts facts) {
+                                                             RowBounds bounds, MatrixFacts facts) {
   RequireFinite(id, "b", b.data(), b.size());
+  const auto kinds = static_cast<Index>(bounds.bilateral.size());
+  if (kinds > 0) RequireShape(id, "bilateral", kinds, 1, b.size(), 1);
   auto storage = std::make_shared<Storage>();
-  storage->matrix.id = std::move(id);
-  storage->matrix.form = form;
-  storage->matrix.rows = b.size();
-  storage->matrix.facts = facts;
+  Matrix& matrix = storage->matrix;
+  matrix.id = std::move(id);
+  matrix.form = form;
+  matrix.rows = b.size();
+  matrix.facts = facts;
+  for (Index i = 0; i < kinds; ++i) {
+    if (bounds.bilateral[static_cast<size_t>(i)] != 0) matrix.bilateral.push_back(i);
+  }
+  if (!matrix.bilateral.empty()) matrix.bounds = std::move(bounds);
   storage->b = std::move(b);
   return storage;
 }
 
 LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::VectorXd b, RowBounds bounds,
                                  MatrixFacts facts) {
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), facts);
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), std::move(bounds), facts);
   Matrix& matrix = storage->matrix;
   RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
   RequireFinite(matrix.id, "A", A.data(), A.size());
-  matrix.given_dense = std::move(A);
-  matrix.SetBounds(std::move(bounds));
+  matrix.dense = std::move(A);
   return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds,
                                   MatrixFacts facts) {
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), facts);
-  Matrix& matrix = storage->matrix;
-  RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
-  A.makeCompressed();
-  RequireFinite(matrix.id, "A", A.valuePtr(), A.nonZeros());
-  matrix.given_sparse.swap(A);  // Eigen's sparse matrices cannot be moved
-  matrix.SetBounds(std::move(bounds));
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), std::move(bounds), facts);
+  storage->matrix.TakeSparse(std::move(A), "A", storage->matrix.rows);
   return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                    RowBounds bounds, MatrixFacts facts) {
-  facts.symmetric = true;
-  facts.positive_semidefinite = true;
-  const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), facts);
-  Matrix& matrix = storage->matrix;
-  RequireShape(matrix.id, "J", J.rows(), J.cols(), matrix.rows, inverse_mass.size());
-  J.makeCompressed();
-  RequireFinite(matrix.id, "J", J.valuePtr(), J.nonZeros());
-  RequireFinite(matrix.id, "inverse mass", inverse_mass.data(), inverse_mass.size());
-  RequireNonnegative(matrix.id, inverse_mass);
-  matrix.J.swap(J);  // Eigen's sparse matrices cannot be moved
-  matrix.inverse_mass = std::move(inverse_mass);
-  matrix.SetBounds(std::move(bounds));
+  const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), std::move(bounds), facts);
+  storage->matrix.TakeSparse(std::move(J), "J", inverse_mass.size());
+  storage->matrix.TakeMasses(std::move(inverse_mass));
   return LcpProblem(storage);
 }
 
 ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
-  if (!problem.has_standard_bounds()) throw InputError("problem '" + problem.id() + "': bounds are not standard");
   ProblemArrays arrays;
   arrays.id = problem.id();
   arrays.form = problem.given_form();
   arrays.rows = arrays.columns = problem.size();
-  const auto take_rows = [&arrays](const SparseMatrix& matrix) {
-    arrays.columns = matrix.cols();
-    arrays.row_start.assign(matrix.outerIndexPtr(), matrix.outerIndexPtr() + matrix.rows() + 1);
-    arrays.column.assign(matrix.innerIndexPtr(), matrix.innerIndexPtr() + matrix.nonZeros());
-    arrays.value.assign(matrix.valuePtr(), matrix.valuePtr() + matrix.nonZeros());
-  };
-  switch (arrays.form) {
-    case MatrixForm::kFactors:
-      take_rows(problem.J());
-      arrays.inverse_mass.assign(problem.inverse_mass().begin(), problem.inverse_mass().end());
-      break;
-    case MatrixForm::kSparse:
-      take_rows(problem.matrix_->given_sparse);
-      break;
-    case MatrixForm::kDense:
-      for (Index i = 0; i < arrays.rows; ++i) {
-        const auto row = problem.DenseA().row(i);
-        arrays.value.insert(arrays.value.end(), row.begin(), row.end());
-      }
-      break;
+  const LcpProblem::Matrix& matrix = *problem.matrix_;
+  if (arrays.form == MatrixForm::kDense) {
+    for (Index i = 0; i < arrays.rows; ++i) {
+      const auto row = matrix.dense.row(i);
+      arrays.value.insert(arrays.value.end(), row.begin(), row.end());
+    }
+  } else {
+    const SparseMatrix& given = matrix.sparse;
+    arrays.columns = given.cols();
+    arrays.row_start.assign(given.outerIndexPtr(), given.outerIndexPtr() + given.rows() + 1);
+    arrays.column.assign(given.innerIndexPtr(), given.innerIndexPtr() + given.nonZeros());
+    arrays.value.assign(given.valuePtr(), given.valuePtr() + given.nonZeros());
+    arrays.inverse_mass.assign(matrix.inverse_mass.begin(), matrix.inverse_mass.end());
   }
   arrays.b.assign(problem.b().begin(), problem.b().end());
-  if (!problem.bilateral_rows().empty()) arrays.bilateral.assign(arrays.b.size(), 0);
-  for (const Index row : problem.bilateral_rows()) arrays.bilateral[static_cast<size_t>(row)] = 1;
+  arrays.bilateral = matrix.bounds.bilateral;
   arrays.facts = problem.facts();
   return arrays;
 }
@@ -374,39 +312,30 @@ ProblemArrays ProblemArrays::Of(const LcpProblem& problem) {
 LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
   const Index n = arrays.rows;
   RequireShape(arrays.id, "b", static_cast<Index>(arrays.b.size()), 1, n, 1);
-  if (!arrays.bilateral.empty()) {
-    RequireShape(arrays.id, "bilateral", static_cast<Index>(arrays.bilateral.size()), 1, n, 1);
-  }
-  const bool has_factors = arrays.form == MatrixForm::kFactors;
+  const auto count = static_cast<Index>(arrays.value.size());
   if (arrays.form != MatrixForm::kDense) {
     RequireCompressedRows(arrays);
-  } else if (const auto count = static_cast<Index>(arrays.value.size());
-             n > 0 ? count % n != 0 || count / n != n : count != 0) {
+  } else if (n > 0 ? count % n != 0 || count / n != n : count != 0) {
     Reject(arrays.id, "A must have " + std::to_string(n) + "^2 values, found " + std::to_string(count));
   }
-  const auto storage =
-      MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n), arrays.facts);
+  const auto storage = MakeStorage(arrays.id, arrays.form, Eigen::Map<const Eigen::VectorXd>(arrays.b.data(), n),
+                                   {arrays.bilateral}, arrays.facts);
   Matrix& matrix = storage->matrix;
-  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), static_cast<Index>(arrays.value.size()));
+  const bool has_factors = arrays.form == MatrixForm::kFactors;
+  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), count);
   if (arrays.form == MatrixForm::kDense) {
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    matrix.given_dense = Eigen::Map<const RowMajor>(arrays.value.data(), n, n);
-  } else {
-    CopyCompressedRows(arrays, has_factors ? &matrix.J : &matrix.given_sparse);
+    matrix.dense = Eigen::Map<const RowMajorMatrix>(arrays.value.data(), n, n);
+    return LcpProblem(storage);
   }
+  matrix.sparse.resize(n, arrays.columns);
+  matrix.sparse.resizeNonZeros(count);
+  std::copy(arrays.row_start.begin(), arrays.row_start.end(), matrix.sparse.outerIndexPtr());
+  std::copy(arrays.column.begin(), arrays.column.end(), matrix.sparse.innerIndexPtr());
+  std::copy(arrays.value.begin(), arrays.value.end(), matrix.sparse.valuePtr());
   if (has_factors) {
-    matrix.facts.symmetric = true;
-    matrix.facts.positive_semidefinite = true;
     RequireShape(arrays.id, "inverse mass", static_cast<Index>(arrays.inverse_mass.size()), 1, arrays.columns, 1);
-    RequireFinite(arrays.id, "inverse mass", arrays.inverse_mass.data(), arrays.columns);
-    matrix.inverse_mass = Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns);
-    RequireNonnegative(arrays.id, matrix.inverse_mass);
+    matrix.TakeMasses(Eigen::Map<const Eigen::VectorXd>(arrays.inverse_mass.data(), arrays.columns));
   }
-  std::vector<Index> joints;
-  for (size_t i = 0; i < arrays.bilateral.size(); ++i) {
-    if (arrays.bilateral[i] != 0) joints.push_back(static_cast<Index>(i));
-  }
-  matrix.SetBounds(RowBounds::WithBilateralRows(n, joints));
   return LcpProblem(storage);
 }
 
@@ -419,16 +348,12 @@ LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
 }
 
 LcpProblem LcpProblem::CopyOfGivenForm() const {
-  RowBounds bounds{matrix_->lower, matrix_->upper};
-  switch (matrix_->form) {
-    case MatrixForm::kSparse:
-      return FromSparse(matrix_->id, matrix_->given_sparse, b(), std::move(bounds), matrix_->facts);
-    case MatrixForm::kFactors:
-      return FromFactors(matrix_->id, matrix_->J, matrix_->inverse_mass, b(), std::move(bounds), matrix_->facts);
-    case MatrixForm::kDense:
-      break;
-  }
-  return FromDense(matrix_->id, matrix_->given_dense, b(), std::move(bounds), matrix_->facts);
+  const Matrix& given = *matrix_;
+  const auto storage = MakeStorage(given.id, given.form, b(), given.bounds, given.facts);
+  storage->matrix.dense = given.dense;
+  storage->matrix.sparse = given.sparse;
+  storage->matrix.inverse_mass = given.inverse_mass;
+  return LcpProblem(storage);
 }
 
 const std::string& LcpProblem::id() const { return matrix_->id; }
@@ -446,7 +371,7 @@ bool LcpProblem::has_two_body_rows() const {
 
 const SparseMatrix& LcpProblem::J() const {
   if (!has_factors()) throw std::logic_error("LcpProblem::J: the problem has no factors");
-  return matrix_->J;
+  return matrix_->sparse;
 }
 
 const Eigen::VectorXd& LcpProblem::inverse_mass() const {
@@ -456,16 +381,16 @@ const Eigen::VectorXd& LcpProblem::inverse_mass() const {
 
 const Eigen::MatrixXd& LcpProblem::DenseA() const {
   Matrix& s = *matrix_;
-  if (s.form == MatrixForm::kDense) return s.given_dense;
+  if (s.form == MatrixForm::kDense) return s.dense;
   std::call_once(s.dense_once, [&] {
     const auto n = static_cast<double>(size());
     RequireMemory(n * n * sizeof(double), "the dense A");
     if (s.form == MatrixForm::kSparse) {
-      s.derived_dense = Eigen::MatrixXd(s.given_sparse);
+      s.derived_dense = Eigen::MatrixXd(s.sparse);
       return;
     }
     s.derived_dense.resize(size(), size());
-    Assemble(View(s.J, s.inverse_mass), s.derived_dense.data(), size());
+    Assemble(s.sparse, s.inverse_mass.data(), s.derived_dense.data(), size());
   });
   return s.derived_dense;
 }
@@ -478,10 +403,10 @@ const SparseMatrix& LcpProblem::SparseA() const {
         s.FormSparseFromFactors();
         break;
       case MatrixForm::kSparse:
-        s.FormSparseWithDiagonal(s.given_sparse);
+        s.FormSparseWithDiagonal(s.sparse);
         break;
       case MatrixForm::kDense:
-        s.FormSparseWithDiagonal(s.given_dense.sparseView(1.0, 0.0));
+        s.FormSparseWithDiagonal(s.dense.sparseView(1.0, 0.0));
         break;
     }
   });
@@ -496,17 +421,17 @@ const Eigen::VectorXd& LcpProblem::DiagonalA() const {
         s.diagonal = Eigen::VectorXd::Zero(size());
         for (Index i = 0; i < size(); ++i) {
           double sum = 0;
-          for (SparseMatrix::InnerIterator it(s.J, i); it; ++it) {
+          for (SparseMatrix::InnerIterator it(s.sparse, i); it; ++it) {
             sum += s.inverse_mass[it.col()] * (it.value() * it.value());
           }
           s.diagonal[i] = sum;
         }
         break;
       case MatrixForm::kSparse:
-        s.diagonal = s.given_sparse.diagonal();
+        s.diagonal = s.sparse.diagonal();
         break;
       case MatrixForm::kDense:
-        s.diagonal = s.given_dense.diagonal();
+        s.diagonal = s.dense.diagonal();
         break;
     }
   });
@@ -526,12 +451,12 @@ double LcpProblem::Asymmetry() const {
     if (s.form == MatrixForm::kDense) {
       for (Index j = 0; j < size(); ++j) {
         for (Index i = j + 1; i < size(); ++i) {
-          worst = std::max(worst, relative(i, j, s.given_dense(i, j) - s.given_dense(j, i)));
+          worst = std::max(worst, relative(i, j, s.dense(i, j) - s.dense(j, i)));
         }
       }
     } else {
-      const SparseMatrix transpose = s.given_sparse.transpose();
-      const SparseMatrix difference = s.given_sparse - transpose;
+      const SparseMatrix transpose = s.sparse.transpose();
+      const SparseMatrix difference = s.sparse - transpose;
       for (Index i = 0; i < difference.outerSize(); ++i) {
         for (SparseMatrix::InnerIterator it(difference, i); it; ++it) {
           worst = std::max(worst, relative(i, it.col(), it.value()));
@@ -548,44 +473,49 @@ void LcpProblem::ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const {
   *w = b();
   switch (s.form) {
     case MatrixForm::kDense:
-      w->noalias() += s.given_dense * f;
+      w->noalias() += s.dense * f;
       break;
     case MatrixForm::kSparse:
-      w->noalias() += s.given_sparse * f;
+      w->noalias() += s.sparse * f;
       break;
     case MatrixForm::kFactors: {
-      const Eigen::VectorXd body = s.inverse_mass.cwiseProduct(s.J.transpose() * f);
-      w->noalias() += s.J * body;
+      const Eigen::VectorXd body = s.inverse_mass.cwiseProduct(s.sparse.transpose() * f);
+      w->noalias() += s.sparse * body;
       break;
     }
   }
 }
 
-double LcpProblem::lower(Index row) const {
-  if (matrix_->lower.size() == 0) return 0.0;
-  return matrix_->lower[row];
+bool LcpProblem::is_bilateral(Index row) const {
+  const std::vector<unsigned char>& kinds = matrix_->bounds.bilateral;
+  return !kinds.empty() && kinds[static_cast<size_t>(row)] != 0;
 }
-
-double LcpProblem::upper(Index row) const {
-  if (matrix_->upper.size() == 0) return kInfinity;
-  return matrix_->upper[row];
-}
-
-bool LcpProblem::is_bilateral(Index row) const { return lower(row) == -kInfinity && upper(row) == kInfinity; }
 const std::vector<Index>& LcpProblem::bilateral_rows() const { return matrix_->bilateral; }
-bool LcpProblem::has_standard_bounds() const { return matrix_->standard_bounds; }
+const RowBounds& LcpProblem::bounds() const { return matrix_->bounds; }
+
+LcpProblem InForm(const LcpProblem& problem, MatrixForm form) {
+  if (form == MatrixForm::kDense) {
+    return LcpProblem::FromDense(problem.id(), problem.DenseA(), problem.b(), problem.bounds(), problem.facts());
+  }
+  return LcpProblem::FromSparse(problem.id(), problem.SparseA(), problem.b(), problem.bounds(), problem.facts());
+}
 
 void AssembleDenseA(const LcpProblem& problem, double* A, Index stride) {
-  Assemble(View(problem.J(), problem.inverse_mass()), A, stride);
+  if (problem.has_factors()) return Assemble(problem.J(), problem.inverse_mass().data(), A, stride);
+  const Index n = problem.size();
+  Eigen::Map<RowMajorMatrix> rows(A, n, stride);
+  rows.leftCols(n) = problem.DenseA();
+  rows.rightCols(stride - n).setZero();
 }
 
 void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride) {
   const Index n = arrays.rows;
   switch (arrays.form) {
     case MatrixForm::kFactors:
-      return Assemble({n, arrays.columns, arrays.row_start.data(), arrays.column.data(), arrays.value.data(),
-                       arrays.inverse_mass.data()},
-                      A, stride);
+      return Assemble(
+          Eigen::Map<const SparseMatrix>(n, arrays.columns, static_cast<Index>(arrays.value.size()),
+                                         arrays.row_start.data(), arrays.column.data(), arrays.value.data()),
+          arrays.inverse_mass.data(), A, stride);
     case MatrixForm::kSparse:
       std::fill_n(A, n * stride, 0.0);
       for (Index i = 0; i < n; ++i) {

@@ -17,12 +17,9 @@ using Index = Eigen::Index;
 /// The form in which a problem was given; the other forms are derived from it, with rounding.
 enum class MatrixForm { kDense, kSparse, kFactors };
 
-/// Bounds [lower, upper] on f, one pair per row. Empty vectors mean "every row is unilateral".
-/// (0, inf) is a unilateral row (contact), (-inf, inf) a bilateral one (joint). Other bounds are stored so that box
-/// constraints (friction) need no new type later, but today every solver answers `unsupported` to them.
+/// Bounds on f: [0, inf) on a unilateral row (contact), (-inf, inf) on a bilateral one (joint).
 struct RowBounds {
-  Eigen::VectorXd lower;  ///< n values, -inf or finite
-  Eigen::VectorXd upper;  ///< n values, finite or inf, >= lower
+  std::vector<unsigned char> bilateral;  ///< n; 1: the row is bilateral. Empty: every row is unilateral
 
   /// n rows, bilateral where listed and unilateral elsewhere.
   /// @throws InputError if an index is outside [0, n) or listed twice
@@ -61,7 +58,7 @@ struct ProblemArrays {
   std::vector<unsigned char> bilateral;  ///< n; 1: w = 0 and f free (a joint). Empty: every row is unilateral
   MatrixFacts facts;                     ///< what the caller has proved about A
 
-  /// The arrays of a problem's given form. @throws InputError unless its bounds are standard
+  /// The arrays of a problem's given form.
   static ProblemArrays Of(const class LcpProblem& problem);
 };
 
@@ -78,8 +75,8 @@ struct ProblemArrays {
 /// from a solve) and kept. Derived matrices are bitwise symmetric where the problem is given by factors.
 ///
 /// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
-/// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
-/// inverse mass, or lower > upper.
+/// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, or a negative
+/// inverse mass.
 class LcpProblem {
  public:
   /// @param id  a name for files and error texts
@@ -139,16 +136,12 @@ class LcpProblem {
   /// w = A f + b by the given form, in double.  O(nnz of the form).
   void ComputeW(const Eigen::VectorXd& f, Eigen::VectorXd* w) const;
 
-  /// The least f that the row allows; 0 or -inf where bounds are standard.
-  double lower(Index row) const;
-  /// The largest f that the row allows; inf where bounds are standard.
-  double upper(Index row) const;
+  /// For another problem with the same kinds of rows.
+  const RowBounds& bounds() const;
   /// f free, w = 0: a joint.
   bool is_bilateral(Index row) const;
   /// Ascending.
   const std::vector<Index>& bilateral_rows() const;
-  /// True if every row is unilateral or bilateral (the only kinds solvers take today).
-  bool has_standard_bounds() const;
 
   /// The same given problem without its derived forms, so that forming them can be timed again.
   LcpProblem CopyOfGivenForm() const;
@@ -159,20 +152,24 @@ class LcpProblem {
   struct Storage;
 
   explicit LcpProblem(const std::shared_ptr<Storage>& storage);
-  /// Checks b. The matrix is still to be given.
-  static std::shared_ptr<Storage> MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b, MatrixFacts facts);
+  /// Checks b and the bounds. The matrix is still to be given.
+  static std::shared_ptr<Storage> MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b, RowBounds bounds,
+                                              MatrixFacts facts);
 
   std::shared_ptr<Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;
 };
 
-/// Writes A into n rows of `stride` >= n numbers each, padding zero, row after row; no form of A is made. From factors
+/// The same problem, given by its dense or its sparse A.
+LcpProblem InForm(const LcpProblem& problem, MatrixForm form);
+
+/// Writes A into n rows of `stride` >= n numbers each, padding zero, row after row. From factors no form of A is made:
 /// this is the one dense assembly that own solvers and peers pay for: entry (i, j) sums m_k (J_ik J_jk) over ascending
 /// k, so that A is bitwise symmetric and equal to that of LcpProblem::SparseA. O(n stride + sum over columns of (column
 /// count)^2).
 /// @param arrays  checked already (LcpProblem::FromArrays does)
 void AssembleDenseA(const ProblemArrays& arrays, double* A, Index stride);
-/// @param problem  given by factors
+/// The same; of a sparse problem by DenseA().
 void AssembleDenseA(const LcpProblem& problem, double* A, Index stride);
 
 /// An upper bound on the entries of A = J M^-1 J^T, and the cost of forming it: the sum over bodies of (rows on the

@@ -19,18 +19,8 @@ Eigen::VectorXd Magnitude(const LcpProblem& problem, const Eigen::VectorXd& f) {
     case MatrixForm::kFactors:
       break;
   }
-  const SparseMatrix& J = problem.J();
-  Eigen::VectorXd body = Eigen::VectorXd::Zero(J.cols());
-  for (Index i = 0; i < J.rows(); ++i) {
-    if (absolute[i] == 0) continue;
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) body[it.col()] += std::abs(it.value()) * absolute[i];
-  }
-  body.array() *= problem.inverse_mass().array();
-  Eigen::VectorXd magnitude = Eigen::VectorXd::Zero(J.rows());
-  for (Index i = 0; i < J.rows(); ++i) {
-    for (SparseMatrix::InnerIterator it(J, i); it; ++it) magnitude[i] += std::abs(it.value()) * body[it.col()];
-  }
-  return magnitude;
+  const SparseMatrix J = problem.J().cwiseAbs();
+  return J * problem.inverse_mass().cwiseProduct(J.transpose() * absolute);
 }
 
 // |x|_2, of which units may make the squares too large or small for doubles. Eigen's own stableNorm ends on an

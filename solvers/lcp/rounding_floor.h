@@ -14,18 +14,15 @@ namespace lcpbench {
 /// Why: f (1 + d), |d_i| <= u, changes w by at most u |A||f| componentwise, and D_ii f_i by at most u |A_ii f_i|; min
 /// is nonexpansive, so |rho(f (1 + d)) - rho(f)| <= floor (where every A_ii != 0; for PSD A an A_ii = 0 means that f_i
 /// acts on nothing). Even the rounded exact solution has rho up to the floor, and no tier below it can be demanded of a
-/// solver that returns doubles. It is a bound: on columns of bodies with mass ratios up to 10^8 the best answers of
-/// pivoting and interior-point methods have a rho of 0.1 to 0.5 of it, rarely of a hundredth.
-/// [Oettli, Prager 1964; Higham, Accuracy and Stability of Numerical Algorithms, 2002, sec. 3.5, 7.1]
+/// solver that returns doubles. [Oettli, Prager 1964; Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+/// sec. 3.5, 7.1]
 ///
-/// From factors |A| |f| is bounded by |J| M^-1 (|J|^T |f|), so that A is never formed. On the scene families with 300
-/// and 10^4 rows this makes the floor larger by a factor of 1.00 (pendulums) to 1.74 (trains on a track), 1.27 in the
-/// median.
+/// From factors |A| |f| is bounded by |J| M^-1 (|J|^T |f|), so that A is never formed.
 ///
 /// The floor belongs to f. Where contacts are redundant f is not unique, and a self-stress raises it as far as one
 /// likes: a verdict may lean on the floor of an answer that the judged solver has no say in only (LcpReference::floor).
 ///
-/// Infinite where f does not have n finite entries; 0 for n = 0. O(nnz of the given form); from factors O(3N) memory.
+/// Infinite where f does not have n finite entries; 0 for n = 0. O(nnz of the given form).
 double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f);
 
 }  // namespace lcpbench

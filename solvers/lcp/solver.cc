@@ -26,22 +26,17 @@ constexpr std::array<std::pair<LcpStatus, std::string_view>, 7> kStatusKeys{{
 }};
 
 void CheckOptions(const LcpProblem& problem, const LcpOptions& options) {
-  if (!(options.tolerance > 0 && options.tolerance < 1)) {
-    throw InputError("tolerance must be in (0, 1), found " + std::to_string(options.tolerance));
-  }
-  if (!(options.time_limit_s > 0)) {
-    throw InputError("time limit must be > 0 s, found " + std::to_string(options.time_limit_s));
-  }
-  if (options.max_iterations < 0) {
-    throw InputError("iteration limit must be >= 0, found " + std::to_string(options.max_iterations));
-  }
-  if (options.initial_f != nullptr) {
-    if (options.initial_f->size() != problem.size()) {
-      throw InputError("initial f must have " + std::to_string(problem.size()) + " entries, found " +
-                       std::to_string(options.initial_f->size()));
-    }
-    if (!options.initial_f->allFinite()) throw InputError("initial f must be finite");
-  }
+  const auto require = [](bool holds, const std::string_view what, auto found) {
+    if (!holds) throw InputError(std::string(what) + ", found " + std::to_string(found));
+  };
+  require(options.tolerance > 0 && options.tolerance < 1, "tolerance must be in (0, 1)", options.tolerance);
+  require(options.time_limit_s > 0, "time limit must be > 0 s", options.time_limit_s);
+  require(options.max_iterations >= 0, "iteration limit must be >= 0", options.max_iterations);
+  if (options.initial_f == nullptr) return;
+  const Index size = options.initial_f->size();
+  if (size != problem.size())
+    require(false, "initial f must have " + std::to_string(problem.size()) + " entries", size);
+  if (!options.initial_f->allFinite()) throw InputError("initial f must be finite");
 }
 
 void StartResult(Index rows, LcpResult* result) {
@@ -82,7 +77,7 @@ void LcpSolver::Reserve(Index /*max_rows*/) {}
 void LcpSolver::Prepare(const LcpProblem& problem) {
   if (prepared_.has_value() && prepared_->SharesMatrixWith(problem)) return;
   prepared_.reset();
-  if (problem.size() == 0 || !problem.has_standard_bounds() || !WhyUnsupported(problem).empty()) return;
+  if (problem.size() == 0 || !WhyUnsupported(problem).empty()) return;
   const InSequence::Scope sequence(in_sequence_);
   DoPrepare(problem);
   prepared_ = problem;
@@ -91,11 +86,6 @@ void LcpSolver::Prepare(const LcpProblem& problem) {
 void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
   CheckOptions(problem, options);
   StartResult(problem.size(), result);
-  if (!problem.has_standard_bounds()) {
-    result->status = LcpStatus::kUnsupported;
-    result->detail = "rows with bounds other than (0, inf) and (-inf, inf) are not supported";
-    return;
-  }
   if (problem.size() == 0) {
     result->status = LcpStatus::kSolved;
     return;

@@ -107,8 +107,7 @@ class LcpSolver {
  public:
   virtual ~LcpSolver() = default;
 
-  /// "" if the solver takes this problem, else the reason in words (reported as kUnsupported). The base class has
-  /// already refused bounds other than unilateral and bilateral.
+  /// "" if the solver takes this problem, else the reason in words (reported as kUnsupported).
   virtual std::string WhyUnsupported(const LcpProblem& problem) const;
 
   /// Allocates workspace for problems of up to `max_rows` rows, so that a dense solver's later Solve does not allocate.
@@ -133,7 +132,7 @@ class LcpSolver {
   void SolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result);
 
  protected:
-  /// n >= 1, bounds standard, WhyUnsupported() empty. Must not read b.
+  /// n >= 1, WhyUnsupported() empty. Must not read b.
   virtual void DoPrepare(const LcpProblem& problem) = 0;
   /// As above, a problem of the same matrix prepared, options checked; result->f has n zeros, iterations is 0, detail
   /// and ray are empty, status is kNumericalFailure until the solver says otherwise.

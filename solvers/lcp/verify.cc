@@ -15,7 +15,7 @@ namespace {
 
 // 64-bit significand on x86-64: 2^11 times finer than the double arithmetic of the solvers that are judged.
 using Extended = long double;
-using ExtendedVector = std::vector<Extended>;
+using ExtendedVector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -42,8 +42,8 @@ void AddRow(const SparseMatrix& A, Index i, const Eigen::VectorXd& x, Extended* 
 Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
   const Index n = problem.size();
   Products out;
-  out.product.assign(static_cast<size_t>(n), 0);
-  out.magnitude.assign(static_cast<size_t>(n), 0);
+  out.product.setZero(n);
+  out.magnitude.setZero(n);
   switch (problem.given_form()) {
     case MatrixForm::kDense: {
       const Eigen::MatrixXd& A = problem.DenseA();
@@ -51,26 +51,24 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
         if (x[j] == 0) continue;
         for (Index i = 0; i < n; ++i) {
           const Extended term = static_cast<Extended>(A(i, j)) * x[j];
-          out.product[static_cast<size_t>(i)] += term;
-          out.magnitude[static_cast<size_t>(i)] += std::abs(term);
+          out.product[i] += term;
+          out.magnitude[i] += std::abs(term);
         }
       }
       break;
     }
     case MatrixForm::kSparse: {
       const SparseMatrix& A = problem.SparseA();  // the given entries, and zeros on the diagonal
-      for (Index i = 0; i < n; ++i) {
-        AddRow(A, i, x, &out.product[static_cast<size_t>(i)], &out.magnitude[static_cast<size_t>(i)]);
-      }
+      for (Index i = 0; i < n; ++i) AddRow(A, i, x, &out.product[i], &out.magnitude[i]);
       break;
     }
     case MatrixForm::kFactors: {
       const SparseMatrix& J = problem.J();
       const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
       const Eigen::SparseMatrix<double, Eigen::ColMajor, int> columns = J;
-      ExtendedVector body(static_cast<size_t>(J.cols()), 0);
-      ExtendedVector body_magnitude(static_cast<size_t>(J.cols()), 0);
-      out.summed.assign(static_cast<size_t>(n), 0);
+      ExtendedVector body = ExtendedVector::Zero(J.cols());
+      ExtendedVector body_magnitude = body;
+      out.summed.setZero(n);
       for (Index k = 0; k < J.cols(); ++k) {
         if (inverse_mass[k] == 0) continue;
         Extended sum = 0;
@@ -80,11 +78,11 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
           sum += term;
           absolute += std::abs(term);
         }
-        body[static_cast<size_t>(k)] = sum * inverse_mass[k];
-        body_magnitude[static_cast<size_t>(k)] = absolute * inverse_mass[k];
+        body[k] = sum * inverse_mass[k];
+        body_magnitude[k] = absolute * inverse_mass[k];
       }
-      ExtendedVector entries(static_cast<size_t>(n), 0);
-      std::vector<size_t> touched;
+      ExtendedVector entries = ExtendedVector::Zero(n);
+      std::vector<Index> touched;
       for (Index i = 0; i < n; ++i) {
         Extended sum = 0;
         Extended summed = 0;
@@ -92,36 +90,36 @@ Products Multiply(const LcpProblem& problem, const Eigen::VectorXd& x) {
         for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
           const double m = inverse_mass[it.col()];
           if (m == 0) continue;
-          sum += static_cast<Extended>(it.value()) * body[static_cast<size_t>(it.col())];
-          summed += std::abs(static_cast<Extended>(it.value())) * body_magnitude[static_cast<size_t>(it.col())];
+          sum += static_cast<Extended>(it.value()) * body[it.col()];
+          summed += std::abs(static_cast<Extended>(it.value())) * body_magnitude[it.col()];
           const Extended scaled = static_cast<Extended>(it.value()) * m;
           for (decltype(columns)::InnerIterator jt(columns, it.col()); jt; ++jt) {
             if (x[jt.row()] == 0) continue;
-            const auto j = static_cast<size_t>(jt.row());
+            const Index j = jt.row();
             if (entries[j] == 0) touched.push_back(j);
             entries[j] += scaled * jt.value();
           }
         }
         Extended absolute = 0;
-        for (const size_t j : touched) {
-          absolute += std::abs(entries[j] * x[static_cast<Index>(j)]);
+        for (const Index j : touched) {
+          absolute += std::abs(entries[j] * x[j]);
           entries[j] = 0;
         }
-        out.product[static_cast<size_t>(i)] = sum;
-        out.magnitude[static_cast<size_t>(i)] = absolute;
-        out.summed[static_cast<size_t>(i)] = summed;
+        out.product[i] = sum;
+        out.magnitude[i] = absolute;
+        out.summed[i] = summed;
       }
       break;
     }
   }
-  if (out.summed.empty()) out.summed = out.magnitude;
+  if (out.summed.size() == 0) out.summed = out.magnitude;
   return out;
 }
 
 // diag A in extended precision, with 1 where A_ii = 0 and |A_ii| where it is negative.
 ExtendedVector ScalingDiagonal(const LcpProblem& problem) {
   const Index n = problem.size();
-  ExtendedVector diagonal(static_cast<size_t>(n), 0);
+  ExtendedVector diagonal(n);
   for (Index i = 0; i < n; ++i) {
     Extended value = 0;
     if (problem.has_factors()) {
@@ -131,7 +129,7 @@ ExtendedVector ScalingDiagonal(const LcpProblem& problem) {
     } else {
       value = problem.DiagonalA()[i];
     }
-    diagonal[static_cast<size_t>(i)] = value == 0 ? Extended(1) : std::abs(value);
+    diagonal[i] = value == 0 ? Extended(1) : std::abs(value);
   }
   return diagonal;
 }
@@ -183,11 +181,10 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
   Extended f_w = 0, f_Af = 0, b_f = 0, energy = 0, shift_squared = 0;
   m.w.resize(n);
   for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<size_t>(i);
     const bool bilateral = problem.is_bilateral(i);
-    const Extended root = std::sqrt(D[k]);
+    const Extended root = std::sqrt(D[i]);
     const Extended fi = f[i];
-    const Extended wi = Af.product[k] + b[i];
+    const Extended wi = Af.product[i] + b[i];
     m.w[i] = static_cast<double>(wi);
 
     const Extended p = root * fi;
@@ -197,14 +194,14 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
     b_scaled_squared += (b[i] / root) * (b[i] / root);
     b_squared += static_cast<Extended>(b[i]) * b[i];
 
-    const Extended scale = Af.magnitude[k] + std::abs(static_cast<Extended>(b[i]));
+    const Extended scale = Af.magnitude[i] + std::abs(static_cast<Extended>(b[i]));
     // D_ii = 1 stands for A_ii = 0 elsewhere; here the formula's own A_ii f_i is zero then.
-    const Extended force_term = problem.DiagonalA()[i] == 0 ? Extended(0) : D[k] * fi;
+    const Extended force_term = problem.DiagonalA()[i] == 0 ? Extended(0) : D[i] * fi;
     const Extended defect = std::abs(bilateral ? wi : std::min(force_term, wi));
     // Where entries of A cancel (perpendicular normals, say) the terms of w do not: a defect within the rounding of its
     // own evaluation cannot be told from 0, and must not be divided by a scale that is 0 as well.
     // Nor can one below the smallest normal double: no force could be given finely enough to do better.
-    const Extended rounding = std::max<Extended>(kRounding * (Af.summed[k] + std::abs(static_cast<Extended>(b[i]))),
+    const Extended rounding = std::max<Extended>(kRounding * (Af.summed[i] + std::abs(static_cast<Extended>(b[i]))),
                                                  std::numeric_limits<double>::min());
     RaiseTo(defect <= rounding ? Extended(0) : defect / scale, &backward);
 
@@ -228,7 +225,7 @@ Metrics ComputeMetrics(const LcpProblem& problem, const Eigen::VectorXd& f, cons
       if (wi < 0) shift_squared += q * q;
     }
     f_w += fi * wi;
-    f_Af += fi * Af.product[k];
+    f_Af += fi * Af.product[i];
     b_f += fi * b[i];
   }
   const auto over_b = [](Extended squared, Extended b_norm_squared) {
@@ -274,14 +271,13 @@ FarkasVerdict VerifyFarkasRay(const LcpProblem& problem, const Eigen::VectorXd& 
   Extended b_dot_y = 0, largest = 0, largest_summed = 0, b_norm1 = 0;
   Index negative = -1;
   for (Index i = 0; i < n; ++i) {
-    const auto k = static_cast<size_t>(i);
     if (!problem.is_bilateral(i) && y[i] < 0 && negative < 0) negative = i;
     b_dot_y += static_cast<Extended>(problem.b()[i]) * y[i];
-    b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[k]);
-    RaiseTo(std::abs(Ay.product[k]) / std::sqrt(D[k]), &largest);
+    b_norm1 += std::abs(static_cast<Extended>(problem.b()[i])) / std::sqrt(D[i]);
+    RaiseTo(std::abs(Ay.product[i]) / std::sqrt(D[i]), &largest);
     // A row of zeros stands as one whose diagonal entry, taken as 1, has vanished.
-    const Extended summed = Ay.summed[k] == 0 ? std::abs(static_cast<Extended>(y[i])) : Ay.summed[k];
-    RaiseTo(summed / std::sqrt(D[k]), &largest_summed);
+    const Extended summed = Ay.summed[i] == 0 ? std::abs(static_cast<Extended>(y[i])) : Ay.summed[i];
+    RaiseTo(summed / std::sqrt(D[i]), &largest_summed);
   }
   verdict.b_dot_y = static_cast<double>(b_dot_y);
   if (negative >= 0) {

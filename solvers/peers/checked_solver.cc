@@ -10,42 +10,35 @@ namespace lcpbench {
 namespace {
 
 // [J, I] with s as the masses of the new columns.
-LcpProblem ShiftedFactors(const LcpProblem& problem, double s, RowBounds bounds) {
+LcpProblem ShiftedFactors(const LcpProblem& problem, double s) {
   const Index n = problem.size();
   const Index columns = problem.J().cols();
-  SparseMatrix J(n, columns + n);
-  J.reserve(problem.J().nonZeros() + n);
-  for (Index row = 0; row < n; ++row) {
-    J.startVec(row);
-    for (SparseMatrix::InnerIterator entry(problem.J(), row); entry; ++entry) {
-      J.insertBack(row, entry.col()) = entry.value();
-    }
-    J.insertBack(row, columns + row) = 1;
-  }
-  J.finalize();
+  Eigen::SparseMatrix<double, Eigen::ColMajor, int> J(n, columns + n), identity(n, n);
+  identity.setIdentity();
+  J.leftCols(columns) = problem.J();
+  J.rightCols(n) = identity;
   Eigen::VectorXd inverse_mass(columns + n);
   inverse_mass << problem.inverse_mass(), Eigen::VectorXd::Constant(n, s);
-  return LcpProblem::FromFactors(problem.id(), J, std::move(inverse_mass), problem.b(), std::move(bounds),
+  return LcpProblem::FromFactors(problem.id(), J, std::move(inverse_mass), problem.b(), problem.bounds(),
                                  problem.facts());
 }
 
 LcpProblem Shifted(const LcpProblem& problem, double shift) {
   const double s = shift * problem.DiagonalA().cwiseAbs().maxCoeff();
-  RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
   switch (problem.given_form()) {
     case MatrixForm::kFactors:
-      return ShiftedFactors(problem, s, std::move(bounds));
+      return ShiftedFactors(problem, s);
     case MatrixForm::kSparse: {
       SparseMatrix A = problem.SparseA();  // has every diagonal entry
       for (Index row = 0; row < problem.size(); ++row) A.coeffRef(row, row) += s;
-      return LcpProblem::FromSparse(problem.id(), A, problem.b(), std::move(bounds), problem.facts());
+      return LcpProblem::FromSparse(problem.id(), A, problem.b(), problem.bounds(), problem.facts());
     }
     case MatrixForm::kDense:
       break;
   }
   Eigen::MatrixXd A = problem.DenseA();
   A.diagonal().array() += s;
-  return LcpProblem::FromDense(problem.id(), std::move(A), problem.b(), std::move(bounds), problem.facts());
+  return LcpProblem::FromDense(problem.id(), std::move(A), problem.b(), problem.bounds(), problem.facts());
 }
 
 // Seconds that may be unknown, which is negative.

@@ -13,7 +13,7 @@ namespace lcpbench {
 /// tolerance. All of it is on the clock.
 ///
 /// s is `shift` times the largest diagonal entry of A. From factors the shift is n more columns of J, so that the
-/// problem keeps its form; what bodies a row joins is not seen any more then. Not for non-standard bounds.
+/// problem keeps its form; what bodies a row joins is not seen any more then.
 class CheckedSolver : public LcpSolver {
  public:
   static constexpr double kShift = 1e-9;  ///< unless told otherwise: what the engines' users take

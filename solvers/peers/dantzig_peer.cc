@@ -4,42 +4,24 @@
 #include <cmath>
 #include <limits>
 
-#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
 
-DantzigPeer::Options DantzigPeer::Options::FromSettings(std::string_view key, SettingsReader* reader) {
-  const double cfm = reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1);
-  reader->Finish();
-  return {cfm};
-}
-
-Index DantzigPeer::MakeRoom(Index rows) {
+// @param given  a problem or its arrays
+template <typename Given>
+void DantzigPeer::Assemble(const Given& given, Index rows) {
   const Index stride = code_.stride(static_cast<int>(rows));
   A_.resize(static_cast<std::size_t>(rows * stride));
-  return stride;
-}
-
-void DantzigPeer::Shift(Index rows) {
+  AssembleDenseA(given, A_.data(), stride);
   is_whole_ = true;
-  if (options_.cfm == 0) return;
-  const auto n = static_cast<std::size_t>(rows);
-  const auto stride = static_cast<std::size_t>(code_.stride(static_cast<int>(rows)));
-  double largest = 0;
-  for (std::size_t i = 0; i < n; ++i) largest = std::max(largest, std::abs(A_[i * stride + i]));
-  for (std::size_t i = 0; i < n; ++i) A_[i * stride + i] += options_.cfm * largest;
+  if (cfm_ == 0) return;
+  Eigen::Map<Eigen::VectorXd, 0, Eigen::InnerStride<>> diagonal(A_.data(), rows, Eigen::InnerStride<>(stride + 1));
+  diagonal.array() += cfm_ * diagonal.cwiseAbs().maxCoeff();
 }
 
-void DantzigPeer::Assemble(const LcpProblem& problem) {
-  const Index stride = MakeRoom(problem.size());
-  WriteDenseRows(problem, stride, A_.data());
-  Shift(problem.size());
-}
-
-template <typename Predicate>
-void DantzigPeer::Run(Index rows, const double* b, Predicate is_bilateral, const LcpOptions& options,
-                      LcpResult* result) {
+void DantzigPeer::Run(Index rows, const double* b, const std::vector<unsigned char>& bilateral,
+                      const LcpOptions& options, LcpResult* result) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const int n = static_cast<int>(rows);
   const int stride = code_.stride(n);
@@ -51,7 +33,7 @@ void DantzigPeer::Run(Index rows, const double* b, Predicate is_bilateral, const
     lower_.resize(room);
     for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
       b_[i] = -b[i];
-      lower_[i] = is_bilateral(i) ? -kInfinity : 0;
+      lower_[i] = !bilateral.empty() && bilateral[i] != 0 ? -kInfinity : 0;
     }
     upper_.assign(room, kInfinity);
     x_.assign(room, 0);
@@ -68,20 +50,16 @@ void DantzigPeer::Run(Index rows, const double* b, Predicate is_bilateral, const
   if (!solved) result->detail = "the code returned failure";
 }
 
-void DantzigPeer::DoPrepare(const LcpProblem& problem) { Assemble(problem); }
+void DantzigPeer::DoPrepare(const LcpProblem& problem) { Assemble(problem, problem.size()); }
 
 void DantzigPeer::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  if (!is_whole_) TimeConversion(options, result, [&] { Assemble(problem); });
-  const auto is_bilateral = [&](std::size_t row) { return problem.is_bilateral(static_cast<Index>(row)); };
-  Run(problem.size(), problem.b().data(), is_bilateral, options, result);
+  if (!is_whole_) TimeConversion(options, result, [&] { Assemble(problem, problem.size()); });
+  Run(problem.size(), problem.b().data(), problem.bounds().bilateral, options, result);
 }
 
 bool DantzigPeer::DoSolveArrays(const ProblemArrays& arrays, const LcpOptions& options, LcpResult* result) {
-  const Index stride = MakeRoom(arrays.rows);
-  AssembleDenseA(arrays, A_.data(), stride);
-  Shift(arrays.rows);
-  const auto is_bilateral = [&](std::size_t row) { return !arrays.bilateral.empty() && arrays.bilateral[row] != 0; };
-  Run(arrays.rows, arrays.b.data(), is_bilateral, options, result);
+  Assemble(arrays, arrays.rows);
+  Run(arrays.rows, arrays.b.data(), arrays.bilateral, options, result);
   return true;
 }
 

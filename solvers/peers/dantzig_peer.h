@@ -28,15 +28,8 @@ struct DantzigProblem {
 /// engine does each step, and once more for every further solve of the same matrix. Dense: O(n^2) memory.
 class DantzigPeer : public LcpSolver {
  public:
-  /// The diagonal shift of the "-cfm" variants: what the engines' users take, and enough to get through redundant rows.
+  /// What the engines' users take, and enough to get through redundant rows.
   static constexpr double kEngineCfm = 1e-9;
-  struct Options {
-    /// Constraint force mixing: what is added to the diagonal, relative to its largest entry. 0 is the plain code;
-    /// engines add about 1e-9 ... 1e-5, which makes redundant contacts nonsingular and forces slightly soft. In [0, 1].
-    double cfm = 0;
-    /// Setting `cfm`; where absent kEngineCfm for keys that end in "-cfm".
-    static Options FromSettings(std::string_view key, SettingsReader* reader);
-  };
   /// One library's code.
   struct Code {
     /// How many doubles lie between the beginnings of two rows.
@@ -48,7 +41,11 @@ class DantzigPeer : public LcpSolver {
     void (*after)(const DantzigProblem& problem) = nullptr;
   };
 
-  DantzigPeer(Options options, Code code) : options_(options), code_(code) {}
+  /// Setting `cfm`, constraint force mixing: what is added to the diagonal, relative to its largest entry, in [0, 1]; 0
+  /// is the plain code, the default kEngineCfm for keys that end in "-cfm". Engines add about 1e-9 ... 1e-5, which
+  /// makes redundant contacts nonsingular and forces slightly soft.
+  DantzigPeer(std::string_view key, SettingsReader* reader, Code code)
+      : cfm_(reader->Number("cfm", key.ends_with("-cfm") ? kEngineCfm : 0, 0, 1)), code_(code) {}
 
  protected:
   void DoPrepare(const LcpProblem& problem) override;
@@ -58,22 +55,16 @@ class DantzigPeer : public LcpSolver {
  private:
   using Doubles = std::vector<double, Eigen::aligned_allocator<double>>;
 
-  Index MakeRoom(Index rows);
-  void Shift(Index rows);
-  void Assemble(const LcpProblem& problem);
-  /// On A_ as assembled. @param b  of ours  @param is_bilateral  by row
-  template <typename Predicate>
-  void Run(Index rows, const double* b, Predicate is_bilateral, const LcpOptions& options, LcpResult* result);
+  template <typename Given>
+  void Assemble(const Given& given, Index rows);
+  /// On A_ as assembled. @param b  of ours
+  void Run(Index rows, const double* b, const std::vector<unsigned char>& bilateral, const LcpOptions& options,
+           LcpResult* result);
 
-  Options options_;
+  double cfm_;
   Code code_;
   bool is_whole_ = false;  // A_, as assembled
-  Doubles A_;
-  Doubles b_;
-  Doubles lower_;
-  Doubles upper_;
-  Doubles x_;
-  Doubles w_;
+  Doubles A_, b_, lower_, upper_, x_, w_;
   std::vector<int> findex_;
 };
 

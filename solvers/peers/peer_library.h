@@ -17,23 +17,43 @@ namespace lcpbench {
 /// worker_main.cc and the one library.
 struct PeerLibrary {
   std::string version;  ///< as the library itself says, where it does
-  /// One of its solvers, by the key in peer_table.h. @throws InputError for unknown or impossible settings
-  std::unique_ptr<LcpSolver> (*make)(std::string_view key, const Settings& settings) = nullptr;
+  /// One of its solvers, by the key in peer_table.h. @throws InputError for impossible settings
+  std::unique_ptr<LcpSolver> (*make)(std::string_view key, SettingsReader* reader) = nullptr;
 };
 PeerLibrary ThisPeerLibrary();
 
-/// The setting `tolerance` of peers whose tolerance follows the tier: as chosen, else by the table of tier_settings.cc.
-class PeerTolerance {
+/// max_iterations if given, else `usual`; what an int holds of it.
+inline int IterationLimit(const LcpOptions& options, double usual) {
+  const double most = options.max_iterations > 0 ? static_cast<double>(options.max_iterations) : usual;
+  return static_cast<int>(std::min<double>(most, std::numeric_limits<int>::max()));
+}
+
+/// What the requested tier means to a solver whose tolerance follows it; nothing to keys that end in "-default", whose
+/// library decides.
+class PeerTier {
  public:
-  PeerTolerance() = default;
-  PeerTolerance(std::string_view key, SettingsReader* reader, const char* setting = "tolerance")
-      : key_(key), chosen_(reader->Number(setting, 0, 0, 1)) {}
-  double For(const LcpOptions& options) const { return chosen_ > 0 ? chosen_ : TierTolerance(key_, options.tolerance); }
+  PeerTier() = default;
+  /// The setting `tolerance` wins over the table of tier_settings.cc.
+  PeerTier(std::string_view key, SettingsReader* reader, const char* setting = "tolerance")
+      : key_(key), is_library_default_(key.ends_with("-default")) {
+    if (!is_library_default_) chosen_ = reader->Number(setting, 0, 0, 1);
+  }
+  bool is_library_default() const { return is_library_default_; }
+  double Tolerance(const LcpOptions& options) const {
+    return chosen_ > 0 ? chosen_ : TierTolerance(key_, options.tolerance);
+  }
+  int Iterations(const LcpOptions& options) const { return IterationLimit(options, TierIterations(key_)); }
 
  private:
   std::string key_;
+  bool is_library_default_ = false;
   double chosen_ = 0;
 };
+
+/// WhyUnsupported of solvers of quadratic programs.
+inline std::string WhyNotQuadraticProgram(const LcpProblem& problem) {
+  return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
+}
 
 /// What the words of a setting stand for; the first is the library's own choice.
 template <typename Value, std::size_t n>
@@ -43,12 +63,6 @@ Value Choose(SettingsReader* reader, const char* setting, const std::pair<std::s
   };
   const std::string chosen = read(std::make_index_sequence<n>());
   return std::find_if(choices, choices + n, [&](const auto& choice) { return choice.first == chosen; })->second;
-}
-
-/// max_iterations if given, else `usual`; what an int holds of it.
-inline int IterationLimit(const LcpOptions& options, double usual) {
-  const double most = options.max_iterations > 0 ? static_cast<double>(options.max_iterations) : usual;
-  return static_cast<int>(std::min<double>(most, std::numeric_limits<int>::max()));
 }
 
 /// Adds the seconds that `work` takes to `*sum`, which is negative while nothing is known, where parts are wanted.

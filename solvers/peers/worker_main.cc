@@ -31,15 +31,11 @@ lcpbench::Settings ParseSettings(int argc, char** argv) {
 std::unique_ptr<lcpbench::LcpSolver> Make(const lcpbench::PeerLibrary& library, std::string_view key,
                                           const lcpbench::Settings& settings) {
   using lcpbench::CheckedSolver;
-  lcpbench::Settings own = settings;
-  lcpbench::Settings checks;
-  for (const char* name : {"check", "check-shift"}) {
-    if (auto setting = own.extract(name)) checks.insert(std::move(setting));
-  }
-  lcpbench::SettingsReader reader(key, checks);
+  lcpbench::SettingsReader reader(key, settings);
   const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
   const double shift = reader.Number("check-shift", CheckedSolver::kShift, 0, 1);
-  auto made = library.make(key, own);
+  auto made = library.make(key, &reader);
+  reader.Finish();
   return is_checked ? std::make_unique<CheckedSolver>(std::move(made), shift) : std::move(made);
 }
 

@@ -50,6 +50,12 @@ static Answer Solve(const char* key, const lcpbench_problem* problem, const lcpb
   return answer;
 }
 
+static int64_t Iterations(const lcpbench_result* result) {
+  int64_t iterations = -2;
+  CHECK_OK(lcpbench_result_iterations(result, &iterations));
+  return iterations;
+}
+
 static void Free(Answer* answer) {
   lcpbench_result_free(answer->result);
   lcpbench_solver_free(answer->solver);
@@ -85,9 +91,7 @@ static void SolvesAKnownProblem(void) {
   CHECK(answer.verdict.passes == 1 && answer.verdict.best_tier == 1e-9 && answer.verdict.false_success == 0);
   CHECK(answer.verdict.requested == 1e-6 && answer.verdict.has_ray == 0 && answer.verdict.reason[0] == '\0');
   CHECK(answer.verdict.energy_bound >= 0 && answer.verdict.energy_bound < 1e-14);
-  int64_t iterations = -1;
-  CHECK_OK(lcpbench_result_iterations(answer.result, &iterations));
-  CHECK(iterations >= 0);
+  CHECK(Iterations(answer.result) >= 0);
   CHECK(strcmp(lcpbench_status_key(answer.status), "solved") == 0);
   Free(&answer);
   lcpbench_problem_free(problem);
@@ -265,10 +269,8 @@ static void OptionsReachTheSolver(void) {
 
   options.max_iterations = 3;
   Answer few = Solve("pgs", problem, &options, NULL);
-  int64_t sweeps = 0;
   CHECK(few.status == LCPBENCH_ITERATION_LIMIT);
-  CHECK_OK(lcpbench_result_iterations(few.result, &sweeps));
-  CHECK(sweeps == 3);
+  CHECK(Iterations(few.result) == 3);
   Free(&few);
 
   options.max_iterations = 0;
@@ -276,34 +278,29 @@ static void OptionsReachTheSolver(void) {
   CHECK(cold.status == LCPBENCH_SOLVED && cold.n == kRows);
   /* -f'' = 1 with f = 0 at both ends, in finite differences. */
   for (int i = 0; i < kRows; ++i) CHECK(fabs(cold.f[i] - 0.5 * (i + 1) * (kRows - i)) < 1e-4);
-  int64_t cold_sweeps = 0, warm_sweeps = 0;
-  CHECK_OK(lcpbench_result_iterations(cold.result, &cold_sweeps));
+  const int64_t cold_sweeps = Iterations(cold.result);
 
   options.initial_f = cold.f;
   options.initial_f_size = cold.n;
   Answer warm = Solve("pgs", problem, &options, NULL);
   CHECK(warm.status == LCPBENCH_SOLVED);
-  CHECK_OK(lcpbench_result_iterations(warm.result, &warm_sweeps));
-  CHECK(warm_sweeps * 10 < cold_sweeps);
+  CHECK(Iterations(warm.result) * 10 < cold_sweeps);
   Free(&warm);
 
   /* One result may be the start of the next solve into itself. */
   lcpbench_result* result = cold.result;
   CHECK_OK(lcpbench_solve(cold.solver, problem, &options, result));
-  CHECK_OK(lcpbench_result_iterations(result, &warm_sweeps));
-  CHECK(warm_sweeps * 10 < cold_sweeps);
+  CHECK(Iterations(result) * 10 < cold_sweeps);
 
   /* Settings reach the method: 1.8 is close to the best relaxation of this chain. */
   const lcpbench_setting settings[2] = {{"relaxation", "1.8"}, {"form", "assembled"}};
   lcpbench_solver* relaxed = NULL;
-  int64_t relaxed_sweeps = 0;
   options.initial_f = NULL;
   options.initial_f_size = 0;
   CHECK_OK(lcpbench_solver_create("pgs", settings, 2, &relaxed));
   CHECK_OK(lcpbench_solver_prepare(relaxed, problem));
   CHECK_OK(lcpbench_solve(relaxed, problem, &options, result));
-  CHECK_OK(lcpbench_result_iterations(result, &relaxed_sweeps));
-  CHECK(relaxed_sweeps * 2 < cold_sweeps);
+  CHECK(Iterations(result) * 2 < cold_sweeps);
   lcpbench_solver_free(relaxed);
 
   options.time_limit_s = 1e-9;
@@ -403,9 +400,7 @@ static void WrongCallsAreRefused(void) {
   CHECK(solver == NULL);
   CHECK_OK(lcpbench_solver_create("pgs", NULL, 0, &solver));
   CHECK_OK(lcpbench_result_create(&result));
-  int64_t iterations = 0;
-  CHECK_OK(lcpbench_result_iterations(result, &iterations));
-  CHECK(iterations == -1);
+  CHECK(Iterations(result) == -1);
 
   lcpbench_verdict verdict;
   CHECK_REFUSED(lcpbench_verify_result(problem, result, 1e-6, &verdict, sizeof verdict, NULL), "result is empty");

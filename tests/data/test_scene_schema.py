@@ -1,12 +1,9 @@
 """The published JSON Schema of scene files accepts the examples and refuses what is malformed."""
 
-import json
 import unittest
 from pathlib import Path
 
-import jsonschema
-
-from changed import REMOVED, changed
+from schema_case import REMOVED, SchemaCase
 
 _SCENES = Path(__file__).resolve().parents[2] / "data" / "scenes"
 _SCHEMA = _SCENES / "scene.schema.json"
@@ -71,28 +68,11 @@ _MALFORMED = [
 ]
 
 
-class SceneSchema(unittest.TestCase):
-    @classmethod
-    def setUpClass(cls):
-        schema = json.loads(_SCHEMA.read_text(encoding="utf-8"))
-        jsonschema.Draft7Validator.check_schema(schema)
-        cls.validator = jsonschema.Draft7Validator(schema)
-
-    def test_every_example_is_valid(self):
-        examples = sorted(set(_SCENES.glob("*.json")) - {_SCHEMA})
-        self.assertGreaterEqual(len(examples), 8)
-        for path in examples:
-            with self.subTest(path.name):
-                errors = list(self.validator.iter_errors(json.loads(path.read_text(encoding="utf-8"))))
-                self.assertEqual([error.message for error in errors], [])
-
-    def test_the_small_scene_is_valid_before_it_is_changed(self):
-        self.validator.validate(_SCENE)
-
-    def test_malformed_scenes_are_refused(self):
-        for path, value in _MALFORMED:
-            with self.subTest("/".join(map(str, path)), value=value):
-                self.assertFalse(self.validator.is_valid(changed(_SCENE, path, value)))
+class SceneSchema(SchemaCase, unittest.TestCase):
+    schema = _SCHEMA
+    valid = sorted(set(_SCENES.glob("*.json")) - {_SCHEMA})
+    base = _SCENE
+    malformed = _MALFORMED
 
 
 if __name__ == "__main__":

@@ -1,5 +1,3 @@
-#include "tests/fuzz/fclib_law.h"
-
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,8 +8,8 @@
 #include <stdexcept>
 
 #include "solvers/io/fclib_file.h"
-#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
+#include "tests/fuzz/problem_laws.h"
 #include "tests/solvers/lcp/same_problem.h"
 
 namespace lcpbench {
@@ -63,19 +61,15 @@ std::string BrokenOverflowLaw(const LcpProblem& problem, const std::string& path
 std::string BrokenFclibLaw(const std::string& bytes) {
   const TemporaryFile given, written;
   given.Write(bytes);
-  bool is_read = false;
-  try {
+  return BrokenReadingLaw(given.path() + ": ", [&](bool* is_read) -> std::string {
     const LcpProblem problem = ReadFclibProblem(given.path()).problem;
-    is_read = true;
+    *is_read = true;
     if (!problem.b().allFinite()) return "b is not finite";
     if (!problem.SparseA().coeffs().allFinite()) return BrokenOverflowLaw(problem, written.path());
     WriteFclibProblem(problem, written.path());
     const LcpProblem back = ReadFclibProblem(written.path()).problem;
     return back.id() == problem.id() ? DifferenceOfProblems(back, problem) : "another id";
-  } catch (const InputError& error) {
-    if (is_read) return std::string("what was read is not written, or refused: ") + error.what();
-    return BrokenErrorLaw(error.what(), given.path() + ": ");
-  }
+  });
 }
 
 }  // namespace lcpbench

@@ -5,69 +5,53 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/io/siconos_text.h"
-#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
 #include "tests/solvers/lcp/same_problem.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr char kPlace[] = "file:1";
 // Matrices of more rows are read, and not made: memory for empty rows is the caller's affair.
 constexpr Index kMostRows = 100'000;
 
 }  // namespace
 
 std::string BrokenJsonLineLaw(const std::string& text) {
-  std::string written;
-  try {
-    const LcpRecord record = ParseLcpRecord(text, kPlace);
-    const LcpProblem& problem = record.problem;
+  constexpr char kPlace[] = "file:1";
+  return BrokenReadingLaw(kPlace, [&](bool* is_read) -> std::string {
+    const LcpProblem problem = ParseLcpRecord(text, kPlace).problem;
     if (!problem.b().allFinite()) return "b is not finite";
-    written = FormatLcpRecord(problem);
-    const std::string difference = DifferenceOfProblems(ParseLcpRecord(written, kPlace).problem, problem);
-    if (!difference.empty()) return difference;
-  } catch (const InputError& error) {
-    if (!written.empty()) return std::string("what was written is refused: ") + error.what();
-    return BrokenErrorLaw(error.what(), kPlace);
-  }
-  return {};
+    const std::string written = FormatLcpRecord(problem);
+    *is_read = true;
+    return DifferenceOfProblems(ParseLcpRecord(written, kPlace).problem, problem);
+  });
 }
 
 std::string BrokenMatrixMarketLaw(const std::string& text) {
-  std::stringstream written;
-  bool is_written = false;
-  try {
+  return BrokenReadingLaw("file:", [&](bool* is_read) -> std::string {
     std::istringstream input(text);
+    std::stringstream written;
     const MarketMatrix matrix = ReadMarketMatrix(input, "file");
     if (matrix.rows > kMostRows) return {};
     const SparseMatrix sparse = matrix.ToSparse();
     WriteMarketMatrix(sparse, written);
-    is_written = true;
-    if (!SameBits(ReadMarketMatrix(written, "file").ToSparse(), sparse)) return "another matrix";
-  } catch (const InputError& error) {
-    if (is_written) return std::string("what was written is refused: ") + error.what();
-    return BrokenErrorLaw(error.what(), "file:");
-  }
-  return {};
+    *is_read = true;
+    return SameBits(ReadMarketMatrix(written, "file").ToSparse(), sparse) ? "" : "another matrix";
+  });
 }
 
 std::string BrokenSiconosLaw(const std::string& text) {
-  std::stringstream written;
-  bool is_written = false;
-  try {
+  return BrokenReadingLaw("file:", [&](bool* is_read) -> std::string {
     std::istringstream input(text);
+    std::stringstream written;
     const LcpProblem problem = ReadSiconosText(input, "file", "id");
     if (!problem.b().allFinite()) return "b is not finite";
     WriteSiconosText(problem, written);
-    is_written = true;
+    *is_read = true;
     const LcpProblem back = ReadSiconosText(written, "file", "id");
     if (back.given_form() != problem.given_form()) return "another form";
     return DifferenceOfProblems(back, problem);
-  } catch (const InputError& error) {
-    if (is_written) return std::string("what was written is refused: ") + error.what();
-    return BrokenErrorLaw(error.what(), "file:");
-  }
+  });
 }
 
 }  // namespace lcpbench

@@ -11,5 +11,6 @@ namespace lcpbench {
 std::string BrokenJsonLineLaw(const std::string& text);
 std::string BrokenMatrixMarketLaw(const std::string& text);
 std::string BrokenSiconosLaw(const std::string& text);
+std::string BrokenFclibLaw(const std::string& bytes);  // in fclib_law.cc, for which HDF5 is needed
 
 }  // namespace lcpbench

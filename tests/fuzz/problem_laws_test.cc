@@ -4,32 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
 #include <random>
-#include <sstream>
 #include <string>
 #include <vector>
 
+#include "tests/fuzz/corpus.h"
+
 namespace lcpbench {
 namespace {
-
-std::vector<std::string> Corpus(const std::string& folder) {
-  std::vector<std::filesystem::path> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/tests/fuzz/" + folder)) {
-    paths.push_back(entry.path());
-  }
-  std::sort(paths.begin(), paths.end());
-  std::vector<std::string> texts;
-  for (const auto& path : paths) {
-    std::ifstream file(path);
-    std::stringstream text;
-    text << file.rdbuf();
-    texts.push_back(text.str());
-  }
-  return texts;
-}
 
 // Bytes changed, cut out, doubled, and pieces of another text put in.
 std::string Changed(std::string text, const std::vector<std::string>& corpus, std::mt19937* random) {

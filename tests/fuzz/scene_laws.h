@@ -9,7 +9,6 @@
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
 #include "model/shape/outline_checks.h"
-#include "support/input_error.h"
 #include "tests/fuzz/error_law.h"
 
 namespace lcpbench {

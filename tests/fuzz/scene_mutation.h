@@ -19,29 +19,9 @@ inline std::size_t Below(std::size_t end, Random* random) {
 }
 
 inline nlohmann::json RandomValue(Random* random) {
-  static const std::vector<nlohmann::json> values{0,
-                                                  1,
-                                                  -1,
-                                                  2,
-                                                  1000,
-                                                  -0.0,
-                                                  1e-9,
-                                                  1e-30,
-                                                  1e30,
-                                                  1e6,
-                                                  -1e30,
-                                                  1e300,
-                                                  0.5,
-                                                  true,
-                                                  nullptr,
-                                                  "",
-                                                  "left",
-                                                  "right",
-                                                  "pin",
-                                                  nlohmann::json::array(),
-                                                  nlohmann::json::object(),
-                                                  nlohmann::json::array({0, 0}),
-                                                  nlohmann::json::array({1e30, 1e-30})};
+  static const auto values =
+      nlohmann::json::parse(R"([0, 1, -1, 2, 1000, -0.0, 1e-9, 1e-30, 1e30, 1e6, -1e30, 1e300, 0.5,
+    true, null, "", "left", "right", "pin", [], {}, [0, 0], [1e30, 1e-30]])");
   return values[Below(values.size(), random)];
 }
 

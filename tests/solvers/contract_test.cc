@@ -256,14 +256,6 @@ TEST_P(SolverContract, LimitsEndASolveHonestly) {
   EXPECT_TRUE(late.f.allFinite());
 }
 
-TEST_P(SolverContract, OtherBoundsAreUnsupported) {
-  Eigen::Vector2d lower(-1, 0);
-  Eigen::Vector2d upper(1, std::numeric_limits<double>::infinity());
-  const LcpProblem box =
-      LcpProblem::FromDense("box", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, -1), {lower, upper});
-  EXPECT_EQ(Solve(box, 1e-6).status, LcpStatus::kUnsupported);
-}
-
 TEST_P(SolverContract, ImpossibleOptionsAreRefused) {
   const LcpProblem problem = PlantedProblem(3, 2, 1, 0, 0).problem;
   for (const double tolerance : {0.0, 1.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {

@@ -218,12 +218,10 @@ std::span<const ExactFamily> UnsolvableFamilies() { return kUnsolvable; }
 
 TestProblem Rescaled(const TestProblem& test, const VectorXd& rows, double of_A, double of_b) {
   const LcpProblem& problem = test.problem;
-  TestProblem rescaled{
-      LcpProblem::FromDense(problem.id() + "-rescaled",
-                            of_A * (rows.asDiagonal() * problem.DenseA() * rows.asDiagonal()),
-                            of_b * rows.cwiseProduct(problem.b()),
-                            RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()), problem.facts()),
-      {test.reference.status, std::nullopt, std::nullopt}};
+  TestProblem rescaled{LcpProblem::FromDense(problem.id() + "-rescaled",
+                                             of_A * (rows.asDiagonal() * problem.DenseA() * rows.asDiagonal()),
+                                             of_b * rows.cwiseProduct(problem.b()), problem.bounds(), problem.facts()),
+                       {test.reference.status, std::nullopt, std::nullopt}};
   if (test.reference.w.has_value()) rescaled.reference.w = of_b * rows.cwiseProduct(*test.reference.w);
   return rescaled;
 }

@@ -192,8 +192,7 @@ LcpProblem PermuteRows(const LcpProblem& problem, const std::vector<Index>& orde
 LcpProblem ScaleRows(const LcpProblem& problem, const Eigen::VectorXd& scale, double mass_scale) {
   const SparseMatrix J = scale.asDiagonal() * problem.J();
   return LcpProblem::FromFactors(problem.id() + "-scaled", J, mass_scale * problem.inverse_mass(),
-                                 scale.cwiseProduct(problem.b()),
-                                 RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows()));
+                                 scale.cwiseProduct(problem.b()), problem.bounds());
 }
 
 LcpProblem Compose(const std::vector<LcpProblem>& parts, unsigned seed) {

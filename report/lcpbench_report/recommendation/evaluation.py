@@ -1,4 +1,4 @@
-"""Tries rules on what they were not made of.
+"""Tries rules on what they were not made of, and makes data/recommendation.json of both (benchmarks/RESULTS.md).
 
 For every family rules are made of all other families. On each of its problems the recommendation is the fastest of
 the candidates that is verified there, since that is what `lcpbench recommend` finds out by measuring them; it is right
@@ -11,121 +11,111 @@ import math
 import numpy as np
 import pandas as pd
 
+from ..errors import ReportError
+from ..formats import short
+from . import rules
 from .outcomes import Edges, Outcomes
-from .rules import MOST, WITHIN, TierTable, choose_candidates, partition, tier_tables
+from .rules import WITHIN, TierTable
 
+SCHEMA = "lcpbench-recommendation/1"
 LEAST_SHARE = 0.9
 
 
+def make(outcomes: Outcomes, sequences: Outcomes | None = None, leave_out: frozenset[str] = frozenset()) -> dict:
+    """@param sequences  what solvers did from step to step, if it was measured
+    @param leave_out  families that the rules are made without; they are then not evaluated either
+    """
+    families = set(outcomes.table["family"])
+    if leave_out - families:
+        raise ReportError("--leave-out", f"no problem of family {min(leave_out - families)!r}",
+                          "one of " + ", ".join(sorted(families)))
+    return {"schema": SCHEMA, "campaigns": outcomes.campaigns, "left_out": sorted(leave_out),
+            "near": rules.NEAR, "within": WITHIN, "most_candidates": rules.MOST, "edges": outcomes.edges,
+            "regions": _without_end(rules.make_regions(outcomes, leave_out)),
+            "sequences": _without_end(rules.make_regions(sequences, leave_out)) if sequences else [],
+            "evaluation": None if leave_out else evaluate(outcomes)}
+
+
+def _without_end(regions: list[dict]) -> list[dict]:
+    """The largest size that was measured stands for all above it, at every tier."""
+    for tier in {region["tier"] for region in regions}:
+        of_tier = [region["where"]["rows"] for region in regions if region["tier"] == tier]
+        max(of_tier, key=lambda rows: rows[0])[1] = None
+    return regions
+
+
 def evaluate(outcomes: Outcomes) -> dict:
-    """The member `evaluation` (benchmarks/RESULTS.md)."""
-    tables, edges = tier_tables(outcomes), outcomes.edges
+    """The member `evaluation`."""
+    tables, edges = rules.tier_tables(outcomes), outcomes.edges
     by_family = [row for table in tables for row in held_out(outcomes, table, table.families, edges)]
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]
-    return {"within": WITHIN, "least_share": LEAST_SHARE, "most_candidates": MOST,
+    return {"within": WITHIN, "least_share": LEAST_SHARE, "most_candidates": rules.MOST,
             "divisions": compare_divisions(outcomes),
-            "tiers": [_summary(table.tier, by_family, by_seed) for table in tables],
-            "families": [_plain(row, "family") for row in by_family], "seeds": [_plain(row, "seed") for row in by_seed]}
+            "tiers": [{"tier": table.tier} | {name: _summary([row for row in rows if row["tier"] == table.tier])
+                                              for name, rows in (("families", by_family), ("seeds", by_seed))}
+                      for table in tables],
+            "families": [_plain(row, "family", str) for row in by_family],
+            "seeds": [_plain(row, "seed", int) for row in by_seed]}
 
 
 def compare_divisions(outcomes: Outcomes) -> list[dict]:
-    """What the regions of the outcomes' edges are worth for families that were held out, and those divided once more by each other
-    feature, at its median or, where that is its least value, above it: whether a feature helps."""
+    """What the regions of the outcomes' edges are worth for families that were held out, and those divided once more by
+    each other feature, at its median or, where that is its least value, above it: whether a feature helps."""
     divisions = [outcomes.edges]
-    for name in outcomes.features.columns:
-        values = outcomes.features[name].dropna()
-        if name in outcomes.edges or values.nunique() < 2:
-            continue
-        least, middle = float(values.min()), float(values.median())
-        above = middle if middle > least else float(values[values > least].min())
-        divisions.append(outcomes.edges | {name: [least, above]})
-    tables = tier_tables(outcomes)
+    for name, values in outcomes.features.drop(columns=list(outcomes.edges)).items():
+        if values.nunique() > 1:
+            least, middle = values.min(), values.median()
+            above = middle if middle > least else values[values > least].min()
+            divisions.append(outcomes.edges | {name: [float(least), float(above)]})
+    tables = rules.tier_tables(outcomes)
     found = []
     for division in divisions:
-        rows = [row for table in tables for row in held_out(outcomes, table, table.families, division)]
-        problems = sum(row["problems"] for row in rows)
-        found.append({"features": list(division), "families": len(rows), "pass": sum(row["passes"] for row in rows),
-                      "problems": problems, "right": sum(row["right"] for row in rows)})
+        summary = _summary([row for table in tables for row in held_out(outcomes, table, table.families, division)])
+        found.append({"features": list(division), "families": summary["groups"],
+                      **{key: summary[key] for key in ("pass", "problems", "right")}})
     return found
 
 
 def held_out(outcomes: Outcomes, table: TierTable, groups: pd.Series, edges: Edges) -> list[dict]:
     """A row per group (of problems), held out in turn."""
-    numbers, sizes = partition(outcomes, edges)
+    numbers, sizes = rules.partition(outcomes, edges)
     own = [key for key in outcomes.own if key in table.verified]
     rows = []
     for group in sorted(groups.unique()):
-        problems = groups.index[(groups == group).to_numpy()]
-        training = groups.index[(groups != group).to_numpy()]
+        problems, training = (groups.index[mask.to_numpy()] for mask in (groups == group, groups != group))
         if len(training) == 0:
             continue
         # Of the table nothing but the training problems' rows is read.
-        candidates = choose_candidates(table, numbers, sizes, own, training)
-        times, of_region = table.times, numbers[problems]
-        found = pd.concat([times.loc[problems[(of_region == number).to_numpy()], candidates.solvers[number]].min(axis=1)
-                           for number in of_region.unique()])
-        rows.append({"group": group, "tier": table.tier} | _judge(found[problems], times.loc[problems], own))
+        candidates = rules.choose_candidates(table, numbers, sizes, own, training)
+        found = pd.concat([table.times.loc[of_region, candidates[number][0]].min(axis=1)
+                           for number, of_region in problems.groupby(numbers[problems]).items()])
+        rows.append({"group": group, "tier": table.tier} | _judge(found[problems], table.times.loc[problems], own))
     return rows
 
 
 def _judge(found: pd.Series, of_problems: pd.DataFrame, own: list[str]) -> dict:
-    best_own, best_all = of_problems[own].min(axis=1), of_problems.min(axis=1)
-    solvable = best_own < math.inf
-    ratio = (found / best_own)[solvable].fillna(math.inf)
-    ratio_all = (found / best_all)[best_all < math.inf].fillna(math.inf)
-    share = float((ratio <= WITHIN).mean()) if len(ratio) else math.nan
-    median = _median(ratio)
-    return {"problems": int(len(ratio)), "right": int((ratio <= WITHIN).sum()), "share": share, "median": median,
-            "worst": float(ratio.max()) if len(ratio) else math.nan,
-            "share_all": float((ratio_all <= WITHIN).mean()) if len(ratio_all) else math.nan,
+    ratio, ratio_all = ((found / best)[best < math.inf].fillna(math.inf)
+                        for best in (of_problems[own].min(axis=1), of_problems.min(axis=1)))
+    share, share_all = (float((some <= WITHIN).mean()) for some in (ratio, ratio_all))
+    median = float(np.quantile(ratio, 0.5, method="lower")) if len(ratio) else math.nan
+    return {"problems": len(ratio), "right": int((ratio <= WITHIN).sum()), "share": share, "median": median,
+            "worst": float(ratio.max()), "share_all": share_all,
             "passes": bool(median <= WITHIN and share >= LEAST_SHARE)}
 
 
-def _median(ratio: pd.Series) -> float:
-    return float(np.quantile(ratio, 0.5, method="lower")) if len(ratio) else math.nan
+def _summary(rows: list[dict]) -> dict:
+    problems, right = (sum(row[key] for row in rows) for key in ("problems", "right"))
+    return {"groups": len(rows), "pass": sum(row["passes"] for row in rows), "problems": problems, "right": right,
+            "share": short(right / problems) if problems else None}
 
 
-def _summary(tier: float, by_family: list[dict], by_seed: list[dict]) -> dict:
-    summary: dict = {"tier": tier}
-    for name, rows in (("families", by_family), ("seeds", by_seed)):
-        of_tier = [row for row in rows if row["tier"] == tier]
-        problems = sum(row["problems"] for row in of_tier)
-        summary[name] = {"groups": len(of_tier), "pass": sum(row["passes"] for row in of_tier), "problems": problems,
-                         "right": sum(row["right"] for row in of_tier),
-                         "share": _digits(sum(row["right"] for row in of_tier) / problems if problems else math.nan)}
-    return summary
-
-
-def _plain(row: dict, name: str) -> dict:
+def _plain(row: dict, name: str, kind: type) -> dict:
     """As JSON has it: what is not finite is null."""
-    group = int(row["group"]) if name == "seed" else row["group"]
-    return {name: group} | {key: _digits(value) if isinstance(value, float) else value
-                            for key, value in row.items() if key != "group"}
-
-
-def _digits(value: float) -> float | None:
-    return float(f"{value:.4g}") if math.isfinite(value) else None
+    return {name: kind(row["group"])} | {key: short(value) for key, value in row.items() if key != "group"}
 
 
 def as_text(evaluation: dict) -> str:
-    """A table per tier."""
-    lines = []
-    for summary in evaluation["tiers"]:
-        lines.append(f"tier {summary['tier']:g}, rules made without the family: share of its "
-                     f"problems within {evaluation['within']:g} x of the best own solver (of all solvers)")
-        for row in evaluation["families"]:
-            if row["tier"] != summary["tier"]:
-                continue
-            median, worst = (f"{row[key]:.3g}" if row[key] is not None else "-" for key in ("median", "worst"))
-            lines.append(f"  {row['family']:<18} {row['right']:>3} of {row['problems']:>3}  {row['share'] or 0:7.1%} "
-                         f"({row['share_all'] or 0:6.1%})  median {median}, worst {worst}"
-                         f"{'' if row['passes'] else '  DOES NOT PASS'}")
-        for name in ("families", "seeds"):
-            of = summary[name]
-            lines.append(f"  {of['pass']} of {of['groups']} {name} pass; "
-                         f"{of['share'] or 0:.1%} of {of['problems']} problems")
-    lines.append("regions by, all tiers:")
-    for of in evaluation["divisions"]:
-        lines.append(f"  {', '.join(of['features']):<28} {of['pass']} of {of['families']} families pass; "
-                     f"{of['right']} of {of['problems']} problems")
-    return "\n".join(lines)
+    """Tables of families that were held out, of their sums by tier, and of divisions."""
+    tables = {"families held out": pd.DataFrame(evaluation["families"]), "by tier": pd.json_normalize(evaluation["tiers"]),
+              "regions by, all tiers": pd.DataFrame(evaluation["divisions"])}
+    return "\n\n".join(f"{title}:\n{table.to_string(index=False)}" for title, table in tables.items())

@@ -24,7 +24,7 @@ _PEERS = 2  # of a list
 
 def bounds(edges: Edges) -> list[dict[str, tuple[float, float]]]:
     """Of every region, in the order of region_of."""
-    parts = [[(low, high) for low, high in zip(ends, [*ends[1:], math.inf])] for ends in edges.values()]
+    parts = [[*zip(ends, [*ends[1:], math.inf])] for ends in edges.values()]
     return [dict(zip(edges, chosen)) for chosen in itertools.product(*parts)]
 
 
@@ -45,11 +45,6 @@ def family_weights(families: pd.Series, weights: pd.Series) -> np.ndarray:
     return (weights / weights.groupby(families).transform("sum")).to_numpy()
 
 
-def ratios(times: pd.DataFrame, best: pd.Series) -> pd.DataFrame:
-    """Of every problem (row) and solver (column) the time over the best one; 1e3 where it is more or failed."""
-    return times.div(best, axis=0).clip(upper=_WORST).fillna(_WORST)
-
-
 def choose(of_region: pd.DataFrame, weights: np.ndarray, false_success: set[str], most: int = MOST) -> list[str]:
     """Greedily: the solver that adds most. A problem counts 1 where the best of the list is within NEAR of the best,
     and loses a tenth of the logarithm of the ratio, so that the rest is as little off as possible; what failed is a
@@ -58,33 +53,17 @@ def choose(of_region: pd.DataFrame, weights: np.ndarray, false_success: set[str]
 
     @param of_region  ratios, a row per problem, a column per solver
     """
-    columns = [key for key in of_region.columns if key not in false_success]
-    if not columns:
-        return []
-    values = of_region[columns].to_numpy()
-    current = np.full(len(values), _WORST)
-    chosen: list[str] = []
-    score = -np.inf
-    while len(chosen) < most:
-        merged = np.minimum(current[:, None], values)
+    values = of_region[[key for key in of_region.columns if key not in false_success]]
+    current, score, chosen = np.full((len(values), 1), _WORST), -math.inf, []
+    while len(chosen) < most and len(values.columns):
+        merged = np.minimum(current, values.to_numpy())
         gains = (weights[:, None] * ((merged <= NEAR) - _LOG_WEIGHT * np.log(merged))).sum(axis=0)
         index = int(gains.argmax())
         if chosen and gains[index] <= score + 1e-12:
             break
-        score = gains[index]
-        chosen.append(columns[index])
-        current = merged[:, index]
+        score, current = gains[index], merged[:, [index]]
+        chosen.append(values.columns[index])
     return chosen
-
-
-def record_of(of_region: pd.DataFrame, verified: pd.DataFrame, weights: np.ndarray) -> list[dict]:
-    """How every solver did, best first: shares of the problems, families weighing the same, on which it was verified,
-    and within WITHIN of the best."""
-    total = weights.sum()
-    rows = [{"solver": key, "verified": round(float((weights * verified[key]).sum() / total), 4),
-             "within": round(float((weights * (of_region[key] <= WITHIN)).sum() / total), 4)}
-            for key in of_region.columns]
-    return sorted(rows, key=lambda row: (-row["within"], -row["verified"], row["solver"]))
 
 
 # ----- regions
@@ -102,58 +81,48 @@ class TierTable:
     verified: pd.DataFrame
     false_success: pd.DataFrame
 
+    def ratios(self, problems: pd.Index, solvers: list[str]) -> pd.DataFrame:
+        """The time over the best of these solvers; _WORST where it is more or failed."""
+        times = self.times.loc[problems, solvers]
+        return times.div(times.min(axis=1), axis=0).clip(upper=_WORST).fillna(_WORST)
+
+    def family_weights(self, problems: pd.Index) -> np.ndarray:
+        return family_weights(self.families[problems], self.weights[problems])
+
 
 def tier_tables(outcomes: Outcomes) -> list[TierTable]:
     """Loosest tier first."""
     made = []
-    for tier in sorted(outcomes.table.tier.unique(), reverse=True):
-        cells = outcomes.table[outcomes.table.tier == tier]
-        wide = {name: cells.pivot(index="problem", columns="solver", values=name)
-                for name in ("time_s", "verified", "false_success")}
-        of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(wide["verified"].index)
-        made.append(TierTable(float(tier), of_problem.family, of_problem.seed, of_problem.weight, wide["time_s"],
-                              wide["verified"].eq(True), wide["false_success"].eq(True)))
+    for tier, cells in sorted(outcomes.table.groupby("tier"), key=lambda part: -part[0]):
+        times, verified, false = (cells.pivot(index="problem", columns="solver", values=name)
+                                  for name in ("time_s", "verified", "false_success"))
+        of_problem = cells.drop_duplicates("problem").set_index("problem").reindex(verified.index)
+        made.append(TierTable(float(tier), of_problem["family"], of_problem["seed"], of_problem["weight"], times,
+                              verified.eq(True), false.eq(True)))
     return made
 
 
-@dataclass
-class Candidates:
-    """A list for every region, by its number, of one tier."""
-
-    solvers: dict[int, list[str]]
-    training: dict[int, pd.Index]  # problems that a list was made of
-
-
 def choose_candidates(table: TierTable, numbers: pd.Series, sizes: pd.Series, solvers: list[str], training: pd.Index,
-                      most: int = MOST) -> Candidates:
-    """A list for every region that any problem lies in, made of the problems of `training` alone. One that has training
-    problems of fewer than three families takes what all training problems of its part of the sizes say, and where there
-    are none of those all.
+                      most: int = MOST) -> dict[int, tuple[list[str], pd.Index]]:
+    """For every region that any problem lies in its list, made of problems of `training` alone, and which these are. A
+    region that has training problems of fewer than three families takes what all training problems of its part of the
+    sizes say, and where there are none of those all.
 
     @param numbers  of every problem its region
     @param sizes    of every problem its part of the sizes
     """
-    found = Candidates({}, {})
+    found = {}
     columns = [key for key in solvers if key in table.verified]
     for number in sorted(set(numbers[table.verified.index])):
         size = sizes[numbers == number].iloc[0]
         for chosen in (training[(numbers[training] == number).to_numpy()],
                        training[(sizes[training] == size).to_numpy()], training):
-            found.training[number] = chosen
             if table.families[chosen].nunique() >= _LEAST_FAMILIES:
                 break
-        chosen = found.training[number]
         solved = chosen[table.verified.loc[chosen, columns].any(axis=1).to_numpy()]
         false = {key for key in columns if table.false_success.loc[chosen, key].any()}
-        weights = family_weights(table.families[solved], table.weights[solved])
-        found.solvers[number] = choose(ratios_of(table, solved, columns), weights, false, most)
+        found[number] = choose(table.ratios(solved, columns), table.family_weights(solved), false, most), chosen
     return found
-
-
-def ratios_of(table: TierTable, problems: pd.Index, solvers: list[str]) -> pd.DataFrame:
-    """Of every problem and solver the time over the best of these solvers."""
-    times = table.times.loc[problems, solvers]
-    return ratios(times, times.min(axis=1))
 
 
 def partition(outcomes: Outcomes, edges: Edges) -> tuple[pd.Series, pd.Series]:
@@ -167,23 +136,25 @@ def make_regions(outcomes: Outcomes, leave_out: frozenset[str] = frozenset()) ->
     numbers, sizes = partition(outcomes, edges)
     regions = []
     for table in tier_tables(outcomes):
-        problems = table.verified.index
-        columns = [key for key in outcomes.own if key in table.verified]
-        training = problems[~table.families.isin(leave_out).to_numpy()]
+        training = table.families.index[~table.families.isin(leave_out).to_numpy()]
         own = choose_candidates(table, numbers, sizes, outcomes.own, training)
-        peers = choose_candidates(table, numbers, sizes, outcomes.peers, training, _PEERS) if outcomes.peers else None
+        peers = choose_candidates(table, numbers, sizes, outcomes.peers, training, _PEERS) if outcomes.peers else {}
         for number, where in enumerate(bounds(edges)):
-            if number not in own.solvers:
-                continue
-            of_region = own.training[number]
-            regions.append({
-                "tier": table.tier,
-                "where": {name: [low, None if math.isinf(high) else high] for name, (low, high) in where.items()},
-                "problems": len(of_region),
-                "families": int(table.families[of_region].nunique()),
-                "candidates": own.solvers[number],
-                "peers": peers.solvers[number] if peers else [],
-                "solvers": record_of(ratios_of(table, of_region, columns), table.verified.loc[of_region],
-                                        family_weights(table.families[of_region], table.weights[of_region])),
-            })
+            if number in own:
+                candidates, problems = own[number]
+                regions.append({
+                    "tier": table.tier,
+                    "where": {name: [low, None if math.isinf(high) else high] for name, (low, high) in where.items()},
+                    "problems": len(problems), "families": int(table.families[problems].nunique()),
+                    "candidates": candidates, "peers": peers[number][0] if peers else [],
+                    "solvers": _record(table, problems, [key for key in outcomes.own if key in table.verified])})
     return regions
+
+
+def _record(table: TierTable, problems: pd.Index, solvers: list[str]) -> list[dict]:
+    """How every solver did, best first: shares of the problems, families weighing the same, on which it was verified,
+    and within WITHIN of the best."""
+    weights, near = table.family_weights(problems), table.ratios(problems, solvers) <= WITHIN
+    rows = [{"solver": key, "verified": round(float((weights * table.verified.loc[problems, key]).sum() / weights.sum()), 4),
+             "within": round(float((weights * near[key]).sum() / weights.sum()), 4)} for key in solvers]
+    return sorted(rows, key=lambda row: (-row["within"], -row["verified"], row["solver"]))

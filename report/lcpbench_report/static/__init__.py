@@ -4,7 +4,3 @@
     speed, quality, steps       figures; each function returns one, or None where the inputs do not have the part
     write                       all files
 """
-
-from .write import write_figure_of_times, write_static
-
-__all__ = ["write_figure_of_times", "write_static"]

@@ -17,8 +17,7 @@ from ..formats import time_unit  # noqa: E402
 
 INK, GRID, FAINT, CONTEXT = "#1c2430", "#e3e7ec", "#5c6672", "#d3d9e0"
 COLUMN, PAGE = 3.5, 7.16  # widths of a column and of a page with two [in]
-ORACLE_LABEL = "oracle"
-ORACLE_DASH = (0, (6, 2))
+ORACLE = {"color": ORACLE_COLOUR, "linestyle": (0, (6, 2)), "linewidth": 1.2, "zorder": 5}
 # Verdicts; told apart by lightness as well.
 VERDICTS = {"verified": "#0072B2", "false success": "#D55E00", "below the tier": "#E8A27C",
             "proved infeasible": "#8CC5E8", "failed": "#F0C98A", "excluded": "#e1e5ea"}
@@ -41,9 +40,10 @@ def look():
     return plt.rc_context(_STYLE)
 
 
-def panels(rows: int, columns: int, width: float, height: float, **options):
-    """(figure, axes as a table of rows x columns)"""
-    return plt.subplots(rows, columns, figsize=(width, height), squeeze=False, layout="constrained", **options)
+def panels(columns: int, width: float, height: float, rows: int = 1, **options):
+    """(figure, axes row by row)"""
+    figure, axes = plt.subplots(rows, columns, figsize=(width, height), squeeze=False, layout="constrained", **options)
+    return figure, list(axes.flat)
 
 
 def save(figure, folder: Path, name: str) -> list[Path]:
@@ -64,11 +64,10 @@ def save_svg(figure, path: Path) -> None:
     figure.savefig(path, metadata={"Date": None, "Creator": "LCPBench"})
 
 
-def line(axes, x, y, style: SolverStyle, marks: bool = True, **options):
-    """A solver's line. Peers are thinner, with hollow markers."""
-    look_of = {"color": style.colour, "linestyle": style.dash, "linewidth": 1.2 if style.own else 0.9,
-               "zorder": 4 if style.own else 3} | (marker(style) if marks else {})
-    return axes.plot(x, y, **(look_of | options))
+def line(style: SolverStyle, marks: bool = True) -> dict:
+    """Arguments of plot() for a solver's line. Peers are thinner, with hollow markers."""
+    return {"color": style.colour, "linestyle": style.dash, "linewidth": 1.2 if style.own else 0.9,
+            "zorder": 4 if style.own else 3} | (marker(style) if marks else {})
 
 
 def marker(style: SolverStyle, size: float = 4) -> dict:
@@ -80,16 +79,13 @@ def marker(style: SolverStyle, size: float = 4) -> dict:
 
 def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = False) -> list[Line2D]:
     """For a legend: line, dash and marker of every solver."""
-    made = [Line2D([], [], label=solver, linestyle=styles[solver].dash, linewidth=1.2 if styles[solver].own else 0.9,
-                   **marker(styles[solver])) for solver in solvers]
-    if oracle:
-        made.append(Line2D([], [], label=ORACLE_LABEL, color=ORACLE_COLOUR, linestyle=ORACLE_DASH, linewidth=1.2))
-    return made
+    return [Line2D([], [], label=solver, **line(styles[solver])) for solver in solvers] + \
+        [Line2D([], [], label="oracle", **ORACLE)] * oracle
 
 
-def legend_below(axes, made: list[Line2D], columns: int, offset: float = -0.2):
+def legend_below(axes, made: list[Line2D]):
     """Under the panel, outside of its frame."""
-    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, offset), ncol=columns, borderaxespad=0)
+    return axes.legend(handles=made, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncol=3, borderaxespad=0)
 
 
 def legend_outside(figure, made: list, columns: int):
@@ -139,13 +135,7 @@ def time_axis(axes, label: str = "", axis: str = "y") -> None:
     log_axis(axes.yaxis if axis == "y" else axes.xaxis, label, time_tick)
     low, high = axes.get_ylim()
     if axis == "y" and high / low < 100:  # powers of ten alone would be one label or two
-        axes.yaxis.set_minor_formatter(
-            FuncFormatter(lambda value, _: time_tick(value) if _digit(value) in (2, 5) else ""))
-
-
-def _digit(value: float) -> int:
-    """The first one of a number."""
-    return round(value / 10 ** math.floor(math.log10(value) + 1e-9))
+        axes.yaxis.set_minor_formatter(FuncFormatter(lambda value, _: time_tick(value) if f"{value:.0e}"[0] in "25" else ""))
 
 
 def name_axis(axes, names: list[str]) -> None:

@@ -3,6 +3,7 @@
 import gzip
 import shutil
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 from .. import choice, motion, shown_tables
@@ -12,6 +13,10 @@ from ..formats import power
 from . import canvas, quality, speed, steps
 
 _PACKAGES = r"\usepackage{booktabs}" + "\n" + r"\usepackage{textcomp}"
+_OF_CELLS = {"time-by-size": speed.by_size, "time-by-family": speed.by_family, "accuracy": quality.distributions,
+             "coverage": quality.bars, "work-precision": quality.work_precision, "scaling": speed.exponents,
+             "robustness": quality.pathological, "robustness-grids": quality.grids}
+_OF_SEQUENCES = {"sequence-latency": steps.latency, "sequence-deadlines": steps.deadlines}
 _LARGE = 1_000_000  # bytes of a CSV file that is compressed
 
 
@@ -21,44 +26,28 @@ def write_static(inputs: Inputs, folder: Path) -> list[Path]:
 
     @returns the files, in the order in which they were written
     """
-    return write_figures(inputs, folder / "figures") + write_tables(inputs, folder / "tables")
-
-
-def write_figures(inputs: Inputs, folder: Path) -> list[Path]:
     written = []
     with canvas.look():
         for name, draw in figures(inputs):
-            figure = draw()
-            if figure is not None:
-                written += canvas.save(figure, folder, name)
-    return written
+            if (figure := draw()) is not None:
+                written += canvas.save(figure, folder / "figures", name)
+    return written + write_tables(inputs, folder / "tables")
 
 
 def figures(inputs: Inputs) -> Iterator[tuple[str, Callable]]:
     """(name, function that draws it or returns None)"""
     for tier in choice.shown_tiers(inputs):
-        yield f"profile-{power(tier)}", lambda: speed.profile(inputs, tier)
-    if len(inputs.cells):
-        yield "time-by-size", lambda: speed.by_size(inputs)
-        yield "time-by-family", lambda: speed.by_family(inputs)
-        yield "accuracy", lambda: quality.distributions(inputs)
-        yield "coverage", lambda: quality.bars(inputs)
-        yield "work-precision", lambda: quality.work_precision(inputs)
-        yield "scaling", lambda: speed.exponents(inputs)
-        yield "robustness", lambda: quality.pathological(inputs)
-        yield "robustness-grids", lambda: quality.grids(inputs)
-    yield "sequence-latency", lambda: steps.latency(inputs)
-    yield "sequence-deadlines", lambda: steps.deadlines(inputs)
+        yield f"profile-{power(tier)}", partial(speed.profile, inputs, tier)
+    for name, draw in ((_OF_CELLS if len(inputs.cells) else {}) | _OF_SEQUENCES).items():
+        yield name, partial(draw, inputs)
     for scene, level in motion.scenes(inputs.motion):
-        yield f"motion-{Path(scene).stem}-{level}", lambda: steps.errors(inputs, scene, level)
+        yield f"motion-{Path(scene).stem}-{level}", partial(steps.errors, inputs, scene, level)
 
 
 def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     folder.mkdir(parents=True, exist_ok=True)
-    written = []
     studied = {} if inputs.motion is None else {"motion": inputs.motion}
-    for name, table in (dict(inputs.analysis) | studied).items():
-        written.append(_write_csv(table, folder / f"{name}.csv"))
+    written = [_write_csv(table, folder / f"{name}.csv") for name, table in (dict(inputs.analysis) | studied).items()]
     papers = {name: table for name, make in shown_tables.PAPERS.items() if (table := make(inputs)) is not None}
     texts = {f"{name}.tex": f"% {name}: written by LCPBench, see README.md beside it\n{table.latex()}"
              for name, table in papers.items()}
@@ -72,8 +61,7 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
 def write_figure_of_times(inputs: Inputs, path: Path) -> None:
     """The one that README.md shows, where there are sizes enough."""
     with canvas.look():
-        figure = speed.by_size(inputs)
-        if figure is not None:
+        if (figure := speed.by_size(inputs)) is not None:
             canvas.save_svg(figure, path)
             canvas.plt.close(figure)
 

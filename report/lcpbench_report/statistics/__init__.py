@@ -4,8 +4,8 @@
     cells                 one row per cell, and which time counts
     groups                what is compared with what
     intervals             confidence intervals and multiple comparisons
-    profiles, pairwise, means, coverage, scaling, precision, distributions, class_times, peer_ratio, ablation
-                          one table each, from the table of cells
+    coverage, class_times, means, distributions, pairwise
+                          tables, from the table of cells
     latency               the tables of sequences: steps of motions, warm starts, deadlines
     tables                all tables, by name
     same                  two campaigns that must not differ but for times

@@ -32,26 +32,17 @@ COLUMNS = [*_ABOUT, "solver", "tier", "verdict", "asked", "excluded", "claim", *
            "oracle_s", "oracle_ratio", "peak_bytes"]
 
 
-def cell_table(campaign: Campaign) -> pd.DataFrame:
-    """A row per cell, columns COLUMNS, times in seconds; without the solvers of ablations."""
+def cell_table(campaign: Campaign, of_ablations: bool = False) -> pd.DataFrame:
+    """A row per cell, columns COLUMNS, times in seconds; without the solvers of ablations, or of those alone.
+
+    Whole columns at a time: a campaign has a million cells."""
     solvers = campaign.solvers
-    return _table(campaign, [task for task in campaign.tasks if not solvers[task.solver]["ablation"]])
-
-
-def ablation_cells(campaign: Campaign) -> pd.DataFrame:
-    """The same of the solvers of ablations alone."""
-    solvers = campaign.solvers
-    return _table(campaign, [task for task in campaign.tasks if solvers[task.solver]["ablation"]])
-
-
-def _table(campaign: Campaign, tasks: list[Task]) -> pd.DataFrame:
-    """Whole columns at a time: a campaign has a million cells."""
+    tasks = [task for task in campaign.tasks if bool(solvers[task.solver]["ablation"]) == of_ablations]
     counts = [task.count for task in tasks]
     ends = np.cumsum([0, *counts])
     places = [slice(low, high) for low, high in zip(ends, ends[1:])]
     columns = _about(campaign, tasks)
-    solvers = campaign.solvers
-    columns["solver"] = _repeated([task.solver for task in tasks], counts)
+    columns["solver"] = np.repeat(np.array([task.solver for task in tasks], dtype=object), counts)
     columns["tier"] = np.repeat(np.array([task.tier for task in tasks], dtype=float), counts)
     columns["asked"] = np.repeat([solvers[task.solver]["tolerance"] != DEFAULT for task in tasks], counts).astype(bool)
     columns["peak_bytes"] = np.repeat(np.array([task.peak_bytes for task in tasks]), counts)
@@ -159,10 +150,6 @@ def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
     return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"]],
                      [np.full(len(failed), EXCLUDED, dtype=object), np.full(len(failed), VERIFIED, dtype=object),
                       claimed.astype(object)], failed)
-
-
-def _repeated(words: list[str], counts: list[int]) -> np.ndarray:
-    return np.repeat(np.array(words, dtype=object), counts)
 
 
 def median_of_passes(times: np.ndarray) -> np.ndarray:

@@ -14,7 +14,6 @@ nobody. Builds may differ in which solvers they have and of what version; what e
 import json
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 import pandas as pd
@@ -51,36 +50,17 @@ class Changes:
     only_new: pd.DataFrame
     speeds: pd.DataFrame  # SPEED_COLUMNS, all comparisons; `verdict` is SLOWER, FASTER or ""
 
-    @cached_property
-    def lost(self) -> pd.DataFrame:
-        """Verified before, and not now."""
-        return self.cells[(self.cells["verdict_old"] == VERIFIED) & (self.cells["verdict_new"] != VERIFIED)]
-
-    @cached_property
-    def gained(self) -> pd.DataFrame:
-        return self.cells[(self.cells["verdict_old"] != VERIFIED) & (self.cells["verdict_new"] == VERIFIED)]
-
-    @cached_property
-    def false_successes(self) -> pd.DataFrame:
-        """New ones, those of `lost` among them; of solvers that were not asked for the tier, answers below it."""
+    def __post_init__(self):
+        old, new = (self.cells[f"verdict_{when}"] for when in (_OLD, _NEW))
+        was, is_ = old == VERIFIED, new == VERIFIED
         wrong = (FALSE_SUCCESS, BELOW_TIER)
-        return self.cells[~self.cells["verdict_old"].isin(wrong) & self.cells["verdict_new"].isin(wrong)]
-
-    @property
-    def slower(self) -> pd.DataFrame:
-        return self.speeds[self.speeds["verdict"] == SLOWER]
-
-    @property
-    def faster(self) -> pd.DataFrame:
-        return self.speeds[self.speeds["verdict"] == FASTER]
-
-    @property
-    def regressed(self) -> bool:
-        return not (self.slower.empty and self.lost.empty and self.false_successes.empty)
-
-    @cached_property
-    def both_verified(self) -> pd.DataFrame:
-        return self.cells[(self.cells["verdict_old"] == VERIFIED) & (self.cells["verdict_new"] == VERIFIED)]
+        self.lost = self.cells[was & ~is_]  # verified before, and not now
+        self.gained = self.cells[~was & is_]
+        self.both_verified = self.cells[was & is_]
+        # New ones, those of `lost` among them; of solvers that were not asked for the tier, answers below it.
+        self.false_successes = self.cells[~old.isin(wrong) & new.isin(wrong)]
+        self.slower, self.faster = (self.speeds[self.speeds["verdict"] == verdict] for verdict in (SLOWER, FASTER))
+        self.regressed = not (self.slower.empty and self.lost.empty and self.false_successes.empty)
 
     def agreement(self) -> tuple[int, int, float, float]:
         """Of the cells that both verified and timed: for how many the intervals of the time overlap, and how many there
@@ -99,9 +79,8 @@ class Changes:
 def compare_campaigns(old: Campaign, new: Campaign) -> Changes:
     """@throws ReportError where they are not of one plan, or have no cell in common"""
     require_same_plan(old, new)
-    tables = [with_label(cell_table(campaign)) for campaign in (old, new)]
     # What had no turn within the task's budget is as if it were not there: a slow machine is no wrong answer.
-    tables = [table[table["excluded"] != TASK_BUDGET] for table in tables]
+    tables = [table[table["excluded"] != TASK_BUDGET] for table in (with_label(cell_table(c)) for c in (old, new))]
     keys = [pd.MultiIndex.from_frame(table[KEY]) for table in tables]
     cells = tables[0].merge(tables[1].drop(columns=_OF_PROBLEMS), on=KEY, suffixes=("_old", "_new"))
     if cells.empty:
@@ -111,27 +90,22 @@ def compare_campaigns(old: Campaign, new: Campaign) -> Changes:
 
 def require_same_plan(old: Campaign, new: Campaign) -> None:
     """@throws ReportError naming the first key of campaign.json that differs"""
-    ignored = (*ENVIRONMENT, "solvers")
-    for key in [*old.info, *(key for key in new.info if key not in old.info)]:
-        if key not in ignored and old.info.get(key) != new.info.get(key):
-            raise ReportError("campaign.json", f"key '{key}' is {_word(old.info.get(key))} in OLD and "
-                              f"{_word(new.info.get(key))} in NEW", "two campaigns of one plan")
-    asked = [{solver["key"]: {k: solver.get(k, absent) for k, absent in _ASKED.items()} for solver in c.info["solvers"]} for c in (old, new)]
-    for key in asked[0]:
-        if key in asked[1] and asked[0][key] != asked[1][key]:
-            raise ReportError("campaign.json", f"solver {key!r} is {_word(asked[0][key])} in OLD and "
-                              f"{_word(asked[1][key])} in NEW", "two campaigns of one plan")
+    def require(file: str, what: str, a, b) -> None:
+        if a != b:
+            words = [text if len(text) <= 80 else text[:77] + "..." for text in map(json.dumps, (a, b))]
+            raise ReportError(file, f"{what} is {words[0]} in OLD and {words[1]} in NEW", "two campaigns of one plan")
+
+    for key in dict.fromkeys([*old.info, *new.info]):
+        if key not in (*ENVIRONMENT, "solvers"):
+            require("campaign.json", f"key '{key}'", old.info.get(key), new.info.get(key))
+    asked = [{key: {k: entry.get(k, absent) for k, absent in _ASKED.items()} for key, entry in c.solvers.items()}
+             for c in (old, new)]
+    for key, settings in asked[0].items():
+        require("campaign.json", f"solver {key!r}", settings, asked[1].get(key, settings))
     for name, about in old.problems.items():
         other = new.problems.get(name, about)
         for key in ("set", "family", "base", "weight", "size_class", "rows", "counts", "reference"):
-            if about[key] != other[key]:
-                raise ReportError("problems.jsonl", f"problem {name!r} has {key} {about[key]!r} in OLD and "
-                                  f"{other[key]!r} in NEW", "two campaigns of one plan")
-
-
-def _word(value) -> str:
-    text = json.dumps(value)
-    return text if len(text) <= 80 else text[:77] + "..."
+            require("problems.jsonl", f"key '{key}' of problem {name!r}", about[key], other[key])
 
 
 def _speeds(cells: pd.DataFrame) -> pd.DataFrame:

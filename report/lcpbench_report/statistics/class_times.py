@@ -1,59 +1,100 @@
-"""What a user pays, by size class: every solver's fresh time, how much it solves, and who is as good as the best.
+"""What a user pays, by size class: every solver's fresh time, how much it solves, and who is as good as the best; what
+ours take over the peers; and what ablations change. Problems that count only.
 
 Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. In a class a solver is
 *tied* with the best where their intervals overlap (intervals.Bootstrap: families, then bases). Problems of a class take
-very different times, so that intervals are wide; `over_best`, the median over problems of its time over the best's, is
-the sharper figure: what is common to both cancels.
+very different times, so that intervals are wide; a median of ratios, problem by problem, is sharper: what is common to
+both times cancels. Where the first solver of a ratio is not verified it is infinite; where the second is not, the
+problem has none.
+
+Peers are all keys of other projects: one that was not asked for the tier and is right all the same is a rival. The
+fastest peer of a problem is another one from problem to problem, which no user can know beforehand; so beside it stands
+the ratio to the best single peer: of those that are right on RIGHT of the class's weight the one with the least median.
+The ratio over all classes depends on how many problems each has.
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 import numpy as np
 import pandas as pd
 
 from .cells import VERIFIED
 from .coverage import coverage
-from .groups import GROUP, groups
-from .intervals import Bootstrap
+from .groups import GROUP, Part, groups
+from .intervals import Bootstrap, share_with_interval
 from .load import PART_TIMES, TASK_BUDGET
-from .weighted import weighted_median, weighted_quantile
+from .weighted import weighted_median, weighted_quantile, weighted_share
 
 ALL = "all"  # the value of `size_class` for all problems
 LEAST_FOR_P99 = 1000  # problems of a class
-_SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted")
-           for end in ("", "_low", "_high")]
-_OVER_BEST = ["over_best", "over_best_low", "over_best_high"]
+RIGHT = 0.99
+LEAST_TURNS = 20  # problems of a class that a solver must have had its turn at to be called the best
+_ENDS = ("", "_low", "_high")
+_SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted") for end in _ENDS]
 _MEDIANS = ["again_s", "first_s", *PART_TIMES]
+_OVER_BEST, _RATIO, _PEER_RATIO = ([f"{name}{end}" for end in _ENDS] for name in ("over_best", "ratio", "peer_ratio"))
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "attempted", "verified", "false_successes",
            "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS, "tied", *_OVER_BEST]
+PEER_COLUMNS = [*GROUP, "size_class", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high",
+                "median_s", "p99_s", "no_peer", *_RATIO, "peer", "peer_share", "peer_low", "peer_high", "peer_median_s",
+                "peer_p99_s", *_PEER_RATIO]
+_COUNTS = ["verified_share", "false_successes", "below_tier"]
+ABLATION_COLUMNS = [*GROUP, "size_class", "solver", "ablation", "base", "problems", "both", *_RATIO, *_COUNTS,
+                    *(f"base_{count}" for count in _COUNTS)]
 
 
-def class_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """A row per group, size class (and `all`) and solver; problems that count only. `p99_s` and the medians of the second
-    measure (`again_s`), of the solve that was judged and of the parts are of verified answers that were timed. `tied` and
-    `over_best`: with the best of all solvers that were asked."""
-    tables = []
-    for label, of_class in classes(cells):
-        bootstrap = Bootstrap(of_class)
-        rows = [label | {"solver": solver} | _row(own, bootstrap)
-                for solver, own in of_class.groupby("solver", sort=False)]
-        table = pd.DataFrame(rows)
-        table["tied"] = tied(table[table["asked"]]).reindex(table.index, fill_value=False)
-        tables.append(table.join(_over_best(table, of_class, bootstrap)))
-    return pd.concat(tables, ignore_index=True)[COLUMNS] if tables else pd.DataFrame(columns=COLUMNS)
-
-
-def classes(cells: pd.DataFrame) -> Iterator[tuple[dict, pd.DataFrame]]:
+def classes(cells: pd.DataFrame) -> Iterator[Part]:
     """Label and cells of every group of problems that count, by size class, and of all together: smallest class first,
     `all` last. Problems that had no turn within a task's budget are left out: their order is drawn by lot, so that the
     others are a fair sample, and a solver that takes long is not thereby wrong."""
-    for group in groups(cells, counted_only=True):
-        cells = group.cells[group.cells["excluded"] != TASK_BUDGET]
-        order = cells.groupby("size_class")["rows"].min().sort_values().index
-        for size_class in order:
-            yield {**group.label, "size_class": size_class}, cells[cells["size_class"] == size_class]
-        yield {**group.label, "size_class": ALL}, cells
+    for label, cells in groups(cells, counted_only=True):
+        cells = cells[cells["excluded"] != TASK_BUDGET]
+        for size_class in cells.groupby("size_class")["rows"].min().sort_values().index:
+            yield {**label, "size_class": size_class}, cells[cells["size_class"] == size_class]
+        yield {**label, "size_class": ALL}, cells
+
+
+def _by_solver(cells: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """Rows by problem."""
+    return {solver: own.set_index("problem") for solver, own in cells.groupby("solver", sort=False)}
+
+
+def _ratio(names: list[str], first: pd.Series, second: pd.Series, weights: pd.Series, bootstrap: Bootstrap) -> dict:
+    """Weighted median of the ratios of times by problem, with its interval, where the second is finite."""
+    solved = second.index[np.isfinite(second)]
+    ratios = first[solved] / second[solved]
+    return dict(zip(names, (weighted_median(ratios, weights[solved]),
+                            *bootstrap.median(solved, ratios, weights[solved]))))
+
+
+def p99(cells: pd.DataFrame) -> float:
+    """Of the fresh times of one solver's verified answers, where the class has problems enough; else NaN."""
+    if len(cells) < LEAST_FOR_P99:
+        return math.nan
+    timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
+    return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
+
+
+# ----- every solver
+
+def class_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per group, size class (and `all`) and solver. `p99_s` and the medians of the second measure (`again_s`), of
+    the solve that was judged and of the parts are of verified answers that were timed. `tied` and `over_best`: with the
+    best of all solvers that were asked."""
+    tables = []
+    for label, of_class in classes(cells):
+        bootstrap, solvers = Bootstrap(of_class), _by_solver(of_class)
+        table = pd.DataFrame([label | {"solver": solver} | _row(own, bootstrap) for solver, own in solvers.items()])
+        finite = table[table["asked"] & np.isfinite(table["median_s"])]
+        table["tied"] = tied(table[table["asked"]]).reindex(table.index, fill_value=False)
+        table[_OVER_BEST] = math.nan
+        if len(finite):
+            best = solvers[finite.loc[finite["median_s"].idxmin(), "solver"]]["time_s"]
+            table[_OVER_BEST] = [[*_ratio(_OVER_BEST, own["time_s"], best.reindex(own.index), own["weight"],
+                                          bootstrap).values()] for own in solvers.values()]
+        tables.append(table)
+    return pd.concat(tables, ignore_index=True)[COLUMNS] if tables else pd.DataFrame(columns=COLUMNS)
 
 
 def tied(rows: pd.DataFrame) -> pd.Series:
@@ -66,38 +107,95 @@ def tied(rows: pd.DataFrame) -> pd.Series:
     return np.isfinite(rows["median_s"]) & (rows["median_low"].fillna(rows["median_s"]) <= reach)
 
 
-def p99(cells: pd.DataFrame) -> float:
-    """Of the fresh times of one solver's verified answers, where the class has problems enough; else NaN."""
-    if len(cells) < LEAST_FOR_P99:
-        return math.nan
-    timed = cells[(cells["verdict"] == VERIFIED) & cells["fresh_s"].notna()]
-    return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
-
-
-def _over_best(rows: pd.DataFrame, cells: pd.DataFrame, bootstrap: Bootstrap) -> pd.DataFrame:
-    """On the problems that the best one solves; a failure is infinitely slower."""
-    finite = rows[rows["asked"] & np.isfinite(rows["median_s"])]
-    if finite.empty:
-        return pd.DataFrame(math.nan, rows.index, _OVER_BEST)
-    best = cells[cells["solver"] == finite.loc[finite["median_s"].idxmin(), "solver"]].set_index("problem")["time_s"]
-    best = best[np.isfinite(best)]
-    found = []
-    for solver in rows["solver"]:
-        own = cells[(cells["solver"] == solver) & cells["problem"].isin(best.index)]
-        ratios = own["time_s"].to_numpy() / best[own["problem"]].to_numpy()
-        found.append([weighted_median(ratios, own["weight"]),
-                      *bootstrap.median(own["problem"], ratios, own["weight"])])
-    return pd.DataFrame(found, rows.index, _OVER_BEST)
-
-
 def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
-    low, high = bootstrap.median(cells["problem"], cells["time_s"], cells["weight"])
+    low, high = bootstrap.median(cells.index, cells["time_s"], cells["weight"])
     verified = cells[cells["verdict"] == VERIFIED]
     row = coverage(cells) | {"median_s": weighted_median(cells["time_s"], cells["weight"]), "median_low": low,
                              "median_high": high, "p99_s": p99(cells)}
-    weights = verified["weight"].to_numpy(dtype=float)
     for key in _MEDIANS:
-        times = verified[key].to_numpy(dtype=float)
-        known = ~np.isnan(times)
-        row[key] = weighted_median(times[known], weights[known])
+        known = verified[verified[key].notna()]
+        row[key] = weighted_median(known[key], known["weight"])
     return row
+
+
+# ----- ours over the peers
+
+def peer_ratio_table(cells: pd.DataFrame, own: Collection[str]) -> pd.DataFrame:
+    """A row per group, size class (and `all`) and own solver: `ratio` to the fastest verified peer of each problem (where
+    there is none: `no_peer`), and `peer_ratio` to the best single one. `peer` is empty where none is right often enough.
+
+    @param own  keys of own solvers; the others are peers
+    """
+    return pd.DataFrame([label | row for label, of_class in classes(cells) for row in _peer_rows(of_class, own)],
+                        columns=PEER_COLUMNS)
+
+
+def _peer_rows(cells: pd.DataFrame, own: Collection[str]) -> list[dict]:
+    bootstrap, solvers = Bootstrap(cells), _by_solver(cells)
+    problems = cells.drop_duplicates("problem").set_index("problem")["weight"]
+    times = pd.DataFrame({key: found["time_s"] for key, found in solvers.items()}, problems.index)  # NaN: had no turn
+    peers = times[[key for key in solvers if key not in own]]
+    fastest = peers.min(axis=1).fillna(math.inf)
+    best = _best(peers, problems)
+    beside = {"peer": best}
+    if best:
+        turns = peers[best].dropna()
+        weights = problems[turns.index]
+        beside |= {"peer_median_s": weighted_median(turns, weights), "peer_p99_s": p99(solvers[best])}
+        beside |= share_with_interval(np.isfinite(turns), weights, "peer_share", "peer")
+    rows = []
+    for solver in (key for key in solvers if key in own):
+        taken = times[solver].dropna()  # problems on which it has a cell
+        weights = problems[taken.index]
+        row = {"solver": solver, "problems": len(taken), "weight": weights.sum(), "p99_s": p99(solvers[solver]),
+               "median_s": weighted_median(taken, weights), "no_peer": int((~np.isfinite(fastest[taken.index])).sum())}
+        row |= share_with_interval(np.isfinite(taken), weights, "verified_share", "verified") | beside
+        row |= _ratio(_RATIO, taken, fastest[taken.index], weights, bootstrap)
+        if best:
+            row |= _ratio(_PEER_RATIO, taken, peers.loc[taken.index, best], weights, bootstrap)
+        rows.append(row)
+    return rows
+
+
+def _best(peers: pd.DataFrame, weights: pd.Series) -> str:
+    medians = {}
+    for key in peers:
+        turns = peers[key].dropna()
+        own = weights[turns.index]
+        if len(turns) >= min(LEAST_TURNS, len(peers)) and weighted_share(np.isfinite(turns), own) >= RIGHT:
+            medians[key] = weighted_median(turns, own)
+    return min(medians, key=medians.get, default="")
+
+
+# ----- ablations
+
+def ablation_table(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict]) -> pd.DataFrame:
+    """What single means are worth: solvers without their self-check, peers with a check and one more solve with a shifted
+    diagonal, own solvers built for the baseline instruction set, each against the solver that it is a version of. They
+    stand in no other table. A row per group, size class (and `all`) and solver of an ablation, over the problems that
+    both have a cell on; `ratio`: of fresh times where both are verified.
+
+    @param cells    of cells.cell_table
+    @param ablated  the same of ablations
+    @param solvers  the entries of campaign.json
+    """
+    versions = {entry["key"]: entry for entry in solvers if entry["ablation"]}
+    bases = {entry["base"] for entry in versions.values()}
+    rows = []
+    for label, of_class in classes(pd.concat([cells[cells["solver"].isin(bases)], ablated], ignore_index=True)):
+        bootstrap, found = Bootstrap(of_class), _by_solver(of_class)
+        for key, entry in versions.items():
+            if key not in found or entry["base"] not in found:
+                continue
+            shared = found[key].index.intersection(found[entry["base"]].index, sort=False)
+            if not len(shared):
+                continue
+            own, base = found[key].loc[shared], found[entry["base"]].loc[shared]
+            both = own.index[np.isfinite(own["time_s"]) & np.isfinite(base["time_s"])]
+            counts, of_base = coverage(own), coverage(base)
+            rows.append(label | {"solver": key, "ablation": entry["ablation"], "base": entry["base"],
+                                 "problems": len(shared), "both": len(both)}
+                        | _ratio(_RATIO, own["time_s"], base.loc[both, "time_s"], own["weight"], bootstrap)
+                        | {count: counts[count] for count in _COUNTS}
+                        | {f"base_{count}": of_base[count] for count in _COUNTS})
+    return pd.DataFrame(rows, columns=ABLATION_COLUMNS)

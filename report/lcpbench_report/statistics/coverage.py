@@ -9,12 +9,11 @@ import numpy as np
 import pandas as pd
 
 from .cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, VERIFIED
-from .groups import GROUP, groups
-from .intervals import share_interval
-from .weighted import weighted_share
+from .groups import GROUP, by_solver, groups
+from .intervals import share_with_interval
 
 _COUNTS = ["problems", "verified", "at_floor", "false_successes", "below_tier", "false_infeasible", "failed", "excluded"]
-# Share -> (what is counted, out of what): functions of a table of cells.
+# Share -> (what is counted, out of what): names of counts.
 SHARES = {"attempted_share": ("attempted", "problems"), "verified_share": ("verified", "problems"),
           "verified_of_attempted": ("verified", "attempted"), "false_share": ("false_successes", "attempted"),
           "below_tier_share": ("below_tier", "attempted"), "false_of_claims": ("wrong_claims", "claims")}
@@ -25,11 +24,7 @@ COLUMNS = [*GROUP, "solver", "asked", *_COUNTS, "attempted", "claims", "weight",
 def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and solver; problems that count only. verified + false_successes + below_tier + failed +
     excluded = problems; claims: answers that the solver called solved, or that were verified whatever it said."""
-    rows = []
-    for group in groups(cells, counted_only=True):
-        for solver, own in group.cells.groupby("solver", sort=False):
-            rows.append({**group.label, "solver": solver, **coverage(own)})
-    return pd.DataFrame(rows, columns=COLUMNS)
+    return by_solver(groups(cells, counted_only=True), coverage, COLUMNS)
 
 
 def coverage(cells: pd.DataFrame) -> dict:
@@ -39,10 +34,7 @@ def coverage(cells: pd.DataFrame) -> dict:
     found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
              "weight": float(weights.sum())}
     for share, (part, whole) in SHARES.items():
-        among = weights[kinds[whole]]
-        value = weighted_share(kinds[part][kinds[whole]], among)
-        low, high = share_interval(value, among.sum())
-        found |= {share: value, f"{share}_low": low, f"{share}_high": high}
+        found |= share_with_interval(kinds[part][kinds[whole]], weights[kinds[whole]], share, share)
     return found
 
 
@@ -50,10 +42,10 @@ def kinds_of(cells: pd.DataFrame) -> dict[str, np.ndarray]:
     """Name of a count -> of every cell whether it counts there."""
     verdict = cells["verdict"].to_numpy()
     flags = {name: cells[name].to_numpy().astype(bool) for name in ("passes", "at_floor", "false_infeasible")}
-    kinds = {"problems": np.ones(len(cells), dtype=bool), "verified": verdict == VERIFIED,
-             "at_floor": flags["passes"] & flags["at_floor"], "false_successes": verdict == FALSE_SUCCESS,
-             "below_tier": verdict == BELOW_TIER, "false_infeasible": flags["false_infeasible"],
-             "excluded": verdict == EXCLUDED}
+    kinds = {"problems": np.ones(len(cells), dtype=bool), "at_floor": flags["passes"] & flags["at_floor"],
+             "false_infeasible": flags["false_infeasible"]}
+    kinds |= {kind: verdict == of for kind, of in (("verified", VERIFIED), ("false_successes", FALSE_SUCCESS),
+                                                   ("below_tier", BELOW_TIER), ("excluded", EXCLUDED))}
     kinds["attempted"] = ~kinds["excluded"]
     kinds["wrong_claims"] = kinds["false_successes"] | kinds["below_tier"]
     kinds["claims"] = kinds["verified"] | kinds["wrong_claims"]

@@ -17,10 +17,6 @@ def _is_number(value: object) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _are_times(value: object) -> bool:
-    return isinstance(value, list) and all(_is_number(v) and v >= 0 for v in value)
-
-
 # Kind -> (test, words for the user).
 _KINDS = {
     "text": (lambda v: isinstance(v, str), "a text"),
@@ -30,7 +26,6 @@ _KINDS = {
     "time": (lambda v: _is_number(v) and v >= 0, "a number >= 0"),
     "positive": (lambda v: _is_number(v) and v > 0, "a number > 0"),
     "count": (lambda v: _is_number(v) and v >= 0 and v == int(v), "a whole number >= 0"),
-    "times": (_are_times, "a list of numbers >= 0"),
     "object": (lambda v: isinstance(v, dict), "an object"),
     "list": (lambda v: isinstance(v, list), "a list"),
 }
@@ -41,15 +36,15 @@ _SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(en
 
 
 @functools.cache
-def kinds_of(record: str, keys: tuple[str, ...] | None = None) -> dict[str, str]:
-    """For check_fields: the fields of a record of a campaign's lines, or these of them; of lists only that they are."""
+def _kinds_of(record: str, keys: tuple[str, ...]) -> dict[str, str]:
+    """Of lists only that they are."""
     fields = _SCHEMA[record]
     return {key: "list" if fields[key]["type"][0] == "[" else fields[key]["type"] for key in keys or fields}
 
 
-def numbers_of(record: str, key: str) -> str:
-    """For check_numbers: what the numbers of a list may be."""
-    return {"number": "any", "time": ">= 0", "positive": "> 0"}[_SCHEMA[record][key]["type"].strip("[]?")]
+def check_record(place: str, value: object, record: str, *keys: str) -> dict:
+    """As check_fields, for a record of a campaign's lines: all its fields, or these."""
+    return check_fields(place, value, _kinds_of(record, keys))
 
 
 def check_fields(place: str, record: object, kinds: dict[str, str]) -> dict:
@@ -76,30 +71,27 @@ def check_word(place: str, record: dict, key: str, words) -> None:
         raise ReportError(place, f"key '{key}' is {record[key]!r}", "one of " + ", ".join(map(str, words)))
 
 
-# What numbers may be -> (test of an array, NaN passing, words for the user).
-_RANGES = {"any": (lambda a: np.zeros(len(a), dtype=bool), "numbers or null"),
-           ">= 0": (lambda a: a < 0, "numbers >= 0 or null"), "> 0": (lambda a: a <= 0, "numbers > 0 or null")}
+# Type of a list's numbers -> (test of an array, NaN passing, that finds what does not fit, words for the user).
+_RANGES = {"number": (lambda a: np.zeros(len(a), dtype=bool), "numbers or null"),
+           "time": (lambda a: a < 0, "numbers >= 0 or null"), "positive": (lambda a: a <= 0, "numbers > 0 or null")}
 _NUMBERS = {int, float, type(None)}
 
 
-def check_numbers(place: str, record: dict, key: str, count: int, within: str = "any") -> np.ndarray:
-    """The list `record[key]`, NaN where it has null.
+def check_numbers(place: str, value: dict, record: str, key: str, count: int) -> np.ndarray:
+    """The list `value[key]` of a record of a campaign's lines, NaN where it has null.
 
-    @param within  any, >= 0 or > 0
-    @throws ReportError where it is no list of `count` finite numbers or nulls
+    @throws ReportError where it is no list of `count` finite numbers or nulls, as the schema has them
     """
-    refuse, words = _RANGES[within]
-    check_fields(place, record, {key: "list"})
-    values = record[key]
+    refuse, words = _RANGES[_SCHEMA[record][key]["type"].strip("[]?")]
+    values = check_fields(place, value, {key: "list"})[key]
     if len(values) != count:
         raise ReportError(place, f"key '{key}' has {len(values)} values", f"{count}")
-    if not _NUMBERS.issuperset(map(type, values)):
-        wrong = next(value for value in values if type(value) not in _NUMBERS)
-        raise ReportError(place, f"key '{key}' has {str(wrong)[:40]!r}", words)
-    array = np.array(values, dtype=float)
-    wrong = np.isinf(array) | refuse(array)
-    if wrong.any():
-        raise ReportError(place, f"key '{key}' has {array[wrong][0]!r}", words)
+    fit = _NUMBERS.issuperset(map(type, values))
+    wrong = [] if fit else [value for value in values if type(value) not in _NUMBERS]
+    array = np.array([] if wrong else values, dtype=float)
+    wrong += array[np.isinf(array) | refuse(array)].tolist()
+    if wrong:
+        raise ReportError(place, f"key '{key}' has {str(wrong[0])[:40]!r}", words)
     return array
 
 
@@ -113,17 +105,11 @@ def check_places(place: str, listed: list, count: int) -> list[int]:
     return listed
 
 
-class Tiers:
-    """Finds the tier of campaign.json that a line means: files round."""
-
-    def __init__(self, tiers: list[float]):
-        self._known = {tier: tier for tier in tiers}
-
-    def find(self, place: str, found: float) -> float:
-        """@throws ReportError where there is none"""
-        if found not in self._known:
-            tier = next((t for t in self._known.values() if math.isclose(t, found, rel_tol=1e-6)), None)
-            if tier is None:
-                raise ReportError(place, f"tier is {found!r}", "a tier of campaign.json")
-            self._known[found] = tier
-        return self._known[found]
+def check_tier(place: str, tiers: list[float], found: float) -> float:
+    """The tier of campaign.json that a line means: files round.
+    @throws ReportError where there is none
+    """
+    for tier in tiers:
+        if math.isclose(tier, found, rel_tol=1e-6):
+            return tier
+    raise ReportError(place, f"tier is {found!r}", "a tier of campaign.json")

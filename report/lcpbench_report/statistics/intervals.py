@@ -6,6 +6,8 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from .weighted import weighted_share
+
 CONFIDENCE = 0.95
 RESAMPLES = 1000
 SEED = 20240607  # of the bootstrap: the same tables from the same files
@@ -50,23 +52,15 @@ class Bootstrap:
         order = np.argsort(values, kind="stable")
         return _percentiles(self._medians(values[order], weights[order].astype(np.float32), bases[order]))
 
-    def mean(self, problems, values, weights) -> tuple[float, float]:
-        """Interval of the weighted mean."""
+    def mean(self, problems, values, weights, inverse=lambda mean: mean, over=None) -> tuple[float, float]:
+        """Interval of inverse(weighted mean), or of its ratio to that of the values `over`, drawn together."""
         values, weights, bases = self._sample(values, weights, problems)
         if len(np.unique(bases)) < 2:
             return math.nan, math.nan
-        part, whole = self._sums(bases, weights * values), self._sums(bases, weights)
-        return _percentiles(part[whole > 0] / whole[whole > 0])
-
-    def ratio_of_means(self, problems, first, second, weights, inverse) -> tuple[float, float]:
-        """Interval of inverse(mean of first) / inverse(mean of second), drawn together."""
-        first, weights, bases = self._sample(first, weights, problems)
-        if len(np.unique(bases)) < 2:
-            return math.nan, math.nan
         whole = self._sums(bases, weights)
-        means = [self._sums(bases, weights * values)[whole > 0] / whole[whole > 0]
-                 for values in (first, np.asarray(second, dtype=float))]
-        return _percentiles(inverse(means[0]) / inverse(means[1]))
+        found = [inverse(self._sums(bases, weights * each)[whole > 0] / whole[whole > 0])
+                 for each in (values, *([] if over is None else [np.asarray(over, dtype=float)]))]
+        return _percentiles(found[0] / found[1] if over is not None else found[0])
 
     def base_means(self, problems, values, weights) -> np.ndarray:
         """The weighted mean of every base that has values."""
@@ -115,6 +109,13 @@ def share_interval(share: float, weight: float) -> tuple[float, float]:
     z, reach = _Z, _Z * math.sqrt(share * (1 - share) / weight + (_Z / (2 * weight)) ** 2)
     centre, size = share + z * z / (2 * weight), 1 + z * z / weight
     return (centre - reach) / size if share > 0 else 0.0, (centre + reach) / size if share < 1 else 1.0
+
+
+def share_with_interval(holds, weights, name: str, prefix: str) -> dict[str, float]:
+    """The share of the weight where `holds`: {name, prefix_low, prefix_high}."""
+    share = weighted_share(holds, weights)
+    low, high = share_interval(share, np.sum(weights))
+    return {name: share, f"{prefix}_low": low, f"{prefix}_high": high}
 
 
 def _draw(families: np.ndarray) -> np.ndarray:

@@ -35,6 +35,11 @@ def text_of(value, indent: str = "") -> str:
     return "[\n" + ",\n".join(inner + text_of(element, inner) for element in value) + "\n" + indent + "]"
 
 
+def write_object(path: Path, value: dict) -> None:
+    """The same object is always the same bytes."""
+    path.write_text(text_of(value) + "\n", encoding="utf-8")
+
+
 def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:
     """Line numbers and what stands there. Lazily: a campaign's cells may fill hundreds of megabytes.
 

@@ -1,7 +1,7 @@
 """How long the steps of a motion take, how much a warm start gains, and what a deadline leaves of the answers.
 
-What an engine waits for is a step's latency, one interval from its arrays to the forces, of every solver: the median says what a frame costs, the 99th percentile
-and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
+What an engine waits for is a step's latency, one interval from its arrays to the forces, of every solver: the median
+says what a frame costs, the 99th percentile and the maximum which frames are dropped. Of every step the median over the rounds counts in which the solver kept the
 processor, so that what the machine did once in a while does not; where it did in no round, the median over all: columns
 `preempted` count these steps. Columns `raw_max` have the largest of all rounds. A step that was not reached, for the
 pass ended before, has an infinite latency. Quantiles interpolate linearly between order statistics (Hyndman & Fan 1996,
@@ -18,7 +18,7 @@ from scipy import stats
 
 from .intervals import CONFIDENCE, RESAMPLES, SEED, share_interval
 from .load import Campaign
-from .steps import PassRuns
+from .steps import PassRuns, Round
 
 ALL = "all"  # the value of the column `size` for sequences of all sizes
 _LEVELS = {"p50": 0.5, "p99": 0.99, "max": 1.0}
@@ -43,7 +43,7 @@ class JudgedPass:
     runs: PassRuns
 
     @property
-    def rounds(self):
+    def rounds(self) -> list[Round]:
         return self.runs.in_order()
 
     def preempted(self) -> np.ndarray:
@@ -81,9 +81,7 @@ def latency_by_solver_table(campaign: Campaign) -> pd.DataFrame:
             row = {"solver": solver, "tier": tier, "mode": mode, "size": size, "sequences": len(run),
                    "excluded": len(chosen) - len(run)}
             if run:
-                row |= _verdicts(run) | _quantiles(np.concatenate([one.latency() for one in run]), _LEVELS)
-                row["raw_max"] = max(_raw_max(one) for one in run)
-                row["preempted"] = sum(int(one.preempted().sum()) for one in run)
+                row |= _of_passes(run)
             if mode == "warm":
                 row |= _warm_gain([ratios for one in run for ratios in _cold_over_warm(one, cold)])
             rows.append(row)
@@ -131,49 +129,41 @@ def _latency_row(one: JudgedPass) -> dict:
             "rounds": len(one.rounds)}
     if one.runs.excluded:
         return row
-    row |= {"outcome": one.rounds[0].outcome} | _verdicts([one]) | _quantiles(one.latency(), _LEVELS)
-    row |= {"raw_max": _raw_max(one), "preempted": int(one.preempted().sum())}
+    row |= {"outcome": one.rounds[0].outcome} | _of_passes([one])
     iterations = np.concatenate([r.iterations for r in one.rounds])
     known = iterations[~np.isnan(iterations)]
     return row | {"iterations_p50": float(np.median(known)) if len(known) else math.nan}
 
 
-def _verdicts(passes: list[JudgedPass]) -> dict:
+def _of_passes(passes: list[JudgedPass]) -> dict:
     verified = np.concatenate([one.verified() for one in passes])
     wrong = sum(r.false_successes[one.tier] for one in passes
                 for r in (one.rounds[:1] if one.runs.deadline_s is None else one.rounds))
     return {"steps": len(verified), "verified": int(verified.sum()), "verified_share": float(verified.mean()),
-            "false_successes": wrong}
-
-
-def _raw_max(one: JudgedPass) -> float:
-    return float(max(_or_infinite(r.latency_s).max() for r in one.rounds))
+            "false_successes": wrong, **_quantiles(np.concatenate([one.latency() for one in passes]), _LEVELS),
+            "raw_max": float(max(_or_infinite(r.latency_s).max() for one in passes for r in one.rounds)),
+            "preempted": sum(int(one.preempted().sum()) for one in passes)}
 
 
 def _or_infinite(values: np.ndarray) -> np.ndarray:
-    return np.where(np.isnan(values), np.inf, values)
+    return np.nan_to_num(values, nan=math.inf, posinf=math.inf)
 
 
 def _quantiles(values: np.ndarray, levels: dict[str, float], prefix: str = "") -> dict[str, float]:
     """Infinite where the upper of the two order statistics is; NaN without any value."""
     if not len(values):
         return {prefix + name: math.nan for name in levels}
-    ordered = np.sort(values)
-    found = {}
+    ordered, found = np.sort(values), {}
     for name, level in levels.items():
-        place = level * (len(ordered) - 1)
-        low, high = ordered[math.floor(place)], ordered[math.ceil(place)]
-        part = place - math.floor(place)
-        found[prefix + name] = float(low if part == 0 or low == high else low + part * (high - low))
+        part, place = math.modf(level * (len(ordered) - 1))
+        low, high = ordered[int(place)], ordered[int(place) + (part > 0)]
+        found[prefix + name] = float(low if low == high else low + part * (high - low))
     return found
 
 
 def _cold_over_warm(warm: JudgedPass, cold: dict) -> Iterator[np.ndarray]:
     other = cold.get((warm.sequence["sequence"], warm.solver, warm.tier))
-    if other is None or other.runs.excluded:
-        return
-    both = warm.verified() & other.verified()
-    if both.any():
+    if other and not other.runs.excluded and (both := warm.verified() & other.verified()).any():
         yield other.latency()[both] / warm.latency()[both]
 
 
@@ -185,10 +175,8 @@ def _warm_gain(ratios: list[np.ndarray]) -> dict[str, float]:
     if len(ratios) < 2:
         return gain
 
-    def median_of(drawn: np.ndarray) -> float:
-        return np.median(np.concatenate([ratios[k] for k in drawn]))
-
-    interval = stats.bootstrap((np.arange(len(ratios)),), median_of, n_resamples=RESAMPLES,
+    interval = stats.bootstrap((np.arange(len(ratios)),),
+                               lambda drawn: np.median(np.concatenate([ratios[k] for k in drawn])), n_resamples=RESAMPLES,
                                confidence_level=CONFIDENCE, method="percentile", vectorized=False,
                                random_state=np.random.default_rng(SEED)).confidence_interval
     return gain | {"warm_gain_low": float(interval.low), "warm_gain_high": float(interval.high)}

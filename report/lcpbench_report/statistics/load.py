@@ -4,6 +4,7 @@ Nothing is repaired in silence: what does not fit raises ReportError naming file
 """
 
 import math
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import Tiers, check_fields, check_numbers, check_places, check_word, kinds_of, numbers_of
+from .fields import check_fields, check_numbers, check_places, check_record, check_tier, check_word
 from .jsonl import is_there, read_lines, read_object
 from .steps import FILE as STEPS_FILE
 from .steps import PassKey, PassRuns, read_passes, read_sequences
@@ -19,7 +20,8 @@ from .steps import PassKey, PassRuns, read_passes, read_sequences
 SCHEMA = "lcpbench-campaign/2"
 PROBLEMS_FILE, STREAMS_FILE = "problems.jsonl", "streams.jsonl"
 # What a solver takes for the tier: its method has no tolerance; the tier's is passed on; the library's own one.
-TOLERANCES = DIRECT, FOLLOWS, DEFAULT = ("direct", "follows", "default")
+DEFAULT = "default"
+TOLERANCES = ("direct", "follows", DEFAULT)
 ABLATIONS = ("", "no-self-check", "checked", "baseline")
 KINDS = JUDGE, FRESH, PARTS, AGAIN = ("judge", "fresh", "parts", "again")
 TASK_BUDGET = "task budget"  # the rule that excludes what had no turn
@@ -29,16 +31,12 @@ _SOLVER = {"key": "name", "setting": "text", "origin": "text", "uses_tolerance":
            "tolerance": "name", "ablation": "text"}
 _LIMITS = {"time_per_row_s": "time", "least_s": "time", "most_s": "positive"}
 _SIZE_CLASS = {"key": "name", "least": "count", "most": "count?", "stream": "count"}
-# Of problems.jsonl, what the tables are made of.
-_PROBLEM = ("problem", "set", "family", "base", "weight", "origin", "fill", "size_class", "rows", "reference", "counts",
-            "oracle_s", "floor")
 _REFERENCES = ("certified", "bounded", "none")
 _ORIGINS = ("placed", "motion")
 METRICS = ("rho", "backward_error", "gap_rel", "w_error", "f_error")
 # Arrays of a judge line, a number for every problem that had its turn.
 JUDGED = (*METRICS, "best_tier", "iterations", "first_s", "allocations", "factor_share")
 OUT = "excluded"  # the claim of a problem of a task that a rule excludes: its `reason`
-EXCEPTION = kinds_of("exception")
 PART_TIMES = ("problem_s", "prepare_s", "convert_s", "solve_s")
 
 
@@ -129,11 +127,10 @@ def _read_info(path: Path) -> dict:
             check_fields(place, solver, {"base": "name"})
     for index, size_class in enumerate(info["size_classes"]):
         check_fields(f"{path.name}: size_classes[{index}]", size_class, _SIZE_CLASS)
-    for what, entries in (("solver", info["solvers"]), ("size class", info["size_classes"])):
-        keys = [entry["key"] for entry in entries]
-        for key in keys:
-            if keys.count(key) > 1:
-                raise ReportError(path.name, f"{what} {key!r} is there {keys.count(key)} times", "every key once")
+    for what in ("solvers", "size_classes"):
+        key, count = max(Counter(entry["key"] for entry in info[what]).items(), key=lambda item: item[1], default=("", 0))
+        if count > 1:
+            raise ReportError(path.name, f"{what}: {key!r} is there {count} times", "every key once")
     for tier in info["tiers"]:
         check_fields(f"{path.name}: tiers", {"tier": tier}, {"tier": "positive"})
     return info
@@ -144,10 +141,9 @@ def _read_problems(path: Path, info: dict, note: Callable[[str], None]) -> dict[
     classes = {of["key"]: of for of in info["size_classes"]}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, kinds_of("problem", _PROBLEM))
-        check_word(place, record, "reference", _REFERENCES)
-        check_word(place, record, "origin", _ORIGINS)
-        check_word(place, record, "size_class", classes)
+        record = check_record(place, line, "problem")
+        for key, words in (("reference", _REFERENCES), ("origin", _ORIGINS), ("size_class", classes)):
+            check_word(place, record, key, words)
         own = classes[record["size_class"]]
         if not own["least"] <= record["rows"] <= (math.inf if own["most"] is None else own["most"]):
             raise ReportError(place, f"key 'rows' is {record['rows']}", f"a number of size class {own['key']}")
@@ -161,18 +157,15 @@ def _read_tasks(path: Path, campaign: Campaign, note: Callable[[str], None]) -> 
     """Passes of a task may come before its judge line: processes that share a folder end as they like."""
     solvers = {key: "" for key, solver in campaign.solvers.items() if solver["available"]}
     sizes = {key: len(problems) for key, problems in campaign.classes.items()}
-    tiers = Tiers(campaign.info["tiers"])
     tasks: dict[tuple, Task] = {}
     judged: dict[tuple, set[int]] = {}
     passes: dict[tuple, list[tuple[str, dict]]] = {}
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, kinds_of("line"))
-        check_word(place, record, "kind", KINDS)
-        if record["solver"] not in solvers:
-            raise ReportError(place, f"solver is {record['solver']!r}", "an available solver of campaign.json")
-        check_word(place, record, "size_class", sizes)
-        tier = tiers.find(place, record["tier"])
+        record = check_record(place, line, "line")
+        for field_, words in (("kind", KINDS), ("solver", solvers), ("size_class", sizes)):
+            check_word(place, record, field_, words)
+        tier = check_tier(place, campaign.info["tiers"], record["tier"])
         first, count = int(record["first"]), int(record["count"])
         if not 1 <= count <= sizes[record["size_class"]] - first:
             raise ReportError(place, f"keys 'first' and 'count' are {first} and {count}",
@@ -200,16 +193,16 @@ def _judged(place: str, record: dict, task: Task) -> Task:
     task.excluded = record["excluded"]
     if task.excluded:
         return task
-    check_fields(place, record, kinds_of("judge", ("attempted", "peak_bytes", "exceptions")))
+    check_record(place, record, "judge", "attempted", "peak_bytes", "exceptions")
     task.attempted = int(record["attempted"])
     if task.attempted > task.count:
         raise ReportError(place, f"key 'attempted' is {task.attempted}", f"{task.count}, the key 'count', at most")
     for key in JUDGED:
-        task.judged[key] = check_numbers(place, record, key, task.attempted, numbers_of("judge", key))
-    at = check_places(f"{place}: exceptions", [_place_of(place, one) for one in record["exceptions"]], task.attempted)
-    for index, exception in zip(at, record["exceptions"]):
-        out = ("claim", "passes", "reason") if exception.get("claim") == OUT else None
-        check_fields(f"{place}: exceptions at {index}", exception, kinds_of("exception", out))
+        task.judged[key] = check_numbers(place, record, "judge", key, task.attempted)
+    there = f"{place}: exceptions"
+    check_places(there, [check_fields(there, one, {"at": "count"})["at"] for one in record["exceptions"]], task.attempted)
+    for one in record["exceptions"]:
+        check_record(f"{there} at {one['at']}", one, "exception", *(("claim", "passes", "reason") * (one.get("claim") == OUT)))
     task.exceptions = record["exceptions"]
     task.peak_bytes = math.nan if record["peak_bytes"] is None else float(record["peak_bytes"])
     # It may be the only time of a problem: ratios and logarithms are made of it.
@@ -218,10 +211,6 @@ def _judged(place: str, record: dict, task: Task) -> Task:
     if not (task.judged["first_s"][plain] > 0).all():
         raise ReportError(place, "key 'first_s' has none", "a number > 0 where a solve passes")
     return task
-
-
-def _place_of(place: str, exception: object) -> int:
-    return check_fields(f"{place}: exceptions", exception, {"at": "count"})["at"]
 
 
 def _add_pass(place: str, record: dict, task: Task) -> None:
@@ -233,17 +222,16 @@ def _add_pass(place: str, record: dict, task: Task) -> None:
         raise ReportError(place, f"pass {number} of this kind and task is there twice", "a line per task and pass")
     if task.excluded:
         raise ReportError(place, f"the task is excluded: {task.excluded}", "no pass of it")
-    times = {key: check_numbers(place, record, key, task.count, numbers_of(kind, key))
+    times = {key: check_numbers(place, record, kind, key, task.count)
              for key in (PART_TIMES if kind == PARTS else (f"{kind}_s",))}
     if kind == PARTS:
         of_kind[number] = TimedPass(times, [])
         return
-    check_fields(place, record, kinds_of(kind, ("failed",)))
+    check_record(place, record, kind, "failed")
     failed = check_places(f"{place}: failed", record["failed"], task.count)
     disturbed = False
     if kind == FRESH:
-        check_fields(place, record, kinds_of(kind, ("group", "disturbance")))
+        check_record(place, record, kind, "group", "disturbance")
         if record["disturbance"] is not None:
-            kinds = kinds_of("disturbance", ("disturbed",))
-            disturbed = check_fields(f"{place}: disturbance", record["disturbance"], kinds)["disturbed"]
+            disturbed = check_record(f"{place}: disturbance", record["disturbance"], "disturbance", "disturbed")["disturbed"]
     of_kind[number] = TimedPass(times, failed, disturbed)

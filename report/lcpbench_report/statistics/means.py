@@ -13,31 +13,39 @@ import math
 import numpy as np
 import pandas as pd
 
-from .groups import GROUP, Group, groups
+from .cells import EXCLUDED, VERIFIED
+from .groups import GROUP, common, groups, with_label
 from .intervals import Bootstrap
-from .weighted import weighted_median
+from .weighted import quantiles, weighted_median, weighted_share
 
 # Units of time: "oracle" is one factorization with the answer's active set known.
 UNITS = ("s", "oracle")
 COLUMNS = [*GROUP, "solver", "unit", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
+PRECISION_COLUMNS = ["set", "solver", "strictest", "tier", "problems", "shift", "mean_s", "rho_median", "rho_max"]
+DELIVERED = ("rho", "w_error")
+DELIVERED_COLUMNS = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
+                     *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
 
 
 def shifted_geometric_mean(times, shift: float, weights=None) -> float:
     """NaN without any time."""
     values = np.asarray(times, dtype=float)
-    if not len(values):
-        return math.nan
-    return float(np.exp(np.average(np.log(values + shift), weights=weights)) - shift)
+    return float(np.exp(np.average(np.log(values + shift), weights=weights)) - shift) if len(values) else math.nan
 
 
-def penalised(times, limits) -> np.ndarray:
-    """The limit where the time is inf."""
-    return np.where(np.isfinite(times), times, limits)
+def penalised(cells: pd.DataFrame, times: str = "time_s") -> pd.Series:
+    """The column `times`, with the problem's limit where it is not finite."""
+    return cells[times].where(np.isfinite(cells[times]), cells["time_limit_s"])
+
+
+def mean_time(cells: pd.DataFrame, shift: float) -> float:
+    """Of one solver's cells, failures entered with their limit: failing does not pay."""
+    return shifted_geometric_mean(penalised(cells), shift, cells["weight"])
 
 
 def shift_of(cells: pd.DataFrame, times: str = "time_s") -> float:
     """The shift of these cells' means, from the medians of all solvers' finite times; NaN without any."""
-    finite = cells[np.isfinite(cells[times])]
+    finite = cells[np.isfinite(cells[times].astype(float))]
     least = min((weighted_median(own[times], own["weight"]) for _, own in finite.groupby("solver")), default=math.nan)
     return math.nan if math.isnan(least) else float(10.0 ** round(math.log10(least / 10)))
 
@@ -46,25 +54,69 @@ def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group, solver and unit; problems that count only, and of those for the unit "oracle" the ones whose
     oracle was timed."""
     rows = []
-    for group in groups(cells, counted_only=True):
-        common = group.common()
-        bootstrap = Bootstrap(common.cells)
+    for label, of_group in groups(cells, counted_only=True):
+        shared = common(of_group)
+        bootstrap = Bootstrap(shared)
         for unit in UNITS:
-            known = common.cells if unit == "s" else common.cells[common.cells["oracle_s"].notna()]
+            known = shared if unit == "s" else shared[shared["oracle_s"].notna()]
             size = 1.0 if unit == "s" else known["oracle_s"]
-            known = known.assign(counted=penalised(known["time_s"], known["time_limit_s"]) / size)
-            shift = shift_of(known.assign(units=known["time_s"] / size), "units")
+            known = known.assign(counted=penalised(known) / size, units=known["time_s"] / size)
+            shift = shift_of(known, "units")
             shift = shift_of(known, "counted") if math.isnan(shift) else shift  # nobody solved any
-            found = [_row(group, solver, unit, shift, own, bootstrap)
-                     for solver, own in known.groupby("solver", sort=False)]
+            found = []
+            for solver, own in known.groupby("solver", sort=False):
+                low, high = bootstrap.mean(own["problem"], np.log(own["counted"] + shift), own["weight"])
+                found.append(label | {"solver": solver, "unit": unit, "shift": shift, "problems": len(own),
+                                      "penalised": int((~np.isfinite(own["time_s"])).sum()),
+                                      "mean": shifted_geometric_mean(own["counted"], shift, own["weight"]),
+                                      "mean_low": math.exp(low) - shift, "mean_high": math.exp(high) - shift})
             best = min((row["mean"] for row in found), default=math.nan)
             rows += [row | {"over_best": row["mean"] / best} for row in found]
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def _row(group: Group, solver: str, unit: str, shift: float, cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
-    low, high = bootstrap.mean(cells["problem"], np.log(cells["counted"] + shift), cells["weight"])
-    return {**group.label, "solver": solver, "unit": unit, "shift": shift, "problems": len(cells),
-            "penalised": int((~np.isfinite(cells["time_s"])).sum()),
-            "mean": shifted_geometric_mean(cells["counted"], shift, cells["weight"]),
-            "mean_low": math.exp(low) - shift, "mean_high": math.exp(high) - shift}
+def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """Work over precision: what a solver's next digits cost. A tier costs more only if it is asked of the same problems:
+    for every tier `strictest` there is one curve, over the problems that the solver solves at that tier and at all looser
+    ones. A row per set, solver, curve and tier, loosest first; curves without a problem are left out."""
+    rows = []
+    labelled = with_label(cells)
+    shifts = _shifts(labelled, "time_s")
+    for (label, solver), own in labelled.groupby(["set", "solver"], sort=False):
+        tiers = sorted(own["tier"].unique(), reverse=True)
+        solved = own[own["verdict"] == VERIFIED]
+        problems = set(solved["problem"])
+        for depth, strictest in enumerate(tiers, start=1):
+            problems &= set(solved.loc[solved["tier"] == strictest, "problem"])
+            curve = solved[solved["problem"].isin(problems)]
+            for tier in tiers[:depth] if problems else ():
+                point = curve[curve["tier"] == tier]
+                rows.append({"set": label, "solver": solver, "strictest": strictest, "tier": tier,
+                             "problems": len(point), "shift": shifts[label], "mean_s": mean_time(point, shifts[label]),
+                             "rho_median": weighted_median(point["rho"], point["weight"]),
+                             "rho_max": point["rho"].max()})
+    return pd.DataFrame(rows, columns=PRECISION_COLUMNS)
+
+
+def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
+    """A row per set, solver and tier: what the solver takes for the tolerance it is asked for, and how exact its
+    answers are by the common metrics, whether they pass or not. The time of an answer that is not verified is that of
+    the solve that was judged, for nothing wrong is timed fresh."""
+    rows = []
+    run = with_label(cells[cells["verdict"] != EXCLUDED])
+    run = run.assign(taken_s=run["fresh_s"].fillna(run["first_s"]).fillna(run["time_limit_s"]))
+    shifts = _shifts(run, "taken_s")
+    for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):
+        row = {"set": label, "solver": solver, "tier": tier, "problems": len(own),
+               "verified_share": weighted_share(own["verdict"] == VERIFIED, own["weight"]), "shift": shifts[label],
+               "mean_s": shifted_geometric_mean(own["taken_s"], shifts[label], own["weight"]),
+               "answers": int(own["rho"].notna().sum())}
+        for metric in DELIVERED:
+            row |= quantiles(own[metric], f"{metric}_", own["weight"])
+        rows.append(row)
+    return pd.DataFrame(rows, columns=DELIVERED_COLUMNS)
+
+
+def _shifts(labelled: pd.DataFrame, times: str) -> dict[str, float]:
+    """Of every set one for all tiers, so that they compare."""
+    return {label: shift_of(own, times) for label, own in labelled.groupby("set")}

@@ -17,9 +17,12 @@ import numpy as np
 import pandas as pd
 from scipy import special, stats
 
-from .cells import EXCLUDED
-from .groups import GROUP, Group, groups
+from ..errors import ReportError
+from ..table import Table
+from .cells import EXCLUDED, cell_table
+from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
+from .load import Campaign
 from .weighted import weighted_median, weighted_share
 
 LEVEL = 0.05
@@ -30,13 +33,12 @@ COLUMNS = [*GROUP, "a", "b", "problems", "both", "bases", "a_only", "b_only", "n
            "sign_p_holm", "wilcoxon_p", "wilcoxon_p_holm", "verdict"]
 
 
-def pair_shares(a, b, weights=None, taus=SHARE_TAUS) -> list[float]:
-    """Profile of A in the pair (A, B) at every tau >= 1: the share of all problems with t_A <= tau t_B, inf being a
+def pair_shares(a, b, weights=None) -> list[float]:
+    """Profile of A in the pair (A, B) at SHARE_TAUS: the share of all problems with t_A <= tau t_B, inf being a
     failure. At tau = 1 the share on which A is the faster one, a tie counting for both."""
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     weights = np.ones(len(a)) if weights is None else weights
-    solved = np.isfinite(a)
-    return [weighted_share(solved & (a <= tau * b), weights) for tau in taus]
+    return [weighted_share(np.isfinite(a) & (a <= tau * b), weights) for tau in SHARE_TAUS]
 
 
 def sign_test(differences: np.ndarray) -> float:
@@ -65,15 +67,12 @@ def verdict(adjusted_p: float, direction: int, low: float, high: float) -> str:
     return B_FASTER if direction > 0 and low > MARGIN else NO_DIFFERENCE
 
 
-def compare_pairs(times: pd.DataFrame, about: pd.DataFrame | None = None,
-                  excluded: pd.DataFrame | None = None) -> pd.DataFrame:
+def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFrame | None = None) -> pd.DataFrame:
     """@param times  problems x solvers: inf where the solver failed, NaN where there is no cell
-    @param about     problems x (family, base, weight); each a base of one family by default
+    @param about     problems x (family, base, weight)
     @param excluded  as `times`: whether the cell was excluded by rule
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
-    if about is None:
-        about = independent(times.index)
     bootstrap = bootstrap_of(about)
     pairs = [compare_two(times, about, bootstrap, a, b, excluded) for a, b in itertools.combinations(times.columns, 2)]
     for test in ("sign_p", "wilcoxon_p"):
@@ -85,11 +84,6 @@ def compare_pairs(times: pd.DataFrame, about: pd.DataFrame | None = None,
     return pd.DataFrame(rows, columns=COLUMNS[len(GROUP):])
 
 
-def independent(problems) -> pd.DataFrame:
-    """What compare_pairs wants to know of problems that are bases of one family, and weigh the same."""
-    return pd.DataFrame({"family": "", "base": [str(problem) for problem in problems], "weight": 1.0}, index=problems)
-
-
 def bootstrap_of(about: pd.DataFrame) -> Bootstrap:
     return Bootstrap(about.assign(problem=about.index))
 
@@ -97,20 +91,15 @@ def bootstrap_of(about: pd.DataFrame) -> Bootstrap:
 def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group and ordered pair of solvers. Problems that do not count enter where both are verified."""
     tables = []
-    for group in groups(cells):
-        table = compare_pairs(*_times(group))
-        table = table.assign(**group.label)[COLUMNS]
+    for label, of_group in groups(cells):
+        times = wide(of_group, "time_s")
+        if label["set"] != COUNTED:
+            times = times.where(np.isfinite(times))
+        about = of_group.drop_duplicates("problem").set_index("problem")[["family", "base", "weight"]]
+        table = compare_pairs(times, about, wide(of_group, "verdict") == EXCLUDED).assign(**label)[COLUMNS]
         if not table.empty:
             tables.append(table)
     return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=COLUMNS)
-
-
-def _times(group: Group) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    times = group.wide("time_s")
-    if not group.counts:
-        times = times.where(np.isfinite(times))
-    about = group.cells.drop_duplicates("problem").set_index("problem")[["family", "base", "weight"]]
-    return times, about, group.wide("verdict") == EXCLUDED
 
 
 def compare_two(times: pd.DataFrame, about: pd.DataFrame, bootstrap: Bootstrap, a: str, b: str,
@@ -146,3 +135,41 @@ def _mirrored(pair: dict) -> dict:
     row |= {"ratio": 1 / pair["ratio"], "ratio_low": 1 / pair["ratio_high"], "ratio_high": 1 / pair["ratio_low"]}
     row["verdict"] = {A_FASTER: B_FASTER, B_FASTER: A_FASTER}.get(pair["verdict"], NO_DIFFERENCE)
     return row
+
+
+# ----- where the truth is known: a solver against itself under another name, and against itself slowed by a known factor
+
+SLOWDOWN = "slowdown"
+CALIBRATION_COLUMNS = ["tier", "solver", "variant", "slowdown", "problems", "ratio", "ratio_low", "ratio_high",
+                       "expected", "found", "right"]
+
+
+def calibration_table(campaign: Campaign) -> pd.DataFrame:
+    """Over problems that count, a row per tier and variant that is its base or its base slowed: time of the variant over
+    that of the base.
+
+    @throws ReportError where the campaign has no such variant
+    """
+    known = {(entry["base"], key): float((entry.get("settings") or {}).get(SLOWDOWN, 1))
+             for key, entry in campaign.solvers.items()
+             if entry.get("base") in campaign.solvers and set(entry.get("settings") or {}) <= {SLOWDOWN}}
+    if not known:
+        raise ReportError("campaign.json", "no solver is a variant without settings or with a slow-down",
+                          "a campaign run with --variant KEY=SOLVER and --variant KEY=SOLVER,slowdown=1.1")
+    cells = cell_table(campaign)
+    pairs = pairwise_table(cells[cells["counts"]]).set_index(["a", "b"]).sort_index()
+    rows = []
+    for (base, variant), factor in known.items():
+        for _, pair in pairs.loc[[(base, variant)]].iterrows():
+            expected = A_FASTER if factor > 1 else NO_DIFFERENCE
+            rows.append([pair["tier"], base, variant, factor, pair["both"], 1 / pair["ratio"], 1 / pair["ratio_high"],
+                         1 / pair["ratio_low"], expected, pair["verdict"], bool(pair["verdict"] == expected)])
+    return pd.DataFrame(rows, columns=CALIBRATION_COLUMNS)
+
+
+def calibration_words(found: pd.DataFrame) -> Table:
+    """What was not found as expected in bold."""
+    return Table(["solver", "against", "tier", "problems", "time ratio", "95 % interval", "expected", "found"],
+                 [[f"`{row.solver}`", f"slowed by {row.slowdown:g}" if row.slowdown > 1 else "itself", f"{row.tier:.0e}",
+                   row.problems, f"{row.ratio:.3f}", f"{row.ratio_low:.3f} … {row.ratio_high:.3f}", row.expected,
+                   row.found if row.right else f"**{row.found}**"] for row in found.itertuples()], "llrrrlll")

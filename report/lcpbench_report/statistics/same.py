@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import pandas as pd
 
-from .cells import KEY, ablation_cells, cell_table
+from .cells import KEY, cell_table
 from .load import METRICS, Campaign
 
 ENVIRONMENT = ("started", "environment", "environment_hash")
@@ -50,24 +50,14 @@ class Part:
 
 
 def compare(a: Campaign, b: Campaign) -> dict[str, Part]:
-    return {"keys of the plan": differing_plan(a.info, b.info), "problems": differing_problems(a, b),
-            "cells": differing_cells(a, b)}
-
-
-def differing_plan(a: dict, b: dict) -> Part:
-    """@param a, b  contents of campaign.json"""
-    return _compare({k: {k: v} for k, v in a.items() if k not in ENVIRONMENT},
-                    {k: {k: v} for k, v in b.items() if k not in ENVIRONMENT})
-
-
-def differing_problems(a: Campaign, b: Campaign) -> Part:
-    known = [{name: {k: v for k, v in about.items() if k != _TIME_OF_PROBLEM} for name, about in c.problems.items()}
-             for c in (a, b)]
-    return _compare(*known)
+    plans = [{k: {k: v} for k, v in c.info.items() if k not in ENVIRONMENT} for c in (a, b)]
+    problems = [{name: {k: v for k, v in about.items() if k != _TIME_OF_PROBLEM} for name, about in c.problems.items()}
+                for c in (a, b)]
+    return {"keys of the plan": _compare(*plans), "problems": _compare(*problems), "cells": differing_cells(a, b)}
 
 
 def differing_cells(a: Campaign, b: Campaign) -> Part:
-    first, second = (pd.concat([cell_table(c), ablation_cells(c)]).set_index(KEY)[list(CELL_FIELDS)] for c in (a, b))
+    first, second = (pd.concat([cell_table(c), cell_table(c, True)]).set_index(KEY)[list(CELL_FIELDS)] for c in (a, b))
     part = Part(only_a=[cell_name(key) for key in first.index.difference(second.index, sort=False)],
                 only_b=[cell_name(key) for key in second.index.difference(first.index, sort=False)])
     common = first.index.intersection(second.index, sort=False)
@@ -89,24 +79,17 @@ def cell_name(key: tuple) -> str:
 
 
 def _compare(a: dict, b: dict) -> Part:
-    part = Part(only_a=[str(key) for key in a if key not in b], only_b=[str(key) for key in b if key not in a])
-    for key in a:
-        if key not in b:
-            continue
-        part.both += 1
-        found = _differences("", a[key], b[key])
-        if found:
-            part.differ.append(f"{key}: " + "; ".join(found))
-    return part
+    both = [key for key in a if key in b]
+    found = {key: _differences("", a[key], b[key]) for key in both}
+    return Part(len(both), [str(key) for key in a if key not in b], [str(key) for key in b if key not in a],
+                [f"{key}: " + "; ".join(places) for key, places in found.items() if places])
 
 
 def _differences(path: str, a, b) -> list[str]:
     """Every place at which they differ, objects key by key. True is not 1 here."""
     if isinstance(a, dict) and isinstance(b, dict):
-        found = []
-        for key in [*a, *(key for key in b if key not in a)]:
-            found += _differences(f"{path}.{key}" if path else str(key), a.get(key, _Missing), b.get(key, _Missing))
-        return found
+        return [place for key in dict.fromkeys([*a, *b]) for place in
+                _differences(f"{path}.{key}" if path else str(key), a.get(key, _Missing), b.get(key, _Missing))]
     same = a == b and isinstance(a, bool) == isinstance(b, bool)
     return [] if same else [f"{path} {_word(a)} | {_word(b)}"]
 

@@ -8,18 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import ReportError
-from .fields import Tiers, check_fields, check_numbers, check_places, check_word, kinds_of, numbers_of
+from .fields import check_fields, check_numbers, check_places, check_record, check_tier, check_word
 from .jsonl import is_there, read_lines
 
 FILE = "steps.jsonl"
-COMPLETED = "completed"
-OUTCOMES = (COMPLETED, "budget", "crashed", "killed", "out_of_memory")
+OUTCOMES = ("completed", "budget", "crashed", "killed", "out_of_memory")
 _SEQUENCE = {"sequence": "name", "set": "name", "family": "name", "rows": "count", "most_rows": "count",
              "steps": "count"}
-# What a pass that was run has besides.
-_RUN = ("outcome", "detail", "steps", "reached", "claims", "verdicts", "late", "preempted")
-# Of every step that was reached.
-_BY_STEP = ("latency_s", "iterations", "rho", "backward_error", "w_error")
 
 # (sequence, solver, tier asked for, mode)
 PassKey = tuple[str, str, float, str]
@@ -30,8 +25,6 @@ class Round:
     """One pass over a sequence. Arrays have an entry per step; what was not reached is NaN."""
 
     outcome: str
-    reached: int
-    claims: dict[str, int]
     verified: dict[float, np.ndarray]  # by judged tier
     false_successes: dict[float, int]
     late: np.ndarray
@@ -71,14 +64,14 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
     passes: dict[PassKey, PassRuns] = {}
     if not is_there(path):
         return passes
-    tiers = Tiers(info["tiers"])
+    tiers = info["tiers"]
     solvers = [solver["key"] for solver in info["solvers"] if solver["available"]]
     for number, line in read_lines(path, note):
         place = f"{path.name}:{number}"
-        record = check_fields(place, line, kinds_of("pass"))
+        record = check_record(place, line, "pass")
         check_word(place, record, "sequence", sequences)
         check_word(place, record, "solver", solvers)
-        key = (record["sequence"], record["solver"], tiers.find(place, record["tier"]), record["mode"])
+        key = (record["sequence"], record["solver"], check_tier(place, tiers, record["tier"]), record["mode"])
         runs = passes.setdefault(key, PassRuns(record["deadline_s"]))
         index = int(record["round"])
         if index in runs.rounds or runs.excluded:
@@ -93,33 +86,29 @@ def read_passes(path: Path, info: dict, sequences: dict[str, dict],
     return passes
 
 
-def _round(place: str, record: dict, steps: int, tiers: Tiers) -> Round:
-    check_fields(place, record, kinds_of("steps", _RUN))
+def _round(place: str, record: dict, steps: int, tiers: list[float]) -> Round:
+    check_record(place, record, "steps")
     check_word(place, record, "outcome", OUTCOMES)
     check_fields(f"{place}: claims", record["claims"], dict.fromkeys(record["claims"], "count"))
     reached = int(record["reached"])
     if record["steps"] != steps or reached > steps:
         raise ReportError(place, f"{reached} of {record['steps']} steps", f"the {steps} steps of campaign.json")
-    arrays = {key: _padded(check_numbers(place, record, key, reached, numbers_of("steps", key)), steps) for key in _BY_STEP}
+    check_numbers(place, record, "steps", "backward_error", reached)
     verified, false_successes = {}, {}
     for verdict in record["verdicts"]:
-        check_fields(f"{place}: verdicts", verdict, kinds_of("step_verdict"))
-        tier = tiers.find(f"{place}: verdicts", verdict["tier"])
+        check_record(f"{place}: verdicts", verdict, "step_verdict")
+        tier = check_tier(f"{place}: verdicts", tiers, verdict["tier"])
         verified[tier] = ~_marked(f"{place}: failed_steps", verdict["failed_steps"], steps)
         false_successes[tier] = int(verdict["false_successes"])
         if verified[tier].sum() != verdict["passed"] or verdict["passed"] + verdict["failed"] != steps:
             raise ReportError(place, f"{verdict['passed']} passed and {verdict['failed']} failed",
                               f"{steps} steps, and as many failed as are listed")
-    if tiers.find(place, record["tier"]) not in verified:
+    if check_tier(place, tiers, record["tier"]) not in verified:
         raise ReportError(place, "no verdict at the tier asked for", "one among 'verdicts'")
-    return Round(record["outcome"], reached, record["claims"], verified, false_successes,
-                 _marked(f"{place}: late", record["late"], steps),
-                 _marked(f"{place}: preempted", record["preempted"], steps), arrays["latency_s"],
-                 arrays["iterations"], arrays["rho"], arrays["w_error"])
-
-
-def _padded(values: np.ndarray, steps: int) -> np.ndarray:
-    return np.concatenate([values, np.full(steps - len(values), np.nan)])
+    return Round(record["outcome"], verified, false_successes,
+                 *(_marked(f"{place}: {key}", record[key], steps) for key in ("late", "preempted")),
+                 *(np.pad(check_numbers(place, record, "steps", key, reached), (0, steps - reached),
+                          constant_values=math.nan) for key in ("latency_s", "iterations", "rho", "w_error")))
 
 
 def _marked(place: str, listed: list, steps: int) -> np.ndarray:

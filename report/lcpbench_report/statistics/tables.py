@@ -1,24 +1,20 @@
 """All tables of a campaign, and their files."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections import UserDict
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
 
-from .ablation import ablation_table
-from .cells import ablation_cells, cell_table
-from .class_times import class_table
+from .cells import cell_table
+from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
-from .distributions import accuracy_table, oracle_table
+from .distributions import accuracy_table, oracle_table, profile_table, scaling_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
-from .means import mean_table
+from .means import delivered_table, mean_table, precision_table
 from .pairwise import pairwise_table
-from .peer_ratio import peer_ratio_table
-from .precision import delivered_table, precision_table
-from .profiles import profile_table
-from .scaling import scaling_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
@@ -35,25 +31,13 @@ TABLES = (*_OF_CELLS, "peer_ratio", "ablation")
 _DIGITS = "%.9g"
 
 
-class Tables(Mapping[str, pd.DataFrame]):
-    """Tables by name, each made when it is first asked for: some take minutes of a large campaign."""
-
-    def __init__(self, makers: Mapping[str, Callable[[], pd.DataFrame]]):
-        self._makers, self._made = makers, {}
+class Tables(UserDict):
+    """Tables by name, made of functions, each when it is first asked for: some take minutes of a large campaign."""
 
     def __getitem__(self, name: str) -> pd.DataFrame:
-        if name not in self._made:
-            self._made[name] = self._makers[name]()
-        return self._made[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._makers
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._makers)
-
-    def __len__(self) -> int:
-        return len(self._makers)
+        if callable(self.data[name]):
+            self.data[name] = self.data[name]()
+        return self.data[name]
 
 
 def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
@@ -61,7 +45,7 @@ def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
     """Of all of TABLES.
 
     @param cells    of cells.cell_table
-    @param ablated  of cells.ablation_cells
+    @param ablated  the same of ablations
     @param solvers  the entries of campaign.json
     """
     own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
@@ -75,7 +59,7 @@ def write_tables(campaign: Campaign, folder: Path) -> None:
     tables of steps are written, of one without sequences those of cells."""
     folder.mkdir(parents=True, exist_ok=True)
     if campaign.tasks or not campaign.passes:
-        found = Tables(makers_of(cell_table(campaign), ablation_cells(campaign), campaign.info["solvers"]))
+        found = Tables(makers_of(cell_table(campaign), cell_table(campaign, True), campaign.info["solvers"]))
         for name, table in found.items():
             write_csv(table, folder / f"{name}.csv")
     if campaign.passes:

@@ -14,14 +14,6 @@ PROBLEMS, CAMPAIGN = "problems", "campaign"  # subfolders
 _MARK = "lcpbench_manifest"
 
 
-class CommandError(Exception):
-    """`lcpbench` did not end with 0, and has told the user why."""
-
-    def __init__(self, status: int):
-        super().__init__(f"exit status {status}")
-        self.status = status
-
-
 @dataclass
 class Command:
     """The lcpbench command."""
@@ -29,37 +21,27 @@ class Command:
     program: Path
 
     def run(self, *arguments: str, output=None) -> None:
-        """@throws CommandError where it does not end with 0"""
-        status = subprocess.run([self.program, *arguments], stdout=output, check=False).returncode
-        if status:
-            raise CommandError(status)
+        """@throws CalledProcessError where it does not end with 0, and has told the user why"""
+        subprocess.run([self.program, *arguments], stdout=output, check=True)
 
-    def listed(self, what: str) -> dict[str, str]:
-        """Key -> the line of `lcpbench list`."""
+    def available(self, what: str) -> list[str]:
+        """Keys that `lcpbench list` has and that are in this build."""
         found = subprocess.run([self.program, "list", what], stdout=subprocess.PIPE, text=True, check=True)
-        return {line.split()[0]: line for line in found.stdout.splitlines()}
-
-    def available(self) -> list[str]:
-        return [key for key, line in self.listed("solvers").items() if not line.endswith("(not in this build)")]
+        return [line.split()[0] for line in found.stdout.splitlines() if not line.endswith("(not in this build)")]
 
 
-def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> Path:
-    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set.
-
-    @returns its manifest
-    @throws ReportError where one of them is a problem of another set, on which solvers are compared
-    """
+def make_problems(command: Command, data: Path, folder: Path, sizes: list[int], seed: int) -> None:
+    """Writes the tuning problems, those of the smoke tier and every scene family at `sizes`, as one set."""
     problems = folder / PROBLEMS
     problems.mkdir(parents=True, exist_ok=True)
     command.run("collection", "write", str(data / SMOKE), "-o", str(problems / "smoke.jsonl"))
     with open(problems / "scenes.jsonl", "wb") as scenes:
-        for family in command.listed("scenes"):
+        for family in command.available("scenes"):
             for size in sizes:
                 command.run("generate", family, "--size", str(size), "--seed", str(seed), output=scenes)
                 scenes.flush()
     command.run("import", str(problems), "--name", "tuning", "--licence", "Apache-2.0", "--provenance",
                 f"{SMOKE} and lcpbench generate, seed {seed}")
-    return problems / "manifest.json"
 
 
 def require_disjoint(manifest: Path, data: Path) -> list[str]:
@@ -125,7 +107,6 @@ def chosen_solvers(asked: str | None, declared: list[str], available: list[str])
     """Of --solvers, in the order of the declaration."""
     there = [key for key in declared if key in available]
     wanted = there if asked is None else asked.split(",")
-    for key in wanted:
-        if key not in there:
-            raise ReportError("--solvers", f"{key!r} is not declared or not in this build", "some of " + ", ".join(there))
+    if unknown := [key for key in wanted if key not in there]:
+        raise ReportError("--solvers", f"{unknown[0]!r} is not declared or not in this build", "some of " + ", ".join(there))
     return [key for key in there if key in wanted]

@@ -1,4 +1,5 @@
-"""Which configuration of a solver is chosen, the same rule for every solver.
+"""Which configuration of a solver is chosen, the same rule for every solver; and data/tuned.json, which says what was
+tried with which budget, on what, and what was chosen (benchmarks/RESULTS.md).
 
 Times are fresh ones of verified answers; what was not verified enters with its time limit. Every size class weighs the
 same, within it problems as elsewhere. A configuration may replace the default only if
@@ -11,27 +12,35 @@ same, within it problems as elsewhere. A configuration may replace the default o
 Of those that may, the one with the least mean is chosen. Problems that a rule excludes are left out: nobody solved them.
 """
 
+import hashlib
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS
+from ..formats import short
+from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, cell_table
 from ..statistics.intervals import MARGIN, holm
+from ..statistics.load import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
 from ..statistics.pairwise import LEVEL, bootstrap_of, compare_two
+from .campaign import TIER, keys_of
+from .space import Configuration, Space
+
+SCHEMA = "lcpbench-tuned/1"
+_MACHINE = ("cpu", "cores", "memory_bytes", "os", "compiler", "flags", "solver_flags", "libraries")
 
 
 @dataclass
 class Outcome:
     """Of one configuration; `ratio` is its mean over the default's, below 1 where it is faster."""
 
-    key: str
     problems: int
     verified: int
     false_successes: int
-    shift_s: float  # of the means: one for all configurations
     mean_s: float
     ratio: float
     ratio_low: float
@@ -40,29 +49,28 @@ class Outcome:
     allowed: bool  # to replace the default
 
 
-def judge(cells: pd.DataFrame, keys: list[str]) -> list[Outcome]:
+def judge(cells: pd.DataFrame, keys: list[str]) -> tuple[float, list[Outcome]]:
     """@param cells  of one tier, statistics.cells.COLUMNS
     @param keys   the solver's configurations, the default first
+    @returns the shift of the means [s], one for all configurations; and their outcomes
     """
-    times, about, counts = _times(cells, keys)
+    times, about, failures, false = _times(cells, keys)
     shift = shift_of(cells[cells["solver"].isin(keys)])
     shift = 0.0 if math.isnan(shift) else shift  # none was verified: all are limits
     weights, bootstrap = about["weight"].to_numpy(), bootstrap_of(about)
     pairs = [compare_two(times, about, bootstrap, key, keys[0]) for key in keys[1:]]
     adjusted = [math.nan, *holm([pair["wilcoxon_p"] for pair in pairs])]
     directions = [0, *(pair["direction"] for pair in pairs)]
-    means = {key: shifted_geometric_mean(times[key], shift, weights) for key in keys}
-    logs = {key: np.log(times[key] + shift) for key in keys}
+    means, logs = times.apply(shifted_geometric_mean, shift=shift, weights=weights), np.log(times + shift)
     outcomes = []
     for key, p, direction in zip(keys, adjusted, directions):
-        low, high = bootstrap.ratio_of_means(times.index, logs[key], logs[keys[0]], weights,
-                                             lambda mean: np.exp(mean) - shift)
+        low, high = bootstrap.mean(times.index, logs[key], weights, lambda mean: np.exp(mean) - shift, logs[keys[0]])
         ratio = means[key] / means[keys[0]]
         faster = p < LEVEL and direction < 0 and ratio < 1 / MARGIN
-        no_worse = all(counts[key][which] <= counts[keys[0]][which] for which in ("failures", "false_successes"))
-        outcomes.append(Outcome(key, len(times), len(times) - counts[key]["failures"], counts[key]["false_successes"],
-                                shift, means[key], ratio, low, high, float(p), bool(faster and no_worse)))
-    return outcomes
+        no_worse = all(count[key] <= count[keys[0]] for count in (failures, false))
+        outcomes.append(Outcome(len(times), len(times) - failures[key], false[key], means[key], ratio, low, high,
+                                float(p), bool(faster and no_worse)))
+    return shift, outcomes
 
 
 def choose(outcomes: list[Outcome]) -> int:
@@ -71,19 +79,75 @@ def choose(outcomes: list[Outcome]) -> int:
     return min(allowed, key=lambda index: outcomes[index].mean_s, default=0)
 
 
-def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataFrame, dict[str, dict[str, int]]]:
+def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataFrame, pd.Series, pd.Series]:
     """Problems x configurations, failures with their limit, on problems that all of them have; what is known of the
-    problems; and who failed. Of solvers that are never asked for the tier an answer below it is a false success here:
-    another setting may be better."""
+    problems; failures and false successes of every configuration. Of solvers that are never asked for the tier an answer
+    below it is a false success here: another setting may be better."""
     own = cells[cells["solver"].isin(keys) & (cells["verdict"] != EXCLUDED)]
-    own = own.assign(failed=~np.isfinite(own["time_s"]), false=own["verdict"].isin((FALSE_SUCCESS, BELOW_TIER)),
-                     counted_s=penalised(own["time_s"], own["time_limit_s"]))
-    common = own.groupby("problem")["solver"].transform("nunique") == len(keys)
-    own = own[common]
-    counts = {key: {"failures": int(rows["failed"].sum()), "false_successes": int(rows["false"].sum())}
-              for key, rows in ((key, own[own["solver"] == key]) for key in keys)}
-    times = own.pivot(index="problem", columns="solver", values="counted_s").reindex(columns=keys)
+    own = own[own.groupby("problem")["solver"].transform("nunique") == len(keys)]
+    failures, false = (holds.groupby(own["solver"]).sum().reindex(keys, fill_value=0) for holds in
+                       (~np.isfinite(own["time_s"]), own["verdict"].isin((FALSE_SUCCESS, BELOW_TIER))))
+    times = own.assign(time_s=penalised(own)).pivot(index="problem", columns="solver", values="time_s").reindex(columns=keys)
     about = own.drop_duplicates("problem").set_index("problem").loc[times.index,
                                                                     ["family", "base", "weight", "size_class"]]
     about["weight"] /= about.groupby("size_class")["weight"].transform("sum")
-    return times, about, counts
+    return times, about, failures, false
+
+
+# ----- the file
+
+@dataclass
+class Asked:
+    """What the user asked for."""
+
+    budget: int
+    seed: int
+    space_file: Path
+    sizes: list[int]
+    problem_seed: int
+
+
+def describe(campaign: Campaign, spaces: dict[str, Space], tried: dict[str, list[Configuration]], asked: Asked,
+             disjoint_from: list[str], date: str, say: Callable[[str], None] = lambda line: None) -> dict:
+    """@param tried  solver -> its configurations, the default first; of solvers of `spaces` alone"""
+    info, cells = campaign.info, cell_table(campaign)
+    environment = info.get("environment", {})
+    return {"schema": SCHEMA, "commit": environment.get("git_commit", ""), "dirty": environment.get("git_dirty", False),
+            "date": date, "machine": {key: environment.get(key) for key in _MACHINE}, "budget": asked.budget,
+            "seed": asked.seed, "space": {"file": asked.space_file.name, "sha256": file_hash(asked.space_file)},
+            "tier": TIER, "passes": info.get("passes"),
+            "problems": {"manifests": info["manifests"], "count": len(campaign.problems), "sizes": asked.sizes,
+                         "seed": asked.problem_seed, "not_in": disjoint_from},
+            "disturbed_share": short(float((cells["disturbed"] > 0).mean())) if len(cells) else 0.0,
+            "solvers": [_solver(campaign, cells, spaces[solver], configurations, say)
+                        for solver, configurations in tried.items()]}
+
+
+def file_hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def _solver(campaign: Campaign, cells: pd.DataFrame, space: Space, configurations: list[Configuration],
+            say: Callable[[str], None]) -> dict:
+    keys = keys_of(space.solver, len(configurations))
+    shift, outcomes = judge(cells, keys)
+    index = choose(outcomes)
+    best, chosen = outcomes[index], configurations[index]
+    words = ", ".join(f"{name}={value}" for name, value in chosen.items())
+    say(f"{space.solver}: {len(configurations)} of {space.size} configurations, " +
+        (f"chosen {words}: {best.ratio:.3f} x the default's mean ({best.ratio_low:.3f} to {best.ratio_high:.3f})"
+         if index else "the default stays"))
+    gain = {"ratio": best.ratio, "low": best.ratio_low, "high": best.ratio_high}
+    return {"solver": space.solver, "space": space.size, "configurations": len(configurations), "chosen": chosen,
+            "shift_s": short(shift), "gain": {key: short(value) for key, value in gain.items()} if index else None,
+            "measured_s": short(_spent(campaign, keys)),
+            "tried": [{"settings": configuration, **{key: short(value) for key, value in asdict(outcome).items()}}
+                      for configuration, outcome in zip(configurations, outcomes)]}
+
+
+def _spent(campaign: Campaign, keys: list[str]) -> float:
+    """Seconds in solves, those of the problems that were judged and of the timed passes."""
+    return float(sum(np.nansum(times) for task in campaign.tasks if task.solver in keys
+                     for times in (task.judged.get("first_s", 0.0),
+                                   *(times for of_kind in task.passes.values() for one in of_kind.values()
+                                     for times in one.times.values()))))

@@ -26,7 +26,7 @@ class Space:
 
     @property
     def size(self) -> int:
-        return math.prod(len(values) for values in self.settings.values())
+        return math.prod(map(len, self.settings.values()))
 
     def configuration(self, index: int) -> Configuration:
         """By its number, mixed radix: 0 is the default."""
@@ -50,36 +50,23 @@ def draw(space: Space, budget: int, seed: int) -> list[Configuration]:
 
 def load_spaces(path: Path) -> dict[str, Space]:
     """@throws ReportError for the first thing that does not fit; whether solvers and settings exist says `lcpbench`"""
-    content = read_object(path, SCHEMA, "the settings that may be tried")
-    check_fields(path.name, content, {"solvers": "list"})
+    content = check_fields(path.name, read_object(path, SCHEMA, "the settings that may be tried"), {"solvers": "list"})
     spaces: dict[str, Space] = {}
     for index, record in enumerate(content["solvers"]):
         place = f"{path.name}: solvers[{index}]"
-        space = _space(place, record)
-        if space.solver in spaces:
-            raise ReportError(place, f"solver {space.solver!r} is there twice", "every solver once")
-        spaces[space.solver] = space
+        check_fields(place, record, _SOLVER)
+        for key in record:
+            if key not in _KEYS:
+                raise ReportError(place, f"key {key!r} is unknown", "one of " + ", ".join(_KEYS))
+        if not record["settings"]:
+            check_fields(place, record, {"note": "name"})  # why there is nothing to tune
+        for name, values in record["settings"].items():
+            # They become words of a command line that are divided by commas.
+            if (not isinstance(values, list) or len(values) < 2 or len(set(map(str, values))) < len(values)
+                    or not all(isinstance(value, str) and value and "," not in value for value in values)):
+                raise ReportError(f"{place}: settings: {name}", f"found {str(values)[:40]!r}", "a list of two texts or "
+                                  "more without commas, as --set takes them, none twice, the default first")
+        if record["solver"] in spaces:
+            raise ReportError(place, f"solver {record['solver']!r} is there twice", "every solver once")
+        spaces[record["solver"]] = Space(record["solver"], record["settings"])
     return spaces
-
-
-def _space(place: str, record: object) -> Space:
-    record = check_fields(place, record, _SOLVER)
-    for key in record:
-        if key not in _KEYS:
-            raise ReportError(place, f"key {key!r} is unknown", "one of " + ", ".join(_KEYS))
-    if not record["settings"]:
-        check_fields(place, record, {"note": "name"})  # why there is nothing to tune
-    for name, values in record["settings"].items():
-        _check_values(f"{place}: settings: {name}", values)
-    return Space(record["solver"], record["settings"])
-
-
-def _check_values(place: str, values: object) -> None:
-    if not isinstance(values, list) or len(values) < 2:
-        raise ReportError(place, f"found {str(values)[:40]!r}", "a list of two values or more, the default first")
-    for value in values:
-        # They become words of a command line that are divided by commas.
-        if not isinstance(value, str) or not value or "," in value:
-            raise ReportError(place, f"value {str(value)[:40]!r}", "texts without commas, as --set takes them")
-    if len(set(values)) < len(values):
-        raise ReportError(place, "a value is there twice", "every value once")

@@ -1,11 +1,6 @@
 "use strict";
 // What the visitor chose, the controls, and drawing what is in sight.
 
-const tierName = (tier) => {
-  const [mantissa, exponent] = tier.toExponential(0).split("e");
-  return `${mantissa}e${Number(exponent)}`;
-};
-
 const view = {
   family: "*", low: 0, high: Infinity, tier: nearestTier([...DATA.tiers, ...DATA.tiers.length ? [] : [1e-6]].map((tier) => ({tier})), 1e-6).tier, metric: "time", norm: "none",
   axis: "rows", size: "all", scene: DATA.motion.length ? `${DATA.motion[0].scene}@${DATA.motion[0].level}` : "", all: false,
@@ -27,18 +22,16 @@ function note(figure, text) {
   if (place) place.textContent = text;
 }
 
-function symbolOf(solver) {
-  const svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  svg.setAttribute("viewBox", "-6 -6 12 12");
-  svg.setAttribute("class", "symbol");
-  const path = document.createElementNS("http://www.w3.org/2000/svg", "path");
-  path.setAttribute("d", solver.path);
-  path.setAttribute("fill", solver.origin === "own" ? solver.colour : "#fff");
-  path.setAttribute("stroke", solver.colour);
-  path.setAttribute("stroke-width", "1.6");
-  svg.append(path);
-  return svg;
+/** An element of SVG. */
+function drawn(tag, attributes, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  made.append(...children);
+  return made;
 }
+
+const symbolOf = (solver) => drawn("svg", {viewBox: "-6 -6 12 12", class: "symbol"}, drawn("path", {
+  d: solver.path, fill: solver.origin === "own" ? solver.colour : "#fff", stroke: solver.colour, "stroke-width": "1.6"}));
 
 const dirty = new Set(), inSight = new Set();
 
@@ -74,22 +67,12 @@ function changed() {
   document.getElementById("chosen").textContent = `(${view.shown.length} of ${SOLVERS.length} shown)`;
 }
 
-function choiceOf(name) {
-  if (name === "low") return String(CLASSES.findIndex((one) => one.low >= view.low));
-  if (name === "high") return String(CLASSES.findLastIndex((one) => one.high <= view.high));
-  return String(view[name]);
-}
+/** The ends of the rows are chosen by size classes. */
+const choiceOf = (name) => String(name === "low" || name === "high" ? CLASSES.findIndex((one) => one[name] === view[name]) : view[name]);
 
 function setChoice(name, value) {
-  if (name === "low") view.low = CLASSES[Number(value)].low;
-  else if (name === "high") view.high = CLASSES[Number(value)].high;
-  else if (name === "tier") view.tier = Number(value);
-  else view[name] = value;
+  view[name] = name === "low" || name === "high" ? CLASSES[Number(value)][name] : name === "tier" ? Number(value) : value;
   changed();
-}
-
-function options(select, entries) {
-  select.replaceChildren(...entries.map(([value, text]) => new Option(text, value)));
 }
 
 function fillControls() {
@@ -99,19 +82,16 @@ function fillControls() {
     family: [["*", "all families"], ...explored.map((family) => [family, family])],
     low: sizes, high: sizes, tier: DATA.tiers.map((tier) => [String(tier), tierName(tier)]),
     metric: Object.entries(METRICS).map(([key, {title}]) => [key, title]),
-    norm: [["none", "none"], ["best", "fastest of those shown"], ["oracle", "one factorisation (oracle)"], ["rows", "per row"],
+    norm: [["none", "none"], ["best", "fastest of those shown"], ["oracle", "one factorization (oracle)"], ["rows", "per row"],
            ...SOLVERS.map(({key}) => [`solver:${key}`, `time of ${key}`])],
     axis: Object.entries(AXES).map(([key, {title}]) => [key, title]),
     size: [...new Set(DATA.latency.map((row) => String(row.size)))].sort((a, b) => (a === "all" ? -1 : b === "all" ? 1 : a - b))
       .map((size) => [size, size === "all" ? "all sizes" : `${size} rows`]),
     scene: [...new Set(DATA.motion.map((curve) => `${curve.scene}@${curve.level}`))].map((scene) => [scene, scene.replace("@", ", level ")]),
   };
-  if (CLASSES.length) {
-    view.low = CLASSES[0].low;
-    view.high = CLASSES[CLASSES.length - 1].high;
-  }
+  if (CLASSES.length) [view.low, view.high] = [CLASSES[0].low, CLASSES[CLASSES.length - 1].high];
   for (const select of document.querySelectorAll("select[data-choice]")) {
-    options(select, entries[select.dataset.choice]);
+    select.replaceChildren(...entries[select.dataset.choice].map(([value, text]) => new Option(text, value)));
     select.addEventListener("change", () => setChoice(select.dataset.choice, select.value));
   }
 }
@@ -133,7 +113,7 @@ function chipOf(solver) {
 
 function fillChips() {
   document.getElementById("chips").replaceChildren(...SOLVERS.map(chipOf));
-  const presets = {start: (solver) => solver.shown, own: (solver) => solver.origin === "own", peer: (solver) => solver.origin !== "own",
+  const presets = {start: ({shown}) => shown, own: ({origin}) => origin === "own", peer: ({origin}) => origin !== "own",
                    all: () => true, none: () => false};
   for (const button of document.querySelectorAll("[data-preset]")) {
     button.addEventListener("click", () => {
@@ -146,20 +126,15 @@ function fillChips() {
 function watch() {
   const seen = new IntersectionObserver((entries) => {
     for (const entry of entries) {
-      const id = entry.target.id.slice("figure-".length);
-      if (entry.isIntersecting) inSight.add(id); else inSight.delete(id);
+      inSight[entry.isIntersecting ? "add" : "delete"](entry.target.id.slice("figure-".length));
     }
     drawDirty();
   }, {rootMargin: "400px"});
-  for (const id of Object.keys(FIGURES)) {
-    const place = document.getElementById(`figure-${id}`);
-    if (place) seen.observe(place);
-  }
+  for (const place of document.querySelectorAll(".chart")) seen.observe(place);
   const links = [...document.querySelectorAll("nav a")];
   const here = new IntersectionObserver((entries) => {
-    for (const entry of entries) {
-      if (!entry.isIntersecting) continue;
-      for (const link of links) link.classList.toggle("here", link.hash === `#${entry.target.id}`);
+    for (const {target} of entries.filter(({isIntersecting}) => isIntersecting)) {
+      for (const link of links) link.classList.toggle("here", link.hash === `#${target.id}`);
     }
   }, {rootMargin: "-20% 0px -70% 0px"});
   for (const section of document.querySelectorAll("main section[id]")) here.observe(section);

@@ -38,25 +38,17 @@ const weightOf = (picked) => picked.reduce((sum, i) => sum + WEIGHTS[i], 0);
 const unpacked = new Map();
 
 function numbersOf(packed, field) {
-  let fields = unpacked.get(packed);
-  if (!fields) unpacked.set(packed, (fields = {}));
-  if (!(field in fields)) {
-    fields[field] = field === "spread"
-      ? Float64Array.from(bytesOf(packed.spread), (share) => share === NO_SPREAD ? NaN : share / 100)
-      : unpack(packed[field]);
-  }
-  return fields[field];
+  if (!unpacked.has(packed)) unpacked.set(packed, {});
+  return unpacked.get(packed)[field] ??= field === "spread"
+    ? Float64Array.from(bytesOf(packed.spread), (share) => share === NO_SPREAD ? NaN : share / 100) : unpack(packed[field]);
 }
 
-const tierKey = (tier) => {
-  const [mantissa, exponent] = tier.toExponential(0).split("e");
-  return `${mantissa}e${exponent[0]}${exponent.slice(1).padStart(2, "0")}`;
-};
+/** 1e-6, as formats.py has it: toExponential writes e+3. */
+const tierName = (tier) => tier.toExponential(0).replace("e+", "e");
 
 /** One solver's cells at a tier; null where it has none. */
 function cellsOf(solver, tier) {
-  const mine = DATA.cells[solver];
-  const key = tierKey(tier);
+  const mine = DATA.cells[solver], key = tierName(tier);
   if (!mine || !(key in mine.verdicts)) return null;
   const packed = mine.numbers[mine.places[key]];
   return {verdicts: mine.verdicts[key], get: (field) => numbersOf(packed, field)};
@@ -74,13 +66,10 @@ const nearestTier = (rows, wanted) =>
 /** Smallest time of a verified answer by problem, over `solvers`; NaN where there is none. */
 function bestTimes(solvers, tier) {
   const best = new Float64Array(COUNT).fill(NaN);
-  for (const solver of solvers) {
-    const cells = cellsOf(solver, tier);
-    if (!cells) continue;
-    const times = cells.get("time");
-    for (let i = 0; i < COUNT; ++i) {
-      if (cells.verdicts[i] === "v" && !(best[i] <= times[i])) best[i] = times[i];
-    }
+  for (const cells of solvers.map((solver) => cellsOf(solver, tier)).filter(Boolean)) {
+    cells.get("time").forEach((time, i) => {
+      if (cells.verdicts[i] === "v" && !(best[i] <= time)) best[i] = time;
+    });
   }
   return best;
 }
@@ -100,13 +89,7 @@ const leftOut = (picked, kept) => kept.length < picked.length
 
 /** Indices of problems. A family that was asked for is shown whole; else only problems that count. */
 function selected(view) {
-  const found = [];
-  for (let i = 0; i < COUNT; ++i) {
-    if (PROBLEMS.rows[i] < view.low || PROBLEMS.rows[i] > view.high) continue;
-    if (view.family === "*" ? !PROBLEMS.counts[i] && !view.all : PROBLEMS.families[PROBLEMS.family[i]] !== view.family) {
-      continue;
-    }
-    if (EXPLORED_SETS[PROBLEMS.set[i]]) found.push(i);
-  }
-  return found;
+  const wanted = (i) => view.family === "*" ? PROBLEMS.counts[i] || view.all : PROBLEMS.families[PROBLEMS.family[i]] === view.family;
+  return [...PROBLEMS.rows.keys()].filter((i) => PROBLEMS.rows[i] >= view.low && PROBLEMS.rows[i] <= view.high &&
+    EXPLORED_SETS[PROBLEMS.set[i]] && wanted(i));
 }

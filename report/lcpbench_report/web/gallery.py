@@ -24,11 +24,8 @@ def read(folder: Path) -> list[Picture]:
     listed = folder / WORDS
     if not listed.is_file():
         raise ReportError(str(folder), f"has no {WORDS}", "what `lcpbench list scenes` prints")
-    pictures = []
-    for line in listed.read_text(encoding="utf-8").splitlines():
-        family, _, words = line.partition(" ")
-        pictures.append(Picture(family, words.strip(), _address(folder / f"{family}.svg")))
-    return pictures
+    found = [line.split(maxsplit=1) for line in listed.read_text(encoding="utf-8").splitlines()]
+    return [Picture(family, words, _address(folder / f"{family}.svg")) for family, words in found]
 
 
 def _address(path: Path) -> str:

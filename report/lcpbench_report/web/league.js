@@ -2,18 +2,18 @@
 // The table of the selection: who verifies what, how fast and how exactly.
 
 function leagueRows(view) {
-  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier), rows = [];
-  for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
+  const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
+  const rows = (picked.length ? cellsShown(view) : []).map(({solver, cells}) => {
     const time = cells.get("time"), rho = cells.get("rho"), error = cells.get("werror");
     const good = picked.filter((i) => cells.verdicts[i] === "v");
     const errors = sorted(good.map((i) => error[i])), weights = good.map((i) => WEIGHTS[i]);
-    rows.push({solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
+    return {solver: solver.key, verified: good.length === picked.length ? 1 : weightOf(good) / weightOf(picked),
                lies: picked.filter((i) => "fq".includes(cells.verdicts[i])).length,
                below: picked.filter((i) => cells.verdicts[i] === "b").length,
                mean: geometricMean(good.map((i) => time[i]), weights, DATA.shift),
                ratio: weightedMedian(good.map((i) => time[i] / best[i]), weights), rho: weightedMedian(good.map((i) => rho[i]), weights),
-               error: quantile(errors, 0.99)});
-  }
+               error: quantile(errors, 0.99)};
+  });
   return {rows, count: picked.length, missing: leftOut(all, picked)};
 }
 
@@ -27,16 +27,12 @@ const leagueOrder = {by: "verified", down: true};
 function leagueTable(view) {
   const {rows, count, missing} = leagueRows(view), table = document.getElementById("league");
   const {by, down} = leagueOrder;
-  const key = (row) => typeof row[by] === "number" ? (Number.isNaN(row[by]) ? Infinity : row[by]) : row[by];
-  rows.sort((a, b) => {
-    const order = key(a) < key(b) ? -1 : key(a) > key(b) ? 1 : 0;
-    return (down ? -order : order) || a.ratio - b.ratio;
-  });
+  const key = (row) => Number.isNaN(row[by]) ? Infinity : row[by];
+  rows.sort((a, b) => (down ? -1 : 1) * ((key(a) > key(b)) - (key(a) < key(b))) || a.ratio - b.ratio);
   table.replaceChildren();
   const head = table.createTHead().insertRow();
   for (const [field, title] of LEAGUE) {
-    const cell = document.createElement("th");
-    const button = document.createElement("button");
+    const cell = document.createElement("th"), button = document.createElement("button");
     button.type = "button";
     button.textContent = title + (field === by ? (down ? " ↓" : " ↑") : "");
     button.addEventListener("click", () => {
@@ -51,12 +47,8 @@ function leagueTable(view) {
   for (const row of rows) {
     const line = body.insertRow();
     for (const [field, , words] of LEAGUE) {
-      const cell = field === "solver" ? document.createElement("th") : document.createElement("td");
-      if (field === "solver") {
-        cell.append(symbolOf(BY_KEY.get(row.solver)), " ", row.solver);
-      } else {
-        cell.textContent = words(row[field]);
-      }
+      const cell = document.createElement(field === "solver" ? "th" : "td");
+      cell.append(...field === "solver" ? [symbolOf(BY_KEY.get(row.solver)), " ", row.solver] : [words(row[field])]);
       if (field === "lies" && row.lies) cell.className = "bad";
       line.append(cell);
     }

@@ -3,16 +3,13 @@
 
 const INK = "#1c2430", SOFT = "#5a6573", LINE = "#dfe4ea";
 
-function threeDigits(value) {
-  if (value >= 99.95) return value.toFixed(0);
-  return value >= 9.995 ? value.toFixed(1) : value.toFixed(2);
-}
+/** A unit of time and its exponent, of 10^e seconds. */
+const unitOf = (e) => e >= 0 ? ["s", 0] : e >= -3 ? ["ms", -3] : e >= -6 ? ["µs", -6] : ["ns", -9];
 
 function seconds(value) {
   if (!Number.isFinite(value)) return "–";
-  const [unit, scale] = value >= 0.9995 ? ["s", 1] : value >= 0.9995e-3 ? ["ms", 1e-3]
-    : value >= 0.9995e-6 ? ["µs", 1e-6] : ["ns", 1e-9];
-  return `${threeDigits(value / scale)} ${unit}`;
+  const [unit, exponent] = unitOf(Math.log10(value / 0.9995)), scaled = value / 10 ** exponent;
+  return `${scaled.toFixed(scaled >= 99.95 ? 0 : scaled >= 9.995 ? 1 : 2)} ${unit}`;
 }
 
 function residual(value) {
@@ -30,10 +27,7 @@ const percent = (value) => Number.isFinite(value) ? `${(100 * value).toFixed(val
 
 /** Kind of a value -> its words in hovers, and on axes those of a power of ten. */
 const KINDS = {
-  seconds: {words: seconds, tick: (e) => {
-    const [unit, scale] = e >= 0 ? ["s", 0] : e >= -3 ? ["ms", -3] : e >= -6 ? ["µs", -6] : ["ns", -9];
-    return `${10 ** (e - scale)} ${unit}`;
-  }},
+  seconds: {words: seconds, tick: (e) => `${10 ** (e - unitOf(e)[1])} ${unitOf(e)[0]}`},
   residual: {words: residual, tick: (e) => `1e${e}`},
   ratio: {words: times, tick: (e) => e < -3 || e > 4 ? `1e${e}×` : `${Number((10 ** e).toPrecision(1))}×`},
   share: {words: percent, tick: (e) => `${Number((10 ** (e + 2)).toPrecision(1))} %`},
@@ -52,23 +46,15 @@ function titleOf(text) {
 
 /** A logarithmic axis with a tick for every power of ten, or for every other one where there are many. */
 function logAxis(title, kind, values, most = 8) {
-  let low = Infinity, high = -Infinity;
-  for (const value of values) {
-    if (!(value > 0) || value === Infinity) continue;
-    low = Math.min(low, value);
-    high = Math.max(high, value);
-  }
-  if (low > high) [low, high] = [1, 10];
+  const known = values.filter((value) => value > 0 && value < Infinity);
+  const [low, high] = known.length ? [Math.min, Math.max].map((end) => known.reduce((a, b) => end(a, b))) : [1, 10];
   const from = Math.log10(low), to = Math.log10(high), room = Math.max(0.04 * (to - from), 0.05);
   const first = Math.ceil(from - room), last = Math.floor(to + room);
   const step = Math.max(1, Math.ceil((last - first + 1) / most));
-  const ticks = [];
+  let ticks = [];
   for (let e = first; e <= last; e += step) ticks.push(e);
   if (ticks.length < 2) {  // within a decade
-    ticks.length = 0;
-    for (let e = Math.floor(from - room); e <= to + room; ++e) {
-      for (const m of [1, 2, 5]) if (Math.log10(m) + e >= from - room && Math.log10(m) + e <= to + room) ticks.push(e + Math.log10(m));
-    }
+    ticks = [first - 1, first].flatMap((e) => [1, 2, 5].map((m) => e + Math.log10(m))).filter((e) => e >= from - room && e <= to + room);
   }
   const word = (e) => Number.isInteger(e) ? KINDS[kind].tick(e) : KINDS[kind].words(10 ** e);
   return {type: "log", title: titleOf(title), range: [from - room, to + room], tickvals: ticks.map((e) => 10 ** e),
@@ -78,6 +64,11 @@ function logAxis(title, kind, values, most = 8) {
 function linearAxis(title, more = {}) {
   return {title: titleOf(title), gridcolor: LINE, zeroline: false, linecolor: SOFT, automargin: true, ...more};
 }
+
+/** A name per row, the first on top. */
+const nameAxis = (more = {}) => linearAxis("", {type: "category", autorange: "reversed", showgrid: false, ...more});
+
+const heightOf = (rows, each = 24, least = 4) => 110 + each * Math.max(rows, least);
 
 function layoutOf(xaxis, yaxis, more = {}) {
   return {font: {family: "system-ui, -apple-system, 'Segoe UI', Roboto, 'Noto Sans', Arial, sans-serif",
@@ -106,12 +97,9 @@ function weightedMedian(values, weights) {
   const order = values.map((_, k) => k).filter((k) => !Number.isNaN(values[k])).sort((a, b) => values[a] - values[b]);
   const half = order.reduce((sum, k) => sum + weights[k], 0) / 2;
   let below = 0;
-  for (let k = 0; k < order.length; ++k) {
-    below += weights[order[k]];
-    if (below > half * (1 + 1e-9) || k === order.length - 1) return values[order[k]];
-    if (below > half * (1 - 1e-9)) return (values[order[k]] + values[order[k + 1]]) / 2;
-  }
-  return NaN;
+  const at = order.findIndex((k) => (below += weights[k]) > half * (1 - 1e-9));
+  const next = below > half * (1 + 1e-9) ? at : Math.min(at + 1, order.length - 1);
+  return (values[order[at]] + values[order[next]]) / 2;
 }
 
 /** exp(mean of log(x + shift)) - shift */
@@ -127,4 +115,9 @@ function lineOf(solver, width = 2) {
 
 function markerOf(solver, size = 7, more = {}) {
   return {symbol: solver.symbol, color: solver.colour, size, line: {color: solver.colour, width: 1.2}, ...more};
+}
+
+/** Marks or lines of a solver; `more` has x, y and text, and what is different. */
+function traceOf(solver, mode, more) {
+  return {type: "scatter", mode, name: solver.key, hoverinfo: "text", line: lineOf(solver), marker: markerOf(solver), ...more};
 }

@@ -11,7 +11,6 @@ from .. import choice, formats, markdown, plotly_bundle, shown_tables, solver_fa
 from ..fairness import limitations
 from ..headline_table import headline
 from ..inputs import Inputs
-from ..style import solver_styles
 from . import payload
 from .gallery import Picture
 
@@ -26,7 +25,7 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     environment = Environment(loader=FileSystemLoader(_HERE), autoescape=True, undefined=StrictUndefined,
                               trim_blocks=True, lstrip_blocks=True)
     environment.filters["html"] = table.html
-    data = payload.build(inputs, solver_styles(inputs.solvers), shown(inputs))
+    data = payload.build(inputs, shown(inputs))
     data["pictures"] = [picture.family for picture in pictures]
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
@@ -34,8 +33,9 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
         "script": Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
         "data": Markup(as_script(data)),
         "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": _has(inputs),
-        "tables": _tables(inputs), "motions": _motions(inputs), "environments": _environments(inputs),
-        "commit": _commit(inputs), "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
+        "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
+        "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
+        "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
         "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
@@ -51,11 +51,10 @@ def shown(inputs: Inputs) -> list[str]:
     """Of peers the fastest of every library, a few of them."""
     chosen = [solver for solver in solver_facts.WELL_KNOWN if solver in inputs.own] or inputs.own[:8]
     means = choice.table(inputs, "means", choice.main_tier(inputs))
-    entries = {entry["key"]: entry for entry in inputs.solvers}
     libraries: dict[str, str] = {}
     for solver in means[means["unit"] == "s"].sort_values("mean")["solver"]:
-        if solver not in inputs.own:
-            libraries.setdefault(solver_facts.library(entries[solver]), solver)
+        if solver in inputs.peers:
+            libraries.setdefault(solver_facts.library(inputs.entries[solver]), solver)
     return chosen + list(libraries.values())[:_PEERS_SHOWN]
 
 
@@ -77,20 +76,11 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
     return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
 
 
-def _motions(inputs: Inputs) -> list[dict]:
-    return [{"scene": scene, "level": level, "table": made.html()}
-            for scene, level, made in shown_tables.motions(inputs)]
-
-
 def _has(inputs: Inputs) -> dict[str, bool]:
     analysis = inputs.analysis
     return {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
             "sequences": "latency" in analysis, "motion": inputs.motion is not None,
             "scaling": len(analysis.get("scaling", ())) > 0}
-
-
-def _commit(inputs: Inputs) -> str:
-    return str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12]
 
 
 def _listed(value: object) -> str:
@@ -101,18 +91,19 @@ def _environments(inputs: Inputs) -> list[dict]:
     """A table per campaign; of equal environments one for all."""
     tables: dict[str, dict] = {}
     for name, campaign in zip(inputs.names, inputs.campaigns):
-        facts = _facts(campaign.info)
-        same = tables.setdefault(json.dumps(facts["machine"]), {"machine": facts["machine"], "campaigns": []})
-        same["campaigns"].append({"name": name, "facts": facts["campaign"]})
+        machine, facts = _facts(campaign.info)
+        same = tables.setdefault(json.dumps(machine), {"machine": machine, "campaigns": []})
+        same["campaigns"].append({"name": name, "facts": facts})
     return list(tables.values())
 
 
-def _facts(info: dict) -> dict:
+def _facts(info: dict) -> tuple[list, list]:
+    """Of the machine, and of the campaign."""
     found = info.get("environment", {})
     libraries = ", ".join(f"{name} {version}" for name, version in found.get("libraries", {}).items())
     commit = str(found.get("git_commit", "unknown")) + (" with uncommitted changes" if found.get("git_dirty") else "")
     machine = [("CPU", f"{found.get('cpu', 'unknown')}, {found.get('cores', '?')} cores, "
-                       f"{formats.bytes_(found.get('memory_bytes', 0))}"),
+                       f"{found.get('memory_bytes', 0) / 2**30:.1f}\u202fGiB"),
                ("Instruction sets", _listed(found.get("instruction_sets"))),
                ("System", ", ".join(str(part) for part in (found.get("os", "unknown"), found.get("kernel")) if part)),
                ("Hypervisor", found.get("hypervisor") or "none"), ("Commit", commit),
@@ -124,4 +115,4 @@ def _facts(info: dict) -> dict:
                 ("Tiers", ", ".join(formats.power(t) for t in info["tiers"]) + " on ρ"),
                 ("Passes", f"at most {info.get('passes', '?')}, after the one that is judged; seed {info.get('seed', '?')}"),
                 ("Filter", info.get("filter") or "none")]
-    return {"machine": machine, "campaign": campaign}
+    return machine, campaign

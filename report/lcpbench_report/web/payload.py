@@ -1,43 +1,50 @@
-"""The data of the page as one JSON object, columns aligned to the list of problems."""
+"""The data of the page as one JSON object, columns aligned to the list of problems. data.js reads it.
 
+Numbers over many decades have two bytes each: times and residuals need 0.07 %, not sixteen digits. A value x > 0 is
+stored as round(1600 log10 x), which reaches from 1e-20 to 1e20; what is smaller or larger is moved to the nearest of
+these.
+"""
+
+import base64
 import math
 
 import numpy as np
 import pandas as pd
 
 from .. import motion
-from ..formats import size_class
+from ..formats import power, short, size_class
 from ..inputs import Inputs
 from ..statistics.cells import BELOW_TIER, CHANGED, EXCLUDED, FAILED, FALSE_SUCCESS, VERIFIED
 from ..statistics.means import shift_of
-from ..style import SolverStyle
-from .encoding import pack, pack_shares
+from ..style import MARKER_PATHS
 
+STEPS_PER_DECADE = 1600
+LARGEST = 32000
+ZERO, INFINITE, UNKNOWN = -32767, 32767, -32768
+NO_SPREAD = 255
 # Verdict -> letter in the strings of verdicts; other failures are "e". app.js has the words.
 LETTERS = {VERIFIED: "v", FALSE_SUCCESS: "f", BELOW_TIER: "b", CHANGED: "h", EXCLUDED: "x", FAILED + "iteration_limit": "i",
            FAILED + "time_limit": "t", FAILED + "numerical_failure": "n", FAILED + "unsupported": "u",
            FAILED + "crashed": "c", FAILED + "killed": "k", FAILED + "out_of_memory": "m",
            FAILED + "infeasible": "p", FAILED + "solved": "w"}
 PROVED_INFEASIBLE, FALSE_INFEASIBLE, OTHER, ABSENT = "r", "q", "e", "."
-# Key in the page -> column of statistics.cells; all packed as logarithms, as is `time`, the fresh time.
+# Key in the page -> column of statistics.cells; all packed as logarithms. `time` is the fresh time.
 NUMBERS = {"again": "again_s", "problem": "problem_s", "prepare": "prepare_s", "convert": "convert_s", "solve": "solve_s",
-           "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error"}
+           "iterations": "iterations", "rho": "rho", "backward": "backward_error", "werror": "w_error", "time": "time"}
 _MOTION_POINTS = 120  # of a curve: more are not seen
 
 
-def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> dict:
+def build(inputs: Inputs, shown: list[str]) -> dict:
     """@param shown  solvers that are visible when the page opens"""
     # Of what fills up the streams there are thousands: it is in the tables, and would only stall the browser.
     names = [name for name, about in inputs.problems.items() if not about["fill"]]
-    index = {name: i for i, name in enumerate(names)}
-    cells = inputs.cells[~inputs.cells["fill"].astype(bool)] if len(inputs.cells) else inputs.cells
+    cells = inputs.cells[~inputs.cells["fill"].astype(bool)]
     return {
-        "solvers": [_solver(entry, styles[entry["key"]], entry["key"] in shown)
-                    for entry in inputs.solvers if entry["key"] in inputs.keys],
-        "tiers": inputs.tiers, "shift": _short(shift_of(cells)) if len(cells) else 0,
+        "solvers": [_solver(inputs, key) | {"shown": key in shown} for key in inputs.keys],
+        "tiers": inputs.tiers, "shift": short(shift_of(cells)) or 0,
         "classes": [{"label": size_class(of["key"]), "low": of["least"], "high": of["most"]} for of in inputs.size_classes],
         "problems": _problems(inputs, names),
-        "cells": {solver: _cells(table, index) for solver, table in cells.groupby("solver", sort=False)},
+        "cells": {solver: _cells(table, names) for solver, table in cells.groupby("solver", sort=False)},
         "latency": _records(inputs.analysis.get("latency_by_solver")),
         "deadlines": _records(inputs.analysis.get("deadline")),
         "scaling": _records(inputs.analysis.get("scaling"), drop=("set", "theil_sen", "theil_sen_low",
@@ -47,20 +54,20 @@ def build(inputs: Inputs, styles: dict[str, SolverStyle], shown: list[str]) -> d
     }
 
 
-def _solver(entry: dict, style: SolverStyle, shown: bool) -> dict:
-    return {"key": entry["key"], "method": entry.get("method", ""), "origin": entry["origin"],
+def _solver(inputs: Inputs, key: str) -> dict:
+    entry, style = inputs.entries[key], inputs.styles[key]
+    return {"key": key, "method": entry.get("method", ""), "origin": entry["origin"],
             "direct": not entry["uses_tolerance"], "colour": style.colour, "symbol": style.plotly_symbol,
-            "dash": style.plotly_dash, "path": style.marker_path, "shown": shown}
+            "dash": style.plotly_dash, "path": MARKER_PATHS[style.marker]}
 
 
 def _problems(inputs: Inputs, names: list[str]) -> dict:
     about = [inputs.problems[name] for name in names]
-    families = list(dict.fromkeys(record["family"] for record in about))
-    sets = list(dict.fromkeys(record["set"] for record in about))
-    found = {"name": names, "families": families, "family": [families.index(record["family"]) for record in about],
-             "sets": sets, "set": [sets.index(record["set"]) for record in about],
-             "counts": [int(record["counts"]) for record in about], "rows": [record["rows"] for record in about],
-             "oracle": pack(_column(about, "oracle_s")), "weight": [record["weight"] for record in about]}
+    (family, families), (of_set, sets) = (pd.factorize(np.array([record[key] for record in about], dtype=object))
+                                          for key in ("family", "set"))
+    found = {"name": names, "families": families.tolist(), "family": family.tolist(), "sets": sets.tolist(),
+             "set": of_set.tolist(), "counts": [int(record["counts"]) for record in about],
+             "rows": [record["rows"] for record in about], "oracle": pack(_column(about, "oracle_s")), "weight": [record["weight"] for record in about]}
     for key in ("redundancy", "mass_ratio", "condition", "fraction_active"):
         found[key] = pack(_column(about, key))
     return found
@@ -70,63 +77,31 @@ def _column(records: list[dict], key: str) -> list[float]:
     return [math.nan if record.get(key) is None else float(record[key]) for record in records]
 
 
-def _cells(table: pd.DataFrame, index: dict[str, int]) -> dict:
+def _cells(table: pd.DataFrame, names: list[str]) -> dict:
     """Verdicts by tier; numbers, which a direct method has but once, by tier as places in a list."""
     verdicts, numbers, places = {}, [], {}
     for tier, of_tier in table.groupby("tier", sort=False):
-        at = [index[name] for name in of_tier["problem"]]
-        letters = np.full(len(index), ABSENT)
-        letters[at] = [_letter(*row) for row in zip(of_tier["verdict"], of_tier["false_infeasible"], of_tier["proved_infeasible"])]
-        verdicts[tier] = "".join(letters)
-        packed = {key: pack(_spread_out(of_tier[column], at, len(index))) for key, column in NUMBERS.items()}
+        letters = of_tier["verdict"].map(LETTERS).fillna(OTHER)
+        for flag, letter in (("false_infeasible", FALSE_INFEASIBLE), ("proved_infeasible", PROVED_INFEASIBLE)):
+            letters = letters.mask(of_tier[flag].astype(bool), letter)
+        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
         # What failed has the time of the solve that was judged.
         time = of_tier["time_s"].where(of_tier["passes"].astype(bool), of_tier["first_s"])
-        packed["time"] = pack(_spread_out(time, at, len(index)))
-        half = (of_tier["fresh_high"] - of_tier["fresh_low"]) / 2 / of_tier["fresh_s"]
-        packed["spread"] = pack_shares(_spread_out(half, at, len(index)))
+        rows = of_tier.assign(letter=letters, half=half, time=time).set_index("problem").reindex(names)
+        packed = {name: pack(rows[column]) for name, column in NUMBERS.items()} | {"spread": pack_shares(rows["half"])}
         if packed not in numbers:
             numbers.append(packed)
-        places[tier] = numbers.index(packed)
-    # Keys as JavaScript prints numbers: the page looks tiers up by them.
-    return {"verdicts": {_key(tier): text for tier, text in verdicts.items()}, "numbers": numbers,
-            "places": {_key(tier): place for tier, place in places.items()}}
-
-
-def _key(tier: float) -> str:
-    return f"{tier:.0e}"
-
-
-def _letter(verdict: str, false_infeasible: bool, proved_infeasible: bool) -> str:
-    if proved_infeasible:
-        return PROVED_INFEASIBLE
-    return FALSE_INFEASIBLE if false_infeasible else LETTERS.get(verdict, OTHER)
-
-
-def _spread_out(values: pd.Series, at: list[int], count: int) -> np.ndarray:
-    column = np.full(count, np.nan)
-    column[at] = values.to_numpy(dtype=float)
-    return column
+        key = power(tier)  # by which the page looks tiers up
+        verdicts[key], places[key] = "".join(rows["letter"].fillna(ABSENT)), numbers.index(packed)
+    return {"verdicts": verdicts, "numbers": numbers, "places": places}
 
 
 def _records(table: pd.DataFrame | None, drop: tuple[str, ...] = ()) -> list[dict]:
     """Rows as objects, with four digits; what is not known is left out."""
     if table is None:
         return []
-    kept = table.drop(columns=list(drop), errors="ignore")
-    return [{key: _short(value) for key, value in row.items() if _is_known(value)}
-            for row in kept.to_dict("records")]
-
-
-def _is_known(value: object) -> bool:
-    return not (isinstance(value, float) and not math.isfinite(value))
-
-
-def _short(value: object) -> object:
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+    return [{key: found for key, value in row.items() if (found := short(value)) is not None}
+            for row in table.drop(columns=list(drop)).to_dict("records")]
 
 
 def _motion(table: pd.DataFrame | None) -> list[dict]:
@@ -141,7 +116,26 @@ def _motion(table: pd.DataFrame | None) -> list[dict]:
             picked = np.unique(np.linspace(0, len(run) - 1, min(len(run), _MOTION_POINTS)).astype(int))
             found.append({"scene": scene, "level": level, "solver": solver, "tolerance": tolerance,
                           "stopped": run["stopped"].iloc[-1],
-                          **{key: [_short(float(v)) if math.isfinite(v) else None for v in column.iloc[picked]]
+                          **{key: [short(float(v)) for v in column.iloc[picked]]
                              for key, column in (("time", run["time"]), ("energy", run["energy_error"]),
                                                  ("penetration", deepest))}})
     return found
+
+
+# ----- numbers in few bytes
+
+def pack(values) -> str:
+    """Base64 of little-endian 16-bit integers. NaN is unknown; negative values are not expected."""
+    given = np.asarray(values, dtype=float)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logs = np.rint(np.log10(given) * STEPS_PER_DECADE)
+    codes = np.clip(np.nan_to_num(logs, nan=0, posinf=LARGEST, neginf=-LARGEST), -LARGEST, LARGEST)
+    codes = np.where(np.isnan(given), UNKNOWN, np.where(given == 0, ZERO, np.where(np.isinf(given), INFINITE, codes)))
+    return base64.b64encode(codes.astype("<i2").tobytes()).decode("ascii")
+
+
+def pack_shares(values) -> str:
+    """Base64 of bytes: whole per cents from 0 to 254, 255 for what is not known. What is larger is shown as 254."""
+    given = np.asarray(values, dtype=float)
+    codes = np.where(np.isnan(given), NO_SPREAD, np.clip(np.rint(np.nan_to_num(given) * 100), 0, 254))
+    return base64.b64encode(codes.astype("u1").tobytes()).decode("ascii")

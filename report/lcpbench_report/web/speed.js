@@ -26,15 +26,13 @@ const LEAST_RESIDUAL = 1e-18;
 /** What a time is divided by, by problem, or null; and the words for it. */
 function normaliser(view) {
   if (!METRICS[view.metric].time || view.norm === "none") return null;
-  if (view.norm === "oracle") return {by: ORACLE, title: " / one factorisation that knows the active set", kind: "ratio"};
+  if (view.norm === "oracle") return {by: ORACLE, title: " / one factorization that knows the active set", kind: "ratio"};
   if (view.norm === "rows") return {by: Float64Array.from(PROBLEMS.rows), title: " per row", kind: "seconds"};
   if (view.norm === "best") {
     return {by: bestTimes(view.shown, view.tier), title: " / fastest verified of those shown", kind: "ratio"};
   }
-  const base = cellsOf(view.norm.slice("solver:".length), view.tier);
-  const values = new Float64Array(COUNT).fill(NaN);
-  if (base) base.get("time").forEach((value, i) => { if (base.verdicts[i] === "v") values[i] = value; });
-  return {by: values, title: ` / fresh time of ${view.norm.slice("solver:".length)}`, kind: "ratio"};
+  const base = view.norm.slice("solver:".length);
+  return {by: bestTimes([base], view.tier), title: ` / fresh time of ${base}`, kind: "ratio"};
 }
 
 function timesFigure(view) {
@@ -42,7 +40,7 @@ function timesFigure(view) {
   const across = axis.values(), norm = normaliser(view), kind = norm ? norm.kind : metric.kind;
   const solvers = solversShown(view);
   const withPoints = picked.length * solvers.length <= MOST_POINTS;
-  const traces = [], allX = [], allY = [];
+  const traces = [];
   for (const {solver, cells} of cellsShown(view)) {
     const raw = cells.get(view.metric), spread = cells.get("spread");
     const good = {x: [], y: [], text: []}, bad = {x: [], y: [], text: []}, groups = new Map();
@@ -60,36 +58,26 @@ function timesFigure(view) {
       if (!verified) continue;
       // Lines go through means of like problems: of one size, or of a third of a decade.
       const key = view.axis === "rows" && view.family !== "*" ? across[i] : Math.round(3 * Math.log10(across[i]));
-      if (!groups.has(key)) groups.set(key, {x: [], y: [], weights: []});
-      groups.get(key).x.push(across[i]);
-      groups.get(key).y.push(y);
-      groups.get(key).weights.push(WEIGHTS[i]);
+      groups.set(key, [...groups.get(key) ?? [], {x: across[i], y, weight: WEIGHTS[i]}]);
     }
-    const line = {x: [], y: [], text: []};
-    for (const [, group] of [...groups].sort((a, b) => a[0] - b[0])) {
-      line.x.push(geometricMean(group.x, group.weights));
-      line.y.push(geometricMean(group.y, group.weights));
-      line.text.push(`<b>${solver.key}</b><br>mean of ${group.y.length} verified: ` +
-        `${KINDS[kind].words(line.y[line.y.length - 1])}<br>${axis.title}: ${plain(line.x[line.x.length - 1])}`);
-    }
-    traces.push({type: "scatter", mode: "lines+markers", name: solver.key, ...line, hoverinfo: "text",
-                 line: lineOf(solver), marker: markerOf(solver, withPoints ? 5 : 7)});
+    const means = [...groups].sort((a, b) => a[0] - b[0]).map(([, group]) => ({
+      count: group.length, x: geometricMean(group.map(({x}) => x), group.map(({weight}) => weight)),
+      y: geometricMean(group.map(({y}) => y), group.map(({weight}) => weight))}));
+    traces.push(traceOf(solver, "lines+markers", {
+      x: means.map(({x}) => x), y: means.map(({y}) => y), marker: markerOf(solver, withPoints ? 5 : 7),
+      text: means.map(({count, x, y}) => `<b>${solver.key}</b><br>mean of ${count} verified: ${KINDS[kind].words(y)}<br>${axis.title}: ${plain(x)}`)}));
     if (withPoints) {
-      traces.push({type: "scatter", mode: "markers", name: solver.key, ...good, hoverinfo: "text",
-                   marker: markerOf(solver, 5, {opacity: 0.45})});
-      traces.push({type: "scatter", mode: "markers", name: `${solver.key}, not verified`, ...bad, hoverinfo: "text",
-                   marker: {symbol: "x-thin", size: 6, opacity: 0.6, line: {color: solver.colour, width: 1.4}}});
-      allX.push(...bad.x);
-      allY.push(...bad.y);
+      traces.push(traceOf(solver, "markers", {...good, marker: markerOf(solver, 5, {opacity: 0.45})}));
+      traces.push(traceOf(solver, "markers", {...bad, name: `${solver.key}, not verified`,
+                                              marker: {symbol: "x-thin", size: 6, opacity: 0.6, line: {color: solver.colour, width: 1.4}}}));
     }
-    allX.push(...good.x);
-    allY.push(...good.y);
   }
   note("times", traces.length === 0 ? "Nothing that fits is in these results."
     : withPoints ? "Small marks: single problems (hover for their names); thin crosses: answers that were not verified. " +
       "Lines: geometric means of verified answers of like size."
       : "Lines: geometric means of verified answers of like size. Choose a family, or fewer solvers, to see single problems.");
-  return {traces, layout: layoutOf(logAxis(axis.title, axis.kind, allX), logAxis(metric.title + (norm ? norm.title : ""), kind, allY))};
+  return {traces, layout: layoutOf(logAxis(axis.title, axis.kind, traces.flatMap(({x}) => x)),
+                                   logAxis(metric.title + (norm ? norm.title : ""), kind, traces.flatMap(({y}) => y)))};
 }
 
 /** Families x sizes: the solver with the least geometric mean among those shown that verify all problems that any does. */
@@ -99,43 +87,32 @@ function winnersFigure(view) {
   for (const i of picked) {
     const size = CLASSES.findIndex(({low, high}) => PROBLEMS.rows[i] >= low && PROBLEMS.rows[i] <= high);
     const key = `${PROBLEMS.family[i]}/${size}`;
-    if (!places.has(key)) places.set(key, []);
-    places.get(key).push(i);
+    places.set(key, [...places.get(key) ?? [], i]);
   }
   const used = families.map((family, f) => f).filter((f) => CLASSES.some((_, c) => places.has(`${f}/${c}`)));
   const sizes = CLASSES.map((_, c) => c).filter((c) => used.some((f) => places.has(`${f}/${c}`)));
-  const z = [], text = [], labels = [];
   const cells = solvers.map((solver) => cellsOf(solver.key, view.tier));
-  for (const f of used) {
-    const row = [], hover = [], names = [];
-    for (const c of sizes) {
-      const problems = places.get(`${f}/${c}`) ?? [];
-      const found = solvers.map((solver, s) => {
-        const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
-        const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
-        return {s, verified: good.length, share: weightOf(good),
-                mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
-      });
-      const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
-      const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
-      row.push(ranked.length ? ranked[0].s : null);
-      names.push(ranked.length ? solvers[ranked[0].s].key : "");
-      hover.push(!problems.length ? "no problems" : !ranked.length ? "verified by none" :
-        `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
-        ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>"));
-    }
-    z.push(row);
-    text.push(hover);
-    labels.push(names);
-  }
+  const grid = used.map((f) => sizes.map((c) => {
+    const problems = places.get(`${f}/${c}`) ?? [];
+    const found = solvers.map((solver, s) => {
+      const ran = cells[s] && problems.every((i) => cells[s].verdicts[i] !== ".");
+      const good = ran ? problems.filter((i) => cells[s].verdicts[i] === "v") : [];
+      return {s, verified: good.length, share: weightOf(good),
+              mean: geometricMean(good.map((i) => cells[s].get("time")[i]), good.map((i) => WEIGHTS[i]))};
+    });
+    const most = Math.max(0, ...found.map((one) => one.verified)), weight = Math.max(0, ...found.map((one) => one.share));
+    const ranked = found.filter((one) => most && one.share >= weight * (1 - 1e-9)).sort((a, b) => a.mean - b.mean);
+    return {winner: ranked.length ? ranked[0].s : null, hover: !problems.length ? "no problems" : !ranked.length ? "verified by none" :
+      `<b>${families[f]}</b>, ${CLASSES[c].label} rows<br>${problems.length} problems, ${most} verified<br>` +
+      ranked.slice(0, 4).map((one) => `${solvers[one.s].key}: ${seconds(one.mean)}`).join("<br>")};
+  }));
   const scale = [], count = Math.max(solvers.length, 1);
   solvers.forEach((solver, s) => scale.push([s / count, solver.colour], [(s + 1) / count, solver.colour]));
-  const annotations = [];
-  if (!narrow()) {
-    labels.forEach((names, y) => names.forEach((name, x) => name && annotations.push(
-      {x, y, text: name.length > 14 ? name.slice(0, 13) + "…" : name, showarrow: false, font: {color: "#fff", size: 10.5}})));
-  }
-  return {traces: [{type: "heatmap", z, text, hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
+  const nameOf = (key) => key.length > 14 ? key.slice(0, 13) + "…" : key;
+  const annotations = narrow() ? [] : grid.flatMap((row, y) => row.flatMap(({winner}, x) => winner === null ? [] : [
+    {x, y, text: nameOf(solvers[winner].key), showarrow: false, font: {color: "#fff", size: 10.5}}]));
+  return {traces: [{type: "heatmap", z: grid.map((row) => row.map(({winner}) => winner)), text: grid.map((row) => row.map(({hover}) => hover)),
+                    hoverinfo: "text", colorscale: scale.length ? scale : [[0, LINE], [1, LINE]], zmin: -0.5,
                     zmax: count - 0.5, showscale: false, xgap: 2, ygap: 2, x: sizes.map((_, x) => x), y: used.map((_, y) => y)}],
           layout: layoutOf(linearAxis("rows n", {tickvals: sizes.map((_, x) => x), ticktext: sizes.map((c) => CLASSES[c].label), showgrid: false}),
                            linearAxis("", {tickvals: used.map((_, y) => y), ticktext: used.map((f) => families[f]), autorange: "reversed", showgrid: false}),
@@ -150,12 +127,11 @@ const LARGEST_RATIO = 1000;
 function profileFigure(view) {
   const all = selected(view), picked = complete(all, view), best = bestTimes(view.shown, view.tier);
   const traces = [], whole = weightOf(picked);
-  let solvable = 0;
-  for (const i of picked) if (!Number.isNaN(best[i])) ++solvable;
+  const solvable = picked.filter((i) => !Number.isNaN(best[i])).length;
   for (const {solver, cells} of picked.length ? cellsShown(view) : []) {
     const time = cells.get("time"), good = picked.filter((i) => cells.verdicts[i] === "v");
     good.sort((a, b) => time[a] / best[a] - time[b] / best[b]);
-    const x = [1], y = [0], text = [];
+    const x = [1], y = [0];
     let reached = 0;
     for (const i of good) {
       reached += WEIGHTS[i];
@@ -165,10 +141,9 @@ function profileFigure(view) {
     }
     x.push(LARGEST_RATIO);
     y.push(y[y.length - 1]);
-    x.forEach((ratio, k) => text.push(`<b>${solver.key}</b><br>${percent(y[k])} of problems within ${plain(ratio)}× of the best<br>` +
-      `${percent(weightOf(good) / whole)} verified in all`));
-    traces.push({type: "scatter", mode: "lines", name: solver.key, x, y, text, hoverinfo: "text",
-                 line: {...lineOf(solver), shape: "hv"}});
+    const text = x.map((ratio, k) => `<b>${solver.key}</b><br>${percent(y[k])} of problems within ${plain(ratio)}× of the best<br>` +
+      `${percent(weightOf(good) / whole)} verified in all`);
+    traces.push(traceOf(solver, "lines", {x, y, text, line: {...lineOf(solver), shape: "hv"}}));
   }
   note("profile", `${picked.length} problems, each of k variants of one base with weight 1/k, of which ${solvable} are verified by a solver that is shown. What is not verified, ` +
     "or excluded by rule, never comes in; the height at the right is the share solved." + leftOut(all, picked));
@@ -186,19 +161,19 @@ function scalingFigure(view) {
     const mine = rows.filter((row) => row.solver === solver.key);
     const words = mine.map((row) => `<b>${solver.key}</b> on ${row.family}<br>time ~ n^${row.exponent.toFixed(2)} ` +
       `(${row.exponent_low?.toFixed(2)} to ${row.exponent_high?.toFixed(2)})<br>${row.problems} problems, ${row.rows_min} to ${row.rows_max} rows`);
-    const one = mine.length === 1;
-    traces.push({type: "scatter", mode: "markers", name: solver.key, x: mine.map((row) => row.exponent), y: mine.map(() => solver.key), text: words,
-                 hoverinfo: "text", marker: markerOf(solver, one ? 9 : 6, {opacity: one ? 1 : 0.55}),
-                 error_x: one ? {type: "data", symmetric: false, color: solver.colour, thickness: 1.5,
-                                 array: [mine[0].exponent_high - mine[0].exponent], arrayminus: [mine[0].exponent - mine[0].exponent_low]} : undefined});
+    const one = mine.length === 1, middle = median(mine.map((row) => row.exponent));
+    traces.push(traceOf(solver, "markers", {
+      x: mine.map((row) => row.exponent), y: mine.map(() => solver.key), text: words, marker: markerOf(solver, one ? 9 : 6, {opacity: one ? 1 : 0.55}),
+      error_x: one ? {type: "data", symmetric: false, color: solver.colour, thickness: 1.5,
+                      array: [mine[0].exponent_high - middle], arrayminus: [middle - mine[0].exponent_low]} : undefined}));
     if (!one) {
-      traces.push({type: "scatter", mode: "markers", name: solver.key, x: [median(mine.map((row) => row.exponent))], y: [solver.key],
-                   hoverinfo: "text", text: [`<b>${solver.key}</b>: median over ${mine.length} families ${median(mine.map((row) => row.exponent)).toFixed(2)}`],
-                   marker: {symbol: "line-ns-open", size: 18, line: {color: INK, width: 2.5}, color: INK}});
+      traces.push(traceOf(solver, "markers", {
+        x: [middle], y: [solver.key], text: [`<b>${solver.key}</b>: median over ${mine.length} families ${middle.toFixed(2)}`],
+        marker: {symbol: "line-ns-open", size: 18, line: {color: INK, width: 2.5}, color: INK}}));
     }
   }
   note("scaling", view.family === "*" ? "A mark per family; the bar is their median. Choose a family to see its interval."
     : "Least squares on the logarithms with Student's 95 % interval.");
-  return {traces, layout: layoutOf(linearAxis("exponent p of time ~ n^p"), linearAxis("", {type: "category", autorange: "reversed"})),
-          height: 110 + 24 * Math.max(order.length, 4)};
+  return {traces, layout: layoutOf(linearAxis("exponent p of time ~ n^p"), nameAxis({showgrid: true})),
+          height: heightOf(order.length)};
 }

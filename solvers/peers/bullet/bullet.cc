@@ -12,7 +12,6 @@
 #include <string>
 
 #include "solvers/peers/dantzig_peer.h"
-#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -37,15 +36,14 @@ class Lemke : public LcpSolver {
   void DoPrepare(const LcpProblem& problem) override {
     const auto n = static_cast<int>(problem.size());
     M_.resize(n, n);
-    WriteDenseRows(problem, n, M_.getBufferPointerWritable());
+    AssembleDenseA(problem, M_.getBufferPointerWritable(), n);
   }
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
     // Enough for every sequence of pivots that is not a cycle in practice; the class's own 100 ends most early.
     constexpr std::int64_t kPivotsPerRow = 20;
     constexpr std::int64_t kFewestPivots = 1000;
-    const std::int64_t most = options.max_iterations > 0
-                                  ? options.max_iterations
-                                  : std::max<std::int64_t>(kFewestPivots, kPivotsPerRow * problem.size());
+    const std::int64_t usual = std::max<std::int64_t>(kFewestPivots, kPivotsPerRow * problem.size());
+    const int most = IterationLimit(options, static_cast<double>(usual));
     q_.resize(static_cast<int>(problem.size()));
     std::copy(problem.b().begin(), problem.b().end(), q_.getBufferPointerWritable());
     btLemkeAlgorithm lemke(M_, q_);
@@ -67,14 +65,9 @@ class Lemke : public LcpSolver {
   btVectorXu q_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  if (key != "bullet-lemke") {
-    return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(key, &reader),
-                                         DantzigPeer::Code{&NoPadding, &CallDantzig});
-  }
-  reader.Finish();
-  return std::make_unique<Lemke>();
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  if (key == "bullet-lemke") return std::make_unique<Lemke>();
+  return std::make_unique<DantzigPeer>(key, reader, DantzigPeer::Code{&NoPadding, &CallDantzig});
 }
 
 }  // namespace

@@ -8,9 +8,6 @@
 // An LCP without solution is an unbounded QP; CGAL's certificate, a direction y with A y = 0, b'y < 0, y_C >= 0, is the
 // Farkas ray. There is no tolerance, no iteration limit and no clock: the host's time limit ends it. An iteration is a
 // pivot.
-//
-// Setting pricing: library (its own choice by size), dantzig, filtered-dantzig, partial-dantzig,
-// partial-filtered-dantzig, bland, the pricing strategies that CGAL documents.
 
 #include <CGAL/Gmpzf.h>
 #include <CGAL/QP_functions.h>
@@ -18,7 +15,9 @@
 #include <CGAL/version_macros.h>
 #include <mpfr.h>
 
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "solvers/peers/peer_library.h"
@@ -44,56 +43,44 @@ double Round(const Exact& numerator, const Exact& denominator) {
   return rounded;
 }
 
-// CGAL takes the entries of twice the matrix of x'D x, which is A, and of them the lower triangle.
-void SetMatrixFromFactors(const LcpProblem& problem, Program* program) {
-  const auto n = static_cast<int>(problem.size());
-  const SparseMatrix& J = problem.J();
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; ++j) {
-      Exact sum(0);
-      SparseMatrix::InnerIterator left(J, i);
-      SparseMatrix::InnerIterator right(J, j);
-      while (left && right) {
-        if (left.col() < right.col()) {
-          ++left;
-        } else if (right.col() < left.col()) {
-          ++right;
-        } else {
-          sum += Exact(left.value()) * Exact(problem.inverse_mass()[left.col()]) * Exact(right.value());
-          ++left;
-          ++right;
-        }
+// The lower triangle of A.
+std::map<std::pair<int, int>, Exact> EntriesOfA(const LcpProblem& problem) {
+  std::map<std::pair<int, int>, Exact> entries;
+  const auto add = [&](Index i, Index j, const Exact& value) {
+    if (j <= i) entries[{static_cast<int>(i), static_cast<int>(j)}] += value;
+  };
+  if (problem.has_factors()) {
+    using ByColumns = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+    const ByColumns J = problem.J();
+    for (Index k = 0; k < J.cols(); ++k) {
+      for (ByColumns::InnerIterator left(J, k); left; ++left) {
+        const Exact scaled = Exact(left.value()) * Exact(problem.inverse_mass()[k]);
+        for (ByColumns::InnerIterator right(J, k); right; ++right)
+          add(left.row(), right.row(), scaled * Exact(right.value()));
       }
-      if (sum != Exact(0)) program->set_d(i, j, sum);
     }
+    return entries;
   }
-}
-
-void SetMatrixFromEntries(const LcpProblem& problem, Program* program) {
-  const SparseMatrix& A = problem.SparseA();
-  for (int i = 0; i < static_cast<int>(problem.size()); ++i) {
-    for (SparseMatrix::InnerIterator entry(A, i); entry && entry.col() <= i; ++entry) {
-      if (entry.value() != 0) program->set_d(i, static_cast<int>(entry.col()), Exact(entry.value()));
-    }
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator entry(problem.SparseA(), i); entry; ++entry)
+      add(i, entry.col(), Exact(entry.value()));
   }
+  return entries;
 }
 
 class ExactQp : public LcpSolver {
  public:
   explicit ExactQp(CGAL::Quadratic_program_pricing_strategy pricing) { options_.set_pricing_strategy(pricing); }
 
-  std::string WhyUnsupported(const LcpProblem& problem) const override {
-    return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
-  }
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotQuadraticProgram(problem); }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
     program_ = Program(CGAL::SMALLER, true, Exact(0), false, Exact(0));
     for (const Index row : problem.bilateral_rows()) program_.set_l(static_cast<int>(row), false);
-    if (problem.has_factors()) {
-      SetMatrixFromFactors(problem, &program_);
-    } else {
-      SetMatrixFromEntries(problem, &program_);
+    // CGAL takes the entries of twice the matrix of x'D x, which is A, and of them the lower triangle.
+    for (const auto& [place, value] : EntriesOfA(problem)) {
+      if (value != Exact(0)) program_.set_d(place.first, place.second, value);
     }
   }
 
@@ -141,18 +128,15 @@ class ExactQp : public LcpSolver {
   Program program_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  const auto pricing =
-      Choose<CGAL::Quadratic_program_pricing_strategy>(&reader, "pricing",
+std::unique_ptr<LcpSolver> Make(std::string_view /*key*/, SettingsReader* reader) {
+  return std::make_unique<ExactQp>(
+      Choose<CGAL::Quadratic_program_pricing_strategy>(reader, "pricing",
                                                        {{"library", CGAL::QP_CHOOSE_DEFAULT},
                                                         {"dantzig", CGAL::QP_DANTZIG},
                                                         {"filtered-dantzig", CGAL::QP_FILTERED_DANTZIG},
                                                         {"partial-dantzig", CGAL::QP_PARTIAL_DANTZIG},
                                                         {"partial-filtered-dantzig", CGAL::QP_PARTIAL_FILTERED_DANTZIG},
-                                                        {"bland", CGAL::QP_BLAND}});
-  reader.Finish();
-  return std::make_unique<ExactQp>(pricing);
+                                                        {"bland", CGAL::QP_BLAND}}));
 }
 
 }  // namespace

@@ -1,16 +1,7 @@
-// DART's LCP solvers: a Dantzig code that descends from ODE's, and projected Gauss-Seidel. Both take
-// A x = b + w with rows of A padded to a multiple of four, and destroy A and b.
-//
-// Dantzig returns whether it succeeded, and gives up at the first step without positive length if asked to
-// (early termination), as the engine itself asks, since it falls back on Gauss-Seidel then. Otherwise it carries on
-// with "hacks" (its own word) and returns true, whatever comes of it. Option early-termination: yes, as in the engine,
-// or no.
-//
-// Gauss-Seidel returns true when no force changed by more than a tolerance in the first sweep (absolute, in the unit of
-// force) or a later one (relative to the force; forces below 1e-9 are not looked at), false after its number of sweeps.
-// Rows with A_ii < 1e-9 are left at zero. It starts from what x holds. It has no clock: sweeps are asked for in
-// portions and the time read in between; that only repeats the first-sweep test. An iteration is a sweep asked for: how
-// many of the last portion were made it does not tell.
+// DART's LCP solvers: a Dantzig code that descends from ODE's, and projected Gauss-Seidel. Both take A x = b + w with
+// rows of A padded to a multiple of four, and destroy A and b. Gauss-Seidel starts from what x holds and has no clock:
+// sweeps are asked for in portions and the time read in between; that only repeats the first-sweep test. An iteration
+// is a sweep asked for: how many of the last portion were made it does not tell. docs/peers.md says when both succeed.
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -24,7 +15,6 @@
 #include <vector>
 
 #include "solvers/peers/dantzig_peer.h"
-#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -44,14 +34,13 @@ bool CallDantzig(const DantzigProblem& p) {
 
 class Pgs : public LcpSolver {
  public:
-  struct Options {
-    bool as_the_library_has_it = false;
-    PeerTolerance relative_tolerance;
-    bool randomize = false;
-    double epsilon_for_division = 1e-9;
-  };
-
-  explicit Pgs(Options options) : options_(std::move(options)) {}
+  Pgs(std::string_view key, SettingsReader* reader) : tier_(key, reader, "relative-tolerance") {
+    if (tier_.is_library_default()) return;
+    // The first sweep's threshold has the unit of force: never stop by it, but where nothing moves at all.
+    option_.mDeltaXThreshold = 0;
+    option_.mRandomizeConstraintOrder = reader->Choice("randomize", "no", {"no", "yes"}) == "yes";
+    option_.mEpsilonForDivision = reader->Number("epsilon-for-division", 1e-9, 0, 1);
+  }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
@@ -69,17 +58,12 @@ class Pgs : public LcpSolver {
       b_ = -problem.b();
       if (options.initial_f != nullptr) result->f = *options.initial_f;
     });
-    PgsBoxedLcpSolver::Option option;
-    std::int64_t most = option.mMaxIteration;
-    if (!options_.as_the_library_has_it) {
-      // The first sweep's threshold has the unit of force: never stop by it, but where nothing moves at all.
-      option.mDeltaXThreshold = 0;
-      option.mRelativeDeltaXTolerance = options_.relative_tolerance.For(options);
-      option.mRandomizeConstraintOrder = options_.randomize;
-      option.mEpsilonForDivision = options_.epsilon_for_division;
-      most = static_cast<std::int64_t>(TierIterations("dart-pgs"));
+    PgsBoxedLcpSolver::Option option = option_;
+    int most = IterationLimit(options, option.mMaxIteration);
+    if (!tier_.is_library_default()) {
+      option.mRelativeDeltaXTolerance = tier_.Tolerance(options);
+      most = tier_.Iterations(options);
     }
-    if (options.max_iterations > 0) most = options.max_iterations;
     const Deadline deadline(options);
     TimeLibraryCall(options, result, [&] { Sweep(option, most, deadline, result); });
   }
@@ -91,7 +75,7 @@ class Pgs : public LcpSolver {
   void Assemble(const LcpProblem& problem) {
     rows_ = static_cast<int>(problem.size());
     A_.resize(problem.size(), PadToFour(rows_));
-    WriteDenseRows(problem, PadToFour(rows_), A_.data());
+    AssembleDenseA(problem, A_.data(), PadToFour(rows_));
     is_whole_ = true;
   }
 
@@ -118,7 +102,8 @@ class Pgs : public LcpSolver {
 
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-  Options options_;
+  PeerTier tier_;
+  PgsBoxedLcpSolver::Option option_;
   PgsBoxedLcpSolver solver_;
   int rows_ = 0;
   bool is_whole_ = false;  // A_, as assembled
@@ -129,23 +114,11 @@ class Pgs : public LcpSolver {
   std::vector<int> findex_;
 };
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  if (key.starts_with("dart-dantzig")) {
-    const bool early = reader.Choice("early-termination", "yes", {"yes", "no"}) == "yes";
-    return std::make_unique<DantzigPeer>(
-        DantzigPeer::Options::FromSettings(key, &reader),
-        DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
-  }
-  Pgs::Options options;
-  options.as_the_library_has_it = key == "dart-pgs-default";
-  if (!options.as_the_library_has_it) {
-    options.relative_tolerance = PeerTolerance(key, &reader, "relative-tolerance");
-    options.randomize = reader.Choice("randomize", "no", {"no", "yes"}) == "yes";
-    options.epsilon_for_division = reader.Number("epsilon-for-division", options.epsilon_for_division, 0, 1);
-  }
-  reader.Finish();
-  return std::make_unique<Pgs>(options);
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  if (!key.starts_with("dart-dantzig")) return std::make_unique<Pgs>(key, reader);
+  const bool early = reader->Choice("early-termination", "yes", {"yes", "no"}) == "yes";
+  return std::make_unique<DantzigPeer>(key, reader,
+                                       DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
 }
 
 }  // namespace

@@ -3,8 +3,7 @@
 // ODE has no public way to it: the library exports the function, but no installed header declares it, so the
 // declarations below repeat what version 0.16.2 exports. (b, x) and (lower, upper) are interleaved, rows of A padded to
 // a multiple of four. Its work arrays come from an arena, an internal class that the caller makes: five pointers, of
-// which this function reads and advances the first only. (The library exports a maker of arenas, too, but what that
-// makes still has to be set to its beginning by hand, so that the layout must be known either way.)
+// which this function reads and advances the first only.
 //
 // The function returns nothing. When a step has no positive length, it leaves the remaining rows at zero, prints "LCP
 // internal error" through ODE's message handler and returns: that message is its claim of failure, and read as such.
@@ -84,9 +83,8 @@ void TakeForces(const DantzigProblem& p) {
   for (std::size_t i = 0; i < static_cast<std::size_t>(p.rows); ++i) p.x[i] = State().b_and_x[2 * i + 1];
 }
 
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  return std::make_unique<DantzigPeer>(DantzigPeer::Options::FromSettings(key, &reader),
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  return std::make_unique<DantzigPeer>(key, reader,
                                        DantzigPeer::Code{&PadToFour, &CallDantzig, &Interleave, &TakeForces});
 }
 

@@ -1,24 +1,7 @@
 // PETSc: SNES's two solvers for variational inequalities (reduced space, semismooth) on w = A f + b, and TAO's two
 // trust-region methods on its quadratic program min 1/2 f'A f + b'f, all with bounds, so that bilateral rows are
-// variables without a lower bound. A is sparse.
-//
-// Known of release 3.18. The semismooth method overwrites the Jacobian, so each evaluation copies A anew. Linear
-// systems are solved by the library's own choice of Krylov method and preconditioner, which fails where A is singular
-// and gives up after few failures. TAO's interior point method is left out: with infinite upper bounds it reports
-// convergence falsely. Where TAO's objective falls below its bound (an LCP without solution), no ray is told: no claim
-// of infeasibility is made of that.
-//
-// Time is read at every outer and every Krylov iteration. Iterations are outer ones. TAO asks for a symmetric A.
-//
-// Settings, other than `tolerance` and of keys that do not end in -default; "library" is the library's own choice.
-//   SNES  linear-solver: library, lu, gmres-jacobi, bcgs-ilu, and for petsc-rsls, with symmetric systems, cholesky,
-//         cg-jacobi, cg-icc, minres-jacobi; shift: what the factorization (lu, cholesky, ilu, icc) adds to a pivot that
-//         is too small, as a share of the largest diagonal entry of A, 0 for none (-pc_factor_shift_type nonzero);
-//         line-search: library, bt, basic, l2, cp
-//   TAO   krylov: library, stcg, nash, gltr; preconditioner: library, none, jacobi, icc; and for tao-bntr first-radius:
-//         interpolation, constant, direction (-tao_bnk_init_type), radius: reduction, interpolation
-//         (-tao_bnk_update_type), active-set: bertsekas, none (-tao_bnk_as_type), for tao-tron projections: gradient
-//         projections an iteration (-tao_tron_maxgpits)
+// variables without a lower bound. A is sparse; TAO asks for a symmetric one. Time is read at every outer and every
+// Krylov iteration. Iterations are outer ones. docs/peers.md has what is known of release 3.18.
 
 #include <fcntl.h>
 #include <petscsnes.h>
@@ -178,11 +161,7 @@ class PetscProblem {
   Mat jacobian() const { return jacobian_.get(); }
 
   /// w = A x + b
-  PetscErrorCode EvaluateW(Vec x, Vec w) const {
-    PetscFunctionBegin;
-    PetscCall(MatMultAdd(A_.get(), x, b_.get(), w));
-    PetscFunctionReturn(kPetscSuccess);
-  }
+  PetscErrorCode EvaluateW(Vec x, Vec w) const { return MatMultAdd(A_.get(), x, b_.get(), w); }
 
   /// 1/2 x'A x + b'x, and its gradient w = A x + b
   PetscErrorCode EvaluateObjective(Vec x, PetscReal* value, Vec w) const {
@@ -190,18 +169,14 @@ class PetscProblem {
     PetscReal along_w = 0;
     PetscReal along_b = 0;
     constexpr PetscReal kHalf = 0.5;
-    PetscCall(MatMultAdd(A_.get(), x, b_.get(), w));
+    PetscCall(EvaluateW(x, w));
     PetscCall(VecDot(w, x, &along_w));
     PetscCall(VecDot(b_.get(), x, &along_b));
     *value = kHalf * (along_w + along_b);
     PetscFunctionReturn(kPetscSuccess);
   }
 
-  PetscErrorCode FillJacobian(Mat jacobian) const {
-    PetscFunctionBegin;
-    PetscCall(MatCopy(A_.get(), jacobian, SAME_NONZERO_PATTERN));
-    PetscFunctionReturn(kPetscSuccess);
-  }
+  PetscErrorCode FillJacobian(Mat jacobian) const { return MatCopy(A_.get(), jacobian, SAME_NONZERO_PATTERN); }
 
   /// f as it is, or zeros where there is none, within the bounds.
   void SetStart(const Eigen::VectorXd* f) {
@@ -222,13 +197,8 @@ class PetscProblem {
 
  private:
   LcpProblem problem_;  // keeps the entries of A_
-  PetscMatrix A_;
-  PetscMatrix jacobian_;
-  PetscVector b_;
-  PetscVector lower_;
-  PetscVector upper_;
-  PetscVector x_;
-  PetscVector w_;
+  PetscMatrix A_, jacobian_;
+  PetscVector b_, lower_, upper_, x_, w_;
 };
 
 // What the callbacks of one solve see.
@@ -241,6 +211,7 @@ struct Run {
     expired = expired || deadline.Expired();
     return expired;
   }
+  static Run& Of(void* context) { return *static_cast<Run*>(context); }
 };
 
 PetscErrorCode TestKrylov(KSP krylov, PetscInt iteration, PetscReal norm, KSPConvergedReason* reason, void* context) {
@@ -262,27 +233,16 @@ void WatchTime(KSP krylov, Run* run) {
   CheckPetsc(KSPSetConvergenceTest(krylov, &TestKrylov, context.release(), &ForgetKrylov));
 }
 
-struct Tuning {
-  const char* type = nullptr;  // of PETSc
-  std::string_view key;
-  bool as_the_library_has_it = false;
-  PeerTolerance tolerance;
-  // Empty: the library's own choice.
-  std::string krylov;
-  std::string preconditioner;
-  std::string line_search;
-  double shift = 0;
-  bool factors = false;  // the preconditioner is a factorization, with pivots to shift
-};
+std::string OrEmpty(std::string choice) { return choice == "library" ? std::string() : std::move(choice); }
 
 /// What both families share: conversion, limits, and what a claim is worth.
 class PetscPeer : public LcpSolver {
  public:
-  explicit PetscPeer(Tuning tuning) : tuning_(std::move(tuning)) {}
+  PetscPeer(std::string_view key, const char* type, SettingsReader* reader) : type_(type), tier_(key, reader) {}
 
  protected:
   // How the library's call ended.
-  struct Ending {
+  struct Outcome {
     PetscInt iterations = 0;
     bool solved = false;
     bool iteration_limit = false;
@@ -291,12 +251,11 @@ class PetscPeer : public LcpSolver {
 
   virtual void SetUp(const LcpOptions& options, Run* run) = 0;
   virtual PetscErrorCode Call() = 0;
-  virtual Ending Read() = 0;
-  virtual void Release() = 0;
+  virtual Outcome ReadAndRelease() = 0;
 
   void DoPrepare(const LcpProblem& problem) override {
     problem_.emplace(problem);
-    if (tuning_.shift > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
+    if (shift_ > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
@@ -311,157 +270,192 @@ class PetscPeer : public LcpSolver {
     TimeLibraryCall(options, result, [&] { code = Call(); });
     CheckPetsc(code);
     TimeConversion(options, result, [&] { problem_->GetIterate(&result->f); });
-    const Ending ending = Read();
-    Release();
-    result->iterations = ending.iterations;
-    if (ending.solved) {
+    const Outcome outcome = ReadAndRelease();
+    result->iterations = outcome.iterations;
+    if (outcome.solved) {
       result->status = LcpStatus::kSolved;
     } else if (run.expired) {
       result->status = LcpStatus::kTimeLimit;
-    } else if (ending.iteration_limit) {
+    } else if (outcome.iteration_limit) {
       result->status = LcpStatus::kIterationLimit;
     } else {
-      result->detail = std::string("PETSc: ") + ending.reason;
+      result->detail = std::string("PETSc: ") + outcome.reason;
     }
   }
 
   void SetUpLinearSolver(KSP krylov, Run* run) const {
-    if (!tuning_.krylov.empty()) CheckPetsc(KSPSetType(krylov, tuning_.krylov.c_str()));
+    if (!krylov_.empty()) CheckPetsc(KSPSetType(krylov, krylov_.c_str()));
     PC preconditioner = nullptr;
     CheckPetsc(KSPGetPC(krylov, &preconditioner));
-    if (!tuning_.preconditioner.empty()) CheckPetsc(PCSetType(preconditioner, tuning_.preconditioner.c_str()));
-    if (tuning_.shift > 0 && tuning_.factors) {
+    if (!preconditioner_.empty()) CheckPetsc(PCSetType(preconditioner, preconditioner_.c_str()));
+    if (shift_ > 0) {
       CheckPetsc(PCFactorSetShiftType(preconditioner, MAT_SHIFT_NONZERO));
-      CheckPetsc(PCFactorSetShiftAmount(preconditioner, tuning_.shift * largest_diagonal_));
+      CheckPetsc(PCFactorSetShiftAmount(preconditioner, shift_ * largest_diagonal_));
     }
     WatchTime(krylov, run);
   }
 
-  int Iterations(const LcpOptions& options) const { return IterationLimit(options, TierIterations(tuning_.key)); }
-
-  Tuning tuning_;
+  const char* type_;  // of PETSc
+  PeerTier tier_;
+  // Empty: the library's own choice.
+  std::string krylov_;
+  std::string preconditioner_;
+  double shift_ = 0;  // of the pivots of a preconditioner that is a factorization
   double largest_diagonal_ = 0;
   std::optional<PetscProblem> problem_;
 };
 
 class Snes : public PetscPeer {
  public:
-  using PetscPeer::PetscPeer;
+  Snes(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {
+    if (tier_.is_library_default()) return;
+    // "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
+    const std::string choice =
+        key == "petsc-rsls" ? reader->Choice("linear-solver", "library",
+                                             {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi",
+                                              "cg-icc", "minres-jacobi"})
+                            : reader->Choice("linear-solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"});
+    const auto dash = choice.find('-');
+    if (choice != "library") {
+      krylov_ = dash == std::string::npos ? KSPPREONLY : choice.substr(0, dash);
+      preconditioner_ = dash == std::string::npos ? choice : choice.substr(dash + 1);
+    }
+    shift_ = reader->Number("shift", 0, 0, 1);
+    if (preconditioner_ == PCJACOBI) shift_ = 0;
+    if (shift_ > 0 && preconditioner_.empty()) preconditioner_ = PCILU;  // the library's own
+    line_search_ = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
+  }
 
  protected:
   void SetUp(const LcpOptions& options, Run* run) override {
     CheckPetsc(SNESCreate(PETSC_COMM_SELF, snes_.out()));
     const SNES made = snes_.get();
-    CheckPetsc(SNESSetType(made, tuning_.type));
-    CheckPetsc(SNESSetFunction(made, problem_->w(), &EvaluateW, run));
-    CheckPetsc(SNESSetJacobian(made, problem_->jacobian(), problem_->jacobian(), &FillJacobian, run));
+    const auto evaluate = [](SNES, Vec x, Vec w, void* context) { return Run::Of(context).problem.EvaluateW(x, w); };
+    const auto fill = [](SNES, Vec, Mat jacobian, Mat, void* context) {
+      return Run::Of(context).problem.FillJacobian(jacobian);
+    };
+    CheckPetsc(SNESSetType(made, type_));
+    CheckPetsc(SNESSetFunction(made, problem_->w(), evaluate, run));
+    CheckPetsc(SNESSetJacobian(made, problem_->jacobian(), problem_->jacobian(), fill, run));
     CheckPetsc(SNESVISetVariableBounds(made, problem_->lower(), problem_->upper()));
     CheckPetsc(SNESSetFromOptions(made));
     CheckPetsc(SNESSetConvergenceTest(made, &Test, run, nullptr));
     KSP krylov = nullptr;
     CheckPetsc(SNESGetKSP(made, &krylov));
     SetUpLinearSolver(krylov, run);
-    if (!tuning_.line_search.empty()) {
+    if (!line_search_.empty()) {
       SNESLineSearch search = nullptr;
       CheckPetsc(SNESGetLineSearch(made, &search));
-      CheckPetsc(SNESLineSearchSetType(search, tuning_.line_search.c_str()));
+      CheckPetsc(SNESLineSearchSetType(search, line_search_.c_str()));
     }
-    if (!tuning_.as_the_library_has_it) {
-      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, tuning_.tolerance.For(options), PETSC_DEFAULT,
-                                   Iterations(options), std::numeric_limits<int>::max()));
+    if (!tier_.is_library_default()) {
+      CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, tier_.Tolerance(options), PETSC_DEFAULT,
+                                   tier_.Iterations(options), std::numeric_limits<int>::max()));
     } else if (options.max_iterations > 0) {
       CheckPetsc(SNESSetTolerances(made, PETSC_DEFAULT, PETSC_DEFAULT, PETSC_DEFAULT, IterationLimit(options, 0),
                                    PETSC_DEFAULT));
     }
   }
   PetscErrorCode Call() override { return SNESSolve(snes_.get(), nullptr, problem_->x()); }
-  Ending Read() override {
-    Ending ending;
+  Outcome ReadAndRelease() override {
+    Outcome outcome;
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-    CheckPetsc(SNESGetIterationNumber(snes_.get(), &ending.iterations));
+    CheckPetsc(SNESGetIterationNumber(snes_.get(), &outcome.iterations));
     CheckPetsc(SNESGetConvergedReason(snes_.get(), &reason));
-    ending.solved = reason > 0 && reason != SNES_CONVERGED_ITS;
-    ending.iteration_limit = reason == SNES_DIVERGED_MAX_IT || reason == SNES_CONVERGED_ITS;
-    ending.reason = SNESConvergedReasons[reason];
-    return ending;
+    outcome.solved = reason > 0 && reason != SNES_CONVERGED_ITS;
+    outcome.iteration_limit = reason == SNES_DIVERGED_MAX_IT || reason == SNES_CONVERGED_ITS;
+    outcome.reason = SNESConvergedReasons[reason];
+    snes_.out();
+    return outcome;
   }
-  void Release() override { snes_.out(); }
 
  private:
-  static PetscErrorCode EvaluateW(SNES /*snes*/, Vec x, Vec w, void* context) {
-    return static_cast<Run*>(context)->problem.EvaluateW(x, w);
-  }
-  static PetscErrorCode FillJacobian(SNES /*snes*/, Vec /*x*/, Mat jacobian, Mat /*same*/, void* context) {
-    return static_cast<Run*>(context)->problem.FillJacobian(jacobian);
-  }
   static PetscErrorCode Test(SNES snes, PetscInt iteration, PetscReal x_norm, PetscReal step_norm, PetscReal f_norm,
                              SNESConvergedReason* reason, void* context) {
     PetscFunctionBegin;
     PetscCall(SNESConvergedDefault(snes, iteration, x_norm, step_norm, f_norm, reason, nullptr));
-    if (*reason == SNES_CONVERGED_ITERATING && static_cast<Run*>(context)->Expired()) *reason = SNES_DIVERGED_MAX_IT;
+    if (*reason == SNES_CONVERGED_ITERATING && Run::Of(context).Expired()) *reason = SNES_DIVERGED_MAX_IT;
     PetscFunctionReturn(kPetscSuccess);
   }
 
+  std::string line_search_;
   PetscHandle<SNES, &SNESDestroy> snes_;
 };
 
 class TaoPeer : public PetscPeer {
  public:
-  using PetscPeer::PetscPeer;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const override {
-    return problem.IsNumericallySymmetric() ? "" : "A is not symmetric, so the LCP is not the optimality of a QP";
+  TaoPeer(std::string_view key, const char* type, SettingsReader* reader) : PetscPeer(key, type, reader) {
+    if (tier_.is_library_default()) return;
+    krylov_ = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
+    preconditioner_ = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
+    // Some options have no function, only a name, once for the process.
+    const auto set = [](const char* option, const std::string& value, std::string_view usual) {
+      if (value != usual) CheckPetsc(PetscOptionsSetValue(nullptr, option, value.c_str()));
+    };
+    const auto choose = [&](const char* name, const char* option, std::initializer_list<std::string_view> choices) {
+      set(option, reader->Choice(name, *choices.begin(), choices), *choices.begin());
+    };
+    if (key == "tao-bntr") {
+      choose("first-radius", "-tao_bnk_init_type", {"interpolation", "constant", "direction"});
+      choose("radius", "-tao_bnk_update_type", {"reduction", "interpolation"});
+      choose("active-set", "-tao_bnk_as_type", {"bertsekas", "none"});
+    } else {
+      const int projections = static_cast<int>(reader->Number("projections", 3, 1, 1000));
+      set("-tao_tron_maxgpits", std::to_string(projections), "3");
+    }
   }
+
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return WhyNotQuadraticProgram(problem); }
 
  protected:
   void SetUp(const LcpOptions& options, Run* run) override {
     CheckPetsc(TaoCreate(PETSC_COMM_SELF, tao_.out()));
     const Tao made = tao_.get();
-    CheckPetsc(TaoSetType(made, tuning_.type));
+    const auto evaluate = [](Tao, Vec x, PetscReal* value, Vec w, void* context) {
+      return Run::Of(context).problem.EvaluateObjective(x, value, w);
+    };
+    const auto fill = [](Tao, Vec, Mat hessian, Mat, void* context) {
+      return Run::Of(context).problem.FillJacobian(hessian);
+    };
+    CheckPetsc(TaoSetType(made, type_));
     CheckPetsc(TaoSetSolution(made, problem_->x()));
-    CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, &Evaluate, run));
-    CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), &FillHessian, run));
+    CheckPetsc(TaoSetObjectiveAndGradient(made, nullptr, evaluate, run));
+    CheckPetsc(TaoSetHessian(made, problem_->jacobian(), problem_->jacobian(), fill, run));
     CheckPetsc(TaoSetVariableBounds(made, problem_->lower(), problem_->upper()));
     CheckPetsc(TaoSetFromOptions(made));
     CheckPetsc(TaoSetConvergenceTest(made, &Test, run));
     KSP krylov = nullptr;
     CheckPetsc(TaoGetKSP(made, &krylov));
     if (krylov != nullptr) SetUpLinearSolver(krylov, run);
-    if (!tuning_.as_the_library_has_it) {
+    if (!tier_.is_library_default()) {
       // Nothing that has the unit of w or of the objective: only the gradient relative to that at the start.
-      CheckPetsc(TaoSetTolerances(made, 0, 0, tuning_.tolerance.For(options)));
-      CheckPetsc(TaoSetMaximumIterations(made, Iterations(options)));
+      CheckPetsc(TaoSetTolerances(made, 0, 0, tier_.Tolerance(options)));
+      CheckPetsc(TaoSetMaximumIterations(made, tier_.Iterations(options)));
       CheckPetsc(TaoSetMaximumFunctionEvaluations(made, std::numeric_limits<int>::max()));
     } else if (options.max_iterations > 0) {
       CheckPetsc(TaoSetMaximumIterations(made, IterationLimit(options, 0)));
     }
   }
   PetscErrorCode Call() override { return TaoSolve(tao_.get()); }
-  Ending Read() override {
-    Ending ending;
+  Outcome ReadAndRelease() override {
+    Outcome outcome;
     TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
-    CheckPetsc(TaoGetIterationNumber(tao_.get(), &ending.iterations));
+    CheckPetsc(TaoGetIterationNumber(tao_.get(), &outcome.iterations));
     CheckPetsc(TaoGetConvergedReason(tao_.get(), &reason));
-    ending.solved = reason > 0 && reason != TAO_CONVERGED_MINF;
-    ending.iteration_limit = reason == TAO_DIVERGED_MAXITS || reason == TAO_DIVERGED_MAXFCN;
-    ending.reason = TaoConvergedReasons[reason];
-    return ending;
+    outcome.solved = reason > 0 && reason != TAO_CONVERGED_MINF;
+    outcome.iteration_limit = reason == TAO_DIVERGED_MAXITS || reason == TAO_DIVERGED_MAXFCN;
+    outcome.reason = TaoConvergedReasons[reason];
+    tao_.out();
+    return outcome;
   }
-  void Release() override { tao_.out(); }
 
  private:
-  static PetscErrorCode Evaluate(Tao /*tao*/, Vec x, PetscReal* value, Vec w, void* context) {
-    return static_cast<Run*>(context)->problem.EvaluateObjective(x, value, w);
-  }
-  static PetscErrorCode FillHessian(Tao /*tao*/, Vec /*x*/, Mat hessian, Mat /*same*/, void* context) {
-    return static_cast<Run*>(context)->problem.FillJacobian(hessian);
-  }
   static PetscErrorCode Test(Tao tao, void* context) {
     PetscFunctionBegin;
     PetscCall(TaoDefaultConvergenceTest(tao, nullptr));
     TaoConvergedReason reason = TAO_CONTINUE_ITERATING;
     PetscCall(TaoGetConvergedReason(tao, &reason));
-    if (reason == TAO_CONTINUE_ITERATING && static_cast<Run*>(context)->Expired()) {
+    if (reason == TAO_CONTINUE_ITERATING && Run::Of(context).Expired()) {
       PetscCall(TaoSetConvergedReason(tao, TAO_DIVERGED_USER));
     }
     PetscFunctionReturn(kPetscSuccess);
@@ -470,72 +464,10 @@ class TaoPeer : public PetscPeer {
   PetscHandle<Tao, &TaoDestroy> tao_;
 };
 
-// "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
-void SetLinearSolver(const std::string& choice, Tuning* tuning) {
-  tuning->factors = true;  // the library's own ILU(0), too
-  if (choice == "library") return;
-  const auto dash = choice.find('-');
-  tuning->krylov = dash == std::string::npos ? KSPPREONLY : choice.substr(0, dash);
-  tuning->preconditioner = dash == std::string::npos ? choice : choice.substr(dash + 1);
-  tuning->factors = tuning->preconditioner != PCJACOBI;
-}
-
-std::string OrEmpty(std::string choice) { return choice == "library" ? std::string() : std::move(choice); }
-
-void ReadSnes(SettingsReader* reader, Tuning* tuning) {
-  const auto linear_solver = [&](std::initializer_list<std::string_view> choices) {
-    SetLinearSolver(reader->Choice("linear-solver", "library", choices), tuning);
-  };
-  if (tuning->key == "petsc-rsls") {
-    linear_solver({"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi", "cg-icc", "minres-jacobi"});
-  } else {
-    linear_solver({"library", "lu", "gmres-jacobi", "bcgs-ilu"});
-  }
-  tuning->shift = reader->Number("shift", 0, 0, 1);
-  if (tuning->shift > 0 && tuning->preconditioner.empty()) tuning->preconditioner = PCILU;  // the library's own
-  tuning->line_search = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
-}
-
-void ReadTao(const Settings& settings, SettingsReader* reader, Tuning* tuning) {
-  tuning->krylov = OrEmpty(reader->Choice("krylov", "library", {"library", "stcg", "nash", "gltr"}));
-  tuning->preconditioner = OrEmpty(reader->Choice("preconditioner", "library", {"library", "none", "jacobi", "icc"}));
-  // Some options have no function, only a name, once for the process.
-  const auto set_by_name = [&](const char* setting, const char* option, const std::string& value) {
-    if (settings.contains(setting)) CheckPetsc(PetscOptionsSetValue(nullptr, option, value.c_str()));
-  };
-  const auto choose = [&](const char* setting, const char* option, std::initializer_list<std::string_view> choices) {
-    set_by_name(setting, option, reader->Choice(setting, *choices.begin(), choices));
-  };
-  if (tuning->key == "tao-bntr") {
-    choose("first-radius", "-tao_bnk_init_type", {"interpolation", "constant", "direction"});
-    choose("radius", "-tao_bnk_update_type", {"reduction", "interpolation"});
-    choose("active-set", "-tao_bnk_as_type", {"bertsekas", "none"});
-  } else {
-    const int projections = static_cast<int>(reader->Number("projections", 3, 1, 1000));
-    set_by_name("projections", "-tao_tron_maxgpits", std::to_string(projections));
-  }
-}
-
-constexpr std::pair<std::string_view, const char*> kTypes[] = {
-    {"petsc-rsls", SNESVINEWTONRSLS}, {"petsc-ssls", SNESVINEWTONSSLS}, {"tao-bntr", TAOBNTR}, {"tao-tron", TAOTRON}};
-
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
-  Tuning tuning;
-  tuning.as_the_library_has_it = key.ends_with("-default");
-  for (const auto& [name, type] : kTypes) {
-    if (!key.starts_with(name)) continue;
-    tuning.key = name;
-    tuning.type = type;
-  }
-  const bool is_tao = key.starts_with("tao");
-  if (!tuning.as_the_library_has_it) {
-    tuning.tolerance = PeerTolerance(key, &reader);
-    is_tao ? ReadTao(settings, &reader, &tuning) : ReadSnes(&reader, &tuning);
-  }
-  reader.Finish();
-  if (is_tao) return std::make_unique<TaoPeer>(std::move(tuning));
-  return std::make_unique<Snes>(std::move(tuning));
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
+  if (key.starts_with("petsc-rsls")) return std::make_unique<Snes>(key, SNESVINEWTONRSLS, reader);
+  if (key.starts_with("petsc-ssls")) return std::make_unique<Snes>(key, SNESVINEWTONSSLS, reader);
+  return std::make_unique<TaoPeer>(key, key.starts_with("tao-bntr") ? TAOBNTR : TAOTRON, reader);
 }
 
 }  // namespace

@@ -8,65 +8,8 @@
 #include "support/input_error.h"
 
 namespace lcpbench {
-namespace {
 
 using How = WorkerFailure::How;
-
-// The problem as a worker of version 1 wants it.
-LcpProblem InForm(const LcpProblem& problem, WantedForm form) {
-  if (form == WantedForm::kAsGiven) return problem;
-  RowBounds bounds = RowBounds::WithBilateralRows(problem.size(), problem.bilateral_rows());
-  if (form == WantedForm::kDense) {
-    return LcpProblem::FromDense(problem.id(), problem.DenseA(), problem.b(), std::move(bounds), problem.facts());
-  }
-  return LcpProblem::FromSparse(problem.id(), problem.SparseA(), problem.b(), std::move(bounds), problem.facts());
-}
-
-}  // namespace
-
-// One worker process.
-class ExternalSolver::Process {
- public:
-  explicit Process(const ExternalSolverOptions& options)
-      : name_("worker '" + options.command.front() + "'"), process_(Start(options)) {}
-
-  void Send(MessageType type, const Bytes& payload, double limit_s) {
-    Check(WriteFrame(process_.socket(), type, payload, SteadyNow() + limit_s), limit_s);
-  }
-
-  Bytes Receive(MessageType expected, double limit_s) {
-    MessageType type{};
-    Bytes payload;
-    Check(ReadFrame(process_.socket(), &type, &payload, SteadyNow() + limit_s), limit_s);
-    if (type == expected) return payload;
-    process_.Kill();
-    throw WorkerFailure(How::kBroken, name_ + " sent what is no message of the protocol");
-  }
-
- private:
-  static SubprocessOptions Start(const ExternalSolverOptions& options) {
-    SubprocessOptions start;
-    start.command = options.command;
-    start.memory_limit = options.memory_limit;
-    return start;
-  }
-
-  void Check(Transfer outcome, double limit_s) {
-    if (outcome == Transfer::kTimeout) {
-      process_.Kill();
-      throw WorkerFailure(How::kTimeLimit,
-                          name_ + " gave no answer within " + std::to_string(limit_s) + " s and was killed");
-    }
-    if (outcome == Transfer::kClosed) {
-      // It is about to end, unless it closed its end on purpose.
-      constexpr double kWait = 1;  // s
-      throw WorkerFailure(How::kEnded, name_ + " " + DescribeEnd(process_.WaitOrKill(kWait)));
-    }
-  }
-
-  std::string name_;
-  Subprocess process_;
-};
 
 ExternalSolver::ExternalSolver(ExternalSolverOptions options) : options_(std::move(options)) {
   if (options_.command.empty()) throw InputError("external solver: expected a command");
@@ -77,11 +20,58 @@ ExternalSolver::ExternalSolver(ExternalSolverOptions options) : options_(std::mo
 
 ExternalSolver::~ExternalSolver() = default;
 
+void ExternalSolver::Check(Transfer outcome, double limit_s) {
+  const std::string name = "worker '" + options_.command.front() + "' ";
+  if (outcome == Transfer::kTimeout) {
+    process_->Kill();
+    throw WorkerFailure(How::kTimeLimit,
+                        name + "gave no answer within " + std::to_string(limit_s) + " s and was killed");
+  }
+  if (outcome == Transfer::kClosed) {
+    // It is about to end, unless it closed its end on purpose.
+    constexpr double kWait = 1;  // s
+    throw WorkerFailure(How::kEnded, name + DescribeEnd(process_->WaitOrKill(kWait)));
+  }
+}
+
+Bytes ExternalSolver::Receive(MessageType expected, double limit_s) {
+  MessageType type{};
+  Bytes payload;
+  Check(ReadFrame(process_->socket(), &type, &payload, SteadyNow() + limit_s), limit_s);
+  if (type == expected) return payload;
+  process_->Kill();
+  throw WorkerFailure(How::kBroken,
+                      "worker '" + options_.command.front() + "' sent what is no message of the protocol");
+}
+
+// Sends, and decodes the answer. Whatever goes wrong, the worker is gone afterwards.
+template <typename Decode>
+auto ExternalSolver::Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode) {
+  try {
+    Check(WriteFrame(process_->socket(), type, payload, SteadyNow() + limit_s), limit_s);
+    return decode(Receive(answer, limit_s));
+  } catch (...) {
+    process_.reset();
+    loaded_.reset();
+    has_stream_ = false;
+    throw;
+  }
+}
+
+namespace {
+
+bool TakeAnswer(const Bytes& /*empty*/) { return true; }
+
+}  // namespace
+
 const Hello& ExternalSolver::Greet() {
   if (process_ != nullptr) return hello_;
   try {
-    process_ = std::make_unique<Process>(options_);
-    hello_ = DecodeHello(process_->Receive(MessageType::kHello, options_.start_limit_s));
+    SubprocessOptions start;
+    start.command = options_.command;
+    start.memory_limit = options_.memory_limit;
+    process_ = std::make_unique<Subprocess>(start);
+    hello_ = DecodeHello(Receive(MessageType::kHello, options_.start_limit_s));
   } catch (const std::exception& error) {
     process_.reset();
     throw InputError(error.what());
@@ -89,42 +79,30 @@ const Hello& ExternalSolver::Greet() {
   return hello_;
 }
 
-void ExternalSolver::Drop() {
-  process_.reset();
-  loaded_.reset();
-  has_stream_ = false;
-}
-
 void ExternalSolver::Load(const LcpProblem& problem) {
   Greet();
   const bool has_matrix = loaded_ && loaded_->SharesMatrixWith(problem);
   if (has_matrix && &loaded_->b() == &problem.b()) return;
   const double limit = options_.prepare_limit_s;
-  try {
-    formed_on_host_s_ = 0;
-    prepared_ = {};
-    if (hello_.version == 1) {
-      const double start = SteadyNow();
-      const LcpProblem given = problem.CopyOfGivenForm();
-      if (hello_.form == WantedForm::kDense) given.DenseA();
-      if (hello_.form == WantedForm::kSparse) given.SparseA();
-      formed_on_host_s_ = SteadyNow() - start;
-      const ProblemArrays arrays = ProblemArrays::Of(InForm(given, hello_.form));
-      process_->Send(MessageType::kProblem, Encode(arrays, hello_.version), limit);
-      prepared_ = DecodePrepared(process_->Receive(MessageType::kPrepared, limit));
-    } else {
-      if (has_matrix) {
-        process_->Send(MessageType::kOtherB, Encode(problem.b()), limit);
-      } else {
-        process_->Send(MessageType::kProblem, Encode(ProblemArrays::Of(problem)), limit);
-      }
-      process_->Receive(MessageType::kLoaded, limit);
-    }
-    loaded_ = problem;
-  } catch (...) {
-    Drop();
-    throw;
+  loaded_.reset();
+  formed_on_host_s_ = 0;
+  prepared_ = {};
+  if (hello_.version == 1) {
+    const double start = SteadyNow();
+    LcpProblem wanted = problem.CopyOfGivenForm();
+    if (hello_.form == WantedForm::kDense) wanted.DenseA();
+    if (hello_.form == WantedForm::kSparse) wanted.SparseA();
+    formed_on_host_s_ = SteadyNow() - start;
+    if (hello_.form == WantedForm::kDense) wanted = InForm(wanted, MatrixForm::kDense);
+    if (hello_.form == WantedForm::kSparse) wanted = InForm(wanted, MatrixForm::kSparse);
+    const Bytes arrays = Encode(ProblemArrays::Of(wanted), hello_.version);
+    prepared_ = Ask(MessageType::kProblem, arrays, MessageType::kPrepared, limit, DecodePrepared);
+  } else if (has_matrix) {
+    Ask(MessageType::kOtherB, Encode(problem.b()), MessageType::kLoaded, limit, TakeAnswer);
+  } else {
+    Ask(MessageType::kProblem, Encode(ProblemArrays::Of(problem)), MessageType::kLoaded, limit, TakeAnswer);
   }
+  loaded_ = problem;
 }
 
 void ExternalSolver::DoPrepare(const LcpProblem& problem) {
@@ -154,18 +132,13 @@ LcpResult ExternalSolver::AskForSolve(const LcpProblem& problem, const LcpOption
   request.time_parts = options.time_parts;
   if (options.initial_f != nullptr) request.start = *options.initial_f;
   const double limit = options.time_limit_s * (1 + options_.grace_factor) + options_.grace_s;
-  try {
-    process_->Send(MessageType::kSolve, Encode(request, hello_.version), limit);
-    LcpResult result = DecodeResult(process_->Receive(MessageType::kResult, limit), problem.size(), hello_.version);
-    if (hello_.version == 1) {
-      result.own_fresh_s = formed_on_host_s_ + prepared_.convert_s + std::max(0.0, result.own_convert_s) +
-                           std::max(0.0, result.own_solve_s);
-    }
-    return result;
-  } catch (...) {
-    Drop();
-    throw;
+  LcpResult result = Ask(MessageType::kSolve, Encode(request, hello_.version), MessageType::kResult, limit,
+                         [&](const Bytes& payload) { return DecodeResult(payload, problem.size(), hello_.version); });
+  if (hello_.version == 1) {
+    result.own_fresh_s = formed_on_host_s_ + prepared_.convert_s + std::max(0.0, result.own_convert_s) +
+                         std::max(0.0, result.own_solve_s);
   }
+  return result;
 }
 
 void ExternalSolver::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -188,29 +161,22 @@ void ExternalSolver::LoadStream(std::span<const ProblemArrays> stream) {
 void ExternalSolver::SendStream() {
   try {
     Greet();
-    if (has_stream_ || hello_.version == 1) return;
-    process_->Send(MessageType::kStream, Encode(stream_), options_.prepare_limit_s);
-    process_->Receive(MessageType::kLoaded, options_.prepare_limit_s);
-    has_stream_ = true;
   } catch (const InputError& error) {
     throw WorkerFailure(How::kNotStarted, error.what());
-  } catch (...) {
-    Drop();
-    throw;
   }
+  if (has_stream_ || hello_.version == 1) return;
+  has_stream_ = Ask(MessageType::kStream, Encode(stream_), MessageType::kLoaded, options_.prepare_limit_s, TakeAnswer);
 }
 
 PassReply ExternalSolver::RunPass(const PassRequest& request, double limit_s) {
   SendStream();
-  if (hello_.version == 1) return RunPassByProblems(request, limit_s);
   try {
-    process_->Send(MessageType::kPass, Encode(request), limit_s);
-    return DecodePassReply(process_->Receive(MessageType::kPassReply, limit_s), request, stream_);
+    if (hello_.version == 1) return RunPassByProblems(request, limit_s);
+    return Ask(MessageType::kPass, Encode(request), MessageType::kPassReply, limit_s,
+               [&](const Bytes& payload) { return DecodePassReply(payload, request, stream_); });
   } catch (const WorkerFailure&) {
-    Drop();
     throw;
   } catch (const std::exception& error) {
-    Drop();
     throw WorkerFailure(How::kBroken, error.what());
   }
 }
@@ -222,13 +188,7 @@ PassReply ExternalSolver::RunPassByProblems(const PassRequest& request, double l
   const double start = SteadyNow();
   const auto solve = [&](const LcpProblem& problem) {
     if (SteadyNow() - start > limit_s) throw WorkerFailure(How::kTimeLimit, "a pass by single solves took too long");
-    try {
-      return AskForSolve(problem, options);
-    } catch (const WorkerFailure&) {
-      throw;
-    } catch (const std::exception& error) {
-      throw WorkerFailure(How::kBroken, error.what());
-    }
+    return AskForSolve(problem, options);
   };
   for (const std::uint32_t index : request.warm_up) solve(LcpProblem::FromArrays(stream_[index]));
   PassReply reply;

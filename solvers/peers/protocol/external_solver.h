@@ -10,6 +10,7 @@
 
 #include "solvers/lcp/solver.h"
 #include "solvers/peers/protocol/protocol.h"
+#include "support/subprocess.h"
 
 namespace lcpbench {
 
@@ -89,16 +90,17 @@ class ExternalSolver : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
-  class Process;
-
+  void Check(Transfer outcome, double limit_s);
+  Bytes Receive(MessageType expected, double limit_s);
+  template <typename Decode>
+  auto Ask(MessageType type, const Bytes& payload, MessageType answer, double limit_s, Decode decode);
   void Load(const LcpProblem& problem);
   void SendStream();
   LcpResult AskForSolve(const LcpProblem& problem, const LcpOptions& options);
   PassReply RunPassByProblems(const PassRequest& request, double limit_s);
-  void Drop();
 
   ExternalSolverOptions options_;
-  std::unique_ptr<Process> process_;
+  std::unique_ptr<Subprocess> process_;
   Hello hello_;
   std::string failure_;  // of the last DoPrepare
   // What the worker holds.

@@ -15,49 +15,7 @@ namespace lcpbench {
 
 // The binary protocol between lcpbench (the host) and a solver in a process of its own (the worker). Anyone can write a
 // worker, in any language: the host starts its command and talks to it through its standard input and output.
-//
-// Every message is a frame: u32 type, u64 length of the payload in bytes, payload. Little-endian, packed; "string" is
-// u32 length and bytes (UTF-8), f64 an IEEE double, n the number of rows of the problem that is spoken of. What differs
-// in version 1 follows below.
-//
-//   worker  kHello     u32 protocol version (2), string name, string version, string licence.  First of all, unasked.
-//   host    kProblem   a problem in its given form:
-//                      u64 n, u8 form, u8 symmetric and u8 positive semidefinite (1 = proved), i64 rank of A and
-//                      i8 whether at most one f solves it (1 yes, 0 no; both -1: not known), f64 b[n], u8 bilateral[n]
-//                      (1: w = 0, f free), then by form:
-//                        0 dense     f64 A[n n], row after row
-//                        1 sparse    CSR(n, n) of A, both triangles, every diagonal entry
-//                        2 factors   u64 columns, CSR(n, columns) of J, f64 inverse_mass[columns]; A = J M^-1 J^T
-//                      CSR: u64 entries, i32 row_start[n + 1], i32 column[entries], f64 value[entries]
-//   host    kOtherB    f64 b[n]: the problem sent last with another b; what is known of its matrix may be kept
-//   worker  kLoaded    empty: it holds what was sent, as plain arrays. The answer to kProblem, kOtherB and kStream
-//   host    kSolve     f64 tolerance on rho, f64 time limit [s] (may be infinite), i64 iteration limit (0: default),
-//                      u8 whether the two parts of the result are wanted, u8 has_start, f64 start[n] if it has
-//   worker  kResult    string status (keys of LcpStatus: "solved", "infeasible", "iteration_limit", ...),
-//                      i64 iterations, f64 seconds of the library's call alone (of everything where that is not known),
-//                      f64 seconds of conversions during the solve (negative: not known), f64 seconds from the arrays
-//                      to f in one interval (after kOtherB: from the new b to f), string detail, f64 f[n], u8 has_ray,
-//                      f64 ray[n] if it has (Farkas ray, solver.h)
-//   host    kStream    u64 count, then so many problems as kProblem has them. They stand beside that of kProblem
-//   host    kPass      a pass over the stream (fresh_pass.h): u8 kind (0 fresh, 1 parts, 2 again), f64 tolerance, f64
-//                      time limit of a solve [s], f64 budget [s], u32 problems per pair of clock reads, u32 count and
-//                      u32 indices of the warm-up, u32 count and u32 indices in the order to be timed, and of kind 2
-//                      the other b of each of those, f64 b[n]
-//   worker  kPassReply u32 count, then for each: f64 seconds, of problem, of preparation, of conversion, of the solve
-//                      (as PassEntry has them), string status, f64 f[n]. By a solver object made for this pass
-//   host    kQuit      empty: the worker ends
-//
-// The host repeats its messages as it likes. A worker that breaks the protocol, ends, or does not answer in time is
-// killed, the solve counts as failed, and a new worker is started for the next one.
-//
-// Version 1 is what a program has to do at the least: kHello, kProblem, kPrepared, kSolve, kResult, kQuit. It has
-//   worker  kHello     u32 protocol version (1), u8 form that it wants (WantedForm), string name, ...
-//   host    kProblem   without rank and uniqueness, in the form that the worker wants
-//   worker  kPrepared  f64 seconds spent on converting the problem, string why it is unsupported ("" if it is not): the
-//                      answer to kProblem
-//   host    kSolve     between iteration limit and has_start u64 1
-//   worker  kResult    without the seconds from the arrays to f
-// The host forms A for it, and adds the time of that to the worker's.
+// docs/protocol.md describes every message of both versions.
 
 /// Of workers written here.
 inline constexpr std::uint32_t kProtocolVersion = 2;

@@ -1,27 +1,9 @@
 // Siconos's solvers for linear complementarity problems, behind linearComplementarity_driver.
 //
-// Known of release 4.4. The driver answers "no row pulls" (q >= 0) itself, and in the end recomputes w and accepts an
-// answer when ||min(z, w)|| <= tolerance ||q||, whatever units z and w have: that is every method's claim of success. A
-// residual that is not a number passes. The pivoting codes test with the tolerance that their options begin with (1e-6,
-// and 1e-12 for the variational inequality). Where Lemke's method meets a column without positive entry, it gives up
-// and does not say whether the problem has no solution: no claim of infeasibility is made of that.
-//
 // Sweeps and Newton steps are asked for in portions, with the clock read in between: all that the next depends on is z,
-// so that this changes nothing. Pivoting cannot be interrupted; the host's time limit ends it.
-//
-// The block method solves each diagonal block by Gauss-Seidel. Its default, projected relaxation, prints a warning at
-// each call; with the library's pivoting codes it passed fewer of the tuning problems, because they fail on blocks that
-// redundant rows make singular, and a block that fails ends the sweep. Iterations are pivots, sweeps or Newton steps;
-// the block method does not tell its sweeps: those asked for are counted, at most twice as many and kFewest as made.
-//
-// Settings, other than `tolerance` and of keys that do not end in -default, as the library's documentation of its LCP
-// solvers has them; the first is the library's own.
-//   siconos-lexicolemke  rule: lexico, lemke, bard, murty: the pivoting code (SICONOS_LCP_LEMKE, _PIVOT, _BARD, _MURTY)
-//   siconos-newton-fb    direction: fischer-burmeister, min; search: armijo, goldstein; reference: monotone, max, mean
-//                        (of the last ten merit values)
-//   siconos-pgs          regularization: 0, or as a share of the largest diagonal entry: the regularized code (_RPGS)
-//   siconos-nsgs-sbm     local: pgs, rpgs, lemke, newton-fb, the solver of a block; local-iterations: 0, its own limit,
-//                        or another; block-rows: rows of a block at most
+// so that this changes nothing. Pivoting cannot be interrupted; the host's time limit ends it. Iterations are pivots,
+// sweeps or Newton steps; the block method does not tell its sweeps: those asked for are counted, at most twice as many
+// and kFewest as made. docs/peers.md has what is known of release 4.4.
 
 #include <LinearComplementarityProblem.h>
 #include <Newton_methods.h>
@@ -50,7 +32,6 @@
 #include <vector>
 
 #include "solvers/linear_algebra/library_threads.h"
-#include "solvers/peers/given_matrix.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -88,7 +69,6 @@ Bodies BodiesOf(const LcpProblem& problem, Index row) {
 /// Without factors every row is a block. O(n^2), or O(nnz of A), memory.
 class SiconosProblem {
  public:
-  static constexpr std::size_t kLargestBlock = 16;  ///< unless told otherwise
   enum class Storage { kDense, kBlocks };
 
   SiconosProblem(const LcpProblem& problem, Storage storage, std::size_t largest_block)
@@ -174,30 +154,26 @@ class SiconosProblem {
   }
 
   void FillDense(const LcpProblem& problem) {
-    const auto n = static_cast<std::size_t>(problem.size());
-    const std::size_t size = variables_.size();
-    values_.resize(size * size);
-    WriteDenseColumns(problem, static_cast<Index>(size), values_.data());
+    const Index n = problem.size();
+    values_.resize(variables_.size() * variables_.size());
+    Eigen::Map<Eigen::MatrixXd> M(values_.data(), size(), size());
+    if (problem.has_factors()) {
+      AssembleDenseA(problem, values_.data(), size());  // symmetric: rows are columns
+    } else {
+      M.topLeftCorner(n, n) = problem.DenseA();
+    }
     // The mirrored rows, then the mirrored columns.
-    for (std::size_t mirror = n; mirror < size; ++mirror) {
-      const auto row = static_cast<std::size_t>(variables_[mirror].row);
-      for (std::size_t column = 0; column < n; ++column) {
-        values_[column * size + mirror] = -values_[column * size + row];
-      }
-    }
-    for (std::size_t mirror = n; mirror < size; ++mirror) {
-      const auto column = static_cast<std::size_t>(variables_[mirror].row);
-      for (std::size_t i = 0; i < size; ++i) values_[mirror * size + i] = -values_[column * size + i];
-    }
+    for (Index i = n; i < size(); ++i) M.row(i).head(n) = -M.row(RowOf(i)).head(n);
+    for (Index i = n; i < size(); ++i) M.col(i) = -M.col(RowOf(i));
   }
+  Index RowOf(Index variable) const { return variables_[static_cast<std::size_t>(variable)].row; }
 
   void FillBlocks(const LcpProblem& problem) {
     const SparseMatrix& A = problem.SparseA();
-    // Where each row of the problem stands: its block, and the positions of it and of its mirror.
+    // Where each row of the problem stands: its block, and the position of it; of its mirror the one behind.
     struct Place {
       std::size_t block = 0;
       std::size_t first = 0;
-      std::size_t count = 0;
     };
     std::vector<Place> places(static_cast<std::size_t>(problem.size()));
     const auto begin_of = [&](std::size_t block) {
@@ -205,8 +181,7 @@ class SiconosProblem {
     };
     for (std::size_t block = 0; block < ends_.size(); ++block) {
       for (std::size_t i = begin_of(block); i < ends_[block]; ++i) {
-        Place& place = places[static_cast<std::size_t>(variables_[i].row)];
-        if (place.count++ == 0) place = {block, i, 1};
+        if (variables_[i].sign > 0) places[static_cast<std::size_t>(variables_[i].row)] = {block, i};
       }
     }
     // The pattern first, since values_ must not move once blocks point into it.
@@ -240,7 +215,8 @@ class SiconosProblem {
           const Place& place = places[static_cast<std::size_t>(entry.col())];
           const auto column = std::lower_bound(first, last, place.block);
           double* values = blocks_[static_cast<std::size_t>(column - columns_.begin())];
-          for (std::size_t j = place.first; j < place.first + place.count; ++j) {
+          const std::size_t end = place.first + (problem.is_bilateral(entry.col()) ? 2 : 1);
+          for (std::size_t j = place.first; j < end; ++j) {
             values[(i - begin_of(block)) + (j - begin_of(place.block)) * height] =
                 variables_[i].sign * variables_[j].sign * entry.value();
           }
@@ -298,6 +274,8 @@ class Silence {
   std::array<int, kStreams.size()> kept_{};
 };
 
+constexpr std::size_t kLargestBlock = 16;  // rows, unless told otherwise
+
 using OptionsPointer = std::unique_ptr<SolverOptions, void (*)(SolverOptions*)>;
 
 struct Method {
@@ -308,30 +286,17 @@ struct Method {
   int cost_power = 0;
 };
 
-// What the settings make of a method.
-struct Tuning {
-  bool as_the_library_has_it = false;
-  LCP_SOLVER solver = SICONOS_LCP_LEMKE;
-  PeerTolerance tolerance;
-  // Newton.
-  LSA_ALGO search = SICONOS_LSA_ARMIJO;
-  int reference = NM_LS_DISABLE;
-  // Sweeps.
-  double regularization = 0;
-  // Blocks.
-  LCP_SOLVER local = SICONOS_LCP_PGS;
-  int local_iterations = 0;
-  std::size_t block_rows = SiconosProblem::kLargestBlock;
-};
-
 class Siconos : public LcpSolver {
  public:
-  Siconos(const Method& method, const Tuning& tuning) : method_(method), tuning_(tuning) {}
+  Siconos(const Method& method, std::string_view key, SettingsReader* reader)
+      : method_(method), solver_(method.solver), is_library_default_(key.ends_with("-default")) {
+    if (!is_library_default_) ReadSettings(reader);
+  }
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
-    problem_.emplace(problem, method_.storage, tuning_.block_rows);
-    if (tuning_.regularization > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
+    problem_.emplace(problem, method_.storage, block_rows_);
+    if (regularization_ > 0) largest_diagonal_ = problem.DiagonalA().cwiseAbs().maxCoeff();
   }
 
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
@@ -359,26 +324,62 @@ class Siconos : public LcpSolver {
   static constexpr double kPerRow = 500;       // products that take as long as a row's solve without them
   static constexpr std::int64_t kFewest = 16;  // sweeps, of a method that does not tell how many it made
 
+  void ReadSettings(SettingsReader* reader) {
+    if (method_.cost_power > 0) tier_ = PeerTier(method_.key, reader);
+    switch (method_.solver) {
+      case SICONOS_LCP_LEMKE:
+        solver_ = Choose<LCP_SOLVER>(reader, "rule",
+                                     {{"lexico", SICONOS_LCP_LEMKE},
+                                      {"lemke", SICONOS_LCP_PIVOT},
+                                      {"bard", SICONOS_LCP_BARD},
+                                      {"murty", SICONOS_LCP_MURTY}});
+        return;
+      case SICONOS_LCP_NEWTON_FB_FBLSA:
+        solver_ = Choose<LCP_SOLVER>(
+            reader, "direction",
+            {{"fischer-burmeister", SICONOS_LCP_NEWTON_FB_FBLSA}, {"min", SICONOS_LCP_NEWTON_MIN_FBLSA}});
+        search_ =
+            Choose<LSA_ALGO>(reader, "search", {{"armijo", SICONOS_LSA_ARMIJO}, {"goldstein", SICONOS_LSA_GOLDSTEIN}});
+        reference_ =
+            Choose<int>(reader, "reference", {{"monotone", NM_LS_DISABLE}, {"max", NM_LS_MAX}, {"mean", NM_LS_MEAN}});
+        return;
+      case SICONOS_LCP_PGS:
+        regularization_ = reader->Number("regularization", 0, 0, 10);
+        if (regularization_ > 0) solver_ = SICONOS_LCP_RPGS;
+        return;
+      case SICONOS_LCP_NSGS_SBM:
+        local_ = Choose<LCP_SOLVER>(reader, "local",
+                                    {{"pgs", SICONOS_LCP_PGS},
+                                     {"rpgs", SICONOS_LCP_RPGS},
+                                     {"lemke", SICONOS_LCP_LEMKE},
+                                     {"newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA}});
+        local_iterations_ = static_cast<int>(reader->Number("local-iterations", 0, 0, 1e6));
+        block_rows_ = static_cast<std::size_t>(reader->Number("block-rows", kLargestBlock, 1, 1000));
+        return;
+      default:
+        return;
+    }
+  }
+
   OptionsPointer MakeOptions(const LcpOptions& options) const {
-    OptionsPointer own(solver_options_create(tuning_.solver), &solver_options_delete);
+    OptionsPointer own(solver_options_create(solver_), &solver_options_delete);
     if (method_.solver == SICONOS_LCP_NSGS_SBM) {
-      solver_options_update_internal(own.get(), 0, tuning_.local);
-      SolverOptions& local = *own->internalSolvers[0];
-      if (tuning_.local_iterations > 0) local.iparam[SICONOS_IPARAM_MAX_ITER] = tuning_.local_iterations;
+      solver_options_update_internal(own.get(), 0, local_);
+      if (local_iterations_ > 0) own->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = local_iterations_;
     }
     if (method_.solver == SICONOS_LCP_NEWTON_FB_FBLSA) {
       constexpr int kRemembered = 10;
-      own->iparam[SICONOS_IPARAM_LSA_SEARCH_CRITERION] = tuning_.search;
-      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS] = tuning_.reference;
-      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS_M] = tuning_.reference == NM_LS_DISABLE ? 0 : kRemembered;
+      own->iparam[SICONOS_IPARAM_LSA_SEARCH_CRITERION] = search_;
+      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS] = reference_;
+      own->iparam[SICONOS_IPARAM_LSA_NONMONOTONE_LS_M] = reference_ == NM_LS_DISABLE ? 0 : kRemembered;
     }
-    if (tuning_.regularization > 0) own->dparam[SICONOS_LCP_DPARAM_RHO] = tuning_.regularization * largest_diagonal_;
-    double most = own->iparam[SICONOS_IPARAM_MAX_ITER];
-    if (!tuning_.as_the_library_has_it && method_.cost_power > 0) {
-      own->dparam[SICONOS_DPARAM_TOL] = tuning_.tolerance.For(options);
-      most = TierIterations(method_.key);
+    if (regularization_ > 0) own->dparam[SICONOS_LCP_DPARAM_RHO] = regularization_ * largest_diagonal_;
+    int& most = own->iparam[SICONOS_IPARAM_MAX_ITER];
+    if (!is_library_default_ && method_.cost_power > 0) {
+      own->dparam[SICONOS_DPARAM_TOL] = tier_.Tolerance(options);
+      most = tier_.Iterations(options);
     }
-    own->iparam[SICONOS_IPARAM_MAX_ITER] = IterationLimit(options, most);
+    most = IterationLimit(options, most);
     return own;
   }
 
@@ -431,7 +432,18 @@ class Siconos : public LcpSolver {
   }
 
   Method method_;
-  Tuning tuning_;
+  LCP_SOLVER solver_;
+  bool is_library_default_;
+  PeerTier tier_;
+  // Of the Newton methods.
+  LSA_ALGO search_ = SICONOS_LSA_ARMIJO;
+  int reference_ = NM_LS_DISABLE;
+  // Of sweeps.
+  double regularization_ = 0;
+  // Of blocks.
+  LCP_SOLVER local_ = SICONOS_LCP_PGS;
+  int local_iterations_ = 0;
+  std::size_t block_rows_ = kLargestBlock;
   double largest_diagonal_ = 0;
   std::optional<SiconosProblem> problem_;
 };
@@ -444,54 +456,10 @@ constexpr Method kMethods[] = {
     {"siconos-avi", SICONOS_LCP_AVI_CAOFERRIS},
 };
 
-void ReadSettings(const Method& method, SettingsReader* reader, Tuning* tuning) {
-  if (method.cost_power > 0) tuning->tolerance = PeerTolerance(method.key, reader);
-  switch (method.solver) {
-    case SICONOS_LCP_LEMKE:
-      tuning->solver = Choose<LCP_SOLVER>(reader, "rule",
-                                          {{"lexico", SICONOS_LCP_LEMKE},
-                                           {"lemke", SICONOS_LCP_PIVOT},
-                                           {"bard", SICONOS_LCP_BARD},
-                                           {"murty", SICONOS_LCP_MURTY}});
-      return;
-    case SICONOS_LCP_NEWTON_FB_FBLSA:
-      tuning->solver = Choose<LCP_SOLVER>(
-          reader, "direction",
-          {{"fischer-burmeister", SICONOS_LCP_NEWTON_FB_FBLSA}, {"min", SICONOS_LCP_NEWTON_MIN_FBLSA}});
-      tuning->search =
-          Choose<LSA_ALGO>(reader, "search", {{"armijo", SICONOS_LSA_ARMIJO}, {"goldstein", SICONOS_LSA_GOLDSTEIN}});
-      tuning->reference =
-          Choose<int>(reader, "reference", {{"monotone", NM_LS_DISABLE}, {"max", NM_LS_MAX}, {"mean", NM_LS_MEAN}});
-      return;
-    case SICONOS_LCP_PGS:
-      tuning->regularization = reader->Number("regularization", 0, 0, 10);
-      if (tuning->regularization > 0) tuning->solver = SICONOS_LCP_RPGS;
-      return;
-    case SICONOS_LCP_NSGS_SBM:
-      tuning->local = Choose<LCP_SOLVER>(reader, "local",
-                                         {{"pgs", SICONOS_LCP_PGS},
-                                          {"rpgs", SICONOS_LCP_RPGS},
-                                          {"lemke", SICONOS_LCP_LEMKE},
-                                          {"newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA}});
-      tuning->local_iterations = static_cast<int>(reader->Number("local-iterations", 0, 0, 1e6));
-      tuning->block_rows =
-          static_cast<std::size_t>(reader->Number("block-rows", static_cast<double>(tuning->block_rows), 1, 1000));
-      return;
-    default:
-      return;
-  }
-}
-
-std::unique_ptr<LcpSolver> Make(std::string_view key, const Settings& settings) {
-  SettingsReader reader(key, settings);
+std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   const auto* method = std::find_if(std::begin(kMethods), std::end(kMethods),
                                     [key](const Method& known) { return key.starts_with(known.key); });
-  Tuning tuning;
-  tuning.as_the_library_has_it = key.ends_with("-default");
-  tuning.solver = method->solver;
-  if (!tuning.as_the_library_has_it) ReadSettings(*method, &reader, &tuning);
-  reader.Finish();
-  return std::make_unique<Siconos>(*method, tuning);
+  return std::make_unique<Siconos>(*method, key, reader);
 }
 
 }  // namespace

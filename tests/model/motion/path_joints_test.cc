@@ -1,4 +1,4 @@
-#include "model/motion/path_joints.h"
+#include "model/motion/contact_finder.h"
 
 #include <gtest/gtest.h>
 

@@ -22,6 +22,7 @@
 #include "model/shape/mass_properties.h"
 #include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
+#include "tests/model/momenta.h"
 #include "tests/model/scene_checks.h"
 
 namespace lcpbench {

@@ -22,22 +22,15 @@ bool IsBelowAllEigenvalues(const LcpProblem& problem, const ActiveFactor& factor
   const ExactLcp lcp = ExactFrom(problem);
   const std::vector<Index>& rows = factor.independent();
   const auto n = static_cast<Index>(rows.size());
-  std::vector<Rational> shifted;
-  boost::multiprecision::mpz_int common = 1;
+  // All doubles: integers in units of 2^-kBits.
+  constexpr long kBits = 2000;
+  IntegerMatrix integer(n, n);
   for (Index i = 0; i < n; ++i) {
     for (Index j = 0; j < n; ++j) {
       Rational entry = lcp.A[At(rows[At(i)] * lcp.size + rows[At(j)])] * Rational(factor.factor().scale()[i]) *
                        Rational(factor.factor().scale()[j]);
       if (i == j) entry -= Rational(bound);
-      common = lcm(common, denominator(entry));
-      shifted.push_back(entry);
-    }
-  }
-  IntegerMatrix integer(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      const Rational scaled = shifted[At(i * n + j)] * common;
-      fmpz_set_mpz(integer.at(i, j), numerator(scaled).backend().data());
+      fmpz_set_mpz(integer.at(i, j), numerator(Shifted(entry, kBits)).backend().data());
     }
   }
   return IsPositiveSemidefinite(integer);

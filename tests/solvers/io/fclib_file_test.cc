@@ -8,73 +8,33 @@
 
 #include <cstdint>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <limits>
 #include <map>
-#include <set>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "solvers/io/hdf5_file.h"
-#include "support/input_error.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
 
-namespace fs = std::filesystem;
-
-class FclibFile : public testing::Test {
+class FclibFile : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) /
-              (std::string("fclib-") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+  void ExpectRefused(const std::string& path, const std::string& words) const {
+    lcpbench::ExpectRefused([&] { ReadFclibProblem(path); }, words, path + ": ");
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-
-  // One line with the file's name and `mentions`.
-  void ExpectRefused(const std::string& path, const std::string& mentions) const {
-    try {
-      ReadFclibProblem(path);
-      ADD_FAILURE() << "accepted; expected " << mentions;
-    } catch (const InputError& error) {
-      const std::string what = error.what();
-      EXPECT_NE(what.find(mentions), std::string::npos) << what << "\nexpected: " << mentions;
-      EXPECT_TRUE(what.starts_with(path + ": ")) << what;
-      EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    }
-  }
-
-  fs::path folder_;
 };
-
-std::string Bytes(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-void WriteBytes(const std::string& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
-
-LcpProblem AsDense(const LcpProblem& given) {
-  return LcpProblem::FromDense(given.id(), given.DenseA(), given.b(),
-                               RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
-}
 
 TEST_F(FclibFile, ProblemsComeBackBitForBit) {
   int mixed = 0, plain = 0;
   for (const TestProblem& test : GeneratedProblems()) {
     (test.problem.bilateral_rows().empty() ? plain : mixed) += 1;
-    for (const LcpProblem& given : {test.problem, WithoutFactors(test.problem)}) {
+    for (const LcpProblem& given : {test.problem, InForm(test.problem, MatrixForm::kSparse)}) {
       SCOPED_TRACE(given.id());
       WriteFclibProblem(given, Path("p.hdf5"));
       const FclibProblem back = ReadFclibProblem(Path("p.hdf5"));
@@ -82,7 +42,7 @@ TEST_F(FclibFile, ProblemsComeBackBitForBit) {
       EXPECT_EQ(DifferenceOfProblems(back.problem, given), "");
       EXPECT_FALSE(back.f.has_value());
     }
-    const LcpProblem dense = AsDense(test.problem);
+    const LcpProblem dense = InForm(test.problem, MatrixForm::kDense);
     WriteFclibProblem(dense, Path("dense.hdf5"));
     const LcpProblem back = ReadFclibProblem(Path("dense.hdf5")).problem;
     EXPECT_EQ(DifferenceOfRows(back, dense), "");
@@ -113,7 +73,7 @@ TEST_F(FclibFile, TheSameProblemGivesTheSameBytes) {
   const LcpProblem given = GeneratedProblems()[30].problem;
   WriteFclibProblem(given, Path("a.h5"));
   WriteFclibProblem(given, Path("b.h5"));
-  EXPECT_EQ(Bytes(Path("a.h5")), Bytes(Path("b.h5")));
+  EXPECT_EQ(Bytes("a.h5"), Bytes("b.h5"));
 }
 
 TEST_F(FclibFile, WhatTheFormatCannotHoldIsNotWritten) {
@@ -122,11 +82,6 @@ TEST_F(FclibFile, WhatTheFormatCannotHoldIsNotWritten) {
   const LcpProblem coupled =
       LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), RowBounds::WithBilateralRows(2, {1}));
   EXPECT_THROW(WriteFclibProblem(coupled, Path("p.h5")), InputError);
-  RowBounds bounds;
-  bounds.lower = Eigen::VectorXd::Constant(2, -1);
-  bounds.upper = Eigen::VectorXd::Constant(2, 1);
-  EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2), bounds), Path("p.h5")),
-               InputError);
   EXPECT_THROW(WriteFclibProblem(LcpProblem::FromDense("p", A, Eigen::VectorXd::Ones(2)), "/nowhere/p.h5"), InputError);
   SparseMatrix J(1, 3);
   J.insert(0, 0) = 1e200;
@@ -165,22 +120,9 @@ struct Contents {
   }
 
   void Write(const std::string& path) const {
-    Hdf5Writer file(path);
-    std::set<std::string> groups;
-    const auto add_groups = [&](const std::string& name) {
-      for (std::size_t end = name.find('/', 1); end != std::string::npos; end = name.find('/', end + 1)) {
-        if (groups.insert(name.substr(0, end)).second) file.AddGroup(name.substr(0, end));
-      }
-    };
-    for (const auto& [name, values] : integers) {
-      add_groups(name);
-      file.AddIntegers(name, values);
-    }
-    for (const auto& [name, values] : reals) {
-      add_groups(name);
-      file.AddReals(name, values.data(), values.size());
-    }
-    file.Close();
+    Hdf5Datasets datasets(integers.begin(), integers.end());
+    datasets.insert(datasets.end(), reals.begin(), reals.end());
+    WriteHdf5(path, datasets);
   }
 };
 
@@ -334,104 +276,74 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
 TEST_F(FclibFile, WhatIsNoFileOfThisKindIsRefused) {
   ExpectRefused(Path("absent.h5"), "cannot be opened");
   ExpectRefused(folder_.string(), "not a regular file");
-  WriteBytes(Path("empty.h5"), "");
+  Write("empty.h5", "");
   ExpectRefused(Path("empty.h5"), "expected an HDF5 file that libhdf5 can read, found one that it refuses");
-  WriteBytes(Path("text.h5"), "this is no HDF5 file at all");
+  Write("text.h5", "this is no HDF5 file at all");
   ExpectRefused(Path("text.h5"), "expected an HDF5 file that libhdf5 can read, found one that it refuses");
 }
 
-// Adds `name` to the group of a file with libhdf5's own functions.
-void Change(const std::string& path, const std::function<void(hid_t file)>& change) {
-  const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
-  ASSERT_GE(file, 0);
-  change(file);
-  ASSERT_GE(H5Fclose(file), 0);
-}
-
 TEST_F(FclibFile, WhatLeadsOutOfTheFileIsRefused) {
+  using Change = std::function<void(hid_t)>;
   const std::string q = "/fclib_local/vectors/q";
-  const auto with_q = [&](const std::string& name, const std::function<void(hid_t file)>& change) {
+  const auto expect = [&](const Change& change, const std::string& words) {
     Contents contents = Example();
     contents.reals.erase(q);
     contents.reals["/elsewhere"] = {-1, 0, -2, 0};
-    contents.Write(Path(name));
-    Change(Path(name), change);
-    return Path(name);
+    contents.Write(Path("changed.h5"));
+    const hid_t file = H5Fopen(Path("changed.h5").c_str(), H5F_ACC_RDWR, H5P_DEFAULT);
+    ASSERT_GE(file, 0);
+    change(file);
+    ASSERT_GE(H5Fclose(file), 0);
+    ExpectRefused(Path("changed.h5"), words);
   };
-  const auto create = [&](hid_t file, const std::function<void(hid_t properties)>& set, hsize_t size = 4) {
-    const hid_t space = H5Screate_simple(1, &size, nullptr);
-    const hid_t properties = H5Pcreate(H5P_DATASET_CREATE);
-    set(properties);
-    const hid_t dataset = H5Dcreate2(file, q.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
-    ASSERT_GE(dataset, 0);
-    H5Dclose(dataset);
-    H5Pclose(properties);
-    H5Sclose(space);
+  const auto create = [](const std::string& name, const Change& set, const std::vector<double>& values = {},
+                         hsize_t size = 4) {
+    return [=](hid_t file) {
+      const hid_t space = H5Screate_simple(1, &size, nullptr), properties = H5Pcreate(H5P_DATASET_CREATE);
+      set(properties);
+      const hid_t dataset = H5Dcreate2(file, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT);
+      ASSERT_GE(dataset, 0);
+      if (!values.empty()) H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+      H5Dclose(dataset);
+      H5Pclose(properties);
+      H5Sclose(space);
+    };
   };
-  ExpectRefused(
-      with_q("soft.h5", [&](hid_t file) { H5Lcreate_soft("/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT); }),
-      "q: expected a hard link, found another");
-  Example().Write(Path("other.h5"));
-  ExpectRefused(with_q("outside.h5",
-                       [&](hid_t file) {
-                         H5Lcreate_external(Path("other.h5").c_str(), q.c_str(), file, q.c_str(), H5P_DEFAULT,
-                                            H5P_DEFAULT);
-                       }),
-                "q: expected a hard link, found another");
-  const std::string values = Path("values");
-  WriteBytes(values, std::string(32, '\0'));
-  ExpectRefused(with_q("external.h5",
-                       [&](hid_t file) {
-                         create(file, [&](hid_t properties) { H5Pset_external(properties, values.c_str(), 0, 32); });
-                       }),
-                "q: expected values in the file itself, found names of other files");
-  ExpectRefused(with_q("virtual.h5",
-                       [&](hid_t file) {
-                         create(file, [&](hid_t properties) {
-                           const hsize_t size = 4;
-                           const hid_t space = H5Screate_simple(1, &size, nullptr);
-                           H5Pset_virtual(properties, space, Path("other.h5").c_str(), q.c_str(), space);
-                           H5Sclose(space);
-                         });
-                       }),
-                "q: expected values in one piece as fclib writes them, found chunks, filters or other datasets");
-  ExpectRefused(with_q("chunks.h5",
-                       [&](hid_t file) {
-                         create(file, [](hid_t properties) {
-                           const hsize_t chunk = 2;
-                           H5Pset_chunk(properties, 1, &chunk);
-                           H5Pset_deflate(properties, 9);
-                         });
-                       }),
-                "q: expected values in one piece");
+  const std::string other = Path("other.h5"), values = Path("values");
+  Example().Write(other);
+  Write("values", std::string(32, '\0'));
+  expect([&](hid_t file) { H5Lcreate_soft("/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT); },
+         "q: expected a hard link, found another");
+  expect([&](hid_t f) { H5Lcreate_external(other.c_str(), q.c_str(), f, q.c_str(), H5P_DEFAULT, H5P_DEFAULT); },
+         "q: expected a hard link, found another");
+  expect(create(q, [&](hid_t properties) { H5Pset_external(properties, values.c_str(), 0, 32); }),
+         "q: expected values in the file itself, found names of other files");
+  const hsize_t size = 4;
+  const hid_t space = H5Screate_simple(1, &size, nullptr);
+  expect(create(q, [&](hid_t properties) { H5Pset_virtual(properties, space, other.c_str(), q.c_str(), space); }),
+         "q: expected values in one piece as fclib writes them, found chunks, filters or other datasets");
+  H5Sclose(space);
+  const auto chunks = [](hid_t properties) {
+    const hsize_t chunk = 2;
+    H5Pset_chunk(properties, 1, &chunk);
+    H5Pset_deflate(properties, 9);
+  };
+  expect(create(q, chunks), "q: expected values in one piece");
   // Promised, and never written.
-  constexpr hsize_t kPromised = 1'000'000'000'000;
-  ExpectRefused(with_q("promised.h5",
-                       [&](hid_t file) {
-                         create(
-                             file, [](hid_t) {}, kPromised);
-                       }),
-                "q: expected as many values as the file holds");
+  const auto nothing = [](hid_t) {};
+  expect(create(q, nothing, {}, 1'000'000'000'000), "q: expected as many values as the file holds");
   // The same values under many names.
-  ExpectRefused(with_q("shared.h5",
-                       [&](hid_t file) {
-                         H5Lcreate_hard(file, "/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT);
-                         H5Ldelete(file, "/fclib_local/W/x", H5P_DEFAULT);
-                         const hsize_t size = 2000;
-                         const std::vector<double> many(size, 1.0);
-                         const hid_t space = H5Screate_simple(1, &size, nullptr);
-                         const hid_t dataset = H5Dcreate2(file, "/fclib_local/W/x", H5T_IEEE_F64LE, space, H5P_DEFAULT,
-                                                          H5P_DEFAULT, H5P_DEFAULT);
-                         H5Dwrite(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, many.data());
-                         H5Dclose(dataset);
-                         H5Sclose(space);
-                         for (const char* name : {"V", "R"}) {
-                           const std::string x = std::string("/fclib_local/") + name + "/x";
-                           H5Ldelete(file, x.c_str(), H5P_DEFAULT);
-                           H5Lcreate_hard(file, "/fclib_local/W/x", file, x.c_str(), H5P_DEFAULT, H5P_DEFAULT);
-                         }
-                       }),
-                "expected values of its own, found some that are others' too");
+  const auto share = [&](hid_t file) {
+    const std::string W_x = "/fclib_local/W/x";
+    H5Lcreate_hard(file, "/elsewhere", file, q.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    H5Ldelete(file, W_x.c_str(), H5P_DEFAULT);
+    create(W_x, nothing, std::vector<double>(2000, 1.0), 2000)(file);
+    for (const std::string x : {"/fclib_local/V/x", "/fclib_local/R/x"}) {
+      H5Ldelete(file, x.c_str(), H5P_DEFAULT);
+      H5Lcreate_hard(file, W_x.c_str(), file, x.c_str(), H5P_DEFAULT, H5P_DEFAULT);
+    }
+  };
+  expect(share, "expected values of its own, found some that are others' too");
 }
 
 // Headers whose sizes promise what the file does not hold.
@@ -440,7 +352,7 @@ TEST_F(FclibFile, PromisesAreNotBelieved) {
   constexpr std::uint64_t kEntries = 1237;  // a number that stands nowhere else
   contents.reals["/fclib_local/vectors/q"].assign(kEntries, 1.0);
   contents.Write(Path("p.h5"));
-  const std::string bytes = Bytes(Path("p.h5"));
+  const std::string bytes = Bytes("p.h5");
   const auto replaced = [](std::string text, std::uint64_t from, std::uint64_t to) {
     char old_bytes[sizeof from], new_bytes[sizeof to];
     std::memcpy(old_bytes, &from, sizeof from);
@@ -455,9 +367,9 @@ TEST_F(FclibFile, PromisesAreNotBelieved) {
   };
   constexpr std::uint64_t kPromised = 1'000'000'000'000;
   const std::string size_only = replaced(bytes, kEntries, kPromised);
-  WriteBytes(Path("size.h5"), size_only);
+  Write("size.h5", size_only);
   ExpectRefused(Path("size.h5"), "");
-  WriteBytes(Path("both.h5"), replaced(size_only, 8 * kEntries, 8 * kPromised));
+  Write("both.h5", replaced(size_only, 8 * kEntries, 8 * kPromised));
   ExpectRefused(Path("both.h5"), "");
   constexpr long kMostMemory = 512 * 1024;  // kB, of which a sanitizer takes the most
   for (const auto& who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
@@ -470,10 +382,10 @@ TEST_F(FclibFile, PromisesAreNotBelieved) {
 // Changed bytes are tests/fuzz/fclib_law_test.cc.
 TEST_F(FclibFile, TruncatedFilesAreRefusedInOneLine) {
   WriteFclibProblem(GeneratedProblems()[1].problem, Path("whole.h5"));
-  const std::string whole = Bytes(Path("whole.h5"));
+  const std::string whole = Bytes("whole.h5");
   constexpr std::size_t kCuts = 40;
   for (std::size_t k = 0; k < kCuts; ++k) {
-    WriteBytes(Path("cut.h5"), whole.substr(0, whole.size() * k / kCuts));
+    Write("cut.h5", whole.substr(0, whole.size() * k / kCuts));
     ExpectRefused(Path("cut.h5"), "expected");
   }
 }

@@ -6,21 +6,15 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "support/input_error.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
 
 LcpRecord Parse(const std::string& line) { return ParseLcpRecord(line, "file:7"); }
 
-// The text of the refusal, or "" when the line was taken.
 std::string Refusal(const std::string& line) {
-  try {
-    Parse(line);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  return RefusalOf([&] { Parse(line); });
 }
 
 TEST(JsonLines, EveryMatrixNotationMeansTheSame) {
@@ -96,11 +90,7 @@ TEST(JsonLines, MalformedLinesAreRefusedInOneLine) {
       R"({"id":{},"A":[[1]],"b":[1]})",
       R"({"A":[[1]],"b":[1],"status":"solved","w":[1,2]})",
   };
-  for (const std::string& line : lines) {
-    const std::string refusal = Refusal(line);
-    EXPECT_TRUE(refusal.starts_with("file:7: ")) << line << " -> " << refusal;
-    EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
-  }
+  for (const std::string& line : lines) ExpectRefused([&] { Parse(line); }, "", "file:7: ");
 }
 
 TEST(JsonLines, RoundTripsAreExactBitForBit) {

@@ -17,11 +17,6 @@
 namespace lcpbench {
 namespace {
 
-LcpProblem AsDense(const LcpProblem& given) {
-  return LcpProblem::FromDense(given.id(), given.DenseA(), given.b(),
-                               RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
-}
-
 class SiconosLibrary : public testing::Test {
  protected:
   void TearDown() override { std::remove(path_.c_str()); }
@@ -67,14 +62,14 @@ void ExpectReadByTheLibrary(const LcpProblem& problem, const std::string& path) 
 TEST_F(SiconosLibrary, ReadsOurFiles) {
   for (const TestProblem& test : GeneratedProblems()) {
     SCOPED_TRACE(test.problem.id());
-    ExpectReadByTheLibrary(AsDense(test.problem), path_);
-    ExpectReadByTheLibrary(WithoutFactors(test.problem), path_);
+    ExpectReadByTheLibrary(InForm(test.problem, MatrixForm::kDense), path_);
+    ExpectReadByTheLibrary(InForm(test.problem, MatrixForm::kSparse), path_);
   }
 }
 
 TEST_F(SiconosLibrary, WritesFilesThatWeRead) {
   for (const TestProblem& test : GeneratedProblems()) {
-    const LcpProblem problem = AsDense(test.problem);
+    const LcpProblem problem = InForm(test.problem, MatrixForm::kDense);
     if (!problem.bilateral_rows().empty()) continue;
     SCOPED_TRACE(problem.id());
     const auto n = static_cast<int>(problem.size());

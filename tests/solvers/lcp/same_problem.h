@@ -1,28 +1,14 @@
 #pragma once
 
-#include <algorithm>
-#include <cstring>
 #include <string>
 
+#include "solvers/io/same_bits.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
 
-// -0 and 0 are equal, and not the same.
-inline bool SameBits(const double* a, const double* b, Index n) {
-  return n == 0 || std::memcmp(a, b, sizeof(double) * static_cast<std::size_t>(n)) == 0;
-}
-
 inline bool SameBits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() && SameBits(a.data(), b.data(), a.size());
-}
-
-/// The same entries are stored, zeros included.
-inline bool SameBits(const SparseMatrix& a, const SparseMatrix& b) {
-  return a.rows() == b.rows() && a.cols() == b.cols() && a.nonZeros() == b.nonZeros() &&
-         std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.rows() + 1, b.outerIndexPtr()) &&
-         std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr()) &&
-         SameBits(a.valuePtr(), b.valuePtr(), a.nonZeros());
 }
 
 /// What differs between A, b and the kinds of rows; "" for nothing.
@@ -39,12 +25,6 @@ inline std::string DifferenceOfProblems(const LcpProblem& a, const LcpProblem& b
     return "other factors";
   }
   return DifferenceOfRows(a, b);
-}
-
-/// The same A by its entries alone.
-inline LcpProblem WithoutFactors(const LcpProblem& given) {
-  return LcpProblem::FromSparse(given.id(), given.SparseA(), given.b(),
-                                RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
 }
 
 }  // namespace lcpbench

@@ -169,6 +169,7 @@ TEST(Verify, EnergyCertificateBoundsTheErrorOfTheShiftedProblem) {
     const double error = (f - exact).dot(A * (f - exact));
     const Metrics m = ComputeMetrics(planted.problem, f);
     EXPECT_LE(error, m.energy_bound * (1 + 1e-9) + 1e-12);
+    EXPECT_NEAR(m.energy_bound, f.dot(w.cwiseMax(0)), 1e-9 * (1 + m.energy_bound));
     const Eigen::VectorXd scaled_shift = (shifted_b - planted.problem.b()).cwiseQuotient(A.diagonal().cwiseSqrt());
     EXPECT_NEAR(m.energy_shift, scaled_shift.norm(), 1e-9);
   }

@@ -3,13 +3,14 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
-#include "support/input_error.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -31,6 +32,23 @@ LcpResult SolveWith(ExternalSolver& solver, const LcpProblem& problem, double ti
   return result;
 }
 
+LcpResult SolveHere(const LcpProblem& problem) {
+  LcpResult result;
+  MakeSolver("dantzig")->Solve(problem, {}, &result);
+  return result;
+}
+
+// How a worker fails; nothing where it does not.
+template <typename Act>
+std::optional<WorkerFailure::How> HowItFails(Act act) {
+  try {
+    act();
+  } catch (const WorkerFailure& failure) {
+    return failure.how();
+  }
+  return std::nullopt;
+}
+
 const LcpProblem& AnyProblem() {
   static const LcpProblem problem = PlantedProblem(8, 4, 3, 2, 0).problem;
   return problem;
@@ -41,8 +59,7 @@ TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
   EXPECT_EQ(external.Greet().name, "dantzig");
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
-    LcpResult here;
-    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    const LcpResult here = SolveHere(problem);
     const LcpResult there = SolveWith(external, problem);
     EXPECT_EQ(there.status, here.status);
     EXPECT_EQ(there.f, here.f);
@@ -57,13 +74,9 @@ TEST(ExternalSolver, AnotherBIsSolvedOnTheMatrixThatWasSent) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
     SolveWith(external, problem);
     const LcpProblem other = problem.WithB(-problem.b());
-    const LcpResult there = SolveWith(external, other);
-    LcpResult here;
-    MakeSolver("dantzig")->Solve(other, {}, &here);
-    EXPECT_EQ(there.f, here.f);
+    EXPECT_EQ(SolveWith(external, other).f, SolveHere(other).f);
     // And back: nothing of the other b is left.
-    MakeSolver("dantzig")->Solve(problem, {}, &here);
-    EXPECT_EQ(SolveWith(external, problem).f, here.f);
+    EXPECT_EQ(SolveWith(external, problem).f, SolveHere(problem).f);
   }
 }
 
@@ -114,23 +127,13 @@ TEST(ExternalSolver, APassSaysHowItsWorkerEndedAndTheNextGoesOn) {
     PassRequest request = Pass(PassKind::kFresh, stream);
     EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
     request.order.push_back(3);  // nine rows
-    try {
-      external.RunPass(request, 0.2);
-      ADD_FAILURE() << manner;
-    } catch (const WorkerFailure& failure) {
-      EXPECT_EQ(failure.how(),
-                std::string(manner) == "hang-at-nine" ? WorkerFailure::How::kTimeLimit : WorkerFailure::How::kEnded);
-    }
+    EXPECT_EQ(HowItFails([&] { external.RunPass(request, 0.2); }),
+              std::string(manner) == "hang-at-nine" ? WorkerFailure::How::kTimeLimit : WorkerFailure::How::kEnded);
     request.order.pop_back();
     EXPECT_EQ(external.RunPass(request, 10).size(), request.order.size());
   }
   ExternalSolver missing({{"/no/such/program"}});
-  try {
-    missing.LoadStream(stream);
-    FAIL();
-  } catch (const WorkerFailure& failure) {
-    EXPECT_EQ(failure.how(), WorkerFailure::How::kNotStarted);
-  }
+  EXPECT_EQ(HowItFails([&] { missing.LoadStream(stream); }), WorkerFailure::How::kNotStarted);
 }
 
 TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere) {
@@ -140,8 +143,7 @@ TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere)
     ExternalSolver external(Worker(manner));
     EXPECT_TRUE(external.is_version_1());
     const LcpProblem problem = PlantedProblem(15, 5, 1, 3, 0).problem;
-    LcpResult here;
-    MakeSolver("dantzig")->Solve(problem, {}, &here);
+    const LcpResult here = SolveHere(problem);
     const LcpResult there = SolveWith(external, problem);
     EXPECT_EQ(there.status, LcpStatus::kSolved) << there.detail;
     EXPECT_LE((there.f - here.f).norm(), 1e-9 * here.f.norm());
@@ -219,12 +221,7 @@ TEST(ExternalSolver, WhatIsNoWorkerIsRefusedByName) {
     EXPECT_EQ(SolveWith(solver, AnyProblem()).status, LcpStatus::kNumericalFailure) << manner;
   }
   ExternalSolver missing({{"/no/such/program"}});
-  try {
-    missing.Greet();
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("/no/such/program"), std::string::npos);
-  }
+  ExpectRefused([&] { missing.Greet(); }, "/no/such/program");
   EXPECT_THROW(ExternalSolver({}), InputError);
 }
 

@@ -32,11 +32,10 @@ std::vector<ProblemArrays> Problems() {
   std::vector<ProblemArrays> problems;
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const LcpProblem planted = PlantedProblem(9, 4, seed, seed % 3, 0).problem;
-    RowBounds bounds = RowBounds::WithBilateralRows(planted.size(), planted.bilateral_rows());
     problems.push_back(ProblemArrays::Of(planted));
-    problems.push_back(
-        ProblemArrays::Of(LcpProblem::FromDense("", planted.DenseA(), planted.b(), bounds, planted.facts())));
-    problems.push_back(ProblemArrays::Of(LcpProblem::FromSparse("", planted.SparseA(), planted.b(), bounds)));
+    for (const MatrixForm form : {MatrixForm::kDense, MatrixForm::kSparse}) {
+      problems.push_back(ProblemArrays::Of(InForm(planted, form)));
+    }
     SparseMatrix J(2, 3);
     J.insert(0, 1) = seed;
     J.insert(1, 0) = -1;

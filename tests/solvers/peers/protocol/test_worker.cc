@@ -27,14 +27,11 @@ class BadSolver : public LcpSolver {
     if (manner_ == "crash-in-prepare") std::abort();
   }
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
-    if (manner_ == "hang-at-nine" && problem.size() == 9) {
-      for (;;) pause();
-    }
-    if (manner_ == "crash-at-nine" && problem.size() == 9) std::raise(SIGSEGV);
-    if (manner_ == "crash") std::raise(SIGSEGV);
+    const bool at_nine = problem.size() == 9;
+    if (manner_ == "crash" || (manner_ == "crash-at-nine" && at_nine)) std::raise(SIGSEGV);
     if (manner_ == "exit") std::_Exit(3);
     if (manner_ == "throw") throw std::runtime_error("the library gave up");
-    if (manner_ == "hang") {
+    if (manner_ == "hang" || (manner_ == "hang-at-nine" && at_nine)) {
       for (;;) pause();
     }
     if (manner_ == "memory") {

@@ -1,4 +1,4 @@
-// Any bytes keep the laws of tests/fuzz/problem_laws.h.
+// Any bytes keep the law of tests/fuzz/problem_laws.h that LCPBENCH_LAW names.
 
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +11,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string broken = lcpbench::BrokenJsonLineLaw(std::string(data, data + size));
+  const std::string broken = lcpbench::LCPBENCH_LAW(std::string(data, data + size));
   if (broken.empty()) return 0;
   std::fprintf(stderr, "%s\n", broken.c_str());
   std::abort();

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "support/input_error.h"
+
+namespace lcpbench {
+
+/// The text of the InputError that `act` throws; "" where it throws none.
+template <typename Act>
+std::string RefusalOf(Act act) {
+  try {
+    act();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+/// `act` is refused in one line that begins with `beginning` and holds `words`.
+template <typename Act>
+void ExpectRefused(Act act, const std::string& words, const std::string& beginning = "") {
+  const std::string refusal = RefusalOf(act);
+  EXPECT_NE(refusal, "") << "accepted; expected " << words;
+  EXPECT_NE(refusal.find(words), std::string::npos) << refusal << "\nexpected: " << words;
+  EXPECT_TRUE(refusal.starts_with(beginning)) << refusal;
+  EXPECT_EQ(refusal.find('\n'), std::string::npos) << refusal;
+}
+
+/// A folder of its own for each test of files.
+class FolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::filesystem::remove_all(folder_);
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
+  void Write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(Path(name), std::ios::binary) << bytes;
+  }
+  std::string Bytes(const std::string& name) const {
+    std::stringstream text;
+    text << std::ifstream(Path(name), std::ios::binary).rdbuf();
+    return text.str();
+  }
+
+  const testing::TestInfo& test_ = *testing::UnitTest::GetInstance()->current_test_info();
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) / (std::string(test_.test_suite_name()) + "-" + test_.name());
+};
+
+}  // namespace lcpbench
