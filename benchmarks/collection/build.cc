@@ -10,6 +10,7 @@
 #include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iostream>
 
 #include "benchmarks/collection/gzip_file.h"
 #include "solvers/io/fclib_file.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/io/siconos_text.h"
-#include "support/exit_status.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -56,18 +54,11 @@ const ProblemFormat& FormatNamed(const std::string& name) {
 int ForEachProblem(const std::vector<std::string>& files, const std::function<void(const LcpRecord& record)>& handle) {
   int status = 0;
   for (const std::string& path : files) {
-    const ProblemFormat& format = FormatOfFile(path);
-    if (format.read == nullptr) {
-      const int read = ForEachLine(
+    if (const auto read = FormatOfFile(path).read) {
+      status |= TellRefusal([&] { handle({read(path), {}, ""}); });
+    } else {
+      status |= ForEachLine(
           {path}, [&](const std::string& line, const std::string& where) { handle(ParseLcpRecord(line, where)); });
-      status = std::max(status, read);
-      continue;
-    }
-    try {
-      handle({format.read(path), {}, ""});
-    } catch (const InputError& error) {
-      std::cerr << "lcpbench: " << error.what() << std::endl;
-      status = kMisuse;
     }
   }
   return status;

@@ -88,18 +88,15 @@ class Importer {
   void ReadFile(const fs::path& file) {
     const std::string relative = fs::relative(file, arguments_.folder).string();
     if (IsJsonLines(file)) {
-      status_ = std::max(status_, ForEachLine({file.string()}, [&](const std::string& line, const std::string& where) {
-                           const auto number = std::stoul(where.substr(where.rfind(':') + 1));
-                           Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
-                         }));
+      status_ |= ForEachLine({file.string()}, [&](const std::string& line, const std::string& where) {
+        const auto number = std::stoul(where.substr(where.rfind(':') + 1));
+        Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
+      });
       return;
     }
-    try {
+    status_ |= TellRefusal([&] {
       Take(FormatOfFile(file.string()).read(file.string()), {relative, 1}, file.string());
-    } catch (const InputError& error) {
-      std::cerr << "lcpbench: " << error.what() << std::endl;
-      status_ = kMisuse;
-    }
+    });
   }
 
   void Take(const LcpProblem& problem, FileSource source, const std::string& where) {

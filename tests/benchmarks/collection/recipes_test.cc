@@ -1,4 +1,5 @@
-// What every change leaves as it was, and what it changes, on problems of all families.
+// How problems are made: what changes leave as it was and what they change, on all families; what is said of hard
+// cases, exactly; steps of motions.
 
 #include <gtest/gtest.h>
 
@@ -10,9 +11,13 @@
 #include <utility>
 #include <vector>
 
+#include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/properties.h"
+#include "benchmarks/collection/recipes/hard_cases.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/collection/recipes/recipe.h"
 #include "model/scenes/scene.h"
+#include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/sparse_rank.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
@@ -41,24 +46,18 @@ Eigen::VectorXd AnswerW(const LcpProblem& problem) { return ComputeMetrics(probl
 double Largest(const Eigen::MatrixXd& matrix) { return matrix.size() == 0 ? 0 : matrix.cwiseAbs().maxCoeff(); }
 
 // Of a scene family; `given_` is its problem without changes.
-class ChangesOf : public testing::TestWithParam<const SceneFamily*> {
+class ChangesOf : public testing::TestWithParam<SceneFamily> {
  protected:
   Instance With(const char* change, double amount, std::uint64_t seed = 3) const {
-    return Given(GetParam()->key, {{change, amount}}, seed);
+    return Given(GetParam().key, {{change, amount}}, seed);
   }
-  const Instance given_ = Given(GetParam()->key);
+  const Instance given_ = Given(GetParam().key);
   const LcpProblem& problem_ = given_.problem;
   const Index n_ = problem_.size();
 };
 
-std::vector<const SceneFamily*> Families() {
-  std::vector<const SceneFamily*> families;
-  for (const SceneFamily& scene : AllScenes()) families.push_back(&scene);
-  return families;
-}
-
-INSTANTIATE_TEST_SUITE_P(Scenes, ChangesOf, testing::ValuesIn(Families()), [](const auto& test) {
-  std::string name(test.param->key);
+INSTANTIATE_TEST_SUITE_P(Scenes, ChangesOf, testing::ValuesIn(AllScenes()), [](const auto& test) {
+  std::string name(test.param.key);
   std::replace(name.begin(), name.end(), '-', '_');
   return name;
 });
@@ -197,7 +196,7 @@ TEST_P(ChangesOf, CurvatureChangesGammaAlone) {
 }
 
 TEST_P(ChangesOf, AnotherBLeavesProblemsSolvableAndMovesTheirForces) {
-  const LcpProblem given = MakeInstance({std::string(GetParam()->key), 25, 1, {}}).problem;
+  const LcpProblem given = MakeInstance({std::string(GetParam().key), 25, 1, {}}).problem;
   const Eigen::VectorXd b = AnotherB(given, 5);
   EXPECT_EQ(AnotherB(given, 5), b);
   EXPECT_NE(AnotherB(given, 6), b);
@@ -284,35 +283,163 @@ TEST(Changes, AreTheSameForTheSameSeedOnly) {
   const std::map<std::string, double> amounts = {{"mass-ratio", 100}, {"curvature-contrast", 100}, {"scale-rows", 30}};
   for (const std::string& name : AllChanges()) {
     if (name == "conformal" || name == "slack") continue;
-    const Recipe recipe{"rockers", kRows, 1, {{name, amounts.count(name) > 0 ? amounts.at(name) : 0.5}}};
-    Recipe other = recipe;
-    other.seed = 2;
-    const LcpProblem a = MakeInstance(recipe).problem;
-    const LcpProblem b = MakeInstance(recipe).problem;
-    EXPECT_EQ(Eigen::MatrixXd(a.J()), Eigen::MatrixXd(b.J())) << name;
-    EXPECT_EQ(a.b(), b.b()) << name;
-    EXPECT_EQ(a.inverse_mass(), b.inverse_mass()) << name;
-    EXPECT_EQ(a.id(), RecipeId(recipe));
-    EXPECT_NE(RecipeId(recipe), RecipeId(other));
+    const double amount = amounts.count(name) > 0 ? amounts.at(name) : 0.5;
+    const std::string id = "rockers-n40-s2-" + name;
+    EXPECT_EQ(RecipeId({"rockers", kRows, 2, {{name, amount}}}).rfind(id, 0), 0U);
+    const LcpProblem a = MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem;
+    EXPECT_EQ(a.id().rfind(id, 0), 0U);
+    EXPECT_EQ(ContentHash(a), ContentHash(MakeInstance({"rockers", kRows, 2, {{name, amount}}}).problem)) << name;
+    EXPECT_NE(ContentHash(Given("rockers", {{name, amount}}, 2).problem),
+              ContentHash(Given("rockers", {{name, amount}}, 3).problem))
+        << name;
   }
 }
 
 TEST(Changes, RefuseImpossibleNumbers) {
-  const std::pair<const char*, double> kImpossible[] = {
-      {"duplicate-rows", 1.5}, {"duplicate-rows", -0.1}, {"oppose-rows", std::nan("")}, {"crowd-contacts", 0},
-      {"scale-rows", 0.5},     {"scale-rows", 1000},     {"mass-ratio", 0.5},           {"curvature-contrast", 0.5},
-      {"conformal", 1},        {"slack", std::nan("")},  {"no-such-change", 1},         {"conformal", 0},
-      {"mass-ratio", -1},      {"mass-ratio", HUGE_VAL}, {"mass-ratio", std::nan("")}};
-  for (const auto& [name, amount] : kImpossible) {
-    try {
-      MakeInstance({"disc-track", 20, 1, {{name, amount}}});
-      ADD_FAILURE() << name << " " << amount;
-    } catch (const InputError& error) {
-      EXPECT_EQ(std::string(error.what()).rfind("disc-track-n20-s1-", 0), 0U) << error.what();
+  const double nan = std::nan("");
+  const std::pair<const char*, std::vector<double>> kImpossible[] = {{"duplicate-rows", {1.5, -0.1}},
+                                                                     {"oppose-rows", {nan}},
+                                                                     {"crowd-contacts", {0}},
+                                                                     {"scale-rows", {0.5, 1000}},
+                                                                     {"curvature-contrast", {0.5}},
+                                                                     {"conformal", {0, 1}},
+                                                                     {"slack", {nan}},
+                                                                     {"no-such-change", {1}},
+                                                                     {"mass-ratio", {0.5, -1, HUGE_VAL, nan}}};
+  for (const auto& [name, amounts] : kImpossible) {
+    for (const double amount : amounts) {
+      try {
+        MakeInstance({"disc-track", 20, 1, {{name, amount}}});
+        ADD_FAILURE() << name << " " << amount;
+      } catch (const InputError& error) {
+        EXPECT_EQ(std::string(error.what()).rfind("disc-track-n20-s1-", 0), 0U) << error.what();
+      }
     }
   }
   EXPECT_THROW(MakeInstance({"no-such-scene", 20, 1, {}}), InputError);
   EXPECT_THROW(MakeInstance({"disc-pile", 0, 1, {}}), InputError);
+}
+
+// ----- hard cases, by rational arithmetic
+
+ExactAnswer Exactly(const char* key, int rows, std::uint64_t seed) {
+  const ExactLcp problem = ExactFrom(MakeInstance({key, rows, seed, {}}).problem);
+  ExactAnswer answer = SolveExactly(problem, {});
+  EXPECT_EQ(FindFault(problem, answer), "") << key << " " << rows;
+  return answer;
+}
+
+TEST(HardCases, SqueezedRowsHaveTheRayOfOnes) {
+  for (const char* key : {"squeezed-row", "barely-squeezed-row"}) {
+    for (const int rows : {2, 3, 8, 31}) {
+      for (const std::uint64_t seed : {1, 2, 3}) {
+        const ExactAnswer answer = Exactly(key, rows, seed);
+        ASSERT_EQ(answer.status, ExactAnswer::Status::kInfeasible) << key << " " << rows;
+        EXPECT_EQ(answer.ray, std::vector<Rational>(static_cast<size_t>(rows), answer.ray.front()));
+      }
+    }
+  }
+}
+
+TEST(HardCases, OthersAreSolvedInTheWayThatIsSaid) {
+  for (const int rows : {1, 2, 9, 40}) {
+    const ExactAnswer idle = Exactly("idle-line", rows, 1);
+    ASSERT_EQ(idle.status, ExactAnswer::Status::kSolved);
+    EXPECT_EQ(idle.w, std::vector<Rational>(static_cast<size_t>(rows), 0));
+    EXPECT_EQ(idle.degenerate.size(), static_cast<size_t>(rows / 2)) << "sideways";
+    EXPECT_EQ(idle.f_unique, true);
+  }
+  EXPECT_EQ((MakeInstance({"fixed-pairs", 21, 1, {}}).problem.DiagonalA().array() == 0).count(), 10);
+  const ExactAnswer pairs = Exactly("fixed-pairs", 21, 1);
+  EXPECT_EQ(pairs.status, ExactAnswer::Status::kSolved);
+  EXPECT_EQ(pairs.f_unique, false);
+  for (const int rows : {4, 6, 20}) {
+    EXPECT_EQ(Exactly("overpinned-beam", rows, 2).status, ExactAnswer::Status::kSolved) << rows;
+    EXPECT_EQ(RankOf(MakeInstance({"overpinned-beam", rows, 2, {}}).problem, 100), rows == 4 ? 4 : 5);
+  }
+}
+
+TEST(HardCases, HaveTheRowsAskedFor) {
+  for (const HardCase& hard : AllHardCases()) {
+    for (const int rows : {1, 2, 5, 12, 33}) {
+      const Instance instance = MakeInstance({std::string(hard.key), rows, 4, {}});
+      EXPECT_LE(instance.problem.size(), std::max(rows, 2)) << hard.key;
+      EXPECT_GE(instance.problem.size(), rows - 1) << hard.key;
+    }
+  }
+}
+
+// ----- steps of motions
+
+TEST(SweepSolver, SolvesWhatSweepsSolve) {
+  SweepSolver solver;
+  for (const char* scene : {"disc-pile", "chain-of-links", "rounded-wall"}) {
+    const LcpProblem problem = MakeInstance({scene, 12, 1, {}}).problem;
+    LcpResult result;
+    solver.Solve(problem, {}, &result);
+    if (result.status == LcpStatus::kSolved) {
+      EXPECT_LE(ComputeMetrics(problem, result.f).rho, 1e-5) << scene;
+    }
+    EXPECT_LE(result.iterations, SweepSolver::kMostSweeps);
+    // From its own answer it goes no further than from anywhere else.
+    LcpOptions warm;
+    const Eigen::VectorXd f = result.f;
+    warm.initial_f = &f;
+    solver.Solve(problem, warm, &result);
+    EXPECT_LE(Largest(result.f - f), 1e-3 * (1e-300 + Largest(f))) << scene;
+  }
+}
+
+TEST(MotionSteps, AreTakenByTheRule) {
+  for (const char* scene : {"disc-pile", "oval-train"}) {
+    const Recipe start{scene, 45, 1, {}};
+    std::vector<int> numbers;
+    std::vector<std::int64_t> closings;
+    TakeSteps(start, 2, [&](const MotionStep& step) {
+      numbers.push_back(step.number);
+      closings.push_back(step.closings);
+      return numbers.size() != 2;  // the second one offered is refused
+    });
+    ASSERT_EQ(numbers.size(), 3U) << scene;
+    EXPECT_TRUE(numbers[0] == kLatestStep || (numbers[0] >= kSettled && closings[0] >= 45 / 4)) << scene;
+    EXPECT_EQ(numbers[1], numbers[0] + kStepsBetween) << scene;
+    EXPECT_EQ(numbers[2], numbers[1] + 1) << scene;
+    int offered = 0;
+    TakeSteps(start, 2, [&](const MotionStep&) { return ++offered < 0; });
+    EXPECT_EQ(offered, kStepsTried);
+  }
+}
+
+TEST(MotionSteps, AreThoseOfTheirRecipes) {
+  const Recipe recipe{"rounded-wall", 45, 3, {}, 7};
+  const LcpProblem made = MakeInstance(recipe).problem;
+  EXPECT_EQ(made.id(), "rounded-wall-n45-s3-motion-step7");
+  std::string hash;
+  Recipe start = recipe;
+  start.motion_step = 0;
+  FollowMotion(start, 10, [&](const MotionStep& step) {
+    if (step.number == 7) hash = ContentHash(step.instance.problem);
+    return true;
+  });
+  EXPECT_EQ(ContentHash(made), hash);
+  Recipe changed = recipe;
+  changed.changes = {{"slack", 1}};
+  EXPECT_THROW(MakeInstance(changed), InputError);
+}
+
+// What is met on the way are contacts that have met, not overlaps that a bad solver left.
+TEST(MotionSteps, KeepTheirContactsApart) {
+  for (const SceneFamily& family : AllScenes()) {
+    double deepest = 0;
+    const std::string end = FollowMotion({std::string(family.key), 12, 1, {}}, 60, [&](const MotionStep& step) {
+      for (const RowInfo& row : step.instance.rows) {
+        if (!row.bilateral) deepest = std::max(deepest, -row.d);
+      }
+      return true;
+    });
+    EXPECT_EQ(end, "") << family.key;
+    EXPECT_LE(deepest, 5e-3) << family.key;
+  }
 }
 
 }  // namespace
