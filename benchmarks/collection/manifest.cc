@@ -4,11 +4,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
-#include <sstream>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -18,6 +16,7 @@
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -400,11 +399,7 @@ std::string FormatManifest(const Manifest& manifest) {
 }
 
 Manifest ReadManifest(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
-  std::stringstream text;
-  text << file.rdbuf();
-  const nlohmann::json document = ParseJsonObject(text.str(), path);
+  const nlohmann::json document = ParseJsonObject(ReadTextFile(path), path);
   const JsonField root(document, path);
   if (root["lcpbench_manifest"].Integer() != kFormat) {
     root["lcpbench_manifest"].Mismatch("the format's number " + std::to_string(kFormat));

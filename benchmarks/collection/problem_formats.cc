@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 
 #include "benchmarks/collection/gzip_file.h"
 #include "solvers/io/fclib_file.h"
 #include "solvers/io/matrix_market.h"
 #include "solvers/io/siconos_text.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -17,10 +17,7 @@ LcpProblem ReadMarket(const std::string& path) { return ReadMarketProblem(path).
 LcpProblem ReadFclib(const std::string& path) { return ReadFclibProblem(path).problem; }
 
 void WriteJsonLine(const LcpProblem& problem, const std::string& path) {
-  std::ofstream file(path);
-  if (file) file << FormatLcpRecord(problem) << '\n';
-  file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  WriteTextFile(path, FormatLcpRecord(problem) + '\n');
 }
 
 const std::vector<ProblemFormat>& Formats() {

@@ -1,17 +1,16 @@
 #include "benchmarks/recommend/rules.h"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -169,10 +168,7 @@ nlohmann::ordered_json Describe(const ProblemFeatures& features) {
 }
 
 RecommendationRules ReadRecommendationRules(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
-  const std::string text(std::istreambuf_iterator<char>(file), {});
-  const Json json = ParseJsonObject(text, path);
+  const Json json = ParseJsonObject(ReadTextFile(path), path);
   const JsonField root(json, path);
   if (root["schema"].String() != kSchema) root["schema"].Mismatch(std::string("\"") + kSchema + "\"");
   RecommendationRules rules;

@@ -1,6 +1,6 @@
 // Dividing a problem: islands against breadth-first search, parts against blocks of A, idle rows against full solves.
 
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 
 #include <gtest/gtest.h>
 

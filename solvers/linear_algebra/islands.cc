@@ -1,4 +1,4 @@
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 
 #include <algorithm>
 #include <numeric>

@@ -53,6 +53,8 @@ class Islands {
   void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass);
 
   Index count() const { return static_cast<Index>(begin_.size()) - 1; }
+  /// Which one a row that was kept belongs to.
+  Index island(Index row) const { return island_[static_cast<size_t>(row)]; }
   /// Ascending.
   std::span<const Index> rows(Index island) const;
   /// Rows of the largest one.

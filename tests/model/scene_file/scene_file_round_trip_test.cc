@@ -1,10 +1,15 @@
-// World -> file -> world, for generated worlds, the examples, and worlds of every kind of edge, joint and load.
+// World -> file -> world, for generated worlds, the examples, and worlds of every kind of edge, joint and load; and
+// files with mistakes.
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <initializer_list>
+#include <sstream>
 #include <string>
 #include <variant>
 #include <vector>
@@ -17,119 +22,60 @@
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
+#include "tests/fuzz/scene_laws.h"
+#include "tests/fuzz/scene_mutation.h"
 
 namespace lcpbench {
 namespace {
 
 // Every number of a world, as its bits: -0 and 0 differ.
-class Bits {
- public:
-  void Add(double value) { bits_.push_back(std::bit_cast<std::uint64_t>(value)); }
-  void Add(int value) { Add(static_cast<double>(value)); }
-  void Add(Vec2 value) {
-    Add(value.x);
-    Add(value.y);
-  }
-  void Add(Side side) { Add(side == Side::kConvex ? 1 : -1); }
-  void Add(const std::optional<double>& value) {
-    Add(value ? 1 : 0);
-    Add(value.value_or(0));
-  }
-  void Add(const Vertex& e) { Add(e.p); }
-  void Add(const StraightEdge& e) {
-    Add(e.a);
-    Add(e.b);
-  }
-  void Add(const ArcEdge& e) {
-    Add(e.center);
-    Add(e.radius);
-    Add(e.side);
-  }
-  void Add(const EllipseEdge& e) { AddOval(e); }
-  void Add(const SuperellipseEdge& e) {
-    AddOval(e);
-    Add(e.m);
-  }
-  void Add(const BezierEdge& e) {
-    for (const Vec2 p : e.P) Add(p);
-  }
-  template <class... Kinds>
-  void Add(const std::variant<Kinds...>& any) {
-    Add(static_cast<int>(any.index()));
-    std::visit([this](const auto& e) { Add(e); }, any);
-  }
-  void Add(const Attachment& at) {
-    Add(at.body);
-    Add(at.point);
-  }
-  void Add(const Body& body) {
-    Add(body.fixed ? 1 : 0);
-    for (const double value : {body.mass, body.inertia, body.theta, body.omega, body.alpha}) Add(value);
-    for (const Vec2 value : {body.x, body.v, body.acceleration}) Add(value);
-    for (const OutlineEdge& edge : body.outline) {
-      Add(edge.edge);
-      Add(edge.s_begin);
-      Add(edge.s_end);
-    }
-  }
-  void Add(const Constraint& joint) {
-    Add(static_cast<int>(joint.type));
-    Add(joint.body1);
-    Add(joint.body2);
-    Add(joint.feature1);
-    Add(joint.feature2);
-    Add(joint.s1);
-    Add(joint.s2);
-    Add(joint.nominal_gap);
-    Add(joint.length);
-  }
-  void Add(const World& world) {
-    for (const Body& body : world.bodies) Add(body);
-    for (const Constraint& joint : world.joints) Add(joint);
-    Add(world.loads.gravity);
-    for (const Spring& load : world.loads.springs) {
-      Add(load.end1);
-      Add(load.end2);
-      Add(load.stiffness);
-      Add(load.rest_length);
-    }
-    for (const Damper& load : world.loads.dampers) {
-      Add(load.end1);
-      Add(load.end2);
-      Add(load.coefficient);
-    }
-    for (const Thruster& load : world.loads.thrusters) {
-      Add(load.at);
-      Add(load.force);
-    }
-    for (const Wrench& load : world.loads.wrenches) {
-      Add(load.at);
-      Add(load.force);
-      Add(load.torque);
-    }
-    if (world.loads.attraction) {
-      Add(world.loads.attraction->strength);
-      Add(world.loads.attraction->softening);
-    }
-  }
-
-  const std::vector<std::uint64_t>& all() const { return bits_; }
-
- private:
-  template <class Oval>
-  void AddOval(const Oval& e) {
-    Add(e.center);
-    for (const double value : {e.a, e.b, e.phi}) Add(value);
-    Add(e.side);
-  }
-
-  std::vector<std::uint64_t> bits_;
-};
-
 std::vector<std::uint64_t> BitsOf(const World& world) {
-  Bits bits;
-  bits.Add(world);
-  return bits.all();
+  std::vector<std::uint64_t> bits;
+  const auto add = [&bits](std::initializer_list<double> values) {
+    for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
+  };
+  const auto add_feature = [&](const Feature& feature) {
+    for (const double value : NumbersOf(feature)) add({value});
+  };
+  const auto add_end = [&](const Attachment& at) { add({1.0 * at.body, at.point.x, at.point.y}); };
+  for (const Body& body : world.bodies) {
+    add({body.fixed ? 1.0 : 0.0, body.mass, body.inertia, body.theta, body.omega, body.alpha});
+    for (const Vec2 value : {body.x, body.v, body.acceleration}) add({value.x, value.y});
+    for (const auto& [edge, s_begin, s_end] : body.outline) {
+      add_feature(ToFeature(edge));
+      // A point of the curve, whatever its list of numbers leaves out.
+      const Vec2 p = CurvePoint(edge, s_begin);
+      add({s_begin, s_end, p.x, p.y});
+    }
+  }
+  for (const Constraint& joint : world.joints) {
+    add({1.0 * static_cast<int>(joint.type), 1.0 * joint.body1, 1.0 * joint.body2, joint.nominal_gap, joint.length});
+    add_feature(joint.feature1);
+    add_feature(joint.feature2);
+    for (const auto& s : {joint.s1, joint.s2}) add({s ? 1.0 : 0.0, s.value_or(0)});
+  }
+  const Loads& loads = world.loads;
+  add({loads.gravity.x, loads.gravity.y});
+  for (const Spring& load : loads.springs) {
+    add_end(load.end1);
+    add_end(load.end2);
+    add({load.stiffness, load.rest_length});
+  }
+  for (const Damper& load : loads.dampers) {
+    add_end(load.end1);
+    add_end(load.end2);
+    add({load.coefficient});
+  }
+  for (const Thruster& load : loads.thrusters) {
+    add_end(load.at);
+    add({load.force.x, load.force.y});
+  }
+  for (const Wrench& load : loads.wrenches) {
+    add_end(load.at);
+    add({load.force.x, load.force.y, load.torque});
+  }
+  if (loads.attraction) add({loads.attraction->strength, loads.attraction->softening});
+  return bits;
 }
 
 void ExpectSameAfterRoundTrip(const SceneFile& scene) {
@@ -147,12 +93,14 @@ void ExpectSameAfterRoundTrip(const SceneFile& scene) {
   EXPECT_EQ(FormatScene(read), text);
 }
 
-std::vector<std::string> Examples() {
+std::vector<std::string> Examples(const std::string& folder = "data/scenes") {
   std::vector<std::string> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/data/scenes")) {
+  for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/" + folder)) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with(".json") && !name.ends_with(".schema.json")) paths.push_back(entry.path().string());
   }
+  // Directories are listed in any order.
+  std::sort(paths.begin(), paths.end());
   return paths;
 }
 
@@ -310,6 +258,31 @@ TEST(SceneFileRoundTrip, WhatTheReaderWouldRefuseIsNotWritten) {
   EXPECT_NO_THROW(FormatScene(scene));
   scene.world.bodies[0].outline = {{ArcEdge{{}, -1, Side::kConvex}, 0, 1}};
   EXPECT_THROW(FormatScene(scene), InputError) << "a negative radius";
+}
+
+// The fuzz target's laws (tests/fuzz) on seeded mutations of the examples, so that every compiler and every test run
+// tries some: bytes changed, and values of the JSON tree replaced, removed, copied and renamed.
+TEST(SceneFileMutations, GiveAValidWorldOrOneLineOfError) {
+  std::vector<std::string> seeds;
+  for (const char* folder : {"data/scenes", "tests/fuzz/corpus"}) {
+    for (const std::string& path : Examples(folder)) {
+      std::ostringstream text;
+      text << std::ifstream(path).rdbuf();
+      seeds.push_back(text.str());
+    }
+  }
+  ASSERT_GE(seeds.size(), 8U);
+  Random random(1);
+  constexpr int kRounds = 4000;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::string& seed = seeds[Below(seeds.size(), &random)];
+    const bool tree = random.Uniform() < 0.8;
+    const std::string text = tree ? MutatedTree(seed, &random) : MutatedBytes(seed, &random);
+    std::string broken;
+    EXPECT_NO_THROW(broken = BrokenSceneLaw(text)) << text;
+    EXPECT_EQ(broken, "") << text;
+    if (HasFailure()) return;
+  }
 }
 
 }  // namespace
