@@ -85,7 +85,7 @@ inline World Exhibition() {
     world.bodies.push_back(body);
   }
   Body drum = MakeFixed("drum");
-  for (const OutlinePiece& piece : AllPieces(Ring(1, 0.9))) drum.outline.push_back(piece);
+  drum.outline = AllPieces(Ring(1, 0.9));
   drum.x = {6, 3};
   drum.omega = 1;
   world.bodies.push_back(drum);
@@ -93,15 +93,18 @@ inline World Exhibition() {
   point.name = "point";
   point.x = {-1, 2};
   world.bodies.push_back(point);
-  const auto joint = [&](ConstraintType type, int body1, int body2) {
-    Constraint constraint{type, body1, body2, Vertex{{0.1, 0}}, Vertex{{0, 0.1}}, {}, {}, 0, 3};
-    if (type == ConstraintType::kPathJoint) constraint.feature2 = EllipseEdge{{}, 2, 1, 0.3, Side::kConvex};
-    world.joints.push_back(constraint);
-  };
-  joint(ConstraintType::kPin, 1, 2);
-  joint(ConstraintType::kPathJoint, 4, 0);
-  joint(ConstraintType::kRod, 2, 3);
-  joint(ConstraintType::kRope, 5, 6);
+  Body leaf;
+  leaf.name = "leaf";
+  leaf.x = {8, 3};
+  leaf.outline = {{BezierEdge{{{{0, 0}, {1, -1}, {2, -1}, {3, 0}}}}, 0, 1},
+                  {BezierEdge{{{{3, 0}, {2, 1}, {1, 1}, {0, 0}}}}, 0, 1}};
+  world.bodies.push_back(leaf);
+  const Vertex p{{0.1, 0}};
+  const Vertex q{{0, 0.1}};
+  world.joints = {{ConstraintType::kPin, 1, 2, p, q, {}, {}, 0, 3},
+                  {ConstraintType::kPathJoint, 4, 0, p, EllipseEdge{{}, 2, 1, 0.3, Side::kConvex}, {}, {}, 0, 3},
+                  {ConstraintType::kRod, 2, 3, p, q, {}, {}, 0, 3},
+                  {ConstraintType::kRope, 5, 6, p, q, {}, {}, 0, 3}};
   world.loads.springs.push_back({{6, {}}, {7, {}}, 1, 1});
   world.loads.dampers.push_back({{6, {}}, {8, {}}, 1});
   return world;

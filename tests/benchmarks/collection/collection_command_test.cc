@@ -45,7 +45,8 @@ TEST_F(CollectionCommand, WritesProblemsThatAreImportedWithTheSameHashes) {
   EXPECT_NE(check.out.find("4 of 4"), std::string::npos) << check.out;
 
   std::map<std::string, nlohmann::json> ours;
-  for (const auto& problem : nlohmann::json::parse(ReadFile(manifest))["problems"]) ours[problem["id"]] = problem;
+  const auto committed = nlohmann::json::parse(ReadFile(manifest));
+  for (const auto& problem : committed["problems"]) ours[problem["id"]] = problem;
   ours["gears"] = ours["gear-train-n8-s11"];  // of a Matrix Market file the id is its name; FCLib's files keep it
   const auto imported = nlohmann::json::parse(ReadFile(folder_ / "set" / "manifest.json"));
   EXPECT_EQ(imported["name"], "set");

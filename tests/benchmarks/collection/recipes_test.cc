@@ -75,7 +75,7 @@ TEST(PortablePower, IsThePower) {
 }
 
 // Every row that was added is a unilateral one of the given rows times the sign, and the rank stays.
-TEST_P(ChangesOf, RepeatedRowsAreCopiesAndKeepTheRank) {
+TEST_P(ChangesOf, RepeatedRowsAreCopiesKeepTheRankAndDuplicatesTheAccelerations) {
   const auto unilateral = static_cast<double>(n_ - static_cast<Index>(problem_.bilateral_rows().size()));
   for (const auto& [name, share, sign] : {std::tuple{"duplicate-rows", 0.5, 1.0}, {"oppose-rows", 0.25, -1.0}}) {
     const Instance changed = With(name, share);
@@ -96,9 +96,6 @@ TEST_P(ChangesOf, RepeatedRowsAreCopiesAndKeepTheRank) {
       EXPECT_TRUE(found) << name << " " << i;
     }
   }
-}
-
-TEST_P(ChangesOf, DuplicatesKeepAccelerations) {
   const Eigen::VectorXd w = AnswerW(With("duplicate-rows", 0.5).problem).head(n_);
   EXPECT_LE(Largest(w - AnswerW(problem_)), 1e-8 * Largest(problem_.b()));
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
@@ -87,6 +88,10 @@ TEST(PiecePath, TurnsArcsTheWayOfTravel) {
   EXPECT_NE(PiecePath({Circle(1), 1, 0}, 10, "M").find("A10 10 0 0 0 "), std::string::npos);
 }
 
+TEST(BandPath, LiesInTheMaterial) {
+  EXPECT_EQ(BandPath(WholeEdge({1, 0}, {-1, 0}), 10, 9), "M10 0L-10 0L-10 -9L10 -9Z");
+}
+
 TEST(Pictures, TurnBodiesAndMirrorTheirFrames) {
   ContactSystem system;
   system.name = "turned";
@@ -109,33 +114,16 @@ TEST(EdgeStyles, HaveColoursOfTheirOwn) {
   for (const EdgeStyle& style : kEdgeStyles) EXPECT_TRUE(colours.insert(style.color).second) << style.name;
 }
 
-TEST(Pictures, FillHolesByTheEvenOddRuleAndColourEveryKindOfEdge) {
-  ContactSystem system;
-  system.name = "shapes";
-  double x = 0;
-  for (const Outline& outline : Shapes()) {
-    Body body = MakeBody(outline, 1);
-    body.x = {x += 3, 0};
-    system.bodies.push_back(body);
-  }
-  Body curve;
-  curve.name = "leaf";
-  curve.outline = {{BezierEdge{{{{0, 0}, {1, -1}, {2, -1}, {3, 0}}}}, 0, 1},
-                   {BezierEdge{{{{3, 0}, {2, 1}, {1, 1}, {0, 0}}}}, 0, 1}};
-  system.bodies.push_back(curve);
-  const std::string svg = Drawn(system);
-  EXPECT_EQ(Count(svg, "fill-rule=\"evenodd\""), static_cast<int>(system.bodies.size()));
+TEST(Pictures, FillHolesColourEveryKindOfEdgeAndDrawJointsLoadsAndDrivenBodies) {
+  World world = Exhibition();
+  world.bodies[0].v = {1, 0};  // so that no body is at rest
+  const std::string svg = Drawn({"exhibition", world.bodies, world.joints}, {&world.loads, "some words"});
+  const auto has_outline = [](const Body& body) { return !body.outline.empty(); };
+  EXPECT_EQ(Count(svg, "fill-rule=\"evenodd\""), std::count_if(world.bodies.begin(), world.bodies.end(), has_outline));
   for (const EdgeStyle& style : kEdgeStyles) {
     EXPECT_NE(svg.find("stroke=\"" + std::string(style.color) + "\""), std::string::npos) << style.name;
     EXPECT_NE(svg.find(">" + std::string(style.name) + "<"), std::string::npos) << style.name;
   }
-}
-
-TEST(Pictures, DrawJointsSpringsDampersAndDrivenBodies) {
-  World world = Exhibition();
-  world.bodies[0].v = {1, 0};  // so that no body is at rest
-  const ContactSystem system{"joints", world.bodies, world.joints};
-  const std::string svg = Drawn(system, {&world.loads, "some words"});
   for (const char* part : {">pin (1)<", ">rod (1)<", ">rope (1)<", ">path joint (1)<", ">spring (1)<", ">damper (1)<",
                            ">driven<", ">gravity 9.81 m/s\u00B2<", "some words", "<title>drum, driven, "}) {
     EXPECT_NE(svg.find(part), std::string::npos) << part;
