@@ -8,7 +8,7 @@ import pandas as pd
 
 from lcpbench_report.inputs import load_inputs
 from lcpbench_report.statistics.cells import cell_table
-from lcpbench_report.statistics.class_times import ablation_table, class_table, peer_ratio_table, tied
+from lcpbench_report.statistics.class_times import ablation_table, class_table, peer_ratio_table
 from lcpbench_report.statistics.load import load_campaign
 from .cases import SharedFolderCase
 from .synthetic_campaign import AGAIN, COPIES, FAMILIES, FIRST, cells_of, fail, write_campaign
@@ -89,22 +89,6 @@ class ClassTimes(unittest.TestCase):
         table = class_table(cells_of(times)).set_index(["size_class", "solver"])
         self.assertEqual(table.loc[("7-12", "a"), "median_s"], 3.5)
         self.assertEqual(table.loc[("7-12", "b"), "median_s"], INF)
-        self.assertFalse(table.loc[("7-12", "b"), "tied"])
-
-    def test_who_overlaps_with_the_best_is_tied(self):
-        rows = pd.DataFrame({"median_s": [1.0, 1.2, 1.5, INF], "median_low": [0.9, 1.05, 1.3, 2.0],
-                             "median_high": [1.1, 1.4, 1.7, INF]})
-        self.assertEqual(list(tied(rows)), [True, True, False, False])
-        self.assertEqual(list(tied(rows.iloc[2:])), [True, False])
-        self.assertEqual(list(tied(rows.iloc[3:])), [False])
-
-    def test_the_paired_ratio_tells_apart_what_medians_of_different_problems_do_not(self):
-        """Times over two decades: the medians' intervals overlap, and one is always 1.5 times as slow."""
-        times = pd.DataFrame({"a": np.exp(np.random.default_rng(3).normal(0, 2, 60))})
-        times["b"] = 1.5 * times["a"]
-        row = class_table(cells_of(times)).set_index(["size_class", "solver"]).loc[("all", "b")]
-        self.assertTrue(row["tied"])
-        np.testing.assert_allclose(row[["over_best", "over_best_low", "over_best_high"]].astype(float), 1.5)
 
 
 class Folder(SharedFolderCase):
@@ -157,7 +141,6 @@ class Folder(SharedFolderCase):
             self.assertAlmostEqual(table.loc[(size, "peer"), "median_s"] / own["median_s"], 4, delta=0.2)
             self.assertAlmostEqual(own["again_s"] / own["median_s"], AGAIN, delta=0.05)
             self.assertAlmostEqual(own["first_s"] / own["median_s"], FIRST, delta=0.3)
-            self.assertEqual((own["tied"], table.loc[(size, "peer"), "tied"]), (True, False))
         ratio = peer_ratio_table(self.cells, {"own"}).set_index("size_class").loc["all"]
         self.assertAlmostEqual(ratio["ratio"], 0.25, delta=0.01)
         self.assertEqual(ratio["peer"], "peer")

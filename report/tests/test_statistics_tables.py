@@ -86,7 +86,7 @@ class Tables(SharedFolderCase):
     def test_what_does_not_count_has_tables_of_its_own(self):
         for name in ("profiles", "means", "coverage"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted"}, name)
-        for name in ("pairwise", "oracle", "precision"):
+        for name in ("pairwise", "oracle"):
             self.assertEqual(set(self.tables[name]["set"]), {"counted", "engine"}, name)
 
     def test_profiles_end_at_the_coverage(self):
@@ -110,15 +110,6 @@ class Tables(SharedFolderCase):
         table = self.tables["oracle"].set_index(["set", "solver", "tier"])
         self.assertEqual(table.loc[("counted", "limited", TIERS[0]), "problems"], COUNTED * 4 // 6)
         self.assertNotIn(("counted", "liar", min(TIERS)), table.index)
-
-    def test_work_over_precision_asks_the_same_problems_of_every_tier(self):
-        table = self.tables["precision"]
-        table = table[table["set"] == "counted"]
-        for _, curve in table.groupby(["solver", "strictest"]):
-            self.assertEqual(curve["problems"].nunique(), 1)
-            self.assertTrue((curve["mean_s"].diff().dropna() > 0).all())  # as the generator has it
-            np.testing.assert_allclose(curve["rho_max"], curve["tier"] / 3, rtol=1e-8)
-        self.assertEqual(set(table.loc[table["solver"] == "liar", "strictest"]), set(TIERS[:2]))
 
     def test_accuracy_of_claims_shows_what_verified_ones_hide(self):
         table = self.tables["accuracy"]
@@ -327,7 +318,7 @@ class Files(FolderCase):
         self._expect_headers()
         self._write(change=fail)
         self._expect_headers()
-        for name in ("scaling", "precision", "oracle"):
+        for name in ("scaling", "oracle"):
             self.assertTrue(pd.read_csv(self.folder / FOLDER / f"{name}.csv").empty, name)
         profiles = pd.read_csv(self.folder / FOLDER / "profiles.csv")
         self.assertEqual(set(profiles["share"]), {0})
@@ -345,12 +336,6 @@ class Files(FolderCase):
         self._edit_line("problems.jsonl", 0, lambda line: json.dumps(problem))
         table = distributions.accuracy_table(cell_table(load_campaign(self.folder)))
         self.assertEqual(set(table.loc[table["reference"] == "bounded", "problems"]), {1})
-
-    def test_a_solver_that_solves_nothing_strictly_keeps_its_looser_curves(self):
-        cells = cell_table(load_campaign(write_campaign(self.folder, {"a": 1.0}, copies=1, change=lambda r: fail(r)
-                                                        if r["tier"] == TIERS[1] else r)))
-        table = means.precision_table(cells)
-        self.assertEqual(set(table["strictest"]), {TIERS[0]})
 
     def _write(self, **arguments) -> None:
         write_campaign(self.folder, {"a": 1.0, "b": 2.0}, tiers=TIERS[:1], copies=1, **arguments)

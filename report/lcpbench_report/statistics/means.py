@@ -21,7 +21,6 @@ from .weighted import quantiles, weighted_median, weighted_share
 # Units of time: "oracle" is one factorization with the answer's active set known.
 UNITS = ("s", "oracle")
 COLUMNS = [*GROUP, "solver", "unit", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
-PRECISION_COLUMNS = ["set", "solver", "strictest", "tier", "problems", "shift", "mean_s", "rho_median", "rho_max"]
 DELIVERED = ("rho", "w_error")
 DELIVERED_COLUMNS = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
                      *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
@@ -73,29 +72,6 @@ def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
             best = min((row["mean"] for row in found), default=math.nan)
             rows += [row | {"over_best": row["mean"] / best} for row in found]
     return pd.DataFrame(rows, columns=COLUMNS)
-
-
-def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """Work over precision: what a solver's next digits cost. A tier costs more only if it is asked of the same problems:
-    for every tier `strictest` there is one curve, over the problems that the solver solves at that tier and at all looser
-    ones. A row per set, solver, curve and tier, loosest first; curves without a problem are left out."""
-    rows = []
-    labelled = with_label(cells)
-    shifts = _shifts(labelled, "time_s")
-    for (label, solver), own in labelled.groupby(["set", "solver"], sort=False):
-        tiers = sorted(own["tier"].unique(), reverse=True)
-        solved = own[own["verdict"] == VERIFIED]
-        problems = set(solved["problem"])
-        for depth, strictest in enumerate(tiers, start=1):
-            problems &= set(solved.loc[solved["tier"] == strictest, "problem"])
-            curve = solved[solved["problem"].isin(problems)]
-            for tier in tiers[:depth] if problems else ():
-                point = curve[curve["tier"] == tier]
-                rows.append({"set": label, "solver": solver, "strictest": strictest, "tier": tier,
-                             "problems": len(point), "shift": shifts[label], "mean_s": mean_time(point, shifts[label]),
-                             "rho_median": weighted_median(point["rho"], point["weight"]),
-                             "rho_max": point["rho"].max()})
-    return pd.DataFrame(rows, columns=PRECISION_COLUMNS)
 
 
 def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:

@@ -13,15 +13,15 @@ from .coverage import coverage_table
 from .distributions import accuracy_table, oracle_table, profile_table, scaling_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
-from .means import delivered_table, mean_table, precision_table
+from .means import delivered_table, mean_table
 from .pairwise import pairwise_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
-    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table,
-    "delivered": delivered_table, "accuracy": accuracy_table, "oracle": oracle_table,
+    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
+    "accuracy": accuracy_table, "oracle": oracle_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
