@@ -88,8 +88,8 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
-    entries = [_solver(key, True) | (solvers or {}).get(key, {}) for key in factors]
-    described = campaign_info(list(tiers), seed, [*entries, _solver("absent", False)], noise.passes) | (info or {})
+    entries = [solver_entry(key) | (solvers or {}).get(key, {}) for key in factors]
+    described = campaign_info(list(tiers), seed, [*entries, solver_entry("absent", False)], noise.passes) | (info or {})
     (folder / "campaign.json").write_text(json.dumps(described), encoding="utf-8")
     problems = [_problem(f"{family}-{rows}-{copy}", "main", family, rows)
                 for family in FAMILIES for rows in SIZES for copy in range(copies)]
@@ -122,11 +122,8 @@ def campaign_info(tiers: list[float], seed: int, solvers: list[dict], passes: in
 def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
     """The lines of streams.jsonl. A task ends where a rule begins or ends to exclude the solver, and where a problem of
     the class has no cell; classes without a stream have tasks of single problems."""
-    order: dict[str, tuple[str, int]] = {}
-    numbers = itertools.count()
-    for key, *_ in CLASSES:
-        numbers = itertools.count()
-        order |= {p["problem"]: (p["size_class"], next(numbers)) for p in problems if p["size_class"] == key}
+    numbers = {key: itertools.count() for key, *_ in CLASSES}
+    order = {problem["problem"]: (problem["size_class"], next(numbers[problem["size_class"]])) for problem in problems}
     streams = {key: stream for key, *_, stream in CLASSES}
     by_task: dict[tuple, list[dict]] = {}
     for cell in sorted(cells, key=lambda cell: order[cell["problem"]][1]):
@@ -158,6 +155,11 @@ def fail(record: dict, claim: str = "iteration_limit") -> dict:
 
 def exclude(record: dict, rule: str = "rows > 100") -> dict:
     return record | {"excluded": rule}
+
+
+def only(solver: str | None, part: str, change: Callable[[dict], dict]) -> Callable[[dict], dict]:
+    """`change` for the cells of a solver (None: of all) whose problem's name holds `part`, the others as they are."""
+    return lambda record: change(record) if solver in (None, record["solver"]) and part in record["problem"] else record
 
 
 def slower(record: dict, factor: float) -> dict:
@@ -197,8 +199,8 @@ def _exception(at: int, cell: dict) -> dict:
     return {"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
 
 
-def _solver(key: str, available: bool) -> dict:
-    return {"key": key, "setting": "tuned", "origin": "own", "uses_tolerance": True, "available": available,
+def solver_entry(key: str, available: bool = True, origin: str = "own") -> dict:
+    return {"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": available,
             "tolerance": "follows", "ablation": "", "base": "", "settings": {}, "licence": "", "library_version": ""}
 
 

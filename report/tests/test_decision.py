@@ -7,7 +7,7 @@ import pandas as pd
 from lcpbench_report import decision, fairness, markdown, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from .cases import FolderCase, SharedFolderCase
+from .cases import FolderCase
 from .synthetic_campaign import cells_of, fail, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
@@ -37,11 +37,9 @@ class Contenders(unittest.TestCase):
         self.assertEqual([(found.solver, found.problems) for found in ranked], [("early", 1), ("late", 1)])
 
 
-class WholeReport(SharedFolderCase):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.inputs = whole_inputs()
+class WholeReport(unittest.TestCase):
+    def setUp(self):
+        self.inputs = whole_inputs()
 
     def test_every_class_names_the_fastest_of_ours(self):
         choices = decision.by_class(self.inputs)

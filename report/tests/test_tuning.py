@@ -222,8 +222,6 @@ class Record(FolderCase):
         self.assertIn("block_start=yes", said[0])
 
     def test_the_committed_file_is_of_the_committed_space(self):
-        if not (DATA / "tuned.json").is_file():
-            self.skipTest("not tuned yet")
         tuned = json_of(DATA / "tuned.json")
         spaces = load_spaces(DATA / "tuning.json")
         self.assertEqual(tuned["space"]["sha256"], choice.file_hash(DATA / "tuning.json"))

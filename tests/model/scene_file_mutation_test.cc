@@ -3,47 +3,30 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "model/scenes/random.h"
-#include "tests/fuzz/scene_laws.h"
+#include "tests/fuzz/corpus.h"
+#include "tests/fuzz/laws.h"
 #include "tests/fuzz/scene_mutation.h"
 
 namespace lcpbench {
 namespace {
 
-std::vector<std::string> Seeds() {
-  std::vector<std::string> texts;
-  for (const char* folder : {LCPBENCH_SOURCE_DIR "/data/scenes", LCPBENCH_SOURCE_DIR "/tests/fuzz/corpus"}) {
-    std::vector<std::filesystem::path> paths;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-      if (entry.path().filename() != "scene.schema.json") paths.push_back(entry.path());
-    }
-    // Directories are listed in any order.
-    std::sort(paths.begin(), paths.end());
-    for (const auto& path : paths) {
-      std::ostringstream text;
-      text << std::ifstream(path).rdbuf();
-      texts.push_back(text.str());
-    }
-  }
-  return texts;
-}
-
 TEST(SceneFileMutations, GiveAValidWorldOrOneLineOfError) {
-  const std::vector<std::string> seeds = Seeds();
+  std::vector<std::string> seeds = Corpus("corpus");
+  for (std::string& scene : Corpus("../../data/scenes")) seeds.push_back(std::move(scene));
   ASSERT_GE(seeds.size(), 8U);
   Random random(1);
+  std::mt19937 bytes(1);
   constexpr int kRounds = 4000;
   for (int round = 0; round < kRounds; ++round) {
     const std::string& seed = seeds[Below(seeds.size(), &random)];
     const bool tree = random.Uniform() < 0.8;
-    const std::string text = tree ? MutatedTree(seed, &random) : MutatedBytes(seed, &random);
+    const std::string text = tree ? MutatedTree(seed, &random) : ChangedBytes(seed, seeds, &bytes);
     std::string broken;
     EXPECT_NO_THROW(broken = BrokenSceneLaw(text)) << text;
     EXPECT_EQ(broken, "") << text;
