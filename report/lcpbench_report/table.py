@@ -57,7 +57,6 @@ class Table:
 
 
 def html(text: str) -> Markup:
-    """Marked text; all else in it is escaped."""
     marked = _STRONG.sub(r"<b>\1</b>", _CODE.sub(r"<code>\1</code>", str(escape(text))))
     return Markup(_WORD.sub(r"<em>\1</em>", marked))
 

@@ -36,7 +36,6 @@ _STYLE = {
 
 
 def look():
-    """A context in which figures are made and saved."""
     return plt.rc_context(_STYLE)
 
 
@@ -78,7 +77,6 @@ def marker(style: SolverStyle, size: float = 4) -> dict:
 
 
 def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = False) -> list[Line2D]:
-    """For a legend: line, dash and marker of every solver."""
     return [Line2D([], [], label=solver, **line(styles[solver])) for solver in solvers] + \
         [Line2D([], [], label="oracle", **ORACLE)] * oracle
 

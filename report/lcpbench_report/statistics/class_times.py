@@ -75,8 +75,6 @@ def p99(cells: pd.DataFrame) -> float:
     return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
 
 
-# ----- every solver
-
 def class_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group, size class (and `all`) and solver. `p99_s` and the medians of the second measure (`again_s`), of
     the solve that was judged and of the parts are of verified answers that were timed."""
@@ -97,8 +95,6 @@ def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
         row[key] = weighted_median(known[key], known["weight"])
     return row
 
-
-# ----- ours over the peers
 
 def peer_ratio_table(cells: pd.DataFrame, own: Collection[str]) -> pd.DataFrame:
     """A row per group, size class (and `all`) and own solver: `ratio` to the fastest verified peer of each problem (where
@@ -146,8 +142,6 @@ def _best(peers: pd.DataFrame, weights: pd.Series) -> str:
             medians[key] = weighted_median(turns, own)
     return min(medians, key=medians.get, default="")
 
-
-# ----- ablations
 
 def ablation_table(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict]) -> pd.DataFrame:
     """What single means are worth: solvers without their self-check, peers with a check and one more solve with a shifted

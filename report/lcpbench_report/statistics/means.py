@@ -32,9 +32,9 @@ def shifted_geometric_mean(times, shift: float, weights=None) -> float:
     return float(np.exp(np.average(np.log(values + shift), weights=weights)) - shift) if len(values) else math.nan
 
 
-def penalised(cells: pd.DataFrame, times: str = "time_s") -> pd.Series:
-    """The column `times`, with the problem's limit where it is not finite."""
-    return cells[times].where(np.isfinite(cells[times]), cells["time_limit_s"])
+def penalised(cells: pd.DataFrame) -> pd.Series:
+    """The time that counts, with the problem's limit where it is not finite."""
+    return cells["time_s"].where(np.isfinite(cells["time_s"]), cells["time_limit_s"])
 
 
 def mean_time(cells: pd.DataFrame, shift: float) -> float:
@@ -81,7 +81,7 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
     rows = []
     run = with_label(cells[cells["verdict"] != EXCLUDED])
     run = run.assign(taken_s=run["fresh_s"].fillna(run["first_s"]).fillna(run["time_limit_s"]))
-    shifts = _shifts(run, "taken_s")
+    shifts = {label: shift_of(own, "taken_s") for label, own in run.groupby("set")}  # one for all tiers: they compare
     for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):
         row = {"set": label, "solver": solver, "tier": tier, "problems": len(own),
                "verified_share": weighted_share(own["verdict"] == VERIFIED, own["weight"]), "shift": shifts[label],
@@ -91,8 +91,3 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
             row |= quantiles(own[metric], f"{metric}_", own["weight"])
         rows.append(row)
     return pd.DataFrame(rows, columns=DELIVERED_COLUMNS)
-
-
-def _shifts(labelled: pd.DataFrame, times: str) -> dict[str, float]:
-    """Of every set one for all tiers, so that they compare."""
-    return {label: shift_of(own, times) for label, own in labelled.groupby("set")}
