@@ -175,7 +175,8 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     if task[0]["excluded"]:
         return [judge]
     judge |= {"attempted": len(task), **{key: [cell[key] for cell in task] for key in JUDGED},
-              "exceptions": [_exception(at, cell) for at, cell in enumerate(task) if not _is_plain(cell)],
+              "exceptions": [{"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
+                             for at, cell in enumerate(task) if not _is_plain(cell)],
               "peak_bytes": None}
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
@@ -193,10 +194,6 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
 
 def _is_plain(cell: dict) -> bool:
     return cell["claim"] == "solved" and cell["passes"] and not any(cell[flag] for flag in FLAGS[1:])
-
-
-def _exception(at: int, cell: dict) -> dict:
-    return {"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
 
 
 def solver_entry(key: str, available: bool = True, origin: str = "own") -> dict:

@@ -8,7 +8,7 @@ from lcpbench_report import decision, fairness, markdown, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
 from .cases import FolderCase
-from .synthetic_campaign import cells_of, fail, write_campaign
+from .synthetic_campaign import cells_of, fail, only, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
 
@@ -105,8 +105,7 @@ class Parts(FolderCase):
         entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
-            change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
-            and record["problem"] == "piles-20-1" else record)])
+            change=only("auto-unchecked", "piles-20-1", lambda record: fail(record, "solved")))])
         (row,) = shown_tables.ablation(inputs, all_only=True).rows
         solver, version, rows, _, time, _, false = row
         self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))

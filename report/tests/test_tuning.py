@@ -3,9 +3,8 @@
 import json
 import math
 import unittest
+from collections import Counter
 from pathlib import Path
-
-_REPORT = Path(__file__).resolve().parents[1]
 
 import numpy as np
 import pandas as pd
@@ -21,7 +20,7 @@ from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
 SMALL = Space("lemke", {"block_start": ["no", "yes"]})
 NOISE_SEEDS = 100
-DATA = _REPORT.parent / "data"
+DATA = Path(__file__).resolve().parents[2] / "data"
 
 
 def judged(cells, keys=("default", "fast", "same")) -> list[choice.Outcome]:
@@ -140,10 +139,7 @@ class Drawing(unittest.TestCase):
         self.assertEqual(len(draw(SPACE, 100, 1)), 12)
 
     def test_every_configuration_is_as_likely(self):
-        counts: dict[str, int] = {}
-        for seed in range(2200):
-            for configuration in draw(SPACE, 2, seed)[1:]:
-                counts[json.dumps(configuration)] = counts.get(json.dumps(configuration), 0) + 1
+        counts = Counter(json.dumps(drawn) for seed in range(2200) for drawn in draw(SPACE, 2, seed)[1:])
         self.assertEqual(len(counts), 11)
         self.assertLess(sum((n - 200) ** 2 / 200 for n in counts.values()), 29.6)  # chi-squared of 10, 0.1 %
 
