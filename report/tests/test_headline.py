@@ -170,9 +170,6 @@ class Headline(SharedFolderCase):
             self.assertEqual(bad.read_text(encoding="utf-8"), text)
         self.assertEqual(good.read_text(encoding="utf-8"), stale)
 
-    def test_a_missing_folder_is_one_line_and_status_two(self):
-        self.assert_refused("headline", self.path / "nowhere")
-
     def test_the_summary_holds_its_lines_tables_and_how_to_compare(self):
         inputs = load_inputs([self.folder, write_steps(self.path / "sequences")])
         text = markdown.render(inputs, ["A first finding.", "A second one."])

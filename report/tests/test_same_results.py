@@ -55,13 +55,10 @@ class SameResults(FolderCase):
         self.expect(1, f"{CELLS} differ ({CELLS} of them with a solve that a time limit ended)",
                     f"... and {CELLS - 3} more", more=("--show", "3",))
 
-    def test_another_plan_is_not_the_same(self):
+    def test_another_plan_or_problem_of_the_same_name_is_not_the_same(self):
         edit_info(self.b, seed=2, filter="n8")
-        self.expect(1, "seed 1 | 2", "B only: filter")
-
-    def test_another_problem_of_the_same_name_is_not_the_same(self):
         edit_lines(self.b / "problems.jsonl", lambda p: p | {"fraction_active": 0.25})
-        self.expect(1, "fraction_active 0.5 | 0.25")
+        self.expect(1, "seed 1 | 2", "B only: filter", "fraction_active 0.5 | 0.25")
 
     def test_mistakes_are_told_in_one_line(self):
         (self.b / "campaign.json").unlink()

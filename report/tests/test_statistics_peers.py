@@ -140,6 +140,3 @@ class Folder(SharedFolderCase):
             self.assertAlmostEqual(table.loc[(size, "peer"), "median_s"] / own["median_s"], 4, delta=0.2)
             self.assertAlmostEqual(own["again_s"] / own["median_s"], AGAIN, delta=0.05)
             self.assertAlmostEqual(own["first_s"] / own["median_s"], FIRST, delta=0.3)
-        ratio = peer_ratio_table(self.cells, {"own"}).set_index("size_class").loc["all"]
-        self.assertAlmostEqual(ratio["ratio"], 0.25, delta=0.01)
-        self.assertEqual(ratio["peer"], "peer")
