@@ -69,7 +69,6 @@ def details(inputs: Inputs, found: Headline) -> str:
 
 
 def full_headline(inputs: Inputs, found: Headline) -> str:
-    """Caption, both tables, and what is said about them."""
     return "\n".join([caption(inputs, found), "", shown_tables.classes(found).markdown(), peers(found), "",
                       details(inputs, found)])
 

@@ -70,7 +70,6 @@ def line(style: SolverStyle, marks: bool = True) -> dict:
 
 
 def marker(style: SolverStyle, size: float = 4) -> dict:
-    """Arguments of plot() for a solver's marker."""
     return {"marker": style.marker, "markersize": size * (0.85 if style.marker in "sD" else 1),
             "markerfacecolor": style.colour if style.own else "white", "markeredgecolor": style.colour,
             "markeredgewidth": 0.5 if style.own else 0.9, "color": style.colour}
