@@ -14,7 +14,6 @@
 #include "solvers/first_order/apgd.h"
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
-#include "solvers/first_order/psor.h"
 #include "solvers/peers/peer_table.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "solvers/pivoting/dantzig.h"
@@ -129,7 +128,9 @@ std::vector<SolverEntry> OwnSolvers() {
        .source = "Cryer 1971; Young 1971",
        .uses_tolerance = true,
        .why_not_guaranteed = &Never,
-       .make = &Make<PsorSolver>},
+       .make = [](const Settings& settings) -> std::unique_ptr<LcpSolver> {
+         return std::make_unique<PgsSolver>(PgsOptions::AdaptiveFromSettings(settings));
+       }},
       {.key = "nncg",
        .method = "nonsmooth conjugate gradients on symmetric Gauss-Seidel sweeps",
        .source = "Silcowitz, Niebe, Erleben 2010",

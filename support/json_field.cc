@@ -1,5 +1,6 @@
 #include "support/json_field.h"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
 
@@ -38,15 +39,12 @@ JsonField JsonField::operator[](const char* key) const {
 
 void JsonField::RequireOnlyKeys(std::initializer_list<const char*> known) const {
   if (!value_.is_object()) Mismatch("an object");
+  std::string names;
+  for (const char* name : known) names += (names.empty() ? "" : ", ") + std::string(name);
   for (const auto& [key, value] : value_.items()) {
-    std::string names;
-    bool found = false;
-    for (const char* name : known) {
-      found = found || key == name;
-      names += (names.empty() ? "" : ", ") + std::string(name);
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      Fail("unknown key " + Excerpt(key) + ", expected one of " + names);
     }
-    if (!found)
-      throw InputError(where_ + ": " + Path() + ": unknown key " + Excerpt(key) + ", expected one of " + names);
   }
 }
 
@@ -97,13 +95,10 @@ std::string JsonField::String() const {
 }
 
 int JsonField::Integer() const {
-  constexpr long long kLeast = std::numeric_limits<int>::min();
-  constexpr long long kMost = std::numeric_limits<int>::max();
-  // An unsigned number can be too large for a signed one, and would come out negative.
-  const bool fits = !value_.is_number_unsigned() || value_.get<unsigned long long>() <= kMost;
-  if (value_.is_number_integer() && fits) {
-    const auto number = value_.get<long long>();
-    if (kLeast <= number && number <= kMost) return static_cast<int>(number);
+  if (value_.is_number_integer()) {
+    const auto number = value_.get<double>();  // exact where it fits
+    constexpr std::numeric_limits<int> kLimits;
+    if (kLimits.min() <= number && number <= kLimits.max()) return static_cast<int>(number);
   }
   Mismatch("an integer");
 }
@@ -142,15 +137,7 @@ std::string PointerToken(std::string_view key) {
   // Printed as a JSON string without its quotes.
   const std::string text = Json(key).dump(-1, ' ', /*ensure_ascii=*/true, Json::error_handler_t::replace);
   std::string token;
-  for (const char c : text.substr(1, text.size() - 2)) {
-    if (c == '~') {
-      token += "~0";
-    } else if (c == '/') {
-      token += "~1";
-    } else {
-      token += c;
-    }
-  }
+  for (const char c : text.substr(1, text.size() - 2)) token += c == '~' ? "~0" : c == '/' ? "~1" : std::string(1, c);
   if (token.size() > kLongest) token = token.substr(0, kLongest) + "...";
   return token;
 }

@@ -68,27 +68,6 @@ std::array<int, 2> SocketPair() {
   return ends;
 }
 
-// Keeps this thread, and so what it spawns, on one processor while it exists.
-class OnProcessor {
- public:
-  explicit OnProcessor(int cpu) {
-    if (cpu < 0 || sched_getaffinity(0, sizeof before_, &before_) != 0) return;
-    cpu_set_t only;
-    CPU_ZERO(&only);
-    CPU_SET(static_cast<std::size_t>(cpu), &only);
-    changed_ = sched_setaffinity(0, sizeof only, &only) == 0;
-  }
-  ~OnProcessor() {
-    if (changed_) sched_setaffinity(0, sizeof before_, &before_);
-  }
-  OnProcessor(const OnProcessor&) = delete;
-  OnProcessor& operator=(const OnProcessor&) = delete;
-
- private:
-  cpu_set_t before_{};
-  bool changed_ = false;
-};
-
 }  // namespace
 
 Transfer WriteAll(int fd, const void* data, std::size_t size, double until) {
@@ -102,12 +81,10 @@ Transfer ReadAll(int fd, void* data, std::size_t size, double until) {
 Subprocess::Subprocess(const SubprocessOptions& options) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
-  std::array<int, 2> ends{-1, -1};
-  if (options.own_streams) {
-    ends = SocketPair();
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  }
+  const std::array<int, 2> ends = SocketPair();
+  socket_ = ends[0];
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
+  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   if (options.block_interrupts) {
@@ -123,14 +100,20 @@ Subprocess::Subprocess(const SubprocessOptions& options) {
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const OnProcessor on_processor(options.cpu);
+  // What is spawned inherits the processors of this thread.
+  cpu_set_t before;
+  cpu_set_t only;
+  CPU_ZERO(&only);
+  CPU_SET(static_cast<std::size_t>(std::max(options.cpu, 0)), &only);
+  const bool is_kept = options.cpu >= 0 && sched_getaffinity(0, sizeof before, &before) == 0 &&
+                       sched_setaffinity(0, sizeof only, &only) == 0;
   const int error = posix_spawnp(&pid_, arguments[0], &actions, &attributes, arguments.data(), environ);
+  if (is_kept) sched_setaffinity(0, sizeof before, &before);
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
-  if (ends[1] >= 0) close(ends[1]);
-  socket_ = ends[0];
+  close(ends[1]);
   if (error != 0) {
-    if (socket_ >= 0) close(socket_);
+    close(socket_);
     throw std::runtime_error("'" + words[0] + "' cannot be started: " + std::strerror(error));
   }
   const auto limit = [this](auto resource, std::uint64_t value) {
@@ -160,7 +143,7 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
 
 Subprocess::~Subprocess() {
   Kill();
-  if (socket_ >= 0) close(socket_);
+  close(socket_);
 }
 
 Transfer Subprocess::ReadLine(std::string* line, double until) {

@@ -26,10 +26,10 @@ struct SubprocessOptions {
   int cpu = -1;                      ///< the processor it is kept on; -1: any
   bool block_interrupts = false;     ///< SIGINT and SIGTERM to the whole process group do not reach it
   bool core_file = true;             ///< whether a crash may leave one
-  bool own_streams = true;           ///< its standard input and output are socket(); false: they are this process's
 };
 
-/// A child process and the socket to it. Where the object ends, the child is killed and waited for.
+/// A child process and the socket to it, which is its standard input and output. Where the object ends, the child is
+/// killed and waited for.
 class Subprocess {
  public:
   /// Starts a program; without fork, as libraries of this process may hold locks and have handlers for it.
@@ -43,7 +43,7 @@ class Subprocess {
   Subprocess(const Subprocess&) = delete;
   Subprocess& operator=(const Subprocess&) = delete;
 
-  /// For WriteAll and ReadAll; -1 without streams of its own.
+  /// For WriteAll and ReadAll.
   int socket() const { return socket_; }
   /// The next line without its end. Not to be mixed with ReadAll.
   Transfer ReadLine(std::string* line, double until);

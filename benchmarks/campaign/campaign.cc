@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -23,14 +22,12 @@
 #include "benchmarks/measure/progress.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kCampaignFile = "campaign.json";
-constexpr const char* kProblemsFile = "problems.jsonl";
 
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
 
@@ -102,7 +99,7 @@ class Campaign {
     return {plan_.manifests[problem.manifest], problem.entry->id};
   }
   double LimitOf(const Task& task, std::size_t place) const {
-    return TimeLimitOf(plan_, ProblemOf(task, place).entry->properties.rows);
+    return plan_.limits.Of(ProblemOf(task, place).entry->properties.rows);
   }
 
   // Declared beforehand: what ran out of time at a looser tier is not tried at stricter ones. "" for no rule.
@@ -257,28 +254,26 @@ class Campaign {
     const auto weight_of = [](const SequenceEntry& entry) {
       return static_cast<double>(entry.problems * entry.most_rows * entry.most_rows);
     };
-    std::set<std::string> seen;
     std::map<std::string, const SequenceEntry*> missing;
-    double weight = 0;
     for (const Task& pass : passes_) {
-      if (!pass.excluded.empty() || !seen.insert(pass.about).second) continue;
-      const std::string path = SequencePath(options_.folder, pass.about);
-      if (fs::exists(path)) {
-        ReadSequenceFile(path, pass.sequence->sha256);
-      } else {
-        missing[pass.about] = pass.sequence;
-        weight += weight_of(*pass.sequence);
-      }
+      if (pass.excluded.empty()) missing[SequencePath(options_.folder, pass.about)] = pass.sequence;
     }
+    double weight = 0;
+    std::erase_if(missing, [&](const auto& item) {
+      const auto& [path, entry] = item;
+      if (fs::exists(path)) return ReadSequenceFile(path, entry->sha256), true;
+      weight += weight_of(*entry);
+      return false;
+    });
     if (missing.empty()) return true;
     ProgressBar bar("sequences", weight);
-    for (const auto& [id, entry] : missing) {
+    for (const auto& [path, entry] : missing) {
       try {
-        WriteSequenceFile(*entry, SequencePath(options_.folder, id));
+        WriteSequenceFile(*entry, path);
       } catch (const Interrupted&) {
         return false;
       }
-      bar.Advance(weight_of(*entry), id);
+      bar.Advance(weight_of(*entry), entry->id);
     }
     return true;
   }
@@ -295,7 +290,6 @@ class Campaign {
     const Journal::Judgement* first = journal_.Find(key);
     if (round > 0 && (first == nullptr || !first->completed)) return;
     SequenceRequest request;
-    request.sequence = pass.about;
     request.file = SequencePath(options_.folder, pass.about);
     request.sha256 = pass.sequence->sha256;
     request.solver = pass.solver;
@@ -303,9 +297,7 @@ class Campaign {
     request.judged = pass.judged;
     request.warm = pass.warm;
     request.deadline_s = pass.deadline_s;
-    request.time_per_row_s = plan_.time_per_row_s;
-    request.least_s = plan_.least_s;
-    request.most_s = plan_.most_s;
+    request.limits = plan_.limits;
     request.budget_s = plan_.pass_budget_s;
     const SequenceReply reply = worker_->Run(request);
     if (reply.outcome != "completed") ++failures_;
@@ -363,6 +355,15 @@ std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordere
   return campaign.at("environment_hash").get<std::string>();
 }
 
+// One line for all of them: they have no cells.
+void TellWhatIsMissing(const CampaignPlan& plan) {
+  std::string missing;
+  for (const std::string& key : plan.solvers) {
+    if (!FindSolver(key).available) missing += (missing.empty() ? "" : ", ") + key;
+  }
+  if (!missing.empty()) std::cerr << "not in this build: " << missing << std::endl;
+}
+
 std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
   std::vector<Manifest> manifests;
   for (const std::string& path : plan.manifests) manifests.push_back(ReadManifest(path));
@@ -398,15 +399,12 @@ std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignO
 
 int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
-  if (options.shards < 1 || options.shard < 1 || options.shard > options.shards) {
-    throw InputError("campaign: expected a shard k/N with k from 1 to N");
-  }
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
   const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests, problems));
   Campaign campaign(plan, options, problems, manifests, environment);
-  if (options.on_start) options.on_start();
-  WriteProblems(In(options.folder, kProblemsFile), manifests, plan.manifests, problems);
+  TellWhatIsMissing(plan);  // not before: of a user's mistake there is one line only
+  WriteProblems(In(options.folder, kProblemsFile), plan.manifests, problems);
   const Interruption interruption;
   return campaign.Run() ? 0 : Interruption::ExitStatus();
 }
@@ -446,10 +444,9 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
   if (error) throw InputError(output + ": cannot be created: " + error.message());
   WriteCampaignFile(In(output, kCampaignFile), first);
   for (const auto& [file, merged] : lines) {
-    std::ofstream out(In(output, file.c_str()));
-    for (const auto& [key, line] : merged) out << line << '\n';
-    out.close();
-    if (!out) throw InputError(In(output, file.c_str()) + ": cannot be written");
+    std::string text;
+    for (const auto& [key, line] : merged) text += line + '\n';
+    WriteTextFile(In(output, file.c_str()), text);
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -15,7 +14,6 @@ struct CampaignOptions {
   int shards = 1;
   int cpu = -1;                               ///< the processor that solves are kept on; -1: any
   std::vector<std::string> solver_arguments;  ///< of the command line, by which the user named solvers
-  std::function<void()> on_start;             ///< called before the first solve, when nothing is wrong with the plan
 };
 
 /// Runs a campaign, or its rest, into a folder (files: RESULTS.md). First every task is judged: its problems are solved

@@ -4,15 +4,18 @@
 #include <array>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
+#include <map>
 #include <optional>
 #include <system_error>
 
+#include "benchmarks/campaign/journal.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/measure/environment.h"
 #include "solvers/peers/tier_settings.h"
 #include "solvers/registry.h"
+#include "support/append_only_file.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -42,19 +45,49 @@ std::string Now() {
   return text.data();
 }
 
+struct Times {
+  std::vector<double> fresh_s;
+  std::string failure;
+};
+
+std::map<std::string, Times> TimesByName(const std::string& folder) {
+  std::map<std::string, std::vector<std::string>> problems;  // by size class
+  ReadJsonLines(folder + "/" + kProblemsFile, "a problem", [&](const nlohmann::json& line, const std::string&) {
+    problems[line.at("size_class").get<std::string>()].push_back(line.at("problem").get<std::string>());
+  });
+  std::map<std::string, Times> cells;
+  ReadJsonLines(folder + "/" + kStreamsFile, "a pass", [&](const nlohmann::json& line, const std::string&) {
+    if (!line.at("excluded").get<std::string>().empty()) return;
+    const std::vector<std::string>& names = problems.at(line.at("size_class").get<std::string>());
+    const auto first = line.at("first").get<std::size_t>();
+    const auto cell = [&](std::size_t at) -> Times& {
+      return cells[CellName(names.at(first + at), line.at("solver").get<std::string>(), line.at("tier").get<double>())];
+    };
+    if (line.at("kind") == "judge") {
+      for (const nlohmann::json& exception : line.at("exceptions")) {
+        if (exception.at("passes").get<bool>() || exception.at("claim") == "excluded") continue;
+        cell(exception.at("at").get<std::size_t>()).failure =
+            exception.at("claim").get<std::string>() + ": " + exception.at("reason").get<std::string>();
+      }
+    } else if (line.at("kind") == "fresh") {
+      const nlohmann::json& times = line.at("fresh_s");
+      for (std::size_t at = 0; at < times.size(); ++at) {
+        if (times[at].is_number()) cell(at).fresh_s.push_back(times[at].get<double>());
+      }
+    }
+  });
+  return cells;
+}
+
 }  // namespace
 
 Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                       const std::vector<PlannedProblem>& problems) {
-  Json json;
-  json["schema"] = kSchema;
-  json["name"] = plan.name;
-  json["manifests"] = Json::array();
+  Json json = {{"schema", kSchema}, {"name", plan.name}, {"manifests", Json::array()}, {"solvers", Json::array()}};
   for (const Manifest& manifest : manifests) {
     json["manifests"].push_back(
         {{"name", manifest.name}, {"version", manifest.version}, {"sha256", ManifestHash(manifest)}});
   }
-  json["solvers"] = Json::array();
   for (const std::string& key : plan.solvers) {
     const SolverEntry& entry = FindSolver(key);
     json["solvers"].push_back({{"key", entry.key},
@@ -73,40 +106,43 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
   if (!plan.tuning.file.empty()) {
     json["tuning"] = {{"file", plan.tuning.file}, {"sha256", plan.tuning.sha256}, {"budget", plan.tuning.budget}};
   }
-  json["tiers"] = plan.tiers;
-  json["filter"] = plan.filter;
-  json["most_rows"] = plan.most_rows;
-  json["fills"] = plan.fills;
-  json["seed"] = plan.seed;
-  json["size_classes"] = Json::array();
+  json.update({{"tiers", plan.tiers},
+               {"filter", plan.filter},
+               {"most_rows", plan.most_rows},
+               {"fills", plan.fills},
+               {"seed", plan.seed},
+               {"size_classes", Json::array()}});
   for (const SizeClass& size_class : kSizeClasses) {
-    json["size_classes"].push_back(
-        {{"key", size_class.key},
-         {"least", size_class.least},
-         {"most", &size_class == &kSizeClasses.back() ? Json(nullptr) : Json(size_class.most)},
-         {"stream", size_class.stream}});
+    const bool is_last = &size_class == &kSizeClasses.back();
+    json["size_classes"].push_back({{"key", size_class.key},
+                                    {"least", size_class.least},
+                                    {"most", is_last ? Json(nullptr) : Json(size_class.most)},
+                                    {"stream", size_class.stream}});
   }
-  json["passes"] = plan.passes;
-  json["budgets_s"] = {{"judge", plan.budgets.judge_s},
-                       {"timed", plan.budgets.timed_s},
-                       {"parts", plan.budgets.parts_s},
-                       {"again", plan.budgets.again_s}};
-  json["limits"] = {{"time_per_row_s", plan.time_per_row_s},
-                    {"least_s", plan.least_s},
-                    {"most_s", plan.most_s},
-                    {"memory_bytes", plan.memory_bytes}};
-  json["noise"] = {{"slower_clock", plan.noise.slower_clock},
-                   {"least_cpu_share", plan.noise.least_cpu_share},
-                   {"most_reruns", plan.noise.most_reruns}};
-  json["size_limits"] = Json::array();
+  std::size_t lines = 0;
+  for (const Task& task : PlanTasks(plan, problems)) lines += task.judged.size();
+  const TaskBudgets& budgets = plan.budgets;
+  json.update({{"passes", plan.passes},
+               {"budgets_s",
+                {{"judge", budgets.judge_s},
+                 {"timed", budgets.timed_s},
+                 {"parts", budgets.parts_s},
+                 {"again", budgets.again_s}}},
+               {"limits",
+                {{"time_per_row_s", plan.limits.time_per_row_s},
+                 {"least_s", plan.limits.least_s},
+                 {"most_s", plan.limits.most_s},
+                 {"memory_bytes", plan.memory_bytes}}},
+               {"noise",
+                {{"slower_clock", plan.noise.slower_clock},
+                 {"least_cpu_share", plan.noise.least_cpu_share},
+                 {"most_reruns", plan.noise.most_reruns}}},
+               {"size_limits", Json::array()},
+               {"lines", lines}});
   for (const SolverEntry& solver : AllSolvers()) {
-    const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class);
-    if (!limit) continue;
-    json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
-  }
-  json["lines"] = 0;
-  for (const Task& task : PlanTasks(plan, problems)) {
-    json["lines"] = json["lines"].get<std::size_t>() + task.judged.size();
+    if (const std::optional<SizeLimit> limit = SizeLimitOf(solver.method_class)) {
+      json["size_limits"].push_back({{"solver", solver.key}, {"largest", limit->largest}, {"reason", limit->reason}});
+    }
   }
   for (const Manifest& manifest : manifests) {
     for (const SequenceEntry& entry : manifest.sequences) {
@@ -119,30 +155,24 @@ Json DescribeCampaign(const CampaignPlan& plan, const std::vector<Manifest>& man
     }
   }
   if (json.contains("sequences")) {
-    json["deadlines_s"] = plan.deadlines_s;
-    json["pass_budget_s"] = plan.pass_budget_s;
+    json.update({{"deadlines_s", plan.deadlines_s}, {"pass_budget_s", plan.pass_budget_s}});
   }
-  json["started"] = Now();
-  json["environment"] = DescribeEnvironment();
+  json.update({{"started", Now()}, {"environment", DescribeEnvironment()}});
   json["environment_hash"] = TextHash(json["environment"].dump()).substr(0, 16);
   return json;
 }
 
-bool SameCampaign(const Json& a, const Json& b) {
-  const auto stripped = [](Json json) {
-    json.erase("started");
-    json.erase("environment");
-    json.erase("environment_hash");
-    return json;
-  };
-  return stripped(a) == stripped(b);
+bool SameCampaign(Json a, Json b) {
+  for (const char* of_the_run : {"started", "environment", "environment_hash"}) {
+    a.erase(of_the_run);
+    b.erase(of_the_run);
+  }
+  return a == b;
 }
 
 Json ReadCampaignFile(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw InputError(path + ": cannot be opened for reading");
   try {
-    Json json = Json::parse(file);
+    Json json = Json::parse(ReadTextFile(path));
     if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + std::string(kSchema));
     return json;
   } catch (const Json::exception&) {
@@ -153,12 +183,37 @@ Json ReadCampaignFile(const std::string& path) {
 void WriteCampaignFile(const std::string& path, const Json& campaign) {
   // Renamed when it is whole: what is killed here must not leave a file that --resume cannot read.
   const std::string part = path + ".part";
-  std::ofstream file(part);
-  file << campaign.dump(1) << '\n';
-  file.close();
+  WriteTextFile(part, campaign.dump(1) + "\n");
   std::error_code error;
-  if (file) std::filesystem::rename(part, path, error);
-  if (!file || error) throw InputError(path + ": cannot be written");
+  std::filesystem::rename(part, path, error);
+  if (error) throw InputError(path + ": cannot be written");
+}
+
+void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
+  Json benchmarks = Json::array();
+  for (const auto& [name, times] : TimesByName(folder)) {
+    const auto add = [&, &of = name](std::size_t repetitions, double seconds, const Json& more) {
+      const double nanoseconds = 1e9 * seconds;
+      benchmarks.push_back({{"name", of},
+                            {"run_name", of},
+                            {"run_type", "iteration"},
+                            {"repetitions", repetitions},
+                            {"iterations", 1},
+                            {"real_time", nanoseconds},
+                            {"cpu_time", nanoseconds},
+                            {"time_unit", "ns"}});
+      benchmarks.back().update(more);
+    };
+    const std::size_t passes = times.fresh_s.size();
+    for (std::size_t k = 0; k < passes; ++k) add(passes, times.fresh_s[k], {{"repetition_index", k}});
+    // Without time or failure: verified, and not timed.
+    if (passes == 0 && !times.failure.empty()) {
+      add(1, 0, {{"error_occurred", true}, {"error_message", times.failure}});
+    }
+  }
+  const Json campaign = ReadCampaignFile(folder + "/" + kCampaignFile);
+  const Json all = {{"context", campaign.at("environment")}, {"benchmarks", benchmarks}};
+  WriteTextFile(path, all.dump(2) + "\n");
 }
 
 }  // namespace lcpbench

@@ -14,10 +14,19 @@ nlohmann::ordered_json DescribeCampaign(const CampaignPlan& plan, const std::vec
                                         const std::vector<PlannedProblem>& problems);
 
 /// Two campaigns are one if all but the start's time and the environment is the same.
-bool SameCampaign(const nlohmann::ordered_json& a, const nlohmann::ordered_json& b);
+bool SameCampaign(nlohmann::ordered_json a, nlohmann::ordered_json b);
 
 /// @throws InputError naming the file
 nlohmann::ordered_json ReadCampaignFile(const std::string& path);
 void WriteCampaignFile(const std::string& path, const nlohmann::ordered_json& campaign);
+
+/// Writes the times of a campaign's folder in Google Benchmark's JSON, for the tools that read it: a benchmark per
+/// cell, named by CellName, with a run per pass; cells that failed are errors with their reason. The context is the
+/// environment of campaign.json.
+/// @throws InputError where a file cannot be read or written
+void WriteBenchmarkJson(const std::string& folder, const std::string& path);
+
+inline constexpr const char* kCampaignFile = "campaign.json";
+inline constexpr const char* kProblemsFile = "problems.jsonl";
 
 }  // namespace lcpbench

@@ -66,10 +66,6 @@ double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fas
   return std::max(slower, 0.0) + waiting;
 }
 
-double TimeLimitOf(const CampaignPlan& plan, Index rows) {
-  return std::clamp(plan.time_per_row_s * static_cast<double>(rows), plan.least_s, plan.most_s);
-}
-
 std::string CellName(const std::string& problem, const std::string& solver, double tier) {
   return "solve/" + problem + "/" + solver + "/" + ShortTier(tier);
 }
@@ -95,7 +91,9 @@ void RequireValid(const CampaignPlan& plan) {
   const TaskBudgets& budgets = plan.budgets;
   require(budgets.judge_s > 0 && budgets.timed_s > 0 && budgets.parts_s >= 0 && budgets.again_s >= 0, "budgets > 0 s");
   require(plan.most_rows >= 0, "rows >= 0");
-  require(plan.time_per_row_s >= 0 && plan.least_s > 0 && plan.most_s >= plan.least_s, "time limits > 0 s, in order");
+  const SolveLimits& limits = plan.limits;
+  require(limits.time_per_row_s >= 0 && limits.least_s > 0 && limits.most_s >= limits.least_s,
+          "time limits > 0 s, in order");
   for (const double deadline : plan.deadlines_s) require(deadline > 0, "deadlines > 0 s");
   require(plan.pass_budget_s > 0, "a pass's budget > 0 s");
   try {
@@ -142,11 +140,11 @@ std::vector<Task> PlanTasks(const CampaignPlan& plan, const std::vector<PlannedP
     while (size_class->most <= kMostRowsTogether && end < problems.size() && problems[end].size_class == size_class) {
       ++end;
     }
+    Index least_rows = problems[begin].entry->properties.rows;
+    for (std::size_t k = begin; k < end; ++k) least_rows = std::min(least_rows, problems[k].entry->properties.rows);
     for (const std::string& key : plan.solvers) {
       const SolverEntry& solver = FindSolver(key);
       if (!solver.available) continue;
-      Index least_rows = problems[begin].entry->properties.rows;
-      for (std::size_t k = begin; k < end; ++k) least_rows = std::min(least_rows, problems[k].entry->properties.rows);
       Task task;
       task.solver = key;
       task.about = size_class->key;

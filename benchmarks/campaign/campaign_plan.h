@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -23,8 +24,8 @@ double DisturbanceOf(const NoiseRule& rule, const Disturbance& found, double fas
 
 /// Where settings that a campaign runs besides the defaults were found (command/run.cc).
 struct TuningSource {
-  std::string file;  ///< name, without its folder; "" where there is none
-  std::string sha256;
+  std::string file = {};  ///< name, without its folder; "" where there is none
+  std::string sha256 = {};
   int budget = 0;  ///< configurations that were tried of a solver, at most
 };
 
@@ -37,29 +38,36 @@ struct TaskBudgets {
   double again_s = 1;
 };
 
+/// What one solve may take: time_per_row_s times its rows, within [least_s, most_s].
+struct SolveLimits {
+  double time_per_row_s = 1e-3;
+  double least_s = 0.2;
+  double most_s = 2;
+
+  /// [s]
+  double Of(Index rows) const { return std::clamp(time_per_row_s * static_cast<double>(rows), least_s, most_s); }
+};
+
 /// What a campaign consists of, fixed before its first solve.
 struct CampaignPlan {
-  std::string name;
-  std::vector<std::string> manifests;  ///< paths
-  std::vector<std::string> solvers;    ///< registry keys
+  std::string name = {};
+  std::vector<std::string> manifests = {};  ///< paths
+  std::vector<std::string> solvers = {};    ///< registry keys
   std::vector<double> tiers = {1e-3, 1e-6, 1e-9};
   /// Regular expression that "solve/<problem>/" must contain, and PassName; "" for all.
-  std::string filter;
+  std::string filter = {};
   Index most_rows = 0;     ///< no larger problems; 0: all
   bool fills = true;       ///< streams are filled up with the manifests' problems of further seeds
   std::uint64_t seed = 1;  ///< of all orders
   int passes = 5;          ///< timed ones, at most; over sequences so many rounds
-  TaskBudgets budgets;
-  // A solve may take time_per_row_s times its rows, within [least_s, most_s].
-  double time_per_row_s = 1e-3;
-  double least_s = 0.2;
-  double most_s = 2;
+  TaskBudgets budgets = {};
+  SolveLimits limits = {};
   std::uint64_t memory_bytes = std::uint64_t{8} << 30U;  ///< address space of a solve
-  NoiseRule noise;
+  NoiseRule noise = {};
   // Of the manifests' sequences.
   std::vector<double> deadlines_s = {0.1e-3, 1e-3, 16e-3};  ///< of a step
   double pass_budget_s = 20;  ///< of a pass over a sequence: no further step is begun after it
-  TuningSource tuning;
+  TuningSource tuning = {};
 };
 
 /// A problem of the campaign.
@@ -111,9 +119,6 @@ std::vector<Task> PlanPasses(const CampaignPlan& plan, const std::vector<Manifes
 std::string CellName(const std::string& problem, const std::string& solver, double tier);
 /// "steps/<sequence>/<solver>/<tier>/<mode>"
 std::string PassName(const Task& pass);
-
-/// What one solve may take [s].
-double TimeLimitOf(const CampaignPlan& plan, Index rows);
 
 /// Indices of cells, those of one group (equal numbers, side by side) together and in order, the groups shuffled by the
 /// seed and the round. The same on every machine.

@@ -218,7 +218,7 @@ void Journal::WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_
 void Journal::WritePass(const Task& task, int round, const SequenceReply& reply) {
   Json line = RecordOf<PassSource>(PassFields(), {task, round});
   const auto steps = static_cast<int>(task.sequence->problems);
-  nlohmann::json rest = reply.results.is_null() ? StepRecord(task.judged, task.tier).Results(steps) : reply.results;
+  nlohmann::json rest = reply.results.is_null() ? StepRecord(task.judged).Results(steps) : reply.results;
   rest["outcome"] = reply.outcome;
   rest["detail"] = reply.detail;
   rest["steps"] = steps;

@@ -1,15 +1,26 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_plan.h"
 #include "benchmarks/measure/speed_probe.h"
 #include "solvers/lcp/fresh_pass.h"
+#include "support/input_error.h"
+
+// Of std::optional, as null or a value.
+template <typename Value>
+struct nlohmann::adl_serializer<std::optional<Value>> {
+  static void to_json(json& to, const std::optional<Value>& from) { to = from ? json(*from) : json(nullptr); }
+  static void from_json(const json& from, std::optional<Value>& to) {
+    to = from.is_null() ? std::nullopt : std::optional<Value>(from.get<Value>());
+  }
+};
 
 namespace lcpbench {
 
@@ -41,19 +52,15 @@ struct TimedRequest {
 
 /// Run a solver over all problems of a sequence, in order.
 struct SequenceRequest {
-  std::string sequence;  ///< id
-  std::string file;      ///< ReadSequenceFile
+  std::string file;  ///< ReadSequenceFile
   std::string sha256;
   std::string solver;          ///< registry key
   double tier = 0;             ///< the tolerance asked for
   std::vector<double> judged;  ///< tiers that the answers are judged at
   bool warm = false;           ///< every step starts from the answer to the one before
   double deadline_s = 0;       ///< of a step's set-up and solve; 0: none
-  // Without a deadline a solve may take time_per_row_s times its rows, within [least_s, most_s].
-  double time_per_row_s = 0;
-  double least_s = 0;
-  double most_s = 0;
-  double budget_s = 0;  ///< of the pass: no further step is begun after it
+  SolveLimits limits;          ///< without a deadline
+  double budget_s = 0;         ///< of the pass: no further step is begun after it
 };
 
 /// How a request ended.
@@ -77,16 +84,37 @@ struct SequenceReply : Reply {       ///< `outcome` may be budget, too
   nlohmann::json results = nullptr;  ///< DescribeSteps; null where the process ended
 };
 
-/// As one line. Instances: the messages above.
+/// What a worker tells before what it does next: how long that may take [s], and its name in texts.
+using BeginPhase = std::function<void(double limit_s, const std::string& name)>;
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Disturbance, probe_s, cpu_share, switches)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SolveLimits, time_per_row_s, least_s, most_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ProblemName, manifest, id)
+// Without other_b, which the worker makes.
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PassRequest, kind, tolerance, time_limit_s, warm_up, order, group, budget_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeRequest, problem, solver, tier, judged, time_limit_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedRequest, stream, solver, pass, judged, other_b_seed)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceRequest, file, sha256, solver, tier, judged, warm, deadline_s, limits,
+                                   budget_s)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(JudgeReply, outcome, detail, records)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(TimedReply, outcome, detail, times, failed, disturbance)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SequenceReply, outcome, detail, results)
+
+/// A message as one line.
 template <typename Message>
-std::string Format(const Message& message);
+std::string Format(const Message& message) {
+  // A library's message may hold any bytes.
+  return nlohmann::json(message).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
 
 /// @throws InputError for a line that is no such message
 template <typename Message>
-Message Parse(const std::string& line);
-
-using Request = std::variant<JudgeRequest, TimedRequest, SequenceRequest>;
-/// @throws InputError for what is no request
-Request ParseRequest(const std::string& line);
+Message Parse(const std::string& line) {
+  try {
+    return nlohmann::json::parse(line).get<Message>();
+  } catch (const nlohmann::json::exception& error) {
+    throw InputError(std::string("expected a message between a campaign and its worker: ") + error.what());
+  }
+}
 
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
 #include "benchmarks/campaign/reference_floor.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string_view>
@@ -17,8 +18,8 @@ constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "suitespa
 
 }  // namespace
 
-ReferenceFloor FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {
-  ReferenceFloor found;
+std::optional<double> FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {
+  std::optional<double> least;
   LcpOptions options;
   options.tolerance = tolerance;
   options.time_limit_s = time_limit_s;
@@ -30,13 +31,10 @@ ReferenceFloor FindReferenceFloor(const LcpProblem& problem, double tolerance, d
     LcpReference own;
     own.floor = RoundingFloor(problem, result.f);
     if (!Verify(problem, result, tolerance, &own).passes) continue;
-    if (!found.reference.floor.has_value() || *own.floor < *found.reference.floor) {
-      found.reference.floor = own.floor;
-      found.solver = std::string(key);
-    }
-    if (*found.reference.floor <= tolerance) break;
+    least = std::min(least.value_or(*own.floor), *own.floor);
+    if (*least <= tolerance) break;
   }
-  return found;
+  return least;
 }
 
 }  // namespace lcpbench

@@ -1,16 +1,10 @@
 #pragma once
 
-#include <string>
+#include <optional>
 
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {
-
-/// The rounding floor of a problem and who answered it.
-struct ReferenceFloor {
-  LcpReference reference;  ///< holds `floor` where an answer was verified, and nothing else
-  std::string solver;      ///< the key of the solver whose answer has that floor; "" where none was verified
-};
 
 /// The floor that all verdicts on one problem are relative to, found without any of the judged answers: where f is not
 /// unique, a solver that returns a huge self-stress must not loosen its own verdict.
@@ -23,6 +17,7 @@ struct ReferenceFloor {
 ///
 /// @param tolerance     the strictest tier that will be judged, in (0, 1)
 /// @param time_limit_s  of each solve, > 0
-ReferenceFloor FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s);
+/// @return nothing where no answer was verified
+std::optional<double> FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s);
 
 }  // namespace lcpbench

@@ -1,9 +1,10 @@
 #include "benchmarks/campaign/result_fields.h"
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <iterator>
 
 namespace lcpbench {
 namespace {
@@ -17,6 +18,14 @@ Json KnownNumber(double value) { return value < 0 ? Json(nullptr) : RoundedNumbe
 Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 // Getters of members.
+template <auto Member>
+Json OfAnswer(const Answer& of) {
+  return of.*Member < 0 ? Json(nullptr) : Json(of.*Member);
+}
+template <auto Member>
+Json SecondsOf(const Answer& of) {
+  return KnownNumber(of.*Member);
+}
 template <auto Member, typename Source>
 Json OfTask(const Source& of) {
   return of.task.*Member;
@@ -38,7 +47,10 @@ template <auto Member>
 Json Planned(const Described& of) {
   return of.planned.entry->*Member;
 }
-Json Known(const Described& of, const char* property) { return of.known.value(property, nlohmann::json(nullptr)); }
+template <auto Member>
+Json Property(const Described& of) {
+  return OrNull(of.planned.entry->properties.*Member);
+}
 
 constexpr FieldOf<LineSource> kLine[] = {
     {{"solver", "name", "", "key"}, OfTask<&Task::solver>},
@@ -65,13 +77,12 @@ constexpr FieldOf<Answer> kColumns[] = {
     {{"iterations", "[time?]", "", "in the solver's own unit"},
      [](const Answer& of) { return of.result.iterations < 0 ? Json(nullptr) : Json(of.result.iterations); }},
     {{"first_s", "[time?]", "s", "fresh time of this one observed solve by a new solver object"},
-     [](const Answer& of) { return KnownNumber(of.first_s); }},
+     SecondsOf<&Answer::first_s>},
     {{"factor_share", "[time?]", "", "of it, in numeric factorizations; null: in another process"},
      [](const Answer& of) {
        return KnownNumber(of.result.factor_s >= 0 && of.first_s > 0 ? of.result.factor_s / of.first_s : -1);
      }},
-    {{"allocations", "[time?]", "", "of it; null: in another process"},
-     [](const Answer& of) { return of.allocations < 0 ? Json(nullptr) : Json(of.allocations); }},
+    {{"allocations", "[time?]", "", "of it; null: in another process"}, OfAnswer<&Answer::allocations>},
 };
 
 constexpr FieldOf<Answer> kExceptions[] = {
@@ -95,11 +106,10 @@ constexpr FieldOf<Answer> kExceptions[] = {
 };
 
 constexpr FieldOf<Answer> kOfTheLine[] = {
-    {{"peak_bytes", "time?", "B", "the most of any; null: in another process"},
-     [](const Answer& of) { return of.peak_bytes < 0 ? Json(nullptr) : Json(of.peak_bytes); }},
+    {{"peak_bytes", "time?", "B", "the most of any; null: in another process"}, OfAnswer<&Answer::peak_bytes>},
     {{"formed_on_host_s", "[time?]", "s",
       "of first_s, forming A here; only of programs of protocol version 1, and nowhere else"},
-     [](const Answer& of) { return KnownNumber(of.formed_on_host_s); }},
+     SecondsOf<&Answer::formed_on_host_s>},
 };
 
 constexpr ResultField kJudge[] = {
@@ -203,10 +213,15 @@ constexpr FieldOf<Described> kProblem[] = {
     {{"rows", "count", "", ""}, [](const Described& of) { return Json(of.problem.size()); }},
     {{"bilateral", "count", "", "rows"}, [](const Described& of) { return Json(of.problem.bilateral_rows().size()); }},
     {{"redundancy", "time?", "", "as the manifest has it, like the three that follow; null: not known"},
-     [](const Described& of) { return Known(of, "redundancy"); }},
-    {{"condition", "time?", "", ""}, [](const Described& of) { return Known(of, "condition"); }},
-    {{"mass_ratio", "time?", "", ""}, [](const Described& of) { return Known(of, "mass_ratio"); }},
-    {{"fraction_active", "time?", "", ""}, [](const Described& of) { return Known(of, "fraction_active"); }},
+     Property<&ProblemProperties::redundancy>},
+    {{"condition", "time?", "", ""},
+     [](const Described& of) { return OrNull(of.planned.entry->properties.condition.value); }},
+    {{"mass_ratio", "time?", "", ""}, Property<&ProblemProperties::mass_ratio>},
+    {{"fraction_active", "time?", "", ""},
+     [](const Described& of) {
+       const std::optional<AnswerProperties>& answer = of.planned.entry->answer;
+       return answer ? Json(answer->fraction_active) : Json(nullptr);
+     }},
     {{"reference", "name", "", "certified, bounded or none"},
      [](const Described& of) { return Json(of.planned.entry->reference.kind); }},
     {{"counts", "boolean", "", "in means"}, [](const Described&) { return Json(true); }},
@@ -216,29 +231,19 @@ constexpr FieldOf<Described> kProblem[] = {
      [](const Described& of) { return OrNull(of.floor); }},
 };
 
-std::span<const FieldOf<Answer>> OfTheLine() { return kOfTheLine; }
+constexpr ResultField kGroup[] = {{"group", "positive", "", "so many problems share a pair of clock reads"}};
 
-template <typename Table>
-void Add(const Table& table, std::vector<ResultField>* fields) {
-  fields->insert(fields->end(), std::begin(table), std::end(table));
+std::vector<TimeField> TimesOf(PassKind kind) {
+  std::vector<TimeField> fields;
+  std::copy_if(std::begin(kTimes), std::end(kTimes), std::back_inserter(fields),
+               [kind](const TimeField& field) { return field.kind == kind; });
+  return fields;
 }
 
 template <typename... Tables>
 RecordSchema Schema(const char* record, const char* meaning, const Tables&... tables) {
   RecordSchema schema{record, meaning, {}};
-  (Add(tables, &schema.fields), ...);
-  return schema;
-}
-
-RecordSchema TimesOf(const char* record, const char* meaning, PassKind kind) {
-  RecordSchema schema{record, meaning, {}};
-  if (kind == PassKind::kFresh) {
-    schema.fields.push_back({"group", "positive", "", "so many problems share a pair of clock reads"});
-  }
-  for (const TimeField& field : kTimes) {
-    if (field.kind == kind) schema.fields.push_back(field);
-  }
-  Add(kTimed, &schema.fields);
+  (schema.fields.insert(schema.fields.end(), std::begin(tables), std::end(tables)), ...);
   return schema;
 }
 
@@ -254,7 +259,7 @@ std::span<const FieldOf<DescribedProblem>> ProblemFields() { return kProblem; }
 
 nlohmann::json DescribeAnswer(const JudgedAnswer& answer) {
   nlohmann::json record;
-  for (const std::span<const FieldOf<Answer>> fields : {ColumnFields(), ExceptionFields(), OfTheLine()}) {
+  for (const auto fields : {ColumnFields(), ExceptionFields(), std::span<const FieldOf<Answer>>(kOfTheLine)}) {
     for (const FieldOf<Answer>& field : fields) record[field.name] = field.value(answer);
   }
   return record;
@@ -267,10 +272,11 @@ std::vector<RecordSchema> ResultSchema() {
       Schema("judge", "What follows in a line of kind judge (pass 0); a list has an entry for each attempted problem",
              kJudge, kColumns, kOfTheLine),
       Schema("exception", "An entry of `exceptions`, besides `at`, its place in the lists", kExceptions),
-      TimesOf("fresh", "What follows in a line of kind fresh; a list has an entry for each problem of the task",
-              PassKind::kFresh),
-      TimesOf("parts", "Of kind parts (pass 1), with clock reads in between, for explanation only", PassKind::kParts),
-      TimesOf("again", "Of kind again (pass 1)", PassKind::kAgain),
+      Schema("fresh", "What follows in a line of kind fresh; a list has an entry for each problem of the task", kGroup,
+             TimesOf(PassKind::kFresh), kTimed),
+      Schema("parts", "Of kind parts (pass 1), with clock reads in between, for explanation only",
+             TimesOf(PassKind::kParts), kTimed),
+      Schema("again", "Of kind again (pass 1)", TimesOf(PassKind::kAgain), kTimed),
       Schema("disturbance", "Of a timed line", kDisturbance),
       Schema("pass", "What every line of steps.jsonl begins with: a pass of a solver over a sequence, in a round",
              kPass),

@@ -84,7 +84,6 @@ std::span<const ResultField> StepFields();
 struct DescribedProblem {
   const std::string& set;
   const PlannedProblem& planned;
-  const nlohmann::json& known;  ///< the manifest's own object
   const LcpProblem& problem;
   double weight;
   std::optional<double> oracle_s;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -37,32 +36,32 @@ constexpr double kFloorTimeLimit = 10;  // [s]
 // The least that is known: a smaller one than the strictest tier changes no verdict.
 double FloorOf(const LcpProblem& problem, double exact_floor) {
   if (exact_floor <= kStrictestTier) return exact_floor;
-  const ReferenceFloor found = FindReferenceFloor(problem, kStrictestTier, kFloorTimeLimit);
-  return std::min(exact_floor, found.reference.floor.value_or(exact_floor));
+  return std::min(exact_floor, FindReferenceFloor(problem, kStrictestTier, kFloorTimeLimit).value_or(exact_floor));
 }
 
-// FormatLcpRecord, which writes a dense matrix as coordinates; here it stays dense, as what solvers are given.
-std::string Record(const LcpProblem& problem) {
-  std::string line = FormatLcpRecord(problem);
-  if (problem.given_form() != MatrixForm::kDense) return line;
-  Json record = Json::parse(line);
-  record["A"] = Json::array();
-  for (const auto& row : problem.DenseA().rowwise()) record["A"].push_back(std::vector<double>(row.begin(), row.end()));
-  return record.dump();
-}
-
-// The line without its closing brace goes on with more members.
+// FormatLcpRecord with more members. That writes a dense matrix as coordinates; here it stays dense, as what solvers
+// are given.
 std::string Line(const SequenceStep& step) {
+  std::string line = FormatLcpRecord(step.problem);
   Json more;
+  if (step.problem.given_form() == MatrixForm::kDense) {
+    more = Json::parse(line);
+    more["A"] = Json::array();
+    for (const auto& row : step.problem.DenseA().rowwise()) {
+      more["A"].push_back(std::vector<double>(row.begin(), row.end()));
+    }
+    line.clear();
+  }
   if (step.reference.w) {
     more["status"] = ToString(LcpStatus::kSolved);
     more["w"] = std::vector<double>(step.reference.w->begin(), step.reference.w->end());
   }
   more["floor"] = step.reference.floor ? Json(*step.reference.floor) : Json(nullptr);
   more["previous"] = step.previous;
-  std::string line = Record(step.problem);
-  line.pop_back();
-  return line + "," + more.dump().substr(1) + "\n";
+  if (line.empty()) return more.dump() + "\n";
+  // The line without its closing brace goes on with more members.
+  line.back() = ',';
+  return line + more.dump().substr(1) + "\n";
 }
 
 LcpReference ReferenceOf(const LcpProblem& problem, const MotionProblem& met) {
@@ -112,21 +111,18 @@ std::string SequencePath(const std::string& folder, const std::string& id) {
 }
 
 void WriteSequenceFile(const SequenceEntry& entry, const std::string& path) {
-  std::string text;
-  SequenceHash hash;
+  std::vector<SequenceStep> steps;
   RowMatching matching;
   const std::string end =
       ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
         Interruption::Check();
-        hash.Add(problem);
-        text += Line({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
+        steps.push_back({problem, PreviousRows(&matching, met), ReferenceOf(problem, met)});
       });
   if (!end.empty()) throw InputError(entry.id + ": " + end);
-  RequireHash(entry.id, entry.sha256, hash.Result());
   std::error_code error;
   fs::create_directories(fs::path(path).parent_path(), error);
   const std::string part = path + ".part";
-  WriteGzipFile(part, text);
+  RequireHash(entry.id, entry.sha256, WriteSequenceSteps(steps, part));
   fs::rename(part, path, error);
   if (error) throw InputError(path + ": cannot be written: " + error.message());
 }

@@ -19,42 +19,33 @@ constexpr double kAllowedPart = 0.1;
 constexpr double kAllowedLeast = 20e-6;
 // A solve cannot be asked for no time at all.
 constexpr double kLeastLimit = 1e-9;
+constexpr double kSecondsBetweenSteps = 0.2;  // that are told of
 
 }  // namespace
 
-StepRecord::StepRecord(const std::vector<double>& judged, double tier) : tier_(tier) {
-  for (const double at : judged) verdicts_.push_back({at, {}, 0});
+StepRecord::StepRecord(const std::vector<double>& judged) {
+  for (const double tier : judged) verdicts_.push_back({tier, {}, 0});
   for (const char* field : {"latency_s", "iterations", "rho", "backward_error", "w_error"}) {
     values_[field] = Json::array();
   }
 }
 
-void StepRecord::AddTime(double latency_s, bool preempted) {
-  if (preempted) preempted_.push_back(steps_);
-  values_["latency_s"].push_back(Json(RoundedNumber(latency_s)));
-}
-
-void StepRecord::AddAnswer(const SequenceStep& step, const LcpResult& result) {
-  const Metrics metrics = Verify(step.problem, result, tier_, &step.reference).metrics;
+void StepRecord::Add(const LcpResult& result, double latency_s, bool preempted, const Metrics* metrics) {
   for (TierCounts& counts : verdicts_) {
-    if (PassesTier(metrics, counts.tier)) continue;
+    if (metrics != nullptr && PassesTier(*metrics, counts.tier)) continue;
     counts.failed.push_back(steps_);
-    if (result.status == LcpStatus::kSolved) ++counts.false_successes;
+    if (metrics != nullptr && result.status == LcpStatus::kSolved) ++counts.false_successes;
   }
-  Add(result, RoundedNumber(metrics.rho), RoundedNumber(metrics.backward_error),
-      metrics.w_error == -1 ? Json(nullptr) : Json(RoundedNumber(metrics.w_error)));
-}
-
-void StepRecord::AddLate(const LcpResult& result) {
-  for (TierCounts& counts : verdicts_) counts.failed.push_back(steps_);
-  late_.push_back(steps_);
-  Add(result, nullptr, nullptr, nullptr);
-}
-
-void StepRecord::Add(const LcpResult& result, const Json& rho, const Json& backward_error, const Json& w_error) {
-  values_["rho"].push_back(rho);
-  values_["backward_error"].push_back(backward_error);
-  values_["w_error"].push_back(w_error);
+  if (metrics == nullptr) late_.push_back(steps_);
+  if (preempted) preempted_.push_back(steps_);
+  const auto add = [&](const char* field, double Metrics::*number) {
+    const bool known = metrics != nullptr && metrics->*number != -1;
+    values_[field].push_back(known ? Json(RoundedNumber(metrics->*number)) : Json(nullptr));
+  };
+  add("rho", &Metrics::rho);
+  add("backward_error", &Metrics::backward_error);
+  add("w_error", &Metrics::w_error);
+  values_["latency_s"].push_back(Json(RoundedNumber(latency_s)));
   values_["iterations"].push_back(result.iterations);
   ++claims_[std::string(ToString(result.status))];
   ++steps_;
@@ -79,8 +70,7 @@ Json StepRecord::Results(int all) const {
   return results;
 }
 
-SequenceReply SequenceRunner::Run(const SequenceRequest& request,
-                                  const std::function<void(int step, double limit_s)>& begin) {
+SequenceReply SequenceRunner::Run(const SequenceRequest& request, const BeginPhase& begin) {
   const SolverEntry& entry = FindSolver(request.solver);
   if (steps_.empty() || sha256_ != request.sha256) {
     steps_.clear();
@@ -91,9 +81,10 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
   const bool times_itself = entry.origin != SolverOrigin::kOwn;
   LcpSolver& solver = pool_.Get(entry);
   solver.SetInSequence(true);
-  StepRecord record(request.judged, request.tier);
+  StepRecord record(request.judged);
   Eigen::VectorXd taken_on;  // by the rows of the step before; empty: nothing
   double spent = 0;
+  double told = -kSecondsBetweenSteps;
   LcpResult result;
   SequenceReply reply;
   for (int k = 0; k < all; ++k) {
@@ -104,9 +95,11 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       break;
     }
     const ProblemArrays arrays = ProblemArrays::Of(step.problem);
-    const double limit =
-        std::clamp(request.time_per_row_s * static_cast<double>(arrays.rows), request.least_s, request.most_s);
-    begin(k, limit);
+    const double limit = request.limits.Of(arrays.rows);
+    if (const double now = SteadyNow(); now - told >= kSecondsBetweenSteps) {
+      told = now;
+      begin(limit + kSecondsBetweenSteps, "in step " + std::to_string(k) + " or soon after");
+    }
     LcpOptions options;
     options.tolerance = request.tier;
     options.time_limit_s = limit;
@@ -134,15 +127,15 @@ SequenceReply SequenceRunner::Run(const SequenceRequest& request,
       latency = now_() - begun;
     }
     const bool preempted = !times_itself && InvoluntarySwitches() != switches;
-    record.AddTime(latency, preempted);
     spent += latency;
     const double allowed = request.deadline_s + std::max(kAllowedPart * request.deadline_s, kAllowedLeast);
     if (request.deadline_s > 0 && latency > allowed) {
-      record.AddLate(result);
+      record.Add(result, latency, preempted, nullptr);
       taken_on = std::move(start);
       continue;
     }
-    record.AddAnswer(step, result);
+    const Metrics metrics = Verify(step.problem, result, request.tier, &step.reference).metrics;
+    record.Add(result, latency, preempted, &metrics);
     taken_on = result.f.allFinite() ? result.f : Eigen::VectorXd();
   }
   reply.results = record.Results(all);

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -9,19 +8,18 @@
 #include "benchmarks/campaign/messages.h"
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/measure/solver_pool.h"
+#include "solvers/lcp/verify.h"
 
 namespace lcpbench {
 
 /// What a pass found, step by step.
 class StepRecord {
  public:
-  /// @param tier  asked for
-  StepRecord(const std::vector<double>& judged, double tier);
+  /// @param judged  tiers
+  explicit StepRecord(const std::vector<double>& judged);
 
-  void AddTime(double latency_s, bool preempted);
-  void AddAnswer(const SequenceStep& step, const LcpResult& result);
-  /// An answer that is late is none.
-  void AddLate(const LcpResult& result);
+  /// The next step. @param metrics  null: the answer was late and is none
+  void Add(const LcpResult& result, double latency_s, bool preempted, const Metrics* metrics);
   /// The members of steps.jsonl from `reached` on. Steps that were not reached count as failed.
   nlohmann::json Results(int all) const;
 
@@ -31,11 +29,6 @@ class StepRecord {
     std::vector<int> failed;
     int false_successes;
   };
-  // Numbers of the step, which ends here; null for none.
-  void Add(const LcpResult& result, const nlohmann::json& rho, const nlohmann::json& backward_error,
-           const nlohmann::json& w_error);
-
-  double tier_;
   int steps_ = 0;
   std::map<std::string, int> claims_;
   std::vector<TierCounts> verdicts_;
@@ -55,9 +48,10 @@ class SequenceRunner {
  public:
   /// @param now  the clock that steps are timed with [s]
   explicit SequenceRunner(double (*now)() = &SteadyNow) : now_(now) {}
-  /// @param begin  called before each step with its number and what its solve may take [s]
+  /// @param begin  called before steps. Not before every one: who is told wakes up, on the same processor perhaps, and
+  ///               would be timed
   /// @throws InputError for an unknown solver, or as ReadSequenceFile
-  SequenceReply Run(const SequenceRequest& request, const std::function<void(int step, double limit_s)>& begin);
+  SequenceReply Run(const SequenceRequest& request, const BeginPhase& begin);
 
  private:
   double (*now_)();

@@ -1,18 +1,11 @@
 #include "benchmarks/campaign/task_runner.h"
 
-#include <cmath>
-#include <filesystem>
-#include <functional>
-#include <numeric>
+#include <algorithm>
 #include <stdexcept>
-#include <string_view>
 #include <utility>
 
 #include "benchmarks/campaign/result_fields.h"
-#include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/changes.h"
-#include "benchmarks/collection/references.h"
-#include "benchmarks/collection/size_classes.h"
 #include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/peak_memory.h"
 #include "solvers/lcp/verify.h"
@@ -20,31 +13,11 @@
 #include "support/input_error.h"
 
 namespace lcpbench {
-
-struct TaskRunner::Set {
-  explicit Set(const std::string& path)
-      : manifest(ReadManifest(path)), source(FolderOf(path)), references(manifest, FolderOf(path)) {
-    for (const ManifestEntry& entry : manifest.problems) entries[entry.id] = &entry;
-    for (const ManifestEntry& entry : manifest.fill) entries[entry.id] = &entry;
-  }
-  static std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
-
-  Manifest manifest;
-  ProblemSource source;
-  References references;
-  std::map<std::string, const ManifestEntry*> entries;
-};
-
-struct TaskRunner::Problem {
-  std::string id;
-  LcpProblem problem;
-  LcpReference reference;
-};
-
 namespace {
 
 // Larger problems are made again when they are wanted again.
 constexpr Index kMostRowsKept = 10'000;
+constexpr double kJudgingLimit = 300;  // [s]
 
 // Counts allocations while it lives.
 class AllocationWatch {
@@ -64,34 +37,23 @@ class AllocationWatch {
 
 }  // namespace
 
-TaskRunner::TaskRunner() = default;
-TaskRunner::~TaskRunner() = default;
-
-TaskRunner::Set& TaskRunner::Load(const std::string& manifest) {
-  std::unique_ptr<Set>& set = sets_[manifest];
-  if (!set) set = std::make_unique<Set>(manifest);
-  return *set;
-}
-
 const TaskRunner::Problem& TaskRunner::Get(const ProblemName& name) {
-  if (const auto kept = kept_.find(name.id); kept != kept_.end()) return *kept->second;
-  if (large_ && large_->id == name.id) return *large_;
-  large_.reset();
-  Set& set = Load(name.manifest);
-  const auto entry = set.entries.find(name.id);
-  if (entry == set.entries.end()) {
-    throw InputError(name.manifest + ": expected a problem '" + name.id + "', found none");
+  if (const auto kept = problems_.find(name.id); kept != problems_.end()) return kept->second;
+  std::erase_if(problems_, [](const auto& kept) { return kept.second.problem.size() > kMostRowsKept; });
+  std::unique_ptr<ProblemSet>& set = sets_[name.manifest];
+  if (!set) set = std::make_unique<ProblemSet>(name.manifest);
+  for (const auto* entries : {&set->manifest.problems, &set->manifest.fill}) {
+    const auto entry = std::find_if(entries->begin(), entries->end(), [&](const auto& e) { return e.id == name.id; });
+    if (entry == entries->end()) continue;
+    LcpProblem problem = set->source.Get(*entry);
+    std::optional<KnownAnswer> known = set->references.Find(problem);
+    LcpReference reference = known ? std::move(known->reference) : LcpReference();
+    return problems_.emplace(name.id, Problem{std::move(problem), std::move(reference)}).first->second;
   }
-  LcpProblem problem = set.source.Get(*entry->second);
-  std::optional<KnownAnswer> known = set.references.Find(problem);
-  const bool is_large = problem.size() > kMostRowsKept;
-  std::unique_ptr<Problem>& place = is_large ? large_ : kept_[name.id];
-  place = std::make_unique<Problem>(Problem{name.id, std::move(problem), {}});
-  if (known) place->reference = std::move(known->reference);
-  return *place;
+  throw InputError(name.manifest + ": expected a problem '" + name.id + "', found none");
 }
 
-JudgeReply TaskRunner::Run(const JudgeRequest& request, const std::function<void()>& begin) {
+JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin) {
   const SolverEntry& entry = FindSolver(request.solver);
   const Problem& given = Get(request.problem);
   LcpOptions options;
@@ -100,7 +62,7 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const std::function<void
   options.time_factorisations = true;
   const ProblemArrays arrays = ProblemArrays::Of(given.problem);
 
-  begin();
+  begin(request.time_limit_s, "while it was solved");
   LcpSolver& solver = pool_.Get(entry);
   LcpResult result;
   double first_s = -1;
@@ -130,23 +92,6 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const std::function<void
   return reply;
 }
 
-const std::vector<bool>& TaskRunner::Passes(const Problem& given, const Eigen::VectorXd& f,
-                                            const std::vector<double>& judged) {
-  const auto bytes = [](const double* values, std::size_t count) {
-    return std::string_view(reinterpret_cast<const char*>(values), count * sizeof(double));
-  };
-  std::string key = given.id;
-  key += bytes(judged.data(), judged.size());
-  key += bytes(f.data(), static_cast<std::size_t>(f.size()));
-  std::vector<bool>& passes = judged_[std::hash<std::string>()(key)];
-  if (passes.empty()) {
-    const Metrics metrics = ComputeMetrics(given.problem, f, &given.reference);
-    passes.reserve(judged.size());
-    for (const double tier : judged) passes.push_back(PassesTier(metrics, tier));
-  }
-  return passes;
-}
-
 PassReply TaskRunner::RunOwnOrForeign(const TimedRequest& request, const std::function<void()>& begin) {
   const SolverEntry& entry = FindSolver(request.solver);
   if (entry.origin == SolverOrigin::kOwn) {
@@ -166,28 +111,29 @@ PassReply TaskRunner::RunOwnOrForeign(const TimedRequest& request, const std::fu
   return external->RunPass(request.pass, most_s);
 }
 
-TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void()>& begin) {
+TimedReply TaskRunner::Run(const TimedRequest& request, const BeginPhase& begin) {
   std::string names;
   for (const ProblemName& name : request.stream) names += name.id + "\n";
-  const auto problem = [&](std::uint32_t place) -> const Problem& { return Get(request.stream.at(place)); };
   if (names != stream_) {
     arrays_.clear();
     arrays_.reserve(request.stream.size());
     for (const ProblemName& name : request.stream) arrays_.push_back(ProblemArrays::Of(Get(name).problem));
     stream_ = std::move(names);
   }
+  const bool with_other_b = request.pass.kind == PassKind::kAgain;
   TimedRequest asked = request;
-  if (asked.pass.kind == PassKind::kAgain) {
-    for (const std::uint32_t place : asked.pass.order) {
-      asked.pass.other_b.push_back(AnotherB(problem(place).problem, request.other_b_seed));
-    }
+  for (const std::uint32_t place : with_other_b ? asked.pass.order : std::vector<std::uint32_t>()) {
+    asked.pass.other_b.push_back(AnotherB(Get(request.stream.at(place)).problem, request.other_b_seed));
   }
 
   TimedReply reply;
   const DisturbanceWatch watch;
   PassReply pass;
+  // Warm-ups are not in the budget, and judging the answers takes its time, too.
+  const auto solves = static_cast<double>(request.pass.warm_up.size() + 1);
+  const double limit_s = kJudgingLimit + request.pass.budget_s + solves * request.pass.time_limit_s;
   try {
-    pass = RunOwnOrForeign(asked, begin);
+    pass = RunOwnOrForeign(asked, [&] { begin(limit_s, "in a timed pass"); });
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {  // another process that did not come to its end
@@ -207,18 +153,11 @@ TimedReply TaskRunner::Run(const TimedRequest& request, const std::function<void
   reply.failed.resize(request.judged.size());
   for (std::size_t k = 0; k < pass.size(); ++k) {
     const std::uint32_t place = request.pass.order[k];
-    const PassEntry& entry = pass[k];
-    const Problem& given = problem(place);
-    std::vector<bool> passes;
-    if (request.pass.kind == PassKind::kAgain) {
-      const Metrics metrics = ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), entry.f);
-      passes.reserve(request.judged.size());
-      for (const double tier : request.judged) passes.push_back(PassesTier(metrics, tier));
-    } else {
-      passes = Passes(given, entry.f, request.judged);
-    }
-    for (std::size_t tier = 0; tier < passes.size(); ++tier) {
-      if (!passes[tier]) reply.failed[tier].push_back(place);
+    const Problem& given = Get(request.stream.at(place));
+    const Metrics metrics = with_other_b ? ComputeMetrics(given.problem.WithB(asked.pass.other_b[k]), pass[k].f)
+                                         : ComputeMetrics(given.problem, pass[k].f, &given.reference);
+    for (std::size_t tier = 0; tier < request.judged.size(); ++tier) {
+      if (!PassesTier(metrics, request.judged[tier])) reply.failed[tier].push_back(place);
     }
   }
   return reply;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -34,24 +33,18 @@ class WorkerProcess {
 
   JudgeReply Run(const JudgeRequest& request);
   TimedReply Run(const TimedRequest& request);
-  SequenceReply Run(const SequenceRequest& request);  ///< every step has its own limit
+  SequenceReply Run(const SequenceRequest& request);
 
  private:
-  // What may follow a mark: how long it may take [s], and its name in texts.
-  struct Phase {
-    double limit_s;
-    std::string name;
-  };
-  template <typename Message, typename Answer>
-  void Ask(const Message& request, const std::function<Phase(const std::string& mark)>& phase_of, Answer* answer);
-  double WithGrace(double limit_s) const { return limit_s * (1 + options_.grace_share) + options_.grace_s; }
+  template <typename Answer, typename Message>
+  Answer Ask(const Message& request);
 
   WorkerOptions options_;
   std::unique_ptr<Subprocess> process_;
 };
 
 /// What the worker does: requests on standard input, one line each; replies on standard output. Lines that begin with
-/// '#' say that a phase begins.
+/// '#' say that a phase begins, as BeginPhase: "# LIMIT NAME".
 /// @return exit status
 int ServeTasks();
 

@@ -2,14 +2,25 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <memory>
+#include <string>
 
 #include "support/exit_status.h"
 
 namespace lcpbench {
 
-/// A subcommand adds itself to `app` and leaves in `run` what is to be done once the command line is parsed; `run`
-/// returns the exit status and throws InputError for a user's mistake.
+/// What is done once the command line is parsed. Returns the exit status; throws InputError for a user's mistake.
 using CommandRun = std::function<int()>;
+
+/// Adds a subcommand to `parent` that leaves in `run` what it does. Command has the values of its options as members,
+/// Declare(CLI::App&), which adds the options, and int Run().
+template <typename Command>
+void AddCommand(CLI::App& parent, CommandRun& run, const std::string& name, const std::string& description) {
+  CLI::App* app = parent.add_subcommand(name, description);
+  const auto command = std::make_shared<Command>();
+  command->Declare(*app);
+  app->callback([command, &run] { run = [command] { return command->Run(); }; });
+}
 
 void AddListCommand(CLI::App& app, CommandRun& run);
 void AddGenerateCommand(CLI::App& app, CommandRun& run);
@@ -20,11 +31,8 @@ void AddCertifyCommand(CLI::App& app, CommandRun& run);
 void AddConvertCommand(CLI::App& app, CommandRun& run);
 void AddCollectionCommand(CLI::App& app, CommandRun& run);
 void AddImportCommand(CLI::App& app, CommandRun& run);
-void AddAssembleCommand(CLI::App& app, CommandRun& run);
-void AddReplayCommand(CLI::App& app, CommandRun& run);
-void AddRunCommand(CLI::App& app, CommandRun& run);
-void AddMergeCommand(CLI::App& app, CommandRun& run);
-void AddCampaignWorkerCommand(CLI::App& app, CommandRun& run);
+void AddRecordCommands(CLI::App& app, CommandRun& run);
+void AddRunCommands(CLI::App& app, CommandRun& run);
 void AddReportCommands(CLI::App& app, CommandRun& run);
 void AddRecommendCommand(CLI::App& app, CommandRun& run);
 void AddSequenceCommand(CLI::App& app, CommandRun& run);

@@ -1,7 +1,7 @@
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
-#include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -10,91 +10,68 @@
 #include "benchmarks/command/commands.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct ConvertArguments {
+// Of ids as ids are in files: no folders, no spaces.
+std::string FileName(std::string id) {
+  const auto is_plain = [](unsigned char c) { return c < 0x80 && (std::isalnum(c) != 0 || c == '-' || c == '.'); };
+  std::replace_if(id.begin(), id.end(), std::not_fn(is_plain), '_');
+  return id.empty() || id.front() == '.' ? "_" + id : id;
+}
+
+struct Convert {
   std::vector<std::string> files;
   std::string output = "-";
-  std::string format;
-};
+  std::string to;
 
-// Where problems go: JSON lines to a file or standard output, one file of another format, or a folder of files.
-class Sink {
- public:
-  Sink(const std::string& output, const std::string& format)
-      : output_(output), is_folder_(fs::is_directory(output)), format_(FormatOf(output, is_folder_, format)) {
-    if (is_folder_ || format_ != ProblemFormat::kJsonLines || output == "-") return;
-    file_.open(output);
-    if (!file_) throw InputError(output + ": cannot be opened for writing");
+  void Declare(CLI::App& app) {
+    app.add_option("FILE", files,
+                   "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
+                   "Siconos' name.dat")
+        ->required();
+    app.add_option("-o,--output", output,
+                   "name.mtx, name.hdf5, name.h5 or name.dat for one problem, a folder for many, else a file of JSON "
+                   "lines");
+    app.add_option("--to", to, "In a folder: jsonl, mtx (the default), hdf5 or dat");
   }
 
-  void Take(const LcpProblem& problem) {
-    if (!is_folder_ && format_ == ProblemFormat::kJsonLines) {
-      std::ostream& out = output_ == "-" ? std::cout : file_;
-      out << FormatLcpRecord(problem) << '\n' << std::flush;
-      if (!out) throw InputError(output_ + ": writing failed");
-      return;
-    }
-    const std::string path =
-        is_folder_ ? (fs::path(output_) / (FileName(problem.id()) + "." + NameOf(format_))).string() : output_;
-    if (!written_.insert(path).second) {
-      throw InputError(path + ": expected one problem of this name, found '" + problem.id() +
-                       "' besides; a folder takes problems of different ids");
-    }
-    WriteProblemFile(problem, path, format_);
+  int Run() const {
+    const bool is_folder = fs::is_directory(output);
+    const ProblemFormat format = Format(is_folder);
+    std::optional<TextOutput> lines;
+    if (!is_folder && format == ProblemFormat::kJsonLines) lines.emplace(output);
+    std::set<std::string> written;
+    return ForEachProblem(files, [&](const LcpRecord& record) {
+      const LcpProblem& problem = record.problem;
+      if (lines) return lines->Write(FormatLcpRecord(problem) + "\n");
+      const std::string path =
+          is_folder ? (fs::path(output) / (FileName(problem.id()) + "." + NameOf(format))).string() : output;
+      if (!written.insert(path).second) {
+        throw InputError(path + ": expected one problem of this name, found '" + problem.id() +
+                         "' besides; a folder takes problems of different ids");
+      }
+      WriteProblemFile(problem, path, format);
+    });
   }
 
  private:
-  static ProblemFormat FormatOf(const std::string& output, bool is_folder, const std::string& format) {
-    if (is_folder) return format.empty() ? ProblemFormat::kMatrixMarket : FormatNamed(format);
-    if (format.empty() || FormatNamed(format) == FormatOfFile(output)) return FormatOfFile(output);
-    throw InputError("--to " + format + ": expected a folder or a file of this format for --output, found '" + output +
+  ProblemFormat Format(bool is_folder) const {
+    if (is_folder) return to.empty() ? ProblemFormat::kMatrixMarket : FormatNamed(to);
+    if (to.empty() || FormatNamed(to) == FormatOfFile(output)) return FormatOfFile(output);
+    throw InputError("--to " + to + ": expected a folder or a file of this format for --output, found '" + output +
                      "'");
   }
-
-  // Of ids as ids are in files: no folders, no spaces.
-  static std::string FileName(const std::string& id) {
-    std::string name;
-    for (const char c : id) {
-      const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
-                         c == '.' || c == '_';
-      name += plain ? c : '_';
-    }
-    return name.empty() || name.front() == '.' ? "_" + name : name;
-  }
-
-  std::string output_;
-  bool is_folder_;
-  ProblemFormat format_;
-  std::ofstream file_;
-  std::set<std::string> written_;
 };
-
-int Convert(const ConvertArguments& arguments) {
-  Sink sink(arguments.output, arguments.format);
-  return ForEachProblem(arguments.files, [&](const LcpRecord& record) { sink.Take(record.problem); });
-}
 
 }  // namespace
 
 void AddConvertCommand(CLI::App& app, CommandRun& run) {
-  auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* convert = app.add_subcommand("convert", "Writes problems in another format, bit for bit");
-  convert
-      ->add_option("FILE", arguments->files,
-                   "JSON lines, - for standard input; name.mtx with name_b.mtx beside it; FCLib's name.hdf5 (or .h5); "
-                   "Siconos' name.dat")
-      ->required();
-  convert->add_option(
-      "-o,--output", arguments->output,
-      "name.mtx, name.hdf5, name.h5 or name.dat for one problem, a folder for many, else a file of JSON "
-      "lines");
-  convert->add_option("--to", arguments->format, "In a folder: jsonl, mtx (the default), hdf5 or dat");
-  convert->callback([arguments, &run] { run = [arguments] { return Convert(*arguments); }; });
+  AddCommand<Convert>(app, run, "convert", "Writes problems in another format, bit for bit");
 }
 
 }  // namespace lcpbench

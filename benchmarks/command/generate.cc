@@ -1,49 +1,36 @@
-#include <cstdint>
-#include <fstream>
-#include <iostream>
-#include <memory>
-
 #include "benchmarks/command/commands.h"
+#include "benchmarks/command/options.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
-#include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
-struct GenerateArguments {
-  std::string scene;
-  int size = 100;
-  std::uint64_t seed = 1;
+struct Generate {
+  SceneOptions start;
   bool with_matrix = false;
   std::string output = "-";
-};
 
-int Generate(const GenerateArguments& arguments) {
-  const ContactSystem system = GenerateScene(arguments.scene, arguments.size, arguments.seed);
-  const std::string line = FormatLcpRecord(AssembleContactLcp(system).problem, arguments.with_matrix);
-  if (arguments.output == "-") {
-    std::cout << line << std::endl;
+  void Declare(CLI::App& app) {
+    app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes)")->required();
+    start.AddSizeAndSeed(app);
+    app.add_flag("--with-matrix", with_matrix, "Also write A = J M^-1 J^T");
+    app.add_option("-o,--output", output, "File, or - for standard output");
+  }
+
+  int Run() const {
+    const ContactSystem system = GenerateScene(start.scene, start.size, start.seed);
+    WriteTextFile(output, FormatLcpRecord(AssembleContactLcp(system).problem, with_matrix) + "\n");
     return 0;
   }
-  std::ofstream file(arguments.output);
-  file << line << std::endl;
-  if (!file) throw InputError(arguments.output + ": cannot be written");
-  return 0;
-}
+};
 
 }  // namespace
 
 void AddGenerateCommand(CLI::App& app, CommandRun& run) {
-  auto arguments = std::make_shared<GenerateArguments>();
-  CLI::App* generate = app.add_subcommand("generate", "Writes the contact LCP of a scene as a JSON line");
-  generate->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes)")->required();
-  generate->add_option("--size", arguments->size, "Number of rows n");
-  generate->add_option("--seed", arguments->seed, "The same seed gives the same problem, bit for bit");
-  generate->add_flag("--with-matrix", arguments->with_matrix, "Also write A = J M^-1 J^T");
-  generate->add_option("-o,--output", arguments->output, "File, or - for standard output");
-  generate->callback([arguments, &run] { run = [arguments] { return Generate(*arguments); }; });
+  AddCommand<Generate>(app, run, "generate", "Writes the contact LCP of a scene as a JSON line");
 }
 
 }  // namespace lcpbench

@@ -1,9 +1,6 @@
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <functional>
 #include <iostream>
-#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,22 +12,13 @@
 #include "benchmarks/command/commands.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct ImportArguments {
-  std::string folder;
-  std::string name;
-  std::string version = "1";
-  std::string provenance;
-  std::string licence;
-  ExamineOptions examine;
-};
-
-constexpr const char* kManifestName = "manifest.json";
 constexpr const char* kReferencesName = "references.jsonl.gz";
 
 bool IsJsonLines(const fs::path& path) {
@@ -41,120 +29,92 @@ bool IsJsonLines(const fs::path& path) {
 // A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
 bool IsProblemFile(const fs::path& path) {
   if (FormatOfFile(path.string()) == ProblemFormat::kJsonLines) return false;
-  if (path.extension() != ".mtx") return true;
   const std::string stem = path.stem().string();
-  for (const char* part : {"_b", "_x", "_J", "_invM", "_bilateral"}) {
-    if (stem.ends_with(part) && stem.size() > std::string(part).size()) return false;
-  }
-  return true;
+  const std::vector<std::string> parts = {"_b", "_x", "_J", "_invM", "_bilateral"};
+  return path.extension() != ".mtx" || std::none_of(parts.begin(), parts.end(), [&stem](const std::string& part) {
+           return stem.ends_with(part) && stem.size() > part.size();
+         });
 }
 
-std::vector<fs::path> ProblemFiles(const fs::path& folder) {
-  std::vector<fs::path> files;
+// Sorted: the same manifest whatever order the file system has.
+std::set<fs::path> ProblemFiles(const std::string& folder) {
+  if (!fs::is_directory(folder)) throw InputError(folder + ": expected a folder of problem files");
+  std::set<fs::path> files;
   for (const auto& item : fs::recursive_directory_iterator(folder)) {
-    if (item.is_regular_file() && (IsJsonLines(item.path()) || IsProblemFile(item.path()))) {
-      files.push_back(item.path());
-    }
+    if (item.is_regular_file() && (IsJsonLines(item.path()) || IsProblemFile(item.path()))) files.insert(item.path());
   }
-  // The same manifest whatever order the file system has.
-  std::sort(files.begin(), files.end());
+  if (files.empty()) {
+    throw InputError(folder + ": expected files *.jsonl, *.jsonl.gz, *.mtx, *.hdf5, *.h5 or *.dat, found none");
+  }
   return files;
 }
 
-class Importer {
- public:
-  explicit Importer(const ImportArguments& arguments) : arguments_(arguments) {
-    // With a slash at the end the folder is its path's parent.
-    const fs::path folder = fs::absolute(fs::path(arguments.folder) / "").lexically_normal().parent_path();
-    manifest_.name = arguments.name.empty() ? folder.filename().string() : arguments.name;
-    manifest_.version = arguments.version;
-    manifest_.purpose = "Imported problems.";
-    manifest_.references = kReferencesName;
+struct Import {
+  std::string folder;
+  std::string provenance;
+  std::string licence;
+  ExamineOptions examine;
+  Manifest manifest;
+
+  void Declare(CLI::App& app) {
+    manifest.version = "1";
+    manifest.purpose = "Imported problems.";
+    manifest.references = kReferencesName;
+    app.add_option("FOLDER", folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")->required();
+    app.add_option("--name", manifest.name, "Of the set [default: the folder's]");
+    app.add_option("--set-version", manifest.version, "Of the set");
+    app.add_option("--provenance", provenance, "Where the problems come from")->required();
+    app.add_option("--licence", licence, "SPDX name of their licence")->required();
+    app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly");
+    app.footer(
+        "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
+        "out; exit status 2 then.");
   }
 
   int Run() {
-    const std::vector<fs::path> files = ProblemFiles(arguments_.folder);
-    if (files.empty()) {
-      throw InputError(arguments_.folder +
-                       ": expected files *.jsonl, *.jsonl.gz, *.mtx, *.hdf5, *.h5 or *.dat, found none");
+    if (manifest.name.empty()) {
+      // With a slash at the end the folder is its path's parent.
+      manifest.name = fs::absolute(fs::path(folder) / "").lexically_normal().parent_path().filename().string();
     }
-    for (const fs::path& file : files) ReadFile(file);
-    if (manifest_.problems.empty()) throw InputError(arguments_.folder + ": no problem could be read");
-    Write();
-    return status_;
+    int status = 0;
+    for (const fs::path& file : ProblemFiles(folder)) {
+      const std::string relative = fs::relative(file, folder).string();
+      const auto take_line = [&](const std::string& line, const std::string& where) {
+        const std::size_t number = std::stoul(where.substr(where.rfind(':') + 1));
+        Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
+      };
+      const auto take = [&](const LcpRecord& record) { Take(record.problem, {relative, 1}, file.string()); };
+      status = std::max(
+          status, IsJsonLines(file) ? ForEachLine({file.string()}, take_line) : ForEachProblem({file.string()}, take));
+    }
+    if (manifest.problems.empty()) throw InputError(folder + ": no problem could be read");
+    WriteGzipFile((fs::path(folder) / kReferencesName).string(), references_);
+    const std::string path = (fs::path(folder) / "manifest.json").string();
+    WriteTextFile(path, FormatManifest(manifest));
+    std::cerr << path << ": " << manifest.problems.size() << " problems" << std::endl;
+    return status;
   }
 
  private:
-  void ReadFile(const fs::path& file) {
-    const std::string relative = fs::relative(file, arguments_.folder).string();
-    if (IsJsonLines(file)) {
-      status_ = std::max(status_, ForEachLine({file.string()}, [&](const std::string& line, const std::string& where) {
-                           const auto number = std::stoul(where.substr(where.rfind(':') + 1));
-                           Take(ParseLcpRecord(line, where).problem, {relative, number}, where);
-                         }));
-      return;
-    }
-    try {
-      Take(ReadProblemFile(file.string()), {relative, 1}, file.string());
-    } catch (const InputError& error) {
-      std::cerr << "lcpbench: " << error.what() << std::endl;
-      status_ = kMisuse;
-    }
-  }
-
   void Take(const LcpProblem& problem, FileSource source, const std::string& where) {
     if (!ids_.insert(problem.id()).second) throw InputError(where + ": id '" + problem.id() + "' is there already");
-    const Examined examined = Examine(problem, arguments_.examine);
-    ManifestEntry& entry = manifest_.problems.emplace_back(examined.entry);
-    entry.family = manifest_.name;
+    const Examined examined = Examine(problem, examine);
+    ManifestEntry& entry = manifest.problems.emplace_back(examined.entry);
+    entry.family = manifest.name;
     entry.source = std::move(source);
-    entry.provenance = arguments_.provenance;
-    entry.licence = arguments_.licence;
+    entry.provenance = provenance;
+    entry.licence = licence;
     if (!examined.reference_line.empty()) references_ += examined.reference_line + '\n';
   }
 
-  void Write() {
-    const fs::path folder(arguments_.folder);
-    WriteGzipFile((folder / kReferencesName).string(), references_);
-    const fs::path path = folder / kManifestName;
-    std::ofstream file(path);
-    file << FormatManifest(manifest_);
-    file.close();
-    if (!file) throw InputError(path.string() + ": cannot be written");
-    std::cerr << path.string() << ": " << manifest_.problems.size() << " problems" << std::endl;
-  }
-
-  const ImportArguments& arguments_;
-  Manifest manifest_;
   std::string references_;
   std::set<std::string> ids_;
-  int status_ = 0;
 };
-
-int Import(const ImportArguments& arguments) {
-  if (!fs::is_directory(arguments.folder)) throw InputError(arguments.folder + ": expected a folder of problem files");
-  return Importer(arguments).Run();
-}
 
 }  // namespace
 
 void AddImportCommand(CLI::App& app, CommandRun& run) {
-  auto arguments = std::make_shared<ImportArguments>();
-  CLI::App* import = app.add_subcommand("import", "Makes a folder of problem files a set: manifest and proved answers");
-  import->add_option("FOLDER", arguments->folder, "With files *.jsonl, *.jsonl.gz, name.mtx, *.hdf5, *.h5, *.dat")
-      ->required();
-  import->add_option("--name", arguments->name, "Of the set [default: the folder's]");
-  import->add_option("--set-version", arguments->version, "Of the set");
-  import->add_option("--provenance", arguments->provenance, "Where the problems come from")->required();
-  import->add_option("--licence", arguments->licence, "SPDX name of their licence")->required();
-  import->add_option("--exact-up-to", arguments->examine.exact_up_to, "Rows up to which answers are proved exactly");
-  import->footer(
-      "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
-      "out; exit status 2 then.");
-  import->callback([arguments, &run] { run = [arguments] { return Import(*arguments);
-};
-}  // namespace lcpbench
-);
+  AddCommand<Import>(app, run, "import", "Makes a folder of problem files a set: manifest and proved answers");
 }
 
 }  // namespace lcpbench

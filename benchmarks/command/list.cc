@@ -10,21 +10,43 @@
 namespace lcpbench {
 namespace {
 
-constexpr std::size_t kKeyWidth = 26;
-
 void PrintRow(std::string_view key, const std::string& text) {
+  constexpr std::size_t kKeyWidth = 26;
   std::cout << key << std::string(key.size() < kKeyWidth ? kKeyWidth - key.size() : 1, ' ') << text << '\n';
 }
 
 // Paper or library, version and licence; a peer's worker knows the version of its library.
-std::string DescribeSource(const SolverEntry& entry) {
-  std::string version;
-  if (entry.available) {
-    version =
-        entry.origin == SolverOrigin::kOwn ? std::string(", LCPBench ") + kVersion : " " + WorkerVersion(entry.key);
+void PrintSolvers() {
+  for (const SolverEntry& entry : AllSolvers()) {
+    const bool own = entry.origin == SolverOrigin::kOwn;
+    const std::string version = own ? std::string(", LCPBench ") + kVersion : " " + WorkerVersion(entry.key);
+    PrintRow(entry.key, entry.method + " [" + entry.source + (entry.available ? version : "") + ", " + entry.licence +
+                            "]" + (entry.available ? "" : " (not in this build)"));
   }
-  return entry.source + version + ", " + entry.licence;
 }
+
+void PrintScenes() {
+  for (const SceneFamily& scene : AllScenes()) {
+    PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
+  }
+}
+
+void PrintMetrics() {
+  for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
+}
+
+struct ListFields {
+  bool as_json = false;
+
+  void Declare(CLI::App& app) {
+    app.add_flag("--json", as_json, "As one JSON object, by which report/ checks what it reads");
+  }
+
+  int Run() const {
+    std::cout << (as_json ? ResultSchemaJson().dump(1) + "\n" : ResultSchemaMarkdown()) << std::flush;
+    return 0;
+  }
+};
 
 }  // namespace
 
@@ -32,39 +54,13 @@ void AddListCommand(CLI::App& app, CommandRun& run) {
   CLI::App* list = app.add_subcommand(
       "list", "Lists solvers, scenes, metrics or fields of result files, the key first on each line");
   list->require_subcommand(1);
-  list->add_subcommand("solvers", "Backends: key, method, source")->callback([&run] {
-    run = [] {
-      for (const SolverEntry& entry : AllSolvers()) {
-        PrintRow(entry.key,
-                 entry.method + " [" + DescribeSource(entry) + "]" + (entry.available ? "" : " (not in this build)"));
-      }
-      return 0;
-    };
-  });
-  list->add_subcommand("scenes", "Scene families: key, title, purpose")->callback([&run] {
-    run = [] {
-      for (const SceneFamily& scene : AllScenes()) {
-        PrintRow(scene.key, std::string(scene.title) + ". " + std::string(scene.purpose));
-      }
-      return 0;
-    };
-  });
-  list->add_subcommand("metrics", "Metrics of the verdict: key, formula")->callback([&run] {
-    run = [] {
-      for (const MetricEntry& metric : AllMetrics()) PrintRow(metric.key, std::string(metric.formula));
-      return 0;
-    };
-  });
-  CLI::App* fields =
-      list->add_subcommand("fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");
-  const auto as_json = std::make_shared<bool>(false);
-  fields->add_flag("--json", *as_json, "As one JSON object, by which report/ checks what it reads");
-  fields->callback([as_json, &run] {
-    run = [as_json] {
-      std::cout << (*as_json ? ResultSchemaJson().dump(1) + "\n" : ResultSchemaMarkdown()) << std::flush;
-      return 0;
-    };
-  });
+  const auto add = [list, &run](const char* name, const char* description, void (*print)()) {
+    list->add_subcommand(name, description)->callback([print, &run] { run = [print] { return print(), 0; }; });
+  };
+  add("solvers", "Backends: key, method, source", PrintSolvers);
+  add("scenes", "Scene families: key, title, purpose", PrintScenes);
+  add("metrics", "Metrics of the verdict: key, formula", PrintMetrics);
+  AddCommand<ListFields>(*list, run, "fields", "Fields of a campaign's lines as Markdown: name, type, unit, meaning");
 }
 
 }  // namespace lcpbench

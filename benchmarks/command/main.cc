@@ -55,24 +55,12 @@ int main(int argc, char** argv) {
   LimitLibraryThreads(1);
 
   CommandRun run;
-  AddListCommand(app, run);
-  AddGenerateCommand(app, run);
-  AddSceneCommand(app, run);
-  AddSolveCommand(app, run);
-  AddServeCommand(app, run);
-  AddCertifyCommand(app, run);
-  AddConvertCommand(app, run);
-  AddCollectionCommand(app, run);
-  AddImportCommand(app, run);
-  AddAssembleCommand(app, run);
-  AddReplayCommand(app, run);
-  AddRunCommand(app, run);
-  AddMergeCommand(app, run);
-  AddCampaignWorkerCommand(app, run);
-  AddReportCommands(app, run);
-  AddRecommendCommand(app, run);
-  AddSequenceCommand(app, run);
-  AddMotionCommand(app, run);
+  for (const auto add :
+       {AddListCommand, AddGenerateCommand, AddSceneCommand, AddSolveCommand, AddServeCommand, AddCertifyCommand,
+        AddConvertCommand, AddCollectionCommand, AddImportCommand, AddRecordCommands, AddRunCommands, AddReportCommands,
+        AddRecommendCommand, AddSequenceCommand, AddMotionCommand}) {
+    add(app, run);
+  }
   HideStandIns(app);
 
   try {

@@ -1,10 +1,15 @@
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <string>
 #include <vector>
 
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
-#include "support/python_script.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -21,14 +26,27 @@ constexpr ReportCommand kCommands[] = {
     {"tune", "Tunes all solvers with one budget, for lcpbench run --tuned"},
 };
 
+// Goes on as the script, in the place of this program. The interpreter is $LCPBENCH_PYTHON, else Debian's, which its
+// pandas, SciPy, matplotlib and Jinja2 belong to and which need not be the first on PATH.
 int RunReportCommand(const std::string& name, const std::vector<std::string>& words) {
-  std::vector<std::string> arguments = {name};
+  const bool in_tree = std::filesystem::exists(kReportScript);
+  if (!in_tree && !std::filesystem::exists(kInstalledReportScript)) {
+    throw InputError(name + ": the script is neither at " + kReportScript + " nor at " + kInstalledReportScript);
+  }
+  const char* chosen = std::getenv("LCPBENCH_PYTHON");
+  std::vector<std::string> command = {chosen != nullptr ? chosen : "/usr/bin/python3",
+                                      in_tree ? kReportScript : kInstalledReportScript, name};
   if (name == "tune") {
     const std::string self = std::filesystem::read_symlink("/proc/self/exe").string();
-    arguments.insert(arguments.end(), {"--lcpbench", self, "--data", kDataFolder});
+    command.insert(command.end(), {"--lcpbench", self, "--data", kDataFolder});
   }
-  arguments.insert(arguments.end(), words.begin(), words.end());
-  return RunPythonScript(name, {kReportScript, kInstalledReportScript}, arguments);
+  command.insert(command.end(), words.begin(), words.end());
+  std::vector<char*> arguments;
+  for (std::string& word : command) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  execvp(arguments[0], arguments.data());
+  throw InputError(name + ": '" + command[0] + "' cannot be started: " + std::strerror(errno) +
+                   " (set LCPBENCH_PYTHON to a Python 3 interpreter)");
 }
 
 }  // namespace

@@ -1,51 +1,20 @@
 #include <algorithm>
-#include <cstdint>
-#include <fstream>
 #include <iostream>
-#include <limits>
-#include <memory>
 #include <optional>
 #include <sstream>
 
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/solver_options.h"
+#include "benchmarks/command/options.h"
 #include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
-#include "benchmarks/motions/scene_source.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/contact/loads.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
-
-struct SequenceArguments {
-  std::string scene;
-  int size = 100;
-  std::uint64_t seed = 1;
-  int steps = 100;
-  double dt = 0;  // the scene's own
-  std::string level;
-  std::string solver = "dantzig";
-  double tolerance = 1e-9;
-  double time_limit_s = std::numeric_limits<double>::infinity();
-  bool with_matrix = false;
-  std::string output = "-";
-};
-
-MovingScene ChosenScene(const SequenceArguments& arguments) {
-  if (!(arguments.tolerance > 0 && arguments.tolerance < 1)) {
-    throw InputError("--tolerance: expected a number in (0, 1)");
-  }
-  if (!(arguments.time_limit_s > 0)) throw InputError("--time-limit: expected seconds > 0");
-  if (arguments.steps < 1) throw InputError("--steps: expected a number >= 1");
-  if (!(arguments.dt >= 0)) throw InputError("--dt: expected seconds > 0");
-  MovingScene scene = LoadScene(arguments.scene, arguments.size, arguments.seed);
-  if (!arguments.level.empty()) scene.level = MotionLevelFromString(arguments.level);
-  if (arguments.dt > 0) scene.step = arguments.dt;
-  return scene;
-}
 
 /// Energy of the conservative loads and of motion, and the largest kinetic energy so far.
 struct EnergyRecord {
@@ -62,99 +31,97 @@ struct EnergyRecord {
   double scale;
 };
 
-void PrintSummary(const SequenceArguments& arguments, const Motion& motion, SequenceCounts counts,
-                  const EnergyRecord& energy) {
-  std::ostringstream text;
-  text << counts.rows.size() << " problems to t = " << motion.time() << " s";
-  if (!counts.rows.empty()) {
-    std::sort(counts.rows.begin(), counts.rows.end());
-    text << "; rows " << counts.rows.front() << " / " << counts.rows[counts.rows.size() / 2] << " / "
-         << counts.rows.back() << " (least, median, most)";
-  }
-  const MotionStatistics& statistics = motion.statistics();
-  text << '\n'
-       << arguments.solver << " at " << arguments.tolerance << ": of the written, " << counts.failed
-       << " not solved by its own word, " << counts.not_passed << " not verified, " << counts.false_successes
-       << " false successes; of all " << statistics.solves << " solves " << statistics.failed_solves << " failed, "
-       << statistics.unsolvable << " of them without a solution\n"
-       << "worst penetration " << statistics.worst_penetration << " m, worst joint error "
-       << statistics.worst_joint_error << " m; energy " << energy.start << " J -> " << energy.end << " J";
-  if (energy.scale > 0) {
-    text << ", " << (energy.end - energy.start) / energy.scale << " of the largest kinetic energy";
-  }
-  if (motion.status() != MotionStatus::kMoving) text << "\nstopped: " << motion.detail();
-  std::cerr << text.str() << std::endl;
-}
-
-int WriteSequence(const SequenceArguments& arguments, const Settings& settings) {
-  const MovingScene scene = ChosenScene(arguments);
-  const std::unique_ptr<LcpSolver> solver = MakeSolver(arguments.solver, settings);
+struct Sequence {
+  SceneOptions start;
+  int steps = 100;
+  std::string solver = "dantzig";
   LcpOptions lcp;
-  lcp.tolerance = arguments.tolerance;
-  lcp.time_limit_s = arguments.time_limit_s;
-  const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *solver);
+  std::vector<std::string> settings;
+  bool with_matrix = false;
+  std::string output = "-";
 
-  std::ofstream file;
-  const bool to_file = arguments.output != "-";
-  if (to_file) file.open(arguments.output);
-  if (to_file && !file) throw InputError(arguments.output + ": cannot be opened for writing");
-  SequenceWriter writer(to_file ? file : std::cout, to_file ? arguments.output : "standard output", arguments.solver,
-                        arguments.tolerance, arguments.with_matrix);
-  motion->set_observer([&writer](const MotionProblem& met) {
-    // One step of many events can take long.
-    Interruption::Check();
-    writer.Write(met);
-  });
-
-  EnergyRecord energy(motion->world());
-  std::optional<InputError> failure;
-  const Interruption interruption;
-  {
-    ProgressBar bar("sequence", arguments.steps);
-    for (int k = 0; k < arguments.steps && !Interruption::Requested(); ++k) {
-      writer.BeginStep(k);
-      try {
-        motion->Advance(scene.step);
-      } catch (const InputError& error) {
-        failure = error;
-        break;
-      } catch (const Interrupted&) {
-        break;
-      }
-      energy.Note(motion->world());
-      bar.Advance(1, std::to_string(writer.counts().rows.size()) + " problems");
-      if (motion->status() != MotionStatus::kMoving) break;
-    }
+  void Declare(CLI::App& app) {
+    app.add_option("SCENE", start.scene, "Scene key (lcpbench list scenes), or a scene file (.json)")->required();
+    start.AddSizeAndSeed(app);
+    app.add_option("--steps", steps, "Steps of --dt each")->check(AtLeast(1));
+    start.AddStep(app);
+    start.AddLevel(app);
+    app.add_option("--solver", solver, "Solver key (lcpbench list solvers)");
+    AddToleranceOption(app, &lcp.tolerance);
+    AddTimeLimitOption(app, &lcp.time_limit_s);
+    AddSettingsOption(app, &settings);
+    app.add_flag("--with-matrix", with_matrix, "Also write A = J M^-1 J^T");
+    app.add_option("-o,--output", output, "File, or - for standard output");
+    app.footer("Exit status 1 when the motion came to an end early; what was written until then is kept.");
   }
-  PrintSummary(arguments, *motion, writer.counts(), energy);
-  if (failure) throw InputError(*failure);
-  if (Interruption::Requested()) return Interruption::ExitStatus();
-  return motion->status() == MotionStatus::kMoving ? 0 : 1;
-}
+
+  int Run() const {
+    const MovingScene scene = start.Load();
+    const std::unique_ptr<LcpSolver> made = MakeSolver(solver, ParseSettings(settings));
+    const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *made);
+    TextOutput file(output);
+    SequenceWriter writer(file.stream(), file.name(), solver, lcp.tolerance, with_matrix);
+    motion->set_observer([&writer](const MotionProblem& met) {
+      // One step of many events can take long.
+      Interruption::Check();
+      writer.Write(met);
+    });
+
+    EnergyRecord energy(motion->world());
+    std::optional<InputError> failure;
+    const Interruption interruption;
+    {
+      ProgressBar bar("sequence", steps);
+      for (int k = 0; k < steps && !Interruption::Requested(); ++k) {
+        writer.BeginStep(k);
+        try {
+          motion->Advance(scene.step);
+        } catch (const InputError& error) {
+          failure = error;
+          break;
+        } catch (const Interrupted&) {
+          break;
+        }
+        energy.Note(motion->world());
+        bar.Advance(1, std::to_string(writer.counts().rows.size()) + " problems");
+        if (motion->status() != MotionStatus::kMoving) break;
+      }
+    }
+    PrintSummary(*motion, writer.counts(), energy);
+    if (failure) throw InputError(*failure);
+    if (Interruption::Requested()) return Interruption::ExitStatus();
+    return motion->status() == MotionStatus::kMoving ? 0 : 1;
+  }
+
+ private:
+  void PrintSummary(const Motion& motion, SequenceCounts counts, const EnergyRecord& energy) const {
+    std::ostringstream text;
+    text << counts.rows.size() << " problems to t = " << motion.time() << " s";
+    if (!counts.rows.empty()) {
+      std::sort(counts.rows.begin(), counts.rows.end());
+      text << "; rows " << counts.rows.front() << " / " << counts.rows[counts.rows.size() / 2] << " / "
+           << counts.rows.back() << " (least, median, most)";
+    }
+    const MotionStatistics& statistics = motion.statistics();
+    text << '\n'
+         << solver << " at " << lcp.tolerance << ": of the written, " << counts.failed
+         << " not solved by its own word, " << counts.not_passed << " not verified, " << counts.false_successes
+         << " false successes; of all " << statistics.solves << " solves " << statistics.failed_solves << " failed, "
+         << statistics.unsolvable << " of them without a solution\n"
+         << "worst penetration " << statistics.worst_penetration << " m, worst joint error "
+         << statistics.worst_joint_error << " m; energy " << energy.start << " J -> " << energy.end << " J";
+    if (energy.scale > 0) {
+      text << ", " << (energy.end - energy.start) / energy.scale << " of the largest kinetic energy";
+    }
+    if (motion.status() != MotionStatus::kMoving) text << "\nstopped: " << motion.detail();
+    std::cerr << text.str() << std::endl;
+  }
+};
 
 }  // namespace
 
 void AddSequenceCommand(CLI::App& app, CommandRun& run) {
-  auto arguments = std::make_shared<SequenceArguments>();
-  CLI::App* sequence =
-      app.add_subcommand("sequence", "Lets a scene move and writes the LCPs that it meets as JSON lines");
-  sequence->add_option("SCENE", arguments->scene, "Scene key (lcpbench list scenes), or a scene file (.json)")
-      ->required();
-  sequence->add_option("--size", arguments->size, "Number of rows n at the start");
-  sequence->add_option("--seed", arguments->seed, "The same seed gives the same start, bit for bit");
-  sequence->add_option("--steps", arguments->steps, "Steps of --dt each");
-  sequence->add_option("--dt", arguments->dt, "Seconds per step [default: the scene's own]");
-  sequence->add_option("--level", arguments->level, "acceleration or velocity [default: the scene's own]");
-  sequence->add_option("--solver", arguments->solver, "Solver key (lcpbench list solvers)");
-  sequence->add_option("--tolerance", arguments->tolerance, "Bound on rho, the scaled natural residual");
-  sequence->add_option("--time-limit", arguments->time_limit_s, "Seconds per problem");
-  const auto settings = AddSettingsOption(*sequence);
-  sequence->add_flag("--with-matrix", arguments->with_matrix, "Also write A = J M^-1 J^T");
-  sequence->add_option("-o,--output", arguments->output, "File, or - for standard output");
-  sequence->footer("Exit status 1 when the motion came to an end early; what was written until then is kept.");
-  sequence->callback([arguments, settings, &run] {
-    run = [arguments, settings] { return WriteSequence(*arguments, ParseSettings(*settings)); };
-  });
+  AddCommand<Sequence>(app, run, "sequence", "Lets a scene move and writes the LCPs that it meets as JSON lines");
 }
 
 }  // namespace lcpbench

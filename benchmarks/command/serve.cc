@@ -1,9 +1,5 @@
-#include <memory>
-#include <string>
-#include <vector>
-
 #include "benchmarks/command/commands.h"
-#include "benchmarks/command/solver_options.h"
+#include "benchmarks/command/options.h"
 #include "build_info.h"
 #include "solvers/peers/protocol/worker.h"
 #include "solvers/registry.h"
@@ -11,27 +7,32 @@
 namespace lcpbench {
 namespace {
 
-int Serve(const std::string& solver, const Settings& settings) {
-  const SolverEntry& entry = FindSolver(solver);
-  MakeSolver(solver, settings);  // what is wrong with them is said now
-  Hello hello;
-  hello.name = entry.key;
-  hello.library_version = kVersion;
-  hello.licence = entry.licence;
-  return RunWorker(hello, [&] { return entry.make(settings); });
-}
+struct Serve {
+  std::string solver;
+  std::vector<std::string> settings;
+
+  void Declare(CLI::App& app) {
+    app.add_option("KEY", solver, "Solver key (lcpbench list solvers)")->required();
+    app.add_option("NAME=VALUE", settings, "Options of the solver itself");
+  }
+
+  int Run() const {
+    const Settings chosen = ParseSettings(settings);
+    const SolverEntry& entry = FindSolver(solver);
+    MakeSolver(solver, chosen);  // what is wrong with them is said now
+    Hello hello;
+    hello.name = entry.key;
+    hello.library_version = kVersion;
+    hello.licence = entry.licence;
+    return RunWorker(hello, [&] { return entry.make(chosen); });
+  }
+};
 
 }  // namespace
 
 void AddServeCommand(CLI::App& app, CommandRun& run) {
-  auto solver = std::make_shared<std::string>();
-  auto settings = std::make_shared<std::vector<std::string>>();
-  CLI::App* serve = app.add_subcommand(
-      "serve", "Serves a solver of this build on standard input and output, for --external of another build");
-  serve->add_option("KEY", *solver, "Solver key (lcpbench list solvers)")->required();
-  serve->add_option("NAME=VALUE", *settings, "Options of the solver itself");
-  serve->callback(
-      [solver, settings, &run] { run = [solver, settings] { return Serve(*solver, ParseSettings(*settings)); }; });
+  AddCommand<Serve>(app, run, "serve",
+                    "Serves a solver of this build on standard input and output, for --external of another build");
 }
 
 }  // namespace lcpbench

@@ -3,36 +3,38 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 
-#include "benchmarks/measure/body_system.h"
 #include "support/clock.h"
 #ifdef LCPBENCH_WITH_SUITESPARSE
 #include "solvers/linear_algebra/cholmod_factor.h"
-#include "solvers/linear_algebra/graph_order.h"
 #endif
 
 namespace lcpbench {
 namespace {
 
-using ColumnMatrix = Eigen::SparseMatrix<double, Eigen::ColMajor, int>;
+constexpr Index kPerBody = 3;
+
+using ColumnMatrix = BodySystem::ColumnMatrix;
+
+std::size_t At(Index i) { return static_cast<std::size_t>(i); }
+
+// chosen.size() x n, ones at (k, chosen[k]): from the left it picks rows, transposed from the right columns.
+ColumnMatrix Picking(const std::vector<Index>& chosen, Index n) {
+  std::vector<Eigen::Triplet<double, int>> ones;
+  ones.reserve(chosen.size());
+  for (const Index i : chosen) ones.emplace_back(static_cast<int>(ones.size()), static_cast<int>(i), 1);
+  ColumnMatrix picking(static_cast<Index>(chosen.size()), n);
+  picking.setFromTriplets(ones.begin(), ones.end());
+  return picking;
+}
 
 // A[rows, rows], both triangles.
 ColumnMatrix Submatrix(const SparseMatrix& A, const std::vector<Index>& rows) {
-  std::vector<int> place(static_cast<std::size_t>(A.rows()), -1);
-  for (std::size_t k = 0; k < rows.size(); ++k) place[static_cast<std::size_t>(rows[k])] = static_cast<int>(k);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    for (SparseMatrix::InnerIterator it(A, rows[k]); it; ++it) {
-      const int j = place[static_cast<std::size_t>(it.col())];
-      if (j >= 0) entries.emplace_back(static_cast<int>(k), j, it.value());
-    }
-  }
-  const auto n = static_cast<Index>(rows.size());
-  ColumnMatrix sub(n, n);
-  sub.setFromTriplets(entries.begin(), entries.end());
-  return sub;
+  const ColumnMatrix picking = Picking(rows, A.rows());
+  return picking * ColumnMatrix(A) * picking.transpose();
 }
 
 #ifdef LCPBENCH_WITH_SUITESPARSE
@@ -66,6 +68,50 @@ std::optional<Factorization> Shortest(const ColumnMatrix& lower, Kind kind, cons
 
 }  // namespace
 
+Eigen::VectorXi BodySystem::Expand(const Eigen::VectorXi& order_of_bodies) const {
+  Eigen::VectorXi order(lower.cols());
+  Index next = 0;
+  for (const int body : order_of_bodies) {
+    for (int k = first[At(body)]; k < first[At(body) + 1]; ++k) order[next++] = k;
+  }
+  return order;
+}
+
+BodySystem MakeBodySystem(const LcpProblem& problem, const std::vector<Index>& rows) {
+  const Eigen::VectorXd& inverse_mass = problem.inverse_mass();
+  const ColumnMatrix J = Picking(rows, problem.size()) * ColumnMatrix(problem.J());
+  BodySystem system;
+  system.first = {0};
+  std::vector<Index> body_of;  // of each unknown
+  for (Index begin = 0; begin < J.cols(); begin += kPerBody) {
+    std::vector<Index> movable;
+    bool takes_part = false;
+    for (Index column = begin; column < begin + kPerBody; ++column) {
+      if (inverse_mass[column] == 0) continue;
+      movable.push_back(column);
+      for (ColumnMatrix::InnerIterator it(J, column); it; ++it) takes_part = takes_part || it.value() != 0;
+    }
+    if (!takes_part) continue;
+    body_of.insert(body_of.end(), movable.size(), system.bodies());
+    system.column_of.insert(system.column_of.end(), movable.begin(), movable.end());
+    system.first.push_back(static_cast<int>(body_of.size()));
+  }
+
+  Eigen::VectorXd root_stiffness(J.rows());
+  for (Index k = 0; k < J.rows(); ++k) {
+    const double diagonal = std::max(problem.DiagonalA()[rows[At(k)]], std::numeric_limits<double>::min());
+    root_stiffness[k] = std::sqrt(kStiffness / diagonal);
+  }
+  const ColumnMatrix columns = Picking(system.column_of, J.cols());
+  const ColumnMatrix root = root_stiffness.asDiagonal() * (J * columns.transpose());
+  const ColumnMatrix stiffness = root.transpose() * root;
+  const ColumnMatrix mass = columns * inverse_mass.cwiseInverse().asDiagonal() * columns.transpose();
+  system.lower = ColumnMatrix(stiffness + mass).triangularView<Eigen::Lower>();
+  const ColumnMatrix incidence = root.cwiseAbs() * Picking(body_of, system.bodies());
+  system.graph = incidence.transpose() * incidence;
+  return system;
+}
+
 std::vector<Index> ActiveRows(const LcpProblem& problem, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
   std::vector<Index> rows;
   const Eigen::VectorXd& d = problem.DiagonalA();
@@ -90,7 +136,7 @@ std::vector<Index> IndependentRows(const SparseMatrix& A, const std::vector<Inde
   std::vector<Index> independent;
   for (Index k = 0; k < diagonal.size(); ++k) {
     const double pivot = factor.vectorD()[factor.permutationP().indices()[k]];
-    if (pivot > kDependent * diagonal[k]) independent.push_back(rows[static_cast<std::size_t>(k)]);
+    if (pivot > kDependent * diagonal[k]) independent.push_back(rows[At(k)]);
   }
   return independent;
 }

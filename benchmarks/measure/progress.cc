@@ -37,28 +37,21 @@ void ProgressBar::Advance(double weight, const std::string& label) {
 
 void ProgressBar::Draw(const std::string& label) {
   constexpr double kRedrawInterval = 0.1;  // s; a bar that redraws more often costs more than it tells
-  constexpr int kWidth = 30;
+  constexpr std::size_t kWidth = 30;
   const double now = SteadyNow();
   const double fraction = done_ / total_;
-  const bool finished = done_ >= total_;
+  const int tenth = static_cast<int>(fraction * 10);
+  if (terminal_ ? done_ < total_ && now - last_drawn_ < kRedrawInterval : tenth == last_tenth_) return;
+  last_drawn_ = now;
+  last_tenth_ = tenth;
   const double elapsed = now - start_;
   const std::string remaining = fraction > 0.01 ? Clock(elapsed / fraction - elapsed) : "?";
-  if (terminal_) {
-    if (!finished && now - last_drawn_ < kRedrawInterval) return;
-    last_drawn_ = now;
-    const int filled = static_cast<int>(fraction * kWidth);
-    std::fprintf(stderr, "\r\033[K%s [%s%s] %3.0f%%  elapsed %s  remaining %s  %s", title_.c_str(),
-                 std::string(static_cast<std::size_t>(filled), '#').c_str(),
-                 std::string(static_cast<std::size_t>(kWidth - filled), '.').c_str(), 100 * fraction,
-                 Clock(elapsed).c_str(), remaining.c_str(), label.c_str());
-    std::fflush(stderr);
-    return;
-  }
-  const int tenth = static_cast<int>(fraction * 10);
-  if (tenth == last_tenth_) return;
-  last_tenth_ = tenth;
-  std::fprintf(stderr, "%s %3.0f%%  elapsed %s  remaining %s  %s\n", title_.c_str(), 100 * fraction,
-               Clock(elapsed).c_str(), remaining.c_str(), label.c_str());
+  const auto filled = static_cast<std::size_t>(fraction * kWidth);
+  const std::string bar = " [" + std::string(filled, '#') + std::string(kWidth - filled, '.') + "]";
+  std::fprintf(stderr, "%s%s%s %3.0f%%  elapsed %s  remaining %s  %s%s", terminal_ ? "\r\033[K" : "", title_.c_str(),
+               terminal_ ? bar.c_str() : "", 100 * fraction, Clock(elapsed).c_str(), remaining.c_str(), label.c_str(),
+               terminal_ ? "" : "\n");
+  std::fflush(stderr);
 }
 
 }  // namespace lcpbench

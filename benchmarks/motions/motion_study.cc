@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
-#include <optional>
 
 #include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
@@ -45,93 +44,75 @@ struct Reference {
   double scale = 0;  ///< largest kinetic energy [J]
 };
 
-double PositiveOrOne(double scale) { return scale > 0 ? scale : 1; }
-
 /// Thrown out of a motion that has used up its time.
 struct BudgetSpent {};
 
-/// What the answers within one interval between samples were like.
-class Watch {
- public:
-  Watch(double tolerance, double budget_s, MotionOutcome* total)
-      : tolerance_(tolerance), end_(SteadyNow() + budget_s), total_(total) {}
-
-  void operator()(const MotionProblem& met) {
-    Interruption::Check();
-    if (SteadyNow() > end_) throw BudgetSpent();
-    for (const RowInfo& row : met.rows) {
-      double& worst = row.bilateral ? joint_error : penetration;
-      worst = std::fmax(worst, row.bilateral ? std::abs(row.d) : std::fmax(0, -row.d));
-    }
-    const Verdict verdict = Verify(met.problem, met.result, tolerance_);
-    // NaN must not pass for small.
-    const double found =
-        std::isnan(verdict.metrics.rho) ? std::numeric_limits<double>::infinity() : verdict.metrics.rho;
-    rho = std::fmax(rho, found);
-    if (!verdict.passes) ++total_->not_passed;
-    if (verdict.false_success) ++total_->false_successes;
-  }
-
-  void Restart() { penetration = joint_error = rho = kNotMeasured; }
-
-  double penetration = kNotMeasured;
-  double joint_error = kNotMeasured;
-  double rho = kNotMeasured;
-
- private:
-  double tolerance_;
-  double end_;
-  MotionOutcome* total_;
+/// What a row of motion.csv is written from.
+struct Sample {
+  const MotionStudy& study;
+  const MotionOutcome& outcome;
+  double energy = 0;
+  const WorstFigures& since_last;
 };
 
-/// The largest deviations from the reference since the last sample.
-struct Deviation {
-  double energy = kNotMeasured;
-  double distance = kNotMeasured;
-
-  void Note(double of_energy, double of_place) {
-    energy = std::fmax(energy, of_energy);
-    distance = std::fmax(distance, of_place);
-  }
+/// The columns of motion.csv.
+struct Column {
+  const char* name;
+  std::string (*cell)(const Sample&);
 };
+using Csv = CsvWriter;
+constexpr Column kColumns[] = {
+    {"scene", [](const Sample& s) { return s.outcome.scene; }},
+    {"level", [](const Sample& s) { return std::string(ToString(s.outcome.level)); }},
+    {"size", [](const Sample& s) { return std::to_string(s.study.size); }},
+    {"seed", [](const Sample& s) { return std::to_string(s.study.seed); }},
+    {"solver", [](const Sample& s) { return s.outcome.solver; }},
+    {"tolerance", [](const Sample& s) { return Csv::Cell(s.outcome.tolerance); }},
+    {"step", [](const Sample& s) { return std::to_string(s.outcome.steps); }},
+    {"time", [](const Sample& s) { return Csv::Cell(s.outcome.time); }},
+    {"energy", [](const Sample& s) { return Csv::Cell(s.energy); }},
+    {"energy_error", [](const Sample& s) { return Csv::Cell(s.since_last.energy_error); }},
+    {"penetration", [](const Sample& s) { return Csv::Cell(s.since_last.penetration); }},
+    {"joint_error", [](const Sample& s) { return Csv::Cell(s.since_last.joint_error); }},
+    {"distance", [](const Sample& s) { return Csv::Cell(s.since_last.distance); }},
+    {"rho", [](const Sample& s) { return Csv::Cell(s.since_last.rho); }},
+    {"solve_time_s", [](const Sample& s) { return Csv::Cell(s.outcome.solve_time_s); }},
+    {"solves", [](const Sample& s) { return std::to_string(s.outcome.solves); }},
+    {"failed", [](const Sample& s) { return std::to_string(s.outcome.failed); }},
+    {"not_passed", [](const Sample& s) { return std::to_string(s.outcome.not_passed); }},
+    {"false_successes", [](const Sample& s) { return std::to_string(s.outcome.false_successes); }},
+    {"stopped", [](const Sample& s) { return s.outcome.stopped; }}};
 
-const std::vector<std::string> kColumns = {
-    "scene",        "level",  "size",         "seed",        "solver",          "tolerance", "step",
-    "time",         "energy", "energy_error", "penetration", "joint_error",     "distance",  "rho",
-    "solve_time_s", "solves", "failed",       "not_passed",  "false_successes", "stopped"};
+template <class Cell>
+std::vector<std::string> Row(const Cell& cell) {
+  std::vector<std::string> row;
+  for (const Column& column : kColumns) row.push_back(cell(column));
+  return row;
+}
 
 class Study {
  public:
   Study(const MotionStudy& study, const std::string& folder, ProgressBar* bar)
-      : study_(study), csv_((std::filesystem::path(folder) / "motion.csv").string(), kColumns), bar_(bar) {}
+      : study_(study),
+        csv_((std::filesystem::path(folder) / "motion.csv").string(), Row([](const Column& c) { return c.name; })),
+        bar_(bar) {}
 
   Reference RunReference(const MovingScene& scene) {
-    Reference reference;
+    constexpr double kPatience = 3;  // without it nothing can be compared
     const std::unique_ptr<LcpSolver> solver = MakeSolver(kReferenceSolver);
     const std::unique_ptr<Motion> motion = Start(scene, kReferenceTolerance, solver.get());
-    constexpr double kPatience = 3;  // without it nothing can be compared
-    const double end = SteadyNow() + kPatience * study_.budget_s;
-    motion->set_observer([end](const MotionProblem&) {
-      Interruption::Check();
-      if (SteadyNow() > end) throw BudgetSpent();
-    });
-    reference.instants.push_back(InstantOf(motion->world()));
-    reference.scale = KineticEnergy(motion->world().bodies);
-    for (int k = 0; k < study_.steps && motion->status() == MotionStatus::kMoving; ++k) {
-      try {
-        Interruption::Check();
-        motion->Advance(scene.step);
-      } catch (const InputError&) {
-        break;  // the solvers' motions are compared with what there is
-      } catch (const BudgetSpent&) {
-        break;
-      } catch (const Interrupted&) {
-        break;
-      }
+    Reference reference;
+    const auto note = [&] {
       reference.instants.push_back(InstantOf(motion->world()));
       reference.scale = std::max(reference.scale, KineticEnergy(motion->world().bodies));
-      bar_->Advance(1, scene.name + ": reference");
-    }
+    };
+    note();
+    // Where it stops early, the solvers' motions are compared with what there is.
+    Drive(
+        scene, "reference", kPatience, motion.get(), [](const MotionProblem&) {},
+        [&](int, const std::string& stopped) {
+          if (stopped.empty()) note();
+        });
     return reference;
   }
 
@@ -143,28 +124,32 @@ class Study {
     outcome.tolerance = tolerance;
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key);
     const std::unique_ptr<Motion> motion = Start(scene, tolerance, solver.get());
-    Watch watch(tolerance, study_.budget_s, &outcome);
-    motion->set_observer([&watch](const MotionProblem& met) { watch(met); });
-
-    const double scale = PositiveOrOne(reference.scale);
+    const double scale = reference.scale > 0 ? reference.scale : 1;
     const double start = reference.instants.front().energy;
     const int interval = std::max(1, study_.steps / kSamples);
-    WriteSample(outcome, start, {0, 0}, watch);
-    Deviation deviation;
-    for (int k = 1; k <= study_.steps; ++k) {
-      if (Interruption::Requested()) break;
-      try {
-        motion->Advance(scene.step);
-      } catch (const InputError& error) {
-        outcome.stopped = error.what();
-      } catch (const BudgetSpent&) {
-        outcome.stopped = "not finished within " + CsvWriter::Cell(study_.budget_s) + " s";
-      } catch (const Interrupted&) {
-        break;
+    WorstFigures since_last{.energy_error = 0, .distance = 0};  // at the start
+    const auto write = [&](double energy) {
+      const Sample sample{study_, outcome, energy, since_last};
+      csv_.Row(Row([&](const Column& column) { return column.cell(sample); }));
+      since_last = {};
+    };
+    write(start);
+    const auto judge = [&](const MotionProblem& met) {
+      WorstFigures now;
+      for (const RowInfo& row : met.rows) {
+        double& worst = row.bilateral ? now.joint_error : now.penetration;
+        worst = std::fmax(worst, row.bilateral ? std::abs(row.d) : std::fmax(0, -row.d));
       }
-      if (motion->status() != MotionStatus::kMoving) outcome.stopped = motion->detail();
-      const bool stopped = !outcome.stopped.empty();
-      if (!stopped) outcome.steps = k;
+      const Verdict verdict = Verify(met.problem, met.result, tolerance);
+      // NaN must not pass for small.
+      now.rho = std::isnan(verdict.metrics.rho) ? std::numeric_limits<double>::infinity() : verdict.metrics.rho;
+      since_last.Note(now);
+      if (!verdict.passes) ++outcome.not_passed;
+      if (verdict.false_success) ++outcome.false_successes;
+    };
+    Drive(scene, key, 1, motion.get(), judge, [&](int k, const std::string& stopped) {
+      outcome.stopped = stopped;
+      if (stopped.empty()) outcome.steps = k;
       outcome.time = motion->time();
       const Instant now = InstantOf(motion->world());
       const MotionStatistics& statistics = motion->statistics();
@@ -172,26 +157,13 @@ class Study {
       outcome.failed = statistics.failed_solves;
       outcome.solve_time_s = statistics.solve_time_s;
       if (outcome.steps > 0) outcome.energy_drift = (now.energy - start) / scale;
-      if (static_cast<std::size_t>(k) < reference.instants.size() && !stopped) {
+      if (static_cast<std::size_t>(k) < reference.instants.size() && stopped.empty()) {
         const Instant& expected = reference.instants[static_cast<std::size_t>(k)];
-        deviation.Note(std::abs(now.energy - expected.energy) / scale, Distance(now, expected));
-        outcome.energy_error = std::fmax(outcome.energy_error, deviation.energy);
-        outcome.distance = std::fmax(outcome.distance, deviation.distance);
+        since_last.Note({std::abs(now.energy - expected.energy) / scale, Distance(now, expected)});
       }
-      outcome.penetration = std::fmax(outcome.penetration, watch.penetration);
-      outcome.joint_error = std::fmax(outcome.joint_error, watch.joint_error);
-      outcome.rho = std::fmax(outcome.rho, watch.rho);
-      if (k % interval == 0 || k == study_.steps || stopped) {
-        WriteSample(outcome, now.energy, deviation, watch);
-        watch.Restart();
-        deviation = {};
-      }
-      bar_->Advance(1, scene.name + ": " + key);
-      if (stopped) {
-        bar_->Advance(study_.steps - k, scene.name + ": " + key + " stopped");
-        break;
-      }
-    }
+      outcome.Note(since_last);
+      if (k % interval == 0 || k == study_.steps || !stopped.empty()) write(now.energy);
+    });
     return outcome;
   }
 
@@ -203,28 +175,32 @@ class Study {
     return StartMotion(scene, lcp, *solver);
   }
 
-  void WriteSample(const MotionOutcome& outcome, double energy, const Deviation& deviation, const Watch& watch) {
-    using Csv = CsvWriter;
-    csv_.Row({outcome.scene,
-              std::string(ToString(outcome.level)),
-              std::to_string(study_.size),
-              std::to_string(study_.seed),
-              outcome.solver,
-              Csv::Cell(outcome.tolerance),
-              std::to_string(outcome.steps),
-              Csv::Cell(outcome.time),
-              Csv::Cell(energy),
-              Csv::Cell(deviation.energy),
-              Csv::Cell(watch.penetration),
-              Csv::Cell(watch.joint_error),
-              Csv::Cell(deviation.distance),
-              Csv::Cell(watch.rho),
-              Csv::Cell(outcome.solve_time_s),
-              std::to_string(outcome.solves),
-              std::to_string(outcome.failed),
-              std::to_string(outcome.not_passed),
-              std::to_string(outcome.false_successes),
-              outcome.stopped});
+  // Calls judge(problem) for what the motion's observer meets, and done(k, why the motion stopped) after every step.
+  template <class Judge, class Done>
+  void Drive(const MovingScene& scene, const std::string& who, double budgets, Motion* motion, const Judge& judge,
+             const Done& done) {
+    const double end = SteadyNow() + budgets * study_.budget_s;
+    motion->set_observer([&](const MotionProblem& met) {
+      Interruption::Check();
+      if (SteadyNow() > end) throw BudgetSpent();
+      judge(met);
+    });
+    std::string stopped;
+    for (int k = 1; k <= study_.steps && stopped.empty() && !Interruption::Requested(); ++k) {
+      try {
+        motion->Advance(scene.step);
+        if (motion->status() != MotionStatus::kMoving) stopped = motion->detail();
+      } catch (const InputError& error) {
+        stopped = error.what();
+      } catch (const BudgetSpent&) {
+        stopped = "not finished within " + Csv::Cell(study_.budget_s) + " s";
+      } catch (const Interrupted&) {
+        return;
+      }
+      done(k, stopped);
+      const bool goes_on = stopped.empty();
+      bar_->Advance(goes_on ? 1 : study_.steps - k + 1, scene.name + ": " + who + (goes_on ? "" : " stopped"));
+    }
   }
 
   const MotionStudy& study_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -17,16 +18,34 @@ struct MotionStudy {
   int size = 0;                      ///< rows at the start, as told to the scenes; for the files only
   std::uint64_t seed = 0;
   int steps = 0;  ///< of MovingScene::step each
-  double budget_s =
-      10;  ///< wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference
+  /// Wall clock of one motion; what takes longer is stopped, and said to be; thrice for the reference.
+  double budget_s = 10;
 };
 
 /// Figures that were not measured.
 inline constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 
+/// The worst of a motion, or of a part of it.
+struct WorstFigures {
+  /// Largest |E - E_ref| at equal times over the scale, the largest kinetic energy of the reference motion.
+  double energy_error = kNotMeasured;
+  /// Largest |x - x_ref| of a centre of mass at equal times [m].
+  double distance = kNotMeasured;
+  double penetration = kNotMeasured;  ///< deepest of all contacts [m]
+  double joint_error = kNotMeasured;  ///< largest [m]
+  double rho = kNotMeasured;          ///< of all answers; infinite where one was not finite
+
+  void Note(const WorstFigures& other) {
+    for (double WorstFigures::*of : {&WorstFigures::energy_error, &WorstFigures::distance, &WorstFigures::penetration,
+                                     &WorstFigures::joint_error, &WorstFigures::rho}) {
+      this->*of = std::fmax(this->*of, other.*of);
+    }
+  }
+};
+
 /// One scene driven by one solver at one tolerance, from the start to `time`. kNotMeasured where there was nothing to
 /// measure: no step to the end, no step in common with the reference, no row of the kind.
-struct MotionOutcome {
+struct MotionOutcome : WorstFigures {
   std::string scene;
   MotionLevel level = MotionLevel::kVelocity;
   std::string solver;
@@ -35,14 +54,7 @@ struct MotionOutcome {
   double time = 0;  ///< [s]
   /// E(end) - E(start) over the scale; physical impacts take energy, too.
   double energy_drift = kNotMeasured;
-  /// Largest |E - E_ref| at equal times over the scale, the largest kinetic energy of the reference motion.
-  double energy_error = kNotMeasured;
-  double penetration = kNotMeasured;  ///< deepest of all contacts [m]
-  double joint_error = kNotMeasured;  ///< largest [m]
-  /// Largest |x - x_ref| of a centre of mass at equal times [m].
-  double distance = kNotMeasured;
-  double rho = kNotMeasured;  ///< worst of all answers; infinite where one was not finite
-  double solve_time_s = 0;    ///< inside the solver
+  double solve_time_s = 0;  ///< inside the solver
   std::int64_t solves = 0;
   std::int64_t failed = 0;           ///< not claimed solved
   std::int64_t not_passed = 0;       ///< answers seen by the observer that Verify does not pass at `tolerance`

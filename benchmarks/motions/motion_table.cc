@@ -7,57 +7,53 @@
 namespace lcpbench {
 namespace {
 
-using Cells = std::vector<std::string>;
-
-std::string Short(double value) {
+std::string Text(const char* format, double value) {
   if (std::isnan(value)) return "-";
   char text[32];
-  std::snprintf(text, sizeof text, "%.1e", value);
+  std::snprintf(text, sizeof text, format, value);
   return value == 0 ? "0" : text;
 }
 
-std::string Signed(double value) {
-  if (std::isnan(value)) return "-";
-  char text[32];
-  std::snprintf(text, sizeof text, "%+.3e", value);
-  return value == 0 ? "0" : text;
+std::string Short(double value) { return Text("%.1e", value); }
+
+std::string TimePerStep(const MotionOutcome& outcome) {
+  if (outcome.steps == 0 || outcome.solves == 0) return "-";
+  return Text("%.1f", 1e6 * outcome.solve_time_s / outcome.steps);
 }
 
-const Cells kHeader = {"solver",  "tolerance", "energy drift", "energy error", "penetration/m", "joint/m", "distance/m",
-                       "us/step", "worst rho", "solves",       "failed",       "unverified",    "false"};
+struct Column {
+  const char* title;
+  std::string (*cell)(const MotionOutcome&);
+};
+constexpr Column kColumns[] = {{"solver", [](const MotionOutcome& o) { return o.solver; }},
+                               {"tolerance", [](const MotionOutcome& o) { return Short(o.tolerance); }},
+                               {"energy drift", [](const MotionOutcome& o) { return Text("%+.3e", o.energy_drift); }},
+                               {"energy error", [](const MotionOutcome& o) { return Short(o.energy_error); }},
+                               {"penetration/m", [](const MotionOutcome& o) { return Short(o.penetration); }},
+                               {"joint/m", [](const MotionOutcome& o) { return Short(o.joint_error); }},
+                               {"distance/m", [](const MotionOutcome& o) { return Short(o.distance); }},
+                               {"us/step", TimePerStep},
+                               {"worst rho", [](const MotionOutcome& o) { return Short(o.rho); }},
+                               {"solves", [](const MotionOutcome& o) { return std::to_string(o.solves); }},
+                               {"failed", [](const MotionOutcome& o) { return std::to_string(o.failed); }},
+                               {"unverified", [](const MotionOutcome& o) { return std::to_string(o.not_passed); }},
+                               {"false", [](const MotionOutcome& o) { return std::to_string(o.false_successes); }}};
 
-Cells CellsOf(const MotionOutcome& outcome) {
-  char time[32];
-  std::snprintf(time, sizeof time, "%.1f", 1e6 * outcome.solve_time_s / std::max(1, outcome.steps));
-  return {outcome.solver,
-          Short(outcome.tolerance),
-          Signed(outcome.energy_drift),
-          Short(outcome.energy_error),
-          Short(outcome.penetration),
-          Short(outcome.joint_error),
-          Short(outcome.distance),
-          outcome.steps > 0 && outcome.solves > 0 ? time : "-",
-          Short(outcome.rho),
-          std::to_string(outcome.solves),
-          std::to_string(outcome.failed),
-          std::to_string(outcome.not_passed),
-          std::to_string(outcome.false_successes)};
-}
-
-// The first column to the left, numbers to the right.
-std::string Aligned(const std::vector<Cells>& rows) {
-  std::vector<std::size_t> widths(kHeader.size(), 0);
-  for (const Cells& row : rows) {
-    for (std::size_t k = 0; k < row.size(); ++k) widths[k] = std::max(widths[k], row[k].size());
+// A block's lines, the first column to the left, numbers to the right.
+std::string Aligned(const std::vector<MotionOutcome>& block) {
+  std::vector<std::string> lines(block.size() + 1);
+  for (const Column& column : kColumns) {
+    std::vector<std::string> cells = {column.title};
+    for (const MotionOutcome& outcome : block) cells.push_back(column.cell(outcome));
+    std::size_t width = 0;
+    for (const std::string& cell : cells) width = std::max(width, cell.size());
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const std::string blank(width - cells[k].size(), ' ');
+      lines[k] += lines[k].empty() ? cells[k] + blank : "  " + blank + cells[k];
+    }
   }
   std::string text;
-  for (const Cells& row : rows) {
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      const std::string blank(widths[k] - row[k].size(), ' ');
-      text += (k == 0 ? "" : "  ") + (k == 0 ? row[k] + blank : blank + row[k]);
-    }
-    text += '\n';
-  }
+  for (const std::string& line : lines) text += line + '\n';
   return text;
 }
 
@@ -69,17 +65,13 @@ std::string FormatMotionTable(const std::vector<MotionOutcome>& outcomes) {
     const auto end = std::find_if(begin, outcomes.end(), [&](const MotionOutcome& outcome) {
       return outcome.scene != begin->scene || outcome.level != begin->level;
     });
-    std::vector<Cells> rows = {kHeader};
-    std::string stops;
-    for (auto outcome = begin; outcome != end; ++outcome) {
-      rows.push_back(CellsOf(*outcome));
-      if (outcome->stopped.empty()) continue;
-      stops += outcome->solver + " at " + Short(outcome->tolerance) + " stopped after " +
-               std::to_string(outcome->steps) + " steps: " + outcome->stopped + '\n';
-    }
     text += (text.empty() ? "" : "\n") + begin->scene + ", " + std::string(ToString(begin->level)) + " level\n" +
-            Aligned(rows) + stops;
-    begin = end;
+            Aligned({begin, end});
+    for (; begin != end; ++begin) {
+      if (begin->stopped.empty()) continue;
+      text += begin->solver + " at " + Short(begin->tolerance) + " stopped after " + std::to_string(begin->steps) +
+              " steps: " + begin->stopped + '\n';
+    }
   }
   return text;
 }

@@ -52,8 +52,7 @@ std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& 
   // microseconds later, which leaves others again: one collision of a chain becomes a cascade of tiny impacts. Contacts
   // that are slower than what counts as rest anyway need no impact.
   if (scene.restitution == 0) options.acceleration.velocity_tolerance = impact.resting_speed;
-  options.acceleration.lcp_tolerance = lcp.tolerance;
-  options.acceleration.lcp_time_limit_s = lcp.time_limit_s;
+  options.acceleration.lcp = lcp;
   return MakeMotion(scene.level, scene.world, options, solver);
 }
 

@@ -37,8 +37,7 @@ ContactSystem LoadInstant(const std::string& name_or_file, int size, std::uint64
 /// @throws InputError as DetectContacts
 ContactSystem InstantWithContacts(const World& world);
 
-/// The scene's world, ready to move as the scene says under `solver`, which must outlive it. Of `lcp` both levels take
-/// tolerance and time limit.
+/// The scene's world, ready to move as the scene says under `solver`, which must outlive it.
 /// @throws InputError as MakeMotion
 std::unique_ptr<Motion> StartMotion(const MovingScene& scene, const LcpOptions& lcp, LcpSolver& solver);
 

@@ -3,7 +3,6 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "model/motion/make_motion.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "solvers/auto/islands.h"
+#include "solvers/linear_algebra/islands.h"
 
 namespace lcpbench {
 namespace {

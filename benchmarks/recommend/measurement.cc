@@ -54,7 +54,7 @@ class ScratchFolder {
 void FindFloors(double tolerance, std::vector<SequenceStep>* steps) {
   for (SequenceStep& step : *steps) {
     if (step.reference.floor) continue;
-    step.reference.floor = FindReferenceFloor(step.problem, tolerance, kFloorTimeLimit).reference.floor;
+    step.reference.floor = FindReferenceFloor(step.problem, tolerance, kFloorTimeLimit);
   }
 }
 
@@ -106,11 +106,9 @@ struct Entrant {
 };
 
 // As campaigns run passes over sequences.
-SequenceRequest RequestOf(const MeasurementPlan& plan, const std::string& name, const std::string& file,
-                          const std::string& hash) {
+SequenceRequest RequestOf(const MeasurementPlan& plan, const std::string& file, const std::string& hash) {
   const CampaignPlan campaign;
   SequenceRequest request;
-  request.sequence = name;
   request.file = file;
   request.sha256 = hash;
   request.tier = plan.tolerance;
@@ -119,9 +117,8 @@ SequenceRequest RequestOf(const MeasurementPlan& plan, const std::string& name, 
     request.judged.push_back(plan.tolerance);
   }
   std::sort(request.judged.rbegin(), request.judged.rend());
-  request.time_per_row_s = campaign.time_per_row_s;
-  request.least_s = campaign.least_s;
-  request.most_s = kBudget;
+  request.limits = campaign.limits;
+  request.limits.most_s = kBudget;
   request.budget_s = kBudget;
   return request;
 }
@@ -152,7 +149,7 @@ std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemStep
   }
   const ScratchFolder folder;
   const std::string file = folder.File("steps.jsonl.gz");
-  SequenceRequest request = RequestOf(plan, steps.name, file, WriteSequenceSteps(steps.steps, file));
+  SequenceRequest request = RequestOf(plan, file, WriteSequenceSteps(steps.steps, file));
   const size_t count = steps.steps.size();
   std::vector<Entrant> entrants;
   for (const std::string& key : plan.solvers) {
@@ -180,7 +177,7 @@ std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemStep
       request.warm = entrant.found.warm;
       SequenceReply reply = RunPass(&worker, request, &fast_probe_s, &entrant.found.disturbed);
       if (reply.results.is_null()) {
-        reply.results = StepRecord(request.judged, plan.tolerance).Results(static_cast<int>(count));
+        reply.results = StepRecord(request.judged).Results(static_cast<int>(count));
       }
       entrant.Add(reply, round, plan.tolerance);
     }

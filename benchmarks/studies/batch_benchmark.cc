@@ -1,4 +1,4 @@
-// Times SolveBatch: many problems of 10, 20 and 30 rows, one per SIMD lane, with each instruction set of this machine,
+// Times BatchSolver: many problems of 10, 20 and 30 rows, one per SIMD lane, with each instruction set of this machine,
 // beside one problem after another by `auto` and `dantzig` in the same run.
 //
 // A batch: 512 seeds of one scene family, so that lanes hold different problems. Items (study.h) are problems; counted

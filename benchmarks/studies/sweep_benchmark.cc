@@ -10,8 +10,8 @@
 #include "benchmarks/studies/study.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
+#include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
 namespace {
@@ -19,7 +19,7 @@ namespace {
 constexpr std::array kSizes = {1'000, 10'000, 100'000, 1'000'000};
 constexpr std::uint64_t kSeed = 1;
 constexpr std::string_view kScene = "disc-pile";
-constexpr size_t kRowDoubles = 8;
+constexpr Index kRowDoubles = 8;
 
 // One size, with its rows in the given and in a coloured order.
 struct Workload {
@@ -27,44 +27,42 @@ struct Workload {
   RowWork given;
   RowWork coloured;
   Array rows;  // as many bytes as either's rows
-  Array next;
-  Array next_image;
+  Point next;
 
   explicit Workload(int contacts) {
     const LcpProblem problem = AssembleContactLcp(GenerateScene(kScene, contacts, kSeed)).problem;
     size = problem.size();
     given.Prepare(problem, RowForm::kMatrixFree, false);
     coloured.Prepare(problem, RowForm::kMatrixFree, true);
-    rows.assign(static_cast<size_t>(size) * kRowDoubles, 1.0);
-    next = coloured.f;
-    next_image = coloured.image;
+    rows.setOnes(size * kRowDoubles);
+    next = coloured.x;
   }
 };
 
 KeptWorkload<Workload> kept;
 
 void AddToAll(Array* values) {
-  for (size_t i = 0; i + kLanes <= values->size(); i += kLanes) {
-    Store(&(*values)[i], Load(&(*values)[i]) + Broadcast(1.0));
+  for (Index i = 0; i + kLanes <= values->size(); i += kLanes) {
+    Store(values->data() + i, Load(values->data() + i) + Filled(1.0));
   }
 }
 
 void Floor(Workload* work) {
   std::array<Lanes, 4> sums{};
   const double* from = work->rows.data();
-  for (size_t i = 0; i + 4 * kLanes <= work->rows.size(); i += 4 * kLanes) {
-    for (size_t k = 0; k < sums.size(); ++k) sums[k] += Load(from + i + k * kLanes);
+  for (Index i = 0; i + 4 * kLanes <= work->rows.size(); i += 4 * kLanes) {
+    for (Index k = 0; k < 4; ++k) sums[static_cast<size_t>(k)] += Load(from + i + k * kLanes);
   }
   double total = Sum((sums[0] + sums[1]) + (sums[2] + sums[3]));
   benchmark::DoNotOptimize(total);
-  AddToAll(&work->next);
-  AddToAll(&work->next_image);
+  AddToAll(&work->next.f);
+  AddToAll(&work->next.image);
   benchmark::ClobberMemory();
 }
 
 void Sweep(RowWork* rows, Index size, bool backward) {
   StepSums sums;
-  rows->rows->Sweep(0, size, backward, 1.0, &rows->f, &rows->image, &sums);
+  rows->rows->Sweep(0, size, backward, 1.0, &rows->x, &sums);
   benchmark::DoNotOptimize(sums.residual);
 }
 void Forward(Workload* work) { Sweep(&work->given, work->size, false); }
@@ -74,8 +72,8 @@ void ColouredBackward(Workload* work) { Sweep(&work->coloured, work->size, true)
 void Gradient(Workload* work) {
   RowWork& rows = work->coloured;
   StepSums sums;
-  rows.rows->StartImage(&work->next_image);
-  rows.rows->GradientStep(0, work->size, 0.1, rows.f, rows.image, &work->next, &work->next_image, &sums);
+  rows.rows->StartImage(&work->next.image);
+  rows.rows->GradientStep(0, work->size, 0.1, rows.x, &work->next, &sums);
   benchmark::DoNotOptimize(sums.residual);
 }
 

@@ -16,11 +16,6 @@
 namespace lcpbench {
 namespace {
 
-std::string BodyText(const ContactSystem& system, size_t i) {
-  const std::string& name = system.bodies[i].name;
-  return "body " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
-}
-
 std::string SystemText(const ContactSystem& system) {
   return system.name.empty() ? "" : "system '" + system.name + "', ";
 }
@@ -29,49 +24,16 @@ const char* TypeText(ConstraintType type) {
   return std::array{"contact", "path joint", "pin", "rod", "rope"}[static_cast<size_t>(type)];
 }
 
-// Why a body cannot be assembled; null where it can.
-const char* WhyInvalid(const Body& body) {
-  if (!(IsFinite(body.x) && std::isfinite(body.theta))) return "the position is not finite";
-  if (!(IsFinite(body.v) && std::isfinite(body.omega))) return "the velocity is not finite";
-  if (body.fixed) {
-    const bool finite = IsFinite(body.acceleration) && std::isfinite(body.alpha);
-    return finite ? nullptr : "the prescribed acceleration is not finite";
-  }
-  if (!(IsFinite(body.force) && std::isfinite(body.torque))) return "the applied force or torque is not finite";
-  const auto valid = [](double value) { return value > 0 && std::isfinite(value) && std::isfinite(1 / value); };
-  if (!valid(body.mass)) return "the mass of a movable body must be finite and > 0";
-  if (!valid(body.inertia)) return "the inertia of a movable body must be finite and > 0";
-  return nullptr;
-}
-
-// Row-major arrays of J, with six entries in every row whatever their values.
-struct RowStore {
-  std::vector<int> column;
-  std::vector<double> value;
-
-  void Add(size_t body1, size_t body2, const std::array<double, 6>& J) {
-    const std::array<size_t, 2> bodies = {body1, body2};
-    const size_t first = body1 < body2 ? 0 : 1;
-    for (const size_t side : {first, 1 - first}) {
-      for (size_t k = 0; k < 3; ++k) {
-        column.push_back(static_cast<int>(3 * bodies[side] + k));
-        value.push_back(J[3 * side + k]);
-      }
-    }
-  }
-};
-
 class Assembler {
  public:
   explicit Assembler(const ContactSystem& system) : system_(system) {
+    RequireValid(system.bodies, SystemText(system));
     const size_t bodies = system.bodies.size();
     rotation_.resize(bodies);
     inverse_mass_ = Eigen::VectorXd::Zero(static_cast<Index>(3 * bodies));
     acceleration_.resize(bodies);
     for (size_t i = 0; i < bodies; ++i) {
       const Body& body = system.bodies[i];
-      if (const char* reason = WhyInvalid(body))
-        throw InputError(SystemText(system) + BodyText(system, i) + ": " + reason);
       rotation_[i] = SinCos(body.theta);
       if (body.fixed) {
         acceleration_[i] = {body.acceleration.x, body.acceleration.y, body.alpha};
@@ -85,21 +47,19 @@ class Assembler {
       inverse_mass_[k + 2] = by_inertia;
       acceleration_[i] = {by_mass * body.force.x, by_mass * body.force.y, by_inertia * body.torque};
     }
-    rows_.reserve(system.constraints.size());
-    b_.reserve(system.constraints.size());
-    store_.column.reserve(6 * system.constraints.size());
-    store_.value.reserve(6 * system.constraints.size());
+    Index rows = 0;
+    for (const Constraint& constraint : system.constraints) rows += constraint.type == ConstraintType::kPin ? 2 : 1;
+    rows_.reserve(static_cast<size_t>(rows));
+    J_.resize(rows, inverse_mass_.size());
+    J_.reserve(6 * rows);
+    b_.resize(rows);
   }
 
   AssembledLcp Run() {
     for (size_t i = 0; i < system_.constraints.size(); ++i) AddConstraint(i);
     const auto n = static_cast<Index>(rows_.size());
-    std::vector<int> outer(rows_.size() + 1);
-    for (size_t i = 0; i < outer.size(); ++i) outer[i] = static_cast<int>(6 * i);
-    SparseMatrix J = Eigen::Map<const SparseMatrix>(n, inverse_mass_.size(), 6 * n, outer.data(), store_.column.data(),
-                                                    store_.value.data());
-    Eigen::VectorXd b = Eigen::Map<const Eigen::VectorXd>(b_.data(), n);
-    return {std::move(rows_), LcpProblem::FromFactors(system_.name, J, std::move(inverse_mass_), std::move(b),
+    J_.finalize();
+    return {std::move(rows_), LcpProblem::FromFactors(system_.name, J_, std::move(inverse_mass_), std::move(b_),
                                                       RowBounds::WithBilateralRows(n, bilateral_))};
   }
 
@@ -128,8 +88,8 @@ class Assembler {
           break;
       }
     } catch (const InputError& error) {
-      throw InputError(ConstraintText(i) + " between " + BodyText(system_, Body1(i)) + " and " +
-                       BodyText(system_, Body2(i)) + ": " + error.what());
+      throw InputError(ConstraintText(i) + " between " + BodyText(system_.bodies, Body1(i)) + " and " +
+                       BodyText(system_.bodies, Body2(i)) + ": " + error.what());
     }
   }
 
@@ -143,7 +103,8 @@ class Assembler {
       }
     }
     if (constraint.body1 == constraint.body2) {
-      throw InputError(ConstraintText(i) + ": the two bodies must differ, both are " + BodyText(system_, Body1(i)));
+      throw InputError(ConstraintText(i) + ": the two bodies must differ, both are " +
+                       BodyText(system_.bodies, Body1(i)));
     }
   }
 
@@ -218,10 +179,17 @@ class Assembler {
       throw InputError("the numbers overflow: the row is not finite; feature 1: " + Describe(constraint.feature1) +
                        "; feature 2: " + Describe(constraint.feature2));
     }
-    if (info.bilateral) bilateral_.push_back(static_cast<Index>(rows_.size()));
+    const auto row = static_cast<Index>(rows_.size());
+    if (info.bilateral) bilateral_.push_back(row);
     rows_.push_back(info);
-    b_.push_back(b);
-    store_.Add(Body1(i), Body2(i), J);
+    b_[row] = b;
+    // Six entries whatever their values, in the order of the columns.
+    const std::array<size_t, 2> bodies = {Body1(i), Body2(i)};
+    const size_t first = bodies[0] < bodies[1] ? 0 : 1;
+    J_.startVec(row);
+    for (const size_t side : {first, 1 - first}) {
+      for (size_t k = 0; k < 3; ++k) J_.insertBack(row, static_cast<Index>(3 * bodies[side] + k)) = J[3 * side + k];
+    }
   }
 
   size_t Body1(size_t i) const { return static_cast<size_t>(system_.constraints[i].body1); }
@@ -235,9 +203,9 @@ class Assembler {
   Eigen::VectorXd inverse_mass_;
   std::vector<std::array<double, 3>> acceleration_;
   std::vector<RowInfo> rows_;
-  std::vector<double> b_;
+  SparseMatrix J_;
+  Eigen::VectorXd b_;
   std::vector<Index> bilateral_;
-  RowStore store_;
 };
 
 }  // namespace

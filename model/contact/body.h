@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,12 @@ struct Body {
   /// What the body looks like, for pictures; assembly reads the constraints' features only.
   std::vector<OutlineEdge> outline;
 };
+
+/// "body 3 'name'", for error texts.
+std::string BodyText(std::span<const Body> bodies, std::size_t i);
+
+/// Whether bodies can be assembled: finite numbers; masses and inertias of movable ones > 0, with finite inverses.
+/// @throws InputError naming the condition and the body, after `where`
+void RequireValid(std::span<const Body> bodies, const std::string& where);
 
 }  // namespace lcpbench

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <utility>
 #include <variant>
 
-#include "model/geometry/safeguarded_newton.h"
 #include "model/geometry/smooth_curve.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
@@ -105,18 +105,8 @@ End<T> EndOf(const Line<T>& line, VecOf<T> R, VecOf<T> n) {
 
 template <class T>
 ClosestPoints Join(VecOf<T> n, T d, const End<T>& end1, const End<T>& end2) {
-  ClosestPoints c;
-  c.n = ToVec2(n);
-  c.d = ToDouble(d);
-  c.R1 = ToVec2(end1.R);
-  c.R2 = ToVec2(end2.R);
-  c.moment1 = end1.moment;
-  c.moment2 = end2.moment;
-  c.curvature1 = end1.curvature;
-  c.curvature2 = end2.curvature;
-  c.s1 = end1.s;
-  c.s2 = end2.s;
-  return c;
+  return {ToVec2(n),      ToDouble(d), ToVec2(end1.R), ToVec2(end2.R), end1.moment, end2.moment, end1.curvature,
+          end2.curvature, 0,           end1.s,         end2.s};
 }
 
 // All geometry is relative to the centres of mass, dx = x1 - x2, so that nothing is lost far from the world's origin.
@@ -213,6 +203,80 @@ void RequireRegular(const ClosestPoints& c, Regularity required, const Pair& pai
               (vertex ? "normal is undefined" : "contact point is not unique"));
 }
 
+// A system of `count` equations for as many places on curves, at given places.
+template <std::size_t count>
+struct CurveEquations {
+  std::array<DoubleDouble, count> step;  // Newton's step, in tau (oval) or s (Bezier)
+  double residual = 0;                   // how far from solved: in radians, or parts of the curves' size
+};
+
+// A place on each of one or two curves.
+template <std::size_t count>
+using CurvePlaces = std::array<CurvePlace<DoubleDouble>, count>;
+
+// Where Newton's method ended.
+template <std::size_t count>
+struct NewtonEnding {
+  CurvePlaces<count> places;
+  bool converged = false;
+  bool nearly_solved = false;  // the equations hold roughly, whether converged or not
+};
+
+// Steps are in tau or s, of order 1 over the whole curve.
+constexpr int kMostSteps = 100;
+constexpr int kMostHalvings = 40;
+constexpr double kLongestOvalStep = 0.5;
+constexpr double kLongestBezierStep = 0.1;
+// Far above the rounding of DoubleDouble, far below that of double: one more step is taken from here, which squares it.
+constexpr double kConvergedStep = 1e-18;
+// Below this the residual may be rounding, which no step decreases.
+constexpr double kSmallStep = 1e-12;
+// A residual this small counts as a solution where the Jacobian is singular.
+constexpr double kNearlySolved = 1e-6;
+// What a residual must decrease by, as a part of what a linear function would.
+constexpr double kSufficientDecrease = 1e-4;
+
+double LongestStep(const SmoothCurve& curve) { return curve.is_oval() ? kLongestOvalStep : kLongestBezierStep; }
+
+// Newton's method for places on curves, in DoubleDouble: steps bounded by half a radian of an oval or a tenth of a
+// Bezier curve, and halved until the residual decreases. Ends when a step is below 1e-18, and takes one more.
+// @param evaluate  places -> CurveEquations<count>
+template <std::size_t count, class Evaluate>
+NewtonEnding<count> SafeguardedNewton(const std::array<const SmoothCurve*, count>& curves, CurvePlaces<count> places,
+                                      const Evaluate& evaluate) {
+  CurveEquations<count> now = evaluate(places);
+  const auto stopped = [&] { return NewtonEnding<count>{places, false, now.residual <= kNearlySolved}; };
+  for (int i = 0; i < kMostSteps; ++i) {
+    // The longest part of the step, in units of what each curve allows.
+    double excess = 0;
+    double length = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const double part = std::abs(now.step[k].hi);
+      if (!std::isfinite(part)) return stopped();
+      excess = std::max(excess, part / LongestStep(*curves[k]));
+      length = std::max(length, part);
+    }
+    const auto moved = [&](double factor) {
+      CurvePlaces<count> to;
+      for (std::size_t k = 0; k < count; ++k) to[k] = curves[k]->Moved(places[k], DoubleDouble(factor) * now.step[k]);
+      return to;
+    };
+    if (length <= kConvergedStep) return {moved(1), true, true};
+    double factor = excess > 1 ? 1 / excess : 1;
+    CurvePlaces<count> next = moved(factor);
+    CurveEquations<count> then = evaluate(next);
+    for (int k = 0; !(then.residual <= (1 - kSufficientDecrease * factor) * now.residual) && length > kSmallStep; ++k) {
+      if (k == kMostHalvings) return stopped();
+      factor /= 2;
+      next = moved(factor);
+      then = evaluate(next);
+    }
+    places = next;
+    now = then;
+  }
+  return stopped();
+}
+
 using Wide = DoubleDouble;
 using Place = CurvePlace<Wide>;
 using Jet = CurveJet<Wide>;
@@ -266,196 +330,191 @@ void Finish(const std::array<const SmoothCurve*, count>& curves, const CurvePlac
   }
 }
 
+// SmoothCurve::kSamples directions, evenly spread over the plane.
+std::vector<Vec2> EvenDirections() {
+  std::vector<Vec2> directions;
+  for (int i = 0; i < SmoothCurve::kSamples; ++i) {
+    directions.push_back(LiftRotation<double>(SinCos(2 * std::numbers::pi * i / SmoothCurve::kSamples)));
+  }
+  return directions;
+}
+
+// Narrows a bracket of a sign change of f to about 1e-9 of itself, by bisection: f may be steep or flat at its ends.
+template <class Function>
+double NarrowedSignChange(double low, double high, const Function& f) {
+  constexpr int kBisections = 30;
+  const bool negative = f(low) < 0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = low + (high - low) / 2;
+    ((f(middle) < 0) == negative ? low : high) = middle;
+  }
+  return low + (high - low) / 2;
+}
+
 // A vertex or arc on body 1 and a curve on body 2.
-class RoundAndCurve {
- public:
-  RoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, Angles angles)
-      : round_(PlaceRound<Wide>(round1, angles)),
-        curve_(curve2, angles),
-        q_(Difference<Wide>(round1.x, curve2.x) + round_.U) {}
-
-  void Search(std::optional<double> s2, StationaryPoints* found) const {
-    if (s2) return FinishFrom(curve_.FromParameter(*s2), found);
-    const Vec2 q = ToVec2(q_);
-    const auto residual = [&](double tau) {
-      const CurveJet<double> jet = curve_.At(curve_.Place(tau));
-      return Dot(jet.d1, q - jet.c);
-    };
-    const std::vector<double> samples = curve_.Samples(EvenDirections());
-    double before = residual(samples[0]);
-    for (std::size_t i = 1; i < samples.size(); ++i) {
-      const double after = residual(samples[i]);
-      if ((before < 0) != (after < 0)) {
-        FinishFrom(curve_.WidePlace(NarrowedSignChange(samples[i - 1], samples[i], residual)), found);
-      }
-      before = after;
+StationaryPoints SearchRoundAndCurve(const PlacedFeature& round1, const PlacedFeature& curve2, std::optional<double> s2,
+                                     Angles angles) {
+  const Round<Wide> round = PlaceRound<Wide>(round1, angles);
+  const SmoothCurve curve(curve2, angles);
+  const VecOf<Wide> q = Difference<Wide>(round1.x, curve2.x) + round.U;  // the centre, from the curve's centre of mass
+  const auto equations = [&](const CurvePlaces<1>& at) {
+    const Jet jet = curve.At(at[0]);
+    const VecOf<Wide> to_q = q - jet.c;
+    const Wide g = Dot(jet.d1, to_q);
+    const Wide slope = Dot(jet.d2, to_q) - Dot(jet.d1, jet.d1);
+    return CurveEquations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve.size()};
+  };
+  const auto foot = [&](const CurvePlaces<1>& at) {
+    const Jet jet = curve.At(at[0]);
+    const VecOf<Wide> n = jet.N;
+    return Foot{Join(n, Dot(n, q - jet.c) - Wide(round.rho), EndOf(round, -n, n), EndOf(curve, at[0], jet, n))};
+  };
+  StationaryPoints found;
+  const auto finish_from = [&](const Place& start) { Finish<1>({&curve}, {start}, equations, foot, &found); };
+  if (s2) {
+    finish_from(curve.FromParameter(*s2));
+    return found;
+  }
+  const auto residual = [&](double tau) {
+    const CurveJet<double> jet = curve.At(curve.Place(tau));
+    return Dot(jet.d1, ToVec2(q) - jet.c);
+  };
+  const std::vector<double> samples = curve.Samples(EvenDirections());
+  double before = residual(samples[0]);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    const double after = residual(samples[i]);
+    if ((before < 0) != (after < 0)) {
+      finish_from(curve.WidePlace(NarrowedSignChange(samples[i - 1], samples[i], residual)));
     }
+    before = after;
   }
-
- private:
-  void FinishFrom(const Place& start, StationaryPoints* found) const {
-    const auto equations = [&](const CurvePlaces<1>& at) {
-      const Jet jet = curve_.At(at[0]);
-      const VecOf<Wide> to_q = q_ - jet.c;
-      const Wide g = Dot(jet.d1, to_q);
-      const Wide slope = Dot(jet.d2, to_q) - Dot(jet.d1, jet.d1);
-      return CurveEquations<1>{{-g / slope}, std::abs(ToDouble(g / Norm(jet.d1))) / curve_.size()};
-    };
-    const auto foot = [&](const CurvePlaces<1>& at) {
-      const Jet jet = curve_.At(at[0]);
-      const VecOf<Wide> n = jet.N;
-      return Foot{Join(n, Dot(n, q_ - jet.c) - Wide(round_.rho), EndOf(round_, -n, n), EndOf(curve_, at[0], jet, n))};
-    };
-    Finish<1>({&curve_}, {start}, equations, foot, found);
-  }
-
-  Round<Wide> round_;
-  SmoothCurve curve_;
-  VecOf<Wide> q_;  // the centre, from the curve's centre of mass
-};
+  return found;
+}
 
 // A curve on body 1 and a straight edge on body 2.
-class CurveAndLine {
- public:
-  CurveAndLine(const PlacedFeature& curve1, const PlacedFeature& line2, Angles angles)
-      : curve_(curve1, angles), line_(PlaceLine<Wide>(line2, angles)), dx_(Difference<Wide>(curve1.x, line2.x)) {}
-
-  void Search(std::optional<double> s1, StationaryPoints* found) const {
-    if (s1) return FinishFrom(curve_.FromParameter(*s1), found);
-    for (const double tau : curve_.WithNormal(-ToVec2(line_.normal))) FinishFrom(curve_.WidePlace(tau), found);
-  }
-
- private:
-  void FinishFrom(const Place& start, StationaryPoints* found) const {
-    const VecOf<Wide> n = line_.normal;
-    const auto equations = [&](const CurvePlaces<1>& at) {
-      const Jet jet = curve_.At(at[0]);
-      return CurveEquations<1>{{-Dot(jet.d1, n) / Dot(jet.d2, n)}, NotOpposite(jet.N, n)};
-    };
-    const auto foot = [&](const CurvePlaces<1>& at) {
-      const Jet jet = curve_.At(at[0]);
-      const VecOf<Wide> p1 = dx_ + jet.c;
-      const Wide d = Dot(n, p1 - line_.A);
-      return Foot{Join(n, d, EndOf(curve_, at[0], jet, n), EndOf(line_, p1 - d * n, n)), AreOpposite(jet.N, n)};
-    };
-    Finish<1>({&curve_}, {start}, equations, foot, found);
-  }
-
-  SmoothCurve curve_;
-  Line<Wide> line_;
-  VecOf<Wide> dx_;  // from body 2's centre of mass to body 1's
-};
-
-class CurveAndCurve {
- public:
-  CurveAndCurve(const PlacedFeature& curve1, const PlacedFeature& curve2, Angles angles)
-      : curve1_(curve1, angles),
-        curve2_(curve2, angles),
-        dx_(Difference<Wide>(curve1.x, curve2.x)),
-        size_(curve1_.size() + curve2_.size()) {}
-
-  void Search(std::optional<double> s1, std::optional<double> s2, StationaryPoints* found) const {
-    if (!s1 && !s2) return SearchAll(found);
-    if (s1 && s2) return FinishFrom({curve1_.FromParameter(*s1), curve2_.FromParameter(*s2)}, found);
-    const SmoothCurve& known = s1 ? curve1_ : curve2_;
-    const SmoothCurve& other = s1 ? curve2_ : curve1_;
-    const Place place = known.FromParameter(s1 ? *s1 : *s2);
-    for (const double tau : other.WithNormal(-ToVec2(known.At(place).N))) {
-      const Place facing = other.WidePlace(tau);
-      FinishFrom(s1 ? CurvePlaces<2>{place, facing} : CurvePlaces<2>{facing, place}, found);
-    }
-  }
-
- private:
-  // Where the other curve faces a sample of the leading one, on which of its pieces, and how far along the leading
-  // one's tangent it lies.
-  struct Facing {
-    double tau = 0;
-    int piece = 0;
-    double offset = 0;
+StationaryPoints SearchCurveAndLine(const PlacedFeature& curve1, const PlacedFeature& line2, std::optional<double> s1,
+                                    Angles angles) {
+  const SmoothCurve curve(curve1, angles);
+  const Line<Wide> line = PlaceLine<Wide>(line2, angles);
+  const VecOf<Wide> dx = Difference<Wide>(curve1.x, line2.x);
+  const VecOf<Wide> n = line.normal;
+  const auto equations = [&](const CurvePlaces<1>& at) {
+    const Jet jet = curve.At(at[0]);
+    return CurveEquations<1>{{-Dot(jet.d1, n) / Dot(jet.d2, n)}, NotOpposite(jet.N, n)};
   };
-
-  std::vector<Facing> FacingPlaces(const SmoothCurve& lead, const SmoothCurve& other, Vec2 from_lead,
-                                   double tau) const {
-    const CurveJet<double> jet = lead.At(lead.Place(tau));
-    std::vector<Facing> all;
-    for (const double facing : other.WithNormal(-jet.N)) {
-      const CurveJet<double> there = other.At(other.Place(facing));
-      const Vec2 between = (there.c - jet.c) + from_lead;
-      all.push_back({facing, other.Piece(facing), Dot(Perp(jet.N), between)});
-    }
-    return all;
+  const auto foot = [&](const CurvePlaces<1>& at) {
+    const Jet jet = curve.At(at[0]);
+    const VecOf<Wide> p1 = dx + jet.c;
+    const Wide d = Dot(n, p1 - line.A);
+    return Foot{Join(n, d, EndOf(curve, at[0], jet, n), EndOf(line, p1 - d * n, n)), AreOpposite(jet.N, n)};
+  };
+  StationaryPoints found;
+  const auto finish_from = [&](const Place& start) { Finish<1>({&curve}, {start}, equations, foot, &found); };
+  if (s1) {
+    finish_from(curve.FromParameter(*s1));
+  } else {
+    for (const double tau : curve.WithNormal(-ToVec2(n))) finish_from(curve.WidePlace(tau));
   }
+  return found;
+}
 
-  void SearchAll(StationaryPoints* found) const {
-    // A Bezier curve leads: an oval has a facing place for every normal, a Bezier curve only for some.
-    const bool second_leads = curve1_.is_oval() && !curve2_.is_oval();
-    const SmoothCurve& lead = second_leads ? curve2_ : curve1_;
-    const SmoothCurve& other = second_leads ? curve1_ : curve2_;
-    const Vec2 dx = ToVec2(dx_);
-    const Vec2 from_lead = second_leads ? dx : -dx;
-    const auto facing_on = [&](double tau, int piece) -> std::optional<Facing> {
-      for (const Facing& facing : FacingPlaces(lead, other, from_lead, tau)) {
-        if (facing.piece == piece) return facing;
-      }
-      return std::nullopt;
-    };
-    const std::vector<double> samples = lead.Samples(other.FacingNormals());
-    std::vector<Facing> before = FacingPlaces(lead, other, from_lead, samples[0]);
-    for (size_t i = 1; i < samples.size(); ++i) {
-      std::vector<Facing> after = FacingPlaces(lead, other, from_lead, samples[i]);
-      for (const Facing& b : before) {
-        for (const Facing& a : after) {
-          if (a.piece != b.piece || (a.offset < 0) == (b.offset < 0)) continue;
-          const double tau = NarrowedSignChange(samples[i - 1], samples[i], [&](double at) {
-            const std::optional<Facing> facing = facing_on(at, a.piece);
-            return facing ? facing->offset : b.offset;
-          });
-          const std::optional<Facing> facing = facing_on(tau, a.piece);
-          if (!facing) continue;
-          const Place lead_place = lead.WidePlace(tau);
-          const Place other_place = other.WidePlace(facing->tau);
-          FinishFrom(second_leads ? CurvePlaces<2>{other_place, lead_place} : CurvePlaces<2>{lead_place, other_place},
-                     found);
-        }
-      }
-      before = std::move(after);
-    }
-  }
-
-  void FinishFrom(const CurvePlaces<2>& start, StationaryPoints* found) const {
-    const auto equations = [&](const CurvePlaces<2>& at) {
-      const Jet j1 = curve1_.At(at[0]);
-      const Jet j2 = curve2_.At(at[1]);
-      const VecOf<Wide> between = dx_ + (j1.c - j2.c);
-      const Wide parallel = Cross(j1.d1, j2.d1);
-      const Wide normal = Dot(between, j2.d1);
-      const Wide parallel_by_1 = Cross(j1.d2, j2.d1);
-      const Wide parallel_by_2 = Cross(j1.d1, j2.d2);
-      const Wide normal_by_1 = Dot(j1.d1, j2.d1);
-      const Wide normal_by_2 = Dot(between, j2.d2) - Dot(j2.d1, j2.d1);
-      const Wide determinant = parallel_by_1 * normal_by_2 - parallel_by_2 * normal_by_1;
-      const double turned = NotOpposite(j1.N, j2.N);
-      const double offset = ToDouble(normal / Norm(j2.d1)) / size_;
-      return CurveEquations<2>{{(parallel_by_2 * normal - normal_by_2 * parallel) / determinant,
-                                (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
-                               std::sqrt(turned * turned + offset * offset)};
-    };
-    const auto foot = [&](const CurvePlaces<2>& at) {
-      const Jet j1 = curve1_.At(at[0]);
-      const Jet j2 = curve2_.At(at[1]);
-      const VecOf<Wide> n = j2.N;
-      const Wide d = Dot(n, dx_ + (j1.c - j2.c));
-      return Foot{Join(n, d, EndOf(curve1_, at[0], j1, n), EndOf(curve2_, at[1], j2, n)), AreOpposite(j1.N, n)};
-    };
-    Finish<2>({&curve1_, &curve2_}, start, equations, foot, found);
-  }
-
-  SmoothCurve curve1_;
-  SmoothCurve curve2_;
-  VecOf<Wide> dx_;  // from body 2's centre of mass to body 1's
-  double size_;
+// Where a curve faces a sample of the leading one, on which of its pieces, and how far along the leading one's tangent
+// it lies.
+struct Facing {
+  double tau = 0;
+  int piece = 0;
+  double offset = 0;
 };
+
+std::vector<Facing> FacingPlaces(const SmoothCurve& lead, const SmoothCurve& other, Vec2 from_lead, double tau) {
+  const CurveJet<double> jet = lead.At(lead.Place(tau));
+  std::vector<Facing> all;
+  for (const double facing : other.WithNormal(-jet.N)) {
+    const Vec2 between = (other.At(other.Place(facing)).c - jet.c) + from_lead;
+    all.push_back({facing, other.Piece(facing), Dot(Perp(jet.N), between)});
+  }
+  return all;
+}
+
+// Calls start(tau on the leading curve, tau on the other) near every stationary point that samples bracket.
+template <class Start>
+void ForEachBracket(const SmoothCurve& lead, const SmoothCurve& other, Vec2 from_lead, const Start& start) {
+  const auto facing_on = [&](double tau, int piece) -> std::optional<Facing> {
+    for (const Facing& facing : FacingPlaces(lead, other, from_lead, tau)) {
+      if (facing.piece == piece) return facing;
+    }
+    return std::nullopt;
+  };
+  const std::vector<double> samples = lead.Samples(other.FacingNormals());
+  std::vector<Facing> before = FacingPlaces(lead, other, from_lead, samples[0]);
+  for (size_t i = 1; i < samples.size(); ++i) {
+    std::vector<Facing> after = FacingPlaces(lead, other, from_lead, samples[i]);
+    for (const Facing& b : before) {
+      for (const Facing& a : after) {
+        if (a.piece != b.piece || (a.offset < 0) == (b.offset < 0)) continue;
+        const double tau = NarrowedSignChange(samples[i - 1], samples[i], [&](double at) {
+          const std::optional<Facing> facing = facing_on(at, a.piece);
+          return facing ? facing->offset : b.offset;
+        });
+        if (const std::optional<Facing> facing = facing_on(tau, a.piece)) start(tau, facing->tau);
+      }
+    }
+    before = std::move(after);
+  }
+}
+
+StationaryPoints SearchCurveAndCurve(const PlacedFeature& feature1, const PlacedFeature& feature2,
+                                     const SearchStart& start, Angles angles) {
+  const SmoothCurve curve1(feature1, angles);
+  const SmoothCurve curve2(feature2, angles);
+  const VecOf<Wide> dx = Difference<Wide>(feature1.x, feature2.x);
+  const double size = curve1.size() + curve2.size();
+  const auto equations = [&](const CurvePlaces<2>& at) {
+    const Jet j1 = curve1.At(at[0]);
+    const Jet j2 = curve2.At(at[1]);
+    const VecOf<Wide> between = dx + (j1.c - j2.c);
+    const Wide parallel = Cross(j1.d1, j2.d1);
+    const Wide normal = Dot(between, j2.d1);
+    const Wide parallel_by_1 = Cross(j1.d2, j2.d1);
+    const Wide parallel_by_2 = Cross(j1.d1, j2.d2);
+    const Wide normal_by_1 = Dot(j1.d1, j2.d1);
+    const Wide normal_by_2 = Dot(between, j2.d2) - Dot(j2.d1, j2.d1);
+    const Wide determinant = parallel_by_1 * normal_by_2 - parallel_by_2 * normal_by_1;
+    const double turned = NotOpposite(j1.N, j2.N);
+    const double offset = ToDouble(normal / Norm(j2.d1)) / size;
+    return CurveEquations<2>{{(parallel_by_2 * normal - normal_by_2 * parallel) / determinant,
+                              (normal_by_1 * parallel - parallel_by_1 * normal) / determinant},
+                             std::sqrt(turned * turned + offset * offset)};
+  };
+  const auto foot = [&](const CurvePlaces<2>& at) {
+    const Jet j1 = curve1.At(at[0]);
+    const Jet j2 = curve2.At(at[1]);
+    const VecOf<Wide> n = j2.N;
+    const Wide d = Dot(n, dx + (j1.c - j2.c));
+    return Foot{Join(n, d, EndOf(curve1, at[0], j1, n), EndOf(curve2, at[1], j2, n)), AreOpposite(j1.N, n)};
+  };
+  StationaryPoints found;
+  const auto finish_from = [&](const Place& place1, const Place& place2) {
+    Finish<2>({&curve1, &curve2}, {place1, place2}, equations, foot, &found);
+  };
+  if (start.s1 && start.s2) {
+    finish_from(curve1.FromParameter(*start.s1), curve2.FromParameter(*start.s2));
+  } else if (start.s1) {
+    const Place place = curve1.FromParameter(*start.s1);
+    for (const double tau : curve2.WithNormal(-ToVec2(curve1.At(place).N))) finish_from(place, curve2.WidePlace(tau));
+  } else if (start.s2) {
+    const Place place = curve2.FromParameter(*start.s2);
+    for (const double tau : curve1.WithNormal(-ToVec2(curve2.At(place).N))) finish_from(curve1.WidePlace(tau), place);
+  } else if (curve1.is_oval() && !curve2.is_oval()) {
+    // A Bezier curve leads: an oval has a facing place for every normal, a Bezier curve only for some.
+    ForEachBracket(curve2, curve1, ToVec2(dx),
+                   [&](double tau2, double tau1) { finish_from(curve1.WidePlace(tau1), curve2.WidePlace(tau2)); });
+  } else {
+    ForEachBracket(curve1, curve2, -ToVec2(dx),
+                   [&](double tau1, double tau2) { finish_from(curve1.WidePlace(tau1), curve2.WidePlace(tau2)); });
+  }
+  return found;
+}
 
 // All numbers of a curve, with its kind: for an order of curves that knows nothing of bodies 1 and 2.
 std::vector<double> Numbers(const PlacedFeature& placed) {
@@ -475,15 +534,9 @@ bool IsInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2) {
 
 StationaryPoints SearchInOrder(const PlacedFeature& feature1, const PlacedFeature& feature2, const SearchStart& start,
                                Angles angles) {
-  StationaryPoints found;
-  if (!IsSearched(feature2.feature)) {
-    CurveAndLine(feature1, feature2, angles).Search(start.s1, &found);
-  } else if (IsSearched(feature1.feature)) {
-    CurveAndCurve(feature1, feature2, angles).Search(start.s1, start.s2, &found);
-  } else {
-    RoundAndCurve(feature1, feature2, angles).Search(start.s2, &found);
-  }
-  return found;
+  if (!IsSearched(feature2.feature)) return SearchCurveAndLine(feature1, feature2, start.s1, angles);
+  if (!IsSearched(feature1.feature)) return SearchRoundAndCurve(feature1, feature2, start.s2, angles);
+  return SearchCurveAndCurve(feature1, feature2, start, angles);
 }
 
 // Of the stationary points, the regular one whose gap is closest to the nominal one; of irregular ones if need be, so

@@ -98,14 +98,10 @@ struct StationaryPoints {
 ///   centre q (vertex or arc) / curve:  c'.(q - c) = 0
 ///   straight, outward normal N / curve: c'.N = 0 with the outward normals opposite
 ///   curve / curve:                      c1' x c2' = 0 with the outward normals opposite, c2'.(p1 - p2) = 0
-/// These stay regular at d = 0, where "the connecting line is normal to both" degenerates, and their Jacobians, taken
-/// exactly from the 2-jets, are singular only where D = 0.
-///
-/// With start values (s1, s2): Newton's method from there (safeguarded_newton.h); a curve pair with one start value
-/// takes those places of the other curve that face it. Without: every stationary point that samples of one curve
-/// bracket; two that are closer together than the samples can escape. In DoubleDouble, so that n, d and the curvatures
-/// are accurate to the last digit of a double whatever D. 3 to 15 microseconds, without start values 0.05 to 0.5 ms.
-/// docs/geometry.md says how.
+/// With start values (s1, s2): Newton's method from there; a curve pair with one start value takes those places of the
+/// other curve that face it. Without: every stationary point that samples of one curve bracket. In DoubleDouble, so
+/// that n, d and the curvatures are accurate to the last digit of a double whatever D. 3 to 15 microseconds, without
+/// start values 0.05 to 0.5 ms. docs/geometry.md says how, and why these equations.
 /// Swapping the features swaps every result bit by bit.
 /// @param feature1, feature2  valid; two general curves, or one and any other feature
 /// @param angles  exact ones take about 10 microseconds each and need the features' theta

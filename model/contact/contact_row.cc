@@ -7,6 +7,14 @@
 
 namespace lcpbench {
 
+ClosestPoints FindClosestPoints(const Constraint& constraint, std::span<const Body> bodies, Regularity required) {
+  const Body& body1 = bodies[static_cast<std::size_t>(constraint.body1)];
+  const Body& body2 = bodies[static_cast<std::size_t>(constraint.body2)];
+  return FindClosestPoints({constraint.feature1, body1.x, SinCos(body1.theta), body1.theta},
+                           {constraint.feature2, body2.x, SinCos(body2.theta), body2.theta},
+                           {constraint.s1, constraint.s2, constraint.nominal_gap}, required);
+}
+
 ContactRow ComputeContactRow(const ClosestPoints& closest, const Body& body1, const Body& body2) {
   const Vec2 n = closest.n;
   const Vec2 t = Perp(n);

@@ -1,12 +1,19 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "model/contact/body.h"
 #include "model/contact/closest_points.h"
+#include "model/contact/system.h"
 #include "model/geometry/trig.h"
 
 namespace lcpbench {
+
+/// The closest points of a contact or path joint between bodies where they are now.
+/// @throws InputError as FindClosestPoints of features
+ClosestPoints FindClosestPoints(const Constraint& constraint, std::span<const Body> bodies,
+                                Regularity required = Regularity::kLocalMinimum);
 
 /// The row of a contact or path joint: d' = J v and d'' = J a + gamma, v = (v1x, v1y, omega1, v2x, v2y, omega2).
 struct ContactRow {

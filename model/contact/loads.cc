@@ -14,6 +14,10 @@ void Require(bool holds, const char* force, const std::string& condition) {
   if (!holds) throw InputError(std::string(force) + ": " + condition);
 }
 
+void RequireNonNegative(double value, const char* force, const char* quantity) {
+  Require(std::isfinite(value) && value >= 0, force, std::string("the ") + quantity + " must be finite and >= 0");
+}
+
 // A point of a body in the world.
 struct PlacedPoint {
   std::size_t body = 0;
@@ -33,7 +37,7 @@ PlacedPoint Place(const char* force, const Attachment& at, std::span<const Body>
   placed.position = body.x + placed.arm;
   placed.velocity = body.v + body.omega * Perp(placed.arm);
   Require(IsFinite(placed.position) && IsFinite(placed.velocity), force,
-          "the state of body " + std::to_string(at.body) + " '" + body.name + "' or its attachment is not finite");
+          "the state of " + BodyText(bodies, index) + " or its attachment is not finite");
   return placed;
 }
 
@@ -59,37 +63,28 @@ struct Line {
   }
 };
 
-Line MakeLine(const char* force, const Attachment& end1, const Attachment& end2, std::span<const Body> bodies) {
+// @param needs_direction  a length of 0 is an error
+Line MakeLine(const char* force, const Attachment& end1, const Attachment& end2, bool needs_direction,
+              std::span<const Body> bodies) {
   Line line{Place(force, end1, bodies), Place(force, end2, bodies), {}, 0};
   line.between = line.end2.position - line.end1.position;
   line.length = Norm(line.between);
   Require(std::isfinite(line.length), force, "its length overflows");
+  Require(line.length > 0 || !needs_direction, force,
+          "between " + BodyText(bodies, line.end1.body) + " and " + BodyText(bodies, line.end2.body) +
+              " has length 0: its direction is undefined");
   return line;
-}
-
-std::string EndsText(const Line& line, std::span<const Body> bodies) {
-  return "between body " + std::to_string(line.end1.body) + " '" + bodies[line.end1.body].name + "' and body " +
-         std::to_string(line.end2.body) + " '" + bodies[line.end2.body].name + "'";
 }
 
 Line PlaceSpring(const Spring& spring, std::span<const Body> bodies) {
-  constexpr const char* kName = "spring";
-  Require(std::isfinite(spring.stiffness) && spring.stiffness >= 0, kName, "the stiffness must be finite and >= 0");
-  Require(std::isfinite(spring.rest_length) && spring.rest_length >= 0, kName,
-          "the rest length must be finite and >= 0");
-  Line line = MakeLine(kName, spring.end1, spring.end2, bodies);
-  Require(line.length > 0 || spring.rest_length == 0, kName,
-          EndsText(line, bodies) + " has length 0 and a rest length > 0: its direction is undefined");
-  return line;
+  RequireNonNegative(spring.stiffness, "spring", "stiffness");
+  RequireNonNegative(spring.rest_length, "spring", "rest length");
+  return MakeLine("spring", spring.end1, spring.end2, spring.rest_length > 0, bodies);
 }
 
 Line PlaceDamper(const Damper& damper, std::span<const Body> bodies) {
-  constexpr const char* kName = "damper";
-  Require(std::isfinite(damper.coefficient) && damper.coefficient >= 0, kName,
-          "the coefficient must be finite and >= 0");
-  Line line = MakeLine(kName, damper.end1, damper.end2, bodies);
-  Require(line.length > 0, kName, EndsText(line, bodies) + " has length 0: its direction is undefined");
-  return line;
+  RequireNonNegative(damper.coefficient, "damper", "coefficient");
+  return MakeLine("damper", damper.end1, damper.end2, true, bodies);
 }
 
 // Calls visit(i, j, from centre i to centre j, its softened length) for all pairs i < j.
@@ -97,25 +92,28 @@ template <class Visit>
 void ForEachPair(const MutualAttraction& attraction, std::span<const Body> bodies, const Visit& visit) {
   constexpr const char* kName = "mutual attraction";
   Require(std::isfinite(attraction.strength), kName, "the strength must be finite");
-  Require(std::isfinite(attraction.softening) && attraction.softening >= 0, kName,
-          "the softening length must be finite and >= 0");
+  RequireNonNegative(attraction.softening, kName, "softening length");
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     for (std::size_t j = i + 1; j < bodies.size(); ++j) {
       const Vec2 between = bodies[j].x - bodies[i].x;
       const double distance = std::sqrt(Dot(between, between) + attraction.softening * attraction.softening);
       Require(distance > 0 && std::isfinite(distance), kName,
-              "the centres of body " + std::to_string(i) + " '" + bodies[i].name + "' and body " + std::to_string(j) +
-                  " '" + bodies[j].name + "' coincide or are not finite");
+              "the centres of " + BodyText(bodies, i) + " and " + BodyText(bodies, j) + " coincide or are not finite");
       visit(i, j, between, distance);
     }
   }
 }
 
+template <class Bodies, class Visit>
+void ForEachMovable(Bodies bodies, const Visit& visit) {
+  for (auto& body : bodies) {
+    if (!body.fixed) visit(body);
+  }
+}
+
 void ApplyGravity(Vec2 g, std::span<Body> bodies) {
   Require(IsFinite(g), "gravity", "the acceleration must be finite");
-  for (Body& body : bodies) {
-    if (!body.fixed) body.force = body.force + body.mass * g;
-  }
+  ForEachMovable(bodies, [&](Body& b) { b.force = b.force + b.mass * g; });
 }
 
 void ApplyThruster(const Thruster& thruster, std::span<Body> bodies) {
@@ -174,9 +172,7 @@ void SetLoads(const Loads& loads, std::span<Body> bodies) {
 
 double PotentialEnergy(const Loads& loads, std::span<const Body> bodies) {
   double energy = 0;
-  for (const Body& body : bodies) {
-    if (!body.fixed) energy -= body.mass * Dot(loads.gravity, body.x);
-  }
+  ForEachMovable(bodies, [&](const Body& b) { energy -= b.mass * Dot(loads.gravity, b.x); });
   for (const Spring& spring : loads.springs) {
     const double stretch = PlaceSpring(spring, bodies).length - spring.rest_length;
     energy += spring.stiffness * stretch * stretch / 2;
@@ -197,37 +193,10 @@ double PotentialEnergy(const Loads& loads, std::span<const Body> bodies) {
   return energy;
 }
 
-double DampingPower(const Loads& loads, std::span<const Body> bodies) {
-  double power = 0;
-  for (const Damper& damper : loads.dampers) {
-    const double rate = PlaceDamper(damper, bodies).rate();
-    power -= damper.coefficient * rate * rate;
-  }
-  return power;
-}
-
 double KineticEnergy(std::span<const Body> bodies) {
   double twice = 0;
-  for (const Body& body : bodies) {
-    if (!body.fixed) twice += body.mass * Dot(body.v, body.v) + body.inertia * body.omega * body.omega;
-  }
+  ForEachMovable(bodies, [&](const Body& b) { twice += b.mass * Dot(b.v, b.v) + b.inertia * b.omega * b.omega; });
   return twice / 2;
-}
-
-Vec2 Momentum(std::span<const Body> bodies) {
-  Vec2 momentum;
-  for (const Body& body : bodies) {
-    if (!body.fixed) momentum = momentum + body.mass * body.v;
-  }
-  return momentum;
-}
-
-double AngularMomentum(std::span<const Body> bodies) {
-  double momentum = 0;
-  for (const Body& body : bodies) {
-    if (!body.fixed) momentum += body.mass * Cross(body.x, body.v) + body.inertia * body.omega;
-  }
-  return momentum;
 }
 
 }  // namespace lcpbench

@@ -83,20 +83,11 @@ struct Loads {
 void SetLoads(const Loads& loads, std::span<Body> bodies);
 
 /// Potential energy of the conservative loads [J]: gravity, springs, attraction, and wrenches, whose force is fixed in
-/// the world: - F . p - torque theta. Dampers take energy away (DampingPower); thrusters, whose force turns with the
+/// the world: - F . p - torque theta. Dampers take energy away; thrusters, whose force turns with the
 /// body, have none.
 double PotentialEnergy(const Loads& loads, std::span<const Body> bodies);
 
-/// The work per time that all dampers do [W], <= 0.
-double DampingPower(const Loads& loads, std::span<const Body> bodies);
-
 /// Sum of (m |v|^2 + I omega^2) / 2 over movable bodies [J].
 double KineticEnergy(std::span<const Body> bodies);
-
-/// Sum of m v over movable bodies [kg m/s].
-Vec2 Momentum(std::span<const Body> bodies);
-
-/// Sum of m x cross v + I omega over movable bodies, about the origin [kg m^2/s].
-double AngularMomentum(std::span<const Body> bodies);
 
 }  // namespace lcpbench

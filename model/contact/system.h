@@ -24,11 +24,11 @@ struct Constraint {
   ConstraintType type = ConstraintType::kContact;
   int body1 = 0;
   int body2 = 1;
-  Feature feature1;
-  Feature feature2;
+  Feature feature1 = {};
+  Feature feature2 = {};
   /// Start values for the closest-point search (curve parameters); absent where the feature has none or none is known.
-  std::optional<double> s1;
-  std::optional<double> s2;
+  std::optional<double> s1 = {};
+  std::optional<double> s2 = {};
   /// Without start values, the local minimum whose gap is closest to this is meant [m].
   double nominal_gap = 0;
   /// Of a rod or rope [m], > 0; ignored by all others.

@@ -1,26 +1,8 @@
 #include "model/contact/world.h"
 
-#include <cmath>
-#include <utility>
-
 #include "support/input_error.h"
 
 namespace lcpbench {
-namespace {
-
-void RequireValidBody(const Body& body, const std::string& where) {
-  const bool finite = IsFinite(body.x) && IsFinite(body.v) && IsFinite(body.acceleration) &&
-                      std::isfinite(body.theta) && std::isfinite(body.omega) && std::isfinite(body.alpha);
-  if (!finite) throw InputError(where + ": position, velocity and acceleration must be finite");
-  if (body.fixed) return;
-  if (!(std::isfinite(body.mass) && body.mass > 0)) throw InputError(where + ": the mass must be finite and > 0");
-  if (!(std::isfinite(body.inertia) && body.inertia > 0)) {
-    throw InputError(where + ": the inertia must be finite and > 0");
-  }
-}
-
-}  // namespace
-
 World WorldOf(const ContactSystem& system) {
   World world;
   world.name = system.name;
@@ -47,10 +29,7 @@ ContactSystem InstantOf(const World& world, std::vector<Constraint> contacts) {
 void RequireValid(const World& world) {
   const std::string where = "world '" + world.name + "'";
   const int count = static_cast<int>(world.bodies.size());
-  for (int i = 0; i < count; ++i) {
-    const Body& body = world.bodies[static_cast<std::size_t>(i)];
-    RequireValidBody(body, where + ", body " + std::to_string(i) + " '" + body.name + "'");
-  }
+  RequireValid(world.bodies, where + ", ");
   for (std::size_t k = 0; k < world.joints.size(); ++k) {
     const Constraint& joint = world.joints[k];
     const std::string name = where + ", joint " + std::to_string(k);

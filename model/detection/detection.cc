@@ -56,7 +56,7 @@ void RequireValid(const Body& body, const Outline& outline) {
 
 }  // namespace
 
-std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline* const> outlines,
+std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline> outlines,
                                        const DetectionOptions& options) {
   RequireValid(options);
   if (bodies.size() != outlines.size()) {
@@ -69,9 +69,9 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
   std::vector<Block> blocks;
   std::vector<BoundingBox> boxes;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    if (outlines[i] == nullptr) continue;
-    RequireValid(bodies[i], *outlines[i]);
-    placed[i] = PlaceOutline(*outlines[i], bodies[i].x, bodies[i].theta);
+    if (outlines[i].loops.empty()) continue;
+    RequireValid(bodies[i], outlines[i]);
+    placed[i] = PlaceOutline(outlines[i], bodies[i].x, bodies[i].theta);
     AppendBlocks(static_cast<int>(i), placed[i], reach, &blocks, &boxes);
   }
 
@@ -104,15 +104,13 @@ std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<c
     }
     RemoveRepeated(placed1, placed2, &minima);
     for (const GapMinimum& minimum : minima) {
-      Constraint contact;
-      contact.body1 = i;
-      contact.body2 = j;
-      contact.feature1 = placed1.spans[static_cast<std::size_t>(minimum.span1)].feature();
-      contact.feature2 = placed2.spans[static_cast<std::size_t>(minimum.span2)].feature();
-      contact.s1 = minimum.s1;
-      contact.s2 = minimum.s2;
-      contact.nominal_gap = minimum.closest.d;
-      contacts.push_back(contact);
+      contacts.push_back({.body1 = i,
+                          .body2 = j,
+                          .feature1 = placed1.spans[static_cast<std::size_t>(minimum.span1)].feature,
+                          .feature2 = placed2.spans[static_cast<std::size_t>(minimum.span2)].feature,
+                          .s1 = minimum.s1,
+                          .s2 = minimum.s2,
+                          .nominal_gap = minimum.closest.d});
     }
   }
   return contacts;

@@ -24,15 +24,14 @@ struct DetectionOptions {
 /// -penetration <= d <= tolerance, as kContact constraints with the features of the two edges (or edge and vertex), and
 /// start values s1, s2 on general curves. Pairs of fixed bodies have no contacts, and excluded pairs none. Of convex
 /// corners the vertices are features; vertex against vertex is not reported [MODEL.md section 2]. At joins of edges a
-/// contact is reported for one of the two. Straight edges that lie on each other, tilted by up to about 0.6 degrees,
-/// give the contacts at both ends of their overlap if both gaps are contacts. A superellipse of m > 2 that stands on a
-/// straight edge on a point of zero curvature is refused where D is zero to rounding (docs/geometry.md). Broad phase by
-/// FindOverlappingPairs: one box a body, for bodies of more than kManySpans features one a feature. O(n log n) for
-/// bodies of similar size; contacts come in lexicographic order of (body1 < body2, features along the outlines).
-/// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); null for none.
+/// contact is reported for one of the two, of flush straight edges one at both ends of their overlap
+/// (docs/geometry.md). O(n log n) for bodies of similar size; contacts come in lexicographic order of (body1 < body2,
+/// features along the outlines).
+/// @param outlines  outlines[i] is that of bodies[i], in its body frame (origin at the centre of mass); no loops for
+/// none.
 ///                  Pieces valid as RequireValidPiece demands, which is checked; loops may be open chains
 /// @throws InputError for invalid options or pieces, and for a curvature match, naming the bodies and both features
-std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline* const> outlines,
+std::vector<Constraint> DetectContacts(std::span<const Body> bodies, std::span<const Outline> outlines,
                                        const DetectionOptions& options);
 
 inline constexpr int kManySpans = 32;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <tuple>
 #include <utility>
 
@@ -54,18 +53,15 @@ class SpanPair {
         minima_(minima) {}
 
   void Search() {
-    const bool straight1 = span1_.kind() == NormalSpan::Kind::kStraight;
-    const bool straight2 = span2_.kind() == NormalSpan::Kind::kStraight;
-    if (straight1 && straight2) return;
-    const bool join1 = span1_.kind() == NormalSpan::Kind::kJoin;
-    const bool join2 = span2_.kind() == NormalSpan::Kind::kJoin;
-    if ((join1 && !straight2) || (join2 && !straight1)) return;
-    const bool concave1 = !span1_.is_convex();
-    const bool concave2 = !span2_.is_convex();
-    if ((concave1 && (concave2 || straight2)) || (concave2 && straight1)) return;
-    const bool vertex1 = span1_.kind() == NormalSpan::Kind::kVertex;
-    const bool vertex2 = span2_.kind() == NormalSpan::Kind::kVertex;
-    if (vertex1 && vertex2) return;
+    using Kind = NormalSpan::Kind;
+    const auto is_apart = [](const NormalSpan& a, const NormalSpan& b) {
+      if (a.kind == Kind::kJoin) return b.kind != Kind::kStraight;
+      if (!a.is_convex()) return !b.is_convex() || b.kind == Kind::kStraight;
+      return a.kind == b.kind && (a.kind == Kind::kStraight || a.kind == Kind::kVertex);
+    };
+    if (is_apart(span1_, span2_) || is_apart(span2_, span1_)) return;
+    const bool straight1 = span1_.kind == Kind::kStraight;
+    const bool straight2 = span2_.kind == Kind::kStraight;
     if (straight2) {
       SearchStraight(span2_, span1_, dx_);
     } else if (straight1) {
@@ -100,21 +96,20 @@ class SpanPair {
 
   // A straight span against one that has a point facing it. to_other: from the straight span's body to the other.
   void SearchStraight(const NormalSpan& straight, const NormalSpan& other, Vec2 to_other) {
-    const Vec2 n = straight.cone().first();
-    const bool point = other.kind() == NormalSpan::Kind::kVertex || other.kind() == NormalSpan::Kind::kJoin;
-    const bool faces = other.kind() != NormalSpan::Kind::kJoin && other.cone().Contains(-n, NormalSpan::kSlack);
-    if (!faces && !point) return;
+    const Vec2 n = straight.cone.first;
+    const bool faces = other.kind != NormalSpan::Kind::kJoin && other.cone.Contains(-n, NormalSpan::kSlack);
+    if (!faces && !other.is_point()) return;
     // A curve that begins flatly has no foot to find there: the contact is the join's.
     if (other.IsFlatWhere(-n)) return;
     const SpanPoint p = other.At(-n);
-    const Vec2 along = straight.end() - straight.begin();
-    const Vec2 from_begin = to_other + p.arm - straight.begin();
+    const Vec2 along = straight.end - straight.begin;
+    const Vec2 from_begin = to_other + p.arm - straight.begin;
     const double margin = Margin() + kSearchMargin * straight.chord();
     if (!IsInRange(Dot(n, from_begin), margin)) return;
     const double u = Dot(along, from_begin) / Dot(along, along);
     if (u < -kSearchMargin || u > 1 + kSearchMargin) return;
     is_flush_end_ = !faces;
-    is_beside_cone_ = !other.cone().Contains(-n, kNormalRounding);
+    is_beside_cone_ = !other.cone.Contains(-n, kNormalRounding);
     if (is_flush_end_ && !IsFlushEnd(straight, other, from_begin)) return;
     std::optional<double> s_straight = straight.StraightParameter(u);
     std::optional<double> s_other = other.Parameter(p.place);
@@ -128,17 +123,17 @@ class SpanPair {
   // Whether a vertex or join is the farther end of the overlap of its own straight edge with a straight span.
   // from_begin: the vertex, from the straight span's begin.
   bool IsFlushEnd(const NormalSpan& straight, const NormalSpan& vertex, Vec2 from_begin) const {
-    const Vec2 n = straight.cone().first();
-    if (vertex.is_flat_end() && Dot(vertex.cone().first(), n) < 0 &&
-        std::abs(Cross(vertex.cone().first(), n)) <= NormalSpan::kSlack) {
+    const Vec2 n = straight.cone.first;
+    if (vertex.is_flat_end && Dot(vertex.cone.first, n) < 0 &&
+        std::abs(Cross(vertex.cone.first, n)) <= NormalSpan::kSlack) {
       return true;
     }
-    const Vec2 t = Unit(straight.end() - straight.begin());
+    const Vec2 t = Unit(straight.end - straight.begin);
     const double place = Dot(t, from_begin);
     // The material of either edge is on its left, so that edges that face each other run opposite ways.
     const auto overlaps = [&](const std::optional<Vec2>& far_end, double sense) {
       if (!far_end) return false;
-      const Vec2 edge = *far_end - vertex.center();
+      const Vec2 edge = *far_end - vertex.center;
       const double length = Norm(edge);
       const double slope = Dot(n, edge) / length;
       if (std::abs(slope) > kNearlyFlush || slope > kNormalRounding || sense * Dot(t, edge) < 0) return false;
@@ -146,11 +141,11 @@ class SpanPair {
       const double part = (other_end - place) / Dot(t, edge);
       return part > kSearchMargin && IsInRange(Dot(n, from_begin) + part * Dot(n, edge), 0);
     };
-    return overlaps(vertex.straight_before(), 1) || overlaps(vertex.straight_after(), -1);
+    return overlaps(vertex.straight_before, 1) || overlaps(vertex.straight_after, -1);
   }
 
   void SearchRound() {
-    const Vec2 between = dx_ + span1_.center() - span2_.center();
+    const Vec2 between = dx_ + span1_.center - span2_.center;
     const double rho_sum = span1_.rho() + span2_.rho();
     const double scale = std::abs(span1_.rho()) + std::abs(span2_.rho());
     const double distance = Norm(between);
@@ -167,52 +162,52 @@ class SpanPair {
     }
     const Vec2 n = (sigma / distance) * between;
     const double slack = kSearchMargin + margin / distance;
-    if (span1_.cone().Contains(-n, slack) && span2_.cone().Contains(n, slack)) Finish({}, {});
+    if (span1_.cone.Contains(-n, slack) && span2_.cone.Contains(n, slack)) Finish({}, {});
   }
 
   bool HaveCommonNormals() const {
-    const NormalCone& cone1 = span1_.cone();
-    const NormalCone& cone2 = span2_.cone();
+    const NormalCone& cone1 = span1_.cone;
+    const NormalCone& cone2 = span2_.cone;
     constexpr double kInside = -NormalSpan::kSlack;
-    return cone2.Contains(-cone1.first(), kInside) || cone2.Contains(-cone1.last(), kInside) ||
-           cone1.Contains(-cone2.first(), kInside) || cone1.Contains(-cone2.last(), kInside) ||
-           (cone1.is_full() && cone2.is_full());
+    return cone2.Contains(-cone1.first, kInside) || cone2.Contains(-cone1.last, kInside) ||
+           cone1.Contains(-cone2.first, kInside) || cone1.Contains(-cone2.last, kInside) ||
+           (cone1.is_full && cone2.is_full);
   }
 
   // Cones of at most a quarter turn, to which the other's can be compared.
   static void AppendQuarters(const NormalCone& cone, std::vector<NormalCone>* parts) {
-    if (cone.is_narrow() && Dot(cone.first(), cone.last()) >= 0) {
+    if (cone.is_narrow && Dot(cone.first, cone.last) >= 0) {
       parts->push_back(cone);
       return;
     }
-    Vec2 middle = cone.first() + cone.last();
-    if (cone.is_full()) {
-      middle = -cone.first();
+    Vec2 middle = cone.first + cone.last;
+    if (cone.is_full) {
+      middle = -cone.first;
     } else if (Norm(middle) < kSameNormal) {
-      middle = Perp(cone.first());
-    } else if (!cone.is_narrow()) {
+      middle = Perp(cone.first);
+    } else if (!cone.is_narrow) {
       middle = -middle;
     }
     middle = Unit(middle);
-    AppendQuarters({cone.first(), middle, 0}, parts);
-    AppendQuarters({middle, cone.last(), 0}, parts);
+    AppendQuarters({cone.first, middle, 0}, parts);
+    AppendQuarters({middle, cone.last, 0}, parts);
   }
 
   void SearchCommonNormals() {
     std::vector<NormalCone> parts1;
     std::vector<NormalCone> parts2;
-    AppendQuarters(span1_.cone(), &parts1);
-    AppendQuarters(span2_.cone(), &parts2);
+    AppendQuarters(span1_.cone, &parts1);
+    AppendQuarters(span2_.cone, &parts2);
     for (const NormalCone& part1 : parts1) {
       for (const NormalCone& part2 : parts2) {
-        const NormalCone facing(-part1.first(), -part1.last(), 0);
+        const NormalCone facing(-part1.first, -part1.last, 0);
         constexpr double slack = NormalSpan::kSlack;
-        const bool from_2 = facing.Contains(part2.first(), 2 * slack);
-        if (!from_2 && !part2.Contains(facing.first(), 2 * slack)) continue;
-        const bool to_2 = facing.Contains(part2.last(), 2 * slack);
-        if (!to_2 && !part2.Contains(facing.last(), 2 * slack)) continue;
-        const Vec2 first = from_2 ? part2.first() : facing.first();
-        const Vec2 last = to_2 ? part2.last() : facing.last();
+        const bool from_2 = facing.Contains(part2.first, 2 * slack);
+        if (!from_2 && !part2.Contains(facing.first, 2 * slack)) continue;
+        const bool to_2 = facing.Contains(part2.last, 2 * slack);
+        if (!to_2 && !part2.Contains(facing.last, 2 * slack)) continue;
+        const Vec2 first = from_2 ? part2.first : facing.first;
+        const Vec2 last = to_2 ? part2.last : facing.last;
         // Wider by the slack, as what joins there may have begun as much later.
         SearchBetween(At(Unit(first - slack * Perp(first))), At(Unit(last + slack * Perp(last))));
       }
@@ -283,7 +278,7 @@ class SpanPair {
 
   [[noreturn]] void Refuse() const {
     throw InputError("curvature match: the edges run along each other and have no unique contact point; feature 1: " +
-                     Describe(span1_.feature()) + "; feature 2: " + Describe(span2_.feature()));
+                     Describe(span1_.feature) + "; feature 2: " + Describe(span2_.feature));
   }
 
   // The zero of g between two normals of opposite sign.
@@ -328,8 +323,8 @@ class SpanPair {
   }
 
   void Finish(std::optional<double> s1, std::optional<double> s2) {
-    const PlacedFeature placed1{span1_.feature(), body1_.x, body1_.rotation};
-    const PlacedFeature placed2{span2_.feature(), body2_.x, body2_.rotation};
+    const PlacedFeature placed1{span1_.feature, body1_.x, body1_.rotation};
+    const PlacedFeature placed2{span2_.feature, body2_.x, body2_.rotation};
     const SearchStart start{s1, s2, 0};
     ClosestPoints closest;
     if (s1 || s2) {
@@ -337,8 +332,8 @@ class SpanPair {
       if (found.points.empty()) {
         // A foot just beyond the end of a Bezier curve is one of the next edge.
         if (found.is_beyond_end || is_beside_cone_) return;
-        throw InputError(found.failure + "; feature 1: " + Describe(span1_.feature()) +
-                         "; feature 2: " + Describe(span2_.feature()));
+        throw InputError(found.failure + "; feature 1: " + Describe(span1_.feature) +
+                         "; feature 2: " + Describe(span2_.feature));
       }
       closest = found.points.front();
       const double threshold =
@@ -357,7 +352,7 @@ class SpanPair {
     if (!IsInRange(c.d, 0)) return false;
     // The end of a flush edge is where it is, whatever normals its vertex has.
     const auto holds = [&](const NormalSpan& span, Vec2 arm, Vec2 outward) {
-      return (is_flush_end_ && span.kind() != NormalSpan::Kind::kStraight) || span.Holds(arm, outward);
+      return (is_flush_end_ && span.kind != NormalSpan::Kind::kStraight) || span.Holds(arm, outward);
     };
     if (!holds(span1_, c.R1, -c.n) || !holds(span2_, c.R2, c.n)) return false;
     // Across a wide gap D > 0 holds for maxima too.

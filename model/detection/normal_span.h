@@ -9,24 +9,16 @@
 namespace lcpbench {
 
 /// The directions from `first` counter-clockwise to `last`, unit vectors.
-class NormalCone {
- public:
-  /// @param angle  from first to last, 0..2 pi, to tell narrow from wide; a full turn contains everything
-  NormalCone(Vec2 first, Vec2 last, double angle);
-
-  Vec2 first() const { return first_; }
-  Vec2 last() const { return last_; }
-  /// All directions.
-  bool is_full() const { return width_ == Width::kFull; }
-  bool is_narrow() const { return width_ == Width::kNarrow; }
+struct NormalCone {
+  /// @param angle  from begin to end, 0..2 pi, to tell narrow (up to pi) from wide; a full turn contains everything
+  NormalCone(Vec2 begin, Vec2 end, double angle);
   /// Whether n is inside, or outside by at most `slack` [rad].
   bool Contains(Vec2 n, double slack) const;
 
- private:
-  enum class Width { kNarrow, kWide, kFull };
-  Vec2 first_;
-  Vec2 last_;
-  Width width_;
+  Vec2 first;
+  Vec2 last;
+  bool is_narrow;
+  bool is_full;  ///< all directions
 };
 
 /// A part of a body's outline along which the outward normal turns one way only, so that a point is known by its
@@ -34,8 +26,8 @@ class NormalCone {
 /// general curve between its axes (oval) or inflections (Bezier) that turns by at most a quarter turn. A Bezier part
 /// that hardly turns at all (kFlatTurn) counts as straight. A join is the end of a straight edge that goes over into a
 /// convex curve without a corner: a point with one normal, for straight edges that lie flush (narrow_phase.h).
-class NormalSpan {
- public:
+/// Points are arms from the body's centre of mass, in world axes.
+struct NormalSpan {
   /// What the span is a part of.
   enum class Kind { kVertex, kJoin, kStraight, kArc, kCurve };
 
@@ -49,36 +41,37 @@ class NormalSpan {
   /// contact point by 1e-5 of its size, and its gap by 1e-14.
   static constexpr double kFlatEnd = 1e-4;
 
-  static NormalSpan OfVertex(Vec2 p, Vec2 first_normal, Vec2 last_normal, Rotation rotation);
-  static NormalSpan OfJoin(Vec2 p, Vec2 normal, Rotation rotation);
-  /// The part s_begin..s_end of an edge, as NormalCuts (feature.h) cuts it.
-  static NormalSpan OfPiece(const OutlineCurve& curve, double s_begin, double s_end, Rotation rotation);
+  NormalSpan(Kind of_kind, const Feature& of_feature, const NormalCone& normals)
+      : kind(of_kind), feature(of_feature), cone(normals) {}
 
-  Kind kind() const { return kind_; }
-  bool is_round() const { return kind_ == Kind::kVertex || kind_ == Kind::kArc; }
-  bool is_convex() const { return sign_ > 0; }
-  /// Outward normals, world axes.
-  const NormalCone& cone() const { return cone_; }
-  /// The feature in the body frame.
-  const Feature& feature() const { return feature_; }
-  /// The signed radius of a vertex (0) or arc and the arm of its centre.
-  double rho() const { return sign_ * radius_; }
-  Vec2 center() const { return center_; }
-  /// Ends, as arms in world axes; begin == end for a vertex.
-  Vec2 begin() const { return begin_; }
-  Vec2 end() const { return end_; }
-  double chord() const { return Norm(end_ - begin_); }
+  Kind kind;
+  Feature feature;  ///< body frame
+  NormalCone cone;  ///< outward normals
+  double sign = 1;  ///< -1 concave
+  Vec2 begin;       ///< begin == end for a vertex or join
+  Vec2 end;
+  Vec2 center;           ///< vertex, join, arc, oval
+  double radius = 0;     ///< of an arc
+  double semi_axis = 0;  ///< the greater one of an oval
+  OutlineCurve turned;   ///< the edge in world axes
+  TurnedPiece piece;
+  /// Of a vertex or join: whether a straight edge goes over into a curve flatly (kFlatEnd) there, and the far ends of
+  /// the straight edges before and after it along the outline.
+  bool is_flat_end = false;
+  std::optional<Vec2> straight_before;
+  std::optional<Vec2> straight_after;
+  std::vector<Vec2> flat_normals;  ///< of a curve, at those of its ends that are flat joins
+
+  bool is_point() const { return kind == Kind::kVertex || kind == Kind::kJoin; }
+  bool is_round() const { return kind == Kind::kVertex || kind == Kind::kArc; }
+  bool is_convex() const { return sign > 0; }
+  /// The signed radius of a vertex (0) or arc.
+  double rho() const { return sign * radius; }
+  double chord() const { return Norm(end - begin); }
   /// The lengths that points are computed from [m]: rounding errors are a few epsilon of it.
-  double reach() const;
-  /// The far ends of the straight edges that end at a vertex or join: of the one before it and of the one after it
-  /// along the outline, as arms in world axes.
-  const std::optional<Vec2>& straight_before() const { return straight_before_; }
-  const std::optional<Vec2>& straight_after() const { return straight_after_; }
-  /// Whether a straight edge goes over into a curve flatly (kFlatEnd) at this vertex or join.
-  bool is_flat_end() const { return is_flat_end_; }
+  double reach() const { return Norm(center) + radius + Norm(begin) + Norm(end) + semi_axis; }
   /// Whether a curve goes over into a straight edge flatly (kFlatEnd) where its normal is n, within kSlack.
   bool IsFlatWhere(Vec2 n) const;
-  /// World axes, relative to the body's centre of mass.
   BoundingBox Bounds() const;
 
   /// The point with outward normal n, in or near the cone; not for straight spans.
@@ -87,30 +80,8 @@ class NormalSpan {
   std::optional<double> Parameter(Vec2 place) const;
   /// The straight span's parameter at the fraction u of its length.
   std::optional<double> StraightParameter(double u) const;
-  /// Records the neighbours of a vertex or join: of the spans before and after it, those that are straight.
-  /// @param flat  one of them is straight, and the other one flat there
-  static void Connect(NormalSpan* before, NormalSpan* vertex, NormalSpan* after, bool flat);
   /// Whether the foot of the span's curve at `arm`, with that outward normal, lies on the span (within kSlack).
   bool Holds(Vec2 arm, Vec2 outward) const;
-
- private:
-  NormalSpan(Kind kind, const Feature& feature, NormalCone cone) : kind_(kind), feature_(feature), cone_(cone) {}
-
-  Kind kind_;
-  Feature feature_;
-  NormalCone cone_;
-  double sign_ = 1;  // -1 concave
-  Vec2 begin_;
-  Vec2 end_;
-  Vec2 center_;  // vertex, arc, oval
-  double radius_ = 0;
-  double semi_axis_ = 0;  // the greater one of an oval
-  OutlineCurve turned_;   // the edge in world axes
-  TurnedPiece piece_;
-  bool is_flat_end_ = false;             // vertex, join
-  std::optional<Vec2> straight_before_;  // vertex, join
-  std::optional<Vec2> straight_after_;
-  std::vector<Vec2> flat_normals_;  // of a curve's ends that are flat joins
 };
 
 /// The spans of an outline placed by `rotation`, loop after loop, every piece followed by the vertex at its end where

@@ -13,12 +13,8 @@ struct ArcEdge {
   double radius = 1;
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("radius", e.radius);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {Field{"center", &ArcEdge::center}, Field{"radius", &ArcEdge::radius},
+                                         Field{"side", &ArcEdge::side}};
   bool operator==(const ArcEdge&) const = default;
   std::string WhyInvalid() const {
     if (!(radius > 0)) return "the radius must be > 0";
@@ -36,12 +32,6 @@ struct ArcEdge {
   }
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& /*piece*/) const {
     return {center + (SignOf(side) * radius) * n, {1, SignOf(side) / radius}, {}};
-  }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 /*begin*/, Vec2 /*end*/) const {
-    const double sense = s_begin < s_end ? 1 : -1;
-    return {Norm(EllipseApexOffset(radius, radius, 0, s_begin, s_end)), sense * UnitOrZero(Direction(s_begin)),
-            sense * UnitOrZero(Direction(s_end))};
   }
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {
     segments->push_back({begin, EllipseMoments(radius, radius, 0, s_begin, s_end), Segment::Base::kChordMiddle});

@@ -14,10 +14,7 @@ struct BezierEdge {
   static constexpr bool kIsAngle = false;
   std::array<Vec2, 4> P;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("P", e.P);
-  }
+  static constexpr std::tuple kFields = {Field{"P", &BezierEdge::P}};
   bool operator==(const BezierEdge&) const = default;
   std::string WhyInvalid() const;
   double Reach(double /*angle*/) const;

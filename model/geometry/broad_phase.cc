@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <string>
 
 #include "support/input_error.h"
@@ -18,8 +17,7 @@ struct SweepBox {
   double across_lower = 0;
   double across_upper = 0;
   int index = 0;
-  int first_strip = 0;
-  int last_strip = 0;
+  std::size_t first_strip = 0;
 };
 
 void RequireValid(std::span<const BoundingBox> boxes) {
@@ -39,112 +37,26 @@ double Quantile(double share, std::vector<double>* values) {
 }
 
 // How boxes lie along one axis. Halves are taken before differences, which must not overflow.
-struct AxisStatistics {
-  double low = 0;     // where boxes begin, but for outliers
-  double spread = 0;  // over which length they begin, but for outliers
-  double size = 0;    // of most boxes
-
-  // In boxes side by side: high is good for the sweep.
-  double resolution() const { return size > 0 ? spread / size : spread; }
+struct Spread {
+  double half_low = 0;     // half of where boxes begin, but for outliers
+  double half_length = 0;  // half the length over which they begin, but for outliers
+  double resolution = 0;   // that length in boxes side by side: high is good for the sweep
 };
 
-AxisStatistics Measure(std::span<const BoundingBox> boxes, double Vec2::*axis) {
+Spread Measure(std::span<const BoundingBox> boxes, double Vec2::*axis) {
   constexpr double kOutliers = 0.02;
   constexpr double kTypicalShare = 0.75;
-  std::vector<double> values;
-  values.reserve(boxes.size());
-  AxisStatistics found;
-  for (const BoundingBox& box : boxes) values.push_back(box.upper.*axis / 2 - box.lower.*axis / 2);
-  found.size = 2 * Quantile(kTypicalShare, &values);
-  values.clear();
-  for (const BoundingBox& box : boxes) values.push_back(box.lower.*axis);
-  found.low = Quantile(kOutliers, &values);
-  found.spread = 2 * (Quantile(1 - kOutliers, &values) / 2 - found.low / 2);
-  return found;
+  std::vector<double> half_sizes;
+  std::vector<double> begins;
+  for (const BoundingBox& box : boxes) {
+    half_sizes.push_back(box.upper.*axis / 2 - box.lower.*axis / 2);
+    begins.push_back(box.lower.*axis);
+  }
+  const double half_low = Quantile(kOutliers, &begins) / 2;
+  const double half_length = Quantile(1 - kOutliers, &begins) / 2 - half_low;
+  const double half_size = Quantile(kTypicalShare, &half_sizes);
+  return {half_low, half_length, half_size > 0 ? half_length / half_size : half_length};
 }
-
-class Sweep {
- public:
-  explicit Sweep(std::span<const BoundingBox> boxes) {
-    const AxisStatistics x = Measure(boxes, &Vec2::x);
-    const AxisStatistics y = Measure(boxes, &Vec2::y);
-    const bool along_x = x.resolution() >= y.resolution();
-    across_ = along_x ? y : x;
-    double Vec2::*along = along_x ? &Vec2::x : &Vec2::y;
-    double Vec2::*across = along_x ? &Vec2::y : &Vec2::x;
-    const double most = static_cast<double>(boxes.size()) + 1;
-    const double wanted = across_.resolution() < most ? std::floor(across_.resolution()) + 1 : most;
-    strips_.resize(static_cast<std::size_t>(wanted));
-    strip_width_ = across_.spread / wanted;
-    boxes_.reserve(boxes.size());
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const BoundingBox& b = boxes[i];
-      SweepBox box{b.lower.*along, b.upper.*along, b.lower.*across, b.upper.*across};
-      box.index = static_cast<int>(i);
-      box.first_strip = StripAt(box.across_lower);
-      box.last_strip = StripAt(box.across_upper);
-      boxes_.push_back(box);
-    }
-    std::sort(boxes_.begin(), boxes_.end(), [](const SweepBox& p, const SweepBox& q) {
-      return p.along_lower < q.along_lower || (p.along_lower == q.along_lower && p.index < q.index);
-    });
-  }
-
-  std::vector<std::uint64_t> Run() {
-    // A box in so many strips would be copied too often.
-    constexpr int kMaxStrips = 8;
-    for (const SweepBox& box : boxes_) {
-      for (int strip = box.first_strip; strip <= box.last_strip; ++strip) {
-        Compare(box, &strips_[static_cast<std::size_t>(strip)], [&](const SweepBox& other) {
-          // A pair that shares several strips is found in the first of them.
-          return strip == std::max(box.first_strip, other.first_strip);
-        });
-      }
-      Compare(box, &wide_, [](const SweepBox&) { return true; });
-      if (box.last_strip - box.first_strip >= kMaxStrips) {
-        wide_.push_back(box);
-      } else {
-        for (int strip = box.first_strip; strip <= box.last_strip; ++strip) {
-          strips_[static_cast<std::size_t>(strip)].push_back(box);
-        }
-      }
-    }
-    return std::move(pairs_);
-  }
-
- private:
-  // Monotone, so that overlapping boxes share a strip; outliers go to the first or the last.
-  int StripAt(double across) const {
-    if (!(strip_width_ > 0)) return 0;
-    const double strip = (across / 2 - across_.low / 2) / strip_width_ * 2;
-    return static_cast<int>(std::clamp(strip, 0.0, static_cast<double>(strips_.size() - 1)));
-  }
-
-  // Compares with those in the list and drops those that the sweep has left behind.
-  template <class Counts>
-  void Compare(const SweepBox& box, std::vector<SweepBox>* list, const Counts& counts) {
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < list->size(); ++k) {
-      const SweepBox& other = (*list)[k];
-      if (other.along_upper < box.along_lower) continue;
-      if (other.across_lower <= box.across_upper && box.across_lower <= other.across_upper && counts(other)) {
-        const auto low = static_cast<std::uint64_t>(std::min(box.index, other.index));
-        const auto high = static_cast<std::uint64_t>(std::max(box.index, other.index));
-        pairs_.push_back(low << 32U | high);
-      }
-      if (kept != k) (*list)[kept] = other;
-      ++kept;
-    }
-    list->resize(kept);
-  }
-
-  AxisStatistics across_;
-  double strip_width_ = 0;
-  std::vector<SweepBox> boxes_;  // by where they begin
-  std::vector<std::vector<SweepBox>> strips_;
-  std::vector<SweepBox> wide_;
-  std::vector<std::uint64_t> pairs_;  // i << 32 | j
-};
 
 }  // namespace
 
@@ -152,12 +64,43 @@ std::vector<std::pair<int, int>> FindOverlappingPairs(std::span<const BoundingBo
   RequireValid(boxes);
   std::vector<std::pair<int, int>> pairs;
   if (boxes.empty()) return pairs;
-  std::vector<std::uint64_t> keys = Sweep(boxes).Run();
-  std::sort(keys.begin(), keys.end());
-  pairs.reserve(keys.size());
-  for (const std::uint64_t key : keys) {
-    pairs.emplace_back(static_cast<int>(key >> 32U), static_cast<int>(key & 0xFFFFFFFFU));
+  const Spread x = Measure(boxes, &Vec2::x);
+  const Spread y = Measure(boxes, &Vec2::y);
+  const bool along_x = x.resolution >= y.resolution;
+  const Spread& over = along_x ? y : x;
+  double Vec2::*along = along_x ? &Vec2::x : &Vec2::y;
+  double Vec2::*across = along_x ? &Vec2::y : &Vec2::x;
+  // Those boxes that the sweep is passing through, by strips about one box wide, but no more than a long box may cross.
+  const double count = std::floor(std::min(over.resolution, std::sqrt(static_cast<double>(boxes.size())))) + 1;
+  std::vector<std::vector<SweepBox>> strips(static_cast<std::size_t>(count));
+  // Monotone, so that overlapping boxes share a strip; outliers go to the first or the last.
+  const auto strip_at = [&](double place) -> std::size_t {
+    if (!(over.half_length > 0)) return 0;
+    return static_cast<std::size_t>(std::clamp((place / 2 - over.half_low) / over.half_length * count, 0.0, count - 1));
+  };
+  std::vector<SweepBox> sorted;
+  for (const BoundingBox& b : boxes) {
+    sorted.push_back({b.lower.*along, b.upper.*along, b.lower.*across, b.upper.*across, static_cast<int>(sorted.size()),
+                      strip_at(b.lower.*across)});
   }
+  std::sort(sorted.begin(), sorted.end(),
+            [](const SweepBox& p, const SweepBox& q) { return p.along_lower < q.along_lower; });
+  for (const SweepBox& box : sorted) {
+    const std::size_t last_strip = strip_at(box.across_upper);
+    for (std::size_t strip = box.first_strip; strip <= last_strip; ++strip) {
+      std::erase_if(strips[strip], [&](const SweepBox& other) {
+        if (other.along_upper < box.along_lower) return true;
+        const bool overlap = other.across_lower <= box.across_upper && box.across_lower <= other.across_upper;
+        // A pair that shares several strips is found in the first of them.
+        if (overlap && strip == std::max(box.first_strip, other.first_strip)) {
+          pairs.push_back(std::minmax(box.index, other.index));
+        }
+        return false;
+      });
+      strips[strip].push_back(box);
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 

@@ -33,10 +33,9 @@ inline BoundingBox Inflated(const BoundingBox& box, Vec2 shift, double margin) {
 /// All pairs of overlapping (or touching) boxes: the candidates for contacts between bodies.
 /// A sorted sweep [Baraff 1997] along the axis along which the boxes are spread the widest in terms of their sizes. The
 /// boxes that the sweep is passing through lie in strips across the other axis, about one box wide, so that a box is
-/// compared with those of its own strips only; boxes across many strips (a floor, a bowl) wait in a list of their own.
-/// Sizes and spreads are quantiles, which a few huge boxes do not move. Exact: no pair missed, none twice.
-/// O(n log n + pairs) for boxes of mostly similar size, wherever they are and with a few huge ones among them; O(n^2)
-/// only if many boxes are much longer than most, in both directions.
+/// compared with those of its own strips only. Sizes and spreads are quantiles, which a few huge boxes do not move.
+/// Exact: no pair missed, none twice. O(n log n + pairs) for boxes of mostly similar size, wherever they are and with a
+/// few huge ones among them; O(n^2) only if many boxes are much longer than most.
 /// @param boxes  finite
 /// @return pairs (i, j) of indices, i < j, in lexicographic order: deterministic
 /// @throws InputError naming the first box that is not finite or has lower > upper

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "model/geometry/area_moments.h"
@@ -68,6 +70,19 @@ struct CurveJet {
   T kappa{};   ///< signed curvature
 };
 
+/// A number of a curve, or several, and its name.
+template <class Curve, class Member>
+struct Field {
+  const char* name;
+  Member Curve::*member;
+};
+
+/// Calls visit(name, value) for the kFields of a curve or vertex.
+template <class Curve, class Visit>
+void ForEachField(Curve& curve, const Visit& visit) {
+  std::apply([&](const auto&... field) { (visit(field.name, curve.*field.member), ...); }, Curve::kFields);
+}
+
 template <class T>
 T Cubed(T x) {
   return x * x * x;
@@ -85,18 +100,21 @@ T IntegerPower(T x, int n) {
 }
 
 /// The greater of |x| and |y|.
-double Largest(Vec2 p);
+inline double Largest(Vec2 p) { return std::max(std::abs(p.x), std::abs(p.y)); }
 /// a / |a|, or 0 for 0.
-Vec2 UnitOrZero(Vec2 a);
-double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b);
+inline Vec2 UnitOrZero(Vec2 a) { return Norm(a) > 0 ? Unit(a) : a; }
+inline double DistanceToSegment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  const double square = Dot(along, along);
+  const double t = square > 0 ? std::clamp(Dot(p - a, along) / square, 0.0, 1.0) : 0;
+  return Norm(p - a - t * along);
+}
 /// Whether v points into the cone of less than 180 degrees between u1 and u2.
-bool InCone(Vec2 v, Vec2 u1, Vec2 u2);
-
-/// The range s_begin..s_end cut into equal parts: their ends, s_begin first.
-std::vector<double> EqualCuts(double s_begin, double s_end, int parts);
-/// The same for angles: parts of at most a quarter turn, two or more.
-std::vector<double> QuarterCuts(double s_begin, double s_end);
-/// The offset of the apex from the chord's middle, of the triangle of chord and end tangents of an arc of an ellipse.
-Vec2 EllipseApexOffset(double a, double b, double phi, double s_begin, double s_end);
+inline bool InCone(Vec2 v, Vec2 u1, Vec2 u2) {
+  // The last condition matters to cones that are thin but for rounding, for which the others hold on the opposite side
+  // too.
+  if (Cross(u1, u2) < 0) std::swap(u1, u2);
+  return Cross(u1, v) >= 0 && Cross(v, u2) >= 0 && Dot(v, u1 + u2) > 0;
+}
 
 }  // namespace lcpbench

@@ -101,14 +101,9 @@ constexpr Vec2 ToVec2(VecOf<T> a) {
 /// (cos, sin) of a rotation. In DoubleDouble made a unit vector to all its digits: what is left of the rounding of cos
 /// and sin is a turn by about 1e-16, which no length multiplies into a change of size.
 template <class T>
-VecOf<T> LiftRotation(Rotation r);
-template <>
-inline VecOf<double> LiftRotation<double>(Rotation r) {
-  return {r.cos, r.sin};
-}
-template <>
-inline VecOf<DoubleDouble> LiftRotation<DoubleDouble>(Rotation r) {
-  return Unit(VecOf<DoubleDouble>{r.cos, r.sin});
+VecOf<T> LiftRotation(Rotation r) {
+  const VecOf<T> turn = {r.cos, r.sin};
+  return std::is_same_v<T, double> ? turn : Unit(turn);
 }
 
 /// To 32 digits, by MPFR.

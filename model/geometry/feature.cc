@@ -33,7 +33,7 @@ void ForEachNumber(const Feature& feature, const Visit& visit) {
       visit(static_cast<double>(value));
     }
   };
-  std::visit([&](const auto& e) { e.Fields(e, take); }, feature);
+  std::visit([&](const auto& e) { ForEachField(e, take); }, feature);
 }
 
 // What is wrong with the range of a piece whose s is an angle; "" if nothing is.
@@ -79,6 +79,46 @@ bool IsSearched(const Feature& feature) {
 double Reach(const OutlinePiece& piece) {
   const double angle = std::max({1.0, std::abs(piece.s_begin), std::abs(piece.s_end)});
   return std::visit([angle](const auto& e) { return e.Reach(angle); }, piece.edge);
+}
+
+std::vector<double> EnclosedCuts(const OutlinePiece& piece) {
+  const auto [curve, s_begin, s_end] = piece;
+  return std::visit(
+      [begin = s_begin, end = s_end](const auto& e) {
+        if constexpr (requires { e.EnclosedCuts(begin, end); }) return e.EnclosedCuts(begin, end);
+        constexpr double kRoundingSlack = 1 - 1e-12;  // a full turn makes four parts, not five
+        const double quarters = std::abs(end - begin) / (std::numbers::pi / 2);
+        const double parts = std::max(2.0, std::ceil(quarters * kRoundingSlack));
+        std::vector<double> cuts;
+        for (double k = 0; k < parts; ++k) cuts.push_back(begin + (end - begin) * k / parts);
+        cuts.push_back(end);
+        return cuts;
+      },
+      curve);
+}
+
+Enclosure Enclose(const OutlineCurve& curve, double s_begin, double s_end) {
+  const Vec2 begin = CurvePoint(curve, s_begin);
+  const Vec2 end = CurvePoint(curve, s_end);
+  const auto enclose = [&](const auto& e) -> Enclosure {
+    if constexpr (requires { e.Enclose(s_begin, s_end, begin, end); }) return e.Enclose(s_begin, s_end, begin, end);
+    const double sense = s_begin < s_end ? 1 : -1;
+    const Vec2 first = sense * UnitOrZero(e.Direction(s_begin));
+    const Vec2 second = sense * UnitOrZero(e.Direction(s_end));
+    // A triangle whose tangents turn by t is at most chord / 2 tan(t / 2) high. That has no rounding errors for small
+    // t, where the tangents' intersection would have few digits left.
+    constexpr double kParallel = 1e-12;
+    const double sine = Cross(first, second);
+    const double cosine = Dot(first, second);
+    double height = std::numeric_limits<double>::infinity();
+    if (cosine >= 0) height = Norm(end - begin) / 2 * std::abs(sine) / (1 + cosine);
+    if (std::abs(sine) > kParallel) {
+      const double reach = Cross(end - begin, second) / sine;
+      height = std::min(height, DistanceToSegment(begin + reach * first, begin, end));
+    }
+    return {height, first, second};
+  };
+  return std::visit(enclose, curve);
 }
 
 OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift) {
@@ -128,7 +168,7 @@ std::string Describe(const Feature& feature) {
         if constexpr (requires { e.side; }) text = (e.side == Side::kConvex ? "convex " : "concave ") + text;
         const bool is_named = IsVertex(e) || requires { e.side; };
         const char* before = is_named ? " with " : " edge with ";
-        e.Fields(e, [&](const std::string& name, const auto& value) {
+        ForEachField(e, [&](const std::string& name, const auto& value) {
           if constexpr (!std::is_same_v<decltype(value), const Side&>) text += before + name + " " + Text(value);
           before = ", ";
         });

@@ -15,10 +15,7 @@ struct Vertex {
   static constexpr const char* kName = "vertex";
   Vec2 p;
 
-  template <class Self, class Visit>
-  static void Fields(Self& v, const Visit& visit) {
-    visit("p", v.p);
-  }
+  static constexpr std::tuple kFields = {Field{"p", &Vertex::p}};
   bool operator==(const Vertex&) const = default;
   static std::string WhyInvalid() { return ""; }
 };
@@ -26,16 +23,16 @@ struct Vertex {
 /// The edges that outlines are made of: a closed set. A curve is a struct of its numbers, in a file of its own, with
 ///   kName, kKind     its name in records; how closest points of it are found
 ///   kIsAngle         s is an angle [rad], of a curve with a side; else s lies in [0, 1]
-///   Fields           visits all its numbers with their names, in a fixed order. A Vec2 is a point of the body frame,
+///   kFields          all its numbers with their names, in a fixed order. A Vec2 is a point of the body frame,
 ///                    `phi` an angle from the body's x axis; a curve of angles without phi takes s from that axis
 ///   WhyInvalid       what its numbers, finite, must satisfy, in words, where they do not; else ""
 ///   Reach            the lengths that its points are computed from [m]: their rounding errors are a few epsilon of it
 ///   Point, Direction at s: the point; a vector in the direction of dp/ds of unspecified length > 0, 0 where a Bezier
 ///                    curve's derivative vanishes. The same bits everywhere
 ///   AtNormal         of a piece turned into the world's axes: the point with outward normal n, its curvature and place
-///   EnclosedCuts     values of s that cut a piece into two parts or more that Enclose can hold, in the sense of
-///                    travel, with both ends
-///   NormalCuts       of kSearched: the same, so that each part turns one way and by at most a quarter turn
+///   NormalCuts       of kSearched: values of s that cut a piece into parts that turn one way and by at most a quarter
+///                    turn, in the sense of travel, with both ends
+///   EnclosedCuts, Enclose  of curves that turn either way: see below
 ///   AppendMoments    the moments of the region between a piece and its chord (area_moments.h)
 /// Curves of kSearched also give SmoothCurve (smooth_curve.h) what it asks. Everything else reaches these through one
 /// std::visit, so that a curve that lacks one of them does not compile.
@@ -70,6 +67,13 @@ inline Vec2 CurveDirection(const OutlineCurve& curve, double s) {
 /// The lengths that the piece's points are computed from [m].
 double Reach(const OutlinePiece& piece);
 
+/// Values of s that cut a piece into two parts or more that Enclose can hold, in the sense of travel, with both ends:
+/// equal parts of at most a quarter turn of an angle, unless the curve says otherwise; empty for a Bezier curve whose
+/// derivative vanishes on the way.
+std::vector<double> EnclosedCuts(const OutlinePiece& piece);
+/// Of a part that turns one way the triangle of its chord and end tangents, unless the curve says otherwise.
+Enclosure Enclose(const OutlineCurve& curve, double s_begin, double s_end);
+
 /// c -> R(rotation) c + shift. `angle` is the rotation's angle [rad], added to phi, or to the curve parameters of arcs.
 OutlinePiece Transformed(const OutlinePiece& piece, double angle, Vec2 shift);
 
@@ -82,10 +86,10 @@ void ForEachPoint(Curve& curve, const Visit& visit) {
       for (auto& p : value) visit(p);
     }
   };
-  std::visit([&](auto& e) { e.Fields(e, take); }, curve);
+  std::visit([&](auto& e) { ForEachField(e, take); }, curve);
 }
 
-/// All numbers of a feature in the order of its Fields, the side as 0 (convex) or 1, after the kind's own number.
+/// All numbers of a feature in the order of its kFields, the side as 0 (convex) or 1, after the kind's own number.
 std::vector<double> NumbersOf(const Feature& feature);
 
 /// What a feature of a contact or a piece of an outline must satisfy, in words, where it does not; else empty: every

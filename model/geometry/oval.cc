@@ -284,13 +284,6 @@ Vec2 EllipseEdge::Direction(double s) const {
   return Rotate(SinCos(phi), {-a * u.sin, b * u.cos});
 }
 
-Enclosure EllipseEdge::Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const {
-  const double sense = s_begin < s_end ? 1 : -1;
-  const Vec2 offset = EllipseApexOffset(a, b, phi, s_begin, s_end);
-  return {DistanceToSegment(begin + 0.5 * (end - begin) + offset, begin, end), sense * UnitOrZero(Direction(s_begin)),
-          sense * UnitOrZero(Direction(s_end))};
-}
-
 std::string SuperellipseEdge::WhyInvalid() const {
   std::string why = Shape().WhyInvalid();
   if (!why.empty() || (m >= 2 && m % 2 == 0 && m <= kMaxSuperellipseExponent)) return why;
@@ -317,23 +310,6 @@ Vec2 SuperellipseEdge::Direction(double s) const {
   const double scale = std::max(a, b);
   return Rotate(SinCos(phi), {-IntegerPower(d / large, m - 1) * (scale / b),  //
                               IntegerPower(c / large, m - 1) * (scale / a)});
-}
-
-Enclosure SuperellipseEdge::Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const {
-  const double sense = s_begin < s_end ? 1 : -1;
-  Enclosure enclosure{0, sense * UnitOrZero(Direction(s_begin)), sense * UnitOrZero(Direction(s_end))};
-  // A triangle of the chord and tangents that turn by t is at most chord / 2 tan(t / 2) high. That is without rounding
-  // errors for small t, where the tangents' intersection would have few digits left.
-  constexpr double kParallel = 1e-12;
-  const double sine = Cross(enclosure.first, enclosure.second);
-  const double cosine = Dot(enclosure.first, enclosure.second);
-  enclosure.height = std::numeric_limits<double>::infinity();
-  if (cosine >= 0) enclosure.height = Norm(end - begin) / 2 * std::abs(sine) / (1 + cosine);
-  if (std::abs(sine) > kParallel) {
-    const double reach = Cross(end - begin, enclosure.second) / sine;
-    enclosure.height = std::min(enclosure.height, DistanceToSegment(begin + reach * enclosure.first, begin, end));
-  }
-  return enclosure;
 }
 
 void SuperellipseEdge::AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {

@@ -44,14 +44,9 @@ struct EllipseEdge {
   double phi = 0;  ///< [rad] from the body's x axis to the semi-axis a
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("a", e.a);
-    visit("b", e.b);
-    visit("phi", e.phi);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {Field{"center", &EllipseEdge::center}, Field{"a", &EllipseEdge::a},
+                                         Field{"b", &EllipseEdge::b}, Field{"phi", &EllipseEdge::phi},
+                                         Field{"side", &EllipseEdge::side}};
   bool operator==(const EllipseEdge&) const = default;
   OvalShape Shape() const { return {center, a, b, 2, phi, side, false}; }
   std::string WhyInvalid() const { return Shape().WhyInvalid(); }
@@ -61,8 +56,6 @@ struct EllipseEdge {
   Vec2 Direction(double s) const;
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const;
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const {
     segments->push_back({begin, EllipseMoments(a, b, phi, s_begin, s_end), Segment::Base::kChordMiddle});
   }
@@ -81,15 +74,10 @@ struct SuperellipseEdge {
   double phi = 0;  ///< [rad] as of the ellipse
   Side side = Side::kConvex;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("center", e.center);
-    visit("a", e.a);
-    visit("b", e.b);
-    visit("phi", e.phi);
-    visit("m", e.m);
-    visit("side", e.side);
-  }
+  static constexpr std::tuple kFields = {
+      Field{"center", &SuperellipseEdge::center}, Field{"a", &SuperellipseEdge::a},
+      Field{"b", &SuperellipseEdge::b},           Field{"phi", &SuperellipseEdge::phi},
+      Field{"m", &SuperellipseEdge::m},           Field{"side", &SuperellipseEdge::side}};
   bool operator==(const SuperellipseEdge&) const = default;
   OvalShape Shape() const { return {center, a, b, m, phi, side, true}; }
   std::string WhyInvalid() const;
@@ -100,8 +88,6 @@ struct SuperellipseEdge {
   Vec2 Direction(double s) const;
   SpanPoint AtNormal(Vec2 n, const TurnedPiece& piece) const { return Shape().AtNormal(n, piece); }
   std::vector<double> NormalCuts(double s_begin, double s_end) const { return OvalShape::NormalCuts(s_begin, s_end); }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return QuarterCuts(s_begin, s_end); }
-  Enclosure Enclose(double s_begin, double s_end, Vec2 begin, Vec2 end) const;
   /// Adaptive Gauss-Kronrod quadrature to a relative 1e-14, in the slope of the polar ray, in which the integrand is
   /// algebraic and does not know the aspect ratio.
   void AppendMoments(double s_begin, double s_end, Vec2 begin, std::vector<Segment>* segments) const;

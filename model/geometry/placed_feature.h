@@ -18,6 +18,11 @@ struct PlacedFeature {
 
 /// The (cos, sin) of a rotation by theta; a double has room for rounded angles only.
 template <class T>
-VecOf<T> TurnOf(Rotation rotation, std::optional<double> theta, Angles angles);
+VecOf<T> TurnOf(Rotation rotation, std::optional<double> theta, Angles angles) {
+  if constexpr (std::is_same_v<T, DoubleDouble>) {
+    if (angles == Angles::kExact && theta) return ExactRotation(*theta);
+  }
+  return LiftRotation<T>(rotation);
+}
 
 }  // namespace lcpbench

@@ -119,22 +119,4 @@ std::vector<Vec2> SmoothCurve::FacingNormals() const {
   return normals;
 }
 
-std::vector<Vec2> EvenDirections() {
-  std::vector<Vec2> directions;
-  for (int i = 0; i < SmoothCurve::kSamples; ++i) {
-    directions.push_back(LiftRotation<double>(SinCos(kTwoPi * i / SmoothCurve::kSamples)));
-  }
-  return directions;
-}
-
-double NarrowedSignChange(double low, double high, const std::function<double(double)>& f) {
-  constexpr int kBisections = 30;
-  const bool negative = f(low) < 0;
-  for (int i = 0; i < kBisections; ++i) {
-    const double middle = low + (high - low) / 2;
-    ((f(middle) < 0) == negative ? low : high) = middle;
-  }
-  return low + (high - low) / 2;
-}
-
 }  // namespace lcpbench

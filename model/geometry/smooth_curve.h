@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <functional>
 #include <tuple>
 #include <vector>
 
@@ -88,11 +87,5 @@ class SmoothCurve {
   std::vector<double> ends_;  // and inflections of a Bezier curve
   std::tuple<Frame<double>, Frame<DoubleDouble>> frames_;
 };
-
-/// SmoothCurve::kSamples directions, evenly spread over the plane.
-std::vector<Vec2> EvenDirections();
-
-/// Narrows a bracket of a sign change of f to about 1e-9 of itself, by bisection: f may be steep or flat at its ends.
-double NarrowedSignChange(double low, double high, const std::function<double(double)>& f);
 
 }  // namespace lcpbench

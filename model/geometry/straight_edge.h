@@ -12,11 +12,7 @@ struct StraightEdge {
   Vec2 a;
   Vec2 b;
 
-  template <class Edge, class Visit>
-  static void Fields(Edge& e, const Visit& visit) {
-    visit("a", e.a);
-    visit("b", e.b);
-  }
+  static constexpr std::tuple kFields = {Field{"a", &StraightEdge::a}, Field{"b", &StraightEdge::b}};
   bool operator==(const StraightEdge&) const = default;
   std::string WhyInvalid() const {
     const double length = Norm(b - a);
@@ -28,10 +24,6 @@ struct StraightEdge {
   Vec2 Point(double s) const { return s == 1 ? b : a + s * (b - a); }
   Vec2 Direction(double /*s*/) const { return b - a; }
   SpanPoint AtNormal(Vec2 /*n*/, const TurnedPiece& /*piece*/) const { return {}; }
-  std::vector<double> EnclosedCuts(double s_begin, double s_end) const { return EqualCuts(s_begin, s_end, 2); }
-  Enclosure Enclose(double /*s_begin*/, double /*s_end*/, Vec2 /*begin*/, Vec2 /*end*/) const {
-    return {0, UnitOrZero(b - a), UnitOrZero(b - a)};
-  }
   void AppendMoments(double /*s_begin*/, double /*s_end*/, Vec2 begin, std::vector<Segment>* segments) const {
     segments->push_back({begin, {}, Segment::Base::kBegin});
   }

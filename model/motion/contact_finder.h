@@ -7,6 +7,7 @@
 #include "model/contact/system.h"
 #include "model/contact/world.h"
 #include "model/detection/detection.h"
+#include "model/detection/normal_span.h"
 #include "model/shape/outline.h"
 
 namespace lcpbench {
@@ -21,13 +22,27 @@ class ContactFinder {
   /// @param tolerance, penetration  as DetectionOptions [m]
   std::vector<Constraint> Find(std::span<const Body> bodies, double tolerance, double penetration) const;
 
-  ContactFinder(const ContactFinder&) = delete;
-  ContactFinder& operator=(const ContactFinder&) = delete;
+  /// Whether bodies i < j share a joint.
+  bool AreJoined(int i, int j) const;
 
  private:
   std::vector<Outline> outlines_;
-  std::vector<const Outline*> pointers_;  // into outlines_
   std::vector<std::pair<int, int>> joined_;
 };
+
+/// How large a body is, from its outline's spans in its body frame; 0 without any.
+struct Extent {
+  double radius = 0;  ///< of the circle about the centre of mass that holds the box around them [m]
+  double width = 0;   ///< the smaller side of that box [m]
+};
+Extent ExtentOf(std::span<const NormalSpan> spans);
+/// The least width > 0 of a movable body; 0 if no movable body has an outline.
+double LeastWidth(const World& world, std::span<const Extent> extents);
+
+/// Moves the start values s1, s2 of path joints on general curves to where the joints are at the bodies' present
+/// positions, so that the next search begins there: a search without a start value looks through the whole curve, and
+/// may find another of its stationary points. Other constraints are left as they are.
+/// @throws InputError as FindClosestPoints
+void FollowPathJoints(std::span<const Body> bodies, std::span<Constraint> constraints);
 
 }  // namespace lcpbench

@@ -3,11 +3,92 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
-#include "model/motion/projection.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
+namespace {
+
+// vector += and scalar += the three numbers of `change`, for every movable body.
+void Add(const Eigen::VectorXd& change, std::span<Body> bodies, Vec2 Body::*vector, double Body::*scalar) {
+  Index k = 0;
+  for (Body& body : bodies) {
+    if (!body.fixed) {
+      body.*vector = body.*vector + Vec2{change[k], change[k + 1]};
+      body.*scalar += change[k + 2];
+    }
+    k += 3;
+  }
+}
+
+}  // namespace
+
+Eigen::VectorXd DisplacementOf(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Eigen::VectorXd forces = problem.J().transpose() * f;
+  return problem.inverse_mass().cwiseProduct(forces);
+}
+
+Eigen::VectorXd SolveRows(const ImpulseSolver& solve, const ContactSystem& system, const AssembledLcp& lcp,
+                          const Eigen::VectorXd& b, Eigen::VectorXd* change) {
+  // The LCPs of impulses and displacements have the matrix of the accelerations.
+  const LcpProblem& given = lcp.problem;
+  const LcpProblem problem =
+      LcpProblem::FromFactors(given.id(), given.J(), given.inverse_mass(), b,
+                              RowBounds::WithBilateralRows(given.size(), given.bilateral_rows()));
+  LcpResult result;
+  solve(system, lcp.rows, problem, &result);
+  *change = DisplacementOf(problem, result.f);
+  return std::move(result.f);
+}
+
+Eigen::VectorXd ValuesOf(const std::vector<RowInfo>& rows, double RowInfo::*x) {
+  Eigen::VectorXd values(static_cast<Index>(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) values[static_cast<Index>(i)] = rows[i].*x;
+  return values;
+}
+
+void AddToVelocities(const Eigen::VectorXd& change, std::span<Body> bodies) {
+  Add(change, bodies, &Body::v, &Body::omega);
+}
+
+void CopyVelocities(std::span<const Body> from, std::span<Body> to) {
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    to[i].v = from[i].v;
+    to[i].omega = from[i].omega;
+  }
+}
+
+double WorstViolation(const std::vector<RowInfo>& rows, double RowInfo::*x) {
+  double worst = 0;
+  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.*x) : -(row.*x));
+  return worst;
+}
+
+double ProjectPositions(double goal, const ImpulseSolver& solve, ContactSystem* system) {
+  AssembledLcp lcp = AssembleContactLcp(*system);
+  double violation = WorstViolation(lcp.rows);
+  for (int round = 0; round < kMostProjections && violation > goal; ++round) {
+    Eigen::VectorXd change;
+    SolveRows(solve, *system, lcp, ValuesOf(lcp.rows, &RowInfo::d), &change);
+    const std::vector<Body> before = system->bodies;
+    Add(change, system->bodies, &Body::x, &Body::theta);
+    double left = violation;
+    try {
+      lcp = AssembleContactLcp(*system);
+      left = WorstViolation(lcp.rows);
+    } catch (const InputError&) {
+      // A displacement so large that geometry became singular was no correction.
+    }
+    if (!(left < violation)) {
+      system->bodies = before;
+      break;
+    }
+    violation = left;
+  }
+  return violation;
+}
+
 namespace {
 
 // The constraints of `system` without unilateral ones that separate.
@@ -39,22 +120,15 @@ double RestitutionOf(const ImpactOptions& options, const ContactSystem& system, 
 // Solves w = A p + q and applies p.
 Eigen::VectorXd Apply(const ImpulseSolver& solve, const AssembledLcp& lcp, const Eigen::VectorXd& q,
                       ContactSystem* system) {
-  const LcpProblem problem = WithRightHandSide(lcp, q);
-  LcpResult result;
-  solve(*system, lcp.rows, problem, &result);
-  AddToVelocities(DisplacementOf(problem, result.f), system->bodies);
-  return result.f;
-}
-
-Eigen::VectorXd GapRates(const std::vector<RowInfo>& rows) {
-  Eigen::VectorXd rates(static_cast<Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) rates[static_cast<Index>(i)] = rows[i].d_dot;
-  return rates;
+  Eigen::VectorXd change;
+  Eigen::VectorXd p = SolveRows(solve, *system, lcp, q, &change);
+  AddToVelocities(change, system->bodies);
+  return p;
 }
 
 void CompressOnly(const ImpulseSolver& solve, ContactSystem* touching) {
   const AssembledLcp lcp = AssembleContactLcp(*touching);
-  if (!lcp.rows.empty()) Apply(solve, lcp, GapRates(lcp.rows), touching);
+  if (!lcp.rows.empty()) Apply(solve, lcp, ValuesOf(lcp.rows, &RowInfo::d_dot), touching);
 }
 
 void Newton(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* touching) {
@@ -64,7 +138,7 @@ void Newton(const ImpactOptions& options, const ImpulseSolver& solve, ContactSys
     if (!row.bilateral) approach = std::max(approach, -row.d_dot);
   }
   const double e = approach < options.resting_speed ? 0 : options.restitution;
-  Eigen::VectorXd q = GapRates(lcp.rows);
+  Eigen::VectorXd q = ValuesOf(lcp.rows, &RowInfo::d_dot);
   for (std::size_t i = 0; i < lcp.rows.size(); ++i) {
     if (!lcp.rows[i].bilateral) q[static_cast<Index>(i)] *= 1 + e;
   }
@@ -73,20 +147,13 @@ void Newton(const ImpactOptions& options, const ImpulseSolver& solve, ContactSys
 
 void Poisson(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* touching) {
   const AssembledLcp lcp = AssembleContactLcp(*touching);
-  Eigen::VectorXd restored = Apply(solve, lcp, GapRates(lcp.rows), touching);
+  Eigen::VectorXd restored = Apply(solve, lcp, ValuesOf(lcp.rows, &RowInfo::d_dot), touching);
   for (std::size_t i = 0; i < lcp.rows.size(); ++i) {
     restored[static_cast<Index>(i)] *= RestitutionOf(options, *touching, lcp.rows[i]);
   }
   AddToVelocities(DisplacementOf(lcp.problem, restored), touching->bodies);
   // All rows again, whether they separate now or not: none of them demands more than w >= 0.
   CompressOnly(solve, touching);
-}
-
-void CopyVelocities(const ContactSystem& from, ContactSystem* to) {
-  for (std::size_t i = 0; i < to->bodies.size(); ++i) {
-    to->bodies[i].v = from.bodies[i].v;
-    to->bodies[i].omega = from.bodies[i].omega;
-  }
 }
 
 }  // namespace
@@ -117,13 +184,13 @@ void ResolveImpact(const ImpactOptions& options, const ImpulseSolver& solve, Con
       Poisson(options, solve, &touching);
       break;
   }
-  CopyVelocities(touching, system);
+  CopyVelocities(touching.bodies, system->bodies);
 }
 
 void StopApproach(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system) {
   ContactSystem touching = WithoutSeparating(*system, options.velocity_tolerance);
   CompressOnly(solve, &touching);
-  CopyVelocities(touching, system);
+  CopyVelocities(touching.bodies, system->bodies);
 }
 
 void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, ContactSystem* system) {
@@ -138,12 +205,6 @@ void StopSeparation(const ImpactOptions& options, const ImpulseSolver& solve, Co
   CompressOnly(solve, system);
   reverse(system);
   StopApproach(options, solve, system);
-}
-
-double WorstApproach(const std::vector<RowInfo>& rows) {
-  double worst = 0;
-  for (const RowInfo& row : rows) worst = std::max(worst, row.bilateral ? std::abs(row.d_dot) : -row.d_dot);
-  return worst;
 }
 
 }  // namespace lcpbench

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <string_view>
+#include <utility>
 
 #include "model/contact/world.h"
 #include "model/motion/acceleration_motion.h"
@@ -17,16 +17,11 @@ struct MotionOptions {
   VelocityOptions velocity;
 };
 
-/// A motion at `level`, as its own constructor makes it.
-/// @throws InputError as that constructor
-std::unique_ptr<Motion> MakeMotion(MotionLevel level, World world, const MotionOptions& options, LcpSolver& solver);
-
-/// "acceleration" or "velocity".
-std::string_view ToString(MotionLevel level);
-/// @throws InputError naming the known levels
-MotionLevel MotionLevelFromString(std::string_view key);
-
-/// "acceleration", "impact" or "time_step".
-std::string_view ToString(MotionProblemKind kind);
+/// A motion at `level`.  @throws InputError as MakeAccelerationMotion and MakeVelocityMotion
+inline std::unique_ptr<Motion> MakeMotion(MotionLevel level, World world, const MotionOptions& options,
+                                          LcpSolver& solver) {
+  return level == MotionLevel::kAcceleration ? MakeAccelerationMotion(std::move(world), options.acceleration, solver)
+                                             : MakeVelocityMotion(std::move(world), options.velocity, solver);
+}
 
 }  // namespace lcpbench

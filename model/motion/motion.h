@@ -1,21 +1,17 @@
 #pragma once
 
-#include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
-#include "model/geometry/curve.h"
 #include "model/motion/motion_level.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
-#include "support/input_error.h"
-#include "support/number_text.h"
 
 namespace lcpbench {
 
@@ -59,6 +55,31 @@ struct MotionStatistics {
   double solve_time_s = 0;       ///< wall clock inside LcpSolver::Prepare and Solve
 };
 
+/// A solver gave forces or impulses that are not finite: the motion cannot go on.
+struct NoFinitePoint {
+  std::string detail;
+};
+/// @throws NoFinitePoint if an answer has no finite forces or impulses
+void RequireFinite(const LcpProblem& problem, const LcpResult& result);
+
+/// Hands LCPs to a solver and keeps the books of a motion: number of solves, failures, time. Failed solves go on with
+/// the best point that the solver gives.
+class CountedSolver {
+ public:
+  /// @param solver, statistics  must outlive this
+  /// @param options  of every solve; initial_f is not read
+  CountedSolver(LcpSolver& solver, const LcpOptions& options, MotionStatistics* statistics)
+      : solver_(solver), options_(options), statistics_(statistics) {}
+
+  /// @param initial_f  warm start, nullptr for a cold one; left out where its length does not fit
+  void Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result);
+
+ private:
+  LcpSolver& solver_;
+  LcpOptions options_;
+  MotionStatistics* statistics_;
+};
+
 /// A world in motion under a solver. Not thread-safe; the solver must outlive it.
 /// The same world, options, solver and build give the same bits.
 class Motion {
@@ -67,12 +88,7 @@ class Motion {
 
   /// Moves on by `duration` [s], > 0 and finite, or until status() is not kMoving any more.
   /// @throws InputError for a duration that is not, and where geometry is singular (assembly.h, detection.h)
-  void Advance(double duration) {
-    if (!(std::isfinite(duration) && duration > 0)) {
-      throw InputError("motion: the duration must be finite and > 0, found " + NumberText(duration));
-    }
-    Move(duration);
-  }
+  void Advance(double duration);
 
   /// Now. Path joints on general curves have as s1, s2 where they are, or were a step ago.
   const World& world() const { return world_; }
@@ -84,15 +100,15 @@ class Motion {
   void set_observer(MotionObserver observer) { observer_ = std::move(observer); }
 
  protected:
-  explicit Motion(World world) : world_(std::move(world)) { RequireValid(world_); }
+  Motion(World world, const LcpOptions& lcp, LcpSolver& solver);
 
+  /// @throws NoFinitePoint, which ends the motion as kSolverFailed
   virtual void Move(double duration) = 0;
   /// Notes the worst gaps of an instant in the statistics.
-  void NoteGaps(const std::vector<RowInfo>& rows) {
-    for (const RowInfo& row : rows) {
-      double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
-      worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
-    }
+  void NoteGaps(const std::vector<RowInfo>& rows);
+  void Observe(MotionProblemKind kind, const ContactSystem& system, const std::vector<RowInfo>& rows,
+               const LcpProblem& problem, const LcpResult& result) const {
+    if (observer_) observer_({kind, time_, system, rows, problem, result});
   }
 
   World world_;
@@ -100,7 +116,16 @@ class Motion {
   MotionStatus status_ = MotionStatus::kMoving;
   std::string detail_;
   MotionStatistics statistics_;
+  CountedSolver solver_;
   MotionObserver observer_;
 };
+
+/// "acceleration" or "velocity".
+std::string_view ToString(MotionLevel level);
+/// @throws InputError naming the known levels
+MotionLevel MotionLevelFromString(std::string_view key);
+
+/// "acceleration", "impact" or "time_step".
+std::string_view ToString(MotionProblemKind kind);
 
 }  // namespace lcpbench

@@ -1,52 +1,30 @@
 #include "model/motion/row_matching.h"
 
 #include <algorithm>
-#include <cstring>
+#include <map>
 #include <tuple>
-#include <unordered_map>
 #include <utility>
-#include <variant>
 
 namespace lcpbench {
 namespace {
 
-// Features are constants of their bodies, so that equal bytes are equal features.
-class KeyText {
- public:
-  void Add(double value) {
-    char bytes[sizeof value];
-    std::memcpy(bytes, &value, sizeof value);
-    text_.append(bytes, sizeof value);
+// Features are constants of their bodies, so that equal numbers are equal features.
+std::vector<double> KeyOf(const Constraint& constraint, char axis) {
+  std::vector<double> key = {static_cast<double>(constraint.body1), static_cast<double>(constraint.body2),
+                             static_cast<double>(constraint.type), static_cast<double>(axis)};
+  for (const Feature& feature : {constraint.feature1, constraint.feature2}) {
+    const std::vector<double> numbers = NumbersOf(feature);
+    key.insert(key.end(), numbers.begin(), numbers.end());
   }
-  void Add(int value) { Add(static_cast<double>(value)); }
-  void Add(const Feature& feature) {
-    for (const double number : NumbersOf(feature)) Add(number);
-  }
-
-  template <typename... Values>
-  void AddAll(const Values&... values) {
-    (Add(values), ...);
-  }
-
-  std::string Take() { return std::move(text_); }
-
- private:
-  std::string text_;
-};
-
-std::string KeyOf(const Constraint& constraint, char axis) {
-  KeyText key;
-  key.AddAll(static_cast<int>(constraint.type), static_cast<int>(axis), constraint.body1, constraint.body2,
-             constraint.feature1, constraint.feature2);
-  return key.Take();
+  return key;
 }
 
 }  // namespace
 
 std::vector<std::optional<int>> RowMatching::Follow(const ContactSystem& system, const std::vector<RowInfo>& rows) {
-  std::unordered_map<std::string, std::pair<std::vector<int>, std::vector<int>>> places;  // before, now
+  std::map<std::vector<double>, std::pair<std::vector<int>, std::vector<int>>> places;  // before, now
   for (std::size_t i = 0; i < keys_.size(); ++i) places[keys_[i]].first.push_back(static_cast<int>(i));
-  std::vector<std::string> keys;
+  std::vector<std::vector<double>> keys;
   std::vector<Vec2> normals;
   keys.reserve(rows.size());
   normals.reserve(rows.size());

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "model/contact/assembly.h"
@@ -20,7 +19,7 @@ class RowMatching {
   std::vector<std::optional<int>> Follow(const ContactSystem& system, const std::vector<RowInfo>& rows);
 
  private:
-  std::vector<std::string> keys_;  // of the instant before, by row
+  std::vector<std::vector<double>> keys_;  // of the instant before, by row
   std::vector<Vec2> normals_;
 };
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <utility>
 
 #include "model/contact/loads.h"
-#include "model/detection/narrow_phase.h"
-#include "model/motion/path_joints.h"
+#include "model/motion/contact_finder.h"
+#include "model/motion/row_matching.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -41,24 +40,6 @@ bool IsGhostBeside(const RowInfo& deep, const RowInfo& shallow) {
   const double slack = 0.1 * -deep.d;
   return shallow.d > deep.d && Dot(deep.n, shallow.n) < kSameWay && Dot(shallow.p2 - deep.p2, deep.n) <= slack &&
          Dot(shallow.p1 - deep.p1, deep.n) >= -slack;
-}
-
-struct Extent {
-  double radius = 0;  // of the smallest circle about the origin that holds the outline's boxes
-  double width = 0;   // the smaller side of their common box
-};
-
-Extent ExtentOf(const Body& body) {
-  const PlacedOutline placed = PlaceOutline(OutlineOf(body), {}, 0);
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  Vec2 lower{kInfinity, kInfinity};
-  Vec2 upper{-kInfinity, -kInfinity};
-  for (const BoundingBox& box : placed.boxes) {
-    lower = {std::min(lower.x, box.lower.x), std::min(lower.y, box.lower.y)};
-    upper = {std::max(upper.x, box.upper.x), std::max(upper.y, box.upper.y)};
-  }
-  const Vec2 far{std::max(-lower.x, upper.x), std::max(-lower.y, upper.y)};
-  return {Norm(far), std::min(upper.x - lower.x, upper.y - lower.y)};
 }
 
 // y = J x, terms in the order of the columns.
@@ -95,187 +76,185 @@ Eigen::VectorXd AfterImpulses(const LcpProblem& problem, const Eigen::VectorXd& 
   return v;
 }
 
+class VelocityMotion final : public Motion {
+ public:
+  VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver)
+      : Motion(std::move(world), options.lcp, solver), options_(options), finder_(world_) {
+    RequireInRange(options_);
+    for (const Body& body : world_.bodies) extents_.push_back(ExtentOf(NormalSpans(OutlineOf(body), Rotation{})));
+    if (const double least = LeastWidth(world_, extents_); least > 0) size_ = least;
+  }
+
+ private:
+  // By the least number of equal steps of at most VelocityOptions::step.
+  void Move(double duration) override {
+    // A quotient that rounding put just above a whole number is that number.
+    constexpr double kWhole = 1e-9;
+    const double count = std::max(1.0, std::ceil(duration / options_.step - kWhole));
+    const double h = duration / count;
+    for (double k = 0; k < count && status_ == MotionStatus::kMoving; ++k) Step(h);
+  }
+
+  Eigen::VectorXd FreeVelocity(double h) const {
+    Eigen::VectorXd v(Column(world_.bodies.size()));
+    for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
+      const Body& body = world_.bodies[i];
+      // The mean over the step of what is prescribed, so that h J v^ is the gap's change.
+      const Vec2 mean = body.v + (h / 2) * body.acceleration;
+      const Vec2 free = body.fixed ? mean : body.v + (h / body.mass) * body.force;
+      v[Column(i)] = free.x;
+      v[Column(i) + 1] = free.y;
+      v[Column(i) + 2] = body.fixed ? body.omega + h / 2 * body.alpha : body.omega + h / body.inertia * body.torque;
+    }
+    return v;
+  }
+
+  double LargestSpeed(const Eigen::VectorXd& v_free) const {
+    double largest = 0;
+    for (BodyIndex i = 0; i < extents_.size(); ++i) {
+      const double radius = extents_[i].radius;
+      if (radius == 0) continue;
+      const Vec2 v{v_free[Column(i)], v_free[Column(i) + 1]};
+      largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radius);
+    }
+    return largest;
+  }
+
+  std::vector<Constraint> WithoutGhosts(const ContactSystem& system, const std::vector<RowInfo>& rows) const {
+    const auto constraint = [&](const RowInfo& row) -> const Constraint& {
+      return system.constraints[static_cast<std::size_t>(row.constraint)];
+    };
+    const auto first = std::find_if(
+        rows.begin(), rows.end(), [&](const RowInfo& row) { return constraint(row).type == ConstraintType::kContact; });
+    std::vector<Constraint> contacts;
+    // Contacts come after the joints, one row each, and those of one pair of bodies follow each other.
+    for (auto begin = first; begin != rows.end();) {
+      const auto end = std::find_if(begin, rows.end(), [&](const RowInfo& row) {
+        return constraint(row).body1 != constraint(*begin).body1 || constraint(row).body2 != constraint(*begin).body2;
+      });
+      for (auto row = begin; row != end; ++row) {
+        const bool ghost = row->d < -options_.doubtful_depth * size_ &&
+                           std::any_of(begin, end, [&](const RowInfo& other) { return IsGhostBeside(*row, other); });
+        if (!ghost) contacts.push_back(constraint(*row));
+      }
+      begin = end;
+    }
+    return contacts;
+  }
+
+  double DepthTerm(const RowInfo& row, bool contact, double h) const {
+    const double clamp = options_.depth_clamp * size_;
+    if (row.bilateral) return options_.stabilisation * std::clamp(row.d, -clamp, clamp) / h;
+    double c = row.d >= 0 ? row.d / h : options_.stabilisation * std::max(row.d, -clamp) / h;
+    const bool closes = row.d_dot < 0 && row.d + h * row.d_dot <= 0;
+    if (contact && options_.restitution > 0 && closes) c = std::min(c, options_.restitution * row.d_dot);
+    return c;
+  }
+
+  void GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows) {
+    const std::vector<std::optional<int>> previous = matching_.Follow(system, rows);
+    guess_ = Eigen::VectorXd::Zero(static_cast<Index>(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      if (previous[i]) guess_[static_cast<Index>(i)] = impulses_[*previous[i]];
+    }
+  }
+
+  LcpResult Solve(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd& v_free, double h) {
+    const LcpProblem& assembled = lcp.problem;
+    const Index n = assembled.size();
+    Eigen::VectorXd c(n);
+    for (Index i = 0; i < n; ++i) {
+      const RowInfo& row = lcp.rows[static_cast<std::size_t>(i)];
+      const Constraint& constraint = system.constraints[static_cast<std::size_t>(row.constraint)];
+      c[i] = DepthTerm(row, constraint.type == ConstraintType::kContact, h);
+    }
+    Eigen::VectorXd v = v_free;
+    Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);
+
+    const RowBounds bounds = RowBounds::WithBilateralRows(n, assembled.bilateral_rows());
+    const std::string id = world_.name + "-step" + std::to_string(statistics_.steps);
+    // What a step is repeated with while no solution exists.
+    const std::function<void()> relax_depth = [&] {
+      for (Index i = 0; i < n; ++i) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
+    };
+    const std::function<void()> relax_drive = [&] {
+      for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
+        if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
+      }
+    };
+    LcpResult result;
+    const auto solve = [&](const char* suffix) {
+      const LcpProblem problem =
+          LcpProblem::FromFactors(id + suffix, assembled.J(), assembled.inverse_mass(), b, bounds);
+      solver_.Solve(problem, options_.warm_start ? &guess_ : nullptr, &result);
+      if (result.status == LcpStatus::kInfeasible) ++statistics_.unsolvable;
+      Observe(MotionProblemKind::kTimeStep, system, lcp.rows, problem, result);
+      return result.status != LcpStatus::kInfeasible;
+    };
+    bool solvable = solve("");
+    for (const auto& [relax, suffix] : {std::pair(relax_depth, "-without-depth"), {relax_drive, "-without-drive"}}) {
+      if (solvable) break;
+      const Eigen::VectorXd refused = b;
+      relax();
+      b = RightHandSide(assembled.J(), v, c);
+      if (b != refused) solvable = solve(suffix);
+    }
+    RequireFinite(assembled, result);
+    return result;
+  }
+
+  void MoveBodies(const Eigen::VectorXd& v_new, double h) {
+    for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
+      Body& body = world_.bodies[i];
+      const Vec2 v{v_new[Column(i)], v_new[Column(i) + 1]};
+      const double omega = v_new[Column(i) + 2];
+      body.x = body.x + h * v;
+      body.theta += h * omega;
+      // v_new of a kinematic body is its mean velocity.
+      body.v = body.fixed ? body.v + h * body.acceleration : v;
+      body.omega = body.fixed ? body.omega + h * body.alpha : omega;
+      if (!(IsFinite(body.x) && std::isfinite(body.theta) && IsFinite(body.v) && std::isfinite(body.omega))) {
+        status_ = MotionStatus::kSolverFailed;
+        detail_ = "the motion of body '" + body.name + "' is not finite";
+      }
+    }
+  }
+
+  void Step(double h) {
+    FollowPathJoints(world_.bodies, world_.joints);
+    SetLoads(world_.loads, world_.bodies);
+    const Eigen::VectorXd v_free = FreeVelocity(h);
+    const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
+    ContactSystem system = InstantOf(world_, finder_.Find(world_.bodies, range, options_.max_depth * size_));
+    AssembledLcp lcp = AssembleContactLcp(system);
+    std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows);
+    if (world_.joints.size() + contacts.size() < system.constraints.size()) {
+      system = InstantOf(world_, std::move(contacts));
+      lcp = AssembleContactLcp(system);
+    }
+    NoteGaps(lcp.rows);
+    GuessImpulses(system, lcp.rows);
+
+    const LcpResult result = Solve(system, lcp, v_free, h);
+    impulses_ = result.f;
+    MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
+    time_ += h;
+    ++statistics_.steps;
+  }
+
+  VelocityOptions options_;
+  ContactFinder finder_;
+  RowMatching matching_;
+  std::vector<Extent> extents_;  // of the bodies
+  double size_ = 1;
+  Eigen::VectorXd impulses_;  // of the step before
+  Eigen::VectorXd guess_;
+};
+
 }  // namespace
 
-VelocityMotion::VelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver)
-    : Motion(std::move(world)), options_(options), solver_(solver), finder_(world_) {
-  RequireInRange(options_);
-  double size = std::numeric_limits<double>::infinity();
-  for (const Body& body : world_.bodies) {
-    const Extent extent = body.outline.empty() ? Extent{} : ExtentOf(body);
-    radii_.push_back(extent.radius);
-    if (!body.fixed && extent.width > 0) size = std::min(size, extent.width);
-  }
-  if (std::isfinite(size)) size_ = size;
-}
-
-void VelocityMotion::Move(double duration) {
-  // A quotient that rounding put just above a whole number is that number.
-  constexpr double kWhole = 1e-9;
-  const double count = std::max(1.0, std::ceil(duration / options_.step - kWhole));
-  const double h = duration / count;
-  for (double k = 0; k < count && status_ == MotionStatus::kMoving; ++k) Step(h);
-}
-
-Eigen::VectorXd VelocityMotion::FreeVelocity(double h) const {
-  Eigen::VectorXd v(Column(world_.bodies.size()));
-  for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
-    const Body& body = world_.bodies[i];
-    // The mean over the step of what is prescribed, so that h J v^ is the gap's change.
-    const Vec2 mean = body.v + (h / 2) * body.acceleration;
-    const Vec2 free = body.fixed ? mean : body.v + (h / body.mass) * body.force;
-    v[Column(i)] = free.x;
-    v[Column(i) + 1] = free.y;
-    v[Column(i) + 2] = body.fixed ? body.omega + h / 2 * body.alpha : body.omega + h / body.inertia * body.torque;
-  }
-  return v;
-}
-
-double VelocityMotion::LargestSpeed(const Eigen::VectorXd& v_free) const {
-  double largest = 0;
-  for (BodyIndex i = 0; i < radii_.size(); ++i) {
-    if (radii_[i] == 0) continue;
-    const Vec2 v{v_free[Column(i)], v_free[Column(i) + 1]};
-    largest = std::max(largest, Norm(v) + std::abs(v_free[Column(i) + 2]) * radii_[i]);
-  }
-  return largest;
-}
-
-std::vector<Constraint> VelocityMotion::WithoutGhosts(const ContactSystem& system,
-                                                      const std::vector<RowInfo>& rows) const {
-  const auto constraint = [&](const RowInfo& row) -> const Constraint& {
-    return system.constraints[static_cast<std::size_t>(row.constraint)];
-  };
-  const auto first = std::find_if(rows.begin(), rows.end(),
-                                  [&](const RowInfo& row) { return constraint(row).type == ConstraintType::kContact; });
-  std::vector<Constraint> contacts;
-  // Contacts come after the joints, one row each, and those of one pair of bodies follow each other.
-  for (auto begin = first; begin != rows.end();) {
-    const auto end = std::find_if(begin, rows.end(), [&](const RowInfo& row) {
-      return constraint(row).body1 != constraint(*begin).body1 || constraint(row).body2 != constraint(*begin).body2;
-    });
-    for (auto row = begin; row != end; ++row) {
-      const bool ghost = row->d < -options_.doubtful_depth * size_ &&
-                         std::any_of(begin, end, [&](const RowInfo& other) { return IsGhostBeside(*row, other); });
-      if (!ghost) contacts.push_back(constraint(*row));
-    }
-    begin = end;
-  }
-  return contacts;
-}
-
-double VelocityMotion::DepthTerm(const RowInfo& row, bool contact, double h) const {
-  const double clamp = options_.depth_clamp * size_;
-  if (row.bilateral) return options_.stabilisation * std::clamp(row.d, -clamp, clamp) / h;
-  double c = row.d >= 0 ? row.d / h : options_.stabilisation * std::max(row.d, -clamp) / h;
-  const bool closes = row.d_dot < 0 && row.d + h * row.d_dot <= 0;
-  if (contact && options_.restitution > 0 && closes) c = std::min(c, options_.restitution * row.d_dot);
-  return c;
-}
-
-void VelocityMotion::GuessImpulses(const ContactSystem& system, const std::vector<RowInfo>& rows) {
-  const std::vector<std::optional<int>> previous = matching_.Follow(system, rows);
-  guess_ = Eigen::VectorXd::Zero(static_cast<Index>(rows.size()));
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    if (previous[i]) guess_[static_cast<Index>(i)] = impulses_[*previous[i]];
-  }
-}
-
-LcpResult VelocityMotion::Solve(const ContactSystem& system, const AssembledLcp& lcp, const Eigen::VectorXd& v_free,
-                                double h) {
-  const LcpProblem& assembled = lcp.problem;
-  const Index n = assembled.size();
-  Eigen::VectorXd c(n);
-  for (Index i = 0; i < n; ++i) {
-    const RowInfo& row = lcp.rows[static_cast<std::size_t>(i)];
-    const Constraint& constraint = system.constraints[static_cast<std::size_t>(row.constraint)];
-    c[i] = DepthTerm(row, constraint.type == ConstraintType::kContact, h);
-  }
-  Eigen::VectorXd v = v_free;
-  Eigen::VectorXd b = RightHandSide(assembled.J(), v, c);
-
-  LcpOptions options = options_.lcp;
-  options.initial_f = options_.warm_start ? &guess_ : nullptr;
-  const RowBounds bounds = RowBounds::WithBilateralRows(n, assembled.bilateral_rows());
-  const std::string id = world_.name + "-step" + std::to_string(statistics_.steps);
-  LcpResult result;
-  for (Relaxation relaxation = Relaxation::kNone;;) {
-    const char* suffix = relaxation == Relaxation::kNone    ? ""
-                         : relaxation == Relaxation::kDepth ? "-without-depth"
-                                                            : "-without-drive";
-    const LcpProblem problem = LcpProblem::FromFactors(id + suffix, assembled.J(), assembled.inverse_mass(), b, bounds);
-    const double start = SteadyNow();
-    solver_.Prepare(problem);
-    solver_.Solve(problem, options, &result);
-    statistics_.solve_time_s += SteadyNow() - start;
-    ++statistics_.solves;
-    if (result.status != LcpStatus::kSolved) ++statistics_.failed_solves;
-    if (result.status == LcpStatus::kInfeasible) ++statistics_.unsolvable;
-    if (observer_) {
-      observer_({MotionProblemKind::kTimeStep, time_, system, lcp.rows, problem, result});
-    }
-    if (result.status != LcpStatus::kInfeasible) return result;
-
-    const Eigen::VectorXd refused = b;
-    while (relaxation != Relaxation::kKinematic && b == refused) {
-      if (relaxation == Relaxation::kNone) {
-        relaxation = Relaxation::kDepth;
-        for (Index i = 0; i < n; ++i) c[i] = assembled.is_bilateral(i) ? 0 : std::max(c[i], 0.0);
-      } else {
-        relaxation = Relaxation::kKinematic;
-        for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
-          if (world_.bodies[i].fixed) v.segment<3>(Column(i)).setZero();
-        }
-      }
-      b = RightHandSide(assembled.J(), v, c);
-    }
-    if (b == refused) return result;
-  }
-}
-
-void VelocityMotion::MoveBodies(const Eigen::VectorXd& v_new, double h) {
-  for (BodyIndex i = 0; i < world_.bodies.size(); ++i) {
-    Body& body = world_.bodies[i];
-    const Vec2 v{v_new[Column(i)], v_new[Column(i) + 1]};
-    const double omega = v_new[Column(i) + 2];
-    body.x = body.x + h * v;
-    body.theta += h * omega;
-    // v_new of a kinematic body is its mean velocity.
-    body.v = body.fixed ? body.v + h * body.acceleration : v;
-    body.omega = body.fixed ? body.omega + h * body.alpha : omega;
-    if (!(IsFinite(body.x) && std::isfinite(body.theta) && IsFinite(body.v) && std::isfinite(body.omega))) {
-      status_ = MotionStatus::kSolverFailed;
-      detail_ = "the motion of body '" + body.name + "' is not finite";
-    }
-  }
-}
-
-void VelocityMotion::Step(double h) {
-  FollowPathJoints(world_.bodies, world_.joints);
-  SetLoads(world_.loads, world_.bodies);
-  const Eigen::VectorXd v_free = FreeVelocity(h);
-  const double range = options_.reach * 2 * h * LargestSpeed(v_free) + options_.contact_gap * size_;
-  ContactSystem system = InstantOf(world_, finder_.Find(world_.bodies, range, options_.max_depth * size_));
-  AssembledLcp lcp = AssembleContactLcp(system);
-  std::vector<Constraint> contacts = WithoutGhosts(system, lcp.rows);
-  if (world_.joints.size() + contacts.size() < system.constraints.size()) {
-    system = InstantOf(world_, std::move(contacts));
-    lcp = AssembleContactLcp(system);
-  }
-  NoteGaps(lcp.rows);
-  GuessImpulses(system, lcp.rows);
-
-  const LcpResult result = Solve(system, lcp, v_free, h);
-  if (!result.f.allFinite()) {
-    status_ = MotionStatus::kSolverFailed;
-    detail_ = "the solver gave no finite impulses: " + std::string(ToString(result.status)) +
-              (result.detail.empty() ? "" : ", " + result.detail);
-    return;
-  }
-  impulses_ = result.f;
-  MoveBodies(AfterImpulses(lcp.problem, result.f, v_free), h);
-  time_ += h;
-  ++statistics_.steps;
+std::unique_ptr<Motion> MakeVelocityMotion(World world, const VelocityOptions& options, LcpSolver& solver) {
+  return std::make_unique<VelocityMotion>(std::move(world), options, solver);
 }
 
 }  // namespace lcpbench

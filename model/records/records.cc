@@ -51,7 +51,7 @@ Feature ParseFeature(const JsonField& field, const std::string& type, const std:
   } else {
     std::variant_alternative_t<kind, Feature> feature;
     if (type != feature.kName) return ParseFeature<kind + 1>(field, type, known + " " + feature.kName);
-    feature.Fields(feature, [&](const char* name, auto& value) { Read(field[name], &value); });
+    ForEachField(feature, [&](const char* name, auto& value) { Read(field[name], &value); });
     return feature;
   }
 }
@@ -142,24 +142,19 @@ void AddMatrices(const AssembledLcp& lcp, OrderedJson* out) {
   (*out)["b"] = ToJson(lcp.problem.b());
 }
 
-OrderedJson NormalRow(const AssembledLcp& lcp) {
-  const RowInfo& row = lcp.rows[0];
-  return {{"n", ToJson(row.n)},     {"d", row.d},
-          {"d_dot", row.d_dot},     {"J", DenseRow(lcp.problem.J(), 0)},
-          {"gamma", row.gamma},     {"A", lcp.problem.DiagonalA()[0]},
-          {"b", lcp.problem.b()[0]}};
-}
-
-OrderedJson PinRow(const AssembledLcp& lcp, size_t i) {
+// Row i of a single contact or joint. A pin has two, so that A is a row of its matrix.
+OrderedJson SingleRow(const AssembledLcp& lcp, size_t i, bool pin) {
   const RowInfo& row = lcp.rows[i];
   const auto index = static_cast<Index>(i);
-  return {{"axis", std::string(1, row.axis)},
-          {"g", row.d},
-          {"g_dot", row.d_dot},
-          {"J", DenseRow(lcp.problem.J(), index)},
-          {"gamma", row.gamma},
-          {"A", ToJson(Eigen::VectorXd(lcp.problem.DenseA().row(index)))},
-          {"b", lcp.problem.b()[index]}};
+  const Eigen::MatrixXd& A = lcp.problem.DenseA();
+  OrderedJson out = pin ? OrderedJson{{"axis", std::string(1, row.axis)}} : OrderedJson{{"n", ToJson(row.n)}};
+  out[pin ? "g" : "d"] = row.d;
+  out[pin ? "g_dot" : "d_dot"] = row.d_dot;
+  out["J"] = DenseRow(lcp.problem.J(), index);
+  out["gamma"] = row.gamma;
+  out["A"] = pin ? ToJson(Eigen::VectorXd(A.row(index))) : OrderedJson(A(index, index));
+  out["b"] = lcp.problem.b()[index];
+  return out;
 }
 
 OrderedJson SystemRow(const RowInfo& row) {
@@ -181,7 +176,7 @@ void AddSystem(const AssembledLcp& lcp, OrderedJson* out) {
 }
 
 void AddPin(const AssembledLcp& lcp, OrderedJson* out) {
-  (*out)["rows"] = OrderedJson::array({PinRow(lcp, 0), PinRow(lcp, 1)});
+  (*out)["rows"] = OrderedJson::array({SingleRow(lcp, 0, true), SingleRow(lcp, 1, true)});
   (*out)["g"] = Column(lcp.rows, &RowInfo::d);
   (*out)["g_dot"] = Column(lcp.rows, &RowInfo::d_dot);
   AddMatrices(lcp, out);
@@ -191,8 +186,7 @@ void AddPin(const AssembledLcp& lcp, OrderedJson* out) {
 
 ContactSystem ParseSystemRecord(std::string_view line, const std::string& where) {
   const nlohmann::json json = ParseJsonObject(line, where);
-  const JsonField record(json, where);
-  return ParseSystem(record);
+  return ParseSystem(JsonField(json, where));
 }
 
 std::string AssembleRecord(std::string_view line, const std::string& where) {
@@ -214,7 +208,7 @@ std::string AssembleRecord(std::string_view line, const std::string& where) {
     } else if (system.constraints[0].type == ConstraintType::kPin) {
       AddPin(lcp, &out);
     } else {
-      out["rows"] = OrderedJson::array({NormalRow(lcp)});
+      out["rows"] = OrderedJson::array({SingleRow(lcp, 0, false)});
     }
   } catch (const InputError& error) {
     out["error"] = error.what();

@@ -1,5 +1,6 @@
 #include "model/records/replay.h"
 
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -32,25 +33,6 @@ Feature LineThrough(const Body& body, Vec2 arm, Vec2 n) {
   return StraightEdge{ToBody(body, arm - along), ToBody(body, arm + along)};
 }
 
-// Relative velocity at the ends of the centre arms, as the software takes it.
-Vec2 RelativeVelocity(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
-  const Body& body2 = bodies[static_cast<size_t>(contact.body2)];
-  return (body1.v + body1.omega * Perp(contact.U1)) - (body2.v + body2.omega * Perp(contact.U2));
-}
-
-// The software gives n' of a path, not its curvature: on a fixed body n' = kappa u t. At u = 0 any curvature will do.
-double PathCurvature(const RecordedContact& contact, Vec2 dv) {
-  const Vec2 t = Perp(contact.n);
-  const double u = Dot(t, dv);
-  return u == 0 ? 0 : Dot(t, contact.normal_dt) / u;
-}
-
-double AttachmentDistance(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  const Vec2 dx = bodies[static_cast<size_t>(contact.body1)].x - bodies[static_cast<size_t>(contact.body2)].x;
-  return Norm(dx + (contact.R1 - contact.R2));
-}
-
 std::string KindText(const RecordedContact& contact) {
   const bool concave = (contact.kind == RecordedKind::kVertexCurved && contact.radius2 < 0) ||
                        (contact.kind == RecordedKind::kCurvedCurved && (contact.radius1 < 0 || contact.radius2 < 0));
@@ -58,62 +40,9 @@ std::string KindText(const RecordedContact& contact) {
   return std::string(Name(contact.kind)) + (concave ? "_concave" : "") + (world ? "_world" : "");
 }
 
-std::array<double, kCorrectionCount> Corrections(const RecordedContact& contact, const std::vector<Body>& bodies) {
-  std::array<double, kCorrectionCount> added{};
-  const auto add = [&](Correction correction, double value) { added[static_cast<size_t>(correction)] = value; };
-  const Vec2 dv = RelativeVelocity(contact, bodies);
-  const double vn = Dot(contact.n, dv);
-  const double u = Dot(Perp(contact.n), dv);
-  const double omega1 = bodies[static_cast<size_t>(contact.body1)].omega;
-  const double omega2 = bodies[static_cast<size_t>(contact.body2)].omega;
-  const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
-  switch (contact.kind) {
-    case RecordedKind::kStraightCurved:
-      // Exact at any gap: radius1 contains it.
-      break;
-    case RecordedKind::kVertexStraight:
-      add(Correction::kVertexAboveEdge, -contact.distance * (omega1 - omega2) * (omega1 - omega2));
-      break;
-    case RecordedKind::kVertexCurved:
-    case RecordedKind::kRope:
-      add_normal_derivative(contact.radius2);
-      break;
-    case RecordedKind::kCurvedCurved:
-      add_normal_derivative(contact.radius1 + contact.radius2);
-      break;
-    case RecordedKind::kVertexVertex:
-      add_normal_derivative(contact.radius2);
-      add(Correction::kVertexAboveVertex, 2 * omega1 * u);
-      break;
-    case RecordedKind::kJoint:
-      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * omega2 * u);
-      break;
-    case RecordedKind::kPathJoint: {
-      const double kappa = PathCurvature(contact, dv);
-      add(Correction::kPathGap, kappa * u * u / (1 + kappa * contact.distance) - Dot(contact.normal_dt, dv));
-      break;
-    }
-    case RecordedKind::kRod:
-      add_normal_derivative(contact.radius2);
-      add(Correction::kRodLength, u * u * (1 / -contact.radius2 - 1 / AttachmentDistance(contact, bodies)));
-      break;
-  }
-  return added;
-}
-
-// The rows of the assembled system that make up one recorded row.
-struct RowSum {
-  std::array<Index, 2> row{};
-  std::array<double, 2> weight{};
-
-  template <class Value>
-  double Over(const Value& value) const {
-    // A single row keeps its bits.
-    return weight[1] == 0 ? weight[0] * value(row[0]) : weight[0] * value(row[0]) + weight[1] * value(row[1]);
-  }
-};
-
 bool Agrees(double deviation) { return deviation <= kReplayTolerance; }
+// Not a number counts as the largest of all.
+bool Exceeds(double value, double largest) { return value > largest || std::isnan(value); }
 
 // Two digits: deviations are compared by magnitude only.
 std::string Short(double value) {
@@ -128,14 +57,19 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
   const Body& body1 = bodies[static_cast<size_t>(contact.body1)];
   const Body& body2 = bodies[static_cast<size_t>(contact.body2)];
   const double d = contact.distance;
+  const double omega_difference = body1.omega - body2.omega;
+  // At the ends of the centre arms, as the software takes it.
+  const Vec2 dv = (body1.v + body1.omega * Perp(contact.U1)) - (body2.v + body2.omega * Perp(contact.U2));
+  const double vn = Dot(contact.n, dv);
+  const double u = Dot(Perp(contact.n), dv);
   RebuiltContact rebuilt;
+  const auto add = [&](Correction correction, double value) { rebuilt.added[static_cast<size_t>(correction)] = value; };
+  const auto add_normal_derivative = [&](double rho) { add(Correction::kNormalDerivative, -vn * vn / rho); };
   Constraint& constraint = rebuilt.constraint;
   constraint.body1 = contact.body1;
   constraint.body2 = contact.body2;
   constraint.nominal_gap = d;
   rebuilt.weight = {1, 0};
-  const double kappa =
-      contact.kind == RecordedKind::kPathJoint ? PathCurvature(contact, RelativeVelocity(contact, bodies)) : 0;
   // What most kinds join.
   constraint.feature1 = VertexAt(body1, contact.R1);
   constraint.feature2 = VertexAt(body2, contact.R2);
@@ -144,17 +78,21 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       // Both arms lead to the edge; the vertex is d above it.
       constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
       constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
+      add(Correction::kVertexAboveEdge, -d * omega_difference * omega_difference);
       break;
     case RecordedKind::kVertexCurved:
       constraint.feature2 = ArcAbout(body2, contact.U2, contact.radius2 - d);
+      add_normal_derivative(contact.radius2);
       break;
     case RecordedKind::kStraightCurved:
+      // Its b is exact at any gap: radius1 contains it.
       constraint.feature1 = ArcAbout(body1, contact.U1, contact.radius1 - d);
       constraint.feature2 = LineThrough(body2, contact.R2, contact.n);
       break;
     case RecordedKind::kCurvedCurved:
       constraint.feature1 = ArcAbout(body1, contact.U1, contact.radius1 - d / 2);
       constraint.feature2 = ArcAbout(body2, contact.U2, contact.radius2 - d / 2);
+      add_normal_derivative(contact.radius1 + contact.radius2);
       break;
     case RecordedKind::kVertexVertex:
       constraint.type = ConstraintType::kRod;
@@ -162,28 +100,39 @@ RebuiltContact Rebuild(const RecordedContact& contact, const std::vector<Body>& 
       constraint.feature1 = VertexAt(body1, contact.R1 + d * contact.n);
       constraint.length = d;
       rebuilt.gap_offset = d;
+      add_normal_derivative(contact.radius2);
+      add(Correction::kVertexAboveVertex, 2 * body1.omega * u);
       break;
     case RecordedKind::kJoint:
       constraint.type = ConstraintType::kPin;
       rebuilt.weight = {contact.n.x, contact.n.y};
+      if (!contact.fixed_normal) add(Correction::kJointAxis, -2 * body2.omega * u);
       break;
     case RecordedKind::kPathJoint: {
       constraint.type = ConstraintType::kPathJoint;
+      // The software gives n' of a path, not its curvature: on a fixed body n' = kappa u t. At u = 0 any will do.
+      const double kappa = u == 0 ? 0 : Dot(Perp(contact.n), contact.normal_dt) / u;
       // The point of the path below the vertex by n and d. The recorded one is off it along t, by up to 5e-7 m.
       const Vec2 foot = (body1.x - body2.x) + contact.R1 - d * contact.n;
       constraint.feature2 =
           kappa == 0 ? LineThrough(body2, foot, contact.n) : ArcAbout(body2, foot - (1 / kappa) * contact.n, 1 / kappa);
+      add(Correction::kPathGap, kappa * u * u / (1 + kappa * d) - Dot(contact.normal_dt, dv));
       break;
     }
-    case RecordedKind::kRod:
+    case RecordedKind::kRod: {
       constraint.type = ConstraintType::kRod;
       constraint.length = -contact.radius2;
       rebuilt.weight = {-1, 0};
+      add_normal_derivative(contact.radius2);
+      const double distance = Norm((body1.x - body2.x) + (contact.R1 - contact.R2));
+      add(Correction::kRodLength, u * u * (1 / constraint.length - 1 / distance));
       break;
+    }
     case RecordedKind::kRope:
       constraint.type = ConstraintType::kRope;
       // radius2 is the current distance; the rope is longer by its slack.
       constraint.length = d - contact.radius2;
+      add_normal_derivative(contact.radius2);
       break;
   }
   return rebuilt;
@@ -198,40 +147,37 @@ ReplayResult Replay(const ReplayRecord& record) {
   }
   const AssembledLcp lcp = AssembleContactLcp(system);
 
-  std::vector<RowSum> sums(rebuilt.size());
-  for (size_t i = 0, row = 0; i < rebuilt.size(); ++i) {
-    const bool pin = rebuilt[i].constraint.type == ConstraintType::kPin;
-    sums[i].row = {static_cast<Index>(row), static_cast<Index>(pin ? row + 1 : row)};
-    sums[i].weight = rebuilt[i].weight;
-    row += pin ? 2 : 1;
+  // Recorded rows are W times the assembled ones. Columns of geometry: n.x, n.y, d and d'.
+  const auto size = static_cast<Index>(rebuilt.size());
+  const auto assembled = static_cast<Index>(lcp.rows.size());
+  Eigen::SparseMatrix<double> W(size, assembled);
+  Eigen::MatrixXd rows_geometry(assembled, 4);
+  for (Index i = 0, row = 0; i < size; ++i) {
+    const RebuiltContact& contact = rebuilt[static_cast<size_t>(i)];
+    const size_t rows = contact.constraint.type == ConstraintType::kPin ? 2 : 1;
+    for (size_t k = 0; k < rows; ++k, ++row) {
+      const RowInfo& info = lcp.rows[static_cast<size_t>(row)];
+      W.insert(i, row) = contact.weight[k];
+      rows_geometry.row(row) << info.n.x, info.n.y, info.d, info.d_dot;
+    }
   }
+  const Eigen::MatrixXd geometry = W * rows_geometry;
+  const Eigen::VectorXd b = W * lcp.problem.b();
 
   ReplayResult result;
-  for (size_t i = 0; i < sums.size(); ++i) {
-    const RecordedContact& contact = record.contacts[i];
-    const auto info = [&](Index row) -> const RowInfo& { return lcp.rows[static_cast<size_t>(row)]; };
+  result.A = W * lcp.problem.DenseA() * W.transpose();
+  for (Index i = 0; i < size; ++i) {
+    const RecordedContact& contact = record.contacts[static_cast<size_t>(i)];
     ReplayRow row;
     row.kind = KindText(contact);
-    row.recorded = record.b[static_cast<Index>(i)] - contact.extra;
-    row.added = Corrections(contact, record.bodies);
-    row.ours = sums[i].Over([&](Index k) { return lcp.problem.b()[k]; });
-    const Vec2 n = {sums[i].Over([&](Index k) { return info(k).n.x; }),
-                    sums[i].Over([&](Index k) { return info(k).n.y; })};
-    const double d = sums[i].Over([&](Index k) { return info(k).d; }) + rebuilt[i].gap_offset;
-    const double d_dot = sums[i].Over([&](Index k) { return info(k).d_dot; });
+    row.recorded = record.b[i] - contact.extra;
+    row.added = rebuilt[static_cast<size_t>(i)].added;
+    row.ours = b[i];
+    const double d = geometry(i, 2) + rebuilt[static_cast<size_t>(i)].gap_offset;
     row.geometry_deviation =
-        std::max({Norm(n - contact.n), ScaledDeviation(d, contact.distance), ScaledDeviation(d_dot, contact.vn)});
+        std::max({Norm(Vec2{geometry(i, 0), geometry(i, 1)} - contact.n), ScaledDeviation(d, contact.distance),
+                  ScaledDeviation(geometry(i, 3), contact.vn)});
     result.rows.push_back(std::move(row));
-  }
-
-  const Eigen::MatrixXd& A = lcp.problem.DenseA();
-  const auto n = static_cast<Index>(sums.size());
-  result.A.resize(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) {
-      result.A(i, j) = sums[static_cast<size_t>(i)].Over(
-          [&](Index k) { return sums[static_cast<size_t>(j)].Over([&](Index l) { return A(k, l); }); });
-    }
   }
   return result;
 }
@@ -239,11 +185,9 @@ ReplayResult Replay(const ReplayRecord& record) {
 double ScaledDeviation(double x, double reference) { return std::abs(x - reference) / (1 + std::abs(reference)); }
 
 void ReplaySummary::Largest::Take(double value, const std::string& record_id) {
-  // Not a number counts as the largest of all.
-  if (value > deviation || std::isnan(value)) {
-    deviation = value;
-    id = record_id;
-  }
+  if (!Exceeds(value, deviation)) return;
+  deviation = value;
+  id = record_id;
 }
 
 void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, const std::string& where) {
@@ -252,13 +196,14 @@ void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, 
     const ReplayRow& row = result.rows[i];
     const double before = ScaledDeviation(row.ours, row.recorded);
     const double after = ScaledDeviation(row.ours, row.corrected());
-    Tally& tally = kinds_[row.kind];
-    ++tally.rows;
-    if (Agrees(before)) ++tally.agree_before;
-    if (Agrees(after)) ++tally.agree_after;
-    tally.before.Take(before, record.id);
-    tally.after.Take(after, record.id);
-    tally.geometry.Take(row.geometry_deviation, record.id);
+    for (Tally* tally : {&kinds_[row.kind], &total_}) {
+      ++tally->rows;
+      if (Agrees(before)) ++tally->agree_before;
+      if (Agrees(after)) ++tally->agree_after;
+      tally->before.Take(before, record.id);
+      tally->after.Take(after, record.id);
+      tally->geometry.Take(row.geometry_deviation, record.id);
+    }
     for (size_t k = 0; k < kCorrectionCount; ++k) {
       if (row.added[k] == 0) continue;
       ++corrections_[k].rows;
@@ -269,39 +214,27 @@ void ReplaySummary::Add(const ReplayRecord& record, const ReplayResult& result, 
           {where, record.id, "b[" + std::to_string(i) + "] (" + row.kind + ")", row.corrected(), row.ours});
     }
   }
-  Largest of_record;
-  LeftOver worst{where, record.id, "", 0, 0};
-  for (Eigen::Index i = 0; i < result.A.rows(); ++i) {
-    for (Eigen::Index j = 0; j < result.A.cols(); ++j) {
+  double worst = 0;
+  Index row = 0;
+  Index column = 0;
+  for (Index i = 0; i < result.A.rows(); ++i) {
+    for (Index j = 0; j < result.A.cols(); ++j) {
       const double deviation = ScaledDeviation(result.A(i, j), record.A(i, j));
       A_.Take(deviation, record.id);
-      const double so_far = of_record.deviation;
-      of_record.Take(deviation, record.id);
-      if (!(of_record.deviation > so_far)) continue;
-      worst.what = "A[" + std::to_string(i) + "][" + std::to_string(j) + "] (" +
-                   result.rows[static_cast<size_t>(i)].kind + ", " + result.rows[static_cast<size_t>(j)].kind + ")";
-      worst.recorded = record.A(i, j);
-      worst.ours = result.A(i, j);
+      if (!Exceeds(deviation, worst)) continue;
+      worst = deviation;
+      row = i;
+      column = j;
     }
   }
-  if (Agrees(of_record.deviation)) {
+  if (Agrees(worst)) {
     ++records_with_equal_A_;
-  } else {
-    left_over_.push_back(worst);
+    return;
   }
-}
-
-ReplaySummary::Tally ReplaySummary::Total() const {
-  Tally total;
-  for (const auto& [kind, tally] : kinds_) {
-    total.rows += tally.rows;
-    total.agree_before += tally.agree_before;
-    total.agree_after += tally.agree_after;
-    total.before.Take(tally.before.deviation, tally.before.id);
-    total.after.Take(tally.after.deviation, tally.after.id);
-    total.geometry.Take(tally.geometry.deviation, tally.geometry.id);
-  }
-  return total;
+  const auto kind = [&result](Index k) { return result.rows[static_cast<size_t>(k)].kind; };
+  const std::string what = "A[" + std::to_string(row) + "][" + std::to_string(column) + "]";
+  left_over_.push_back({where, record.id, what + " (" + kind(row) + ", " + kind(column) + ")", record.A(row, column),
+                        result.A(row, column)});
 }
 
 std::string ReplaySummary::Table() const {
@@ -312,8 +245,7 @@ std::string ReplaySummary::Table() const {
         << tally.agree_before << std::setw(9) << Short(tally.before.deviation) << std::setw(9) << tally.agree_after
         << std::setw(9) << Short(tally.after.deviation) << std::setw(11) << Short(tally.geometry.deviation) << "\n";
   };
-  const Tally total = Total();
-  out << records_ << " records, " << total.rows << " rows; numbers agree within " << kReplayTolerance
+  out << records_ << " records, " << total_.rows << " rows; numbers agree within " << kReplayTolerance
       << " (1 + |recorded|)\n\n"
       << "A: " << records_with_equal_A_ << " of " << records_ << " records agree, largest deviation "
       << Short(A_.deviation) << (A_.id.empty() ? "" : " in " + A_.id) << "\n\n"
@@ -321,7 +253,7 @@ std::string ReplaySummary::Table() const {
       << "                                     as recorded         corrected     n, d, d'\n"
       << "kind                       rows    agree  largest    agree  largest    largest\n";
   for (const auto& [kind, tally] : kinds_) line(kind, tally);
-  line("total", total);
+  line("total", total_);
   out << "\ncorrections             rows     largest  in record   added to the recorded b\n";
   for (size_t k = 0; k < kCorrectionCount; ++k) {
     const CorrectionText& text = kCorrectionTexts[k];
@@ -370,7 +302,7 @@ std::string ReplaySummary::Json() const {
   }
   const Json out = {
       {"records", records_},
-      {"rows", Total().rows},
+      {"rows", total_.rows},
       {"tolerance", kReplayTolerance},
       {"agrees", AllAgree()},
       {"A", {{"records", records_}, {"agree", records_with_equal_A_}, {"largest", A_.deviation}, {"id", A_.id}}},

@@ -72,8 +72,9 @@ struct ReplayResult {
 /// recorded row = sum_k weight[k] (row k of the constraint).
 struct RebuiltContact {
   Constraint constraint;
-  std::array<double, 2> weight{};  ///< a pin has two rows (world x, y), all others one
-  double gap_offset = 0;           ///< recorded gap - weighted d
+  std::array<double, 2> weight{};                ///< a pin has two rows (world x, y), all others one
+  double gap_offset = 0;                         ///< recorded gap - weighted d
+  std::array<double, kCorrectionCount> added{};  ///< corrections of the recorded b, by Correction
 };
 
 /// Rods are recorded with n from attachment 1 to 2, hence weight -1. Vertex/vertex contacts, which this model refuses,
@@ -135,12 +136,11 @@ class ReplaySummary {
     double ours = 0;
   };
 
-  Tally Total() const;
-
   size_t records_ = 0;
   size_t records_with_equal_A_ = 0;
   Largest A_;
   std::map<std::string, Tally> kinds_;
+  Tally total_;
   std::array<Size, kCorrectionCount> corrections_;
   std::vector<LeftOver> left_over_;
 };

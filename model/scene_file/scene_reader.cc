@@ -20,6 +20,15 @@ namespace {
 /// The shapes of a scene file by their names.
 using NamedShapes = std::map<std::string, SceneShape>;
 
+bool IsZero(Vec2 p) { return p.x == 0 && p.y == 0; }
+
+bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
+
+Vec2 InRange(Vec2 point, const JsonField& field) {
+  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
+  return point;
+}
+
 /// The bodies of a scene file, and what joints and loads need to speak of them by their names and drawings.
 struct SceneBodies {
   std::vector<Body> bodies;
@@ -31,39 +40,39 @@ struct SceneBodies {
   const Body& operator[](int index) const { return bodies[static_cast<std::size_t>(index)]; }
 
   /// The body that a field names.
-  int Find(const JsonField& name) const;
-  /// The point of the drawing that a field states, in body coordinates.
-  Vec2 ReadPoint(const JsonField& field, int body) const;
-  /// A body-frame point in the world.
-  Vec2 WorldPoint(int body, Vec2 point) const;
-  /// The body-frame point that lies now where a field states, in the world.
-  Vec2 ReadPlace(const JsonField& field, int body) const;
-};
-
-bool IsZero(Vec2 p) { return p.x == 0 && p.y == 0; }
-
-// By reference where it is named: shapes may be long, and shared by many bodies.
-class ShapeOf {
- public:
-  ShapeOf(const JsonField& body, const std::string& body_name, const NamedShapes& shapes) {
-    if (!body.Has("shape")) return;
-    const JsonField field = body["shape"];
-    if (!field.IsString()) {
-      inline_ = ReadShape(field, body_name);
-      return;
-    }
-    const auto found = shapes.find(field.String());
-    if (found == shapes.end()) field.Mismatch("the name of one of the file's \"shapes\", or a shape");
-    named_ = &found->second;
+  int Find(const JsonField& name) const {
+    const auto found = index_of.find(name.String());
+    if (found == index_of.end()) name.Mismatch("the name of a body");
+    return found->second;
   }
-
-  /// Null for a body without a shape.
-  const SceneShape* get() const { return inline_ ? &*inline_ : named_; }
-
- private:
-  std::optional<SceneShape> inline_;
-  const SceneShape* named_ = nullptr;
+  /// The point of the drawing that a field states, in body coordinates.
+  Vec2 ReadPoint(const JsonField& field, int body) const {
+    const Vec2 drawn = ReadVector(field);
+    const Vec2 origin = origins[static_cast<std::size_t>(body)];
+    return IsZero(origin) ? drawn : InRange(drawn - origin, field);
+  }
+  /// A body-frame point in the world.
+  Vec2 WorldPoint(int body, Vec2 point) const { return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point); }
+  /// The body-frame point that lies now where a field states, in the world.
+  Vec2 ReadPlace(const JsonField& field, int body) const {
+    const Rotation r = SinCos((*this)[body].theta);
+    return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
+  }
 };
+
+// Null for a body without a shape. A named one is not copied: shapes may be long, and shared by many bodies.
+const SceneShape* FindShape(const JsonField& body, const std::string& body_name, const NamedShapes& shapes,
+                            SceneShape* own) {
+  if (!body.Has("shape")) return nullptr;
+  const JsonField field = body["shape"];
+  if (!field.IsString()) {
+    *own = ReadShape(field, body_name);
+    return own;
+  }
+  const auto found = shapes.find(field.String());
+  if (found == shapes.end()) field.Mismatch("the name of one of the file's \"shapes\", or a shape");
+  return &found->second;
+}
 
 // Mass, inertia and, returned, the body frame's origin in the drawing.
 Vec2 ReadMass(const JsonField& field, const SceneShape* shape, Body* body) {
@@ -114,13 +123,6 @@ void ReadState(const JsonField& field, Vec2 origin, Body* body) {
   body->v = body->v + body->omega * Perp(arm);
 }
 
-bool IsInRange(Vec2 p) { return std::abs(p.x) <= kLargestNumber && std::abs(p.y) <= kLargestNumber; }
-
-Vec2 InRange(Vec2 point, const JsonField& field) {
-  if (!IsInRange(point)) field.Fail("more than 1e30 m from the body's centre of mass: " + Text(point));
-  return point;
-}
-
 // What is derived from numbers in range may lie outside: of every body that is read, all numbers can be written.
 void RequireInRange(const Body& body, const JsonField& field) {
   const auto positive = [](double value) { return value >= 1 / kLargestNumber && value <= kLargestNumber; };
@@ -142,8 +144,8 @@ Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   Body body;
   body.name = ReadName(field["name"]);
   body.fixed = field.Has("fixed") && field["fixed"].Boolean();
-  const ShapeOf shape_of(field, body.name, shapes);
-  const SceneShape* shape = shape_of.get();
+  SceneShape own;
+  const SceneShape* shape = FindShape(field, body.name, shapes, &own);
   if (shape != nullptr && !shape->is_region && !body.fixed) {
     field["shape"].Fail("open outline: only a fixed body may have \"chains\", a movable one needs a closed shape");
   }
@@ -154,27 +156,6 @@ Body ReadBody(const JsonField& field, const NamedShapes& shapes, Vec2* origin) {
   }
   RequireInRange(body, field);
   return body;
-}
-
-int SceneBodies::Find(const JsonField& name) const {
-  const auto found = index_of.find(name.String());
-  if (found == index_of.end()) name.Mismatch("the name of a body");
-  return found->second;
-}
-
-Vec2 SceneBodies::ReadPoint(const JsonField& field, int body) const {
-  const Vec2 drawn = ReadVector(field);
-  const Vec2 origin = origins[static_cast<std::size_t>(body)];
-  return IsZero(origin) ? drawn : InRange(drawn - origin, field);
-}
-
-Vec2 SceneBodies::WorldPoint(int body, Vec2 point) const {
-  return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point);
-}
-
-Vec2 SceneBodies::ReadPlace(const JsonField& field, int body) const {
-  const Rotation r = SinCos((*this)[body].theta);
-  return InRange(Rotate({r.cos, -r.sin}, ReadVector(field) - (*this)[body].x), field);
 }
 
 /// @param most_edges  of all bodies together, so that many bodies of one long shape stay an error
@@ -197,101 +178,68 @@ SceneBodies ReadBodies(const JsonField& field, const NamedShapes& shapes, std::s
   return result;
 }
 
-class JointReader {
- public:
-  JointReader(const JsonField& field, const SceneBodies& bodies) : field_(field), bodies_(bodies) {}
-
-  Constraint Read() {
-    joint_.type = field_["type"].Choice(kJointTypes);
-    joint_.body1 = bodies_.Find(field_["body1"]);
-    joint_.body2 = bodies_.Find(field_["body2"]);
-    if (joint_.body1 == joint_.body2) field_["body2"].Fail("expected another body than body1");
-    if (joint_.type == ConstraintType::kPin) {
-      ReadPin();
-    } else if (joint_.type == ConstraintType::kPathJoint) {
-      ReadPath();
-    } else {
-      ReadConnector();
-    }
-    return joint_;
+// An edge of the body's shape by its number, or one of the joint's own.
+Feature ReadJointEdge(const JsonField& edge, int body, const SceneBodies& bodies) {
+  if (!edge.IsObject()) {
+    const std::vector<OutlineEdge>& outline = bodies[body].outline;
+    if (outline.empty()) edge.Mismatch("an edge as an object: the body has no shape");
+    return ToFeature(outline[static_cast<std::size_t>(edge.IndexBelow(outline.size()))].edge);
   }
+  const Vec2 origin = bodies.origins[static_cast<std::size_t>(body)];
+  OutlinePiece piece = ReadEdge(edge, std::nullopt).piece;
+  if (!IsZero(origin)) piece = Transformed(piece, 0, -origin);
+  if (!(Reach(piece) <= kLargestNumber)) edge.Fail("lengths must lie below 1e30");
+  return ToFeature(piece.edge);
+}
 
- private:
-  Vec2 Point(const char* key, int body) const { return bodies_.ReadPoint(field_[key], body); }
-
-  void ReadPin() {
-    if (field_.Has("at")) {
-      field_.RequireOnlyKeys({"type", "body1", "body2", "at"});
-      joint_.feature1 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body1)};
-      joint_.feature2 = Vertex{bodies_.ReadPlace(field_["at"], joint_.body2)};
-      return;
-    }
-    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
-    ReadPoints();
+// Stated, or else the distance of the two points.
+double ReadLength(const JsonField& field, const Constraint& joint, const SceneBodies& bodies) {
+  if (field.Has("length")) return ReadPositive(field["length"]);
+  const Vec2 p1 = bodies.WorldPoint(joint.body1, std::get<Vertex>(joint.feature1).p);
+  const Vec2 p2 = bodies.WorldPoint(joint.body2, std::get<Vertex>(joint.feature2).p);
+  const double length = Norm(p1 - p2);
+  if (!(length >= 1 / kLargestNumber && length <= kLargestNumber)) {
+    field.Fail("the points coincide (distance " + Text(length) +
+               "): expected \"length\", or points apart from each other");
   }
+  return length;
+}
 
-  void ReadPoints() {
-    joint_.feature1 = Vertex{Point("point1", joint_.body1)};
-    joint_.feature2 = Vertex{Point("point2", joint_.body2)};
-  }
-
-  void ReadConnector() {
-    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "length"});
-    ReadPoints();
-    if (field_.Has("length")) {
-      joint_.length = ReadPositive(field_["length"]);
-      return;
+Constraint ReadJoint(const JsonField& field, const SceneBodies& bodies) {
+  Constraint joint;
+  joint.type = field["type"].Choice(kJointTypes);
+  joint.body1 = bodies.Find(field["body1"]);
+  joint.body2 = bodies.Find(field["body2"]);
+  if (joint.body1 == joint.body2) field["body2"].Fail("expected another body than body1");
+  const bool is_path = joint.type == ConstraintType::kPathJoint;
+  const bool is_pin = joint.type == ConstraintType::kPin;
+  const bool at_place = is_pin && field.Has("at");
+  if (at_place) {
+    field.RequireOnlyKeys({"type", "body1", "body2", "at"});
+  } else if (is_pin) {
+    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "at"});
+  } else if (is_path) {
+    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "edge1", "edge2", "s1", "s2", "nominal_gap"});
+    const bool edge_on_1 = field.Has("edge1");
+    if (edge_on_1 == field.Has("edge2") || edge_on_1 == field.Has("point1") || !edge_on_1 == field.Has("point2")) {
+      field.Fail("expected point1 and edge2, or edge1 and point2");
     }
-    const Vec2 p1 = bodies_.WorldPoint(joint_.body1, std::get<Vertex>(joint_.feature1).p);
-    const Vec2 p2 = bodies_.WorldPoint(joint_.body2, std::get<Vertex>(joint_.feature2).p);
-    joint_.length = Norm(p1 - p2);
-    if (!(joint_.length >= 1 / kLargestNumber && joint_.length <= kLargestNumber)) {
-      field_.Fail("the points coincide (distance " + Text(joint_.length) +
-                  "): expected \"length\", or points apart from each other");
-    }
+  } else {
+    field.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "length"});
   }
-
-  void ReadPath() {
-    field_.RequireOnlyKeys({"type", "body1", "body2", "point1", "point2", "edge1", "edge2", "s1", "s2", "nominal_gap"});
-    const bool edge_on_1 = field_.Has("edge1");
-    if (edge_on_1 == field_.Has("edge2") || edge_on_1 == field_.Has("point1") || !edge_on_1 == field_.Has("point2")) {
-      field_.Fail("expected point1 and edge2, or edge1 and point2");
-    }
-    joint_.feature1 = edge_on_1 ? Edge("edge1", joint_.body1) : Vertex{Point("point1", joint_.body1)};
-    joint_.feature2 = edge_on_1 ? Vertex{Point("point2", joint_.body2)} : Edge("edge2", joint_.body2);
-    if (field_.Has("s1")) joint_.s1 = ReadNumber(field_["s1"]);
-    if (field_.Has("s2")) joint_.s2 = ReadNumber(field_["s2"]);
-    joint_.nominal_gap = ReadNumber(field_, "nominal_gap", 0);
-  }
-
-  // An edge of the body's shape by its number, or one of the joint's own.
-  Feature Edge(const char* key, int body) const {
-    const JsonField edge = field_[key];
-    OutlineCurve curve;
-    if (edge.IsObject()) {
-      const Vec2 origin = bodies_.origins[static_cast<std::size_t>(body)];
-      const OutlinePiece piece = ReadEdge(edge, std::nullopt).piece;
-      const bool moves = origin.x != 0 || origin.y != 0;
-      const OutlinePiece moved = moves ? Transformed(piece, 0, -origin) : piece;
-      if (!(Reach(moved) <= kLargestNumber)) edge.Fail("lengths must lie below 1e30");
-      curve = moved.edge;
-    } else {
-      const std::vector<OutlineEdge>& outline = bodies_[body].outline;
-      if (outline.empty()) edge.Mismatch("an edge as an object: the body has no shape");
-      curve = outline[static_cast<std::size_t>(edge.IndexBelow(outline.size()))].edge;
-    }
-    return std::visit([](const auto& e) -> Feature { return e; }, curve);
-  }
-
-  const JsonField& field_;
-  const SceneBodies& bodies_;
-  Constraint joint_;
-};
-
-std::vector<Constraint> ReadJoints(const JsonField& field, const SceneBodies& bodies) {
-  std::vector<Constraint> joints;
-  for (const JsonField& item : field.Items()) joints.push_back(JointReader(item, bodies).Read());
-  return joints;
+  const auto read_end = [&](int body, const char* point, const char* edge) -> Feature {
+    if (at_place) return Vertex{bodies.ReadPlace(field["at"], body)};
+    if (is_path && field.Has(edge)) return ReadJointEdge(field[edge], body, bodies);
+    return Vertex{bodies.ReadPoint(field[point], body)};
+  };
+  joint.feature1 = read_end(joint.body1, "point1", "edge1");
+  joint.feature2 = read_end(joint.body2, "point2", "edge2");
+  if (!is_path && !is_pin) joint.length = ReadLength(field, joint, bodies);
+  if (!is_path) return joint;
+  if (field.Has("s1")) joint.s1 = ReadNumber(field["s1"]);
+  if (field.Has("s2")) joint.s2 = ReadNumber(field["s2"]);
+  joint.nominal_gap = ReadNumber(field, "nominal_gap", 0);
+  return joint;
 }
 
 // Every load that acts between two bodies is tried out: what it refuses at the start is an error of the file.
@@ -383,7 +331,9 @@ SceneFile ParseScene(std::string_view text, const std::string& where) {
   if (file.Has("motion")) ReadMotion(file["motion"], &scene);
   const NamedShapes shapes = file.Has("shapes") ? ReadShapes(file["shapes"]) : NamedShapes{};
   SceneBodies bodies = ReadBodies(file["bodies"], shapes, kFreeEdges + text.size() / kBytesPerEdge);
-  if (file.Has("joints")) scene.world.joints = ReadJoints(file["joints"], bodies);
+  if (file.Has("joints")) {
+    for (const JsonField& item : file["joints"].Items()) scene.world.joints.push_back(ReadJoint(item, bodies));
+  }
   if (file.Has("loads")) scene.world.loads = ReadLoads(file["loads"], &bodies);
   scene.world.loads.gravity = ReadVector(file, "gravity", {});
   scene.world.bodies = std::move(bodies.bodies);

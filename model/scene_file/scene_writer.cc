@@ -32,38 +32,32 @@ void Add(Json* object, const char* key, Vec2 value) {
   if (!IsDefault(value.x) || !IsDefault(value.y)) (*object)[key] = ToJson(value);
 }
 
-// The curve with every number stated, without its range.
+// The curve with every number under its name in files, without its range and side.
 Json ToJson(const OutlineCurve& curve) {
-  const auto oval = [](const auto& e) {
-    return Json{{"center", ToJson(e.center)}, {"a", e.a}, {"b", e.b}, {"phi", e.phi}};
-  };
-  return std::visit(Overloaded{[](const StraightEdge& e) {
-                                 return Json{{"line", {{"from", ToJson(e.a)}, {"to", ToJson(e.b)}}}};
-                               },
-                               [](const ArcEdge& e) {
-                                 return Json{{"arc", {{"center", ToJson(e.center)}, {"radius", e.radius}}}};
-                               },
-                               [&](const EllipseEdge& e) {
-                                 return Json{{"ellipse", oval(e)}};
-                               },
-                               [&](const SuperellipseEdge& e) {
-                                 Json json = oval(e);
-                                 json["m"] = e.m;
-                                 return Json{{"superellipse", json}};
-                               },
-                               [](const BezierEdge& e) {
-                                 Json points = Json::array();
-                                 for (const Vec2 p : e.P) points.push_back(ToJson(p));
-                                 return Json{{"bezier", {{"points", points}}}};
-                               }},
-                    curve);
+  return std::visit(
+      [](const auto& e) {
+        constexpr bool kIsStraight = std::is_same_v<decltype(e), const StraightEdge&>;
+        Json form;
+        ForEachField(e, [&](const std::string& name, const auto& value) {
+          if constexpr (kIsStraight) {
+            form[name == "a" ? "from" : "to"] = ToJson(value);
+          } else if constexpr (requires { value.x; }) {
+            form[name] = ToJson(value);
+          } else if constexpr (requires { value[0].x; }) {
+            for (const Vec2 p : value) form["points"].push_back(ToJson(p));
+          } else if constexpr (!std::is_same_v<decltype(value), const Side&>) {
+            form[name] = value;
+          }
+        });
+        return Json{{kIsStraight ? "line" : e.kName, form}};
+      },
+      curve);
 }
 
 Json ToJson(const OutlinePiece& piece) {
   Json json = ToJson(piece.edge);
   Json& form = json.begin().value();
-  const bool has_default =
-      std::holds_alternative<StraightEdge>(piece.edge) || std::holds_alternative<BezierEdge>(piece.edge);
+  const bool has_default = !std::visit([](const auto& e) { return e.kIsAngle; }, piece.edge);
   if (has_default && IsDefault(piece.s_begin) && piece.s_end == 1) return json;
   form["s_begin"] = piece.s_begin;
   form["s_end"] = piece.s_end;
@@ -98,11 +92,13 @@ class Writer {
     file["lcpbench_scene"] = kSceneFileVersion;
     file["name"] = world_.name;
     Add(&file, "gravity", world_.loads.gravity);
-    if (const Json motion = Motion(); !motion.is_null()) file["motion"] = motion;
+    if (scene_.level) file["motion"]["level"] = ToString(*scene_.level);
+    if (scene_.step) file["motion"]["step"] = *scene_.step;
+    if (scene_.restitution) file["motion"]["restitution"] = *scene_.restitution;
     file["bodies"] = Json::array();
     for (std::size_t i = 0; i < world_.bodies.size(); ++i) file["bodies"].push_back(BodyAt(i));
     for (const Constraint& joint : world_.joints) file["joints"].push_back(Joint(joint));
-    if (const Json loads = AllLoads(); !loads.is_null()) file["loads"] = loads;
+    AddLoads(&file);
     return file;
   }
 
@@ -119,14 +115,6 @@ class Writer {
   }
 
   const std::string& Name(int body) const { return names_[static_cast<std::size_t>(body)]; }
-
-  Json Motion() const {
-    Json motion;
-    if (scene_.level) motion["level"] = ToString(*scene_.level);
-    if (scene_.step) motion["step"] = *scene_.step;
-    if (scene_.restitution) motion["restitution"] = *scene_.restitution;
-    return motion;
-  }
 
   Json BodyAt(std::size_t index) const {
     const Body& body = world_.bodies[index];
@@ -194,40 +182,35 @@ class Writer {
     (*json)["point" + number] = ToJson(at.point);
   }
 
-  Json AllLoads() const {
+  void AddLoads(Json* file) const {
     const Loads& loads = world_.loads;
-    Json json;
-    const auto between = [this](const auto& load) {
-      Json item;
+    // Another load of that kind, with its two ends or the point that it acts at.
+    const auto add_between = [&](const char* kind, const auto& load) -> Json& {
+      Json& item = (*file)["loads"][kind].emplace_back();
       AddEnd(&item, "1", load.end1);
       AddEnd(&item, "2", load.end2);
       return item;
     };
-    const auto at = [this](const auto& load) {
-      Json item;
+    const auto add_at = [&](const char* kind, const auto& load) -> Json& {
+      Json& item = (*file)["loads"][kind].emplace_back();
       AddEnd(&item, "", load.at);
       return item;
     };
     for (const Spring& spring : loads.springs) {
-      Json& item = json["springs"].emplace_back(between(spring));
+      Json& item = add_between("springs", spring);
       item["stiffness"] = spring.stiffness;
       item["rest_length"] = spring.rest_length;
     }
-    for (const Damper& damper : loads.dampers) {
-      json["dampers"].emplace_back(between(damper))["coefficient"] = damper.coefficient;
-    }
-    for (const Thruster& thruster : loads.thrusters) {
-      json["thrusters"].emplace_back(at(thruster))["force"] = ToJson(thruster.force);
-    }
+    for (const Damper& damper : loads.dampers) add_between("dampers", damper)["coefficient"] = damper.coefficient;
+    for (const Thruster& thruster : loads.thrusters) add_at("thrusters", thruster)["force"] = ToJson(thruster.force);
     for (const Wrench& wrench : loads.wrenches) {
-      Json& item = json["wrenches"].emplace_back(at(wrench));
+      Json& item = add_at("wrenches", wrench);
       Add(&item, "force", wrench.force);
       Add(&item, "torque", wrench.torque);
     }
-    if (loads.attraction) {
-      json["attraction"] = {{"strength", loads.attraction->strength}, {"softening", loads.attraction->softening}};
+    if (const auto& pull = loads.attraction) {
+      (*file)["loads"]["attraction"] = {{"strength", pull->strength}, {"softening", pull->softening}};
     }
-    return json;
   }
 
   const SceneFile& scene_;

@@ -111,30 +111,29 @@ DrawnEdge ReadBulgingArc(const JsonField& arc, Vec2 p) {
   return ArcAbout(center, radius, p, q, bulge > 0 ? Turn::kLeft : Turn::kRight);
 }
 
-DrawnEdge ReadSweptArc(const JsonField& arc, Vec2 p) {
-  arc.RequireOnlyKeys({"center", "sweep"});
-  const Vec2 center = ReadVector(arc["center"]);
-  const double sweep = ReadNumber(arc["sweep"]);
-  const double s_begin = AngleOf(p - center);
-  const ArcEdge edge{center, Norm(p - center), SideOf(sweep < 0 ? Turn::kRight : Turn::kLeft)};
-  return Whole({edge, s_begin, s_begin + sweep});
-}
-
-DrawnEdge ReadCenteredArc(const JsonField& arc, Vec2 p) {
-  arc.RequireOnlyKeys({"to", "center", "turns"});
-  const Vec2 q = ReadVector(arc["to"]);
-  const Vec2 center = ReadVector(arc["center"]);
-  const double radius = Norm(p - center);
-  const double other = Norm(q - center);
-  if (!(std::abs(radius - other) <= kOnCurve * std::max(radius, other))) {
-    arc.Fail("begin and end are not equally far from the center, but " + Text(radius) + " and " + Text(other));
+// Of the forms that begin where the edge before ends.
+DrawnEdge ReadArcFrom(const JsonField& arc, Vec2 p) {
+  if (arc.Has("bulge")) return ReadBulgingArc(arc, p);
+  if (arc.Has("sweep")) {
+    arc.RequireOnlyKeys({"center", "sweep"});
+    const Vec2 center = ReadVector(arc["center"]);
+    const double sweep = ReadNumber(arc["sweep"]);
+    const double s_begin = AngleOf(p - center);
+    const ArcEdge edge{center, Norm(p - center), SideOf(sweep < 0 ? Turn::kRight : Turn::kLeft)};
+    return Whole({edge, s_begin, s_begin + sweep});
   }
-  return ArcAbout(center, radius, p, q, ReadTurn(arc));
-}
-
-DrawnEdge ReadArcOfRadius(const JsonField& arc, Vec2 p) {
-  arc.RequireOnlyKeys({"to", "radius", "turns", "long"});
   const Vec2 q = ReadVector(arc["to"]);
+  if (arc.Has("center")) {
+    arc.RequireOnlyKeys({"to", "center", "turns"});
+    const Vec2 center = ReadVector(arc["center"]);
+    const double radius = Norm(p - center);
+    const double other = Norm(q - center);
+    if (!(std::abs(radius - other) <= kOnCurve * std::max(radius, other))) {
+      arc.Fail("begin and end are not equally far from the center, but " + Text(radius) + " and " + Text(other));
+    }
+    return ArcAbout(center, radius, p, q, ReadTurn(arc));
+  }
+  arc.RequireOnlyKeys({"to", "radius", "turns", "long"});
   const double radius = ReadPositive(arc["radius"]);
   const Turn turn = ReadTurn(arc);
   return ArcAbout(CenterThrough(arc, p, q, radius, turn, ReadLong(arc)), radius, p, q, turn);
@@ -142,10 +141,7 @@ DrawnEdge ReadArcOfRadius(const JsonField& arc, Vec2 p) {
 
 DrawnEdge ReadArc(const JsonField& arc, std::optional<Vec2> begin) {
   arc.RequireOnlyKeys({"to", "bulge", "radius", "turns", "long", "center", "sweep", "s_begin", "s_end"});
-  if (arc.Has("bulge")) return ReadBulgingArc(arc, Begin(arc, begin));
-  if (arc.Has("sweep")) return ReadSweptArc(arc, Begin(arc, begin));
-  if (arc.Has("to") && arc.Has("center")) return ReadCenteredArc(arc, Begin(arc, begin));
-  if (arc.Has("to")) return ReadArcOfRadius(arc, Begin(arc, begin));
+  if (arc.Has("bulge") || arc.Has("sweep") || arc.Has("to")) return ReadArcFrom(arc, Begin(arc, begin));
   arc.RequireOnlyKeys({"center", "radius", "s_begin", "s_end", "turns"});
   const Vec2 center = ReadVector(arc["center"]);
   const double radius = ReadPositive(arc["radius"]);
@@ -162,25 +158,25 @@ Vec2 InAxes(const Oval& oval, Vec2 p) {
 
 Vec2 Scaled(const EllipseEdge& e, Vec2 in_axes) { return {in_axes.x / e.a, in_axes.y / e.b}; }
 
-// The parameter of a point that lies on the curve.
-double ParameterAt(const EllipseEdge& e, Vec2 p, const JsonField& edge) {
-  const Vec2 unit = Scaled(e, InAxes(e, p));
-  const double size = Norm(unit);
-  if (!(std::abs(size - 1) <= kOnCurve)) {
-    edge.Fail("the point " + Text(p) + " is not on the ellipse, but on one " + Text(size) + " times as large");
-  }
-  return AngleOf(unit);
-}
-
-double ParameterAt(const SuperellipseEdge& e, Vec2 p, const JsonField& edge) {
-  const Vec2 q = InAxes(e, p);
+// How many times as large the oval through a point is, given in the frame of its axes.
+double SizeAt(const EllipseEdge& e, Vec2 q) { return Norm(Scaled(e, q)); }
+double SizeAt(const SuperellipseEdge& e, Vec2 q) {
   const double c = std::abs(q.x) / e.a;
   const double d = std::abs(q.y) / e.b;
   const double large = std::max(c, d);
-  const double size = large > 0 ? large * RootOfOnePlusPower(std::min(c, d) / large, e.m) : 0;
+  return large > 0 ? large * RootOfOnePlusPower(std::min(c, d) / large, e.m) : 0;
+}
+
+// The parameter of a point that lies on the curve.
+template <class Oval>
+double ParameterAt(const Oval& oval, Vec2 p, const JsonField& edge) {
+  const Vec2 q = InAxes(oval, p);
+  const double size = SizeAt(oval, q);
   if (!(std::abs(size - 1) <= kOnCurve)) {
-    edge.Fail("the point " + Text(p) + " is not on the superellipse, but on one " + Text(size) + " times as large");
+    edge.Fail("the point " + Text(p) + " is not on the " + oval.kName + ", but on one " + Text(size) +
+              " times as large");
   }
+  if constexpr (std::is_same_v<Oval, EllipseEdge>) return AngleOf(Scaled(oval, q));
   return AngleOf(q);
 }
 

@@ -1,11 +1,4 @@
 // billiards-break: a triangular rack of equal discs, seen from above, pressed by a cue ball at its apex.
-//
-// As one problem, the rack is at rest and every disc is pushed at random, the cue ball into the rack. As a sequence it
-// is the break: the cue ball comes from the head of the table, without any load, between four cushions. Restitution is
-// the simulation's to choose; 0.95 is that of billiard balls. The break is one simultaneous impact, every later one
-// another problem of impulses.
-//
-// Discs are racked layer by layer. The last one or two rows are closed by discs in line behind the cue ball.
 
 #include <algorithm>
 #include <cmath>
@@ -16,11 +9,9 @@
 namespace lcpbench {
 namespace {
 
-/// Of a pool ball [m], [kg].
-constexpr double kRadius = 0.028575;
-constexpr double kMass = 0.17;
-/// The cue ball's push over its weight, for each layer of the rack.
-constexpr double kPush = 3;
+constexpr double kRadius = 0.028575;  ///< of a pool ball [m]
+constexpr double kMass = 0.17;        ///< [kg]
+constexpr double kPush = 3;           ///< the cue ball's push over its weight, for each layer of the rack
 /// Pull towards the middle of the rack, over the weight, of a disc at its edge: a dished cloth.
 constexpr double kDish = 0.3;
 constexpr double kBreakSpeed = 8;  ///< [m/s]
@@ -30,23 +21,23 @@ class Rack final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    const int table = Add("table", MakeFixed("table"));
+    const int table = AddFixed("table");
     // The apex at the origin; disc i of layer k (both from 0) is the (i+1)-th of k + 1, on lines parallel to y.
     const double root3 = std::sqrt(3.0);
     std::vector<int> front{AddBall("ball", {})};
-    const Vec2 slanted{1, random_.Uniform(-0.3, 0.3)};
-    aim_ = (1 / Norm(slanted)) * slanted;
+    aim_ = Normalized({1, random_.Uniform(-0.3, 0.3)});
     cues_.push_back(AddBall("cue ball", -2 * kRadius * aim_));
-    TouchBalls(cues_[0], front[0]);
+    Touch(cues_[0], front[0]);
     for (int layer = 1; left_ > 0; ++layer) {
       std::vector<int> current;
       for (int i = 0; i <= layer; ++i) {
         const int touched = (i > 0 ? 2 : 0) + (i < layer ? 1 : 0);
         if (touched > left_) break;
         const int ball = AddBall("ball", {layer * root3 * kRadius, (2 * i - layer) * kRadius});
-        if (i > 0) TouchBalls(ball, current.back());
-        if (i > 0) TouchBalls(ball, front[static_cast<std::size_t>(i) - 1]);
-        if (i < layer) TouchBalls(ball, front[static_cast<std::size_t>(i)]);
+        const auto k = static_cast<std::size_t>(i);
+        if (i > 0) Touch(ball, current.back());
+        if (i > 0) Touch(ball, front[k - 1]);
+        if (i < layer) Touch(ball, front[k]);
         current.push_back(ball);
         layers_ = layer;
       }
@@ -55,9 +46,8 @@ class Rack final : public SceneBuilder {
     }
     while (left_ > 0) {
       const int last = cues_.back();
-      const Vec2 behind = Get(last).x - 2 * kRadius * aim_;
-      cues_.push_back(AddBall("ball", behind));
-      TouchBalls(last, cues_.back());
+      cues_.push_back(AddBall("ball", Get(last).x - 2 * kRadius * aim_));
+      Touch(last, cues_.back());
     }
 
     depth_ = layers_ * root3 * kRadius;
@@ -66,12 +56,11 @@ class Rack final : public SceneBuilder {
     const Vec2 low{-head_ - 1, -half_width};
     const Vec2 high{depth_ + 1, half_width};
     // The cloth is on the right of the direction of travel.
-    Get(table).outline = {WholeEdge(low, {low.x, high.y}), WholeEdge({low.x, high.y}, high),
-                          WholeEdge(high, {high.x, low.y}), WholeEdge({high.x, low.y}, low)};
+    Get(table).outline = Polyline({low, {low.x, high.y}, high, {high.x, low.y}, low});
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = 0, .gust = kGravity}, &random_);
+    Apply({.weight = 0, .gust = kGravity});
     const Vec2 middle{2 * depth_ / 3, 0};
     const double reach = std::max(depth_, kRadius);
     for (Body& body : system_.bodies) {
@@ -98,7 +87,6 @@ class Rack final : public SceneBuilder {
     ball.inertia = 0.4 * kMass * kRadius * kRadius;
     return Add(kind, ball);
   }
-  void TouchBalls(int ball, int other) { Touch(ball, Circle(kRadius), other, Circle(kRadius)); }
 
   int layers_ = 0;
   std::vector<int> cues_;  ///< the cue ball and the discs in line behind it

@@ -1,8 +1,4 @@
 // boxes-and-discs: a stepped brick wall in running bond with discs in its joints and on its steps.
-//
-// Rows left when the next brick or disc would bring too many are closed by discs on the last brick, one row each.
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -19,18 +15,16 @@ constexpr double kJointRadius = 0.05;
 /// Distance of the bricks of a course: their length and a joint that a disc just fits into.
 constexpr double kPitch = kLength + 2 * kJointRadius;
 constexpr double kDensity = 100;
-/// In-plane gravity times the square root of the number of courses [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the wall gets higher.
-constexpr double kWeight = 0.4 * kGravity;
-constexpr double kJointShare = 0.8;  ///< of the joints hold a disc
-constexpr double kStepShare = 0.8;   ///< of the steps hold a disc
+constexpr double kWeight = 0.4 * kGravity;  ///< times the root of the number of courses [m/s^2]
+constexpr double kJointShare = 0.8;         ///< of the joints hold a disc
+constexpr double kStepShare = 0.8;          ///< of the steps hold a disc
 
 class Wall final : public SceneBuilder {
  public:
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    floor_ = Add("floor", MakeFixed("floor"));
+    floor_ = AddFixed("floor");
     // A pyramid on `base` bricks brings 2 rows a brick in the lowest course and 4 above, 3 a joint disc and 2 a step
     // disc: about 2 base^2 + 3/2 kJointShare base (base - 1) + 4 kStepShare base.
     const double square = 2 + 1.5 * kJointShare;
@@ -45,9 +39,7 @@ class Wall final : public SceneBuilder {
     Get(floor_).outline = {WholeEdge({std::max(loose_x_, reach), 0}, {-kPitch, 0})};
   }
 
-  void Load() override {
-    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + courses_), .gust = 2 * kGravity}, &random_);
-  }
+  void Load() override { Apply({.weight = kWeight / std::sqrt(1.0 + courses_), .gust = 2 * kGravity}); }
 
   void Launch(World* world) override { Stir(world, kStir, seed_); }
 
@@ -81,14 +73,14 @@ class Wall final : public SceneBuilder {
     const int brick = Add("brick", MakeBox(x, kLength, kHeight, kDensity));
     last_brick_ = brick;
     if (course == 0) {
-      for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
+      Stand(brick, floor_, Floor());
     } else {
       const int lower_left = below_[static_cast<std::size_t>(j)];
       const int lower_right = below_[static_cast<std::size_t>(j) + 1];
-      Touch(brick, Corner(0), lower_left, Edge(2));
-      Touch(brick, Edge(0), lower_left, Corner(2));
-      Touch(brick, Edge(0), lower_right, Corner(3));
-      Touch(brick, Corner(1), lower_right, Edge(2));
+      Touch(brick, Corner(brick, 0), lower_left, Piece(lower_left, 2));
+      Touch(brick, lower_left, Corner(lower_left, 2));
+      Touch(brick, lower_right, Corner(lower_right, 3));
+      Touch(brick, Corner(brick, 1), lower_right, Piece(lower_right, 2));
     }
     return brick;
   }
@@ -97,14 +89,11 @@ class Wall final : public SceneBuilder {
   void AddJointDisc(int course, int j, const std::vector<int>& bricks) {
     const Vec2 x{BrickX(course, j) - kPitch / 2, course * kHeight + kJointRadius};
     const int disc = AddDisc(x, kJointRadius);
-    const ArcEdge rim = Circle(kJointRadius);
-    if (course == 0) {
-      Touch(disc, rim, floor_, Floor());
-    } else {
-      Touch(disc, rim, below_[static_cast<std::size_t>(j)], Edge(2));
-    }
-    Touch(disc, rim, bricks[static_cast<std::size_t>(j) - 1], Edge(1));
-    Touch(disc, rim, bricks[static_cast<std::size_t>(j)], Edge(3));
+    Lie(disc, course == 0 ? floor_ : below_[static_cast<std::size_t>(j)]);
+    const int left = bricks[static_cast<std::size_t>(j) - 1];
+    const int right = bricks[static_cast<std::size_t>(j)];
+    Touch(disc, left, Piece(left, 1));
+    Touch(disc, right, Piece(right, 3));
   }
 
   /// In the corner between the course's end brick and the step (or floor) that it leaves free: two rows.
@@ -113,15 +102,13 @@ class Wall final : public SceneBuilder {
     const int last = base_ - course - 1;
     const double face = BrickX(course, side < 0 ? 0 : last) + side * kLength / 2;
     const int disc = AddDisc({face + side * radius, course * kHeight + radius}, radius);
-    const ArcEdge rim = Circle(radius);
-    const std::size_t end = side < 0 ? 0 : 1;
-    if (course == 0) {
-      Touch(disc, rim, floor_, Floor());
-    } else {
-      Touch(disc, rim, steps_[end], Edge(2));
-    }
-    Touch(disc, rim, side < 0 ? below_.front() : below_.back(), side < 0 ? Edge(3) : Edge(1));
+    Lie(disc, course == 0 ? floor_ : steps_[side < 0 ? 0 : 1]);
+    const int brick = side < 0 ? below_.front() : below_.back();
+    Touch(disc, brick, Piece(brick, side < 0 ? 3 : 1));
   }
+
+  /// The disc on the floor or on top of a brick: one row.
+  void Lie(int disc, int on) { Touch(disc, on, on == floor_ ? Feature{Floor()} : Piece(on, 2)); }
 
   /// Up to three discs on the last brick; should more rows be left, discs and bricks on the floor beside the wall.
   void CloseCount() {
@@ -130,15 +117,13 @@ class Wall final : public SceneBuilder {
     for (int k = 0; last_brick_ >= 0 && k < 3 && left_ > 0; ++k) {
       const Vec2 brick = Get(last_brick_).x;
       const double offset = (k == 0 ? 0 : k == 1 ? -1 : 1) * 2.2 * kRadius;
-      const int disc = AddDisc(brick + Vec2{offset, kHeight / 2 + kRadius}, kRadius);
-      Touch(disc, Circle(kRadius), last_brick_, Edge(2));
+      Lie(AddDisc(brick + Vec2{offset, kHeight / 2 + kRadius}, kRadius), last_brick_);
     }
     while (left_ > 0) {
       if (left_ >= 2) {
-        const int brick = Add("brick", MakeBox({loose_x_, kHeight / 2}, kLength, kHeight, kDensity));
-        for (const int corner : {0, 1}) Touch(brick, Corner(corner), floor_, Floor());
+        Stand(Add("brick", MakeBox({loose_x_, kHeight / 2}, kLength, kHeight, kDensity)), floor_, Floor());
       } else {
-        Touch(AddDisc({loose_x_, kRadius}, kRadius), Circle(kRadius), floor_, Floor());
+        Lie(AddDisc({loose_x_, kRadius}, kRadius), floor_);
       }
       loose_x_ += kPitch;
     }
@@ -149,9 +134,6 @@ class Wall final : public SceneBuilder {
     disc.theta = random_.Uniform(-kPi, kPi);
     return Add("disc", disc);
   }
-
-  static Vertex Corner(int corner) { return {BoxCorner(kLength, kHeight, corner)}; }
-  static StraightEdge Edge(int edge) { return BoxEdge(kLength, kHeight, edge); }
 
   int floor_ = 0;
   int base_ = 1;  ///< bricks in the lowest course

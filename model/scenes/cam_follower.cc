@@ -1,22 +1,15 @@
 // cam-follower: a row of cams, coupled by rods to turn together, each lifting a spring-loaded follower in a guide.
-//
-// A coupled cam with its follower makes six rows, a cam of prescribed motion with follower three, one that carries a
-// loose ball one row.
-//
-// In motion: the first cams turn at constant speed and drive the others through the rods; gravity and springs close the
-// followers.
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -24,24 +17,17 @@ namespace {
 
 constexpr double kCamDensity = 60;
 constexpr double kFollowerDensity = 30;
-constexpr double kSpacing = 1;  ///< of cam axles [m]
-/// The crank arm of the coupling rods, common to all cams in the world [m].
-constexpr double kCrank = 0.07;
-constexpr double kMinSpeed = 3;  ///< of the cams [rad/s]
-constexpr double kMaxSpeed = 6;
-/// Largest distance of a follower's axis from the cam's axle [m].
-constexpr double kMaxOffset = 0.03;
+constexpr double kSpacing = 1;       ///< of cam axles [m]
+constexpr double kCrank = 0.07;      ///< the crank arm of the coupling rods, common to all cams in the world [m]
+constexpr Range kSpeed{3, 6};        ///< of the cams [rad/s]
+constexpr double kMaxOffset = 0.03;  ///< largest distance of a follower's axis from the cam's axle [m]
 constexpr double kFollowerHeight = 0.6;
-/// The guide's wall begins above every cam and ends above every follower [m].
-constexpr double kWallBottom = 0.45;
+constexpr double kWallBottom = 0.45;  ///< the guide's wall begins above every cam and ends above every follower [m]
 constexpr double kWallTop = 1.3;
 constexpr double kWallWidth = 0.08;
-/// Of a loose follower between its walls [m].
-constexpr double kPlay = 0.01;
+constexpr double kPlay = 0.01;  ///< of a loose follower between its walls [m]
 constexpr double kSpringAnchor = 1.5;
-/// Force of a follower's spring as it stands, over its weight.
-constexpr double kMinPreload = 0.5;
-constexpr double kMaxPreload = 2;
+constexpr Range kPreload{0.5, 2};    ///< force of a follower's spring as it stands, over its weight
 constexpr double kSpringRest = 1.2;  ///< [m]: longer than any spring of the scene, so that all are compressed
 
 /// A highest contact: what a follower comes to rest on.
@@ -85,25 +71,20 @@ std::optional<Top> TopForCircle(const Body& cam, double x, double radius) {
 
 /// The height of the cam's highest point: where a horizontal face touches it.
 Top TopForFace(const Body& cam) {
-  std::optional<Top> top;
+  Top top{-std::numeric_limits<double>::infinity(), {}};
+  const Rotation turn = SinCos(cam.theta);
   for (const OutlineEdge& piece : cam.outline) {
-    double height = 0;
-    Feature feature;
+    double height = top.height;
     if (const auto* arc = std::get_if<ArcEdge>(&piece.edge)) {
       height = WorldPoint(cam, arc->center).y + arc->radius;
-      feature = *arc;
     } else if (const auto* oval = std::get_if<EllipseEdge>(&piece.edge)) {
-      const Rotation turn = SinCos(cam.theta);
       const double along = oval->a * turn.sin;
       const double across = oval->b * turn.cos;
       height = WorldPoint(cam, oval->center).y + std::sqrt(along * along + across * across);
-      feature = *oval;
-    } else {
-      continue;
     }
-    if (!top || height > top->height) top = Top{height, feature};
+    if (height > top.height) top = {height, ToFeature(piece.edge)};
   }
-  return *top;
+  return top;
 }
 
 class CamRow final : public SceneBuilder {
@@ -112,11 +93,9 @@ class CamRow final : public SceneBuilder {
 
   void Build() override {
     const double sense = random_.Sign();
-    speed_ = sense * random_.Uniform(kMinSpeed, kMaxSpeed);
-    const double crank_angle = random_.Uniform(kPi / 4, 3 * kPi / 4);
-    const Rotation crank = SinCos(crank_angle);
-    crank_ = kCrank * Vec2{crank.cos, crank.sin};
-    frame_ = Add("frame", MakeFixed("frame"));
+    speed_ = sense * random_.Uniform(kSpeed);
+    crank_ = kCrank * Direction(random_.Uniform(kPi / 4, 3 * kPi / 4));
+    frame_ = AddFixed("frame");
 
     constexpr int kDriven = 6;
     constexpr int kDriving = 3;
@@ -129,17 +108,13 @@ class CamRow final : public SceneBuilder {
     std::vector<OutlineEdge>& outline = Get(frame_).outline;
     outline.push_back(WholeEdge({axle_.x + kFloorBeyond, kFloor}, {-kFloorBeyond, kFloor}));
     for (const double x : walls_) {
-      const Vec2 low{x, kWallBottom};
-      const Vec2 high{x + kWallWidth, kWallTop};
-      outline.push_back(WholeEdge(low, {high.x, low.y}));
-      outline.push_back(WholeEdge({high.x, low.y}, high));
-      outline.push_back(WholeEdge(high, {low.x, high.y}));
-      outline.push_back(WholeEdge({low.x, high.y}, low));
+      const std::vector<OutlineEdge> wall = Sides({x, kWallBottom}, {x + kWallWidth, kWallTop});
+      outline.insert(outline.end(), wall.begin(), wall.end());
     }
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 3 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 3 * kGravity});
     for (const Spring& spring : springs_) ApplySpring(spring, system_.bodies);
     LoadEnds(&system_);
   }
@@ -166,13 +141,12 @@ class CamRow final : public SceneBuilder {
   }
 
   Vec2 NextAxle() {
-    axle_.x = cams_ == 0 ? 0 : axle_.x + kSpacing;
-    ++cams_;
+    axle_.x = kSpacing * cams_++;
     return axle_;
   }
 
   int AddDrivingCam(bool oval_allowed) {
-    Body cam = MakeKinematic("motor " + std::to_string(cams_), DrawShape(oval_allowed));
+    Body cam = MakeFixed("motor " + std::to_string(cams_), AllPieces(DrawShape(oval_allowed)));
     cam.theta = random_.Uniform(0, 2 * kPi);
     cam.x = NextAxle();
     cam.omega = speed_;
@@ -181,9 +155,8 @@ class CamRow final : public SceneBuilder {
   }
 
   int AddDrivenCam() {
-    Body cam = MakeBody(DrawShape(true), kCamDensity);
+    Body cam = MakePlate(DrawShape(true), kCamDensity);
     const Vec2 axle_point = -cam.x;
-    cam.name.clear();
     cam.theta = random_.Uniform(0, 2 * kPi);
     const Vec2 axle = NextAxle();
     const Vec2 arm = -Rotate(SinCos(cam.theta), axle_point);
@@ -192,9 +165,10 @@ class CamRow final : public SceneBuilder {
     cam.v = speed_ * Perp(arm);
     const int before = last_cam_;
     last_cam_ = Add("cam", cam);
-    AddPin(&system_, last_cam_, axle_point, frame_, axle);
+    Join(ConstraintType::kPin, last_cam_, axle_point, frame_, Vertex{axle});
     const Vec2 crank_before = axle - Vec2{kSpacing, 0} + crank_;
-    AddRod(&system_, last_cam_, BodyPoint(Get(last_cam_), axle + crank_), before, BodyPoint(Get(before), crank_before));
+    Join(ConstraintType::kRod, last_cam_, BodyPoint(Get(last_cam_), axle + crank_), before,
+         Vertex{BodyPoint(Get(before), crank_before)});
     return last_cam_;
   }
 
@@ -202,14 +176,8 @@ class CamRow final : public SceneBuilder {
     const double x = axle_.x + random_.Uniform(-kMaxOffset, kMaxOffset);
     const Top top = *TopForCircle(Get(cam), x, kBallRadius);
     const int ball = Add("ball", MakeDisc({x, top.height}, kBallRadius, kFollowerDensity));
-    Touch(ball, Circle(kBallRadius), cam, top.feature);
-    RideAlong(ball);
-  }
-
-  /// The vertical velocity at which the last contact, of that body, lasts.
-  void RideAlong(int body) {
-    const ContactRow row = LastRow(system_);
-    Get(body).v.y = -row.d_dot / row.J[1];
+    Touch(ball, cam, top.feature);
+    Get(ball).v.y = StillVelocity(system_, 1);
   }
 
   void AddFollower(int cam) {
@@ -217,72 +185,51 @@ class CamRow final : public SceneBuilder {
     const double x = axle_.x + random_.Uniform(-kMaxOffset, kMaxOffset);
     const double half_width = random_.Uniform(0.06, 0.09);
     const double kind = random_.Uniform();
-    int body = -1;
-    if (oval || kind < 0.35) {
-      const Top top = TopForFace(Get(cam));
-      // A face wide enough for the highest point of every cam in every position.
-      const double width = 0.5;
-      body = AddFollowerBody(Tappet(width, half_width), {x, top.height});
-      Touch(body, Underside(body), cam, top.feature);
-    } else if (kind < 0.7) {
-      const Top top = *TopForCircle(Get(cam), x, half_width);
-      body = AddFollowerBody(Roller(half_width), {x, top.height});
-      Touch(body, Underside(body), cam, top.feature);
-    } else {
-      const Top top = *TopForCircle(Get(cam), x, 0);
-      body = AddFollowerBody(KnifeEdge(half_width), {x, top.height});
-      Touch(body, Vertex{BodyPoint(Get(body), {x, top.height})}, cam, top.feature);
-    }
-    RideAlong(body);
+    const bool flat = oval || kind < 0.35;
+    const bool roller = !flat && kind < 0.7;
+    const Top top = flat ? TopForFace(Get(cam)) : *TopForCircle(Get(cam), x, roller ? half_width : 0);
+    const Vec2 at{x, top.height};
+    const int body = AddFollowerBody(flat     ? Tappet(half_width)
+                                     : roller ? Roller(half_width)
+                                              : KnifeEdge(half_width),
+                                     at);
+    Touch(body, flat || roller ? Piece(body) : Vertex{BodyPoint(Get(body), at)}, cam, top.feature);
+    Get(body).v.y = StillVelocity(system_, 1);
     AddGuide(body, x, half_width);
     AddSpring(body, x);
   }
 
-  /// The feature of a follower's first piece, its underside.
-  Feature Underside(int body) {
-    return std::visit([](const auto& edge) -> Feature { return edge; }, Get(body).outline[0].edge);
-  }
-
-  /// The outline's frame has its origin at the follower's lowest point or, of a roller, at the roller's centre.
-  int AddFollowerBody(const Outline& outline, Vec2 at) {
-    Body body = MakeBody(outline, kFollowerDensity);
-    body.name.clear();
+  /// Outlines begin with the underside; their frames have their origins at the follower's lowest point or, of a
+  /// roller, at the roller's centre.
+  int AddFollowerBody(OutlineLoop outline, Vec2 at) {
+    Body body = MakePlate({"", {std::move(outline)}}, kFollowerDensity);
     body.x = body.x + at;
     return Add("follower", body);
   }
 
-  static OutlineLoop Polygon(const std::vector<Vec2>& corners) {
-    OutlineLoop loop;
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-      loop.push_back(WholeEdge(corners[k], corners[(k + 1) % corners.size()]));
-    }
+  /// A flat plate below a stem.
+  static OutlineLoop Tappet(double half) {
+    constexpr double kPlate = 0.05;
+    constexpr double kTop = kFollowerHeight;
+    constexpr double w = 0.25;  // a face wide enough for the highest point of every cam in every position
+    return Polyline({{-w, 0},
+                     {w, 0},
+                     {w, kPlate},
+                     {half, kPlate},
+                     {half, kTop},
+                     {-half, kTop},
+                     {-half, kPlate},
+                     {-w, kPlate},
+                     {-w, 0}});
+  }
+  static OutlineLoop Roller(double half) {
+    OutlineLoop loop = Polyline({{half, 0}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, 0}});
+    loop.insert(loop.begin(), OutlineEdge{ArcEdge{{}, half, Side::kConvex}, -kPi, 0});
     return loop;
   }
-
-  /// A flat plate below a stem.
-  static Outline Tappet(double width, double half) {
-    constexpr double kPlate = 0.05;
-    const double w = width / 2;
-    return {"tappet",
-            {Polygon({{-w, 0},
-                      {w, 0},
-                      {w, kPlate},
-                      {half, kPlate},
-                      {half, kFollowerHeight},
-                      {-half, kFollowerHeight},
-                      {-half, kPlate},
-                      {-w, kPlate}})}};
-  }
-  static Outline Roller(double half) {
-    OutlineLoop loop = Polygon({{half, 0}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, 0}});
-    loop.pop_back();
-    loop.insert(loop.begin(), OutlineEdge{ArcEdge{{}, half, Side::kConvex}, -kPi, 0});
-    return {"roller follower", {loop}};
-  }
-  static Outline KnifeEdge(double half) {
-    return {"knife edge",
-            {Polygon(
-                {{0, 0}, {half, 1.5 * half}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, 1.5 * half}})}};
+  static OutlineLoop KnifeEdge(double half) {
+    const double low = 1.5 * half;
+    return Polyline({{0, 0}, {half, low}, {half, kFollowerHeight}, {-half, kFollowerHeight}, {-half, low}, {0, 0}});
   }
 
   void AddGuide(int body, double x, double half_width) {
@@ -290,7 +237,7 @@ class CamRow final : public SceneBuilder {
       const StraightEdge axis{{x, 0}, {x, 1}};
       // The axis passes the centre of mass at a distance of rounding.
       const double aside = x - Get(body).x.x;
-      for (const double height : {-0.1, 0.2}) AddPathJoint(&system_, body, {aside, height}, frame_, axis);
+      for (const double height : {-0.1, 0.2}) Join(ConstraintType::kPathJoint, body, {aside, height}, frame_, axis);
       return;
     }
     // The follower's left side lies on the wall's right face from the wall's bottom up to the follower's top.
@@ -317,7 +264,7 @@ class CamRow final : public SceneBuilder {
     spring.end2 = {body, {x - follower.x.x, 0}};
     spring.rest_length = kSpringRest;
     const double compression = kSpringRest - (kSpringAnchor - follower.x.y);
-    spring.stiffness = random_.Uniform(kMinPreload, kMaxPreload) * follower.mass * kGravity / compression;
+    spring.stiffness = random_.Uniform(kPreload) * follower.mass * kGravity / compression;
     springs_.push_back(spring);
   }
 

@@ -1,11 +1,4 @@
 // chain-of-links: links joined by pins, lying over a turning drum.
-//
-// k links make 3 k - 2 rows; what is missing is closed by a rope from the chain's end to a peg that turns with the
-// drum, and by a ball on the first link, one row each. (Ropes at both ends would nearly be a self-stress, with forces
-// beyond all loads.)
-//
-// In motion: the drum goes on turning at its speed, gravity pulls the chain's ends down, and a chain that no rope holds
-// slides off into the round casing.
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +6,7 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -23,25 +14,19 @@ namespace {
 
 constexpr double kDensity = 50;
 constexpr double kLinkRadius = 0.05;
-/// From a joint to the next link's contact point, along the link [m].
-constexpr double kMinArm = 0.12;
-constexpr double kMaxArm = 0.25;
-/// The part of the drum that a long chain covers [rad].
-constexpr double kSpan = 3.4;
+constexpr Range kArm{0.12, 0.25};  ///< from a joint to the next link's contact point, along the link [m]
+constexpr double kSpan = 3.4;      ///< the part of the drum that a long chain covers [rad]
 constexpr double kMinDrum = 0.6;
 constexpr double kRope = 0.2;        ///< length of the rope at the chain's end [m]
 constexpr double kPegRadius = 0.04;  ///< that it is tied to [m]
 constexpr double kBallRadius = 0.08;
-/// Between the drum and its casing [m]: wider than any link is long.
-constexpr double kCasing = 0.8;
-/// Largest centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.3;
+constexpr double kCasing = 0.8;       ///< between the drum and its casing [m]: wider than any link is long
+constexpr double kCentripetal = 0.3;  ///< largest centripetal acceleration over gravity
 
 /// The direction turned clockwise by the angle of a right triangle with these legs; hypotenuse^2 = near^2 + far^2.
 Vec2 TurnedClockwise(Vec2 direction, double near, double far) {
   const double hypotenuse = std::sqrt(near * near + far * far);
-  const Vec2 turned = Rotate({near / hypotenuse, -far / hypotenuse}, direction);
-  return (1 / Norm(turned)) * turned;
+  return Turned(direction, {near / hypotenuse, -far / hypotenuse});
 }
 
 class Chain final : public SceneBuilder {
@@ -55,35 +40,27 @@ class Chain final : public SceneBuilder {
     std::vector<double> arms;  // arms[i] from joint i to the contacts on both its sides
     double length = 0;
     for (int joint = 0; joint <= links; ++joint) {
-      arms.push_back(random_.Uniform(kMinArm, kMaxArm));
+      arms.push_back(random_.Uniform(kArm));
       length += 2 * arms.back();
     }
     const double drum = std::max(kMinDrum, length / kSpan - kLinkRadius);
-    rim_ = {{}, drum, Side::kConvex};
     const double centripetal = kCentripetal * kGravity * random_.Uniform(0.3, 1);
     speed_ = random_.Sign() * std::sqrt(centripetal / drum);
-    Body body = MakeFixed("drum");
-    body.omega = speed_;
-    body.outline = {FullCircle({}, drum, Side::kConvex)};
-    drum_ = Add("drum", body);
+    drum_ = AddFixed("drum", {FullCircle({}, drum, Side::kConvex)});
+    Get(drum_).omega = speed_;
     if (missing > 0) {
-      Body peg = MakeFixed("peg");
-      peg.omega = speed_;
-      peg_ = Add("peg", peg);
+      peg_ = AddFixed("peg");
+      Get(peg_).omega = speed_;
     }
-
-    Body casing = MakeFixed("casing");
-    casing.outline = {FullCircle({}, drum + kCasing, Side::kConcave)};
-    Add("casing", casing);
+    AddFixed("casing", {FullCircle({}, drum + kCasing, Side::kConcave)});
 
     const double covered = std::min(kSpan, length / drum);
     const double lean = random_.Uniform(-0.2, 0.2);
-    const Rotation start = SinCos(kPi / 2 + covered / 2 + lean);
-    Vec2 joint{start.cos, start.sin};
+    const double height = drum + kLinkRadius;
+    Vec2 joint = Direction(kPi / 2 + covered / 2 + lean);
     for (int link = 0; link < links; ++link) {
       const double behind = arms[static_cast<std::size_t>(link)];
       const double ahead = arms[static_cast<std::size_t>(link) + 1];
-      const double height = drum + kLinkRadius;
       const Vec2 foot = TurnedClockwise(joint, height, behind);
       AddLink(foot, behind, ahead);
       if (link == 0 && missing == 2) AddBall(foot);
@@ -93,7 +70,7 @@ class Chain final : public SceneBuilder {
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 2 * kGravity});
     // A push across a taut chain is borne by many times its tension: no squeeze.
     LoadEnds(&system_, {.squeeze = 0});
   }
@@ -108,39 +85,41 @@ class Chain final : public SceneBuilder {
   void AddLink(Vec2 foot, double behind, double ahead) {
     const Vec2 along = -Perp(foot);
     const double half = (behind + ahead) / 2;
-    Body body = MakeBody(Capsule(2 * half, kLinkRadius), kDensity);
-    body.name.clear();
+    Body body = MakePlate(Capsule(2 * half, kLinkRadius), kDensity);
     body.theta = AngleOf(along);
-    body.x = (rim_.radius + kLinkRadius) * foot + ((ahead - behind) / 2) * along;
-    TurnAboutOrigin(&body, speed_);
+    body.x = (Radius(drum_) + kLinkRadius) * foot + ((ahead - behind) / 2) * along;
+    TurnWithDrum(&body);
     const Link previous = last_;
     last_ = {Add("link", body), half};
-    if (previous.body >= 0) AddPin(&system_, last_.body, {-half, 0}, previous.body, {previous.half, 0});
-    Touch(last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, rim_);
+    if (previous.body >= 0) {
+      Join(ConstraintType::kPin, last_.body, {-half, 0}, previous.body, Vertex{{previous.half, 0}});
+    }
+    Touch(last_.body, StraightEdge{{-half, -kLinkRadius}, {half, -kLinkRadius}}, drum_, Piece(drum_));
   }
 
   /// A ball on the outer side of the last link, above its contact point.
   void AddBall(Vec2 foot) {
-    Body body = MakeDisc((rim_.radius + 2 * kLinkRadius + kBallRadius) * foot, kBallRadius, kDensity);
-    TurnAboutOrigin(&body, speed_);
-    const int ball = Add("ball", body);
-    const StraightEdge top{{last_.half, kLinkRadius}, {-last_.half, kLinkRadius}};
-    Touch(ball, Circle(kBallRadius), last_.body, top);
+    Body body = MakeDisc((Radius(drum_) + 2 * kLinkRadius + kBallRadius) * foot, kBallRadius, kDensity);
+    TurnWithDrum(&body);
+    Touch(Add("ball", body), last_.body, StraightEdge{{last_.half, kLinkRadius}, {-last_.half, kLinkRadius}});
   }
 
   /// From the chain's end at the joint, in direction `joint` (unit), to a peg on the drum ahead of it. `arm` is the
   /// end's distance from the contact point. The peg is a body of its own, because bodies that a joint connects do not
   /// touch each other.
   void AddRope(Vec2 joint, double arm) {
-    const double height = rim_.radius + kLinkRadius;
+    const double height = Radius(drum_) + kLinkRadius;
     const double distance = std::sqrt(height * height + arm * arm);
-    const double sine = kRope / distance;
-    const Vec2 end = distance * Rotate({std::sqrt((1 - sine) * (1 + sine)), -sine}, joint);
+    const Vec2 end = distance * Rotate(OfSine(-kRope / distance), joint);
     Get(peg_).outline = {FullCircle(end, kPegRadius, Side::kConvex)};
-    lcpbench::AddRope(&system_, last_.body, {last_.half, 0}, peg_, end);
+    Join(ConstraintType::kRope, last_.body, {last_.half, 0}, peg_, Vertex{end});
   }
 
-  ArcEdge rim_;
+  void TurnWithDrum(Body* body) const {
+    body->omega = speed_;
+    body->v = speed_ * Perp(body->x);
+  }
+
   double speed_ = 0;
   int drum_ = -1;
   int peg_ = -1;

@@ -1,8 +1,4 @@
 // disc-pile: discs of many sizes and masses, dropped one after the other into a box.
-//
-// An odd count is closed by a disc that stands on the crest of the pile: one row.
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -16,13 +12,9 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kMinRadius = 0.06;
-constexpr double kMaxRadius = 0.15;
-/// In-plane gravity times the square root of the number of layers [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the pile gets higher.
-constexpr double kWeight = 0.2 * kGravity;
-/// Width of the box over that of a square which holds the discs side by side.
-constexpr double kBoxAspect = 1.2;
+constexpr Range kRadius{0.06, 0.15};
+constexpr double kWeight = 0.2 * kGravity;  ///< times the root of the number of layers [m/s^2]
+constexpr double kBoxAspect = 1.2;  ///< width of the box over that of a square which holds the discs side by side
 /// Least gap between bodies that are not listed as touching, over the smaller radius: far above rounding.
 constexpr double kClearance = 1e-6;
 
@@ -72,7 +64,7 @@ class Pile {
   }
 
  private:
-  static constexpr double kCell = 2 * kMaxRadius;
+  static constexpr double kCell = 2 * kRadius.high;
   static constexpr int kMaxSteps = 1000;
 
   static std::size_t Idx(int i) { return static_cast<std::size_t>(i); }
@@ -81,15 +73,12 @@ class Pile {
   }
   static std::size_t RowOf(double y) { return static_cast<std::size_t>(std::max(0.0, y) / kCell); }
 
-  /// Calls visit(k) for every disc whose centre is within `reach` of c in x and y (and some more).
+  /// Calls visit(k) for every disc whose centre is in that box (and some more).
   template <typename Visit>
-  void ForNeighbours(Vec2 c, double reach, Visit visit) const {
-    const std::size_t last_column = ColumnOf(c.x + reach);
-    const std::size_t first_row = RowOf(c.y - reach);
-    const std::size_t last_row = RowOf(c.y + reach);
-    for (std::size_t column = ColumnOf(c.x - reach); column <= last_column; ++column) {
+  void ForDiscs(Vec2 low, Vec2 high, Visit visit) const {
+    for (std::size_t column = ColumnOf(low.x); column <= ColumnOf(high.x); ++column) {
       const auto& cells = columns_[column];
-      for (std::size_t row = first_row; row <= last_row && row < cells.size(); ++row) {
+      for (std::size_t row = RowOf(low.y); row <= RowOf(high.y) && row < cells.size(); ++row) {
         for (const int k : cells[row]) visit(k);
       }
     }
@@ -107,7 +96,7 @@ class Pile {
       if (at->y < static_cast<double>(row) * kCell) row = std::min(row, RowOf(at->y) + 1);
       while (row-- > 0) {
         // Nothing in this cell or below can hold the disc higher than this.
-        if (static_cast<double>(row + 1) * kCell + kMaxRadius + r < y) break;
+        if (static_cast<double>(row + 1) * kCell + kRadius.high + r < y) break;
         for (const int k : cells[row]) {
           const Disc& other = discs_[Idx(k)];
           const double reach = r + other.r;
@@ -129,26 +118,17 @@ class Pile {
   Resting RollOnFloor(double r, Vec2 at, double direction) const {
     Resting rest{at, kFloor, direction < 0 ? kLeftWall : kRightWall};
     rest.c = {direction < 0 ? r : width_ - r, r};
-    const auto column_count = columns_.size();
-    for (std::size_t column = ColumnOf(at.x - direction * kCell); column < column_count;
-         direction < 0 ? --column : ++column) {
-      const auto& cells = columns_[column];
-      for (std::size_t row = 0; row < std::min<std::size_t>(2, cells.size()); ++row) {
-        for (const int k : cells[row]) {
-          const Disc& other = discs_[Idx(k)];
-          const double reach = r + other.r;
-          const double dy = other.c.y - r;
-          if (direction * (other.c.x - at.x) < 0 || dy * dy >= reach * reach) continue;
-          const double x = other.c.x - direction * std::sqrt(reach * reach - dy * dy);
-          if (direction * (rest.c.x - x) > 0) {
-            rest.c.x = x;
-            rest.support2 = k;
-          }
-        }
-      }
-      // A hit in this column or the next ends the search: later columns lie behind it.
-      if (direction * (static_cast<double>(column) * kCell - rest.c.x) > 2 * kCell) break;
-    }
+    // A disc that it meets lies in the two lowest rows of cells.
+    ForDiscs({std::min(at.x, rest.c.x) - kCell, 0}, {std::max(at.x, rest.c.x) + kCell, 1.5 * kCell}, [&](int k) {
+      const Disc& other = discs_[Idx(k)];
+      const double reach = r + other.r;
+      const double dy = other.c.y - r;
+      if (direction * (other.c.x - at.x) < 0 || dy * dy >= reach * reach) return;
+      const double x = other.c.x - direction * std::sqrt(reach * reach - dy * dy);
+      if (direction * (rest.c.x - x) <= 0) return;
+      rest.c.x = x;
+      rest.support2 = k;
+    });
     return rest;
   }
 
@@ -177,22 +157,17 @@ class Pile {
         consider({wall_x, over.c.y + std::sqrt(reach * reach - wall_dx * wall_dx)},
                  direction < 0 ? kLeftWall : kRightWall);
       }
-      ForNeighbours(over.c, reach + r + kMaxRadius, [&](int k) {
+      const double around = reach + r + kRadius.high;
+      ForDiscs(over.c - Vec2{around, around}, over.c + Vec2{around, around}, [&](int k) {
         if (k == pivot || k == previous) return;
         const Disc& other = discs_[Idx(k)];
         const double other_reach = r + other.r;
-        const Vec2 between = other.c - over.c;
-        const double distance = Norm(between);
+        const double distance = Norm(other.c - over.c);
         if (distance >= reach + other_reach || distance + other_reach <= reach) return;
-        // Circles of radius reach about the pivot and other_reach about the other disc.
-        const double along = (reach * reach - other_reach * other_reach + distance * distance) / (2 * distance);
-        const double square = reach * reach - along * along;
-        if (square <= 0) return;
-        const Vec2 unit = (1 / distance) * between;
-        const Vec2 foot = over.c + along * unit;
-        const Vec2 side = std::sqrt(square) * Perp(unit);
-        consider(foot + side, k);
-        consider(foot - side, k);
+        const CircleMeeting meeting = MeetingOf(over.c, reach, other.c, other_reach);
+        if (meeting.square <= 0) return;
+        consider(meeting.Left(), k);
+        consider(meeting.Right(), k);
       });
       *at = next;
       if (hit == kNothing) return pivot;
@@ -210,12 +185,13 @@ class Pile {
   /// The place if it is clear of everything but its two supports.
   std::optional<Resting> Accept(double r, const Resting& rest) const {
     const auto supports = [&rest](int k) { return rest.support1 == k || rest.support2 == k; };
-    const double clear = kClearance * kMinRadius;
+    const double clear = kClearance * kRadius.low;
     if (!supports(kFloor) && rest.c.y - r < clear) return std::nullopt;
     if (!supports(kLeftWall) && rest.c.x - r < clear) return std::nullopt;
     if (!supports(kRightWall) && width_ - r - rest.c.x < clear) return std::nullopt;
     bool free = true;
-    ForNeighbours(rest.c, r + kMaxRadius + clear, [&](int k) {
+    const double around = r + kRadius.high + clear;
+    ForDiscs(rest.c - Vec2{around, around}, rest.c + Vec2{around, around}, [&](int k) {
       const Disc& other = discs_[Idx(k)];
       if (!supports(k) && Norm(rest.c - other.c) - r - other.r < clear) free = false;
     });
@@ -236,15 +212,15 @@ class PileScene final : public SceneBuilder {
 
   void Build() override {
     const int count = rows_ / 2;
-    width_ = (kMinRadius + kMaxRadius) * std::max(3.0, kBoxAspect * std::sqrt(static_cast<double>(count)));
+    width_ = (kRadius.low + kRadius.high) * std::max(3.0, kBoxAspect * std::sqrt(static_cast<double>(count)));
     Pile pile(width_);
-    Add("box", MakeFixed("box"));
+    AddFixed("box");
 
     Disc crest{{width_ / 2, 0}, 0};  // the highest disc; before the first, a point of the floor
     int crest_support = kFloor;
     constexpr int kMaxTries = 10000;
     for (int i = 0; i < count; ++i) {
-      const double r = random_.Uniform(kMinRadius, kMaxRadius);
+      const double r = random_.Uniform(kRadius);
       std::optional<Resting> rest;
       for (int attempt = 0; !rest && attempt < kMaxTries; ++attempt) {
         const double direction = random_.Sign();
@@ -263,18 +239,17 @@ class PileScene final : public SceneBuilder {
     }
     if (rows_ % 2 == 1) {
       // Smaller than the disc that it stands on, so that it clears the walls.
-      const double r = crest_support == kFloor ? kMinRadius : random_.Uniform(0.5, 0.9) * crest.r;
+      const double r = crest_support == kFloor ? kRadius.low : random_.Uniform(0.5, 0.9) * crest.r;
       crest = {crest.c + Vec2{0, crest.r + r}, r};
       Rest(AddDisc(crest), crest_support);
     }
     const double height = crest.c.y + crest.r;
-    Get(0).outline = {WholeEdge({width_, height}, {width_, 0}), WholeEdge({width_, 0}, {}), WholeEdge({}, {0, height})};
+    Get(0).outline = Polyline({{width_, height}, {width_, 0}, {}, {0, height}});
   }
 
   void Load() override {
-    const int count = rows_ / 2;
-    const double layers = std::sqrt(1.0 + count);
-    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(layers), .gust = kGravity}, &random_);
+    const double layers = std::sqrt(1.0 + rows_ / 2);
+    Apply({.weight = kWeight / std::sqrt(layers), .gust = kGravity});
   }
 
   void Launch(World* world) override { Stir(world, kStir, seed_); }
@@ -289,19 +264,17 @@ class PileScene final : public SceneBuilder {
     Body body = MakeDisc(disc.c, disc.r, density);
     // Nothing depends on a disc's angle; a nonzero one exercises the frames.
     body.theta = random_.Uniform(-kPi, kPi);
-    radii_.push_back(disc.r);
     return Add("disc", std::move(body));
   }
 
   void Rest(int body, int support) {
     if (support >= 0) {
-      Touch(body, Circle(Radius(body)), support + 1, Circle(Radius(support + 1)));
+      Touch(body, support + 1);
     } else {
-      Touch(body, Circle(Radius(body)), 0, Side(support));
+      Touch(body, 0, Side(support));
     }
   }
 
-  double Radius(int body) const { return radii_[static_cast<std::size_t>(body) - 1]; }
   StraightEdge Side(int support) const {
     if (support == kFloor) return {{width_, 0}, {}};
     if (support == kLeftWall) return {{}, {0, 1}};
@@ -309,7 +282,6 @@ class PileScene final : public SceneBuilder {
   }
 
   double width_ = 0;
-  std::vector<double> radii_;
 };
 
 }  // namespace

@@ -1,39 +1,24 @@
 // disc-track: a chain of touching discs that slides along the inside of a circular track.
-//
-// k discs make 2 k - 1 rows; an even count is closed by a disc that slides behind the chain on its own (one row).
-//
-// In motion: the track lies on a plane that is nearly level. In an upright one discs would fall from the top of the
-// track, and every fall is a cascade of impacts along the chain.
 
 #include <cmath>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
 
-constexpr double kMinRadius = 0.06;
-constexpr double kMaxRadius = 0.14;
+constexpr Range kRadius{0.06, 0.14};
 constexpr double kDensity = 40;
-/// The part of the track that the chain covers [rad].
-constexpr double kSpan = 4.2;
-/// Centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.5;
+constexpr double kSpan = 4.2;         ///< the part of the track that the chain covers [rad]
+constexpr double kCentripetal = 0.5;  ///< centripetal acceleration over gravity
 /// In-plane gravity in motion over gravity: a plane so flat that a disc which passes the bottom with that acceleration
 /// stays on the track over the top, where v^2 = (kCentripetal - 4 kPlane) g R must be at least kPlane g R.
 constexpr double kPlane = kCentripetal / 5;
-/// Largest spin [rad/s].
-constexpr double kMaxSpin = 8;
+constexpr double kMaxSpin = 8;  ///< largest spin [rad/s]
 
 /// A disc with a cylindrical insert of radius r / 3 and random density at distance r / 2 from its centre.
-struct EccentricDisc {
-  Body body;
-  ArcEdge rim;
-};
-
-EccentricDisc MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Random* random) {
+Body MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Random* random) {
   const double insert = r / 3;
   const double plain_mass = kPi * r * r * kDensity;
   const double insert_mass = kPi * insert * insert * kDensity * random->Uniform(1, 12);
@@ -42,17 +27,15 @@ EccentricDisc MakeEccentricDisc(Vec2 center, double r, Vec2 center_velocity, Ran
   const double offset = r / 2 * insert_mass / mass;
   const double insert_offset = r / 2 - offset;
 
-  EccentricDisc disc;
-  Body& body = disc.body;
+  Body body;
   body.mass = mass;
   body.inertia =
       plain_mass * (r * r / 2 + offset * offset) + insert_mass * (insert * insert / 2 + insert_offset * insert_offset);
   body.x = center + offset * direction;
   body.omega = random->Uniform(-kMaxSpin, kMaxSpin);
   body.v = center_velocity + (body.omega * offset) * Perp(direction);
-  disc.rim = {-offset * direction, r, Side::kConvex};
-  body.outline = {FullCircle(disc.rim.center, r, Side::kConvex)};
-  return disc;
+  body.outline = {FullCircle(-offset * direction, r, Side::kConvex)};
+  return body;
 }
 
 class Track final : public SceneBuilder {
@@ -66,44 +49,36 @@ class Track final : public SceneBuilder {
     std::vector<double> radii;
     double length = 0;
     for (int i = 0; i < chain; ++i) {
-      radii.push_back(random_.Uniform(kMinRadius, kMaxRadius));
+      radii.push_back(random_.Uniform(kRadius));
       length += 2 * radii.back();
     }
-    const double track = length / kSpan + 3 * kMaxRadius;
+    const double track = length / kSpan + 3 * kRadius.high;
     const double turning = random_.Sign() * std::sqrt(kCentripetal * kGravity / track);
-    const ArcEdge track_arc{{}, track, Side::kConcave};
-    Body fixed = MakeFixed("track");
-    fixed.outline = {FullCircle({}, track, Side::kConcave)};
-    const int track_body = Add("track", fixed);
+    const int track_body = AddFixed("track", {FullCircle({}, track, Side::kConcave)});
 
-    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
-    Vec2 direction{start.cos, start.sin};
-    ArcEdge last_rim;
+    Vec2 direction = RandomDirection();
     const auto add = [&](double r) {
       const Vec2 center = (track - r) * direction;
-      const EccentricDisc disc = MakeEccentricDisc(center, r, turning * Perp(center), &random_);
-      last_rim = disc.rim;
-      const int body = Add("disc", disc.body);
-      Touch(body, disc.rim, track_body, track_arc);
+      const int body = Add("disc", MakeEccentricDisc(center, r, turning * Perp(center), &random_));
+      Touch(body, track_body);
       return body;
     };
 
     for (int i = 0; i < chain; ++i) {
       const double r = radii[static_cast<std::size_t>(i)];
       if (i > 0) direction = NextAlongArc(direction, radii[static_cast<std::size_t>(i) - 1], r, track);
-      const ArcEdge previous_rim = last_rim;
       const int body = add(r);
-      if (i > 0) Touch(body, last_rim, body - 1, previous_rim);
+      if (i > 0) Touch(body, body - 1);
     }
     if (straggler) {
       // Leaves the place of one disc free behind the chain.
-      direction = NextAlongArc(direction, radii.back(), kMinRadius, track);
-      direction = NextAlongArc(direction, kMinRadius, kMinRadius, track);
-      add(kMinRadius);
+      direction = NextAlongArc(direction, radii.back(), kRadius.low, track);
+      direction = NextAlongArc(direction, kRadius.low, kRadius.low, track);
+      add(kRadius.low);
     }
   }
 
-  void Load() override { ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_); }
+  void Load() override { Apply({.weight = kGravity, .gust = 2 * kGravity}); }
 
   void Launch(World* world) override { world->loads.gravity = {0, -kPlane * kGravity}; }
 };

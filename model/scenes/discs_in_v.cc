@@ -1,9 +1,4 @@
 // discs-in-v: equal discs stacked between two walls that open at 60 degrees.
-//
-// Rows are filled disc by disc, layer by layer. The last discs close the count: one in a cradle without its left
-// neighbour (two rows) or one that slides down the right-hand wall above the stack (one row).
-//
-// In motion: upright, every body stirred a little (scene_builder.h), settling.
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +11,7 @@ namespace {
 
 constexpr double kRadius = 0.1;
 constexpr double kDensity = 50;
-/// In-plane gravity times the number of layers [m/s^2]. The plane of motion lies nearly flat, the flatter the higher
-/// the stack: sums of random gusts grow with a region's size, those of weights with its square, and an upright stack's
-/// weight would close every contact below the top layers.
-constexpr double kWeight = 0.2 * kGravity;
+constexpr double kWeight = 0.2 * kGravity;  ///< times the number of layers [m/s^2]
 
 /// The wedge has its apex at the origin; disc i of layer k (both from 0) is the (i+1)-th from the left of k + 1.
 class Wedge final : public SceneBuilder {
@@ -27,8 +19,8 @@ class Wedge final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    left_wall_ = Add("wall", MakeFixed("left wall"));
-    right_wall_ = Add("wall", MakeFixed("right wall"));
+    left_wall_ = AddFixed("left wall");
+    right_wall_ = AddFixed("right wall");
     std::vector<int> below;
     std::vector<int> current;
     int layer = 0;
@@ -45,7 +37,7 @@ class Wedge final : public SceneBuilder {
         break;
       }
       const int disc = AddCradled(layer, i, below);
-      if (i > 0) TouchDisc(disc, current.back());
+      if (i > 0) Touch(disc, current.back());
       current.push_back(disc);
       if (i == layer) {
         below.swap(current);
@@ -55,16 +47,14 @@ class Wedge final : public SceneBuilder {
     }
     if (left_ == 1) {
       const int above = top_layer_ + 2;
-      TouchRightWall(AddDisc(above, above));
+      Touch(AddDisc(above, above), right_wall_, RightWall(1));
     }
     const double length = (top_layer_ + 3) * 2 * kRadius;
-    const StraightEdge left = LeftWall(length);
-    const StraightEdge right = RightWall(length);
-    Get(left_wall_).outline = {WholeEdge(left.a, left.b)};
-    Get(right_wall_).outline = {WholeEdge(right.a, right.b)};
+    Get(left_wall_).outline = {{LeftWall(length)}};
+    Get(right_wall_).outline = {{RightWall(length)}};
   }
 
-  void Load() override { ApplyLoads(&system_, {.weight = kWeight / (1 + top_layer_), .gust = kGravity}, &random_); }
+  void Load() override { Apply({.weight = kWeight / (1 + top_layer_), .gust = kGravity}); }
 
   void Launch(World* world) override { Stir(world, kStir, seed_); }
 
@@ -76,23 +66,20 @@ class Wedge final : public SceneBuilder {
     const Vec2 center{(2 * i - layer) * kRadius, (2 + layer * root3_) * kRadius};
     return Add("disc", MakeDisc(center, kRadius, kDensity));
   }
-  void TouchDisc(int disc, int other) { Touch(disc, Circle(kRadius), other, Circle(kRadius)); }
-  void TouchLeftWall(int disc) { Touch(disc, Circle(kRadius), left_wall_, LeftWall(1)); }
-  void TouchRightWall(int disc) { Touch(disc, Circle(kRadius), right_wall_, RightWall(1)); }
 
   /// A disc with its two supports below (disc or wall) and without neighbours in its layer: two rows.
   /// `below` are the discs of the layer below.
   int AddCradled(int layer, int i, const std::vector<int>& below) {
     const int disc = AddDisc(layer, i);
     if (i == 0) {
-      TouchLeftWall(disc);
+      Touch(disc, left_wall_, LeftWall(1));
     } else {
-      TouchDisc(disc, below[static_cast<std::size_t>(i) - 1]);
+      Touch(disc, below[static_cast<std::size_t>(i) - 1]);
     }
     if (i == layer) {
-      TouchRightWall(disc);
+      Touch(disc, right_wall_, RightWall(1));
     } else {
-      TouchDisc(disc, below[static_cast<std::size_t>(i)]);
+      Touch(disc, below[static_cast<std::size_t>(i)]);
     }
     return disc;
   }

@@ -1,11 +1,4 @@
 // gear-train: gears on pins, each in mesh with the next, driven by a motor.
-//
-// k gears make 3 k rows; what is missing is closed by rollers on the motor's teeth, one row each. Gears turn at the
-// speeds at which their teeth stay in contact, and are placed where the ratios deviate least from those of the counts
-// of teeth, so that they do not drift along a long train.
-//
-// In motion: the motor turns at constant speed, brakes of different strength resist every gear, and gears rattle
-// through their backlash.
 
 #include <algorithm>
 #include <array>
@@ -17,9 +10,7 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
@@ -37,8 +28,7 @@ constexpr double kFootWidth = 1.3;  ///< of a tooth, along the root circle
 constexpr double kTipWidth = 0.76;  ///< of a tooth, along the tip circle
 constexpr double kRollerRadius = 0.5;
 /// The line from a gear to the next is inclined by this, up and down in turn [rad].
-constexpr double kMinIncline = 0.15;
-constexpr double kMaxIncline = 0.55;
+constexpr Range kIncline{0.15, 0.55};
 constexpr double kMaxSpeed = 1.5;  ///< of the motor's pitch circle, and at least half of it [m/s]
 /// Candidates for a gear's place; the first whose ratio is within kRatioSlack of the motor's is taken.
 constexpr int kCandidates = 8;
@@ -65,11 +55,6 @@ struct GearKind {
   std::vector<std::array<std::array<FlankFeature, 2>, 2>> flanks;
 };
 
-Vec2 Direction(double angle) {
-  const Rotation u = SinCos(angle);
-  return {u.cos, u.sin};
-}
-
 FlankFeature FlankOf(const OutlineEdge& piece) {
   const auto& arc = std::get<ArcEdge>(piece.edge);
   return {arc, arc.center, arc.radius, Direction(piece.s_begin), Direction(piece.s_end)};
@@ -87,7 +72,7 @@ GearKind MakeGearKind(int teeth) {
   shape.tip_share = kTipWidth * kModule * teeth / (2 * kPi * shape.tip_radius);
   shape.foot_share = kFootWidth * kModule * teeth / (2 * kPi * shape.root_radius);
   shape.flank_radius = kFlankRadius * kModule;
-  kind.body = MakeBody(Gear(shape), kDensity);
+  kind.body = MakePlate(Gear(shape), kDensity);
   // Pieces of a tooth: clockwise flank, tip land, counter-clockwise flank, root land.
   constexpr std::size_t kPieces = 4;
   for (int tooth = 0; tooth < teeth; ++tooth) {
@@ -117,84 +102,70 @@ struct Mesh {
   Feature feature2;                                         ///< of the new gear
 };
 
-/// Where the flanks of a gear kind touch those of a placed gear when turned from the middle of the backlash, `side` 1
-/// counter-clockwise, 0 clockwise. Circles of radii r1, r2 touch where their centres are r1 + r2 apart: with the new
-/// gear's centre that is a triangle of three known sides, so that the angle needs no search.
-class MeshSearch {
- public:
-  MeshSearch(const GearKind& kind1, const Body& gear1, const GearKind& kind2, Vec2 axle2, std::size_t side)
-      : kind1_(kind1), gear1_(gear1), kind2_(kind2), axle2_(axle2), side_(side), turn1_(SinCos(gear1.theta)) {}
+/// The rotations about the origin, two or none, that bring point b to that distance from point a: with the origin a
+/// triangle of three known sides, so that the angle needs no search.
+std::vector<Rotation> TurnsToDistance(Vec2 a, Vec2 b, double distance) {
+  const double aa = Dot(a, a);
+  const double bb = Dot(b, b);
+  const double product = std::sqrt(aa * bb);
+  const double cosine = (aa + bb - distance * distance) / (2 * product);
+  if (std::abs(cosine) >= 1) return {};
+  const double sine = std::sqrt((1 - cosine) * (1 + cosine));
+  // The unit complex number that turns b to the direction of a, turned further by the triangle's angle.
+  const Rotation align{Dot(a, b) / product, Cross(b, a) / product};
+  const auto turned = [&](double sign) -> Rotation {
+    return {align.cos * cosine - sign * align.sin * sine, align.sin * cosine + sign * align.cos * sine};
+  };
+  return {turned(-1), turned(1)};
+}
 
-  std::optional<Mesh> Run() {
-    const Vec2 line = axle2_ - WorldPoint(gear1_, kind1_.axle);
-    const double line_angle = AngleOf(line);
-    const double pitch1 = 2 * kPi / kind1_.teeth;
-    const double pitch2 = 2 * kPi / kind2_.teeth;
-    const double nearest = std::round((line_angle - gear1_.theta) / pitch1);
-    const double off = gear1_.theta + nearest * pitch1 - line_angle;
-    // A gap of the new gear faces that tooth; in the frame of its tooth 0.
-    middle_ = line_angle + kPi - off * kind1_.teeth / kind2_.teeth + pitch2 / 2;
-    for (int tooth = -2; tooth <= 2; ++tooth) {
-      const int turns = kind1_.teeth;
-      const auto index = static_cast<std::size_t>(((static_cast<int>(nearest) + tooth) % turns + turns) % turns);
-      for (const FlankFeature& feature1 : kind1_.flanks[index][side_]) {
-        for (const FlankFeature& feature2 : kind2_.flanks[0][side_]) {
-          if (feature1.radius > 0 || feature2.radius > 0) Try(feature1, feature2);
-        }
+/// Where the flanks of a gear kind touch those of a placed gear when turned from the middle of the backlash, `side` 1
+/// counter-clockwise, 0 clockwise: circles of radii r1, r2 with centres r1 + r2 apart.
+std::optional<Mesh> FindMesh(const GearKind& kind1, const Body& gear1, const GearKind& kind2, Vec2 axle2,
+                             std::size_t side) {
+  const double line_angle = AngleOf(axle2 - WorldPoint(gear1, kind1.axle));
+  const double pitch1 = 2 * kPi / kind1.teeth;
+  const double pitch2 = 2 * kPi / kind2.teeth;
+  const double nearest = std::round((line_angle - gear1.theta) / pitch1);
+  const double off = gear1.theta + nearest * pitch1 - line_angle;
+  // A gap of the new gear faces that tooth; in the frame of its tooth 0.
+  const double middle = line_angle + kPi - off * kind1.teeth / kind2.teeth + pitch2 / 2;
+  const Rotation turn1 = SinCos(gear1.theta);
+  Mesh best;
+  const auto consider = [&](const FlankFeature& feature1, const FlankFeature& feature2) {
+    const Vec2 center1 = WorldPoint(gear1, feature1.center);
+    const Vec2 b = feature2.center - kind2.axle;
+    const double reach = feature1.radius + feature2.radius;
+    for (const Rotation turn : TurnsToDistance(center1 - axle2, b, reach)) {
+      const Vec2 n = (1 / reach) * (axle2 + Rotate(turn, b) - center1);
+      if (!HasNormal(feature1, Rotate({turn1.cos, -turn1.sin}, n))) continue;
+      if (!HasNormal(feature2, Rotate({turn.cos, -turn.sin}, -n))) continue;
+      // All teeth of the new gear are alike: only the angle modulo its pitch counts.
+      const double theta = AngleOf({turn.cos, turn.sin});
+      const double from_middle = theta + std::round((middle - theta) / pitch2) * pitch2 - middle;
+      const double travel = side == 1 ? from_middle : -from_middle;
+      if (travel < best.travel) best = {theta, travel, feature1.feature, feature2.feature};
+    }
+  };
+  for (int tooth = -2; tooth <= 2; ++tooth) {
+    const int turns = kind1.teeth;
+    const auto index = static_cast<std::size_t>(((static_cast<int>(nearest) + tooth) % turns + turns) % turns);
+    for (const FlankFeature& feature1 : kind1.flanks[index][side]) {
+      for (const FlankFeature& feature2 : kind2.flanks[0][side]) {
+        if (feature1.radius > 0 || feature2.radius > 0) consider(feature1, feature2);
       }
     }
-    if (!std::isfinite(best_.travel)) return std::nullopt;
-    return best_;
   }
-
- private:
-  void Try(const FlankFeature& feature1, const FlankFeature& feature2) {
-    const Vec2 center1 = WorldPoint(gear1_, feature1.center);
-    const Vec2 a = center1 - axle2_;
-    const Vec2 b = feature2.center - kind2_.axle;
-    const double reach = feature1.radius + feature2.radius;
-    const double aa = Dot(a, a);
-    const double bb = Dot(b, b);
-    const double product = std::sqrt(aa * bb);
-    const double cosine = (aa + bb - reach * reach) / (2 * product);
-    if (std::abs(cosine) >= 1) return;
-    const double sine = std::sqrt((1 - cosine) * (1 + cosine));
-    for (const double sign : {-1.0, 1.0}) {
-      // The unit complex number that turns b to the direction of a, turned further by the triangle's angle.
-      const Rotation align{Dot(a, b) / product, Cross(b, a) / product};
-      const Rotation turn{align.cos * cosine - sign * align.sin * sine, align.sin * cosine + sign * align.cos * sine};
-      const Vec2 n = (1 / reach) * (axle2_ + Rotate(turn, b) - center1);
-      if (!HasNormal(feature1, Rotate({turn1_.cos, -turn1_.sin}, n))) continue;
-      if (!HasNormal(feature2, Rotate({turn.cos, -turn.sin}, -n))) continue;
-      Keep(AngleOf({turn.cos, turn.sin}), feature1, feature2);
-    }
-  }
-
-  /// All teeth of the new gear are alike: only the angle modulo its pitch counts.
-  void Keep(double theta, const FlankFeature& feature1, const FlankFeature& feature2) {
-    const double pitch2 = 2 * kPi / kind2_.teeth;
-    const double teeth_off = std::round((middle_ - theta) / pitch2);
-    const double from_middle = theta + teeth_off * pitch2 - middle_;
-    const double travel = side_ == 1 ? from_middle : -from_middle;
-    if (travel < best_.travel) best_ = {theta, travel, feature1.feature, feature2.feature};
-  }
-
-  const GearKind& kind1_;
-  const Body& gear1_;
-  const GearKind& kind2_;
-  Vec2 axle2_;
-  std::size_t side_;
-  Rotation turn1_;
-  double middle_ = 0;
-  Mesh best_;
-};
+  if (!std::isfinite(best.travel)) return std::nullopt;
+  return best;
+}
 
 class GearTrain final : public SceneBuilder {
  public:
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    frame_ = Add("frame", MakeFixed("frame"));
+    frame_ = AddFixed("frame");
     AddMotor();
     for (int rollers = 0; rollers < rows_ % kRowsPerGear; ++rollers) AddRoller(rollers);
     for (int gear = 0; gear < rows_ / kRowsPerGear; ++gear) AddGear(gear % 2 == 0 ? 1 : -1);
@@ -213,7 +184,7 @@ class GearTrain final : public SceneBuilder {
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 2 * kGravity});
     LoadEnds(&system_);
   }
 
@@ -229,7 +200,7 @@ class GearTrain final : public SceneBuilder {
       for (int teeth = kMinTeeth; teeth <= kMaxTeeth; ++teeth) all.push_back(MakeGearKind(teeth));
       return all;
     }();
-    return kinds[static_cast<std::size_t>(random_.Integer(kMaxTeeth - kMinTeeth + 1))];
+    return kinds[static_cast<std::size_t>(random_.Integer(0, kMaxTeeth - kMinTeeth))];
   }
   const Body& Last() const { return Get(last_); }
 
@@ -258,8 +229,7 @@ class GearTrain final : public SceneBuilder {
     const Vec2 direction = Direction(motor.theta + (land.s_begin + land.s_end) / 2);
     Body roller = MakeDisc(last_axle_ + (last_kind_->tip_radius + radius) * direction, radius, kDensity);
     roller.v = VelocityAt(motor, last_axle_ + last_kind_->tip_radius * direction);
-    const int body = Add("roller", roller);
-    Touch(body, Circle(radius), last_, std::get<ArcEdge>(land.edge));
+    Touch(Add("roller", roller), last_, ToFeature(land.edge));
   }
 
   void AddGear(double up) {
@@ -270,19 +240,18 @@ class GearTrain final : public SceneBuilder {
     // A candidate is tried on a system of the two gears alone.
     for (int k = 0; k < kCandidates && best_error > kRatioSlack; ++k) {
       const GearKind& kind = DrawKind();
-      const double incline = up * random_.Uniform(kMinIncline, kMaxIncline);
+      const double incline = up * random_.Uniform(kIncline);
       const std::size_t side = random_.Uniform() < 0.5 ? 0 : 1;
       const Vec2 axle = last_axle_ + (last_kind_->pitch_radius + kind.pitch_radius) * Direction(incline);
-      const std::optional<Mesh> mesh = MeshSearch(*last_kind_, Last(), kind, axle, side).Run();
+      const std::optional<Mesh> mesh = FindMesh(*last_kind_, Last(), kind, axle, side);
       if (!mesh) continue;
       ContactSystem pair;
       pair.bodies = {Last(), kind.body};
       Body& gear = pair.bodies[1];
       gear.theta = mesh->theta;
       gear.x = axle - Rotate(SinCos(gear.theta), kind.axle);
-      AddContact(&pair, 1, mesh->feature2, 0, mesh->feature1);
-      const ContactRow row = LastRow(pair);
-      gear.omega = -row.d_dot / row.J[2];
+      AddConstraint(&pair, ConstraintType::kContact, 1, mesh->feature2, 0, mesh->feature1);
+      gear.omega = StillVelocity(pair, 2);
       // The axle is the centre of mass but for rounding.
       gear.v = -gear.omega * Perp(Rotate(SinCos(gear.theta), kind.axle));
       const double error = std::abs(std::abs(gear.omega * kind.pitch_radius / pitch_speed_) - 1);
@@ -292,9 +261,8 @@ class GearTrain final : public SceneBuilder {
       best_kind = &kind;
       best_axle = axle;
     }
-    best.bodies[1].name.clear();
     const int gear = Add("gear", best.bodies[1]);
-    AddPin(&system_, gear, best_kind->axle, frame_, best_axle);
+    Join(ConstraintType::kPin, gear, best_kind->axle, frame_, Vertex{best_axle});
     Touch(gear, best.constraints[0].feature1, last_, best.constraints[0].feature2);
     last_ = gear;
     last_kind_ = best_kind;

@@ -1,10 +1,4 @@
 // newtons-cradle: a row of pendulums that touch.
-//
-// k balls make 2 k - 1 rows, and one more for each rigid arm: their number sets the parity.
-//
-// In motion: equal balls on rods with small gaps, the first one or two lifted and let go. The gaps matter: touching
-// balls under one common restitution give (-1/3, 2/3, 2/3) after the first impact, and not the row of impacts that
-// sends off the last ball.
 
 #include <algorithm>
 #include <cmath>
@@ -12,17 +6,14 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kLength = 1;  ///< of all pendulums [m]
-constexpr double kMinRadius = 0.08;
-constexpr double kMaxRadius = 0.12;
-constexpr double kMinDensity = 50;  ///< [kg/m^2]
-constexpr double kMaxDensity = 150;
+constexpr Range kRadius{0.08, 0.12};
+constexpr Range kDensity{50, 150};   ///< [kg/m^2]
 constexpr double kMaxAngle = 0.25;   ///< from the vertical, common to all [rad]
 constexpr double kMaxSpeed = 1;      ///< common to all [rad/s]
 constexpr double kArmShare = 0.15;   ///< of rigid arms among the pendulums
@@ -33,8 +24,6 @@ constexpr double kGapShare = 1e-4;   ///< of a ball's radius
 constexpr double kLiftAngle = 0.5;   ///< [rad]
 constexpr double kBallRadius = 0.1;  ///< [m]
 constexpr double kBallDensity = 100;
-
-enum class Support { kRod, kRope, kArm };
 
 /// The numbers of balls and of rigid arms, 2 balls - 1 + arms = rows.
 struct Counts {
@@ -60,26 +49,6 @@ std::vector<bool> DrawArms(const Counts& counts, Random* random) {
   return is_arm;
 }
 
-void Hang(ContactSystem* system, int ball, int beam, Vec2 anchor, Support support) {
-  switch (support) {
-    case Support::kRod:
-      AddRod(system, ball, {}, beam, anchor);
-      break;
-    case Support::kRope:
-      AddRope(system, ball, {}, beam, anchor);
-      break;
-    case Support::kArm:
-      AddPin(system, ball, BodyPoint(system->bodies[static_cast<std::size_t>(ball)], anchor), beam, anchor);
-      break;
-  }
-}
-
-void DrawBeam(Body* beam, double left, double right) {
-  const Vec2 corner{right, kBeamHeight};
-  beam->outline = {WholeEdge({left, 0}, {right, 0}), WholeEdge({right, 0}, corner), WholeEdge(corner, {left, corner.y}),
-                   WholeEdge({left, corner.y}, {left, 0})};
-}
-
 class Cradle final : public SceneBuilder {
  public:
   using SceneBuilder::SceneBuilder;
@@ -90,13 +59,13 @@ class Cradle final : public SceneBuilder {
     const Rotation angle = SinCos(random_.Uniform(-kMaxAngle, kMaxAngle));
     const Vec2 hang = kLength * Vec2{angle.sin, -angle.cos};
     const double speed = random_.Uniform(-kMaxSpeed, kMaxSpeed);
-    const int beam = Add("beam", MakeFixed("beam"));
+    beam_ = AddFixed("beam");
 
     double x = 0;
     double last_radius = 0;
     for (int k = 0; k < counts.balls; ++k) {
-      const double radius = random_.Uniform(kMinRadius, kMaxRadius);
-      const double density = random_.Uniform(kMinDensity, kMaxDensity);
+      const double radius = random_.Uniform(kRadius);
+      const double density = random_.Uniform(kDensity);
       const bool rope = random_.Uniform() < kRopeShare;
       if (k > 0) x += last_radius + radius;
       last_radius = radius;
@@ -105,17 +74,14 @@ class Cradle final : public SceneBuilder {
       body.v = speed * Perp(hang);
       if (arm) body.omega = speed;
       const int ball = Add("ball", body);
-      Hang(&system_, ball, beam, {x, 0}, arm ? Support::kArm : (rope ? Support::kRope : Support::kRod));
-      if (k > 0) {
-        const auto& previous = std::get<ArcEdge>(Get(ball - 1).outline[0].edge);
-        Touch(ball, Circle(radius), ball - 1, previous);
-      }
+      Hang(ball, {x, 0}, arm ? ConstraintType::kPin : (rope ? ConstraintType::kRope : ConstraintType::kRod));
+      if (k > 0) Touch(ball, ball - 1);
     }
-    DrawBeam(&Get(beam), -2 * kMaxRadius, x + 2 * kMaxRadius);
+    DrawBeam(x);
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 2.5 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 2.5 * kGravity});
     LoadEnds(&system_);
   }
 
@@ -125,15 +91,30 @@ class Cradle final : public SceneBuilder {
     const int lifted = counts.balls > 2 ? 1 + random_.Integer(2) : 1;
     const double spacing = 2 * kBallRadius * (1 + kGapShare / 2);
     const Rotation lift = SinCos(-kLiftAngle);
-    const int beam = Add("beam", MakeFixed("beam"));
+    beam_ = AddFixed("beam");
     for (int k = 0; k < counts.balls; ++k) {
       const Vec2 anchor{k * spacing, 0};
       const Vec2 hang = kLength * (k < lifted ? Vec2{lift.sin, -lift.cos} : Vec2{0, -1});
       const int ball = Add("ball", MakeDisc(anchor + hang, kBallRadius, kBallDensity));
-      Hang(&system_, ball, beam, anchor, is_arm[static_cast<std::size_t>(k)] ? Support::kArm : Support::kRod);
+      Hang(ball, anchor, is_arm[static_cast<std::size_t>(k)] ? ConstraintType::kPin : ConstraintType::kRod);
     }
-    DrawBeam(&Get(beam), -2 * kMaxRadius, (counts.balls - 1) * spacing + 2 * kMaxRadius);
+    DrawBeam((counts.balls - 1) * spacing);
   }
+
+ private:
+  /// On a rod or rope from its middle, or a rigid arm: a pin at the anchor.
+  void Hang(int ball, Vec2 anchor, ConstraintType type) {
+    const Vec2 p = type == ConstraintType::kPin ? BodyPoint(Get(ball), anchor) : Vec2{};
+    Join(type, ball, p, beam_, Vertex{anchor});
+  }
+
+  /// From the first anchor, at 0, to the last and beyond.
+  void DrawBeam(double last) {
+    constexpr double kBeyond = 2 * kRadius.high;
+    Get(beam_).outline = Sides({-kBeyond, 0}, {last + kBeyond, kBeamHeight});
+  }
+
+  int beam_ = -1;
 };
 
 }  // namespace

@@ -3,24 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include "model/scenes/parts.h"
+
 namespace lcpbench {
 namespace {
 
 /// Least gap between an oval and what it does not rest on, over the largest semi-axis: far above rounding.
 constexpr double kClearance = 1e-6;
-/// Supports whose normals are closer to parallel hold nothing [sine].
-constexpr double kLeastCross = 0.15;
+constexpr double kLeastCross = 0.15;  ///< supports whose normals are closer to parallel hold nothing [sine]
 constexpr int kMaxNewton = 60;
-/// Ovals that a pocket may refuse before it is left empty.
-constexpr int kMaxRefusals = 50;
-
-Vec2 Unit(Vec2 a) { return (1 / Norm(a)) * a; }
+constexpr int kMaxRefusals = 50;  ///< ovals that a pocket may refuse before it is left empty
 
 /// n turned by about `angle` (exactly by 2 atan(angle / 2)), a unit vector again.
 Vec2 Turned(Vec2 n, double angle) {
   const double half = angle / 2;
   const double square = half * half;
-  return Unit((1 - square) * n + (2 * half) * Perp(n));
+  return Normalized((1 - square) * n + (2 * half) * Perp(n));
 }
 
 /// The normal at which s(n) is stationary, from a start whose basin it is: s' / slope by `evaluate`, which returns
@@ -41,8 +39,7 @@ Vec2 Climb(Vec2 n, Evaluate evaluate) {
     if (std::abs(step) <= kConverged) break;
     Vec2 to = Turned(n, step);
     Jet there = evaluate(to);
-    // Close to the top rounding decides whether s rises: take Newton's word there.
-    constexpr double kTrusted = 1e-5;
+    constexpr double kTrusted = 1e-5;  // close to the top rounding decides whether s rises: take Newton's word there
     while (there.s < jet.s && std::abs(step) > kTrusted) {
       step /= 2;
       to = Turned(n, step);
@@ -77,7 +74,7 @@ OvalGap GapBetween(const PlacedOval& oval, const PlacedOval& other) {
     const double s = Dot(n, between) - x.h - y.h;
     return Jet{s, Dot(Perp(n), between - x.arm - y.arm), s + x.radius + y.radius};
   };
-  const Vec2 n = Climb(Unit(between), evaluate);
+  const Vec2 n = Climb(Normalized(between), evaluate);
   return {evaluate(n).s, n};
 }
 
@@ -87,7 +84,7 @@ OvalGap GapInside(const PlacedOval& oval, double bowl_radius) {
     const double s = Dot(outward, oval.c) + x.h;
     return Jet{s, Dot(Perp(outward), oval.c + x.arm), s - x.radius};
   };
-  const Vec2 outward = Climb(Norm(oval.c) > 0 ? Unit(oval.c) : oval.u, evaluate);
+  const Vec2 outward = Climb(Norm(oval.c) > 0 ? Normalized(oval.c) : oval.u, evaluate);
   return {bowl_radius - evaluate(outward).s, -outward};
 }
 
@@ -100,17 +97,12 @@ OvalFront::OvalFront(double bowl_radius, double largest)
 
 void OvalFront::AddFirst(PlacedOval oval, Vec2 down) {
   oval.c = bowl_radius_ * down - SupportOf(oval, down).arm;
-  const int k = Insert(oval);
-  Link(kLeftBowl, k);
-  Link(k, kRightBowl);
-  PushPocket(kLeftBowl, k);
-  PushPocket(k, kRightBowl);
+  InsertBetween(kLeftBowl, kRightBowl, oval);
 }
 
 std::optional<OvalSupports> OvalFront::Add(PlacedOval oval) {
   constexpr int kMaxMoves = 100;
-  // How far along the chain an overlapped oval is looked for.
-  constexpr int kReach = 50;
+  constexpr int kReach = 50;  // how far along the chain an overlapped oval is looked for
   while (!pockets_.empty()) {
     const Pocket pocket = pockets_.top();
     if (Next(pocket.left) == pocket.right && refusals_ < kMaxRefusals) break;
@@ -126,45 +118,30 @@ std::optional<OvalSupports> OvalFront::Add(PlacedOval oval) {
     const int hit = FindOverlap(oval, left, right);
     if (hit == kNone) {
       Bury(left, right);
-      const int k = Insert(oval);
-      Link(left, k);
-      Link(k, right);
-      PushPocket(left, k);
-      PushPocket(k, right);
+      InsertBetween(left, right, oval);
       refusals_ = 0;
       return OvalSupports{left, right};
     }
     int before = left;
     int after = right;
-    bool found = false;
-    for (int step = 0; step < kReach && !found; ++step) {
+    for (int step = 0; step < kReach && before != hit && after != hit; ++step) {
       if (before != kLeftBowl) before = Previous(before);
       if (after != kRightBowl) after = Next(after);
-      if (before == hit) {
-        left = before;
-        found = true;
-      } else if (after == hit) {
-        right = after;
-        found = true;
-      }
     }
-    if (!found) return std::nullopt;
+    if (before != hit && after != hit) return std::nullopt;
+    (before == hit ? left : right) = hit;
   }
   return std::nullopt;
 }
 
 std::optional<int> OvalFront::AddOnCrest(PlacedOval oval) {
   const Vec2 up{0, 1};
-  const auto top = [&](int k) {
-    const PlacedOval& o = ovals_[static_cast<std::size_t>(k)];
-    return o.c.y + SupportOf(o, up).h;
-  };
+  const auto top = [&](int k) { return Oval(k).c.y + SupportOf(Oval(k), up).h; };
   std::vector<std::pair<double, int>> chain;
   for (int k = Next(kLeftBowl); k != kRightBowl; k = Next(k)) chain.emplace_back(-top(k), k);
   std::sort(chain.begin(), chain.end());
   for (const auto& [height, k] : chain) {
-    const PlacedOval& below = ovals_[static_cast<std::size_t>(k)];
-    oval.c = below.c + SupportOf(below, up).arm + SupportOf(oval, up).arm;
+    oval.c = Oval(k).c + SupportOf(Oval(k), up).arm + SupportOf(oval, up).arm;
     if (FindOverlap(oval, k, k) != kNone) continue;
     Insert(oval);
     return k;
@@ -172,9 +149,14 @@ std::optional<int> OvalFront::AddOnCrest(PlacedOval oval) {
   return std::nullopt;
 }
 
-void OvalFront::Link(int left, int right) {
-  (left == kLeftBowl ? first_ : next_[static_cast<std::size_t>(left)]) = right;
-  (right == kRightBowl ? last_ : previous_[static_cast<std::size_t>(right)]) = left;
+/// Into the chain, and with it the two pockets at its sides.
+void OvalFront::InsertBetween(int left, int right, const PlacedOval& oval) {
+  const int inserted = Insert(oval);
+  for (const auto& [from, to] : {std::pair{left, inserted}, {inserted, right}}) {
+    (from == kLeftBowl ? first_ : next_[static_cast<std::size_t>(from)]) = to;
+    (to == kRightBowl ? last_ : previous_[static_cast<std::size_t>(to)]) = from;
+    PushPocket(from, to);
+  }
 }
 
 /// Takes those between two of the chain out of it.
@@ -187,13 +169,13 @@ void OvalFront::Bury(int left, int right) {
 }
 
 void OvalFront::PushPocket(int left, int right) {
-  const auto y = [this](int k) { return ovals_[static_cast<std::size_t>(k)].c.y; };
+  const auto y = [this](int k) { return Oval(k).c.y; };
   const double height = left == kLeftBowl ? y(right) : right == kRightBowl ? y(left) : (y(left) + y(right)) / 2;
   pockets_.push({height, left, right});
 }
 
 OvalGap OvalFront::GapTo(const PlacedOval& oval, int k) const {
-  return k < 0 ? GapInside(oval, bowl_radius_) : GapBetween(oval, ovals_[static_cast<std::size_t>(k)]);
+  return k < 0 ? GapInside(oval, bowl_radius_) : GapBetween(oval, Oval(k));
 }
 
 /// The upper intersection of the circles on which the centre would lie if all were discs of the same areas.
@@ -201,19 +183,14 @@ Vec2 OvalFront::GuessCenter(const PlacedOval& oval, int left, int right) const {
   const double r = std::sqrt(oval.a * oval.b);
   const auto circle = [&](int k) -> std::pair<Vec2, double> {
     if (k < 0) return {{}, bowl_radius_ - r};
-    const PlacedOval& o = ovals_[static_cast<std::size_t>(k)];
-    return {o.c, r + std::sqrt(o.a * o.b)};
+    return {Oval(k).c, r + std::sqrt(Oval(k).a * Oval(k).b)};
   };
   const auto [p, p_reach] = circle(left);
   const auto [q, q_reach] = circle(right);
-  const Vec2 between = q - p;
-  const double distance = Norm(between);
-  const Vec2 unit = (1 / distance) * between;
-  const double along = (p_reach * p_reach - q_reach * q_reach + distance * distance) / (2 * distance);
-  const double square = std::max(p_reach * p_reach - along * along, r * r / 4);
+  CircleMeeting meeting = MeetingOf(p, p_reach, q, q_reach);
+  meeting.square = std::max(meeting.square, r * r / 4);
   // The bowl's centre is above the pocket, an oval's below.
-  const Vec2 side = std::sqrt(square) * Perp(unit);
-  return p + along * unit + (left < 0 || right < 0 ? -1.0 : 1.0) * side;
+  return left < 0 || right < 0 ? meeting.Right() : meeting.Left();
 }
 
 /// Moves the oval's centre to where it touches both. False where it does not come to rest between them.
@@ -231,8 +208,7 @@ bool OvalFront::PlaceInPocket(int left, int right, PlacedOval* oval) const {
     const double length = Norm(step);
     const double longest = oval->b / 2;
     oval->c = oval->c + (length > longest ? longest / length : 1.0) * step;
-    // Steps shrink by their squares until only rounding is left of them.
-    constexpr double kRounding = 1e-14;
+    constexpr double kRounding = 1e-14;  // steps shrink by their squares until only rounding is left of them
     if (length <= kRounding * bowl_radius_ && length >= last_length / 4) return true;
     if (length == 0) return true;
     last_length = length;
@@ -258,9 +234,8 @@ int OvalFront::FindOverlap(const PlacedOval& oval, int support1, int support2) c
     for (std::size_t j = CellOf(oval.c.y - reach); j <= CellOf(oval.c.y + reach); ++j) {
       for (const int k : grid_[i * cells_ + j]) {
         if (k == support1 || k == support2) continue;
-        const PlacedOval& other = ovals_[static_cast<std::size_t>(k)];
-        if (Norm(oval.c - other.c) > oval.a + other.a + clearance_) continue;
-        const double d = GapBetween(oval, other).d;
+        if (Norm(oval.c - Oval(k).c) > oval.a + Oval(k).a + clearance_) continue;
+        const double d = GapBetween(oval, Oval(k)).d;
         if (d < least) {
           hit = k;
           least = d;

@@ -66,6 +66,8 @@ class OvalFront {
   std::optional<int> AddOnCrest(PlacedOval oval);
 
   const std::vector<PlacedOval>& ovals() const { return ovals_; }
+  /// Of an oval to what it rests on.
+  OvalGap GapTo(const PlacedOval& oval, int support) const;
 
  private:
   struct Pocket {
@@ -80,12 +82,12 @@ class OvalFront {
   /// Neither an oval nor the bowl.
   static constexpr int kNone = -3;
 
+  const PlacedOval& Oval(int k) const { return ovals_[static_cast<std::size_t>(k)]; }
   int Next(int k) const { return k == kLeftBowl ? first_ : next_[static_cast<std::size_t>(k)]; }
   int Previous(int k) const { return k == kRightBowl ? last_ : previous_[static_cast<std::size_t>(k)]; }
-  void Link(int left, int right);
+  void InsertBetween(int left, int right, const PlacedOval& oval);
   void Bury(int left, int right);
   void PushPocket(int left, int right);
-  OvalGap GapTo(const PlacedOval& oval, int k) const;
   Vec2 GuessCenter(const PlacedOval& oval, int left, int right) const;
   bool PlaceInPocket(int left, int right, PlacedOval* oval) const;
   int FindOverlap(const PlacedOval& oval, int support1, int support2) const;

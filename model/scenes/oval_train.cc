@@ -1,9 +1,4 @@
 // oval-train: a train on a closed oval track, its cars kept on it by two path joints each.
-//
-// k cars make 3 k - 1 rows; what is missing is closed by a trolley with a single path joint (one row), coupled to the
-// last car (two rows).
-//
-// In motion: the track stands upright in gravity, and the first car drives the train with a constant thrust.
 
 #include <algorithm>
 #include <cmath>
@@ -13,32 +8,23 @@
 
 #include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kDensity = 60;
-constexpr double kMinWheelbase = 0.3;  ///< between the path joints of a car [m]
-constexpr double kMaxWheelbase = 0.5;
-constexpr double kMinBuffer = 0.16;  ///< between the path joints of two cars, buffers touching [m]
-constexpr double kMaxBuffer = 0.2;
-constexpr double kMinRope = 0.26;  ///< the same at a rope: its length [m]
-constexpr double kMaxRope = 0.32;
-constexpr double kMinEnd = 0.08;  ///< radius of a car's end without buffer [m]
-constexpr double kMaxEnd = 0.1;
+constexpr Range kWheelbase{0.3, 0.5};  ///< between the path joints of a car [m]
+constexpr Range kBuffer{0.16, 0.2};    ///< between the path joints of two cars, buffers touching [m]
+constexpr Range kRope{0.26, 0.32};     ///< the same at a rope: its length [m]
+constexpr Range kEnd{0.08, 0.1};       ///< radius of a car's end without buffer [m]
 constexpr double kTrolleyRadius = 0.08;
-constexpr double kMinAspect = 0.5;  ///< of the track's semi-axes
-constexpr double kMaxAspect = 0.8;
-constexpr double kOccupied = 0.8;  ///< share of the track under the train, at most
-constexpr double kMinTrack = 1.2;  ///< greater semi-axis [m]
-/// Centripetal acceleration over gravity on a circle of the greater semi-axis.
-constexpr double kCentripetal = 0.5;
-/// The thrust of the first car in motion, over its weight.
-constexpr double kThrust = 0.5;
+constexpr Range kAspect{0.5, 0.8};    ///< of the track's semi-axes
+constexpr double kOccupied = 0.8;     ///< share of the track under the train, at most
+constexpr double kMinTrack = 1.2;     ///< greater semi-axis [m]
+constexpr double kCentripetal = 0.5;  ///< centripetal acceleration over gravity on a circle of the greater semi-axis
+constexpr double kThrust = 0.5;       ///< the thrust of the first car in motion, over its weight
 
 /// A closed curve about the origin that points are placed on by their distances.
 class Track {
@@ -48,10 +34,7 @@ class Track {
   const OutlineCurve& curve() const { return curve_; }
   Vec2 Point(double s) const { return CurvePoint(curve_, s); }
   /// Unit, in the sense of increasing s.
-  Vec2 Tangent(double s) const {
-    const Vec2 direction = CurveDirection(curve_, s);
-    return (1 / Norm(direction)) * direction;
-  }
+  Vec2 Tangent(double s) const { return Normalized(CurveDirection(curve_, s)); }
 
   double Perimeter() const {
     constexpr int kSamples = 2048;
@@ -104,7 +87,7 @@ class Track {
   double size_;  // greater semi-axis
 };
 
-OutlineCurve Oval(double a, double b, bool superellipse) {
+OutlineCurve OvalOf(double a, double b, bool superellipse) {
   if (superellipse) return SuperellipseEdge{{}, a, b, 4, 0, Side::kConvex};
   return EllipseEdge{{}, a, b, 0, Side::kConvex};
 }
@@ -124,10 +107,10 @@ class Train final : public SceneBuilder {
     constexpr int kRowsPerCar = 3;
     const int cars = (rows_ + 1) / kRowsPerCar;
     const int missing = (rows_ + 1) % kRowsPerCar;
-    double length = 2 * kMaxRope;
+    double length = 2 * kRope.high;
     std::vector<double> wheelbases;
     for (int i = 0; i < cars; ++i) {
-      wheelbases.push_back(random_.Uniform(kMinWheelbase, kMaxWheelbase));
+      wheelbases.push_back(random_.Uniform(kWheelbase));
       couplings_.push_back(DrawCoupling());
       length += wheelbases.back() + couplings_.back().distance;
     }
@@ -138,7 +121,7 @@ class Train final : public SceneBuilder {
     // The speed of the first joint; the others follow from the distances between them.
     speed_ = random_.Sign() * std::sqrt(kCentripetal * kGravity * size_);
     Coupling before;
-    before.radius2 = kMinEnd;
+    before.radius2 = kEnd.low;
     for (int i = 0; i < cars; ++i) {
       Coupling& after = couplings_[static_cast<std::size_t>(i)];
       if (i == cars - 1 && missing == 0) after = FreeEnd();
@@ -149,7 +132,7 @@ class Train final : public SceneBuilder {
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = 2 * kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = 2 * kGravity});
     LoadEnds(&system_);
   }
 
@@ -157,7 +140,7 @@ class Train final : public SceneBuilder {
     if (first_car_ < 0) return;
     const Body& car = world->bodies[static_cast<std::size_t>(first_car_)];
     // The car's x axis points along the track the way the parameter grows.
-    const double sense = Dot(car.v, Rotate(SinCos(car.theta), {1, 0})) > 0 ? 1 : -1;
+    const double sense = Dot(car.v, Direction(car.theta)) > 0 ? 1 : -1;
     world->loads.thrusters = {{{first_car_, {}}, {sense * kThrust * car.mass * kGravity, 0}}};
   }
 
@@ -165,26 +148,20 @@ class Train final : public SceneBuilder {
   Coupling DrawCoupling() {
     Coupling coupling;
     coupling.rope = random_.Uniform() < 0.5;
-    coupling.distance = coupling.rope ? random_.Uniform(kMinRope, kMaxRope) : random_.Uniform(kMinBuffer, kMaxBuffer);
-    coupling.radius1 = coupling.rope ? random_.Uniform(kMinEnd, kMaxEnd) : coupling.distance / 2;
-    coupling.radius2 = coupling.rope ? random_.Uniform(kMinEnd, kMaxEnd) : coupling.distance - coupling.radius1;
+    coupling.distance = random_.Uniform(coupling.rope ? kRope : kBuffer);
+    coupling.radius1 = coupling.rope ? random_.Uniform(kEnd) : coupling.distance / 2;
+    coupling.radius2 = coupling.rope ? random_.Uniform(kEnd) : coupling.distance - coupling.radius1;
     return coupling;
   }
-  static Coupling FreeEnd() { return {true, 2 * kMaxRope, kMinEnd, kMinEnd}; }
+  static Coupling FreeEnd() { return {true, 2 * kRope.high, kEnd.low, kEnd.low}; }
 
   void LayTrack(double length) {
-    const double aspect = random_.Uniform(kMinAspect, kMaxAspect);
+    const double aspect = random_.Uniform(kAspect);
     const bool superellipse = random_.Uniform() < 0.5;
-    const double perimeter = Track(Oval(1, aspect, superellipse), 1).Perimeter();
+    const double perimeter = Track(OvalOf(1, aspect, superellipse), 1).Perimeter();
     size_ = std::max(kMinTrack, length / (kOccupied * perimeter));
-    track_ = Track(Oval(size_, aspect * size_, superellipse), size_);
-    Body body = MakeFixed("track");
-    body.outline = {{track_.curve(), 0, 2 * kPi}};
-    track_body_ = Add("track", body);
-  }
-
-  Feature TrackFeature() const {
-    return std::visit([](const auto& edge) -> Feature { return edge; }, track_.curve());
+    track_ = Track(OvalOf(size_, aspect * size_, superellipse), size_);
+    track_body_ = AddFixed("track", {{track_.curve(), 0, 2 * kPi}});
   }
 
   /// From the joint at s_ to the one that far ahead: the speed at which their distance lasts.
@@ -201,8 +178,7 @@ class Train final : public SceneBuilder {
     const double front = after->radius1;
     const Outline hull =
         front <= rear ? Cam(rear, front, wheelbase) : Transformed(Cam(front, rear, wheelbase), kPi, {wheelbase, 0});
-    Body body = MakeBody(hull, kDensity);
-    body.name.clear();
+    Body body = MakePlate(hull, kDensity);
     const Vec2 rear_joint = -body.x;
     const Vec2 front_joint = Vec2{wheelbase, 0} - body.x;
 
@@ -219,17 +195,21 @@ class Train final : public SceneBuilder {
     body.v = v1 + body.omega * Perp(arm);
     const int car = Add("car", body);
     if (index == 0) first_car_ = car;
-    AddPathJoint(&system_, car, rear_joint, track_body_, TrackFeature(), s1);
-    AddPathJoint(&system_, car, front_joint, track_body_, TrackFeature(), s_);
+    KeepOnTrack(car, rear_joint, s1);
+    KeepOnTrack(car, front_joint, s_);
     if (index > 0) Couple(car, rear_joint, before);
     last_car_ = car;
     last_joint_ = front_joint;
     Advance(after->distance);
   }
 
+  void KeepOnTrack(int body, Vec2 joint, double s) {
+    Join(ConstraintType::kPathJoint, body, joint, track_body_, Piece(track_body_)).s2 = s;
+  }
+
   void Couple(int body, Vec2 joint, const Coupling& coupling) {
     if (coupling.rope) {
-      AddRope(&system_, body, joint, last_car_, last_joint_);
+      Join(ConstraintType::kRope, body, joint, last_car_, Vertex{last_joint_});
     } else {
       Touch(body, ArcEdge{joint, coupling.radius2, Side::kConvex}, last_car_,
             ArcEdge{last_joint_, coupling.radius1, Side::kConvex});
@@ -241,7 +221,7 @@ class Train final : public SceneBuilder {
     Body body = MakeDisc(track_.Point(s_), radius, kDensity);
     body.v = speed_ * track_.Tangent(s_);
     const int trolley = Add("trolley", body);
-    AddPathJoint(&system_, trolley, {}, track_body_, TrackFeature(), s_);
+    KeepOnTrack(trolley, {}, s_);
     if (coupled) Couple(trolley, {}, before);
   }
 

@@ -1,9 +1,4 @@
 // ovals-in-bowl: ellipses of many shapes and sizes, at all angles, piled up in a round bowl.
-//
-// As a sequence: the swinging pile under gravity alone.
-//
-// Ovals fill the bowl from its bottom, each in the lowest pocket of the pile's surface (oval_front.h): k ovals make
-// 2 k - 1 rows. An even count is closed by one on the pile's crest.
 
 #include <algorithm>
 #include <cmath>
@@ -18,19 +13,14 @@
 namespace lcpbench {
 namespace {
 
-constexpr double kMinAxis = 0.07;  ///< range of the larger semi-axis [m]
-constexpr double kMaxAxis = 0.15;
-constexpr double kMinAspect = 0.45;  ///< smaller over larger semi-axis
-constexpr double kMaxAspect = 0.95;
+constexpr Range kAxis{0.07, 0.15};    ///< larger semi-axis [m]
+constexpr Range kAspect{0.45, 0.95};  ///< smaller over larger semi-axis
 /// Mean area of an oval, and the share of the half-full bowl's area that ovals take, about.
 constexpr double kMeanArea = 0.028;
 constexpr double kPacking = 0.75;
-/// In-plane gravity times the square root of the number of layers [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the pile gets higher.
-constexpr double kWeight = 0.2 * kGravity;
-/// Centripetal acceleration at the bowl over the in-plane gravity.
-constexpr double kCentripetal = 0.5;
-constexpr double kMaxSpin = 3;  ///< of ovals on the surface [rad/s]
+constexpr double kWeight = 0.2 * kGravity;  ///< times the root of the number of layers [m/s^2]
+constexpr double kCentripetal = 0.5;        ///< centripetal acceleration at the bowl over the in-plane gravity
+constexpr double kMaxSpin = 3;              ///< of ovals on the surface [rad/s]
 
 struct NewOval {
   PlacedOval oval;
@@ -39,11 +29,10 @@ struct NewOval {
 
 NewOval RandomOval(double scale, Random* random) {
   NewOval made;
-  made.oval.a = scale * random->Uniform(kMinAxis, kMaxAxis);
-  made.oval.b = made.oval.a * random->Uniform(kMinAspect, kMaxAspect);
+  made.oval.a = scale * random->Uniform(kAxis);
+  made.oval.b = made.oval.a * random->Uniform(kAspect);
   made.theta = random->Uniform(-kPi, kPi);
-  const Rotation u = SinCos(made.theta);
-  made.oval.u = {u.cos, u.sin};
+  made.oval.u = Direction(made.theta);
   return made;
 }
 
@@ -52,11 +41,10 @@ class OvalScene final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    Add("bowl", MakeFixed("bowl"));
+    AddFixed("bowl");
     swing_ = random_.Sign() * std::sqrt(kCentripetal * weight_ / radius_);
     const NewOval first = RandomOval(1, &random_);
-    const Vec2 slanted{random_.Uniform(-0.2, 0.2), -1};
-    front_.AddFirst(first.oval, (1 / Norm(slanted)) * slanted);
+    front_.AddFirst(first.oval, Normalized({random_.Uniform(-0.2, 0.2), -1}));
     Adopt(first.theta, {kLeftBowl, kLeftBowl});
     for (int i = 1; i < count_; ++i) {
       for (int attempt = 0;; ++attempt) {
@@ -80,7 +68,7 @@ class OvalScene final : public SceneBuilder {
     DrawBowl();
   }
 
-  void Load() override { ApplyLoads(&system_, {.weight = weight_, .gust = kGravity}, &random_); }
+  void Load() override { Apply({.weight = weight_, .gust = kGravity}); }
 
  private:
   static constexpr int kMaxTries = 1000;
@@ -101,21 +89,13 @@ class OvalScene final : public SceneBuilder {
 
   void Rest(int k, int support) {
     const PlacedOval& oval = front_.ovals()[static_cast<std::size_t>(k)];
-    const OvalGap gap = GapTo(oval, support);
-    if (IsBowl(support)) {
-      Touch(k + 1, Oval(oval.a, oval.b), 0, ArcEdge{{}, radius_, Side::kConcave});
-    } else {
-      const PlacedOval& other = front_.ovals()[static_cast<std::size_t>(support)];
-      Touch(k + 1, Oval(oval.a, oval.b), support + 1, Oval(other.a, other.b));
-      system_.constraints.back().s2 = Parameter(other, gap.n);
-      bears_[static_cast<std::size_t>(support)] = true;
-    }
-    system_.constraints.back().s1 = Parameter(oval, -gap.n);
-  }
-
-  OvalGap GapTo(const PlacedOval& oval, int support) const {
-    return IsBowl(support) ? GapInside(oval, radius_)
-                           : GapBetween(oval, front_.ovals()[static_cast<std::size_t>(support)]);
+    const OvalGap gap = front_.GapTo(oval, support);
+    Constraint& contact =
+        IsBowl(support) ? Touch(k + 1, 0, ArcEdge{{}, radius_, Side::kConcave}) : Touch(k + 1, support + 1);
+    contact.s1 = Parameter(oval, -gap.n);
+    if (IsBowl(support)) return;
+    contact.s2 = Parameter(front_.ovals()[static_cast<std::size_t>(support)], gap.n);
+    bears_[static_cast<std::size_t>(support)] = true;
   }
 
   /// The ellipse's parameter s at the outward normal n.
@@ -132,8 +112,8 @@ class OvalScene final : public SceneBuilder {
       // One more motion keeps both gaps, n.dv + (R x n) dw = 0: spin with the displacement that it forces.
       const PlacedOval& oval = front_.ovals()[k];
       const double spin = random_.Uniform(-kMaxSpin, kMaxSpin);
-      const OvalGap gap1 = GapTo(oval, supports_[k].left);
-      const OvalGap gap2 = GapTo(oval, supports_[k].right);
+      const OvalGap gap1 = front_.GapTo(oval, supports_[k].left);
+      const OvalGap gap2 = front_.GapTo(oval, supports_[k].right);
       const double rate1 = -spin * Cross(-SupportOf(oval, gap1.n).arm, gap1.n);
       const double rate2 = -spin * Cross(-SupportOf(oval, gap2.n).arm, gap2.n);
       const bool single = supports_[k].left == supports_[k].right;
@@ -156,9 +136,9 @@ class OvalScene final : public SceneBuilder {
   }
 
   const int count_ = (rows_ + 1) / 2;
-  const double radius_ = 4 * kMaxAxis + std::sqrt(2 * kMeanArea * count_ / (kPi * kPacking));
+  const double radius_ = 4 * kAxis.high + std::sqrt(2 * kMeanArea * count_ / (kPi * kPacking));
   const double weight_ = kWeight / std::sqrt(std::sqrt(1.0 + count_));
-  OvalFront front_{radius_, kMaxAxis};
+  OvalFront front_{radius_, kAxis.high};
   double swing_ = 0;  ///< angular velocity of the pile about the bowl's middle [rad/s]
   std::vector<OvalSupports> supports_;
   std::vector<bool> bears_;  ///< whether anything rests on it

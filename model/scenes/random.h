@@ -6,6 +6,12 @@
 
 namespace lcpbench {
 
+/// From low to high.
+struct Range {
+  double low = 0;
+  double high = 1;
+};
+
 /// Seeded random numbers with the same bits on every machine and with every standard library, whose own distributions
 /// do not promise that: SplitMix64 [Steele, Lea, Flood 2014], turned into doubles with + - * / sqrt only.
 class Random {
@@ -25,8 +31,11 @@ class Random {
   double Uniform() { return static_cast<double>(Bits() >> 11U) * 0x1p-53; }
   /// Uniform in [lower, upper).
   double Uniform(double lower, double upper) { return lower + (upper - lower) * Uniform(); }
+  double Uniform(Range range) { return Uniform(range.low, range.high); }
   /// Uniform in 0..count-1, count >= 1 (bias count / 2^53).
   int Integer(int count) { return static_cast<int>(Uniform() * static_cast<double>(count)); }
+  /// Uniform in first..last.
+  int Integer(int first, int last) { return first + Integer(last - first + 1); }
   /// -1 or +1.
   double Sign() { return (Bits() >> 63U) != 0 ? 1.0 : -1.0; }
 

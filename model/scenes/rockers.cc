@@ -1,8 +1,4 @@
 // rockers: a row of rocking bodies with round bottoms and straight tops, on a floor, carrying discs, boxes and poles.
-//
-// A missing last row is closed by a disc that rolls on the floor behind the row of rockers.
-//
-// In motion: the same in upright gravity, a fifth as fast.
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +10,7 @@ namespace lcpbench {
 namespace {
 
 constexpr double kDensity = 60;
-constexpr double kMinRadius = 0.36;
-constexpr double kMaxRadius = 0.44;
+constexpr Range kRadius{0.36, 0.44};
 /// The top is the chord between the arc's directions kTopAngle and pi - kTopAngle [rad, in the body].
 constexpr double kTopAngle = 0.65;
 constexpr double kMaxTilt = 0.15;  ///< [rad]
@@ -50,9 +45,7 @@ UnitRocker MakeUnitRocker() {
 struct Rocker {
   int body = -1;
   double radius = 0;
-  Vec2 center;  ///< of the arc, world
-  ArcEdge arc;
-  StraightEdge top;
+  Vec2 center;       ///< of the arc, world
   Vec2 top_middle;   ///< world
   Vec2 top_tangent;  ///< world, to the right
   Vec2 top_normal;   ///< world, outward
@@ -64,13 +57,13 @@ class RockerRow final : public SceneBuilder {
 
   void Build() override {
     drift_ = random_.Uniform(-2, 2);
-    floor_ = Add("floor", MakeFixed("floor"));
+    floor_ = AddFixed("floor");
     AddRocker(NewRadius(), 0);
     while (left_ > 0) {
       AddRider();
       if (left_ >= 3 && random_.Uniform() < 0.25) {
-        const Corner corner = AddSpacer();
-        if (left_ >= 2) AddRockerAtCorner(corner);
+        const int spacer = AddSpacer();
+        if (left_ >= 2) AddRockerAtCornerOf(spacer);
       } else if (left_ >= 2) {
         AddTouchingRocker();
         if (left_ >= 2 && random_.Uniform() < 0.4) AddNotchDisc();
@@ -80,7 +73,7 @@ class RockerRow final : public SceneBuilder {
     Get(floor_).outline = {WholeEdge({end_ + 1, 0}, {-1, 0})};
   }
 
-  void Load() override { ApplyLoads(&system_, {.weight = 0.3 * kGravity, .gust = 2 * kGravity}, &random_); }
+  void Load() override { Apply({.weight = 0.3 * kGravity, .gust = 2 * kGravity}); }
 
   void Launch(World* world) override {
     // Gap rates are linear in the velocities: they stay 0.
@@ -91,13 +84,8 @@ class RockerRow final : public SceneBuilder {
   }
 
  private:
-  struct Corner {
-    int box = -1;
-    Vec2 local;
-    Vec2 world;
-  };
-
-  double NewRadius() { return random_.Uniform(kMinRadius, kMaxRadius); }
+  double NewRadius() { return random_.Uniform(kRadius); }
+  double NewSpin() { return random_.Uniform(-kMaxSpin, kMaxSpin); }
 
   /// A rocker whose arc is centred at height `radius` above floor point x: one row.
   void AddRocker(double radius, double x) {
@@ -120,21 +108,20 @@ class RockerRow final : public SceneBuilder {
                                   ballast * (ballast_radius * ballast_radius / 2 + Dot(ballast_at, ballast_at));
     body.inertia = inertia_center - body.mass * Dot(offset, offset);
     body.theta = random_.Uniform(-kMaxTilt, kMaxTilt);
-    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = NewSpin();
     const Rotation tilt = SinCos(body.theta);
     const Vec2 arm = Rotate(tilt, offset);
     body.x = rocker.center + arm;
     body.v = Vec2{drift_, 0} + body.omega * Perp(arm);
 
     const Rotation top = SinCos(kTopAngle);
-    rocker.arc = {-offset, radius, Side::kConvex};
-    rocker.top = {-offset + radius * Vec2{top.cos, top.sin}, -offset + radius * Vec2{-top.cos, top.sin}};
     rocker.top_tangent = {tilt.cos, tilt.sin};
     rocker.top_normal = Perp(rocker.top_tangent);
     rocker.top_middle = rocker.center + radius * top.sin * rocker.top_normal;
-    body.outline = {{rocker.arc, kPi - kTopAngle, 2 * kPi + kTopAngle}, WholeEdge(rocker.top.a, rocker.top.b)};
+    body.outline = {{ArcEdge{-offset, radius, Side::kConvex}, kPi - kTopAngle, 2 * kPi + kTopAngle},
+                    WholeEdge(-offset + radius * Vec2{top.cos, top.sin}, -offset + radius * Vec2{-top.cos, top.sin})};
     rocker.body = Add("rocker", body);
-    Touch(rocker.body, rocker.arc, floor_, Floor());
+    Touch(rocker.body, floor_, Floor());
   }
 
   /// Arc to arc with the last one: two rows with the floor's. Circles of radii r1, r2 on one line that touch have their
@@ -142,44 +129,45 @@ class RockerRow final : public SceneBuilder {
   void AddTouchingRocker() {
     const double radius = NewRadius();
     AddRocker(radius, last_.center.x + 2 * std::sqrt(last_.radius * radius));
-    Touch(last_.body, last_.arc, previous_.body, previous_.arc);
+    Touch(last_.body, previous_.body);
   }
 
   /// Horizontal distance from a circle's centre to its point at height `height` above the floor it stands on.
   static double HalfChord(double radius, double height) { return std::sqrt(height * (2 * radius - height)); }
 
   /// A box on the floor whose upper left corner touches the last rocker's arc: three rows.
-  Corner AddSpacer() {
-    const double height = random_.Uniform(0.5, 0.9) * kMinRadius;
-    const double width = random_.Uniform(0.6, 1) * kMinRadius;
+  int AddSpacer() {
+    const double height = random_.Uniform(0.5, 0.9) * kRadius.low;
+    const double width = random_.Uniform(0.6, 1) * kRadius.low;
     const double x = last_.center.x + HalfChord(last_.radius, height) + width / 2;
     Body body = MakeBox({x, height / 2}, width, height, kDensity);
     body.v = {drift_, 0};
     const int box = Add("spacer", body);
-    for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, floor_, Floor());
-    Touch(box, Vertex{BoxCorner(width, height, 3)}, last_.body, last_.arc);
+    Stand(box, floor_, Floor());
+    Touch(box, Corner(box, 3), last_.body, Piece(last_.body));
     end_ = x + width / 2;
-    const Vec2 right = BoxCorner(width, height, 2);
-    return {box, right, body.x + right};
+    return box;
   }
 
   /// A rocker that leans on that box's upper right corner: two rows.
-  void AddRockerAtCorner(const Corner& corner) {
+  void AddRockerAtCornerOf(int box) {
     const double radius = NewRadius();
-    AddRocker(radius, corner.world.x + HalfChord(radius, corner.world.y));
-    Touch(last_.body, last_.arc, corner.box, Vertex{corner.local});
+    const Vertex corner = Corner(box, 2);
+    const Vec2 at = Get(box).x + corner.p;
+    AddRocker(radius, at.x + HalfChord(radius, at.y));
+    Touch(last_.body, box, corner);
   }
 
   /// A small disc in the notch above the contact of the last two rockers: two rows.
   void AddNotchDisc() {
     const Vec2 center =
-        NotchPoint(previous_.center, previous_.radius + kNotchRadius, last_.center, last_.radius + kNotchRadius);
+        MeetingOf(previous_.center, previous_.radius + kNotchRadius, last_.center, last_.radius + kNotchRadius).Left();
     Body body = MakeDisc(center, kNotchRadius, 4 * kDensity);
     body.v = {drift_, 0};
-    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = NewSpin();
     const int disc = Add("disc", body);
-    Touch(disc, Circle(kNotchRadius), previous_.body, previous_.arc);
-    Touch(disc, Circle(kNotchRadius), last_.body, last_.arc);
+    Touch(disc, previous_.body);
+    Touch(disc, last_.body);
   }
 
   /// Something on the last rocker's top, or nothing: none to two rows.
@@ -199,18 +187,17 @@ class RockerRow final : public SceneBuilder {
   }
   /// Velocity of what slides over the last rocker's top at world point p.
   Vec2 SlidingVelocity(Vec2 p) {
-    const Body& rocker = Get(last_.body);
-    return rocker.v + rocker.omega * Perp(p - rocker.x) + random_.Uniform(-kMaxSlip, kMaxSlip) * last_.top_tangent;
+    return VelocityAt(Get(last_.body), p) + random_.Uniform(-kMaxSlip, kMaxSlip) * last_.top_tangent;
   }
 
   void AddDiscRider() {
     const double radius = random_.Uniform(0.15, 0.3) * last_.radius;
     const Vec2 p = TopPoint(0.35);
     Body body = MakeDisc(p + radius * last_.top_normal, radius, kDensity);
-    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = NewSpin();
     // The foot of the centre on a turning line: the rim's own spin has no component along the normal there.
     body.v = SlidingVelocity(p);
-    Touch(Add("disc", body), Circle(radius), last_.body, last_.top);
+    Touch(Add("disc", body), last_.body, Piece(last_.body, 1));
   }
 
   /// A slender box that stands on one corner.
@@ -221,14 +208,14 @@ class RockerRow final : public SceneBuilder {
     const double lean = side * random_.Uniform(0.1, 0.3);
     const Vec2 p = TopPoint(0.25);
     // Turned to the left it stands on its left corner.
-    const Vec2 corner = BoxCorner(width, height, lean > 0 ? 0 : 1);
+    const Vec2 corner{lean > 0 ? -width / 2 : width / 2, -height / 2};
     Body body = MakeBox({}, width, height, 2 * kDensity);
     body.theta = Get(last_.body).theta + lean;
-    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
+    body.omega = NewSpin();
     const Vec2 arm = Rotate(SinCos(body.theta), corner);
     body.x = p - arm;
     body.v = SlidingVelocity(p) - body.omega * Perp(arm);
-    Touch(Add("pole", body), Vertex{corner}, last_.body, last_.top);
+    Touch(Add("pole", body), Vertex{corner}, last_.body, Piece(last_.body, 1));
   }
 
   /// A box that lies flat on the top and so turns with it: two rows.
@@ -239,18 +226,17 @@ class RockerRow final : public SceneBuilder {
     body.theta = Get(last_.body).theta;
     body.omega = Get(last_.body).omega;
     body.v = SlidingVelocity(body.x);
-    const int box = Add("box", body);
-    for (const int corner : {0, 1}) Touch(box, Vertex{BoxCorner(width, height, corner)}, last_.body, last_.top);
+    Stand(Add("box", body), last_.body, Piece(last_.body, 1));
   }
 
   /// A disc on the floor, clear of everything: one row.
   void AddRoller() {
-    const double radius = kMinRadius / 2;
-    end_ += 2 * kMaxRadius;
+    const double radius = kRadius.low / 2;
+    end_ += 2 * kRadius.high;
     Body body = MakeDisc({end_, radius}, radius, kDensity);
     body.v = {drift_, 0};
-    body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
-    Touch(Add("disc", body), Circle(radius), floor_, Floor());
+    body.omega = NewSpin();
+    Touch(Add("disc", body), floor_, Floor());
     end_ += radius;
   }
 

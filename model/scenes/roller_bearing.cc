@@ -1,15 +1,10 @@
 // roller-bearing: bearings with rows of rollers between concentric races, side by side and on top of one another.
-//
-// As a sequence: the same speeds under gravity, with a load on every shaft.
-//
-// The last bearing ends where the rows do; a single row left is a disc on its top (or, alone, on the floor).
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
 
 namespace lcpbench {
@@ -22,21 +17,15 @@ constexpr double kInnerThickness = 0.05;
 /// Rows of rollers in a bearing: the most that the rows left suffice for.
 struct BearingSize {
   int roller_rows = 1;
-  int rows = 0;           ///< of the whole bearing, about
-  double min_radius = 0;  ///< range of each row's radius of load rollers
-  double max_radius = 0;
+  int rows = 0;  ///< of the whole bearing, about
+  Range radius;  ///< of each row's load rollers
 };
-constexpr BearingSize kSizes[] = {{3, 270, 0.040, 0.055}, {2, 110, 0.07, 0.09}, {1, 0, 0.10, 0.14}};
-constexpr double kMinSpacer = 0.6;  ///< radius over that of load rollers
-constexpr double kMaxSpacer = 0.9;
+constexpr BearingSize kSizes[] = {{3, 270, {0.040, 0.055}}, {2, 110, {0.07, 0.09}}, {1, 0, {0.10, 0.14}}};
+constexpr Range kSpacer{0.6, 0.9};  ///< radius over that of load rollers
 constexpr double kDensity = 60;
-/// In-plane gravity times the square root of the number of bearings [m/s^2]: weights shall not outgrow the random gusts
-/// where bearings stand high.
-constexpr double kWeight = 0.3 * kGravity;
-/// Largest centripetal acceleration over gravity.
-constexpr double kCentripetal = 0.3;
-/// Load on a shaft in the sequence, over its weight.
-constexpr double kShaftLoad = 20;
+constexpr double kWeight = 0.3 * kGravity;  ///< times the root of the number of bearings [m/s^2]
+constexpr double kCentripetal = 0.3;        ///< largest centripetal acceleration over gravity
+constexpr double kShaftLoad = 20;           ///< load on a shaft in the sequence, over its weight
 
 /// The space between two rings that a row of rollers runs in.
 struct Races {
@@ -63,20 +52,17 @@ class Bearings final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    frame_ = Add("frame", MakeFixed("frame"));
+    frame_ = AddFixed("frame");
     columns_ = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(rows_) / kSizes[0].rows))));
     while (left_ >= 2) AddBearing();
     if (left_ == 1) AddTopDisc();
     const double width = (2 * columns_ + 1) * kOuterRadius;
     const int stories = 1 + count_ / columns_;
     const double height = 2 * kOuterRadius * stories;
-    Get(frame_).outline = {WholeEdge({width, height}, {width, 0}), WholeEdge({width, 0}, {}),
-                           WholeEdge({}, {0, height})};
+    Get(frame_).outline = Polyline({{width, height}, {width, 0}, {}, {0, height}});
   }
 
-  void Load() override {
-    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + count_), .gust = kGravity}, &random_);
-  }
+  void Load() override { Apply({.weight = kWeight / std::sqrt(1.0 + count_), .gust = kGravity}); }
 
   void Launch(World* world) override {
     for (std::size_t i = 0; i < world->bodies.size(); ++i) {
@@ -99,22 +85,21 @@ class Bearings final : public SceneBuilder {
     std::vector<double> roller_radii;
     double shaft_radius = bore - (size.roller_rows - 1) * kInnerThickness;
     for (int k = 0; k < size.roller_rows; ++k) {
-      roller_radii.push_back(random_.Uniform(size.min_radius, size.max_radius));
+      roller_radii.push_back(random_.Uniform(size.radius));
       shaft_radius -= 2 * roller_radii.back();
     }
     const int ring = Add("outer ring", MakeRing(middle, kOuterRadius, bore, kDensity));
     rings_.push_back(ring);
     ++count_;
-    const ArcEdge rim = Circle(kOuterRadius);
     if (column > 0) {
-      Touch(ring, rim, rings_[rings_.size() - 2], rim);
+      Touch(ring, rings_[rings_.size() - 2]);
     } else {
-      Touch(ring, rim, frame_, StraightEdge{{}, {0, 1}});
+      Touch(ring, frame_, StraightEdge{{}, {0, 1}});
     }
     if (count_ > columns_) {
-      Touch(ring, rim, rings_[rings_.size() - 1 - static_cast<std::size_t>(columns_)], rim);
+      Touch(ring, rings_[rings_.size() - 1 - static_cast<std::size_t>(columns_)]);
     } else {
-      Touch(ring, rim, frame_, StraightEdge{{1, 0}, {}});
+      Touch(ring, frame_, Floor());
     }
 
     if (left_ < 2) return;
@@ -135,11 +120,9 @@ class Bearings final : public SceneBuilder {
 
   /// Load rollers and spacers by turns, as many as the circle and the rows left allow.
   void FillRow(const Races& races) {
-    // Free between the last and the first, over the load rollers' radius.
-    constexpr double kSlack = 0.3;
+    constexpr double kSlack = 0.3;  // free between the last and the first, over the load rollers' radius
     const double r = races.roller_radius();
-    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
-    Vec2 direction{start.cos, start.sin};
+    Vec2 direction = RandomDirection();
     const Vec2 first = races.pitch_radius() * direction;
     Roller previous;
     bool past_half = false;
@@ -147,7 +130,7 @@ class Bearings final : public SceneBuilder {
       Roller next{-1, r, races.pitch_radius()};
       bool on_inner = true;
       if (k % 2 == 1) {
-        next.radius = r * random_.Uniform(kMinSpacer, kMaxSpacer);
+        next.radius = r * random_.Uniform(kSpacer);
         on_inner = random_.Uniform() < 0.5;
         next.distance = on_inner ? races.inner_radius + next.radius : races.outer_radius - next.radius;
       }
@@ -159,10 +142,9 @@ class Bearings final : public SceneBuilder {
         if (full_turn || (past_half && Norm(x - first) < next.radius + (1 + kSlack) * r)) break;
       }
       next.body = AddRoller(races, next.distance * direction, next.radius);
-      const ArcEdge rim = Circle(next.radius);
-      if (k % 2 == 0 || on_inner) Touch(next.body, rim, races.inner, Circle(races.inner_radius));
-      if (k % 2 == 0 || !on_inner) Touch(next.body, rim, races.outer, ArcEdge{{}, races.outer_radius, Side::kConcave});
-      if (k > 0) Touch(next.body, rim, previous.body, Circle(previous.radius));
+      if (k % 2 == 0 || on_inner) Touch(next.body, races.inner);
+      if (k % 2 == 0 || !on_inner) Touch(next.body, races.outer, Piece(races.outer, 1));
+      if (k > 0) Touch(next.body, previous.body);
       previous = next;
     }
   }
@@ -172,9 +154,7 @@ class Bearings final : public SceneBuilder {
   /// sin^2(angle / 2) = ((r1 + r2)^2 - (a - b)^2) / (4 a b) = r1 r2 / (a b).
   static Vec2 NextDirection(Vec2 direction, const Roller& previous, const Roller& next) {
     const double square = previous.radius * next.radius / (previous.distance * next.distance);
-    const Rotation step{1 - 2 * square, 2 * std::sqrt(square * (1 - square))};
-    const Vec2 turned = Rotate(step, direction);
-    return (1 / Norm(turned)) * turned;
+    return Turned(direction, {1 - 2 * square, 2 * std::sqrt(square * (1 - square))});
   }
 
   int AddRoller(const Races& races, Vec2 from_middle, double radius) {
@@ -188,13 +168,10 @@ class Bearings final : public SceneBuilder {
   /// One row on top of the last bearing, or on the floor.
   void AddTopDisc() {
     constexpr double kRadius = 0.1;
-    if (rings_.empty()) {
-      Touch(Add("disc", MakeDisc({kOuterRadius, kRadius}, kRadius, kDensity)), Circle(kRadius), frame_,
-            StraightEdge{{1, 0}, {}});
-      return;
-    }
-    const Vec2 top = Get(rings_.back()).x + Vec2{0, kOuterRadius + kRadius};
-    Touch(Add("disc", MakeDisc(top, kRadius, kDensity)), Circle(kRadius), rings_.back(), Circle(kOuterRadius));
+    const bool alone = rings_.empty();
+    const Vec2 x = alone ? Vec2{kOuterRadius, kRadius} : Get(rings_.back()).x + Vec2{0, kOuterRadius + kRadius};
+    const int on = alone ? frame_ : rings_.back();
+    Touch(Add("disc", MakeDisc(x, kRadius, kDensity)), on, alone ? Feature{Floor()} : Piece(on));
   }
 
   int frame_ = 0;

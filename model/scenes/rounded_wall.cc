@@ -1,12 +1,4 @@
 // rounded-wall: a toothed brick wall in running bond, of bricks with rounded corners.
-//
-// Corner radii are random, from two ranges that alternate along a course, so that the ends of two faces' overlap never
-// coincide (where they do, the contact's features are ambiguous). All at rest: gamma = 0.
-//
-// As a sequence: the wall on a plane that leans by a sixth, down which its courses slide.
-//
-// Rows left when the next brick would bring too many are closed beside the wall by bricks (two rows) and a disc (one)
-// on the floor.
 
 #include <algorithm>
 #include <cmath>
@@ -17,41 +9,29 @@
 namespace lcpbench {
 namespace {
 
-/// Distance of the bricks of a course; where both joints are closed, their length.
-constexpr double kPitch = 0.5;
+constexpr double kPitch = 0.5;  ///< distance of the bricks of a course; where both joints are closed, their length
 constexpr double kHeight = 0.2;
-/// By how much each of two bricks stands back from an open joint.
-constexpr double kHalfJoint = 0.01;
+constexpr double kHalfJoint = 0.01;   ///< by how much each of two bricks stands back from an open joint
 constexpr double kClosedShare = 0.7;  ///< of the joints
-/// Ranges of the corner radius over the height.
-constexpr double kSharp[2] = {0.06, 0.15};
-constexpr double kBlunt[2] = {0.2, 0.4};
+constexpr Range kSharp{0.06, 0.15};   ///< ranges of the corner radius over the height
+constexpr Range kBlunt{0.2, 0.4};
 constexpr double kDensity = 100;
-/// Bricks in the lowest course over courses, at random up to.
-constexpr double kMinAspect = 0.7;
-constexpr double kMaxAspect = 2;
-/// In-plane gravity times the square root of the number of courses [m/s^2]: an inclined plane, on which weights do not
-/// outgrow the random gusts as the wall gets higher.
-constexpr double kWeight = 0.4 * kGravity;
-constexpr double kLean = 1.0 / 6;  ///< sine of the floor's slope in the sequence
-
-struct Brick {
-  int body = -1;
-  RoundedBoxShape shape;
-};
+constexpr Range kAspect{0.7, 2};            ///< bricks in the lowest course over courses, at random up to
+constexpr double kWeight = 0.4 * kGravity;  ///< times the root of the number of courses [m/s^2]
+constexpr double kLean = 1.0 / 6;           ///< sine of the floor's slope in the sequence
 
 class RoundedWall final : public SceneBuilder {
  public:
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    floor_ = Add("floor", MakeFixed("floor"));
+    floor_ = AddFixed("floor");
     const double rows_per_brick = 4 + 2 * kClosedShare;
-    const double aspect = random_.Uniform(kMinAspect, kMaxAspect);
+    const double aspect = random_.Uniform(kAspect);
     base_ = std::max(2, static_cast<int>(std::sqrt(aspect * rows_ / rows_per_brick)));
-    std::vector<Brick> below;
+    std::vector<int> below;
     for (;; ++courses_) {
-      const std::vector<Brick> course = BuildCourse(below);
+      const std::vector<int> course = BuildCourse(below);
       if (static_cast<int>(course.size()) < BricksIn(courses_)) break;
       below = course;
     }
@@ -59,9 +39,7 @@ class RoundedWall final : public SceneBuilder {
     Get(floor_).outline = {WholeEdge({end, 0}, {-kPitch, 0})};
   }
 
-  void Load() override {
-    ApplyLoads(&system_, {.weight = kWeight / std::sqrt(1.0 + (courses_ + 1)), .gust = 2 * kGravity}, &random_);
-  }
+  void Load() override { Apply({.weight = kWeight / std::sqrt(1.0 + (courses_ + 1)), .gust = 2 * kGravity}); }
 
   void Launch(World* world) override { world->loads.gravity = kGravity * Vec2{kLean, -std::sqrt(1 - kLean * kLean)}; }
 
@@ -70,8 +48,8 @@ class RoundedWall final : public SceneBuilder {
   int BricksIn(int course) const { return base_ - course % 2; }
 
   /// As many bricks of the next course as the rows left allow.
-  std::vector<Brick> BuildCourse(const std::vector<Brick>& below) {
-    std::vector<Brick> course;
+  std::vector<int> BuildCourse(const std::vector<int>& below) {
+    std::vector<int> course;
     const int count = BricksIn(courses_);
     // What brick j stands on: bricks j and j + 1 below in odd courses, j - 1 and j in even ones.
     const int shift = courses_ % 2 == 1 ? 0 : -1;
@@ -82,11 +60,9 @@ class RoundedWall final : public SceneBuilder {
       const int last = std::min(static_cast<int>(below.size()) - 1, j + shift + 1);
       const int supports = courses_ == 0 ? 1 : last - first + 1;
       if (2 * supports + (closed_left ? 2 : 0) > left_) break;
-      course.push_back(AddBrick(j, closed_left, closed_right));
-      const Brick& brick = course.back();
-      if (courses_ == 0) {
-        for (const int corner : {0, 1}) Touch(brick.body, brick.shape.Corner(corner), floor_, Floor());
-      }
+      const int brick = AddBrick(j, closed_left, closed_right);
+      course.push_back(brick);
+      if (courses_ == 0) StandOnFloor(brick);
       for (int k = first; courses_ > 0 && k <= last; ++k) {
         StandOn(brick, below[static_cast<std::size_t>(k)], k == j + shift);
       }
@@ -96,29 +72,36 @@ class RoundedWall final : public SceneBuilder {
     return course;
   }
 
-  Brick AddBrick(int j, bool closed_left, bool closed_right) {
+  // Pieces of a brick's outline: sides 0..3 (bottom, right, top, left) and corners 0..3 (counter-clockwise from the
+  // lower left) by turns.
+  Feature SideOf(int brick, std::size_t k) const { return Piece(brick, 2 * k); }
+  Feature RoundOf(int brick, std::size_t k) const { return Piece(brick, 2 * ((k + 3) % 4) + 1); }
+
+  void StandOnFloor(int brick) {
+    for (const std::size_t corner : {0U, 1U}) Touch(brick, RoundOf(brick, corner), floor_, Floor());
+  }
+
+  int AddBrick(int j, bool closed_left, bool closed_right) {
     const double begin = (j + 0.5 * (courses_ % 2)) * kPitch + (closed_left ? 0 : kHalfJoint);
     const double end = (j + 1 + 0.5 * (courses_ % 2)) * kPitch - (closed_right ? 0 : kHalfJoint);
-    const double* range = (j + courses_) % 2 == 0 ? kSharp : kBlunt;
-    Brick brick;
-    brick.shape = {end - begin, kHeight, kHeight * random_.Uniform(range[0], range[1])};
+    const double corner = kHeight * random_.Uniform((j + courses_) % 2 == 0 ? kSharp : kBlunt);
     const Vec2 x{(begin + end) / 2, (courses_ + 0.5) * kHeight};
-    brick.body = Add("brick", MakeRoundedBox(x, brick.shape, kDensity));
-    return brick;
+    return Add("brick", MakeRoundedBox(x, end - begin, kHeight, corner, kDensity));
   }
 
   /// The overlap with the brick below on the left or right ends at one corner of each.
-  void StandOn(const Brick& brick, const Brick& below, bool on_left) {
-    Touch(brick.body, brick.shape.Corner(on_left ? 0 : 1), below.body, below.shape.Edge(2));
-    Touch(brick.body, brick.shape.Edge(0), below.body, below.shape.Corner(on_left ? 2 : 3));
+  void StandOn(int brick, int below, bool on_left) {
+    Touch(brick, RoundOf(brick, on_left ? 0 : 1), below, SideOf(below, 2));
+    Touch(brick, SideOf(brick, 0), below, RoundOf(below, on_left ? 2 : 3));
   }
 
   /// The blunter brick's straight face is the shorter one: the overlap ends at its two corners.
-  void Abut(const Brick& left, const Brick& right) {
-    if (left.shape.corner > right.shape.corner) {
-      for (const int corner : {1, 2}) Touch(right.body, right.shape.Edge(3), left.body, left.shape.Corner(corner));
+  void Abut(int left, int right) {
+    const auto radius = [this](int brick) { return std::get<ArcEdge>(RoundOf(brick, 0)).radius; };
+    if (radius(left) > radius(right)) {
+      for (const std::size_t corner : {1U, 2U}) Touch(right, SideOf(right, 3), left, RoundOf(left, corner));
     } else {
-      for (const int corner : {0, 3}) Touch(right.body, right.shape.Corner(corner), left.body, left.shape.Edge(1));
+      for (const std::size_t corner : {0U, 3U}) Touch(right, RoundOf(right, corner), left, SideOf(left, 1));
     }
   }
 
@@ -127,12 +110,10 @@ class RoundedWall final : public SceneBuilder {
     double x = kPitch * (base_ + 1);
     while (left_ > 0) {
       if (left_ >= 2) {
-        const RoundedBoxShape shape{kPitch, kHeight, kHeight * random_.Uniform(kBlunt[0], kBlunt[1])};
-        const int brick = Add("brick", MakeRoundedBox({x, kHeight / 2}, shape, kDensity));
-        for (const int corner : {0, 1}) Touch(brick, shape.Corner(corner), floor_, Floor());
+        const double corner = kHeight * random_.Uniform(kBlunt);
+        StandOnFloor(Add("brick", MakeRoundedBox({x, kHeight / 2}, kPitch, kHeight, corner, kDensity)));
       } else {
-        constexpr double kRadius = kHeight / 2;
-        Touch(Add("disc", MakeDisc({x, kRadius}, kRadius, kDensity)), Circle(kRadius), floor_, Floor());
+        Touch(Add("disc", MakeDisc({x, kHeight / 2}, kHeight / 2, kDensity)), floor_, Floor());
       }
       x += 1.5 * kPitch;
     }

@@ -16,8 +16,7 @@ World WorldUnderGravity(ContactSystem system, Vec2 gravity) {
 }
 
 void Stir(World* world, double speed, std::uint64_t seed) {
-  // Other numbers than those that the geometry was drawn from.
-  constexpr std::uint64_t kOther = 0x5EED;
+  constexpr std::uint64_t kOther = 0x5EED;  // other numbers than those that the geometry was drawn from
   Random random(seed ^ kOther);
   for (Body& body : world->bodies) {
     if (body.fixed) continue;
@@ -25,6 +24,16 @@ void Stir(World* world, double speed, std::uint64_t seed) {
     const double spin = random.Uniform(-1, 1);
     body.v = body.v + speed * v;
     body.omega += speed * spin / std::sqrt(body.inertia / body.mass);
+  }
+}
+
+void SceneBuilder::Apply(const LoadLevel& level) {
+  for (Body& body : system_.bodies) {
+    if (body.fixed) continue;
+    const Vec2 gust = random_.InUnitDisc();
+    const double twist = random_.Uniform(-1, 1);
+    body.force = body.mass * (level.gust * gust + Vec2{0, -level.weight});
+    body.torque = body.mass * level.gust * std::sqrt(body.inertia / body.mass) * twist;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string_view>
+#include <utility>
 
 #include "model/contact/loads.h"
 #include "model/contact/system.h"
@@ -40,13 +41,41 @@ class SceneBuilder {
   Body& Get(int body) { return system_.bodies[static_cast<std::size_t>(body)]; }
   const Body& Get(int body) const { return system_.bodies[static_cast<std::size_t>(body)]; }
   int Add(std::string_view kind, Body body) { return AddBody(&system_, kind, std::move(body)); }
+  int AddFixed(std::string name, std::vector<OutlineEdge> outline = {}) {
+    return Add("", MakeFixed(std::move(name), std::move(outline)));
+  }
+
+  /// Piece k of a body's outline as a feature: of a disc, ring or oval its rim, of a box its bottom, right, top, left.
+  Feature Piece(int body, std::size_t k = 0) const { return ToFeature(Get(body).outline[k].edge); }
+  /// The point at which that piece begins, of a polygon: of a box the lower left corner, and on counter-clockwise.
+  Vertex Corner(int body, std::size_t k) const { return {std::get<StraightEdge>(Get(body).outline[k].edge).a}; }
+  /// Of a body whose outline begins with an arc [m].
+  double Radius(int body) const { return std::get<ArcEdge>(Get(body).outline[0].edge).radius; }
+
   /// One contact, one row.
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    AddContact(&system_, body1, feature1, body2, feature2);
+  Constraint& Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
     --left_;
+    return AddContact(&system_, body1, feature1, body2, feature2);
+  }
+  /// The same of the first pieces of their outlines.
+  Constraint& Touch(int body1, int body2, const Feature& feature2) {
+    return Touch(body1, Piece(body1), body2, feature2);
+  }
+  Constraint& Touch(int body1, int body2) { return Touch(body1, body2, Piece(body2)); }
+  /// A box's lower corners on an edge of another body: two rows.
+  void Stand(int box, int on, const Feature& edge) {
+    for (const std::size_t k : {0U, 1U}) Touch(box, Corner(box, k), on, edge);
+  }
+  /// A joint between two body-frame points, or a point and an edge.
+  Constraint& Join(ConstraintType type, int body1, Vec2 p1, int body2, const Feature& feature2) {
+    return AddConstraint(&system_, type, body1, Vertex{p1}, body2, feature2);
   }
   /// The upper side of a floor at y = 0, as contact needs it.
   static StraightEdge Floor() { return {{1, 0}, {}}; }
+
+  Vec2 RandomDirection() { return Direction(random_.Uniform(0, 2 * kPi)); }
+  /// Weight and independent random forces and torques on every movable body, in body order.
+  void Apply(const LoadLevel& level);
 
   ContactSystem system_;
   int rows_;

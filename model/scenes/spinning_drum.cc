@@ -1,8 +1,4 @@
 // spinning-drum: balls and ovals between the baffles of a turning drum.
-//
-// Balls bring two rows each; a chain of k ovals 2 k - 1.
-//
-// In motion: the drum turns at constant speed about as fast as holds the bodies to its wall, and those at the top fall.
 
 #include <algorithm>
 #include <cmath>
@@ -10,26 +6,21 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/scene_builder.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kDensity = 60;
-constexpr double kMinRadius = 0.095;
-constexpr double kMaxRadius = 0.105;
+constexpr Range kRadius{0.095, 0.105};
 /// A ball in the notch of two others, over the smaller of them: leaves its neighbours in other notches clear.
 constexpr double kNotchShare = 0.75;
 constexpr int kMinWallBalls = 4;
 constexpr int kMaxWallBalls = 8;
 constexpr int kLayers = 3;
-constexpr double kMinHalfLength = 0.14;  ///< semi-axes of ovals [m]
-constexpr double kMaxHalfLength = 0.18;
-constexpr double kMinHalfWidth = 0.08;
-constexpr double kMaxHalfWidth = 0.11;
+constexpr Range kHalfLength{0.14, 0.18};  ///< of ovals [m]
+constexpr Range kHalfWidth{0.08, 0.11};
 constexpr int kMinOvals = 3;
 constexpr int kMaxOvals = 6;
 constexpr double kOvalShare = 0.35;
@@ -37,13 +28,10 @@ constexpr double kMinDrum = 1.5;
 constexpr double kFilledShare = 0.9;  ///< of the drum's wall, at most
 constexpr double kBaffleHeight = 0.4;
 constexpr double kBaffleWidth = 0.06;
-constexpr double kClearance = 0.05;  ///< between a baffle and the bodies before it, and ovals after it
-constexpr double kShell = 0.12;      ///< the drum's thickness
-/// Centripetal acceleration over gravity.
-constexpr double kMinCentripetal = 0.7;
-constexpr double kMaxCentripetal = 1.4;
-/// Largest tangential acceleration over gravity.
-constexpr double kSpinUp = 0.5;
+constexpr double kClearance = 0.05;      ///< between a baffle and the bodies before it, and ovals after it
+constexpr double kShell = 0.12;          ///< the drum's thickness
+constexpr Range kCentripetal{0.7, 1.4};  ///< centripetal acceleration over gravity
+constexpr double kSpinUp = 0.5;          ///< largest tangential acceleration over gravity
 
 /// What lies between two baffles.
 struct Sector {
@@ -66,30 +54,23 @@ std::vector<Sector> PlanSectors(int rows, Random* random) {
     Sector sector;
     sector.ovals = random->Uniform() < kOvalShare || rows == 1;
     if (sector.ovals) {
-      const int wanted = kMinOvals + random->Integer(kMaxOvals - kMinOvals + 1);
-      sector.bodies = std::min(wanted, (rows + 1) / 2);
-      sector.a = random->Uniform(kMinHalfLength, kMaxHalfLength);
-      sector.b = random->Uniform(kMinHalfWidth, kMaxHalfWidth);
+      sector.bodies = std::min(random->Integer(kMinOvals, kMaxOvals), (rows + 1) / 2);
+      sector.a = random->Uniform(kHalfLength);
+      sector.b = random->Uniform(kHalfWidth);
       rows -= 2 * sector.bodies - 1;
     } else {
-      const int wall = kMinWallBalls + random->Integer(kMaxWallBalls - kMinWallBalls + 1);
+      const int wall = random->Integer(kMinWallBalls, kMaxWallBalls);
       int full = 0;
       for (int layer = 0; layer < kLayers; ++layer) full += wall - layer;
       sector.bodies = std::min(full, rows / 2);
       for (int k = 0; k < std::min(wall, sector.bodies); ++k) {
-        sector.radii.push_back(random->Uniform(kMinRadius, kMaxRadius));
+        sector.radii.push_back(random->Uniform(kRadius));
       }
       rows -= 2 * sector.bodies;
     }
     sectors.push_back(sector);
   }
   return sectors;
-}
-
-/// The unit direction turned counter-clockwise by the angle of that sine, below a right angle.
-Vec2 Turned(Vec2 direction, double sine) {
-  const Vec2 turned = Rotate({std::sqrt((1 - sine) * (1 + sine)), sine}, direction);
-  return (1 / Norm(turned)) * turned;
 }
 
 class Drum final : public SceneBuilder {
@@ -101,28 +82,29 @@ class Drum final : public SceneBuilder {
     double length = 0;
     for (const Sector& sector : sectors) length += sector.Length();
     // Centres lie inside the wall, where the same lengths take larger angles.
-    radius_ = std::max(kMinDrum, length / (2 * kPi * kFilledShare) + 2 * kMaxRadius);
+    radius_ = std::max(kMinDrum, length / (2 * kPi * kFilledShare) + 2 * kRadius.high);
     wall_ = {{}, radius_, Side::kConcave};
     Body drum = MakeFixed("drum");
-    const double centripetal = kGravity * random_.Uniform(kMinCentripetal, kMaxCentripetal);
+    const double centripetal = kGravity * random_.Uniform(kCentripetal);
     drum.omega = random_.Sign() * std::sqrt(centripetal / radius_);
     drum.alpha = kSpinUp * kGravity / radius_ * random_.Uniform(-1, 1);
     drum_ = Add("drum", drum);
 
-    const Rotation start = SinCos(random_.Uniform(0, 2 * kPi));
-    Vec2 ray{start.cos, start.sin};
+    Vec2 ray = RandomDirection();
     for (const Sector& sector : sectors) {
       baffles_.push_back(ray);
       ray = sector.ovals ? AddOvals(sector, ray) : AddBalls(sector, ray);
     }
     Draw();
     for (Body& body : system_.bodies) {
-      if (!body.fixed) TurnAboutOrigin(&body, drum.omega);
+      if (body.fixed) continue;
+      body.omega = drum.omega;
+      body.v = drum.omega * Perp(body.x);
     }
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kGravity, .gust = kGravity}, &random_);
+    Apply({.weight = kGravity, .gust = kGravity});
     LoadEnds(&system_, {.squeeze = 50, .burst = 100});
   }
 
@@ -139,48 +121,30 @@ class Drum final : public SceneBuilder {
     return {foot * ray + SideOf(ray), (radius_ - kBaffleHeight) * ray + SideOf(ray)};
   }
 
-  struct Ball {
-    int body = -1;
-    Vec2 center;
-    double radius = 0;
-  };
-
-  Ball AddBall(Vec2 center, double radius) { return {Add("ball", MakeDisc(center, radius, kDensity)), center, radius}; }
-
-  void TouchBalls(const Ball& ball, const Ball& other) {
-    Touch(ball.body, Circle(ball.radius), other.body, Circle(other.radius));
-  }
-
   /// A pile on the counter-clockwise side of the baffle at `ray`: a row along the wall and shorter rows in its notches.
   /// Returns the next baffle's direction.
   Vec2 AddBalls(const Sector& sector, Vec2 ray) {
-    std::vector<Ball> layer;
-    Vec2 direction = ray;
+    std::vector<int> layer;
+    Vec2 direction = Turned(ray, OfSine((kBaffleWidth / 2 + sector.radii[0]) / (radius_ - sector.radii[0])));
     for (const double r : sector.radii) {
+      if (!layer.empty()) direction = NextAlongArc(direction, Radius(layer.back()), r, radius_);
+      const int ball = Add("ball", MakeDisc((radius_ - r) * direction, r, kDensity));
+      Touch(ball, drum_, wall_);
       if (layer.empty()) {
-        direction = Turned(ray, (kBaffleWidth / 2 + r) / (radius_ - r));
+        Touch(ball, drum_, Face(ray));
       } else {
-        direction = NextAlongArc(direction, layer.back().radius, r, radius_);
-      }
-      const Ball ball = AddBall((radius_ - r) * direction, r);
-      Touch(ball.body, Circle(r), drum_, wall_);
-      if (layer.empty()) {
-        Touch(ball.body, Circle(r), drum_, Face(ray));
-      } else {
-        TouchBalls(ball, layer.back());
+        Touch(ball, layer.back());
       }
       layer.push_back(ball);
     }
     const double last = sector.radii.back();
-    const Vec2 next = Turned(direction, (last + kClearance + kBaffleWidth / 2) / (radius_ - last));
+    const Vec2 next = Turned(direction, OfSine((last + kClearance + kBaffleWidth / 2) / (radius_ - last)));
 
     int left = sector.bodies - static_cast<int>(layer.size());
     while (left > 0) {
-      std::vector<Ball> above;
+      std::vector<int> above;
       for (std::size_t k = 0; k + 1 < layer.size() && left > 0; ++k, --left) {
         above.push_back(AddNotchBall(layer[k], layer[k + 1]));
-        TouchBalls(above.back(), layer[k]);
-        TouchBalls(above.back(), layer[k + 1]);
       }
       layer = above;
     }
@@ -188,9 +152,12 @@ class Drum final : public SceneBuilder {
   }
 
   /// On the inner side of two balls, touching both.
-  Ball AddNotchBall(const Ball& ball1, const Ball& ball2) {
-    const double r = kNotchShare * std::min(ball1.radius, ball2.radius);
-    return AddBall(NotchPoint(ball1.center, ball1.radius + r, ball2.center, ball2.radius + r), r);
+  int AddNotchBall(int ball1, int ball2) {
+    const double r = kNotchShare * std::min(Radius(ball1), Radius(ball2));
+    const Vec2 center = MeetingOf(Get(ball1).x, Radius(ball1) + r, Get(ball2).x, Radius(ball2) + r).Left();
+    const int ball = Add("ball", MakeDisc(center, r, kDensity));
+    for (const int below : {ball1, ball2}) Touch(ball, below);
+    return ball;
   }
 
   /// Equal ovals that lie on the wall along their long sides, side by side. Two of them touch on the ray halfway
@@ -204,28 +171,26 @@ class Drum final : public SceneBuilder {
     const double inner = radius_ - std::max(kBaffleHeight, 2 * b);
     const double margin = (kBaffleWidth / 2 + kClearance) / inner;
     const EllipseEdge rim{{}, a, b, 0, Side::kConvex};
-    const Body shape = MakeBody(Ellipse(a, b), kDensity);
-    Vec2 edge = Turned(ray, margin);
+    const Body shape = MakePlate(Ellipse(a, b), kDensity);
+    Vec2 edge = Turned(ray, OfSine(margin));
     for (int k = 0; k < sector.bodies; ++k) {
-      const Vec2 direction = Turned(edge, half_sine);
+      const Vec2 direction = Turned(edge, OfSine(half_sine));
       Body oval = shape;
-      oval.name.clear();
       oval.x = c * direction;
       oval.theta = AngleOf(Perp(direction));
       const int body = Add("oval", oval);
-      Touch(body, rim, drum_, wall_);
-      system_.constraints.back().s1 = -kPi / 2;
+      Touch(body, rim, drum_, wall_).s1 = -kPi / 2;
       if (k > 0) {
         // Towards the oval before; mirrored for that one.
         const Vec2 normal{-Dot(Perp(edge), Perp(direction)), Dot(Perp(edge), direction)};
         const double s = AngleOf({a * normal.x, b * normal.y});
-        Touch(body, rim, body - 1, rim);
-        system_.constraints.back().s1 = s;
-        system_.constraints.back().s2 = kPi - s;
+        Constraint& contact = Touch(body, rim, body - 1, rim);
+        contact.s1 = s;
+        contact.s2 = kPi - s;
       }
-      edge = Turned(direction, half_sine);
+      edge = Turned(direction, OfSine(half_sine));
     }
-    return Turned(edge, margin);
+    return Turned(edge, OfSine(margin));
   }
 
   /// The drum's inside, clockwise, with a round edge on each baffle.

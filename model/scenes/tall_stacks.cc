@@ -1,15 +1,4 @@
 // tall-stacks: stacks of boxes, discs and ovals, heavy on light, many of them with a heavy beam across three.
-//
-// Contacts are flat (box on box or floor, two rows), round on flat, and round on round (one row); discs and ovals roll
-// and slide over one another, so that gamma is nonzero there and depends on curvature. A beam stands on three stacks of
-// the same height and overhangs by its own contacts: rank 0.97 of the rows at 1000.
-//
-// The topmost and heaviest bodies of every second group or stack, the first among them, are pulled upwards, the others
-// either way: one that presses down closes its whole stack.
-//
-// As a sequence: the same velocities under gravity alone; the stacks fall apart.
-//
-// The last rows go to single stacks without a beam.
 
 #include <algorithm>
 #include <cmath>
@@ -23,10 +12,8 @@ namespace {
 constexpr int kMinBodies = 5;  ///< in a leg
 constexpr int kMaxBodies = 12;
 constexpr int kLegs = 3;
-/// More rows than any group of legs with their beam has.
-constexpr int kGroupRows = 2 * kLegs * (kMaxBodies + 1);
-/// Height over number of bodies of a leg, about.
-constexpr double kStorey = 0.16;
+constexpr int kGroupRows = 2 * kLegs * (kMaxBodies + 1);  ///< more rows than any group of legs with their beam has
+constexpr double kStorey = 0.16;                          ///< height over number of bodies of a leg, about
 constexpr double kMinShare = 0.7;  ///< of a body's height before legs are made equal, over the largest
 constexpr double kSpacing = 0.6;   ///< of legs
 constexpr double kBeamHeight = 0.2;
@@ -38,9 +25,6 @@ constexpr double kWeight = 0.05 * kGravity;
 
 enum class Kind { kBox, kDisc, kOval };
 
-/// How masses are spread over a stack.
-enum class Profile { kHeavyTop, kRising, kByTurns };
-
 /// A body of a stack before it has a place.
 struct Element {
   Kind kind = Kind::kBox;
@@ -48,19 +32,34 @@ struct Element {
   double width = 0;
 };
 
-double PowerOfTen(int exponent) {
-  double power = 1;
-  for (int k = 0; k < exponent; ++k) power *= 10;
-  return power;
-}
+/// How masses are spread over a stack.
+enum class Profile { kHeavyTop, kRising, kByTurns };
+
+/// The masses of a stack: the lightest and, at most, ten to the power `decades` times it.
+struct Masses {
+  Profile profile;
+  int decades;
+
+  static double PowersUp(int exponent) {
+    double power = 1;
+    for (int k = 0; k < exponent; ++k) power *= 10;
+    return kLightest * power;
+  }
+  double Heaviest() const { return PowersUp(decades); }
+  /// Of body k of `count` from the floor.
+  double Of(int k, int count) const {
+    if (profile == Profile::kHeavyTop) return PowersUp(k + 1 == count ? decades : 0);
+    if (profile == Profile::kRising) return PowersUp(count > 1 ? decades * k / (count - 1) : 0);
+    return PowersUp(k % 2 == 1 ? decades : 0);
+  }
+};
 
 /// The top of what has been stacked so far.
 struct Top {
   int body = 0;
-  Kind kind = Kind::kBox;
+  Feature face;      ///< what the next body touches; a straight edge from the right to the left
   double width = 0;  ///< the floor's is infinite
-  double height = 0;
-  double y = 0;  ///< of the uppermost point
+  double y = 0;      ///< of the uppermost point
 };
 
 class Stacks final : public SceneBuilder {
@@ -68,16 +67,16 @@ class Stacks final : public SceneBuilder {
   using SceneBuilder::SceneBuilder;
 
   void Build() override {
-    floor_ = Add("floor", MakeFixed("floor"));
+    floor_ = AddFixed("floor");
     int decades = kMostDecades;
     while (left_ > 0) {
-      const auto profile = static_cast<Profile>(random_.Integer(3));
+      const Masses masses{static_cast<Profile>(random_.Integer(3)), decades};
       if (left_ >= kGroupRows) {
-        AddGroup(profile, decades);
+        AddGroup(masses);
       } else {
-        AddSingle(profile, decades);
+        AddSingle(masses);
       }
-      decades = 1 + random_.Integer(kMostDecades);
+      decades = random_.Integer(1, kMostDecades);
       lift_ = !lift_;
       axis_ += kSpacing;
     }
@@ -85,17 +84,16 @@ class Stacks final : public SceneBuilder {
   }
 
   void Load() override {
-    ApplyLoads(&system_, {.weight = kWeight, .gust = kGravity}, &random_);
+    Apply({.weight = kWeight, .gust = kGravity});
     for (const int heavy : lifted_) Get(heavy).force.y = std::abs(Get(heavy).force.y);
   }
 
  private:
   /// Three legs of the same height with a beam across.
-  void AddGroup(Profile profile, int decades) {
-    const int bodies = kMinBodies + random_.Integer(kMaxBodies - kMinBodies + 1);
+  void AddGroup(const Masses& masses) {
+    const int bodies = random_.Integer(kMinBodies, kMaxBodies);
     const double height = bodies * kStorey;
     const double first = axis_;
-    const double mass = kLightest * PowerOfTen(decades);
     std::vector<Top> tops;
     for (int leg = 0; leg < kLegs; ++leg, axis_ += kSpacing) {
       // As many bodies or one less, so that legs differ.
@@ -108,33 +106,32 @@ class Stacks final : public SceneBuilder {
       }
       Top top = FloorTop();
       for (int k = 0; k < own; ++k) {
-        Element element = Scaled(elements[static_cast<std::size_t>(k)], height / sum);
-        top = Put(element, Mass(profile, decades, k, own + 1), mass, top);
+        top = Put(Scaled(elements[static_cast<std::size_t>(k)], height / sum), masses, masses.Of(k, own + 1), top);
       }
       tops.push_back(top);
     }
     axis_ -= kSpacing;
     const double width = axis_ - first + kSpacing / 2;
     const Vec2 x{(first + axis_) / 2, height + kBeamHeight / 2};
-    const int beam = Add("beam", MakeBox(x, width, kBeamHeight, mass / (width * kBeamHeight)));
+    const int beam = Add("beam", MakeBox(x, width, kBeamHeight, masses.Heaviest() / (width * kBeamHeight)));
     if (lift_) lifted_.push_back(beam);
     for (const Top& top : tops) {
-      if (top.kind == Kind::kBox) {
-        for (const int corner : {2, 3}) Touch(beam, BoxEdge(width, kBeamHeight, 0), top.body, Corner(top, corner));
+      if (const auto* face = std::get_if<StraightEdge>(&top.face)) {
+        for (const Vec2 corner : {face->a, face->b}) Touch(beam, top.body, Vertex{corner});
       } else {
-        Touch(beam, BoxEdge(width, kBeamHeight, 0), top.body, Round(top));
+        TouchAbove(beam, top);
       }
     }
   }
 
   /// A stack that ends where the rows do.
-  void AddSingle(Profile profile, int decades) {
-    const int bodies = std::min(left_, kMinBodies + random_.Integer(kMaxBodies - kMinBodies + 1));
+  void AddSingle(const Masses& masses) {
+    const int bodies = std::min(left_, random_.Integer(kMinBodies, kMaxBodies));
     Top top = FloorTop();
     for (int k = 0; k < bodies && left_ > 0; ++k) {
       Element element = Scaled(NewElement(), kStorey);
       if (left_ == 1 && element.kind == Kind::kBox) element.kind = Kind::kDisc;
-      top = Put(element, Mass(profile, decades, k, bodies), kLightest * PowerOfTen(decades), top);
+      top = Put(element, masses, masses.Of(k, bodies), top);
     }
     if (lift_) lifted_.push_back(top.body);
   }
@@ -148,39 +145,20 @@ class Stacks final : public SceneBuilder {
     return element;
   }
 
-  static Element Scaled(Element element, double factor) {
-    element.height *= factor;
-    element.width *= factor;
-    return element;
+  static Element Scaled(const Element& element, double factor) {
+    return {element.kind, element.height * factor, element.width * factor};
   }
 
-  /// Of body k of `count` from the floor.
-  static double Mass(Profile profile, int decades, int k, int count) {
-    int exponent = 0;
-    switch (profile) {
-      case Profile::kHeavyTop:
-        exponent = k + 1 == count ? decades : 0;
-        break;
-      case Profile::kRising:
-        exponent = count > 1 ? decades * k / (count - 1) : 0;
-        break;
-      case Profile::kByTurns:
-        exponent = k % 2 == 1 ? decades : 0;
-        break;
-    }
-    return kLightest * PowerOfTen(exponent);
-  }
-
-  Top FloorTop() const { return {floor_, Kind::kBox, 1e300, 0, 0}; }
+  Top FloorTop() const { return {floor_, Floor(), 1e300, 0}; }
 
   /// Puts an element on top of a stack. Discs and ovals are upright, so that all normals are vertical and sideways
   /// motion and spin keep every gap.
-  Top Put(const Element& element, double mass, double heaviest, const Top& below) {
+  Top Put(const Element& element, const Masses& masses, double mass, const Top& below) {
     const double w = element.kind == Kind::kDisc ? element.height : element.width;
     const double h = element.height;
     const Vec2 x{axis_, below.y + h / 2};
-    Body body;
     const char* name = "box";
+    Body body;
     if (element.kind == Kind::kBox) {
       body = MakeBox(x, w, h, mass / (w * h));
     } else if (element.kind == Kind::kDisc) {
@@ -192,40 +170,25 @@ class Stacks final : public SceneBuilder {
     }
     body.v = {random_.Uniform(-kMaxSpeed, kMaxSpeed), 0};
     if (element.kind != Kind::kBox) body.omega = random_.Uniform(-kMaxSpin, kMaxSpin);
-    const Top top{Add(name, body), element.kind, w, h, below.y + h};
-    if (lift_ && mass == heaviest) lifted_.push_back(top.body);
-    if (element.kind == Kind::kBox && below.kind == Kind::kBox) {
+    const int put = Add(name, body);
+    if (lift_ && mass == masses.Heaviest()) lifted_.push_back(put);
+    const auto* face = std::get_if<StraightEdge>(&below.face);
+    if (element.kind != Kind::kBox || face == nullptr) {
+      TouchAbove(put, below);
+    } else if (w < below.width) {
       // The narrower one's corners on the other's face.
-      for (const int side : {0, 1}) {
-        if (w < below.width) {
-          Touch(top.body, Corner(top, side), below.body, Face(below));
-        } else {
-          Touch(top.body, BoxEdge(w, h, 0), below.body, Corner(below, 3 - side));
-        }
-      }
+      Stand(put, below.body, below.face);
     } else {
-      const Feature under = below.kind == Kind::kBox ? Feature{Face(below)} : Round(below);
-      Touch(top.body, element.kind == Kind::kBox ? Feature{BoxEdge(w, h, 0)} : Round(top), below.body, under);
+      for (const Vec2 corner : {face->b, face->a}) Touch(put, below.body, Vertex{corner});
     }
-    return top;
+    return {put, Piece(put, element.kind == Kind::kBox ? 2 : 0), w, below.y + h};
   }
 
-  static Feature Round(const Top& top) {
-    if (top.kind == Kind::kDisc) return Circle(top.height / 2);
-    return Oval(top.width / 2, top.height / 2);
-  }
-  static Vertex Corner(const Top& top, int corner) { return {BoxCorner(top.width, top.height, corner)}; }
-  StraightEdge Face(const Top& top) const {
-    if (top.body == floor_) return {{1, 0}, {}};
-    return BoxEdge(top.width, top.height, 2);
-  }
-
-  void Touch(int body1, const Feature& feature1, int body2, const Feature& feature2) {
-    SceneBuilder::Touch(body1, feature1, body2, feature2);
-    Constraint& contact = system_.constraints.back();
-    // Ovals are upright: touched from below at s = -pi/2 and from above at pi/2.
-    if (std::holds_alternative<EllipseEdge>(feature1)) contact.s1 = -kPi / 2;
-    if (std::holds_alternative<EllipseEdge>(feature2)) contact.s2 = kPi / 2;
+  /// Ovals are upright: touched from below at s = -pi/2 and from above at pi/2.
+  void TouchAbove(int body, const Top& below) {
+    Constraint& contact = Touch(body, below.body, below.face);
+    if (std::holds_alternative<EllipseEdge>(contact.feature1)) contact.s1 = -kPi / 2;
+    if (std::holds_alternative<EllipseEdge>(contact.feature2)) contact.s2 = kPi / 2;
   }
 
   int floor_ = 0;

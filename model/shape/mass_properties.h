@@ -1,7 +1,7 @@
 #pragma once
 
 #include "model/contact/body.h"
-#include "model/shape/outline_moments.h"
+#include "model/shape/outline.h"
 
 namespace lcpbench {
 

@@ -7,11 +7,9 @@
 #include <numbers>
 #include <string>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include "model/geometry/broad_phase.h"
-#include "model/shape/outline_moments.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -48,57 +46,40 @@ double SegmentDistance(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
 
 // A piece of a curve that turns by less than 180 degrees, enclosed: every point of it lies within `height` of its
 // chord. Halving it divides the height by about four.
-class EnclosedPiece {
- public:
-  // @param curve  kept by reference: must outlive the piece
-  EnclosedPiece(const OutlineCurve& curve, double s_begin, double s_end)
-      : curve_(&curve),
-        s_begin_(s_begin),
-        s_end_(s_end),
-        begin_(CurvePoint(curve, s_begin)),
-        end_(CurvePoint(curve, s_end)),
-        enclosure_(std::visit([&](const auto& e) { return e.Enclose(s_begin, s_end, begin_, end_); }, curve)) {}
+struct EnclosedPiece {
+  // @param of  kept by reference: must outlive the piece
+  EnclosedPiece(const OutlineCurve& of, double s_first, double s_last)
+      : curve(&of),
+        s_begin(s_first),
+        s_end(s_last),
+        begin(CurvePoint(of, s_first)),
+        end(CurvePoint(of, s_last)),
+        enclosure(Enclose(of, s_first, s_last)) {}
 
-  Vec2 begin() const { return begin_; }
-  Vec2 end() const { return end_; }
-  double height() const { return enclosure_.height; }
-  double chord() const { return Norm(end_ - begin_); }
-  // The directions of travel lie in the cone from its `first` to its `second`.
-  const Enclosure& enclosure() const { return enclosure_; }
-  bool can_split() const { return middle() != s_begin_ && middle() != s_end_; }
-  EnclosedPiece FirstHalf() const { return {*curve_, s_begin_, middle()}; }
-  EnclosedPiece SecondHalf() const { return {*curve_, middle(), s_end_}; }
+  double height() const { return enclosure.height; }
+  double chord() const { return Norm(end - begin); }
+  double middle() const { return s_begin + (s_end - s_begin) / 2; }
+  bool can_split() const { return middle() != s_begin && middle() != s_end; }
+  EnclosedPiece FirstHalf() const { return {*curve, s_begin, middle()}; }
+  EnclosedPiece SecondHalf() const { return {*curve, middle(), s_end}; }
   // Contains the piece, and `margin` around it.
-  BoundingBox Bounds(double margin) const { return Inflated(BoxOf(begin_, end_), {}, height() + margin); }
+  BoundingBox Bounds(double margin) const { return Inflated(BoxOf(begin, end), {}, height() + margin); }
 
- private:
-  double middle() const { return s_begin_ + (s_end_ - s_begin_) / 2; }
-
-  const OutlineCurve* curve_;
-  double s_begin_;
-  double s_end_;
-  Vec2 begin_;
-  Vec2 end_;
-  Enclosure enclosure_;
+  const OutlineCurve* curve;
+  double s_begin;
+  double s_end;
+  Vec2 begin;
+  Vec2 end;
+  Enclosure enclosure;
 };
 
 bool ConesOverlap(const EnclosedPiece& p, const EnclosedPiece& q) {
   // Seen from the joint p runs backwards.
-  const Vec2 p1 = -p.enclosure().first;
-  const Vec2 p2 = -p.enclosure().second;
-  const Vec2 q1 = q.enclosure().first;
-  const Vec2 q2 = q.enclosure().second;
+  const Vec2 p1 = -p.enclosure.first;
+  const Vec2 p2 = -p.enclosure.second;
+  const Vec2 q1 = q.enclosure.first;
+  const Vec2 q2 = q.enclosure.second;
   return InCone(p1, q1, q2) || InCone(p2, q1, q2) || InCone(q1, p1, p2) || InCone(q2, p1, p2);
-}
-
-// Cuts a piece into two or more that EnclosedPiece can hold: curves into equal parts of at most a quarter turn of the
-// parameter, Bezier edges until each turns by less than 90 degrees.
-// @return false if a Bezier edge's derivative vanishes on the way: no piece around that point is turned by so little
-bool AppendEnclosed(const OutlinePiece& piece, std::vector<EnclosedPiece>* pieces) {
-  const std::vector<double> cuts =
-      std::visit([&](const auto& e) { return e.EnclosedCuts(piece.s_begin, piece.s_end); }, piece.edge);
-  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) pieces->emplace_back(piece.edge, cuts[k], cuts[k + 1]);
-  return !cuts.empty();
 }
 
 // What is known of two pieces.
@@ -117,7 +98,7 @@ Meeting FindMeeting(const EnclosedPiece& first, const EnclosedPiece& second, dou
     const auto [p, q] = open.back();
     open.pop_back();
     const double heights = p.height() + q.height();
-    if (SegmentDistance(p.begin(), p.end(), q.begin(), q.end()) > heights + tolerance) continue;
+    if (SegmentDistance(p.begin, p.end, q.begin, q.end) > heights + tolerance) continue;
     const bool split_p = p.height() >= q.height();
     if (heights <= tolerance || !(split_p ? p : q).can_split()) return Meeting::kMeet;
     if (split_p) {
@@ -162,14 +143,14 @@ int WindingNumber(const std::vector<EnclosedPiece>& loop, Vec2 point, double tol
     const EnclosedPiece piece = open.back();
     open.pop_back();
     // While the point is clear of the enclosure, the piece can be pulled taut onto its chord without passing over it.
-    const bool clear = DistanceToSegment(point, piece.begin(), piece.end()) > piece.height();
+    const bool clear = DistanceToSegment(point, piece.begin, piece.end) > piece.height();
     if (!clear && piece.height() > tolerance && piece.can_split()) {
       open.push_back(piece.FirstHalf());
       open.push_back(piece.SecondHalf());
       continue;
     }
-    const Vec2 from = piece.begin() - point;
-    const Vec2 to = piece.end() - point;
+    const Vec2 from = piece.begin - point;
+    const Vec2 to = piece.end - point;
     // Only the nearest whole number of turns counts, so that the library's atan2 is exact enough.
     angle += std::atan2(Cross(from, to), Dot(from, to));
   }
@@ -234,19 +215,25 @@ class OutlineCheck {
   void Enclose() {
     pieces_.resize(outline_.loops.size());
     ForEachPiece([&](std::size_t loop, std::size_t piece) {
-      const std::size_t before = pieces_[loop].size();
-      if (!AppendEnclosed(outline_.loops[loop][piece], &pieces_[loop])) {
+      const OutlinePiece& edge = outline_.loops[loop][piece];
+      const std::vector<double> cuts = EnclosedCuts(edge);
+      if (cuts.empty()) {
         Refuse(Name(loop, piece), "the curve's derivative vanishes (a cusp or coincident control points)");
       }
-      for (std::size_t k = before; k < pieces_[loop].size(); ++k) owners_.push_back({loop, piece, k});
+      for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+        owners_.push_back({loop, piece, pieces_[loop].size()});
+        pieces_[loop].emplace_back(edge.edge, cuts[k], cuts[k + 1]);
+        if (k == 0) lengths_.emplace_back(owners_.back(), 0.0);
+        lengths_.back().second += pieces_[loop].back().chord();
+      }
     });
   }
 
   void CheckSize() {
-    BoundingBox box{pieces_[0][0].begin(), pieces_[0][0].begin()};
+    BoundingBox box{pieces_[0][0].begin, pieces_[0][0].begin};
     for (const auto& loop : pieces_) {
       for (const EnclosedPiece& piece : loop) {
-        for (const Vec2 p : {piece.begin(), piece.end()}) box = Union(box, {p, p});
+        for (const Vec2 p : {piece.begin, piece.end}) box = Union(box, {p, p});
       }
     }
     extent_ = Norm(box.upper - box.lower);
@@ -263,17 +250,9 @@ class OutlineCheck {
   double Tolerance(double relative) const { return std::max(relative * extent_, rounding_); }
 
   void CheckLengths() const {
-    double length = 0;
-    for (std::size_t k = 0; k < owners_.size(); ++k) {
-      const Owner& owner = owners_[k];
-      length += At(owner).chord();
-      const bool more =
-          k + 1 < owners_.size() && owners_[k + 1].loop == owner.loop && owners_[k + 1].piece == owner.piece;
-      if (more) continue;
-      if (!(length > Tolerance(kMinEdgeLength))) {
-        Refuse(Name(owner), "zero-length edge (shorter than 1e-8 of the outline's extent)");
-      }
-      length = 0;
+    for (const auto& [owner, length] : lengths_) {
+      if (length > Tolerance(kMinEdgeLength)) continue;
+      Refuse(Name(owner), "zero-length edge (shorter than 1e-8 of the outline's extent)");
     }
   }
 
@@ -327,7 +306,7 @@ class OutlineCheck {
 
   void CheckWinding() const {
     for (std::size_t loop = 0; loop < outline_.loops.size(); ++loop) {
-      const double area = LoopMoments(outline_.loops[loop], pieces_[loop][0].begin()).area;
+      const double area = LoopMoments(outline_.loops[loop], pieces_[loop][0].begin).area;
       if (loop == 0 && !(area > 0)) {
         Refuse(Name(loop, 0), "the outer boundary runs clockwise, expected counter-clockwise");
       }
@@ -338,7 +317,7 @@ class OutlineCheck {
   void CheckNesting() const {
     const double touch = Tolerance(kTouchTolerance);
     for (std::size_t hole = 1; hole < pieces_.size(); ++hole) {
-      const Vec2 point = pieces_[hole][0].begin();
+      const Vec2 point = pieces_[hole][0].begin;
       if (WindingNumber(pieces_[0], point, touch) != 1) Refuse(LoopName(outline_, hole), "outside the outer boundary");
       for (std::size_t other = 1; other < pieces_.size(); ++other) {
         if (other != hole && WindingNumber(pieces_[other], point, touch) != 0) {
@@ -352,8 +331,7 @@ class OutlineCheck {
     // The smaller principal second moment is 1e-12 of the larger at the limit: it has four digits left, and the limit
     // gets as much slack.
     constexpr double kLimit = kMaxAspectRatio * (1 + 1e-3);
-    const MassProperties properties = ComputeMassProperties(outline_, 1);
-    const AreaMoments m = OutlineMoments(outline_, properties.center);
+    const AreaMoments m = ComputeMassProperties(outline_, 1).moments;
     const double mean = (m.xx + m.yy) / 2;
     const double difference = (m.xx - m.yy) / 2;
     const double large = mean + std::sqrt(difference * difference + m.xy * m.xy);
@@ -366,6 +344,7 @@ class OutlineCheck {
   const Outline& outline_;
   std::vector<std::vector<EnclosedPiece>> pieces_;  // per loop
   std::vector<Owner> owners_;                       // of all pieces, loop after loop
+  std::vector<std::pair<Owner, double>> lengths_;   // of the outline's edges
   double reach_ = 0;
   double extent_ = 0;
   double rounding_ = 0;

@@ -27,12 +27,9 @@ void RequirePositive(const char* shape, std::initializer_list<std::pair<const ch
 
 OutlinePiece Straight(Vec2 a, Vec2 b) { return {StraightEdge{a, b}, 0, 1}; }
 
-OutlinePiece ConvexArc(Vec2 center, double radius, double s_begin, double s_end) {
-  return {ArcEdge{center, radius, Side::kConvex}, s_begin, s_end};
-}
-
-OutlinePiece ConcaveArc(Vec2 center, double radius, double s_begin, double s_end) {
-  return {ArcEdge{center, radius, Side::kConcave}, s_begin, s_end};
+// Convex where it runs counter-clockwise.
+OutlinePiece Arc(Vec2 center, double radius, double s_begin, double s_end) {
+  return {ArcEdge{center, radius, s_begin < s_end ? Side::kConvex : Side::kConcave}, s_begin, s_end};
 }
 
 Vec2 Polar(double radius, double angle) {
@@ -54,14 +51,14 @@ OutlinePiece ArcThrough(Vec2 p, Vec2 q, double radius) {
   const double s_begin = AngleOf(p - center);
   double s_end = AngleOf(q - center);
   if (s_end < s_begin) s_end += 2 * kPi;
-  return ConvexArc(center, radius, s_begin, s_end);
+  return Arc(center, radius, s_begin, s_end);
 }
 
 }  // namespace
 
 Outline Disc(double radius) {
   RequirePositive("disc", {{"the radius", radius}});
-  return Checked({"disc", {{ConvexArc({}, radius, 0, 2 * kPi)}}});
+  return Checked({"disc", {{Arc({}, radius, 0, 2 * kPi)}}});
 }
 
 Outline Box(double width, double height) {
@@ -81,11 +78,10 @@ Outline RoundedBox(double width, double height, double corner_radius) {
   Require(r < x && r < y, "rounded box", "twice the corner radius must be below width and height");
   const double cx = x - r;
   const double cy = y - r;
-  return Checked(
-      {"rounded box",
-       {{Straight({-cx, -y}, {cx, -y}), ConvexArc({cx, -cy}, r, -kPi / 2, 0), Straight({x, -cy}, {x, cy}),
-         ConvexArc({cx, cy}, r, 0, kPi / 2), Straight({cx, y}, {-cx, y}), ConvexArc({-cx, cy}, r, kPi / 2, kPi),
-         Straight({-x, cy}, {-x, -cy}), ConvexArc({-cx, -cy}, r, kPi, 3 * kPi / 2)}}});
+  return Checked({"rounded box",
+                  {{Straight({-cx, -y}, {cx, -y}), Arc({cx, -cy}, r, -kPi / 2, 0), Straight({x, -cy}, {x, cy}),
+                    Arc({cx, cy}, r, 0, kPi / 2), Straight({cx, y}, {-cx, y}), Arc({-cx, cy}, r, kPi / 2, kPi),
+                    Straight({-x, cy}, {-x, -cy}), Arc({-cx, -cy}, r, kPi, 3 * kPi / 2)}}});
 }
 
 Outline Capsule(double length, double radius) {
@@ -93,13 +89,13 @@ Outline Capsule(double length, double radius) {
   const double x = length / 2;
   const double r = radius;
   return Checked({"capsule",
-                  {{Straight({-x, -r}, {x, -r}), ConvexArc({x, 0}, r, -kPi / 2, kPi / 2), Straight({x, r}, {-x, r}),
-                    ConvexArc({-x, 0}, r, kPi / 2, 3 * kPi / 2)}}});
+                  {{Straight({-x, -r}, {x, -r}), Arc({x, 0}, r, -kPi / 2, kPi / 2), Straight({x, r}, {-x, r}),
+                    Arc({-x, 0}, r, kPi / 2, 3 * kPi / 2)}}});
 }
 
 Outline HalfDisc(double radius) {
   RequirePositive("half disc", {{"the radius", radius}});
-  return Checked({"half disc", {{Straight({-radius, 0}, {radius, 0}), ConvexArc({}, radius, 0, kPi)}}});
+  return Checked({"half disc", {{Straight({-radius, 0}, {radius, 0}), Arc({}, radius, 0, kPi)}}});
 }
 
 Outline DShape(double straight, double radius) {
@@ -107,14 +103,14 @@ Outline DShape(double straight, double radius) {
   const double x = -straight;
   const double r = radius;
   return Checked({"D-shape",
-                  {{Straight({x, -r}, {0, -r}), ConvexArc({}, r, -kPi / 2, kPi / 2), Straight({0, r}, {x, r}),
+                  {{Straight({x, -r}, {0, -r}), Arc({}, r, -kPi / 2, kPi / 2), Straight({0, r}, {x, r}),
                     Straight({x, r}, {x, -r})}}});
 }
 
 Outline Ring(double outer_radius, double inner_radius) {
   RequirePositive("ring", {{"the outer radius", outer_radius}, {"the inner radius", inner_radius}});
   Require(inner_radius < outer_radius, "ring", "the inner radius must be below the outer");
-  return Checked({"ring", {{ConvexArc({}, outer_radius, 0, 2 * kPi)}, {ConcaveArc({}, inner_radius, 2 * kPi, 0)}}});
+  return Checked({"ring", {{Arc({}, outer_radius, 0, 2 * kPi)}, {Arc({}, inner_radius, 2 * kPi, 0)}}});
 }
 
 Outline Ellipse(double a, double b) {
@@ -148,9 +144,9 @@ Outline Gear(const GearShape& shape) {
     const auto root_point = [&](double angle) { return Polar(shape.root_radius, angle); };
     const auto tip_point = [&](double angle) { return Polar(shape.tip_radius, angle); };
     gear.loops[0].push_back(ArcThrough(root_point(middle - foot), tip_point(middle - tip), shape.flank_radius));
-    gear.loops[0].push_back(ConvexArc({}, shape.tip_radius, middle - tip, middle + tip));
+    gear.loops[0].push_back(Arc({}, shape.tip_radius, middle - tip, middle + tip));
     gear.loops[0].push_back(ArcThrough(tip_point(middle + tip), root_point(middle + foot), shape.flank_radius));
-    gear.loops[0].push_back(ConvexArc({}, shape.root_radius, middle + foot, next - foot));
+    gear.loops[0].push_back(Arc({}, shape.root_radius, middle + foot, next - foot));
   }
   return Checked(gear);
 }
@@ -169,9 +165,8 @@ Outline Cam(double base_radius, double nose_radius, double distance) {
   const Vec2 lower{c, -s};
   return Checked(
       {"cam",
-       {{ConvexArc(nose, nose_radius, -angle, angle), Straight(nose + nose_radius * upper, base_radius * upper),
-         ConvexArc({}, base_radius, angle, 2 * kPi - angle),
-         Straight(base_radius * lower, nose + nose_radius * lower)}}});
+       {{Arc(nose, nose_radius, -angle, angle), Straight(nose + nose_radius * upper, base_radius * upper),
+         Arc({}, base_radius, angle, 2 * kPi - angle), Straight(base_radius * lower, nose + nose_radius * lower)}}});
 }
 
 Outline Bowl(double outer_radius, double inner_radius, double half_opening) {
@@ -186,10 +181,9 @@ Outline Bowl(double outer_radius, double inner_radius, double half_opening) {
           "the opening must be wider than the lips");
   const double left = kPi / 2 + half_opening;
   const double right = 5 * kPi / 2 - half_opening;
-  return Checked(
-      {"bowl",
-       {{ConvexArc({}, outer_radius, left, right), ConvexArc(Polar(middle, right), lip, right, right + kPi),
-         ConcaveArc({}, inner_radius, right, left), ConvexArc(Polar(middle, left), lip, left + kPi, left + 2 * kPi)}}});
+  return Checked({"bowl",
+                  {{Arc({}, outer_radius, left, right), Arc(Polar(middle, right), lip, right, right + kPi),
+                    Arc({}, inner_radius, right, left), Arc(Polar(middle, left), lip, left + kPi, left + 2 * kPi)}}});
 }
 
 }  // namespace lcpbench

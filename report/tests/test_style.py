@@ -6,7 +6,7 @@ from lcpbench_report.style import solver_styles
 
 OWN = ("dantzig", "auto", "semismooth-newton", "lemke", "bpp", "active-set", "pgs", "psor", "nncg", "apgd", "ipopt-qp",
        "ipopt-ncp", "ipm", "hybrid", "new-one", "another")
-PEERS = ("bullet-dantzig", "bullet-dantzig-cfm", "bullet-lemke", "ode-dantzig", "dart-dantzig", "dart-pgs",
+PEERS = ("bullet-dantzig", "bullet-dantzig-cfm", "bullet-lemke", "ode-dantzig", "ode-new", "dart-dantzig", "dart-pgs",
          "dart-pgs-default", "siconos-lexicolemke", "siconos-newton-fb", "siconos-pgs", "siconos-nsgs-sbm",
          "siconos-avi", "petsc-rsls", "petsc-ssls", "tao-bntr", "tao-tron", "cgal-qp", "clp", "clp-default")
 

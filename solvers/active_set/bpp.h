@@ -48,37 +48,29 @@ struct BppOptions {
   static BppOptions FromSettings(const Settings& settings, const char* key = "bpp");
 };
 
-/// Block principal pivoting with a proximal outer loop. Measurements: docs/solvers/active_set.md.
+/// Block principal pivoting with a proximal outer loop (BlockPivoting). Measurements: docs/solvers/active_set.md.
 ///
 /// Inner method [Kostreva 1978; Portugal, Judice, Vicente 1994]: for a set F of active rows, f_F solves w_F = 0 and
 /// f = 0 elsewhere; all rows with f_i < 0 in F or w_i < 0 outside are violated and change sides together. If `patience`
 /// exchanges in a row do not lower the least number of violated rows, blocks cycle: e (below) rises to 1e-2, then
-/// tenfold each time; and at `largest_proximal` only the violated row of least index changes sides [Murty 1974], until
-/// that number falls. Bilateral rows are always in F. Unit of iterations and max_iterations: sets F, one factorisation
-/// each; default limit 10 n + 200.
+/// tenfold each time; at `largest_proximal` only the violated row of least index changes sides [Murty 1974]. Bilateral
+/// rows are always in F. Unit of iterations and max_iterations: sets F, one factorization each; default 10 n + 200.
 ///
-/// A need not be nonsingular: the inner problem is that of A + e D, D = diag A, with b - e D c in the place of b, a
-/// proximal-point step from c [Rockafellar 1976] with a positive definite matrix. c starts at 0 and moves to the
-/// solution. After each step f_F is corrected on A itself by conjugate gradients on A_FF x = -b_F with the factor as
-/// preconditioner, and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
+/// The inner problem is that of A + e D, D = diag A, with b - e D c in the place of b: a proximal-point step from c
+/// [Rockafellar 1976] with a positive definite matrix, whatever the rank of A. After each step f_F is corrected on A
+/// itself, and rows violated by it change sides while their number falls. e falls to 0.3 e after each step.
 ///
-/// Guaranteed: nothing in double precision. In exact arithmetic the proximal loop converges for every solvable problem
-/// of symmetric PSD A, without a polynomial bound on single exchanges. kSolved is claimed only after w was recomputed
-/// by the given form and meets the tolerance; kInfeasible only with a ray that VerifyFarkasRay accepts, which a
-/// proximal step that does not shrink is offered as.
+/// Guaranteed: nothing in double precision; in exact arithmetic every solvable problem of symmetric PSD A, without a
+/// polynomial bound. kSolved only after w was recomputed by the given form, kInfeasible only with a ray that
+/// VerifyFarkasRay accepts.
 ///
 /// Start: F = all rows. With initial_f whose rho is at most 5 % of the one at f = 0, F = {D f > w} and c = initial_f;
-/// of any other initial_f the set alone counts, F = {initial_f > 0}. Where the first factorisation leaves more than 10
-/// % of the rows violated, or blocks cycle, a warm start is forgotten.
+/// of any other the set alone counts. A warm start whose first set leaves more than 10 % of the rows violated, or whose
+/// blocks cycle, is forgotten.
 ///
-/// Scaled by powers of two (ScaledVectors): powers of two in A, b or single rows change no bit. Forms of the factor:
-/// ActiveBlockChoice. Cost per iteration: one factorisation, one substitution pair, one product A f. Prepare analyses
-/// A: O(fill). Solve does not allocate for a prepared problem, unless it reports a failure or a ray. The clock is read
-/// once per factorisation and conjugate gradient step.
-///
-/// kIterationLimit, kTimeLimit and kNumericalFailure leave the best f published, zeros if none was. kUnsupported:
-/// A_ii < 0. Departures from the papers: the proximal loop and its correction; a heavier proximal term against cycles;
-/// bilateral rows; tolerances of sign that follow from the rounding of A + e D.
+/// Powers of two in A, b or single rows change no bit (ScaledVectors). Prepare analyses A: O(fill). Solve does not
+/// allocate for a prepared problem, unless it reports a failure or a ray. kIterationLimit, kTimeLimit and
+/// kNumericalFailure leave the best f published, zeros if none was. kUnsupported: A_ii < 0.
 class BppSolver final : public EngineSolver<BppOptions, class BppEngine> {
  public:
   using EngineSolver::EngineSolver;

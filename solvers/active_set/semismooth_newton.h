@@ -17,8 +17,7 @@ struct SemismoothNewtonOptions {
   double least_weight = 1e-8;  ///< see weight_factor
   /// Problems of at least so many rows are solved by continuation instead (below), whatever the three weights.
   Index continuation_rows = 2'000;
-  /// SettingsReader::SelfCheck; without it kSolved is claimed where rho in double, as the method computes it in scaled
-  /// units, meets the tolerance.
+  /// SettingsReader::SelfCheck; without it kSolved is claimed where a finish leaves no row violated.
   bool self_check = true;
 
   /// Keys `first_weight`, `weight_factor`, `least_weight`, `continuation_rows` and `self_check`. @throws InputError for
@@ -43,12 +42,11 @@ struct SemismoothNewtonOptions {
 /// differ by few rows, so that a step is an update of the factor (BodyActiveBlock). After 50 proximal steps without an
 /// answer the other path goes on from c.
 ///
-/// Finish: after each proximal step (with continuation: each time rho has fallen tenfold) the forces c of F are
-/// corrected by A_FF d = -w_F, with a shift that only keeps a singular A_FF solvable, refined until w_F is rounding.
+/// Finish (BlockPivoting::Finish): after each proximal step, with continuation each time rho has fallen tenfold, the
+/// forces c of F are corrected until w_F is rounding.
 ///
-/// Guaranteed for symmetric PSD A of any rank, in exact arithmetic: converges to a solution if there is one
-/// [Rockafellar 1976]; otherwise c grows along a ray, and kInfeasible is claimed if VerifyFarkasRay accepts it. A that
-/// is not symmetric is refused. kSolved is claimed only if the given form meets the tolerance in extended precision.
+/// Guaranteed for symmetric PSD A of any rank, in exact arithmetic; other A are refused. Where there is no solution c
+/// grows along a ray: kInfeasible if VerifyFarkasRay accepts it. kSolved only if the given form meets the tolerance.
 ///
 /// Unit of iterations and max_iterations: factors asked for, new or updated, kDefaultFactors at most and
 /// kContinuationFactors with continuation. Each costs O(sum over columns of L of (entries)^2) and a product with A.
@@ -56,9 +54,8 @@ struct SemismoothNewtonOptions {
 /// Warm start: c = u = initial_f, clipped at 0, if its rho is at most half the one at f = 0. Its F = {D f > w} is
 /// finished first, wrong rows changing sides while their number falls.
 ///
-/// Solve allocates nothing but a ray, and what CHOLMOD does where the block is in body space. The clock is read every
-/// some thousand multiply-adds of a factorisation, and between all other steps, each O(nnz A). kTimeLimit,
-/// kIterationLimit and kNumericalFailure leave the f of least rho that was seen. Departures: the rules for eps;
+/// Solve allocates nothing but a ray, and what CHOLMOD does where the block is in body space. kTimeLimit,
+/// kIterationLimit and kNumericalFailure leave the best f that was judged, else c. Departures: the rules for eps;
 /// subproblems are solved to the end; the finish.
 class SemismoothNewtonSolver final : public EngineSolver<SemismoothNewtonOptions, class SemismoothNewtonEngine> {
  public:

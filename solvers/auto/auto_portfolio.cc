@@ -6,10 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "solvers/auto/islands.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/verify.h"
 #include "solvers/linear_algebra/cost_model.h"
+#include "solvers/linear_algebra/islands.h"
 
 namespace lcpbench {
 namespace {
@@ -91,8 +90,10 @@ double CyclesPerBody(const LcpProblem& problem) {
 
 AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
     : newton_factorisations_(newton_factorisations),
-      self_check_(self_check),
-      psor_({.end_when_hopeless = true, .self_check = self_check}),
+      psor_({.relaxation = PgsOptions::kFirstOfAdaptive,
+             .adaptive = true,
+             .end_when_hopeless = true,
+             .self_check = self_check}),
       nncg_({.end_when_hopeless = true, .self_check = self_check}),
       bpp_({.end_when_singular = true, .self_check = self_check}),
       newton_({.self_check = self_check}),
@@ -158,7 +159,7 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
 }
 
 // True if there is nothing left to try: solved and passed, proved infeasible, or out of time.
-bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result) {
+bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
   LcpOptions rest = *options_;
   rest.time_limit_s = deadline_->Remaining();
   if (limit > 0) rest.max_iterations = rest.max_iterations > 0 ? std::min(rest.max_iterations, limit) : limit;
@@ -174,22 +175,9 @@ bool AutoPortfolio::Try(LcpSolver* solver, std::string_view name, Trust trust, s
   if (!before.empty()) result->detail += "; ";
   result->detail += name;
   if (!said.empty()) result->detail.append(": ").append(said);
-  switch (result->status) {
-    case LcpStatus::kSolved:
-      if (trust == Trust::kVerifiesItself || !self_check_) return true;
-      test_.Reset(*problem_);
-      if (test_.Meets(options_->tolerance, result->f)) return true;
-      result->status = LcpStatus::kNumericalFailure;
-      break;
-    case LcpStatus::kInfeasible:
-      if (result->farkas_ray.has_value() && VerifyFarkasRay(*problem_, *result->farkas_ray).accepted) return true;
-      result->farkas_ray.reset();
-      result->status = LcpStatus::kNumericalFailure;
-      break;
-    case LcpStatus::kTimeLimit:
-      return true;
-    default:
-      break;
+  if (result->status == LcpStatus::kSolved || result->status == LcpStatus::kInfeasible ||
+      result->status == LcpStatus::kTimeLimit) {
+    return true;  // each of them has judged its answer or ray
   }
   Remember(result->f);
   return false;
@@ -214,7 +202,7 @@ void AutoPortfolio::TakeTheBest(LcpResult* result) {
 
 // Psor or nncg. What they leave is where the next ones start.
 bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result) {
-  if (Try(solver, name, Trust::kVerifiesItself, limit, result)) return true;
+  if (Try(solver, name, limit, result)) return true;
   if (result->f.allFinite()) {
     start_ = result->f;
     has_start_ = true;
@@ -223,7 +211,7 @@ bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int
 }
 
 bool AutoPortfolio::TryBpp(LcpResult* result) {
-  if (Try(&bpp_, "bpp", Trust::kVerifiesItself, kMostFactorisationsOfBpp, result)) return true;
+  if (Try(&bpp_, "bpp", kMostFactorisationsOfBpp, result)) return true;
   // What it has when it runs out of factorisations is mostly right but for a few rows.
   if (is_large_ && result->iterations > 1 && result->f.allFinite()) {
     start_ = result->f;
@@ -260,16 +248,16 @@ void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
   has_start_ = options_->initial_f != nullptr;
   if (has_start_) start_ = *options_->initial_f;
   if (begins_with_hybrid ? TryNewton(result) : TryHybrid(result)) return;
-  if (problem_->size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", Trust::kVerify, 0, result);
+  if (problem_->size() <= kMostRowsOfDantzig) Try(&dantzig_, "dantzig", 0, result);
 }
 
 bool AutoPortfolio::TryNewton(LcpResult* result) {
-  return Try(&newton_, "semismooth-newton", Trust::kVerifiesItself, newton_factorisations_, result);
+  return Try(&newton_, "semismooth-newton", newton_factorisations_, result);
 }
 
 bool AutoPortfolio::TryHybrid(LcpResult* result) {
 #ifdef LCPBENCH_WITH_SUITESPARSE
-  return Try(&hybrid_, "hybrid", Trust::kVerify, 0, result);
+  return Try(&hybrid_, "hybrid", 0, result);
 #else
   static_cast<void>(result);
   return false;

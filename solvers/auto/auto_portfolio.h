@@ -8,7 +8,7 @@
 #include "solvers/active_set/bpp.h"
 #include "solvers/active_set/semismooth_newton.h"
 #include "solvers/first_order/nncg.h"
-#include "solvers/first_order/psor.h"
+#include "solvers/first_order/pgs.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/pivoting/dantzig.h"
@@ -51,7 +51,6 @@ class AutoPortfolio {
   bool suits_tableau() const { return suits_tableau_; }
 
  private:
-  enum class Trust { kVerifiesItself, kVerify };
   bool PrepareBpp(const LcpProblem& problem);
   void AskAll(Choice choice, LcpResult* result);
   void Remember(const Eigen::VectorXd& f);
@@ -61,10 +60,9 @@ class AutoPortfolio {
   bool TryBpp(LcpResult* result);
   bool TryNewton(LcpResult* result);
   bool TryHybrid(LcpResult* result);
-  bool Try(LcpSolver* solver, std::string_view name, Trust trust, std::int64_t limit, LcpResult* result);
+  bool Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
 
   std::int64_t newton_factorisations_;
-  bool self_check_;
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;
@@ -73,7 +71,7 @@ class AutoPortfolio {
   std::int64_t nncg_limit_ = 0;  // 0: not worth a try
   std::int64_t psor_limit_ = 0;
 
-  PsorSolver psor_;
+  PgsSolver psor_;
   NncgSolver nncg_;
   BppSolver bpp_;
   SemismoothNewtonSolver newton_;

@@ -9,9 +9,9 @@
 
 #include "solvers/answers/answer_judge.h"
 #include "solvers/auto/auto_portfolio.h"
-#include "solvers/auto/islands.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/pivoting/small_pivoting.h"
 #include "solvers/pivoting/tableau_rules.h"
 #include "support/input_error.h"

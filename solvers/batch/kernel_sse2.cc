@@ -1,8 +1,7 @@
-#include "solvers/batch/lanes_sse2.h"
 #include "solvers/batch/tableau_kernel.h"
 
 namespace lcpbench {
 
-void SolveGroupSse2(BatchGroup* group) { SolveGroup<LanesSse2>(group); }
+void SolveGroupSse2(BatchGroup* group) { SolveGroup(group); }
 
 }  // namespace lcpbench

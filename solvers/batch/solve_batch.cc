@@ -49,12 +49,6 @@ constexpr std::size_t kChunk = 4;
 constexpr std::size_t kSizes = kBatchMaxRows + 1;
 static_assert(BatchSolver::kMaxRows == kBatchMaxRows);
 
-std::uint32_t BilateralMask(const LcpProblem& problem) {
-  std::uint32_t mask = 0;
-  for (const Index row : problem.bilateral_rows()) mask |= 1U << static_cast<unsigned>(row);
-  return mask;
-}
-
 }  // namespace
 
 std::string_view ToString(BatchInstructions instructions) {
@@ -147,8 +141,8 @@ struct BatchSolver::Implementation {
         for (std::size_t l = 0; l < used; ++l) {
           const bool met = (group.met >> l & 1U) != 0;
           const bool close = (group.close >> l & 1U) != 0;
-          if (met || (close && batch->Meets(order[p + l], options, &tests[worker]))) {
-            batch->Accept(order[p + l], group.pivots[l]);
+          if (met || (close && Meets(batch, order[p + l], &tests[worker]))) {
+            batch->Answer(order[p + l], LcpStatus::kSolved, group.pivots[l], "lanes");
           } else {
             Leave(batch, order[p + l], worker);
           }
@@ -158,9 +152,16 @@ struct BatchSolver::Implementation {
   }
 
   template <typename Batch>
+  bool Meets(Batch* batch, std::size_t p, GivenFormTest* test) const {
+    test->Reset(batch->Problem(p), GivenFormTest::Rows::kGivenWhenNeeded);
+    return test->Meets(options.tolerance, batch->Forces(p));
+  }
+
+  template <typename Batch>
   void Leave(Batch* batch, std::size_t p, std::size_t worker) {
     if (TimeIsUp()) {
-      batch->OutOfTime(p);
+      batch->Forces(p).setZero();
+      batch->Answer(p, LcpStatus::kTimeLimit, 0, "");
       return;
     }
     fallbacks.fetch_add(1, std::memory_order_relaxed);
@@ -168,7 +169,9 @@ struct BatchSolver::Implementation {
     if (std::isfinite(options.time_limit_s)) {
       rest.time_limit_s = std::max(deadline->Remaining(), std::numeric_limits<double>::min());
     }
-    batch->Fallback(p, fallback[worker].get(), rest, &scratch[worker]);
+    LcpResult* const result = batch->ResultOr(p, &scratch[worker]);
+    fallback[worker]->Solve(batch->Problem(p), rest, result);
+    batch->Take(p, *result);
   }
 
   const Kernel& kernel;
@@ -200,27 +203,19 @@ struct ProblemBatch {
     const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && problem.IsNumericallySymmetric();
     return fits ? problem.size() : 0;
   }
+  const LcpProblem& Problem(std::size_t p) const { return problems[p]; }
+  Eigen::VectorXd& Forces(std::size_t p) {
+    results[p].f.resize(problems[p].size());
+    return results[p].f;
+  }
   BatchItem Item(std::size_t p) {
-    const LcpProblem& problem = problems[p];
-    Eigen::VectorXd& f = results[p].f;
-    f.resize(problem.size());
-    return {problem.DenseA().data(), problem.b().data(), f.data(), BilateralMask(problem),
-            static_cast<int>(problem.size())};
+    std::uint32_t joints = 0;
+    for (const Index row : problems[p].bilateral_rows()) joints |= 1U << static_cast<unsigned>(row);
+    return {problems[p].DenseA().data(), problems[p].b().data(), Forces(p).data(), joints,
+            static_cast<int>(problems[p].size())};
   }
-  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) const {
-    test->Reset(problems[p], GivenFormTest::Rows::kGivenWhenNeeded);
-    return test->Meets(options.tolerance, results[p].f);
-  }
-  void Accept(std::size_t p, int pivots) { Answer(p, LcpStatus::kSolved, pivots, "lanes"); }
-  void OutOfTime(std::size_t p) {
-    results[p].f.setZero(problems[p].size());
-    Answer(p, LcpStatus::kTimeLimit, 0, "");
-  }
-  void Fallback(std::size_t p, LcpSolver* solver, const LcpOptions& options, LcpResult* /*scratch*/) {
-    solver->Solve(problems[p], options, &results[p]);
-  }
-
- private:
+  LcpResult* ResultOr(std::size_t p, LcpResult* /*scratch*/) { return &results[p]; }
+  void Take(std::size_t /*p*/, const LcpResult& /*result*/) {}
   void Answer(std::size_t p, LcpStatus status, int pivots, const char* detail) {
     LcpResult& result = results[p];
     result.status = status;
@@ -240,27 +235,6 @@ struct RawBatch {
 
   std::size_t size() const { return static_cast<std::size_t>(given.problems); }
   Index LaneRows(std::size_t /*p*/) const { return to_lanes ? given.rows : 0; }
-  BatchItem Item(std::size_t p) {
-    const auto n = static_cast<std::size_t>(given.rows);
-    return {given.A + p * n * n, given.b + p * n, f + p * n, given.bilateral == nullptr ? 0 : given.bilateral[p],
-            static_cast<int>(n)};
-  }
-  bool Meets(std::size_t p, const LcpOptions& options, GivenFormTest* test) {
-    test->Reset(Problem(p), GivenFormTest::Rows::kGivenWhenNeeded);
-    return test->Meets(options.tolerance, Forces(p));
-  }
-  void Accept(std::size_t p, int /*pivots*/) { SetStatus(p, LcpStatus::kSolved); }
-  void OutOfTime(std::size_t p) {
-    Forces(p).setZero();
-    SetStatus(p, LcpStatus::kTimeLimit);
-  }
-  void Fallback(std::size_t p, LcpSolver* solver, const LcpOptions& options, LcpResult* scratch) {
-    solver->Solve(Problem(p), options, scratch);
-    Forces(p) = scratch->f;
-    SetStatus(p, scratch->status);
-  }
-
- private:
   LcpProblem Problem(std::size_t p) {
     const BatchItem item = Item(p);
     std::vector<Index> bilateral;
@@ -273,10 +247,18 @@ struct RawBatch {
                                  Eigen::Map<const Eigen::VectorXd>(item.b, given.rows),
                                  RowBounds::WithBilateralRows(given.rows, bilateral));
   }
-  Eigen::Map<Eigen::VectorXd> Forces(std::size_t p) {
-    return Eigen::Map<Eigen::VectorXd>(f + p * static_cast<std::size_t>(given.rows), given.rows);
+  Eigen::Map<Eigen::VectorXd> Forces(std::size_t p) { return {Item(p).f, given.rows}; }
+  BatchItem Item(std::size_t p) {
+    const auto n = static_cast<std::size_t>(given.rows);
+    return {given.A + p * n * n, given.b + p * n, f + p * n, given.bilateral == nullptr ? 0 : given.bilateral[p],
+            static_cast<int>(n)};
   }
-  void SetStatus(std::size_t p, LcpStatus value) {
+  LcpResult* ResultOr(std::size_t /*p*/, LcpResult* scratch) { return scratch; }
+  void Take(std::size_t p, const LcpResult& result) {
+    Forces(p) = result.f;
+    Answer(p, result.status, 0, "");
+  }
+  void Answer(std::size_t p, LcpStatus value, int /*pivots*/, const char* /*detail*/) {
     if (status != nullptr) status[p] = value;
   }
 };
@@ -312,10 +294,5 @@ void BatchSolver::Solve(const DenseBatch& batch, const LcpOptions& options, doub
 
 Index BatchSolver::fallbacks() const { return implementation_->fallbacks; }
 BatchInstructions BatchSolver::instructions() const { return implementation_->kernel.instructions; }
-
-void SolveBatch(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results,
-                const BatchOptions& batch_options) {
-  BatchSolver(batch_options).Solve(problems, options, results);
-}
 
 }  // namespace lcpbench

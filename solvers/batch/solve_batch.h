@@ -93,8 +93,4 @@ class BatchSolver {
   std::unique_ptr<Implementation> implementation_;
 };
 
-/// One batch with a solver of its own. Callers with many keep a BatchSolver.
-void SolveBatch(std::span<const LcpProblem> problems, const LcpOptions& options, std::span<LcpResult> results,
-                const BatchOptions& batch_options = {});
-
 }  // namespace lcpbench

@@ -2,16 +2,39 @@
 
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "solvers/batch/kernel.h"
-#include "solvers/batch/unroll.h"
+#include "solvers/batch/lanes.h"
 #include "solvers/pivoting/tableau_rules.h"
 
 namespace lcpbench {
 namespace {
 
-/// Solves one group of N rows or fewer, one problem per lane of L (lanes_avx512.h says what L has), by the method of
-/// solve_batch.h.
+#define LCPBENCH_INLINE_LAMBDA __attribute__((always_inline))
+
+/// f(integral_constant<int, k>) for all k.
+template <int... k, typename F>
+[[gnu::always_inline]] inline void EachUnrolled(std::integer_sequence<int, k...> /*indices*/, const F& f) {
+  (f(std::integral_constant<int, k>{}), ...);
+}
+
+/// 2 v and last - v, constants where v is one.
+template <int v>
+constexpr auto Twice(std::integral_constant<int, v> /*v*/) {
+  return std::integral_constant<int, 2 * v>{};
+}
+constexpr int Twice(int v) { return 2 * v; }
+template <int last, int v>
+constexpr auto Mirror(std::integral_constant<int, v> /*v*/) {
+  return std::integral_constant<int, last - v>{};
+}
+template <int last>
+constexpr int Mirror(int v) {
+  return last - v;
+}
+
+/// Solves one group of N rows or fewer, one problem per lane, by the method of solve_batch.h.
 ///
 /// The tableau T starts as A, of which the lower triangle is kept, q as b. Exchanging row k, with a = T_kk:
 ///     T_ij -= T_ik T_kj / a,   T_kj /= |a|,   T_kk = -1 / a,   and q_i, q_k as if q were another column,
@@ -19,7 +42,7 @@ namespace {
 /// be negative. Two neighbouring rows are exchanged in one pass, because the stores of T are what takes the time: n^2 /
 /// 2 of them, and twice as many fused operations. Nothing here depends on another lane but whether a pass is made at
 /// all, which changes no bits in a lane that moves nothing (its multipliers are 0).
-template <typename L, int N>
+template <int N>
 class TableauKernel {
  public:
   explicit TableauKernel(BatchGroup* group) : group_(*group) {
@@ -36,15 +59,16 @@ class TableauKernel {
     }
     WriteForces();
     Check();
-    const M poor = L::Less(L::Set(kGoodEnough * kGoodEnough), rho_square_);
+    const M poor = L::Set(kGoodEnough * kGoodEnough) < rho_square_;
     if (L::Any(poor)) Refine(poor);
     Judge();
     StoreForces();
   }
 
  private:
-  using V = typename L::V;
-  using M = typename L::M;
+  using L = Lanes;
+  using V = L::V;
+  using M = L::M;
   static constexpr int kLaneCount = L::kWidth;
   static constexpr int kPanels = N / 2;
   static constexpr int kEntries = N * (N + 1) / 2;
@@ -155,7 +179,7 @@ class TableauKernel {
     V largest = zero;
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V d = matrix_[At(i, i)];
-      const M acts = L::Less(zero, d);
+      const M acts = zero < d;
       // s^2 d in [1, 4)
       const V s = L::Select(acts, PowerOfTwo(1535U - ((ExponentOf(d) + 1U) >> 1U)), one);
       scale_[i] = s;
@@ -165,7 +189,7 @@ class TableauKernel {
       largest = L::Max(largest, L::Masked(acts, L::Abs(q)));
     });
     const V top = L::Min(largest, L::Set(0x1p1022));  // t top in [1, 2)
-    const V t = L::Select(L::Less(zero, top), PowerOfTwo(2046U - ExponentOf(top)), one);
+    const V t = L::Select(zero < top, PowerOfTwo(2046U - ExponentOf(top)), one);
     b_scale_ = t;
     inverse_b_scale_ = one / t;
     V norm = zero;
@@ -174,7 +198,7 @@ class TableauKernel {
       q_[i] = q;
       norm = L::Fma(q, q, norm);
     });
-    b_square_ = L::Select(L::Less(zero, norm), norm, one);
+    b_square_ = L::Select(zero < norm, norm, one);
     Each<N>([&](auto i) LCPBENCH_INLINE_LAMBDA {
       const V s = scale_[i];
       EachUpTo(i, [&](auto j) LCPBENCH_INLINE_LAMBDA { tableau_[At(i, j)] = matrix_[At(i, j)] * s * scale_[j]; });
@@ -188,8 +212,8 @@ class TableauKernel {
 
   // Rows that a lane wants to move: bilateral ones first, then those with the wrong sign.
   M Wanted(int k, bool joints) const {
-    if (joints) return L::Without(joint_[k], L::SignOf(sign_[k]));
-    return L::Without(L::Less(L::Xor(q_[k], sign_[k]), noise_), joint_[k]);
+    if (joints) return joint_[k] & ~L::SignOf(sign_[k]);
+    return (L::Xor(q_[k], sign_[k]) < noise_) & ~joint_[k];
   }
 
   // By panels, up or down.
@@ -204,7 +228,7 @@ class TableauKernel {
 
   template <typename P>
   [[gnu::always_inline]] void VisitPanel(P panel, bool joints) {
-    if (L::Any(L::Either(Wanted(2 * panel, joints), Wanted(2 * panel + 1, joints)))) StepPanel(panel, joints);
+    if (L::Any(Wanted(2 * panel, joints) | Wanted(2 * panel + 1, joints))) StepPanel(panel, joints);
   }
 
   // What an exchange of row k does to the rest: row i becomes row i - x_i y with x the old column k, y = x `inverse`;
@@ -215,8 +239,8 @@ class TableauKernel {
   [[gnu::always_inline]] Move Decide(int k, bool joints, V a) {
     const V sign = sign_[k];
     const V size = L::Xor(a, sign);
-    const M m = L::Both(Wanted(k, joints), L::Less(least_[k], size));
-    moved_ = L::Either(moved_, m);
+    const M m = Wanted(k, joints) & (least_[k] < size);
+    moved_ |= m;
     const V inverse_size = L::Set(1) / size;
     const V inverse = L::Masked(m, L::Xor(inverse_size, sign));
     const V factor = L::Select(m, inverse_size, L::Set(1));
@@ -321,8 +345,8 @@ class TableauKernel {
       // (|A| |f|)_i is at least both |A f|_i and A_ii f_i: most rows pass by that alone.
       const V b = b_[i];
       const V least = L::Max(L::Abs(force), L::Abs(w - b)) + L::Abs(b);
-      met = L::Both(met, L::LessEqual(L::Abs(defect), limit * least));
-      solid = L::Both(solid, L::LessEqual(L::Set(0), d));
+      met &= L::Abs(defect) <= limit * least;
+      solid &= L::Set(0) <= d;
     });
     rows_met_ = met;
     solid_ = solid;
@@ -335,16 +359,16 @@ class TableauKernel {
     V before[N];
     for (int i = 0; i < N; ++i) {
       before[i] = q_[i];
-      w_[i] = L::Masked(L::Both(poor, L::SignOf(sign_[i])), w_[i] * scale_[i] * b_scale_);
+      w_[i] = L::Masked(poor & L::SignOf(sign_[i]), w_[i] * scale_[i] * b_scale_);
     }
     for (int i = 0; i < N; ++i) {
       V sum = q_[i];
       for (int j = 0; j < N; ++j) sum = L::Fnma(tableau_[j <= i ? At(i, j) : At(j, i)], w_[j], sum);
-      q_[i] = L::Select(L::Both(poor, L::SignOf(sign_[i])), sum, before[i]);
+      q_[i] = L::Select(poor & L::SignOf(sign_[i]), sum, before[i]);
     }
     WriteForces();
     Check();
-    const M worse = L::Less(rho, rho_square_);
+    const M worse = rho < rho_square_;
     if (!L::Any(worse)) return;
     for (int i = 0; i < N; ++i) q_[i] = L::Select(worse, before[i], q_[i]);
     WriteForces();
@@ -355,14 +379,13 @@ class TableauKernel {
     // SmallPivoting::Answer::rounding, squared, with D_ii = 4 for forces and b.
     constexpr double kRounding = 2 * (N + 8) * std::numeric_limits<double>::epsilon() * 2 * 2;
     const V rounding = L::Set(kRounding * kRounding * N) * (size_ * size_) / b_square_;
-    const M clear = L::LessEqual(rounding, L::Set(group_.rounding_limit * group_.rounding_limit));
-    const M right =
-        L::Both(L::Both(solid_, clear), L::LessEqual(rho_square_, L::Set(group_.rho_limit * group_.rho_limit)));
+    const M clear = rounding <= L::Set(group_.rounding_limit * group_.rounding_limit);
+    const M right = solid_ & clear & (rho_square_ <= L::Set(group_.rho_limit * group_.rho_limit));
     M rows = rows_met_;
-    if (L::Bits(L::Both(right, rows)) != kAllLanes) rows = WholeRowsMeet();
-    group_.met = L::Bits(L::Both(right, rows));
-    const M close = L::LessEqual(rho_square_, L::Set(group_.close_rho_limit * group_.close_rho_limit));
-    group_.close = L::Bits(L::Both(solid_, L::Both(close, rows)));
+    if (L::Bits(right & rows) != kAllLanes) rows = WholeRowsMeet();
+    group_.met = L::Bits(right & rows);
+    const M close = rho_square_ <= L::Set(group_.close_rho_limit * group_.close_rho_limit);
+    group_.close = L::Bits(solid_ & close & rows);
   }
 
   // As in Check, with the whole of (|A| |f| + |b|)_i.
@@ -374,7 +397,7 @@ class TableauKernel {
       for (int j = 0; j < N; ++j) size = L::Fma(L::Abs(matrix_[j <= i ? At(i, j) : At(j, i)]), L::Abs(f_[j]), size);
       const V force = matrix_[At(i, i)] * f_[i];
       const V defect = L::Abs(L::Select(joint_[i], w_[i], L::Min(force, w_[i])));
-      met = L::Both(met, L::LessEqual(defect, limit * size));
+      met &= defect <= limit * size;
     }
     return met;
   }
@@ -424,20 +447,19 @@ class TableauKernel {
 };
 
 // By the smallest even size that holds all lanes' problems.
-template <typename L, int N = 2>
+template <int N = 2>
 void SolveGroupOfSize(int n, BatchGroup* group) {
   if (n <= N) {
-    TableauKernel<L, N>(group).Solve();
+    TableauKernel<N>(group).Solve();
   } else if constexpr (N < kBatchMaxRows) {
-    SolveGroupOfSize<L, N + 2>(n, group);
+    SolveGroupOfSize<N + 2>(n, group);
   }
 }
 
-template <typename L>
 void SolveGroup(BatchGroup* group) {
   int n = 0;
-  for (int l = 0; l < L::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
-  SolveGroupOfSize<L>(n, group);
+  for (int l = 0; l < Lanes::kWidth; ++l) n = group->items[l].n > n ? group->items[l].n : n;
+  SolveGroupOfSize(n, group);
 }
 
 }  // namespace

@@ -2,60 +2,50 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <optional>
 #include <utility>
 
 #include "solvers/first_order/sweeps/first_order_engine.h"
-#include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
-namespace {
 
-void Extrapolate(const Array& x, const Array& before, double beta, Array* y) {
-  ForLanes(
-      x.size(), [&](std::size_t i) { Store(&(*y)[i], Load(&x[i]) + beta * (Load(&x[i]) - Load(&before[i]))); },
-      [&](std::size_t i) { (*y)[i] = x[i] + beta * (x[i] - before[i]); });
-}
-
-}  // namespace
-
-// rows_.f is x_k.
-class ApgdEngine final : public FirstOrderEngine<ApgdOptions> {
+// rows_.x is x_k.
+class ApgdEngine final : public FirstOrderEngine {
  public:
-  using FirstOrderEngine::FirstOrderEngine;
+  explicit ApgdEngine(const ApgdOptions& options)
+      : FirstOrderEngine({.form = options.form,
+                          .self_check = options.self_check,
+                          .needs_symmetry = true,
+                          .default_limit = ApgdOptions::kDefaultIterations}),
+        restart_(options.restart) {}
 
-  std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
-  }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
-  bool Step(double lipschitz, PacedPasses* passes, StepSums* sums);
+  bool Step(double lipschitz, StepSums* sums);
   double Curvature() const;
 
-  Array before_, before_image_;  // x_{k-1}
-  Array y_, y_image_;
-  Array next_, next_image_;
+  const bool restart_;
+  Point before_;  // x_{k-1}
+  Point y_;
+  Point next_;
 };
 
 // next = projection of y - w(y) / lipschitz, with its image.
-bool ApgdEngine::Step(double lipschitz, PacedPasses* passes, StepSums* sums) {
+bool ApgdEngine::Step(double lipschitz, StepSums* sums) {
   const RowKernel& kernel = *rows_.rows;
-  kernel.StartImage(&next_image_);
-  if (!passes->Run(false, [&](Index begin, Index end) {
-        kernel.GradientStep(begin, end, 1 / lipschitz, y_, y_image_, &next_, &next_image_, sums);
-      })) {
-    return false;
-  }
-  return kernel.ImageIsRoot() ||
-         passes->Run(false, [&](Index begin, Index end) { kernel.AddToImage(begin, end, next_, &next_image_); });
+  kernel.StartImage(&next_.image);
+  const bool in_time = ForAllRows(
+      false, [&](Index begin, Index end) { kernel.GradientStep(begin, end, 1 / lipschitz, y_, &next_, sums); });
+  if (!in_time || kernel.ImageIsRoot()) return in_time;
+  return ForAllRows(false, [&](Index begin, Index end) { kernel.AddToImage(begin, end, &next_); });
 }
 
 // d.A d, d = next_ - y_
 double ApgdEngine::Curvature() const {
-  return rows_.rows->ImageIsRoot() ? DotOfDifferences(next_image_, y_image_, next_image_, y_image_)
-                                   : DotOfDifferences(next_, y_, next_image_, y_image_);
+  return rows_.rows->ImageIsRoot() ? DotOfDifferences(next_.image, y_.image, next_.image, y_.image)
+                                   : DotOfDifferences(next_.f, y_.f, next_.image, y_.image);
 }
 
 ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
@@ -69,57 +59,42 @@ ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
 }
 
 void ApgdEngine::Prepare(const LcpProblem& problem) {
-  FirstOrderEngine::Prepare(problem, true);
-  for (Array* array : {&before_, &y_, &next_}) array->assign(rows_.f.size(), 0.0);
-  for (Array* array : {&before_image_, &y_image_, &next_image_}) {
-    array->assign(rows_.image.size(), 0.0);
-  }
+  FirstOrderEngine::Prepare(problem);
+  for (Point* point : {&before_, &y_, &next_}) *point = rows_.x;
 }
 
 void ApgdEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  rows_.Start(problem, options.initial_f);
-  PacedPasses passes(options, *rows_.rows, rows_.scaled.size);
-  bool over = test_.Begin(problem, options, ApgdOptions::kDefaultIterations, &rows_, &passes, result);
-  before_ = rows_.f;
-  before_image_ = rows_.image;
   // A has a unit diagonal: its largest eigenvalue is between 1 and the trace.
   const auto trace = static_cast<double>(rows_.scaled.size);
   double lipschitz = 1;
-  double momentum = 1;
+  double momentum = 1;             // t_k; 0: starts anew
   double of_momentum = lipschitz;  // the lipschitz that momentum belongs to
-  while (!over) {
+  before_.f.setZero();
+  before_.image.setZero();
+  Run(problem, options, result, [&]() -> std::optional<double> {
     lipschitz = std::max(ApgdOptions::kDecay * lipschitz, ApgdOptions::kLeast);
     double next_momentum = 1;
     StepSums sums;
-    bool in_time = true;
     for (;;) {
       next_momentum = momentum == 0 ? 1 : (1 + std::sqrt(1 + 4 * momentum * momentum * lipschitz / of_momentum)) / 2;
       const double beta = momentum == 0 ? 0 : (momentum - 1) / next_momentum;
-      Extrapolate(rows_.f, before_, beta, &y_);
-      Extrapolate(rows_.image, before_image_, beta, &y_image_);
+      y_.f = rows_.x.f + beta * (rows_.x.f - before_.f);
+      y_.image = rows_.x.image + beta * (rows_.x.image - before_.image);
       sums = {};
-      in_time = Step(lipschitz, &passes, &sums);
-      if (!in_time) break;
+      if (!Step(lipschitz, &sums)) return {};
       const double curvature = Curvature();
       if (!(curvature > lipschitz * sums.change) || lipschitz >= trace) break;
       lipschitz =
           std::min(trace, std::max(ApgdOptions::kGrowth * lipschitz, ApgdOptions::kMargin * curvature / sums.change));
     }
-    if (!in_time) {
-      test_.EndOutOfTime();
-      break;
-    }
     // The step from y against the way of the iterates: the momentum points uphill.
-    const bool uphill = DotOfDifferences(y_, next_, next_, rows_.f) > 0;
-    std::swap(before_, rows_.f);
-    std::swap(before_image_, rows_.image);
-    std::swap(rows_.f, next_);
-    std::swap(rows_.image, next_image_);
-    momentum = options_.restart && uphill ? 0 : next_momentum;
+    const bool uphill = DotOfDifferences(y_.f, next_.f, next_.f, rows_.x.f) > 0;
+    std::swap(before_, rows_.x);
+    std::swap(rows_.x, next_);
+    momentum = restart_ && uphill ? 0 : next_momentum;
     of_momentum = lipschitz;
-    over = test_.Continue(std::sqrt(sums.residual));
-  }
-  test_.Finish();
+    return std::sqrt(sums.residual);
+  });
 }
 
 template class EngineSolver<ApgdOptions, ApgdEngine>;

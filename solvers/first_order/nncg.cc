@@ -2,30 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
+#include <optional>
 
 #include "solvers/first_order/sweeps/first_order_engine.h"
-#include "solvers/first_order/sweeps/vector_ops.h"
 
 namespace lcpbench {
 namespace {
-
-// A vector over the rows and its image.
-struct Point {
-  Array f;
-  Array image;
-
-  void Reserve(const RowWork& work) {
-    f.assign(work.f.size(), 0.0);
-    image.assign(work.image.size(), 0.0);
-  }
-};
 
 // A plane whose Gram determinant is below this share of its product of squares is a line but for rounding.
 constexpr double kParallel = 1e-10;
 
 // Rows that are looked through one by one for projections where one of them is projected.
-constexpr std::size_t kBlock = 32;
+constexpr Index kBlock = 32;
 
 // Products of the sweep's step z and the previous step p: u.A v, and u.w at x. Those with w are sums of the size of
 // |z|^2 while f.Af is of the size of 1, so they are never taken as differences: near the solution nothing would be
@@ -53,24 +41,29 @@ Combination LeastEnergy(const Products& of) {
 
 }  // namespace
 
-// rows_.f is the iterate; the sweeps move it from x to y.
-class NncgEngine final : public FirstOrderEngine<NncgOptions> {
+// rows_.x is the iterate; the sweeps move it from x to y.
+class NncgEngine final : public FirstOrderEngine {
  public:
-  using FirstOrderEngine::FirstOrderEngine;
+  explicit NncgEngine(const NncgOptions& options)
+      : FirstOrderEngine({.form = options.form,
+                          .coloured = options.coloured,
+                          .self_check = options.self_check,
+                          .needs_symmetry = true,
+                          .end_when_hopeless = options.end_when_hopeless,
+                          .hopeful_iterations = options.least_iterations,
+                          .default_limit = NncgOptions::kDefaultIterations}),
+        optimal_(options.direction == NncgOptions::Direction::kOptimal) {}
 
-  std::string WhyUnsupported(const LcpProblem& problem) const {
-    return problem.IsNumericallySymmetric() ? WhyNoRows(problem, options_.form) : WhyNotSymmetric(problem);
-  }
   void Prepare(const LcpProblem& problem);
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
 
  private:
-  const Array& Left(const Array& f, const Array& image) const { return rows_.rows->ImageIsRoot() ? image : f; }
+  const Array& Left(const Point& point) const { return rows_.rows->ImageIsRoot() ? point.image : point.f; }
   Products MakeProducts(double energy) const;
   Combination FletcherReeves();
-  bool WantBlock(const Combination& c, std::size_t begin, std::size_t end);
   void Extrapolate(double energy);
 
+  const bool optimal_;
   Point x_;         // where the sweep began
   Point previous_;  // p, the previous step
   Point extra_;     // what the extrapolation adds to y
@@ -81,22 +74,16 @@ class NncgEngine final : public FirstOrderEngine<NncgOptions> {
 
 // `energy` is what the sweep gained: z.w + z.A z / 2.
 Products NncgEngine::MakeProducts(double energy) const {
-  const Array& y_left = Left(rows_.f, rows_.image);
-  const Array& x_left = Left(x_.f, x_.image);
-  const Array& p_left = Left(previous_.f, previous_.image);
   ProductSum zz;
   ProductSum zp;
   ProductSum pp;
-  const auto add = [&](auto get, std::size_t i) {
-    const auto z = get(y_left, i) - get(x_left, i);
-    const auto p = get(previous_.image, i);
-    zz.Add(z, get(rows_.image, i) - get(x_.image, i));
+  ForEntries(rows_.x.image.size(), [&](const auto& at) {
+    const auto z = at(Left(rows_.x)) - at(Left(x_));
+    const auto p = at(previous_.image);
+    zz.Add(z, at(rows_.x.image) - at(x_.image));
     zp.Add(z, p);
-    pp.Add(get(p_left, i), p);
-  };
-  ForLanes(
-      rows_.image.size(), [&](std::size_t i) { add([](const Array& a, std::size_t j) { return Load(&a[j]); }, i); },
-      [&](std::size_t i) { add([](const Array& a, std::size_t j) { return a[j]; }, i); });
+    pp.Add(at(Left(previous_)), p);
+  });
   Products of;
   of.zz = zz.Total();
   of.zw = energy - of.zz / 2;
@@ -108,76 +95,51 @@ Products NncgEngine::MakeProducts(double energy) const {
 }
 
 Combination NncgEngine::FletcherReeves() {
-  const double change = DotOfDifferences(rows_.f, x_.f, rows_.f, x_.f);
+  const double change = DotOfDifferences(rows_.x.f, x_.f, rows_.x.f, x_.f);
   const double ratio = has_previous_ && last_change_ > 0 ? change / last_change_ : 0.0;
   last_change_ = change;
   return {1.0, ratio > 1 ? 0.0 : ratio};
 }
 
-// extra.f for a block of rows, before projection. True if that leads out of bounds somewhere.
-bool NncgEngine::WantBlock(const Combination& c, std::size_t begin, std::size_t end) {
-  const double more = c.along_sweep - 1;
-  LaneMask out{};
-  bool one_out = false;
-  std::size_t k = begin;
-  for (; k + kLanes <= end; k += kLanes) {
-    const Lanes y = Load(&rows_.f[k]);
-    const Lanes wanted = more * (y - Load(&x_.f[k])) + c.along_previous * Load(&previous_.f[k]);
-    Store(&extra_.f[k], wanted);
-    out |= y + wanted < 0;
-  }
-  for (; k < end; ++k) {
-    extra_.f[k] = more * (rows_.f[k] - x_.f[k]) + c.along_previous * previous_.f[k];
-    one_out = one_out || rows_.f[k] + extra_.f[k] < 0;
-  }
-  return one_out || (out[0] | out[1] | out[2] | out[3]) != 0;
-}
-
 void NncgEngine::Extrapolate(double energy) {
-  const bool optimal = options_.direction == NncgOptions::Direction::kOptimal;
+  Point& y = rows_.x;
   Products of;
-  if (optimal) of = MakeProducts(energy);
-  const Combination c = optimal ? LeastEnergy(of) : FletcherReeves();
+  if (optimal_) of = MakeProducts(energy);
+  const Combination c = optimal_ ? LeastEnergy(of) : FletcherReeves();
   const double more = c.along_sweep - 1;
-  for (std::size_t i = 0; i < rows_.image.size(); ++i) {
-    extra_.image[i] = more * (rows_.image[i] - x_.image[i]) + c.along_previous * previous_.image[i];
-  }
+  extra_.image = more * (y.image - x_.image) + c.along_previous * previous_.image;
   double slope = more * (of.zw + of.zz) + c.along_previous * (of.pw + of.zp);  // extra.w at y
   bool clipped = false;
-  for (std::size_t begin = 0; begin < rows_.f.size(); begin += kBlock) {
-    const std::size_t end = std::min(begin + kBlock, rows_.f.size());
-    if (!WantBlock(c, begin, end)) continue;
-    for (std::size_t k = begin; k < end; ++k) {
-      const auto row = static_cast<Index>(k);
+  for (Index begin = 0; begin < y.f.size(); begin += kBlock) {
+    const Index end = std::min(begin + kBlock, y.f.size());
+    const auto block = [&](Array& of_all) { return of_all.segment(begin, end - begin); };
+    block(extra_.f) = more * (block(y.f) - block(x_.f)) + c.along_previous * block(previous_.f);
+    if ((block(y.f) + block(extra_.f)).minCoeff() >= 0) continue;
+    for (Index k = begin; k < end; ++k) {
       const double wanted = extra_.f[k];
-      if (rows_.f[k] + wanted >= 0 || rows_.scaled.IsFree(row)) continue;
+      if (y.f[k] + wanted >= 0 || rows_.scaled.IsFree(k)) continue;
       clipped = true;
-      extra_.f[k] = -rows_.f[k];
+      extra_.f[k] = -y.f[k];
       const double back = extra_.f[k] - wanted;
-      rows_.rows->AddRowToImage(row, back, &extra_.image);
-      slope += back * rows_.rows->W(row, rows_.f, rows_.image);
+      rows_.rows->AddRowToImage(k, back, &extra_.image);
+      slope += back * rows_.rows->W(k, y);
     }
   }
   double part = 1;
   double sweep_extra = more * of.zz + c.along_previous * of.zp;  // z.A extra
-  if (clipped && optimal) {
+  if (clipped && optimal_) {
     // The plane's minimum is out of bounds: the least energy on the way from y to its projection.
-    const Array& left = Left(extra_.f, extra_.image);
-    const double curvature = Dot(left, extra_.image);
+    const double curvature = Dot(Left(extra_), extra_.image);
     part = curvature > 0 ? std::clamp(-slope / curvature, 0.0, 1.0) : 0.0;
-    sweep_extra = Dot(left, rows_.image) - Dot(left, x_.image);
+    sweep_extra = Dot(Left(extra_), y.image) - Dot(Left(extra_), x_.image);
   }
   previous_w_ = of.zw + part * (slope - sweep_extra);
-  for (std::size_t k = 0; k < rows_.f.size(); ++k) {
-    const double next = rows_.f[k] + part * extra_.f[k];
-    previous_.f[k] = next - x_.f[k];
-    rows_.f[k] = next;
-  }
-  for (std::size_t i = 0; i < rows_.image.size(); ++i) {
-    const double next = rows_.image[i] + part * extra_.image[i];
-    previous_.image[i] = next - x_.image[i];
-    rows_.image[i] = next;
-  }
+  const auto move_on = [part](Array* y_part, const Array& extra, const Array& from, Array* step) {
+    *y_part += part * extra;
+    *step = *y_part - from;
+  };
+  move_on(&y.f, extra_.f, x_.f, &previous_.f);
+  move_on(&y.image, extra_.image, x_.image, &previous_.image);
   has_previous_ = true;
 }
 
@@ -189,44 +151,32 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
   if (reader.Choice("direction", "optimal", {"optimal", "fletcher-reeves"}) == "fletcher-reeves") {
     options.direction = Direction::kFletcherReeves;
   }
-  options.end_when_hopeless = reader.YesOrNo("end-when-hopeless", options.end_when_hopeless);
-  constexpr double kMost = 100000;
-  options.least_iterations = static_cast<std::int64_t>(
-      reader.Number("least-iterations", static_cast<double>(options.least_iterations), 0, kMost));
   options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
 }
 
 void NncgEngine::Prepare(const LcpProblem& problem) {
-  FirstOrderEngine::Prepare(problem, options_.coloured);
-  for (Point* point : {&x_, &previous_, &extra_}) point->Reserve(rows_);
+  FirstOrderEngine::Prepare(problem);
+  for (Point* point : {&x_, &previous_, &extra_}) *point = rows_.x;
 }
 
 void NncgEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  rows_.Start(problem, options.initial_f);
   has_previous_ = false;
-  test_.EndWhenHopeless(options_.end_when_hopeless, options_.least_iterations);
-  PacedPasses passes(options, *rows_.rows, rows_.scaled.size);
-  bool over = test_.Begin(problem, options, NncgOptions::kDefaultIterations, &rows_, &passes, result);
-  while (!over) {
-    x_.f = rows_.f;
-    x_.image = rows_.image;
+  previous_.f.setZero();
+  previous_.image.setZero();
+  Run(problem, options, result, [&]() -> std::optional<double> {
+    x_ = rows_.x;
     StepSums forward;
     StepSums backward;
-    bool in_time = RunSweep(false, 1.0, &passes, &forward) && RunSweep(true, 1.0, &passes, &backward);
+    bool in_time = Sweep(false, 1.0, &forward) && Sweep(true, 1.0, &backward);
     if (in_time && !rows_.rows->ImageIsRoot()) {
-      in_time =
-          passes.Run(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, rows_.f, &rows_.image); });
+      in_time = ForAllRows(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, &rows_.x); });
     }
-    if (!in_time) {
-      test_.EndOutOfTime();
-      break;
-    }
+    if (!in_time) return {};
     Extrapolate(forward.energy + backward.energy);
-    over = test_.Continue(std::sqrt(backward.residual));
-  }
-  test_.Finish();
+    return std::sqrt(backward.residual);
+  });
 }
 
 template class EngineSolver<NncgOptions, NncgEngine>;

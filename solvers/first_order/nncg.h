@@ -19,18 +19,18 @@ struct NncgOptions {
   /// Measured: the optimal one needs about 60 % of the iterations of the published one, and its energy never rises.
   Direction direction = Direction::kOptimal;
   RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
-  /// Forward and backward over the rows as given, or over the coloured order (SweepOrder::kColoured). Measured:
+  /// Forward and backward over the rows as given, or over the coloured order (ColouredOrder). Measured:
   /// coloured takes 5 to 40 % more iterations, each in half the time.
   bool coloured = true;
-  /// Ends with kIterationLimit as soon as the present rate of convergence predicts that max_iterations will not do, for
-  /// callers that have another method at hand (StoppingTest::EndWhenHopeless).
+  /// Ends with kIterationLimit as soon as the rate of convergence so far predicts that max_iterations will not do, for
+  /// callers that have another method at hand.
   bool end_when_hopeless = false;
-  /// Iterations that end_when_hopeless waits before it looks at the rate, and leaves out of it, in [0, 100000].
+  /// Iterations that end_when_hopeless waits before it looks at the rate, and leaves out of it.
   std::int64_t least_iterations = 0;
   bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Options `direction` = optimal | fletcher-reeves, `form` = auto | assembled | matrix-free, `sweep` = symmetric |
-  /// coloured, `end-when-hopeless` = yes | no, `least-iterations`, `self_check`.
+  /// coloured, `self_check`.
   static NncgOptions FromSettings(const Settings& settings);
 };
 

@@ -1,39 +1,115 @@
 #include "solvers/first_order/pgs.h"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
 #include "solvers/first_order/sweeps/first_order_engine.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-struct ConstantRelaxation {
-  double omega;
-  double Next() const { return omega; }
-  void Observe(const StepSums& /*sums*/) const {}
+// Of a measured rate: sweeps that are passed over after a change of omega, for which the steps still tell of the old
+// one, and sweeps that it is averaged over.
+constexpr int kSettlingSweeps = 2;
+constexpr int kMeasuredSweeps = 8;
+// Share of the way from omega - 1 (the rate of an omega at or above the best) to 1 from which on a rate counts as that
+// of an omega below the best.
+constexpr double kBelowBest = 0.3;
+// Above, sweeps at the best omega of the slowest mode hardly damp the others: A is not consistently ordered.
+constexpr double kLargest = 1.9;
+// Of the distance from 1 when omega seems too large; of the distance to 2 that one change may take at most.
+constexpr double kRetreat = 0.9;
+constexpr double kLargestAdvance = 0.5;
+
+class AdaptiveRelaxation {
+ public:
+  explicit AdaptiveRelaxation(double first) : omega_(first) {}
+  double omega() const { return omega_; }
+  void Observe(const StepSums& sums) {
+    ++sweeps_;
+    if (sweeps_ <= kSettlingSweeps) {
+      first_change_ = sums.change;
+    } else if (sweeps_ == kSettlingSweeps + kMeasuredSweeps) {
+      // The change is a square.
+      Adapt(std::pow(sums.change / first_change_, 0.5 / kMeasuredSweeps));
+      sweeps_ = 0;
+    }
+  }
+
+ private:
+  void Adapt(double rate) {
+    if (!(rate < 1)) return;  // rows are still joining and leaving: nothing is known
+    const double least = omega_ - 1;
+    if (rate > least + kBelowBest * (1 - least)) {
+      const double jacobi = (rate + omega_ - 1) / (omega_ * std::sqrt(rate));
+      const double best = jacobi < 1 ? 2 / (1 + std::sqrt(1 - jacobi * jacobi)) : kLargest;
+      omega_ = std::min({best, omega_ + kLargestAdvance * (2 - omega_), std::max(kLargest, omega_)});
+    } else {
+      omega_ = std::min(omega_, 1 + kRetreat * std::max(omega_ - 1, 0.0));
+    }
+  }
+
+  double omega_;
+  int sweeps_ = 0;  // since omega was last looked at
+  double first_change_ = 0;
 };
 
-}  // namespace
+void CheckRelaxation(const PgsOptions& options) {
+  if (options.relaxation > 0 && options.relaxation < 2) return;
+  throw InputError(std::string(options.adaptive ? "psor: option 'first-relaxation'" : "pgs: option 'relaxation'") +
+                   " must be in (0, 2), found " + std::to_string(options.relaxation));
+}
 
-PgsOptions PgsOptions::FromSettings(const Settings& settings) {
-  SettingsReader reader("pgs", settings);
-  PgsOptions options;
+PgsOptions Read(const Settings& settings, PgsOptions options) {
+  SettingsReader reader(options.adaptive ? "psor" : "pgs", settings);
   options.form = ReadRowForm(&reader);
-  options.sweep = ReadSweepOrder(&reader);
-  options.relaxation = reader.Number("relaxation", options.relaxation, 0.0, 2.0);
+  const std::string sweep = reader.Choice("sweep", "coloured", {"forward", "symmetric", "coloured"});
+  if (sweep == "forward") options.sweep = SweepOrder::kForward;
+  if (sweep == "symmetric") options.sweep = SweepOrder::kSymmetric;
+  options.relaxation =
+      reader.Number(options.adaptive ? "first-relaxation" : "relaxation", options.relaxation, 0.0, 2.0);
   options.self_check = reader.SelfCheck();
   reader.Finish();
-  CheckRelaxation("pgs", "relaxation", options.relaxation);
+  CheckRelaxation(options);
   return options;
 }
 
-class PgsEngine final : public SweepEngine<PgsOptions> {
+}  // namespace
+
+PgsOptions PgsOptions::FromSettings(const Settings& settings) { return Read(settings, {}); }
+PgsOptions PgsOptions::AdaptiveFromSettings(const Settings& settings) {
+  return Read(settings, {.relaxation = kFirstOfAdaptive, .adaptive = true});
+}
+
+class PgsEngine final : public FirstOrderEngine {
  public:
-  explicit PgsEngine(const PgsOptions& options) : SweepEngine(options) {
-    CheckRelaxation("pgs", "relaxation", options.relaxation);
+  explicit PgsEngine(const PgsOptions& options)
+      : FirstOrderEngine({.form = options.form,
+                          .coloured = options.sweep == SweepOrder::kColoured,
+                          .self_check = options.self_check,
+                          .end_when_hopeless = options.end_when_hopeless,
+                          .default_limit = PgsOptions::kDefaultSweeps}),
+        options_(options) {
+    CheckRelaxation(options);
   }
 
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-    Run(problem, options, ConstantRelaxation{options_.relaxation}, result);
+    AdaptiveRelaxation relaxation(options_.relaxation);
+    bool backward = false;
+    Run(problem, options, result, [&]() -> std::optional<double> {
+      StepSums sums;
+      if (!Sweep(backward, relaxation.omega(), &sums)) return {};
+      if (options_.adaptive) relaxation.Observe(sums);
+      if (options_.sweep == SweepOrder::kSymmetric) backward = !backward;
+      return std::sqrt(sums.residual);
+    });
   }
+
+ private:
+  const PgsOptions options_;
 };
 
 template class EngineSolver<PgsOptions, PgsEngine>;

@@ -7,39 +7,58 @@
 
 namespace lcpbench {
 
+/// The order in which a sweep visits the rows.
+enum class SweepOrder {
+  kForward,    ///< as given
+  kSymmetric,  ///< as given and backwards in turn
+  kColoured,   ///< blocks of rows as given, within a block colour by colour: rows of one colour share no body
+               ///< (assembled: no entry of A), and are stepped by fours without waiting for each other
+};
+
 /// Options of PgsSolver.
 struct PgsOptions {
   static constexpr std::int64_t kDefaultSweeps = 20000;  ///< limit where max_iterations is 0
+  /// Default `relaxation` of psor: loses least over the scenes, short chains and long ones.
+  static constexpr double kFirstOfAdaptive = 1.6;
 
-  using Form = RowForm;     ///< assembled rows, or matrix-free
-  Form form = Form::kAuto;  ///< by predicted time
-
+  RowForm form = RowForm::kAuto;  ///< assembled rows, or matrix-free
   /// Coloured sweeps converge like forward ones and take less than half the time.
   SweepOrder sweep = SweepOrder::kColoured;
-
-  double relaxation = 1.0;  ///< omega in (0, 2); 1 is Gauss-Seidel
-  bool self_check = true;   ///< SettingsReader::SelfCheck
+  double relaxation = 1.0;  ///< omega in (0, 2), constant or of the first sweeps; 1 is Gauss-Seidel
+  bool adaptive = false;    ///< omega follows the measured rate of convergence: `psor`
+  /// As in NncgOptions.
+  bool end_when_hopeless = false;
+  bool self_check = true;  ///< SettingsReader::SelfCheck
 
   /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation` and
   /// `self_check`.
   static PgsOptions FromSettings(const Settings& settings);
+  /// The same for `psor`, with `first-relaxation` in the place of `relaxation`.
+  static PgsOptions AdaptiveFromSettings(const Settings& settings);
 };
 
-/// Projected Gauss-Seidel, with a constant relaxation. One sweep visits the rows in turn and sets
+/// Projected Gauss-Seidel with a relaxation, constant (`pgs`) or adaptive (`psor`). One sweep visits the rows in turn:
 ///     w_i = (A f + b)_i with the newest f,    f_i <- f_i - omega w_i / A_ii,    f_i <- max(0, f_i) on unilateral rows.
 /// A row with A_ii = 0 keeps f_i = 0 (for PSD A the whole row is 0 then, so w_i = b_i and the row is consistent or the
 /// problem is not).
 ///
+/// Adaptive: for a linear system with consistently ordered A (a chain, say), the per-sweep rate lambda of SOR at an
+/// omega below the best one obeys (lambda + omega - 1)^2 = lambda omega^2 mu^2, mu the spectral radius of Jacobi's
+/// method, and the best omega is 2 / (1 + sqrt(1 - mu^2)) [Young 1971, sec. 6.2; Hageman, Young 1981, ch. 9]. The norm
+/// of the steps over eight sweeps gives lambda, lambda gives mu, mu gives the next omega. At or above the best omega
+/// the rate is about omega - 1 and tells nothing of mu: then omega goes back towards 1 by a tenth.
+///
 /// Matrix class. Symmetric PSD with omega in (0, 2): each step lowers the energy 1/2 f.A f + b.f, and w converges
-/// wherever the problem is solvable. The rate is linear at best and has no useful bound: expect sweeps in proportion to
-/// the square of the longest chain of bodies. A nonsymmetric A is taken by the assembled form without any promise;
-/// a negative A_ii is refused. On an infeasible problem f grows without bound, and the solve ends at its limit.
+/// wherever the problem is solvable. The rate is linear at best and has no useful bound: with omega = 1 expect sweeps
+/// in proportion to the square of the longest chain of bodies. A nonsymmetric A is taken by the assembled form without
+/// any promise; a negative A_ii is refused. On an infeasible problem f grows without bound, and the solve ends at its
+/// limit.
 ///
 /// Unit of `iterations`: sweeps, a symmetric pair counts twice; default limit kDefaultSweeps. Warm start: initial_f,
 /// clipped at 0. Cost of a sweep: one multiply-add per entry of A, or 12 per two-body row. Memory: A, or J.
 ///
-/// Stopping: solvers/first_order/sweeps/stopping_test.h. rho of the scaled problem at every 32nd sweep and where steps
-/// look small enough; kSolved only after rho and the backward error pass by the given form in extended precision.
+/// Stopping (solvers/first_order/sweeps/first_order_engine.h): rho of the scaled problem at every 32nd sweep and where
+/// steps look small enough; kSolved only after rho and the backward error pass by the given form in extended precision.
 ///
 /// A failure leaves in f the iterate of least rho among those checked. Stagnation ends as kIterationLimit or
 /// kTimeLimit, overflow as kNumericalFailure. The clock is read about every 20 us, so also within a sweep. Solve

@@ -30,7 +30,7 @@ InteriorFinish::InteriorFinish(bool self_check)
 
 void InteriorFinish::Reserve(Index n, double factor_work) {
   may_sweep_ = factor_work > kWorthSweeps;
-  for (Eigen::VectorXd* v : {&x_, &gap_, &right_, &correction_, &forces_, &gaps_}) v->setZero(n);
+  for (Eigen::VectorXd* v : {&x_, &gap_, &right_, &correction_}) v->setZero(n);
   prepared_ = false;
   Restart();
 }
@@ -38,9 +38,7 @@ void InteriorFinish::Reserve(Index n, double factor_work) {
 double InteriorFinish::Rho(const ScaledSystem& system, const Eigen::VectorXd& f) {
   system.Multiply(f, &gap_);
   gap_ += system.b();
-  forces_ = f.cwiseProduct(system.force_unit());
-  gaps_ = gap_.cwiseProduct(system.gap_unit());
-  return system.Rho(forces_, gaps_);
+  return system.rows().Rho(f, gap_);
 }
 
 bool InteriorFinish::Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
@@ -55,7 +53,7 @@ bool InteriorFinish::Refine(IpmRun* run, const Eigen::VectorXd& f, const Eigen::
   double rho = Rho(system, x_);
   bool accepted = false;
   for (int k = 0; k < kRefinements; ++k) {
-    if (rho <= kClose * tolerance && run->AcceptScaled(x_, &gaps_)) accepted = true;
+    if (rho <= kClose * tolerance && run->AcceptScaled(x_, nullptr)) accepted = true;
     if (accepted && rho <= kMoreDigits * tolerance) return true;
     for (Index i = 0; i < n; ++i) {
       const bool active = !system.idle(i) && (!system.unilateral(i) || f[i] > w[i]);
@@ -88,7 +86,8 @@ bool InteriorFinish::Sweep(IpmRun* run, const Eigen::VectorXd& f) {
   const double rho = Rho(system, f);
   if (!(rho <= kWithinReach * tolerance) || rho > kTryAgain * least_tried_) return false;
   least_tried_ = rho;
-  const Eigen::VectorXd start = forces_;
+  Eigen::VectorXd start(f.size());
+  for (Index i = 0; i < f.size(); ++i) start[i] = system.rows().GivenForce(i, f[i]);
   return Sweeps(run, start, kClose * tolerance, rho <= kNear * tolerance ? kSweepsWhereNear : kSweeps);
 }
 
@@ -110,8 +109,7 @@ bool InteriorFinish::Sweeps(IpmRun* run, const Eigen::VectorXd& start, double to
   if (!run->TimeLeft(&options.time_limit_s)) return false;
   LcpResult result;
   sweeps_.Solve(problem, options, &result);
-  run->system().GapsExtended(result.f, true, &gaps_);
-  return run->Accept(result.f, gaps_);
+  return run->Accept(result.f);
 }
 
 bool InteriorFinish::Try(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w) {

@@ -47,7 +47,7 @@ class InteriorFinish {
   double Rho(const ScaledSystem& system, const Eigen::VectorXd& f);
   bool Sweeps(IpmRun* run, const Eigen::VectorXd& start, double tolerance, std::int64_t iterations);
 
-  Eigen::VectorXd x_, gap_, right_, correction_, forces_, gaps_;
+  Eigen::VectorXd x_, gap_, right_, correction_;
   NncgSolver sweeps_;
   bool prepared_ = false;
   double wrong_rows_ = 1;

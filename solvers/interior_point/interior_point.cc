@@ -160,7 +160,7 @@ void InteriorPoint::SolveSystem(IpmRun* run, const Eigen::VectorXd& r, Eigen::Ve
     product_[i] = system.idle(i) ? 0.0 : r[i] - product_[i] - theta_[i] * (*x)[i];
   }
   // The first solve of a step tells whether the others need this as well.
-  refine_ = MaxAbs(product_) > kRefineAbove * std::sqrt(mu_);
+  refine_ = product_.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() > kRefineAbove * std::sqrt(mu_);
   if (!refine_) return;
   system.Solve(product_, &correction_);
   *x += correction_;
@@ -282,7 +282,7 @@ InteriorPoint::Progress InteriorPoint::Step(IpmRun* run) {
   f_ += step * df_;
   w_ += step * dw_;
   Measure(run);
-  if (!(MaxAbs(f_) < kDivergence)) return Progress::kDiverged;
+  if (!(f_.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() < kDivergence)) return Progress::kDiverged;
   poor_steps_ = step < kPoorStep || (mu_ < kPoorMu && mu_ > kPoorFall * mu_before) ? poor_steps_ + 1 : 0;
   return poor_steps_ >= kPoorSteps ? Progress::kStagnant : Progress::kGood;
 }

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "solvers/answers/zero_row_ray.h"
 #include "solvers/interior_point/interior_finish.h"
 #include "solvers/interior_point/interior_point.h"
-#include "solvers/interior_point/proximal_pivoting.h"
 
 namespace lcpbench {
 namespace {
@@ -23,12 +24,15 @@ constexpr std::int64_t kLastSweeps = 1000;  // where the interior point stagnate
 constexpr int kMostRecentred = 3;
 constexpr double kRecentredMu = 10;  // a row that blocks every step is off centre by more than that
 constexpr double kLeastMu = 1e-22;   // nothing is to be learnt below
-// Active sets tried from an interior iterate, as long as every pivot leaves at most half of the wrong rows.
-constexpr ProximalPivoting::Budget kFromIterate = {.pivots = 10, .progress = 0.5};
+// Active sets tried from an interior iterate, as long as every one leaves at most half of the violated rows.
+constexpr BlockPivoting::Rules kFromIterate = {
+    .weight_factor = 0.01, .steps = 3, .try_every_set = true, .progress = 0.5, .factors = 5};
 // Of a warm start, in double the work of a step at most where it fails at once: none after the first set if that leaves
-// more than 12 % of the rows wrong, and no more once a pivot neither halves their number nor leaves 1 %.
-constexpr ProximalPivoting::Budget kFromStart = {.pivots = 8, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01};
-constexpr ProximalPivoting::Budget kLastResort = {.pivots = 300};
+// more than 12 % of the rows violated, and no more once a set neither halves their number nor leaves 1 %.
+constexpr BlockPivoting::Rules kFromStart = {
+    .try_every_set = true, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01, .factors = 8};
+constexpr BlockPivoting::Rules kLastResort = {
+    .weight_factor = 0.01, .steps = 12, .try_every_set = true, .factors = 300};
 // Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
@@ -81,7 +85,8 @@ class IpmEngine {
     finish_.Reserve(problem.size(), system_.flops());
     warm_sweeps_ = static_cast<std::int64_t>(
         std::max(kLeastWarmSweeps, kWarmSweepWork * SweepsPerFactorization(problem, system_.flops(), system_.fill())));
-    pivoting_.Reserve(problem.size());
+    pivoting_.Reserve(problem);
+    test_.Reset(problem, GivenFormTest::Rows::kGivenWhenNeeded);
     statistics_.analyses = system_.analyses();
     statistics_.body_space = system_.in_body_space();
     statistics_.fill = system_.fill();
@@ -91,12 +96,22 @@ class IpmEngine {
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
     system_.SetB(problem);
     statistics_.factorizations = statistics_.interior_steps = statistics_.pivots = 0;
-    IpmRun run(system_, {options_.proximal, options_.correctors, options_.self_check}, options, statistics_);
+    test_.SetB(problem);
+    IpmRun run(system_, test_, {options_.proximal, options_.correctors, options_.self_check}, options, statistics_);
+    BlockPivoting::Task task;
+    task.problem = &problem;
+    task.scaled = &system_.rows();
+    task.block = &run;
+    task.sink = &run;
+    task.factors = std::numeric_limits<std::int64_t>::max();  // limits are the run's
+    task.tolerance = options.tolerance;
+    task.through_bodies = system_.in_body_space();
+    pivoting_.Begin(task);
     result->status = SolveWithin(&run, result);
     if (run.accepted()) result->status = LcpStatus::kSolved;
     result->iterations = statistics_.factorizations;
     if (result->status == LcpStatus::kInfeasible && !result->farkas_ray.has_value()) {
-      result->farkas_ray = pivoting_.ray();
+      result->farkas_ray = std::move(pivoting_.ray());
     }
     result->f = run.best_f();
   }
@@ -105,7 +120,7 @@ class IpmEngine {
   void UseWarmStart(WarmStart use) { use_ = use; }
 
  private:
-  using Outcome = ProximalPivoting::Outcome;
+  using End = BlockPivoting::End;
   using Progress = InteriorPoint::Progress;
 
   LcpStatus SolveWithin(IpmRun* run, LcpResult* result) {
@@ -120,8 +135,7 @@ class IpmEngine {
       live = live || !system_.idle(i);
       contacts = contacts || system_.unilateral(i);
     }
-    Eigen::VectorXd gaps = problem.b();
-    if (run->Accept(Eigen::VectorXd::Zero(n), gaps)) return LcpStatus::kSolved;
+    if (run->Accept(Eigen::VectorXd::Zero(n))) return LcpStatus::kSolved;
     if (!live) {
       result->detail = "a row with A_ii = 0 has a gap acceleration that no force can change";
       return LcpStatus::kNumericalFailure;
@@ -135,15 +149,15 @@ class IpmEngine {
     if (run->options().initial_f != nullptr) {
       const double rho_of_zero = run->best_rho();
       if (TryStart(run, rho_of_zero)) return LcpStatus::kSolved;
-      if (run->limit_hit()) return Ended(run, Outcome::kStopped, result);
+      if (run->limit_hit()) return Ended(run, End::kStopped, result);
       if (use_ == WarmStart::kGuessOnly) return LcpStatus::kIterationLimit;
       warm = run->best_rho() <= kCloseEnough * rho_of_zero;
     }
     if (warm) {
-      f = run->best_f().cwiseQuotient(system_.force_unit());
+      system_.rows().Clip(run->best_f(), &f);
       interior_.StartWarm(run, f, use_ == WarmStart::kAfterSweeps ? kSweptMu : kWarmMu);
     } else if (interior_.StartCold(run) == Progress::kStopped) {
-      return Ended(run, run->limit_hit() ? Outcome::kStopped : Outcome::kGaveUp, result);
+      return Ended(run, run->limit_hit() ? End::kStopped : End::kGaveUp, result);
     }
 
     double guess_below = kFirstFinish;
@@ -182,16 +196,16 @@ class IpmEngine {
       if (finish_.Try(run, interior_.f(), interior_.w())) return LcpStatus::kSolved;
       if (interior_.mu() > guess_below || finish_.wrong_rows() > few_wrong) continue;
       guess_below = kNextGuess * interior_.mu();
-      const Outcome outcome = pivoting_.Run(run, interior_.f(), interior_.w(), kFromIterate,
-                                            guesses++ == 0 ? 0.0 : TameWeight(interior_.mu()));
-      if (outcome != Outcome::kGaveUp) return Ended(run, outcome, result);
+      const double weight = guesses++ == 0 ? 0.0 : TameWeight(interior_.mu());
+      const End end = TryActiveSets(interior_.f(), interior_.w(), kFromIterate, weight);
+      if (run->limit_hit() || end == End::kDone || end == End::kInfeasible) return Ended(run, end, result);
     }
     if (run->limit_hit()) {
       Remember(run);
-      return Ended(run, Outcome::kStopped, result);
+      return Ended(run, End::kStopped, result);
     }
     if (progress == Progress::kDiverged) {
-      if (pivoting_.TryRay(run, interior_.f())) return Ended(run, Outcome::kInfeasible, result);
+      if (pivoting_.FindRay(interior_.f())) return Ended(run, End::kInfeasible, result);
       f.setZero();
       w = interior_.w();
       for (Index i = 0; i < n; ++i) w[i] -= interior_.f()[i];  // keeps F = {f > w} while c = 0
@@ -206,42 +220,35 @@ class IpmEngine {
 
   // All of a warm start that comes before the interior point; what it finds is run->best_f(). True if that is it.
   bool TryStart(IpmRun* run, double rho_of_zero) {
-    const Eigen::VectorXd& start = *run->options().initial_f;
-    Eigen::VectorXd f = start.cwiseQuotient(system_.force_unit());
-    for (Index i = 0; i < f.size(); ++i)
-      f[i] = system_.idle(i) ? 0.0 : system_.unilateral(i) ? std::max(f[i], 0.0) : f[i];
-    Eigen::VectorXd w;
+    Eigen::VectorXd f(system_.size()), w(system_.size());
+    system_.rows().Clip(*run->options().initial_f, &f);
     if (run->AcceptScaled(f, &w)) return true;
     if (!(run->best_rho() <= kWorthTrying * rho_of_zero)) return false;
-    if (pivoting_.Run(run, f, w, kFromStart, 0.0) == Outcome::kSolved) return true;
+    if (TryActiveSets(f, w, kFromStart, 0) == End::kDone) return true;
     if (run->limit_hit() || use_ != WarmStart::kFull) return false;
     return finish_.SweepFromBest(run, warm_sweeps_);
   }
 
-  LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
-    return Ended(run, pivoting_.Run(run, f, w, kLastResort, weight), result);
+  End TryActiveSets(const Eigen::VectorXd& f, const Eigen::VectorXd& w, BlockPivoting::Rules rules, double weight) {
+    rules.weight = std::max(rules.weight, weight);
+    pivoting_.StartFrom(f, w);
+    return pivoting_.Run(rules);
   }
 
-  LcpStatus Ended(IpmRun* run, Outcome outcome, LcpResult* result) {
-    switch (outcome) {
-      case Outcome::kSolved:
-        return LcpStatus::kSolved;
-      case Outcome::kInfeasible:
-        return LcpStatus::kInfeasible;
-      case Outcome::kStopped:
-        return run->limit_status();
-      case Outcome::kGaveUp:
-        break;
-    }
+  LcpStatus Finish(IpmRun* run, const Eigen::VectorXd& f, const Eigen::VectorXd& w, double weight, LcpResult* result) {
+    return Ended(run, TryActiveSets(f, w, kLastResort, weight), result);
+  }
+
+  LcpStatus Ended(IpmRun* run, End end, LcpResult* result) {
+    if (run->accepted()) return LcpStatus::kSolved;
+    if (end == End::kInfeasible) return LcpStatus::kInfeasible;
+    if (run->limit_hit()) return run->limit_status();
     result->detail = "the active-set method ended above the tolerance";
     if (!system_.why().empty()) result->detail += "; " + system_.why();
     return LcpStatus::kNumericalFailure;
   }
 
-  void Remember(IpmRun* run) {
-    Eigen::VectorXd w;
-    run->AcceptScaled(interior_.f(), &w);
-  }
+  void Remember(IpmRun* run) { run->AcceptScaled(interior_.f(), nullptr); }
 
   IpmOptions options_;
   WarmStart use_ = WarmStart::kFull;
@@ -250,7 +257,8 @@ class IpmEngine {
   ScaledSystem system_;
   InteriorPoint interior_;
   InteriorFinish finish_;
-  ProximalPivoting pivoting_;
+  BlockPivoting pivoting_;
+  GivenFormTest test_;
 };
 
 std::string IpmEngine::WhyUnsupported(const LcpProblem& problem) const {

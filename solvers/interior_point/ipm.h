@@ -36,7 +36,7 @@ struct IpmOptions {
 ///    the bodies where the columns of J hold many rows. A solve is refined only where its residual calls for it.
 /// 3. From mu = 1e-4 on every iterate may be the last one (InteriorFinish): refinement on the factor of the step where
 ///    F = {f > w} is right, sweeps where what is wrong with it is local. Where few rows are wrong, block pivots correct
-///    F (ProximalPivoting), with an eps of about sqrt(mu) after the first try. Accepted only if the tier is met by a
+///    F (BlockPivoting), with an eps of about sqrt(mu) after the first try. Accepted only if the tier is met by a
 ///    fresh w, summed in extended precision from the given form of A.
 /// 4. Where the interior point stagnates: block principal pivoting with Murty's least-index rule as a safeguard on
 ///    A + eps I, b - eps c (a P-matrix, so finite), inside a proximal-point loop c <- f (convergent for PSD A), up to
@@ -55,7 +55,7 @@ struct IpmOptions {
 /// iterate of least rho seen.
 ///
 /// Warm start: initial_f, clipped at 0, is returned if it meets the tier; it is ignored where its rho is at least half
-/// that of f = 0. Else: its active set, with block pivots only as long as they pay (ProximalPivoting); nncg for as long
+/// that of f = 0. Else: its active set, with block pivots only as long as they pay (BlockPivoting); nncg for as long
 /// as its rate promises an answer within the time of four factorisations; the interior point from the best iterate so
 /// far where that has a rho below 3 % of that of f = 0, or cold. May change the answer where f is not unique.
 /// In a sequence order and symbolic analysis are kept where they still fit. Measured: docs/solvers/interior_point.md.

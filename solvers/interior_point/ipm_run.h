@@ -1,11 +1,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
 
+#include "solvers/active_set/block_pivoting.h"
+#include "solvers/lcp/residual.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/linear_algebra/scaled_system.h"
 
@@ -22,8 +25,9 @@ struct IpmStatistics {
   double factor_flops = 0;          ///< of one factorisation
 };
 
-/// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods.
-class IpmRun {
+/// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods; the system
+/// as the block that active sets are tried on.
+class IpmRun final : public AnswerSink, public ActiveBlock {
  public:
   /// Those of IpmOptions.
   struct Own {
@@ -32,14 +36,18 @@ class IpmRun {
     bool self_check;
   };
 
-  IpmRun(ScaledSystem& system, const Own& own, const LcpOptions& options, IpmStatistics& statistics)
+  /// @param test  of the system's problem
+  IpmRun(ScaledSystem& system, GivenFormTest& test, const Own& own, const LcpOptions& options,
+         IpmStatistics& statistics)
       : system_(system),
+        test_(test),
         own_(own),
         options_(options),
         deadline_(options),
         limit_(options.max_iterations > 0 ? options.max_iterations : kDefaultLimit),
         statistics_(statistics),
-        best_f_(Eigen::VectorXd::Zero(system.size())) {}
+        best_f_(Eigen::VectorXd::Zero(system.size())),
+        candidate_(best_f_) {}
 
   ScaledSystem& system() { return system_; }
   /// Weight of the proximal term.
@@ -71,12 +79,13 @@ class IpmRun {
   bool limit_hit() const { return status_ != LcpStatus::kNotRun; }
   LcpStatus limit_status() const { return status_; }
 
-  /// Whether f (in the problem's units, w fresh) meets the tier; remembers the iterate of least rho,
-  /// one that meets the tier before all that do not.
-  bool Accept(const Eigen::VectorXd& f, const Eigen::VectorXd& w) {
-    const double rho = system_.Rho(f, w);
+  /// Whether f (in the problem's units) meets the tier, in extended precision; remembers the iterate of least rho, one
+  /// that meets the tier before all that do not.
+  bool Accept(const Eigen::VectorXd& f) {
     const double tolerance = kMargin * options_.tolerance;
-    const bool meets = own_.self_check ? system_.Meets(tolerance, f, w) : rho <= tolerance;
+    const auto rho = static_cast<double>(test_.Rho(f));
+    bool meets = rho <= tolerance;
+    for (Index i = 0; meets && own_.self_check && i < f.size(); ++i) meets = test_.RowMeets(tolerance, f, i);
     if (meets == accepted_ ? rho < best_rho_ : meets) {
       best_f_ = f;
       best_rho_ = rho;
@@ -84,18 +93,49 @@ class IpmRun {
     accepted_ = accepted_ || meets;
     return meets;
   }
-  /// The same for f^ in scaled variables, with w summed in extended precision; *w becomes the scaled gaps.
+  /// The same for f^ in scaled variables; *w becomes the scaled gaps unless it is nullptr.
   bool AcceptScaled(const Eigen::VectorXd& scaled_f, Eigen::VectorXd* w) {
-    const Eigen::VectorXd f = scaled_f.cwiseProduct(system_.force_unit());
-    system_.GapsExtended(f, true, w);
-    const bool meets = Accept(f, *w);
-    *w = w->cwiseQuotient(system_.gap_unit());
+    const ScaledVectors& rows = system_.rows();
+    for (Index i = 0; i < scaled_f.size(); ++i) candidate_[i] = rows.GivenForce(i, scaled_f[i]);
+    const bool meets = Accept(candidate_);
+    for (Index i = 0; w != nullptr && i < w->size(); ++i) {
+      (*w)[i] = rows.ScaledGap(i, static_cast<double>(test_.w(i)));
+    }
     return meets;
   }
   const Eigen::VectorXd& best_f() const { return best_f_; }
   double best_rho() const { return best_rho_; }
   /// Whether best_f() meets the tier.
   bool accepted() const { return accepted_; }
+
+  // AnswerSink
+  Eigen::VectorXd& candidate() override { return candidate_; }
+  bool Publish() override { return Accept(candidate_); }
+  double tier() const override { return accepted_ ? best_rho_ : std::numeric_limits<double>::infinity(); }
+
+  // ActiveBlock, of the prepared system: a factor within the limits of the run.
+  void Analyze(const LcpProblem& /*problem*/) override {}
+  void Load(const LcpProblem& /*problem*/, const Eigen::VectorXd& /*scale*/) override {}
+  bool Factor(const std::vector<char>& active, double shift, const Deadline* /*deadline*/) override {
+    out_.resize(system_.size());
+    for (Index i = 0; i < out_.size(); ++i) out_[i] = active[static_cast<size_t>(i)] != 0 ? shift : ScaledSystem::kOut;
+    if (!Factorize(out_)) return false;
+    ++statistics_.pivots;
+    return true;
+  }
+  void Solve(double* x) override {
+    Eigen::Map<Eigen::VectorXd> values(x, out_.size());
+    right_ = (out_.array() < ScaledSystem::kOut).select(values, 0.0);
+    system_.Solve(right_, &right_);
+    values = (out_.array() < ScaledSystem::kOut).select(right_, 0.0);
+  }
+  void Multiply(const double* x, double* y) const override {
+    Eigen::VectorXd product;
+    system_.Multiply(Eigen::Map<const Eigen::VectorXd>(x, out_.size()), &product);
+    std::copy(product.begin(), product.end(), y);
+  }
+  double factor_time() const override { return 0; }
+  Index CountDependentRows() const override { return 0; }
 
  private:
   // A factorisation cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it
@@ -114,6 +154,7 @@ class IpmRun {
   static constexpr double kMargin = 0.9;
 
   ScaledSystem& system_;
+  GivenFormTest& test_;
   const Own own_;
   const LcpOptions& options_;
   Deadline deadline_;
@@ -122,6 +163,8 @@ class IpmRun {
   LcpStatus status_ = LcpStatus::kNotRun;
   double last_factorization_ = -1;  // when it began [s]
   Eigen::VectorXd best_f_;
+  Eigen::VectorXd candidate_;
+  Eigen::VectorXd out_, right_;  // theta of the latest active set
   bool accepted_ = false;
   double best_rho_ = std::numeric_limits<double>::infinity();
 };

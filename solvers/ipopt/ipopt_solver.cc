@@ -1,24 +1,39 @@
 #include "solvers/ipopt/ipopt_solver.h"
 
+#include <IpIpoptApplication.hpp>
+#include <IpIpoptCalculatedQuantities.hpp>
+#include <IpIpoptData.hpp>
+#include <IpOrigIpoptNLP.hpp>
+#include <IpSolveStatistics.hpp>
+#include <IpTNLP.hpp>
+#include <IpTNLPAdapter.hpp>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <optional>
+#include <sstream>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "solvers/ipopt/ipopt_engine.h"
+#include "solvers/ipopt/quadratic_program.h"
+#include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/lcp/work_counts.h"
 
 namespace lcpbench {
 namespace {
 
-using ipopt::Engine;
+using ipopt::Entry;
+using Ipopt::Number;
 using ipopt::QuadraticProgram;
-using ipopt::Start;
+using IpoptIndex = Ipopt::Index;
 
 // Ipopt iterations per formulation where LcpOptions names no limit. Ordinary problems take 5 to 40; the rest of the
 // allowance is for redundant joints.
@@ -41,11 +56,270 @@ constexpr double kRayClip = 1e-8;
 // A at least this many times as dense as J makes the lifted form the faster one.
 constexpr Index kLiftedFill = 25;
 
-double Largest(const Eigen::VectorXd& x) {
-  double largest = 0;
-  for (const double value : x) largest = std::max(largest, std::abs(value));
-  return largest;
+// Ipopt takes bounds from nlp_upper_bound_inf = 1e19 on as none.
+constexpr double kNoBound = 2e19;
+// A tolerance that Ipopt does not reach, so that our own test stops it.
+constexpr double kNever = 1e-40;
+
+// Every option that differs from Ipopt's default, in the notation of its options files; docs/solvers/ipopt.md has the
+// measurements.
+//
+// The test of the project stops Ipopt from its callback, after every iteration, and Ipopt's own tests are set out of
+// reach: the tier T bounds a 2-norm of min(f, w), Ipopt max-norms of its optimality conditions, of which
+// complementarity is a product, and no fixed map from T to `tol` serves both.
+constexpr const char* kOptions = R"(
+print_level 0
+# No banner at the first solve of the process.
+sb yes
+# The floor of mu in adaptive mode; its default 1e-11 stops degenerate rows at 3e-6. compl_inf_tol, which Optimize sets,
+# is a floor of it too.
+mu_min 1e-40
+# Mehrotra mode starts 10 off the bounds. Here |b| = 1 and A has a unit diagonal: forces are of order 1 or less.
+bound_push 0.1
+bound_mult_init_val 0.1
+# A relaxed bound f >= -1e-8 would let f and w of one row be negative together.
+bound_relax_factor 0
+constr_mult_init_max 0
+# The warm start is moved off its bounds by us, in proportion to its size.
+warm_start_bound_push 1e-16
+warm_start_bound_frac 1e-16
+warm_start_slack_bound_push 1e-16
+warm_start_slack_bound_frac 1e-16
+warm_start_mult_bound_push 1e-16
+# "Acceptable" points are no answer here: only the tier test is.
+acceptable_iter 0
+# The only linear solver in Debian's build. No matching and no scaling inside it: the program is scaled.
+linear_solver mumps
+mumps_permuting_scaling 0
+mumps_scaling 0
+# A linear solve is refined only where its residual asks for it.
+min_refinement_steps 0
+# Predictor-corrector steps without line search, with mu_strategy = adaptive and mu_oracle = probing. Not in the
+# restoration phase: there Ipopt 3.11.9 reads an affine step that nothing has computed, and crashes (null pointer in
+# PDSearchDirCalculator).
+mehrotra_algorithm yes
+resto.mehrotra_algorithm no
+# The program is Jacobi-scaled already; a second scaling would change what the numbers above mean.
+nlp_scaling_method none
+# H and G are constant, so each is evaluated once.
+hessian_constant yes
+jac_c_constant yes
+jac_d_constant yes
+# Least-squares problems for x and y: where y is empty or starts at 0 they buy nothing.
+least_square_init_primal no
+least_square_init_duals no
+# Redundant joints make the constraints of the contact form dependent. Regularising them always, not only after MUMPS
+# has noticed, is what lets those problems converge.
+perturb_always_cd yes
+)";
+
+// MUMPS keeps state in modules of the whole process, and Ipopt counts its instances in a plain int: every call into
+// them, construction and destruction included, is made under this lock.
+std::mutex& LibraryMutex() {
+  static std::mutex mutex;
+  return mutex;
 }
+
+// Ipopt's own name of a status that its options here allow.
+std::string_view Name(Ipopt::ApplicationReturnStatus code) {
+  constexpr std::pair<Ipopt::ApplicationReturnStatus, std::string_view> kNames[] = {
+      {Ipopt::Solve_Succeeded, "Solve_Succeeded"},
+      {Ipopt::Infeasible_Problem_Detected, "Infeasible_Problem_Detected"},
+      {Ipopt::Search_Direction_Becomes_Too_Small, "Search_Direction_Becomes_Too_Small"},
+      {Ipopt::Diverging_Iterates, "Diverging_Iterates"},
+      {Ipopt::User_Requested_Stop, "User_Requested_Stop"},
+      {Ipopt::Feasible_Point_Found, "Feasible_Point_Found"},
+      {Ipopt::Maximum_Iterations_Exceeded, "Maximum_Iterations_Exceeded"},
+      {Ipopt::Restoration_Failed, "Restoration_Failed"},
+      {Ipopt::Error_In_Step_Computation, "Error_In_Step_Computation"},
+      {Ipopt::Not_Enough_Degrees_Of_Freedom, "Not_Enough_Degrees_Of_Freedom"},
+      {Ipopt::Invalid_Number_Detected, "Invalid_Number_Detected"},
+      {Ipopt::Unrecoverable_Exception, "Unrecoverable_Exception"},
+      {Ipopt::NonIpopt_Exception_Thrown, "NonIpopt_Exception_Thrown"},
+      {Ipopt::Insufficient_Memory, "Insufficient_Memory"},
+      {Ipopt::Internal_Error, "Internal_Error"},
+  };
+  for (const auto& [known, name] : kNames) {
+    if (known == code) return name;
+  }
+  return "unknown status";
+}
+
+// A starting point. Multipliers have Ipopt's signs: H x + c + G^T y - z = 0.
+struct Start {
+  Eigen::VectorXd x;
+  Eigen::VectorXd z;  // of the bounds x >= 0, one per variable
+  Eigen::VectorXd y;  // of the constraints
+
+  explicit Start(const QuadraticProgram& program)
+      : x(Eigen::VectorXd::Zero(program.c.size())), z(x), y(Eigen::VectorXd::Zero(program.d.size())) {}
+};
+
+// Called with every iterate, which is empty in the restoration phase, where it belongs to another program. True stops
+// Ipopt. Must not use Ipopt.
+using OnIterate = std::function<bool(const Eigen::VectorXd&)>;
+
+// Ipopt's view of a QuadraticProgram.
+class ProgramNlp final : public Ipopt::TNLP {
+ public:
+  explicit ProgramNlp(const QuadraticProgram& given) : program(&given) {}
+
+  const QuadraticProgram* const program;
+  const Start* start = nullptr;
+  const OnIterate* on_iterate = nullptr;
+
+  bool get_nlp_info(IpoptIndex& n, IpoptIndex& m, IpoptIndex& jacobian_entries, IpoptIndex& hessian_entries,
+                    IndexStyleEnum& style) override {
+    n = static_cast<IpoptIndex>(program->c.size());
+    m = static_cast<IpoptIndex>(program->d.size());
+    jacobian_entries = static_cast<IpoptIndex>(program->jacobian.size());
+    hessian_entries = static_cast<IpoptIndex>(program->hessian.size());
+    style = C_STYLE;
+    return true;
+  }
+
+  bool get_bounds_info(IpoptIndex n, Number* lower, Number* upper, IpoptIndex m, Number* g_lower,
+                       Number* g_upper) override {
+    for (IpoptIndex j = 0; j < n; ++j) lower[j] = program->nonnegative[static_cast<size_t>(j)] ? 0.0 : -kNoBound;
+    std::fill_n(upper, n, kNoBound);
+    std::copy_n(program->d.data(), m, g_lower);
+    std::copy_n(program->d.data(), m, g_upper);
+    return true;
+  }
+
+  bool get_starting_point(IpoptIndex n, bool init_x, Number* x, bool init_z, Number* z_lower, Number* z_upper,
+                          IpoptIndex m, bool init_y, Number* y) override {
+    if (init_x) std::copy_n(start->x.data(), n, x);
+    if (init_z) {
+      std::copy_n(start->z.data(), n, z_lower);
+      std::fill_n(z_upper, n, 0.0);
+    }
+    if (init_y) std::copy_n(start->y.data(), m, y);
+    return true;
+  }
+
+  bool eval_f(IpoptIndex /*n*/, const Number* x, bool /*new_x*/, Number& value) override {
+    value = program->Objective(x);
+    return true;
+  }
+  bool eval_grad_f(IpoptIndex /*n*/, const Number* x, bool /*new_x*/, Number* gradient) override {
+    program->Gradient(x, gradient);
+    return true;
+  }
+  bool eval_g(IpoptIndex /*n*/, const Number* x, bool /*new_x*/, IpoptIndex /*m*/, Number* g) override {
+    program->Constraints(x, g);
+    return true;
+  }
+  bool eval_jac_g(IpoptIndex /*n*/, const Number* /*x*/, bool /*new_x*/, IpoptIndex /*m*/, IpoptIndex /*count*/,
+                  IpoptIndex* row, IpoptIndex* column, Number* values) override {
+    Copy(program->jacobian, 1.0, row, column, values);
+    return true;
+  }
+  bool eval_h(IpoptIndex /*n*/, const Number* /*x*/, bool /*new_x*/, Number objective_factor, IpoptIndex /*m*/,
+              const Number* /*lambda*/, bool /*new_lambda*/, IpoptIndex /*count*/, IpoptIndex* row, IpoptIndex* column,
+              Number* values) override {
+    Copy(program->hessian, objective_factor, row, column, values);
+    return true;
+  }
+
+  // The answer is taken from the iterates, so that the one returned is the one tested.
+  void finalize_solution(Ipopt::SolverReturn /*status*/, IpoptIndex /*n*/, const Number* /*x*/,
+                         const Number* /*z_lower*/, const Number* /*z_upper*/, IpoptIndex /*m*/, const Number* /*g*/,
+                         const Number* /*lambda*/, Number /*objective*/, const Ipopt::IpoptData* /*data*/,
+                         Ipopt::IpoptCalculatedQuantities* /*quantities*/) override {}
+
+  bool intermediate_callback(Ipopt::AlgorithmMode mode, IpoptIndex /*iteration*/, Number /*objective*/,
+                             Number /*primal_infeasibility*/, Number /*dual_infeasibility*/, Number /*mu*/,
+                             Number /*step*/, Number /*regularization*/, Number /*dual_alpha*/, Number /*primal_alpha*/,
+                             IpoptIndex /*trials*/, const Ipopt::IpoptData* data,
+                             Ipopt::IpoptCalculatedQuantities* quantities) override {
+    // In restoration the iterate belongs to another program; there it counts as "no iterate" (empty).
+    x_.resize(0);
+    if (mode == Ipopt::RegularMode && data != nullptr && quantities != nullptr) {
+      auto* nlp = dynamic_cast<Ipopt::OrigIpoptNLP*>(Ipopt::GetRawPtr(quantities->GetIpoptNLP()));
+      auto* adapter = nlp == nullptr ? nullptr : dynamic_cast<Ipopt::TNLPAdapter*>(Ipopt::GetRawPtr(nlp->nlp()));
+      if (adapter != nullptr) {
+        x_.resize(program->c.size());
+        adapter->ResortX(*data->curr()->x(), x_.data());
+      }
+    }
+    return !(*on_iterate)(x_);
+  }
+
+ private:
+  static void Copy(const std::vector<Entry>& from, double factor, IpoptIndex* row, IpoptIndex* column, Number* values) {
+    for (size_t k = 0; k < from.size(); ++k) {
+      if (values != nullptr) {
+        values[k] = factor * from[k].value();
+      } else {
+        row[k] = from[k].row();
+        column[k] = from[k].col();
+      }
+    }
+  }
+
+  Eigen::VectorXd x_;
+};
+
+// Ipopt made ready for one program: silent, without an options file. The objects of its algorithm are built once, by a
+// run of no iterations, and serve every Optimize after it; nothing else carries over.
+class Application {
+ public:
+  struct Ending {
+    Ipopt::ApplicationReturnStatus code;
+    std::int64_t iterations = 0;
+  };
+
+  // `program` is not owned. Throws std::runtime_error where Ipopt does not know one of the options.
+  explicit Application(const QuadraticProgram& program) : nlp_(new ProgramNlp(program)) {
+    ++WorkCounts::OfThread().analyses;
+    {
+      const std::lock_guard lock(LibraryMutex());
+      application_ = new Ipopt::IpoptApplication(/*create_console_out=*/false);
+      std::istringstream options(kOptions);
+      if (application_->Initialize(options) != Ipopt::Solve_Succeeded) {
+        throw std::runtime_error("Ipopt refused an option");
+      }
+    }
+    const auto go_on = [](const Eigen::VectorXd&) { return false; };
+    built_ = Optimize(Start(program), false, 0, kNever, go_on).code == Ipopt::Maximum_Iterations_Exceeded;
+  }
+  ~Application() {
+    const std::lock_guard lock(LibraryMutex());
+    application_ = nullptr;
+  }
+  Application(const Application&) = delete;
+  Application& operator=(const Application&) = delete;
+
+  // tolerance: Ipopt's `tol`. warm: `start` is used as it is; else Ipopt moves x off its bounds and sets all
+  // multipliers. Waits for its turn; the wait counts as time of the solve.
+  Ending Optimize(const Start& start, bool warm, std::int64_t max_iterations, double tolerance,
+                  const OnIterate& on_iterate) {
+    const std::lock_guard lock(LibraryMutex());
+    nlp_->start = &start;
+    nlp_->on_iterate = &on_iterate;
+    Ipopt::OptionsList& options = *application_->Options();
+    constexpr std::int64_t kMost = std::numeric_limits<IpoptIndex>::max();
+    options.SetIntegerValue("max_iter", static_cast<IpoptIndex>(std::min(max_iterations, kMost)));
+    for (const char* name : {"tol", "compl_inf_tol"}) options.SetNumericValue(name, tolerance);
+    options.SetStringValue("warm_start_init_point", warm ? "yes" : "no");
+    const Ipopt::SmartPtr<Ipopt::TNLP> program = Ipopt::GetRawPtr(nlp_);
+    Ending ending{built_ ? application_->ReOptimizeTNLP(program) : application_->OptimizeTNLP(program)};
+    // Of MUMPS, Ipopt 3.11.9 times the symbolic analysis and the solves only.
+    FactorClock::CannotTell();
+    ++WorkCounts::OfThread().factorizations;  // or more: it does not say
+    const Ipopt::SmartPtr<Ipopt::SolveStatistics> statistics = application_->Statistics();
+    if (Ipopt::IsValid(statistics)) ending.iterations = statistics->IterationCount();
+    return ending;
+  }
+
+ private:
+  Ipopt::SmartPtr<Ipopt::IpoptApplication> application_;
+  Ipopt::SmartPtr<ProgramNlp> nlp_;
+  bool built_ = false;  // the algorithm's objects exist: ReOptimizeTNLP works
+};
+
+double Largest(const Eigen::VectorXd& x) { return x.size() == 0 ? 0 : x.cwiseAbs().maxCoeff<Eigen::PropagateNaN>(); }
 
 // The Jacobi-scaled LCP with |b| = 1 that the programs are written in; tolerances and starting values have no units
 // there. A = D^-1/2 A D^-1/2, b = D^-1/2 b / |D^-1/2 b|; D_ii = |A_ii|, and 1 where A_ii = 0.
@@ -95,11 +369,6 @@ struct ScaledLcp {
     S.setFromTriplets(entries.begin(), entries.end());
     return S;
   }
-
-  // Whether the lifted form is the sparser one: A has many more entries than J.
-  bool LiftedIsSparser() const {
-    return problem.has_factors() && BoundEntriesOfA(problem) > kLiftedFill * problem.J().nonZeros();
-  }
 };
 
 // One way to write the LCP as a program. Variables are the scaled f, the velocities v = S^T f of the lifted form, and
@@ -107,9 +376,15 @@ struct ScaledLcp {
 struct Formulation {
   std::string_view name;
   QuadraticProgram program;
-  bool is_ncp = false;          // then the first n constraints are w = A f + b, and d begins with -b
-  SparseMatrix S;               // lifted
-  std::vector<Index> gap_rows;  // of the variables w
+  bool is_ncp = false;                       // then the first n constraints are w = A f + b, and d begins with -b
+  SparseMatrix S;                            // lifted
+  std::vector<Index> gap_rows;               // of the variables w
+  std::unique_ptr<Application> application;  // made when first needed
+
+  Application& Ready() {
+    if (application == nullptr) application = std::make_unique<Application>(program);
+    return *application;
+  }
 
   // A start with the given scaled f and w (both already off their bounds), primal and dual. The stationarity of f asks
   // for z_f = w, that of w for z_w = f and multipliers -f of the constraints w = ...; those of S^T f - v = 0 are v.
@@ -117,7 +392,7 @@ struct Formulation {
     const Eigen::VectorXd v = S.cols() > 0 ? Eigen::VectorXd(S.transpose() * f) : Eigen::VectorXd();
     const Index n = f.size();
     const Index gaps = n + v.size();
-    Start start = Start::Zero(program);
+    Start start(program);
     start.x.head(n) = f;
     start.x.segment(n, v.size()) = v;
     start.z.head(n) = w;
@@ -131,12 +406,16 @@ struct Formulation {
   }
 };
 
+void Add(Index i, Index j, double x, std::vector<Entry>* entries) {
+  entries->emplace_back(static_cast<int>(i), static_cast<int>(j), x);
+}
+
 // Adds w of the unilateral rows as variables with the entries -w in constraints 0..n-1, and sizes c and d.
 Formulation Finished(const ScaledLcp& scaled, Index constraints, Formulation form) {
   QuadraticProgram& program = form.program;
   for (Index i = 0; i < scaled.size() && form.is_ncp; ++i) {
     if (scaled.problem.is_bilateral(i)) continue;
-    program.jacobian.Add(i, static_cast<Index>(program.nonnegative.size()), -1.0);
+    Add(i, static_cast<Index>(program.nonnegative.size()), -1.0, &program.jacobian);
     program.nonnegative.push_back(true);
     form.gap_rows.push_back(i);
   }
@@ -158,10 +437,10 @@ Formulation ContactForm(const ScaledLcp& scaled, bool is_ncp) {
     const auto scale = [&](Index j) { return scaled.inverse_root[i] * scaled.inverse_root[j]; };
     form.program.nonnegative.push_back(!problem.is_bilateral(i));
     for (SparseMatrix::InnerIterator it(A, i); it && is_ncp; ++it) {
-      form.program.jacobian.Add(i, it.col(), it.value() * scale(it.col()));
+      Add(i, it.col(), it.value() * scale(it.col()), &form.program.jacobian);
     }
     for (SparseMatrix::InnerIterator it(is_ncp ? twice : A, i); it && it.col() <= i; ++it) {
-      form.program.hessian.Add(i, it.col(), it.value() * scale(it.col()));
+      Add(i, it.col(), it.value() * scale(it.col()), &form.program.hessian);
     }
   }
   return Finished(scaled, 0, std::move(form));
@@ -179,17 +458,17 @@ Formulation LiftedForm(const ScaledLcp& scaled, bool is_ncp) {
   for (Index i = 0; i < n; ++i) {
     program.nonnegative.push_back(!scaled.problem.is_bilateral(i));
     for (SparseMatrix::InnerIterator it(form.S, i); it; ++it) {
-      if (is_ncp) program.jacobian.Add(i, n + it.col(), it.value());
-      program.jacobian.Add(first + it.col(), i, it.value());
+      if (is_ncp) Add(i, n + it.col(), it.value(), &program.jacobian);
+      Add(first + it.col(), i, it.value(), &program.jacobian);
     }
   }
   for (Index k = 0; k < form.S.cols(); ++k) {
     program.nonnegative.push_back(false);
-    program.jacobian.Add(first + k, n + k, -1.0);
-    program.hessian.Add(n + k, n + k, is_ncp ? 2.0 : 1.0);
+    Add(first + k, n + k, -1.0, &program.jacobian);
+    Add(n + k, n + k, is_ncp ? 2.0 : 1.0, &program.hessian);
   }
-  const Index bodies = form.S.cols();
-  return Finished(scaled, bodies, std::move(form));
+  const Index velocities = form.S.cols();
+  return Finished(scaled, velocities, std::move(form));
 }
 
 }  // namespace
@@ -212,15 +491,13 @@ class IpoptEngine {
   bool Accept(const Eigen::VectorXd& x, double tolerance, LcpResult* result);
   bool AcceptRay(const Eigen::VectorXd& direction, LcpResult* result);
   Start FirstPoint(const Formulation& formulation, const LcpOptions& options);
-  Engine& EngineOf(std::size_t which);
   void Take(const Eigen::VectorXd& x);
-  bool Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
+  bool Run(Formulation* formulation, const LcpOptions& options, const Deadline& deadline, LcpResult* result);
 
   IpoptOptions options_;
   // Of one matrix.
   std::optional<ScaledLcp> scaled_;
   std::vector<Formulation> formulations_;
-  std::vector<std::unique_ptr<Engine>> engines_;  // of each formulation; made when first needed
   GivenFormTest given_;
   // Of the test after each iteration.
   Eigen::VectorXd f_;
@@ -235,12 +512,6 @@ void IpoptEngine::TakeB(const Eigen::VectorXd& b) {
     form.program.c.head(b.size()) = b;
     if (form.is_ncp) form.program.d.head(b.size()) = -b;
   }
-}
-
-Engine& IpoptEngine::EngineOf(std::size_t which) {
-  std::unique_ptr<Engine>& engine = engines_[which];
-  if (engine == nullptr) engine = std::make_unique<Engine>(formulations_[which].program);
-  return *engine;
 }
 
 // f of x (scaled; its first n entries), clipped, in the problem's units.
@@ -304,13 +575,11 @@ bool IpoptEngine::AcceptRay(const Eigen::VectorXd& direction, LcpResult* result)
   return false;
 }
 
-ipopt::Start IpoptEngine::FirstPoint(const Formulation& formulation, const LcpOptions& options) {
+Start IpoptEngine::FirstPoint(const Formulation& formulation, const LcpOptions& options) {
   const LcpProblem& problem = scaled_->problem;
   const Index n = problem.size();
-  if (options.initial_f == nullptr) {
-    // Ipopt moves x to its own distance from the bounds (bound_push) and sets all multipliers.
-    return Start::Zero(formulation.program);
-  }
+  // Ipopt moves x to its own distance from the bounds (bound_push) and sets all multipliers.
+  if (options.initial_f == nullptr) return Start(formulation.program);
   Eigen::VectorXd force = options.initial_f->cwiseQuotient(scaled_->force_unit);
   problem.ComputeW(*options.initial_f, &product_);
   Eigen::VectorXd gap = product_.cwiseQuotient(scaled_->gap_unit);
@@ -325,9 +594,9 @@ ipopt::Start IpoptEngine::FirstPoint(const Formulation& formulation, const LcpOp
 }
 
 // True when the solve is over: the next formulation need not be tried.
-bool IpoptEngine::Run(std::size_t which, const LcpOptions& options, const Deadline& deadline, LcpResult* result) {
-  const Formulation& formulation = formulations_[which];
-  const Start start = FirstPoint(formulation, options);
+bool IpoptEngine::Run(Formulation* formulation, const LcpOptions& options, const Deadline& deadline,
+                      LcpResult* result) {
+  const Start start = FirstPoint(*formulation, options);
   const bool symmetric = scaled_->problem.IsNumericallySymmetric();
   bool over = false;
   bool late = false;
@@ -349,12 +618,10 @@ bool IpoptEngine::Run(std::size_t which, const LcpOptions& options, const Deadli
 
   const std::int64_t limit =
       options.max_iterations > 0 ? options.max_iterations - result->iterations : kDefaultIterations;
-  const bool warm = options.initial_f != nullptr;
-  Engine& engine = EngineOf(which);
-  const Engine::Ending ending =
-      engine.Optimize(start, warm, limit, options_.self_check ? Engine::kNever : options.tolerance, on_iterate);
+  const Application::Ending ending = formulation->Ready().Optimize(
+      start, options.initial_f != nullptr, limit, options_.self_check ? kNever : options.tolerance, on_iterate);
   result->iterations += ending.iterations;
-  if (!options_.self_check && ending.converged) {
+  if (!options_.self_check && ending.code == Ipopt::Solve_Succeeded) {
     Take(last_x_);
     result->f = f_;
     result->status = LcpStatus::kSolved;
@@ -362,14 +629,15 @@ bool IpoptEngine::Run(std::size_t which, const LcpOptions& options, const Deadli
   }
 
   if (!result->detail.empty()) result->detail += "; ";
-  result->detail += "Ipopt (" + std::string(formulation.name) + " form): " + std::string(ending.status);
+  result->detail += "Ipopt (" + std::string(formulation->name) + " form): " + std::string(Name(ending.code));
   if (over) return true;
   if (late) {
     result->status = LcpStatus::kTimeLimit;
     return true;
   }
-  result->status = ending.iteration_limit ? LcpStatus::kIterationLimit : LcpStatus::kNumericalFailure;
-  return ending.iteration_limit && options.max_iterations > 0;
+  const bool at_limit = ending.code == Ipopt::Maximum_Iterations_Exceeded;
+  result->status = at_limit ? LcpStatus::kIterationLimit : LcpStatus::kNumericalFailure;
+  return at_limit && options.max_iterations > 0;
 }
 
 IpoptOptions IpoptOptions::FromSettings(Program program, const Settings& settings) {
@@ -389,19 +657,18 @@ void IpoptEngine::Prepare(const LcpProblem& problem) {
   const ScaledLcp& scaled = scaled_.emplace(problem);
   const bool is_ncp = options_.program == IpoptOptions::Program::kNcp;
   given_.Reset(problem);
-  engines_.clear();
   formulations_.clear();
-  const bool dense = scaled.LiftedIsSparser();  // then A may not fit in memory
+  // Then the lifted form is the sparser one, and A may not fit in memory.
+  const bool dense = problem.has_factors() && BoundEntriesOfA(problem) > kLiftedFill * problem.J().nonZeros();
   if (options_.form == Form::kContact || (options_.form == Form::kAuto && !dense)) {
     formulations_.push_back(ContactForm(scaled, is_ncp));
   }
   if (options_.form == Form::kLifted || (options_.form == Form::kAuto && problem.has_factors())) {
     formulations_.push_back(LiftedForm(scaled, is_ncp));
   }
-  engines_.resize(formulations_.size());
   // What Ipopt builds for the first program does not depend on b.
   TakeB(Eigen::VectorXd::Ones(scaled.size()));
-  EngineOf(0);
+  formulations_.front().Ready();
 }
 
 void IpoptEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
@@ -414,8 +681,8 @@ void IpoptEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lc
   Eigen::VectorXd first = Eigen::VectorXd::Zero(scaled_->size());
   if (options.initial_f != nullptr) first = options.initial_f->cwiseQuotient(scaled_->force_unit);
   if (options_.self_check && Accept(first, options.tolerance, result)) return;
-  for (std::size_t which = 0; which < formulations_.size(); ++which) {
-    if (Run(which, options, deadline, result)) return;
+  for (Formulation& formulation : formulations_) {
+    if (Run(&formulation, options, deadline, result)) return;
   }
 }
 

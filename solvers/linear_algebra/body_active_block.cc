@@ -24,45 +24,13 @@ size_t At(Index i) { return static_cast<size_t>(i); }
 
 }  // namespace
 
-// The elimination tree of bodies [Liu 1986], and what a change of a body's columns touches.
-void BodyActiveBlock::FindPaths() {
-  const CholmodFactor& factor = bodies_.factor();
-  const int* starts = factor.column_starts();
-  const int* indices = factor.row_indices();
-  const int bodies = bodies_.bodies();
-  std::vector<std::vector<int>> before(At(bodies));
-  for (int k = 0; k < bodies; ++k) {
-    for (Index p = starts[kAxes * k] + kAxes; p < starts[kAxes * k + 1]; p += kAxes) {
-      before[At(indices[p] / kAxes)].push_back(k);
-    }
-  }
-  std::vector<int> parent(At(bodies), kNone);
-  std::vector<int> ancestor(At(bodies), kNone);
-  for (int k = 0; k < bodies; ++k) {
-    for (int j : before[At(k)]) {
-      while (j != kNone && j < k) {
-        const int next = ancestor[At(j)];
-        ancestor[At(j)] = k;
-        if (next == kNone) parent[At(j)] = k;
-        j = next;
-      }
-    }
-  }
-  path_.assign(At(bodies), 0);
-  const int* counts = factor.column_counts();
-  for (int k = bodies - 1; k >= 0; --k) {
-    for (Index a = 0; a < kAxes; ++a) path_[At(k)] += counts[kAxes * k + a];
-    if (parent[At(k)] != kNone) path_[At(k)] += path_[At(parent[At(k)])];
-  }
-}
-
 void BodyActiveBlock::Analyze(const LcpProblem& problem) {
   n_ = problem.size();
   bodies_.Prepare(problem, {}, /*will_update=*/true);
   if (bodies_.analyses() > 0) {
     by_supernodes_ = bodies_.factor().is_supernodal();
     flop_time_ = by_supernodes_ ? CostModel::kSupernodalFlop : CostModel::kColumnFlop;
-    FindPaths();
+    path_ = bodies_.factor().EntriesToRoot();
   }
   for (Eigen::VectorXd* v : {&diagonal_, &theta_, &right_, &residual_, &x_, &step_}) v->setZero(n_);
   active_.assign(At(n_), 0);
@@ -115,7 +83,8 @@ void BodyActiveBlock::FactorAnew() {
 double BodyActiveBlock::UpdateTime() const {
   double time = updated_ || !by_supernodes_ ? 0.0 : CostModel::kConvertEntry * bodies_.factor().fill();
   for (const std::vector<int>* rows : {&entering_, &leaving_}) {
-    for (const int i : *rows) time += CostModel::kUpdateRow + CostModel::kUpdateEntry * path_[At(bodies_.row(i).first)];
+    for (const int i : *rows)
+      time += CostModel::kUpdateRow + CostModel::kUpdateEntry * path_[At(kAxes * bodies_.row(i).first)];
   }
   return time;
 }

@@ -46,7 +46,6 @@ class BodyActiveBlock final : public ActiveBlock {
   std::int64_t updates() const { return updates_; }
 
  private:
-  void FindPaths();
   void FactorAnew();
   double NewFactorTime() const;
   double UpdateTime() const;
@@ -56,7 +55,7 @@ class BodyActiveBlock final : public ActiveBlock {
   BodySpace bodies_;
   bool by_supernodes_ = false;  // a new factor
   double flop_time_ = 0;        // of it
-  std::vector<double> path_;    // entries of L from a body to the root
+  std::vector<double> path_;    // entries of L from a column to the root
   Eigen::VectorXd diagonal_;    // of S A S
 
   // State.

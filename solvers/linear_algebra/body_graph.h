@@ -5,7 +5,6 @@
 
 #include "solvers/lcp/problem.h"
 #include "solvers/linear_algebra/cholmod_factor.h"
-#include "solvers/linear_algebra/graph_order.h"
 #include "solvers/linear_algebra/kept_order.h"
 
 namespace lcpbench {

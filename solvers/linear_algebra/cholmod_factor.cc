@@ -12,7 +12,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
 #include "solvers/lcp/work_counts.h"
-#include "solvers/linear_algebra/cholmod_view.h"
 #include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {
@@ -100,6 +99,46 @@ std::string StatusText(int status) {
   const auto found = texts.find(status);
   return (found == texts.end() ? "unknown error" : found->second) +
          std::string(" (CHOLMOD status " + std::to_string(status) + ")");
+}
+
+// A matrix as CHOLMOD sees it, which takes what it only reads as non-const. values: CHOLMOD_REAL or CHOLMOD_PATTERN;
+// storage: -1: the lower triangle of a symmetric matrix, 0: all of it.
+cholmod_sparse ViewOf(const CholmodFactor::ColumnMatrix& matrix, int values, int storage) {
+  cholmod_sparse view{};
+  view.nrow = static_cast<size_t>(matrix.rows());
+  view.ncol = static_cast<size_t>(matrix.cols());
+  view.nzmax = static_cast<size_t>(matrix.nonZeros());
+  view.p = const_cast<int*>(matrix.outerIndexPtr());
+  view.i = const_cast<int*>(matrix.innerIndexPtr());
+  if (values == CHOLMOD_REAL) view.x = const_cast<double*>(matrix.valuePtr());
+  view.stype = storage;
+  view.itype = CHOLMOD_INT;
+  view.xtype = values;
+  view.dtype = CHOLMOD_DOUBLE;
+  view.sorted = 1;
+  view.packed = 1;
+  return view;
+}
+
+// Silent, and freed with the scope.
+struct Common {
+  cholmod_common common{};
+  Common() {
+    cholmod_start(&common);
+    common.print = 0;
+  }
+  ~Common() { cholmod_finish(&common); }
+  Common(const Common&) = delete;
+  Common& operator=(const Common&) = delete;
+};
+
+// The elimination tree of a matrix whose lower triangle it is; empty where there is no memory for it.
+Eigen::VectorXi EliminationTree(cholmod_sparse lower, int* order, cholmod_common* common) {
+  Eigen::VectorXi parent(static_cast<Eigen::Index>(lower.ncol));
+  cholmod_sparse* upper = cholmod_ptranspose(&lower, 0, order, nullptr, 0, common);
+  if (upper == nullptr || cholmod_etree(upper, parent.data(), common) == 0) parent.resize(0);
+  cholmod_free_sparse(&upper, common);
+  return parent;
 }
 
 cholmod_dense Wrap(Eigen::Index n, double* values) {
@@ -301,7 +340,16 @@ bool CholmodFactor::Update(const ColumnMatrix& columns, bool add) {
   return false;
 }
 
-const int* CholmodFactor::column_counts() const { return static_cast<const int*>(state_->factor->ColCount); }
+std::vector<double> CholmodFactor::EntriesToRoot() const {
+  const Eigen::VectorXi parent = EliminationTree(state_->view, nullptr, &state_->common);
+  if (parent.size() != size()) throw std::runtime_error("elimination tree: " + StatusText(state_->common.status));
+  std::vector<double> entries(static_cast<size_t>(size()));
+  for (Eigen::Index k = size() - 1; k >= 0; --k) {
+    const double beyond = parent[k] < 0 ? 0.0 : entries[static_cast<size_t>(parent[k])];
+    entries[static_cast<size_t>(k)] = static_cast<const int*>(state_->factor->ColCount)[k] + beyond;
+  }
+  return entries;
+}
 bool CholmodFactor::is_supernodal() const { return state_->factor->is_super != 0; }
 
 void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
@@ -318,6 +366,35 @@ void CholmodFactor::Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x) {
                                   &s.e_workspace, &s.common);
   if (done == 0) throw std::runtime_error("triangular solve: " + StatusText(s.common.status));
   *x = Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(s.solution->x), s.right_side.size());
+}
+
+Eigen::VectorXi OrderGraph(const CholmodFactor::ColumnMatrix& graph, GraphOrder order) {
+  const Eigen::Index n = graph.cols();
+  Eigen::VectorXi nodes(n);
+  if (n == 0) return nodes;
+  Common c;
+  cholmod_sparse pattern = ViewOf(graph, CHOLMOD_PATTERN, -1);
+  const int ordered = order == GraphOrder::kMinimumDegree
+                          ? cholmod_amd(&pattern, nullptr, 0, nodes.data(), &c.common)
+                          : cholmod_metis(&pattern, nullptr, 0, /*postorder=*/0, nodes.data(), &c.common);
+  if (ordered == 0) return {};
+  return Postordered(graph, nodes);
+}
+
+Eigen::VectorXi Postordered(const CholmodFactor::ColumnMatrix& graph, const Eigen::VectorXi& nodes) {
+  const Eigen::Index n = graph.cols();
+  Eigen::VectorXi order = nodes;  // CHOLMOD only reads it
+  if (n == 0) return order;
+  Common c;
+  cholmod_sparse pattern = ViewOf(graph, CHOLMOD_PATTERN, -1);
+  const Eigen::VectorXi parent = EliminationTree(pattern, order.data(), &c.common);
+  Eigen::VectorXi post(n);
+  if (parent.size() != n || cholmod_postorder(const_cast<int*>(parent.data()), static_cast<size_t>(n), nullptr,
+                                              post.data(), &c.common) != n) {
+    return {};
+  }
+  for (Eigen::Index k = 0; k < n; ++k) order[k] = nodes[post[k]];
+  return order;
 }
 
 }  // namespace lcpbench

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace lcpbench {
 
@@ -73,8 +74,8 @@ class CholmodFactor {
   /// @param columns  C, in the order of elimination, sorted; the rows of a column of C are rows of one column of K
   /// @returns false if the matrix is no longer positive definite, to rounding; Solve must not be called after that
   bool Update(const ColumnMatrix& columns, bool add);
-  /// Entries of the columns of L, diagonal included.
-  const int* column_counts() const;
+  /// Of every column: the entries of L in it and in those on its way to the root of the elimination tree [Liu 1986].
+  std::vector<double> EntriesToRoot() const;
   bool is_supernodal() const;
 
   /// x = K^-1 r with the latest factorisation; x may be r.
@@ -85,5 +86,20 @@ class CholmodFactor {
   void AnalyzeBy(Definiteness definiteness, const ColumnMatrix& lower, int* order);
   std::unique_ptr<State> state_;
 };
+
+/// How the nodes of a graph are ordered for little fill of a symmetric factor.
+enum class GraphOrder {
+  kMinimumDegree,     ///< AMD [Amestoy, Davis, Duff, Algorithm 837, ACM TOMS 30, 2004]
+  kNestedDissection,  ///< METIS [Karypis, Kumar, SIAM J. Sci. Comput. 20, 1998], where CHOLMOD was built with it
+};
+
+/// order[k] = the node to eliminate k-th, postordered along the elimination tree, so that columns of like structure
+/// follow each other. Empty where this build cannot order so.
+/// @param graph  lower triangle of the adjacency matrix; only its pattern is read; the diagonal does not matter
+Eigen::VectorXi OrderGraph(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph, GraphOrder order);
+
+/// The order `nodes` of this graph, postordered: of equal fill. Empty where there is no memory for it.
+Eigen::VectorXi Postordered(const Eigen::SparseMatrix<double, Eigen::ColMajor, int>& graph,
+                            const Eigen::VectorXi& nodes);
 
 }  // namespace lcpbench

@@ -5,15 +5,13 @@
 #include <vector>
 
 #include "solvers/lcp/problem.h"
-#include "solvers/lcp/residual.h"
 #include "solvers/linear_algebra/body_space.h"
 #include "solvers/linear_algebra/cholmod_factor.h"
+#include "solvers/linear_algebra/islands.h"
 #include "solvers/linear_algebra/kept_order.h"
+#include "solvers/linear_algebra/scaled_vectors.h"
 
 namespace lcpbench {
-
-/// max |x_i|, 0 for no entries; NaN where x has one.
-double MaxAbs(const Eigen::VectorXd& x);
 
 /// The linear algebra below the `ipm` solver: an LcpProblem in scaled variables, and solves with
 /// A^ + diag(theta) on one symbolic analysis.
@@ -26,7 +24,6 @@ double MaxAbs(const Eigen::VectorXd& x);
 /// Idle rows have f = 0 and take no part: rows of components that f = 0 solves, and rows with A_ii = 0.
 class ScaledSystem {
  public:
-  enum class RowKind : unsigned char { kIdle, kUnilateral, kBilateral };
   enum class Space {
     kAutomatic,  ///< the one of less predicted work
     kContact,    ///< factorises A^ + diag(theta), n x n
@@ -43,24 +40,15 @@ class ScaledSystem {
 
   /// The problem of SetB (a copy that shares storage).
   const LcpProblem& problem() const { return *problem_; }
-  Index size() const { return root_.size(); }
-  RowKind kind(Index i) const { return kind_[static_cast<size_t>(i)]; }
-  bool idle(Index i) const { return kind(i) == RowKind::kIdle; }
-  bool unilateral(Index i) const { return kind(i) == RowKind::kUnilateral; }
-  int component(Index i) const { return component_[static_cast<size_t>(i)]; }
-  int components() const { return component_count_; }
-  const Eigen::VectorXd& b() const { return b_; }
-  /// f = force_unit f^ and w^ = w / gap_unit, row by row.
-  const Eigen::VectorXd& force_unit() const { return force_unit_; }
-  const Eigen::VectorXd& gap_unit() const { return gap_unit_; }
-  /// D^1/2, 1 where A_ii = 0.
-  const Eigen::VectorXd& root() const { return root_; }
+  Index size() const { return rows_.b.size(); }
+  /// Scales, b^, and which rows take part.
+  const ScaledVectors& rows() const { return rows_; }
+  bool idle(Index i) const { return !rows_.acts(i); }
+  bool unilateral(Index i) const { return rows_.acts(i) && !rows_.is_joint(i); }
+  const Eigen::VectorXd& b() const { return rows_.b; }
 
   /// y = A^ x, O(nnz) of the chosen space.
   void Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const;
-
-  /// w = A f + b (or A f) in the problem's own units and its given form, summed in extended precision.
-  void GapsExtended(const Eigen::VectorXd& f, bool with_b, Eigen::VectorXd* w);
 
   /// Numeric factorisation of A^ + diag(theta); rows with theta = kOut are left out (x_i = 0 there to rounding), as are
   /// idle rows whatever their theta.
@@ -68,12 +56,6 @@ class ScaledSystem {
   const std::string& why() const { return body_space_ ? bodies_.why() : factor_.why(); }
   /// x = (A^ + diag(theta))^-1 r.
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
-
-  /// rho and an upper bound on the backward error (|A||f| replaced by max(|A f|, A_ii |f_i|), which it is at least).
-  double Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
-  double BackwardErrorBound(const Eigen::VectorXd& f, const Eigen::VectorXd& w, Index i) const;
-  /// Whether (f, w) meets the tier; forms |A||f| only where the bound does not decide.
-  bool Meets(double tolerance, const Eigen::VectorXd& f, const Eigen::VectorXd& w);
 
   bool in_body_space() const { return body_space_; }
   /// Symbolic, of the latest Prepare; 0 where those of the problem before could be kept. In a sequence
@@ -89,33 +71,21 @@ class ScaledSystem {
  private:
   const CholmodFactor& factor() const { return body_space_ ? bodies_.factor() : factor_; }
   void ScaleRows();
-  void FindComponents();
   void BuildContactSpace();
   void AnalyzeContactSpace(const CholmodFactor::ColumnMatrix& lower);
   void BuildBodySpace();
   bool ChooseBodySpace(Space space, double contact_entries);
 
   std::optional<LcpProblem> problem_;
-  std::vector<RowKind> kind_;
-  std::vector<char> bilateral_row_;  // of the problem, idle or not
-  std::vector<int> component_;
-  std::vector<double> component_b_;  // max |D^-1/2 b|
-  std::vector<char> component_is_live_;
+  ScaledVectors rows_;
+  Islands parts_;
   Eigen::VectorXd pivots_;  // theta, kOut at idle rows
-  int component_count_ = 0;
-  Eigen::VectorXd root_, diagonal_, b_, force_unit_, gap_unit_;
-  double b_norm_ = 1;  // |D^-1/2 b|_2
   SparseMatrix scaled_A_;
   CholmodFactor factor_;  // of contact space
   KeptOrder kept_;        // for it
   BodySpace bodies_;
   bool body_space_ = false;
-  bool a_is_affordable_ = true;
   int analyses_ = 0;
-  Residual<long double> extended_;
-  Residual<long double>::Vector extended_w_;
-  ResidualEstimate estimate_;
-  bool estimate_ready_ = false;
 };
 
 }  // namespace lcpbench

@@ -8,18 +8,25 @@
 namespace lcpbench {
 
 void ScaledVectors::Reset(const LcpProblem& problem) {
-  for (Eigen::VectorXd* v : {&scale, &diagonal, &b}) v->setZero(problem.size());
+  for (Eigen::VectorXd* v : {&scale, &diagonal, &b, &b_unit}) v->setZero(problem.size());
   for (std::vector<char>* v : {&can_act, &bilateral}) v->assign(static_cast<size_t>(problem.size()), 0);
   for (const Eigen::Index i : problem.bilateral_rows()) bilateral[static_cast<size_t>(i)] = 1;
 }
 
-double ScaledVectors::Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
+double ScaledVectors::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const {
   double sum = 0;
   for (Eigen::Index i = 0; i < f.size(); ++i) {
-    const double r = is_joint(i) ? w[i] : std::min(diagonal[i] * f[i], w[i]);
+    const double r = b_unit[i] * (is_joint(i) ? w[i] : std::min(diagonal[i] * f[i], w[i]));
     sum += r * r / diagonal[i];
   }
-  return std::sqrt(sum);
+  return std::sqrt(sum) / b_norm;
+}
+
+void ScaledVectors::Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const {
+  for (Eigen::Index i = 0; i < given.size(); ++i) {
+    const double force = given[i] / (scale[i] * b_unit[i]);
+    (*f)[i] = !acts(i) ? 0.0 : is_joint(i) ? force : std::max(force, 0.0);
+  }
 }
 
 bool ScaledVectors::Load(const LcpProblem& problem) {
@@ -38,8 +45,9 @@ bool ScaledVectors::Load(const LcpProblem& problem) {
     squared += acts ? given[i] * (given[i] / d[i]) : given[i] * given[i];
   }
   b_norm = squared == 0 ? 1.0 : std::sqrt(squared);
-  b_scale = ScaleOfLargest(largest);
+  const double b_scale = ScaleOfLargest(largest);
   b *= b_scale;
+  b_unit.setConstant(1 / b_scale);
   return true;
 }
 

@@ -7,10 +7,12 @@
 
 namespace lcpbench {
 
-/// The vectors of an LCP in the scaling of PermutedLcp, by row of the problem: S A S, t S b, t S^-1 f with powers of
-/// two S_ii that bring A_ii into [1, 4) and t that brings the largest |b_i| into [1, 2); nothing is rounded. For
-/// methods that leave A to an ActiveBlock. Rows with A_ii = 0 neither act nor are judged: b_i = 0, A_ii = 1 there, and
-/// FindZeroRowRay looks at them. Internal to solvers/.
+/// The vectors of an LCP in scaled units, by row of the problem: S A S, S b / t, S^-1 f / t with S = diag(scale) and
+/// t = b_unit, for methods that leave A to an ActiveBlock. Internal to solvers/.
+///
+/// Load takes powers of two: S_ii that bring A_ii into [1, 4), and one t that brings the largest |b_i| into [1, 2), as
+/// PermutedLcp; nothing is rounded. ScaledSystem takes S = D^-1/2 and a t for each part of A that nothing connects.
+/// Rows with A_ii = 0 neither act nor are judged: b_i = 0, A_ii = 1 there, and FindZeroRowRay looks at them.
 struct ScaledVectors {
   /// Allocates, and reads the bounds.
   void Reset(const LcpProblem& problem);
@@ -19,17 +21,19 @@ struct ScaledVectors {
 
   bool is_joint(Eigen::Index i) const { return bilateral[static_cast<size_t>(i)] != 0; }
   bool acts(Eigen::Index i) const { return can_act[static_cast<size_t>(i)] != 0; }
-  /// rho, times b_norm b_scale, of forces f and w = A f + b.  O(n)
-  double Residual(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
+  /// rho of forces f and w = A f + b.  O(n)
+  double Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
 
-  double GivenForce(Eigen::Index i, double f) const { return f * (scale[i] / b_scale); }
-  double ScaledForce(Eigen::Index i, double given) const { return given * b_scale / scale[i]; }
+  double GivenForce(Eigen::Index i, double f) const { return f * (scale[i] * b_unit[i]); }
+  double GivenGap(Eigen::Index i, double w) const { return w * (b_unit[i] / scale[i]); }
+  double ScaledGap(Eigen::Index i, double given) const { return given / (b_unit[i] / scale[i]); }
+  /// Of any forces f in given units: f >= 0 but for joints, and 0 for rows that do not act.
+  void Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const;
 
-  Eigen::VectorXd scale, diagonal, b;
-  std::vector<char> can_act;  ///< A_ii > 0
+  Eigen::VectorXd scale, diagonal, b, b_unit;
+  std::vector<char> can_act;  ///< takes part, with A_ii > 0
   std::vector<char> bilateral;
-  double b_scale = 1;  ///< t
-  double b_norm = 1;   ///< |D^-1/2 b|_2 in given units, D_ii = 1 where A_ii = 0; 1 when b = 0
+  double b_norm = 1;  ///< |D^-1/2 b|_2 in given units, D_ii = 1 where A_ii = 0; 1 when b = 0
 };
 
 }  // namespace lcpbench

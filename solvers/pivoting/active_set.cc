@@ -33,11 +33,9 @@ bool ActiveSet::Factor(Index rows, double threshold, const Deadline* deadline) {
     }
     const double* from = lcp.column(k);
     double* to = ldlt_.column(k);
-    Index i = k / kLanes * kLanes;
-    for (; i + kLanes <= rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
-    if (i == rows) continue;
-    std::copy(from + i, from + rows, to + i);
-    std::fill(to + rows, to + i + kLanes, 0.0);
+    // Both have columns of whole lanes.
+    for (Index i = k / kLanes * kLanes; i < rows; i += kLanes) std::copy(from + i, from + i + kLanes, to + i);
+    for (Index i = rows; i % kLanes != 0; ++i) to[i] = 0;
   }
   if (!ldlt_.Factor(rows, threshold, &dropped_, deadline)) return false;
   Index k = 0;
@@ -126,21 +124,17 @@ void ActiveSet::Leave(Index p) {
 }
 
 double ActiveSet::SolveForces() {
-  for (Index k = 0; k < m_; ++k) x_[k] = -lcp.b[order_[static_cast<size_t>(k)]];
-  ldlt_.Solve(x_.data());
+  lcp.f.head(m_) = -lcp.b.head(m_);
+  SolveSystem(lcp.f.data());
   double largest = 0;
-  for (Index k = 0; k < m_; ++k) {
-    const Index p = order_[static_cast<size_t>(k)];
-    lcp.f[p] = x_[k];
-    largest = std::max(largest, lcp.diagonal[p] * x_[k] * x_[k]);
-  }
+  for (Index p = 0; p < m_; ++p) largest = std::max(largest, lcp.diagonal[p] * lcp.f[p] * lcp.f[p]);
   return largest;
 }
 
 void ActiveSet::CorrectForces() {
-  for (Index k = 0; k < m_; ++k) x_[k] = lcp.w[order_[static_cast<size_t>(k)]];
-  ldlt_.Solve(x_.data());
-  for (Index k = 0; k < m_; ++k) lcp.f[order_[static_cast<size_t>(k)]] -= x_[k];
+  SolveSystem(lcp.w.data());
+  lcp.f.head(m_) -= lcp.w.head(m_);
+  lcp.w.head(m_).setZero();
 }
 
 void ActiveSet::SolveSystem(double* x) {

@@ -27,11 +27,10 @@ class ActiveSet {
   double pivot(Index p) const { return ldlt_.pivot(slot_[static_cast<size_t>(p)]); }
 
   /// F := the positions [0, rows) but those whose pivot, in their order, is at most `threshold` A_pp. The rows left out
-  /// move behind F, in no particular order, and are counted by left_out(); rows before the first of them stay. O(m^3)
+  /// move behind F, in no particular order; rows before the first of them stay. O(m^3)
   /// @param deadline  nullptr for none
   /// @returns false if the deadline passed meanwhile; F is empty then
   bool Factor(Index rows, double threshold, const Deadline* deadline);
-  Index left_out() const { return static_cast<Index>(dropped_.size()); }
   /// Where the first of the rows left out was; `rows` if there was none.
   Index first_left_out(Index rows) const { return dropped_.empty() ? rows : dropped_.front(); }
 
@@ -55,7 +54,7 @@ class ActiveSet {
 
   /// f_F = -A_FF^-1 b_F. Returns the largest A_ii f_i^2.  O(m^2)
   double SolveForces();
-  /// f_F -= A_FF^-1 w_F with w by position in lcp.w.  O(m^2)
+  /// f_F -= A_FF^-1 w_F with w by position in lcp.w, which becomes 0.  O(m^2)
   void CorrectForces();
   /// x := A_FF^-1 x, x by position.  O(m^2)
   void SolveSystem(double* x);

@@ -24,9 +24,6 @@ constexpr int kDegenerateLimit = 20;
 // refined and put to the proof before the component may block: it would at an f_d of 1 / kSmallComponent and more.
 constexpr double kSmallComponent = 1e-8;
 
-// Rounds of driving after the first are repairs; each must improve the residual.
-constexpr int kMaxRounds = 10;
-
 }  // namespace
 
 // Positions: F = [0, m), of which [0, joints) are bilateral; watched rows [m, q) with f = 0, w >= 0; the driven row q
@@ -43,15 +40,14 @@ class DantzigEngine final : public PivotBase {
     double step = 0;
   };
 
-  End Run(LcpResult* result) override;
-  End DriveAll(LcpResult* result);
+  bool FindViolations(int round) override;
+  End MakeRight(LcpResult* result) override;
   End Drive(LcpResult* result);
   Blocking FindBlocking(double s, double norm2, bool singular, bool least_index) const;
   void Advance(double step, double s, bool singular);
   void Retreat(double norm2);
   double NoiseAlongDirection() const;
   bool IsSmall(Index p, double norm2) const;
-  bool FindViolations();
 
   Index rates_end() const { return order_ == DantzigOrder::kIndex ? q_ : open_; }
 
@@ -205,7 +201,7 @@ PivotBase::End DantzigEngine::Drive(LcpResult* result) {
   }
 }
 
-PivotBase::End DantzigEngine::DriveAll(LcpResult* result) {
+PivotBase::End DantzigEngine::MakeRight(LcpResult* result) {
   while (q_ < open_) {
     if (order_ == DantzigOrder::kMostNegative) {
       const auto size = [this](Index p) { return lcp_.w[p] * std::abs(lcp_.w[p]) / lcp_.diagonal[p]; };
@@ -229,7 +225,7 @@ PivotBase::End DantzigEngine::DriveAll(LcpResult* result) {
       lcp_.Swap(q_, --open_);
       if (moved) {
         SolveForces(Leaving::kAll);
-        FindViolations();
+        q_ = SetViolatedApart();
       }
     } else if (end != End::kDone) {
       return end;
@@ -244,30 +240,11 @@ void DantzigEngine::Reserve(Index max_rows) {
   dw_.setZero(max_rows);
 }
 
-// Violated rows wait for another round, the others are watched.
-bool DantzigEngine::FindViolations() {
-  q_ = SetViolatedApart();
+// Violated rows wait to be driven, the others are watched. At first all rows wait that no block has looked at.
+bool DantzigEngine::FindViolations(int round) {
+  const bool is_known = round == 0 && (violated_ > m() || order_ == DantzigOrder::kIndex);
+  q_ = is_known ? violated_ : SetViolatedApart();
   return q_ < open_;
-}
-
-PivotBase::End DantzigEngine::Run(LcpResult* result) {
-  End end = EnterStart(result);
-  q_ = violated_;
-  if (end == End::kDone && q_ == m() && order_ == DantzigOrder::kMostNegative) FindViolations();
-  for (int round = 0; round < kMaxRounds && end == End::kDone; ++round) {
-    end = DriveAll(result);
-    if (end != End::kDone) break;
-    if (SolveForces(round == 0 ? Leaving::kAllAndTiny : Leaving::kOneByOne) && FindViolations()) continue;
-    const double tier_before = judge_.tier();
-    if (Publish(result)) break;
-    if (round > 0 && !(judge_.tier() < tier_before)) break;
-    Refine();
-    if (Publish(result)) break;
-    SolveForces(Leaving::kOneByOne);
-    if (!FindViolations()) break;
-  }
-  if (end != End::kDone) PublishUnfinished(end, result);
-  return Conclude(end);
 }
 
 DantzigOptions DantzigOptions::FromSettings(const Settings& settings) {

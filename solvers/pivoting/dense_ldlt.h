@@ -36,8 +36,6 @@ class DenseLdlt {
   double pivot(Index k) const { return pivots_[k]; }
   /// 1 / D_kk.
   double inverse_pivot(Index k) const { return inverse_[k]; }
-  /// D_00, D_11, ...: size() numbers, valid until a row enters or leaves.
-  const double* pivots() const { return pivots_.data(); }
   /// L_ik, i > k.
   double lower(Index i, Index k) const { return columns_[k * stride_ + i]; }
 

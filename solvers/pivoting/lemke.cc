@@ -26,9 +26,6 @@ double Generic(Index i) {
   return 1 + (x - std::floor(x));
 }
 
-// Paths after the first are repairs; each must improve the residual.
-constexpr int kMaxPaths = 10;
-
 }  // namespace
 
 class LemkeEngine final : public PivotBase {
@@ -38,21 +35,24 @@ class LemkeEngine final : public PivotBase {
   void Reserve(Index max_rows) override;
 
  private:
-  End Run(LcpResult* result) override;
+  bool FindViolations(int round) override;
+  // From z = 1 to z = 0, starting at F with f_F >= 0 and gaps no less than -violation_ sqrt(A_ii).
+  End MakeRight(LcpResult* result) override;
 
-  // From z = 1 to z = 0, starting at F with f_F >= 0 and gaps no less than -violation sqrt(A_ii).
-  End FollowPath(double violation, LcpResult* result);
-  void SetCover(double violation);
+  void SetCover();
   void SetPerturbation();
   double ComputeRates();
   double Noise(Index p) const;
   bool IsRounding(Index p, double rate, double size) const;
-  Index NextEvent(double size, double* step);
-  Index NextLeaving(Index entering, double norm2, double* step);
+  template <typename Skip>
+  Index FirstToReachZero(const Eigen::VectorXd& rate, Index end, double limit, Index event, const Skip& skip,
+                         double* step);
   Index BreakTie(const Eigen::VectorXd& rate, Index event);
   void ComputePerturbation(Index k);
   End EnterOrExchange(Index p, LcpResult* result);
 
+  double violation_ = 0;
+  Index in_play_ = 0;  // open_ at the start of every path
   double z_ = 0;
   double largest_force_ = 0;      // D^1/2 f, over the path so far
   Eigen::VectorXd cover_;         // d, by row of the problem
@@ -64,10 +64,10 @@ class LemkeEngine final : public PivotBase {
   std::vector<Index> ties_;  // positions
 };
 
-void LemkeEngine::SetCover(double violation) {
+void LemkeEngine::SetCover() {
   cover_.head(lcp_.n).setZero();
   for (Index p = m(); p < open_; ++p) {
-    const double d = violation * GapRoot(p);
+    const double d = violation_ * GapRoot(p);
     cover_[RowAt(p)] = d;
     lcp_.w[p] = std::max(lcp_.w[p] + d, 0.0);
   }
@@ -146,40 +146,23 @@ Index LemkeEngine::BreakTie(const Eigen::VectorXd& rate, Index event) {
   return ties_.front();
 }
 
-// The row that reaches 0 first as z falls, kNoRow if z does.
-Index LemkeEngine::NextEvent(double size, double* step) {
-  double bound = z_;
+// Of the rows [joints_, end) the one whose f or w reaches 0 first by `rate`, kNoRow if none does before `limit`.
+// `event` as for BreakTie.
+template <typename Skip>
+Index LemkeEngine::FirstToReachZero(const Eigen::VectorXd& rate, Index end, double limit, Index event, const Skip& skip,
+                                    double* step) {
+  double bound = limit;
   ties_.clear();
-  const auto steps = [&](Index p) { return (p < m() ? lcp_.f[p] : lcp_.w[p]) / -rate_[p]; };
-  for (Index p = joints_; p < open_; ++p) {
-    if (rate_[p] >= 0 || IsRounding(p, rate_[p], size)) continue;
-    const double latest = steps(p) + Noise(p) / -rate_[p];
-    if (steps(p) > bound) continue;
-    bound = std::min(bound, latest);
+  const auto steps = [&](Index p) { return (p < m() ? lcp_.f[p] : lcp_.w[p]) / -rate[p]; };
+  for (Index p = joints_; p < end; ++p) {
+    if (rate[p] >= 0 || skip(p) || steps(p) > bound) continue;
+    bound = std::min(bound, steps(p) + Noise(p) / -rate[p]);
     ties_.push_back(p);
   }
-  *step = z_;
-  if (bound >= z_) return kNoRow;
+  *step = limit;
+  if (bound >= limit) return kNoRow;
   std::erase_if(ties_, [&](Index p) { return steps(p) > bound; });
-  const Index p = BreakTie(rate_, kNoRow);
-  *step = steps(p);
-  return p;
-}
-
-// The contact of F whose force reaches 0 first along y_.
-Index LemkeEngine::NextLeaving(Index entering, double norm2, double* step) {
-  double bound = kInfinity;
-  ties_.clear();
-  const auto steps = [&](Index p) { return lcp_.f[p] / -y_[p]; };
-  for (Index p = joints_; p < m(); ++p) {
-    if (y_[p] >= 0 || y_[p] * y_[p] * lcp_.diagonal[p] <= kNoise * kNoise * norm2) continue;
-    if (steps(p) > bound) continue;
-    bound = std::min(bound, steps(p) + Noise(p) / -y_[p]);
-    ties_.push_back(p);
-  }
-  if (ties_.empty()) return kNoRow;
-  std::erase_if(ties_, [&](Index p) { return steps(p) > bound; });
-  const Index p = BreakTie(y_, entering);
+  const Index p = BreakTie(rate, event);
   *step = steps(p);
   return p;
 }
@@ -195,7 +178,8 @@ PivotBase::End LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
     }
     std::copy(active_.df(), active_.df() + m(), y_.data());
     double step = 0;
-    const Index leaving = NextLeaving(event, norm2, &step);
+    const auto is_rounding = [&](Index j) { return y_[j] * y_[j] * lcp_.diagonal[j] <= kNoise * kNoise * norm2; };
+    const Index leaving = FirstToReachZero(y_, m(), kInfinity, event, is_rounding, &step);
     bool set_aside = leaving == kNoRow;
     if (set_aside || y_[leaving] * y_[leaving] * lcp_.diagonal[leaving] <= kSmallComponent * kSmallComponent * norm2) {
       // y.w = y.b + z y.d is 0 here, so y.b = -z y.d. Where that is next to nothing, so would be the use of a long step
@@ -218,18 +202,20 @@ PivotBase::End LemkeEngine::EnterOrExchange(Index p, LcpResult* result) {
   }
 }
 
-PivotBase::End LemkeEngine::FollowPath(double violation, LcpResult* result) {
-  SetCover(violation);
+PivotBase::End LemkeEngine::MakeRight(LcpResult* result) {
+  if (violation_ == 0) return End::kDone;
+  SetCover();
   SetPerturbation();
   z_ = 1;
-  largest_force_ = violation;
+  largest_force_ = violation_;
   while (z_ > 0) {
     if (pivots_ >= pivot_limit_) return End::kIterationLimit;
     if (TimeIsUp(m() * (m() + open_))) return End::kTimeLimit;
     ++pivots_;
     const double size = ComputeRates();
     double step = 0;
-    const Index p = NextEvent(size, &step);
+    const auto is_rounding = [&](Index j) { return IsRounding(j, rate_[j], size); };
+    const Index p = FirstToReachZero(rate_, open_, z_, kNoRow, is_rounding, &step);
     step = std::max(step, 0.0);
     for (Index j = 0; j < m(); ++j) {
       lcp_.f[j] += step * rate_[j];
@@ -257,25 +243,12 @@ void LemkeEngine::Reserve(Index max_rows) {
   ties_.reserve(static_cast<size_t>(max_rows));
 }
 
-PivotBase::End LemkeEngine::Run(LcpResult* result) {
-  End end = EnterStart(result);
-  const Index in_play = open_;
-  for (int path = 0; path < kMaxPaths && end == End::kDone; ++path) {
-    open_ = in_play;
-    const double violation = ComputeGaps();
-    if (path > 0 && violation == 0) break;
-    if (violation > 0) end = FollowPath(violation, result);
-    if (end != End::kDone) break;
-    SolveForces(path == 0 ? Leaving::kAll : Leaving::kOneByOne);
-    const double tier_before = judge_.tier();
-    if (Publish(result)) break;
-    if (path > 0 && !(judge_.tier() < tier_before)) break;
-    Refine();
-    if (Publish(result)) break;
-    SolveForces(Leaving::kOneByOne);
-  }
-  if (end != End::kDone) PublishUnfinished(end, result);
-  return Conclude(end);
+bool LemkeEngine::FindViolations(int round) {
+  if (round == 0) in_play_ = open_;
+  open_ = in_play_;
+  violation_ = 0;
+  for (Index p = SetViolatedApart(); p < open_; ++p) violation_ = std::max(violation_, -lcp_.w[p] / GapRoot(p));
+  return violation_ > 0;
 }
 
 LemkeOptions LemkeOptions::FromSettings(const Settings& settings) {

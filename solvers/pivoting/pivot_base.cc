@@ -30,9 +30,14 @@ constexpr Index kRowsPerUpdate = 8;
 constexpr double kProofTolerance = 1e-9;
 // Where an answer fails in single rows, forces up to these parts of the largest D^1/2 f are tried as zeros.
 constexpr double kTinyForces[] = {1e-14, 1e-12, 1e-10};
+// Of an attempt; those after the first are repairs, each of which must improve the residual.
+constexpr int kMaxRounds = 10;
 constexpr int kRayRefinements = 3;
 // Factors on rank_tolerance for the first attempt and the restarts.
 constexpr double kAttempts[] = {1.0, 1e-2, 1e3};
+// By End.
+constexpr LcpStatus kStatusOf[] = {LcpStatus::kSolved,           LcpStatus::kNumericalFailure, LcpStatus::kInfeasible,
+                                   LcpStatus::kNumericalFailure, LcpStatus::kIterationLimit,   LcpStatus::kTimeLimit};
 constexpr std::int64_t kPivotsPerRow = 50;
 constexpr std::int64_t kExtraPivots = 1000;
 // Multiply-adds between two looks at the clock (some 10 us), and what a pivot costs besides them.
@@ -126,42 +131,45 @@ void PivotBase::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
       result->status = LcpStatus::kInfeasible;
       return;
     }
-    end = Run(result);
-    if (end == End::kNotMet) end = DropTinyForces(result);
+    end = Attempt(result);
     if (factor != kAttempts[0] && end == End::kDone) {
       std::snprintf(text, sizeof text, "solved after a restart with rank tolerance %.0e", rank_tolerance_);
       result->detail = text;
     }
   }
   result->iterations = pivots_;
-  switch (end) {
-    case End::kDone:
-      result->status = LcpStatus::kSolved;
-      result->farkas_ray.reset();
-      break;
-    case End::kInfeasible:
-      result->status = LcpStatus::kInfeasible;
-      break;
-    case End::kIterationLimit:
-      result->status = LcpStatus::kIterationLimit;
-      break;
-    case End::kTimeLimit:
-      result->status = LcpStatus::kTimeLimit;
-      break;
-    case End::kStuck:
-    case End::kNotMet:
-      result->status = LcpStatus::kNumericalFailure;
-      std::snprintf(text, sizeof text,
-                    "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
-                    judge_.tier(), pivot_options_.rank_tolerance, pivot_options_.rank_tolerance * kAttempts[1],
-                    pivot_options_.rank_tolerance * kAttempts[2]);
-      result->detail = text;
-      break;
-  }
+  result->status = kStatusOf[static_cast<size_t>(end)];
+  if (end == End::kDone) result->farkas_ray.reset();
+  if (result->status != LcpStatus::kNumericalFailure) return;
+  std::snprintf(text, sizeof text,
+                "residual %.1e above the tolerance for rank tolerances %.0e, %.0e and %.0e, and no proven ray",
+                judge_.tier(), pivot_options_.rank_tolerance, pivot_options_.rank_tolerance * kAttempts[1],
+                pivot_options_.rank_tolerance * kAttempts[2]);
+  result->detail = text;
 }
 
-PivotBase::End PivotBase::Conclude(End end) const {
+// An answer that meets the tolerance counts whatever ended the search for it; f of a search that came to no end is
+// judged unless time is up, and stands then if nothing was published before.
+PivotBase::End PivotBase::Attempt(LcpResult* result) {
+  End end = EnterStart(result);
+  for (int round = 0; end == End::kDone && round < kMaxRounds; ++round) {
+    if (!FindViolations(round) && round > 0 && !out_of_time_) break;
+    end = out_of_time_ ? End::kTimeLimit : MakeRight(result);
+    if (end != End::kDone) break;
+    SolveForces(round == 0 ? Leaving::kAll : Leaving::kOneByOne);
+    const double tier_before = judge_.tier();
+    if (Publish(result) || (round > 0 && !(judge_.tier() < tier_before))) break;
+    Refine();
+    if (Publish(result)) break;
+    SolveForces(Leaving::kOneByOne);
+  }
+  if (end == End::kTimeLimit) {
+    if (!std::isfinite(judge_.tier())) GiveForces(&result->f);
+  } else if (end != End::kDone) {
+    Publish(result);
+  }
   if (!pivot_options_.self_check) return end;
+  if (end == End::kDone && judge_.tier() > tolerance_) DropTinyForces(result);
   if (judge_.tier() <= (end == End::kInfeasible ? proof_tolerance_ : tolerance_)) return End::kDone;
   return end == End::kDone ? End::kNotMet : end;
 }
@@ -204,8 +212,7 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
     for (Index p = 0; p < joints_ && clear; ++p) clear = active_.pivot(p) > doubtful * lcp_.diagonal[p];
     if (!clear) {
       if (Load(guess_) != PermutedLcp::Loaded::kDone) return End::kTimeLimit;  // the order as it was
-      End end = EnterJoints(result);
-      if (end == End::kDone) end = EnterOneByOne(least_pivot);
+      const End end = EnterJoints(result);
       if (end != End::kDone) return end;
     }
     SolveForces(Leaving::kAll);
@@ -213,18 +220,6 @@ PivotBase::End PivotBase::EnterStart(LcpResult* result) {
   }
   violated_ = m();
   return blocks_ ? EnterBlocks(least_pivot) : End::kDone;
-}
-
-// The guessed rows, where the factor of the joints must stay.
-PivotBase::End PivotBase::EnterOneByOne(double least_pivot) {
-  if (guess_.forces == nullptr) return End::kDone;
-  for (Index p = m(); p < open_; ++p) {
-    if (!((*guess_.forces)[RowAt(p)] > 0)) continue;
-    if (TimeIsUp(m() * m())) return End::kTimeLimit;
-    const double pivot = active_.SetDriven(p);
-    if (pivot > least_pivot * lcp_.diagonal[p]) active_.EnterDriven(p, pivot);
-  }
-  return End::kDone;
 }
 
 PivotBase::End PivotBase::EnterBlocks(double least_pivot) {
@@ -268,37 +263,32 @@ Index PivotBase::SetViolatedApart() {
 }
 
 // Whether a unilateral row of F with force f has no business there: f < 0, or f > 0 by rounding only.
-PivotBase::Surplus PivotBase::FindSurplus(Index p, double largest, bool judge_by_size) const {
+bool PivotBase::IsSurplus(Index p, double largest) const {
   const double f = lcp_.f[p];
-  if (f < 0) return Surplus::kNegative;
-  const double size = lcp_.diagonal[p] * f * f;
-  if (size > kSmallForce * kSmallForce * largest) return Surplus::kNone;
-  if (judge_by_size && size <= kNoise * kNoise * largest) return Surplus::kTiny;
-  return lcp_.diagonal[p] * f > kNoise * lcp_.FreshW(p, m()).magnitude ? Surplus::kNone : Surplus::kRounding;
+  if (f < 0) return true;
+  if (lcp_.diagonal[p] * f * f > kSmallForce * kSmallForce * largest) return false;
+  return lcp_.diagonal[p] * f <= kNoise * lcp_.FreshW(p, m()).magnitude;
 }
 
-bool PivotBase::SolveForces(Leaving leaving) {
-  bool dropped_by_size = false;
+void PivotBase::SolveForces(Leaving leaving) {
   for (;;) {
     if (solved_at_ != pivots_) largest_ = active_.SolveForces();
     solved_at_ = pivots_;
     surplus_.clear();
     double least = kInfinity;
     for (Index p = m() - 1; p >= joints_; --p) {
-      const Surplus surplus = FindSurplus(p, largest_, leaving == Leaving::kAllAndTiny);
-      if (surplus == Surplus::kNone) continue;
+      if (!IsSurplus(p, largest_)) continue;
       if (leaving == Leaving::kOneByOne) {
         const double size = lcp_.f[p] * ForceRoot(p);
         if (size >= least) continue;
         least = size;
         surplus_.clear();
       }
-      dropped_by_size = dropped_by_size || surplus == Surplus::kTiny;
       surplus_.push_back(p);
     }
-    if (surplus_.empty()) return dropped_by_size;
+    if (surplus_.empty()) return;
     ReleaseAll();
-    if (out_of_time_) return false;
+    if (out_of_time_) return;
   }
 }
 
@@ -327,22 +317,6 @@ void PivotBase::Release(Index p) {
   active_.Leave(p);
 }
 
-double PivotBase::ComputeGaps() {
-  double worst = 0;
-  for (Index p = 0; p < m(); ++p) lcp_.w[p] = 0;
-  for (Index p = m(); p < open_; ++p) {
-    const PermutedLcp::Sum w = lcp_.FreshW(p, m());
-    lcp_.f[p] = 0;
-    lcp_.w[p] = w.value;
-    if (std::abs(w.value) <= kNoise * w.magnitude) {
-      lcp_.w[p] = 0;
-    } else if (w.value < 0) {
-      worst = std::max(worst, -w.value / GapRoot(p));
-    }
-  }
-  return worst;
-}
-
 bool PivotBase::Publish(LcpResult* result) {
   if (!pivot_options_.self_check) {
     GiveForces(&result->f);
@@ -352,14 +326,6 @@ bool PivotBase::Publish(LcpResult* result) {
   return judge_.Publish(result);
 }
 
-void PivotBase::PublishUnfinished(End end, LcpResult* result) {
-  if (end != End::kTimeLimit) {
-    Publish(result);
-  } else if (!std::isfinite(judge_.tier())) {
-    GiveForces(&result->f);
-  }
-}
-
 void PivotBase::GiveForces(Eigen::VectorXd* f) const {
   f->setZero();
   for (Index p = 0; p < lcp_.nonzero; ++p) (*f)[RowAt(p)] = lcp_.GivenForce(p);
@@ -367,17 +333,14 @@ void PivotBase::GiveForces(Eigen::VectorXd* f) const {
 
 // Forces that are rounding beside the largest may be all that a row has whose forces and b should be 0; its backward
 // error is rounding over rounding then.
-PivotBase::End PivotBase::DropTinyForces(LcpResult* result) {
+void PivotBase::DropTinyForces(LcpResult* result) {
+  const auto size = [this](Index p) { return std::abs(lcp_.f[p]) * ForceRoot(p); };
   double largest = 0;
-  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, std::abs(lcp_.f[p]) * ForceRoot(p));
+  for (Index p = 0; p < lcp_.nonzero; ++p) largest = std::max(largest, size(p));
   for (const double tiny : kTinyForces) {
-    for (Index p = 0; p < lcp_.nonzero; ++p) {
-      if (std::abs(lcp_.f[p]) * ForceRoot(p) <= tiny * largest) lcp_.f[p] = 0;
-    }
+    for (Index p = 0; p < lcp_.nonzero; ++p) lcp_.f[p] = size(p) <= tiny * largest ? 0.0 : lcp_.f[p];
     Publish(result);
-    if (Conclude(End::kNotMet) == End::kDone) return End::kDone;
   }
-  return End::kNotMet;
 }
 
 void PivotBase::Refine() {
@@ -388,16 +351,16 @@ void PivotBase::Refine() {
 }
 
 bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
-  const auto count = static_cast<size_t>(m());
-  std::vector<long double> y(active_.df(), active_.df() + m());
-  std::vector<long double> residual(count);
-  std::vector<double> correction(count);
+  using Extended = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
+  const auto in_F = [this](const double* x) { return Eigen::Map<const Eigen::VectorXd>(x, m()).cast<long double>(); };
+  Extended y = in_F(active_.df());
+  Eigen::VectorXd correction(m());
   Eigen::VectorXd ray(lcp_.n);
   for (int pass = 0;; ++pass) {
     ray.setZero();
     const auto set = [&](Index p, double value) { ray[RowAt(p)] = sign * value * lcp_.scale[RowAt(p)]; };
     for (Index p = 0; p < m(); ++p) {
-      const auto value = static_cast<double>(y[static_cast<size_t>(p)]);
+      const auto value = static_cast<double>(y[p]);
       set(p, p < joints_ ? value : std::max(value, 0.0));
     }
     set(d, 1);
@@ -406,14 +369,11 @@ bool PivotBase::ClaimRay(Index d, double sign, LcpResult* result) {
       return true;
     }
     if (pass == kRayRefinements) return false;
-    std::copy(lcp_.column(d), lcp_.column(d) + m(), residual.begin());
-    for (size_t j = 0; j < count; ++j) {
-      const double* c = lcp_.column(static_cast<Index>(j));
-      for (size_t p = 0; p < count; ++p) residual[p] += c[p] * y[j];
-    }
-    correction.assign(residual.begin(), residual.end());
+    Extended residual = in_F(lcp_.column(d));
+    for (Index j = 0; j < m(); ++j) residual += in_F(lcp_.column(j)) * y[j];
+    correction = residual.cast<double>();
     active_.SolveSystem(correction.data());
-    for (size_t p = 0; p < count; ++p) y[p] -= correction[p];
+    y -= correction.cast<long double>();
   }
 }
 

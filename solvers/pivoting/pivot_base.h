@@ -46,13 +46,16 @@ class PivotBase {
   /// kStuck: a row can be neither made right nor proved impossible, for the method's own use.
   enum class End { kDone, kStuck, kInfeasible, kNotMet, kIterationLimit, kTimeLimit };
 
-  /// One attempt, the problem loaded, nothing active yet. kDone: the published answer meets the tolerance.
-  virtual End Run(LcpResult* result) = 0;
+  /// For MakeRight: the rows in play outside F that are violated. False if there are none.
+  /// @param round  of repair; 0: the first, after EnterStart
+  virtual bool FindViolations(int round) = 0;
+  /// The method itself: ends with no row violated but by rounding, or otherwise than kDone.
+  virtual End MakeRight(LcpResult* result) = 0;
 
   /// A start for the method: f_F >= 0 on unilateral rows.
   ///
   /// Bilateral rows enter and stay, and unilateral rows with initial_f_i > 0 (PermutedLcp::kGuessThreshold), without
-  /// initial_f those with b_i < 0 if there is a block start, enter where clearly independent; all in one factorisation
+  /// initial_f those with b_i < 0 if there is a block start, enter where clearly independent; all in one factorization
   /// unless bilateral rows may be dependent. A dependent one has w = y.b for every f: it is right and out of play, or
   /// proved impossible (kInfeasible). Then unilateral rows with f < 0 leave until there is none. With a block start all
   /// rows with w < 0 enter next, where clearly independent, and so on while their number falls.
@@ -65,28 +68,18 @@ class PivotBase {
 
   /// How rows without business in F leave it. All at once is cheap, but a row may have been judged beside one that was
   /// itself only rounding: repairs let them go one by one, the worst first, and solve anew in between.
-  enum class Leaving { kAll, kAllAndTiny, kOneByOne };
+  enum class Leaving { kAll, kOneByOne };
   /// f_F = -A_FF^-1 b_F, unless F has not changed since; unilateral rows with f < 0, or f > 0 by rounding only, leave
-  /// until there is none. Rounding is judged by the row's own magnitudes and, with kAllAndTiny, also by the largest
-  /// force: where all forces around a row should be 0, its own magnitudes are rounding, too. Returns true if rows left
-  /// by that second rule: their w needs a look. Where time runs out F is empty and TimeIsUp says so.
-  bool SolveForces(Leaving leaving);
-  /// w of all rows in play outside F, with f = 0 there; within rounding of 0 counts as 0. Returns the largest
-  /// -w_i / GapRoot(i), 0 where no row is violated.
-  double ComputeGaps();
+  /// until there is none. Where time runs out F is empty and TimeIsUp says so.
+  void SolveForces(Leaving leaving);
   void Release(Index p);
   /// Judges f; true if it is good enough to stop. Without self-check true, unjudged.
   bool Publish(LcpResult* result);
-  /// For a search that came to no end: f, judged unless time is up. Then it stands if nothing was published before.
-  void PublishUnfinished(End end, LcpResult* result);
   /// One step of iterative refinement with the residual of the given form at the published f.
   void Refine();
   /// y = sign (df_F, 1 at d) as a Farkas ray, refined with extended-precision residuals until VerifyFarkasRay accepts
   /// it, at most a few times.
   bool ClaimRay(Index d, double sign, LcpResult* result);
-
-  /// What Run returns after `end`: an answer that meets the tolerance counts whatever ended the search for it.
-  End Conclude(End end) const;
 
   bool TimeIsUp(Index work);
   Index m() const { return active_.size(); }
@@ -118,17 +111,16 @@ class PivotBase {
   double unit_ = 1;     // A_pp of the row that came first
 
  private:
-  enum class Surplus { kNone, kNegative, kTiny, kRounding };
   void Start(const LcpOptions& options);
   PermutedLcp::Loaded Load(const PermutedLcp::Guess& guess);
   End EnterJoints(LcpResult* result);
-  End EnterOneByOne(double least_pivot);
+  End Attempt(LcpResult* result);
   End EnterBlocks(double least_pivot);
   void ReleaseAll();
-  End DropTinyForces(LcpResult* result);
+  void DropTinyForces(LcpResult* result);
   void GiveForces(Eigen::VectorXd* f) const;
   const Deadline* deadline() const { return deadline_.has_value() ? &*deadline_ : nullptr; }
-  Surplus FindSurplus(Index p, double largest, bool judge_by_size) const;
+  bool IsSurplus(Index p, double largest) const;
 
   const PivotOptions pivot_options_;
   bool blocks_ = false;  // in this attempt

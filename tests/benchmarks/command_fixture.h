@@ -10,9 +10,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace lcpbench {
 
@@ -28,6 +30,23 @@ inline std::string ReadFile(const std::filesystem::path& path) {
   text << file.rdbuf();
   return text.str();
 }
+
+inline std::vector<std::string> Split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);) parts.push_back(part);
+  return parts;
+}
+inline std::vector<std::string> Lines(const std::string& text) { return Split(text, '\n'); }
+
+/// A JSON value of each line.
+inline std::vector<nlohmann::json> Records(const std::string& text) {
+  std::vector<nlohmann::json> records;
+  for (const std::string& line : Lines(text)) records.push_back(nlohmann::json::parse(line));
+  return records;
+}
+inline std::vector<nlohmann::json> JsonLines(const std::filesystem::path& path) { return Records(ReadFile(path)); }
+inline nlohmann::json ReadJson(const std::filesystem::path& path) { return nlohmann::json::parse(ReadFile(path)); }
 
 /// Runs the lcpbench command, or another program, in a folder of the test's own.
 class CommandTest : public testing::Test {
@@ -57,18 +76,20 @@ class CommandTest : public testing::Test {
   }
 
   /// Run, of a user's mistake: status 2, and one line that has the text.
-  void ExpectMistake(const std::string& arguments, const std::string& text) {
-    const CommandOutcome outcome = Run(arguments);
+  void ExpectMistake(const std::string& arguments, const std::string& text, const std::string& input = "") {
+    const CommandOutcome outcome = Run(arguments, input);
     EXPECT_EQ(outcome.status, 2) << arguments;
+    EXPECT_EQ(outcome.out, "") << arguments;
     EXPECT_NE(outcome.error.find(text), std::string::npos) << arguments << ": " << outcome.error;
-    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+    EXPECT_EQ(Lines(outcome.error).size(), 1U) << outcome.error;
   }
 
-  /// Runs the command, silent, until `file` has grown by so many bytes, so that it is in the midst of its work however
-  /// fast the machine is; then it gets the signal, alone or with its process group.
+  /// Runs the command, with its errors to the file "stderr", until `file` has grown by so many bytes, so that it is in
+  /// the midst of its work however fast the machine is; then it gets the signal, alone or with its process group,
+  /// `once` or until it has ended.
   /// @return its status, as waitpid gives it
   int RunUntil(const std::string& file, std::uintmax_t growth, int signal, bool whole_group,
-               const std::string& arguments) const {
+               const std::string& arguments, bool once = false) const {
     const auto size = [&] {
       std::error_code none;
       const std::uintmax_t bytes = std::filesystem::file_size(folder_ / file, none);
@@ -78,14 +99,15 @@ class CommandTest : public testing::Test {
     const pid_t child = fork();
     if (child == 0) {
       setpgid(0, 0);
-      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2>&1";
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2> " + Path("stderr");
       execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       _exit(127);
     }
     setpgid(child, child);  // whoever is first
     int status = 0;
+    bool is_sent = false;
     while (waitpid(child, &status, WNOHANG) == 0) {
-      if (size() >= enough) kill(whole_group ? -child : child, signal);
+      if (size() >= enough && !(once && is_sent)) is_sent = kill(whole_group ? -child : child, signal) == 0;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
     return status;

@@ -40,8 +40,8 @@ constexpr Direct kDirect[] = {{"auto"}, {"dantzig"}, {"lemke"}, {"bpp", 15}, {"s
 struct Tally {
   int verified = 0;
   int proved = 0;
-  std::string undecided;  // ids
-  int undecided_count = 0;
+  std::string undecided_ids;
+  int undecided = 0;
 };
 
 // w of the first solver that was verified stands for the problem's.
@@ -68,32 +68,41 @@ Tally SolveAll(const Direct& direct, double tolerance, std::vector<Given>* probl
     LcpResult result;
     solver->Solve(given.problem, options, &result);
     const Verdict verdict = Verify(given.problem, result, tolerance);
-    EXPECT_FALSE(verdict.false_success) << direct.key << " on " << given.problem.id() << ": " << verdict.reason;
-    EXPECT_FALSE(verdict.false_infeasible) << direct.key << " on " << given.problem.id() << ": " << result.detail;
+    SCOPED_TRACE(direct.key + (" on " + given.problem.id()));
+    EXPECT_FALSE(verdict.false_success) << verdict.reason;
+    EXPECT_FALSE(verdict.false_infeasible) << result.detail;
     if (result.status == LcpStatus::kSolved && verdict.passes) {
       ++tally.verified;
-      EXPECT_FALSE(given.is_proved_unsolvable) << direct.key << " on " << given.problem.id();
-      if (given.w.has_value()) {
-        EXPECT_LE(ScaledDifference(given.problem, verdict.metrics.w, *given.w), 1e4 * tolerance)
-            << direct.key << " on " << given.problem.id();
-      } else {
-        given.w = verdict.metrics.w;
-      }
+      EXPECT_FALSE(given.is_proved_unsolvable);
+      if (!given.w) given.w = verdict.metrics.w;
+      EXPECT_LE(ScaledDifference(given.problem, verdict.metrics.w, *given.w), 1e4 * tolerance);
     } else if (verdict.farkas.has_value() && verdict.farkas->accepted) {
       ++tally.proved;
       given.is_proved_unsolvable = true;
-      EXPECT_FALSE(given.w.has_value()) << direct.key << " on " << given.problem.id();
+      EXPECT_FALSE(given.w.has_value());
     } else {
-      ++tally.undecided_count;
-      tally.undecided += "\n  " + given.problem.id() + ": " + result.detail;
+      ++tally.undecided;
+      tally.undecided_ids += "\n  " + given.problem.id() + ": " + result.detail;
     }
   }
   return tally;
 }
 
+// Of every direct solver of this build.
+std::vector<std::pair<Direct, Tally>> TalliesOf(double tolerance, std::vector<Given> problems) {
+  std::vector<std::pair<Direct, Tally>> tallies;
+  for (const Direct& direct : kDirect) {
+    if (FindSolver(direct.key).available) tallies.emplace_back(direct, SolveAll(direct, tolerance, &problems));
+  }
+  return tallies;
+}
+
+std::filesystem::path SharedData(const std::string& name) {
+  return std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / name;
+}
+
 TEST(GivenProblems, EveryRecordedProblemIsVerifiedOrProvedAndAllAgreeInW) {
-  const std::filesystem::path path =
-      std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / "myphysicslab" / "contact_problems.jsonl.gz";
+  const std::filesystem::path path = SharedData("myphysicslab/contact_problems.jsonl.gz");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
   LineReader lines(path.string());
   std::vector<Given> problems;
@@ -101,12 +110,8 @@ TEST(GivenProblems, EveryRecordedProblemIsVerifiedOrProvedAndAllAgreeInW) {
     problems.push_back({ParseLcpRecord(line, path.filename().string()).problem, std::nullopt});
   }
   EXPECT_GE(problems.size(), 1212u);
-  for (const Direct& direct : kDirect) {
-    if (!FindSolver(direct.key).available) continue;
-    const Tally tally = SolveAll(direct, kTolerance, &problems);
-    EXPECT_EQ(tally.undecided_count, 0) << direct.key << tally.undecided;
-    RecordProperty(std::string(direct.key) + "_verified", tally.verified);
-    RecordProperty(std::string(direct.key) + "_proved", tally.proved);
+  for (const auto& [direct, tally] : TalliesOf(kTolerance, problems)) {
+    EXPECT_EQ(tally.undecided, 0) << direct.key << tally.undecided_ids;
   }
 }
 
@@ -115,13 +120,12 @@ LcpProblem OracleProblem(const nlohmann::json& record, const std::string& level)
   const nlohmann::json& expect = record.at("expect");
   const auto n = static_cast<Index>(expect.at("rows").size());
   const auto columns = static_cast<Index>(3 * record.at("bodies").size());
+  const std::vector<double> q = expect.at(level).at("q");
   Eigen::MatrixXd J(n, columns);
-  Eigen::VectorXd q(n);
   std::vector<Index> bilateral;
   for (Index i = 0; i < n; ++i) {
     const auto row = static_cast<size_t>(i);
     for (Index k = 0; k < columns; ++k) J(i, k) = expect.at("J")[row][static_cast<size_t>(k)];
-    q[i] = expect.at(level).at("q")[row];
     if (expect.at("rows")[row].at("bilateral")) bilateral.push_back(i);
   }
   Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(columns);
@@ -132,12 +136,13 @@ LcpProblem OracleProblem(const nlohmann::json& record, const std::string& level)
     const double inertia = body.at("inertia");
     inverse_mass.segment<3>(3 * k) << 1 / mass, 1 / mass, 1 / inertia;
   }
-  return LcpProblem::FromFactors(record.at("id").get<std::string>() + "-" + level, J.sparseView(), inverse_mass, q,
+  return LcpProblem::FromFactors(record.at("id").get<std::string>() + "-" + level, J.sparseView(), inverse_mass,
+                                 Eigen::Map<const Eigen::VectorXd>(q.data(), n),
                                  RowBounds::WithBilateralRows(n, bilateral));
 }
 
 TEST(GivenProblems, OracleSystemsAreSolvedExactlyOrProvedAtEveryLevel) {
-  const std::filesystem::path path = std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / "oracle" / "systems.jsonl";
+  const std::filesystem::path path = SharedData("oracle/systems.jsonl");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
   std::ifstream file(path);
   std::vector<Given> problems;
@@ -158,18 +163,15 @@ TEST(GivenProblems, OracleSystemsAreSolvedExactlyOrProvedAtEveryLevel) {
     }
   }
   EXPECT_GE(problems.size(), 78u);
-  for (const Direct& direct : kDirect) {
-    if (!FindSolver(direct.key).available) continue;
-    const Tally tally = SolveAll(direct, kTolerance, &problems);
-    EXPECT_EQ(tally.undecided_count, 0) << direct.key << tally.undecided;
+  for (const auto& [direct, tally] : TalliesOf(kTolerance, problems)) {
+    EXPECT_EQ(tally.undecided, 0) << direct.key << tally.undecided_ids;
     EXPECT_EQ(tally.proved, unsolvable) << direct.key;
   }
 }
 
 // Their matrix is copositive and not symmetric: outside every guaranteed class.
 TEST(GivenProblems, FrictionProblemsAreRefusedOrAnsweredRightly) {
-  const std::filesystem::path path =
-      std::filesystem::path(LCPBENCH_SHARED_DIR) / "data" / "oracle" / "friction_lcp.jsonl";
+  const std::filesystem::path path = SharedData("oracle/friction_lcp.jsonl");
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is absent";
   std::ifstream file(path);
   int refused = 0;
@@ -218,10 +220,8 @@ TEST(GivenProblems, ScenesWhoseMassesDifferByTenToTheEightAreVerifiedOrProved) {
       }
     }
   }
-  for (const Direct& direct : kDirect) {
-    if (!FindSolver(direct.key).available) continue;
-    const Tally tally = SolveAll(direct, kWideMassTolerance, &problems);
-    EXPECT_LE(tally.undecided_count, direct.undecided_scenes) << direct.key << tally.undecided;
+  for (const auto& [direct, tally] : TalliesOf(kWideMassTolerance, problems)) {
+    EXPECT_LE(tally.undecided, direct.undecided_scenes) << direct.key << tally.undecided_ids;
     EXPECT_GE(tally.verified, static_cast<int>(problems.size()) * 9 / 10) << direct.key;
   }
 }

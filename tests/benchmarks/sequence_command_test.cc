@@ -1,16 +1,10 @@
 // lcpbench sequence and lcpbench motion as their users meet them.
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <chrono>
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <optional>
-#include <sstream>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "solvers/io/json_lines.h"
@@ -23,32 +17,10 @@ namespace {
 
 using Json = nlohmann::json;
 
-std::vector<std::string> Lines(const std::string& text) {
-  std::vector<std::string> lines;
-  std::istringstream stream(text);
-  for (std::string line; std::getline(stream, line);) lines.push_back(line);
-  return lines;
-}
-
-std::vector<Json> Records(const std::string& text) {
-  std::vector<Json> records;
-  for (const std::string& line : Lines(text)) records.push_back(Json::parse(line));
-  return records;
-}
-
-class SequenceCommand : public CommandTest {
- protected:
-  void ExpectMisuse(const std::string& arguments, const std::string& mentions) {
-    const CommandOutcome outcome = Run(arguments);
-    EXPECT_EQ(outcome.status, 2) << arguments;
-    EXPECT_EQ(Lines(outcome.error).size(), 1u) << arguments << "\n" << outcome.error;
-    EXPECT_NE(outcome.error.find(mentions), std::string::npos) << arguments << "\n" << outcome.error;
-  }
-};
+class SequenceCommand : public CommandTest {};
 
 TEST_F(SequenceCommand, WritesOneVerifiedProblemPerTimeStepWithItsChanges) {
-  const CommandOutcome outcome = Run("sequence disc-pile --size 30 --steps 120 --seed 3");
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const CommandOutcome outcome = Succeed("sequence disc-pile --size 30 --steps 120 --seed 3");
   const std::vector<Json> records = Records(outcome.out);
   ASSERT_EQ(records.size(), 120u);
   std::size_t rows = 0;
@@ -71,7 +43,7 @@ TEST_F(SequenceCommand, WritesOneVerifiedProblemPerTimeStepWithItsChanges) {
 
 TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
   const std::string file = Path("x.jsonl");
-  ASSERT_EQ(Run("sequence boxes-and-discs --size 25 --steps 20 --with-matrix -o " + file).status, 0);
+  Succeed("sequence boxes-and-discs --size 25 --steps 20 --with-matrix -o " + file);
   const std::vector<LcpRecord> records = ReadLcpFile(file);
   ASSERT_EQ(records.size(), 20u);
   const std::vector<Json> written = Records(ReadFile(file));
@@ -79,8 +51,7 @@ TEST_F(SequenceCommand, IsReadBackBitForBitAndSolvedByTheSolveCommand) {
     EXPECT_EQ(Json::parse(FormatLcpRecord(records[k].problem, true)).at("A"), written[k].at("A"));
     EXPECT_TRUE(records[k].problem.has_factors());
   }
-  const CommandOutcome solved = Run("solve --solver ipm " + file);
-  EXPECT_EQ(solved.status, 0) << solved.error;
+  const CommandOutcome solved = Succeed("solve --solver ipm " + file);
   const std::vector<Json> answers = Records(solved.out);
   ASSERT_EQ(answers.size(), 20u);
   for (const Json& answer : answers) EXPECT_TRUE(answer.at("verdict").at("passes").get<bool>());
@@ -99,44 +70,30 @@ TEST_F(SequenceCommand, IsTheSameFileTwiceUnderEverySolver) {
 
 TEST_F(SequenceCommand, TakesSceneFilesAndTheAccelerationLevel) {
   const std::string file = std::string(LCPBENCH_SOURCE_DIR) + "/data/scenes/newtons_cradle.json";
-  const CommandOutcome outcome = Run("sequence " + file + " --level acceleration --steps 60");
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const CommandOutcome outcome = Succeed("sequence " + file + " --level acceleration --steps 60");
   int first_of_step = 0;
   int impacts = 0;
   for (const Json& record : Records(outcome.out)) {
     (record.at("motion").at("kind") == "impact" ? impacts : first_of_step)++;
   }
   EXPECT_EQ(first_of_step, 60);  // the cradle hangs on joints: there is an LCP at every instant
-  EXPECT_EQ(Run("sequence " + file + " --level velocity --dt 0.002 --steps 10").status, 0);
+  Succeed("sequence " + file + " --level velocity --dt 0.002 --steps 10");
 }
 
 TEST_F(SequenceCommand, TakesSolverSettingsAndATimeLimit) {
   const std::string arguments = "sequence disc-pile --size 20 --steps 10 --solver pgs --tolerance 1e-6 ";
-  const CommandOutcome plain = Run(arguments);
-  ASSERT_EQ(plain.status, 0) << plain.error;
-  const CommandOutcome relaxed = Run(arguments + "--set relaxation=1.3");
-  ASSERT_EQ(relaxed.status, 0) << relaxed.error;
+  const CommandOutcome plain = Succeed(arguments);
+  const CommandOutcome relaxed = Succeed(arguments + "--set relaxation=1.3");
   EXPECT_NE(relaxed.out, plain.out);
-  const CommandOutcome hurried = Run(arguments + "--time-limit 1e-12");
-  EXPECT_EQ(hurried.status, 0) << hurried.error;
+  const CommandOutcome hurried = Succeed(arguments + "--time-limit 1e-12");
   EXPECT_EQ(Records(hurried.out).front().at("motion").at("claim"), "time_limit");
 }
 
 TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
   const std::string file = Path("x.jsonl");
-  const pid_t child = fork();
-  if (child == 0) {
-    std::freopen(Path("stderr").c_str(), "w", stderr);
-    execl(LCPBENCH_COMMAND, LCPBENCH_COMMAND, "sequence", "disc-pile", "--size", "20", "--steps", "100000000", "-o",
-          file.c_str(), static_cast<char*>(nullptr));
-    _exit(127);
-  }
-  ASSERT_GT(child, 0);
   // Interrupted as soon as something is there, however slow the machine.
-  while (ReadFile(file).find('\n') == std::string::npos) std::this_thread::yield();
-  kill(child, SIGINT);
-  int status = 0;
-  waitpid(child, &status, 0);
+  const int status =
+      RunUntil("x.jsonl", 1, SIGINT, false, "sequence disc-pile --size 20 --steps 100000000 -o " + file, /*once=*/true);
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 128 + SIGINT);
   const std::string text = ReadFile(file);
@@ -146,20 +103,20 @@ TEST_F(SequenceCommand, KeepsWhatIsWrittenOnInterruption) {
 }
 
 TEST_F(SequenceCommand, MisuseIsOneLineAndStatusTwo) {
-  ExpectMisuse("sequence nowhere", "nowhere");
-  ExpectMisuse("sequence missing.json", "missing.json");
-  ExpectMisuse("sequence disc-pile --level sideways", "sideways");
-  ExpectMisuse("sequence disc-pile --solver nobody", "nobody");
-  ExpectMisuse("sequence disc-pile --tolerance 2", "--tolerance");
-  ExpectMisuse("sequence disc-pile --steps 0", "--steps");
-  ExpectMisuse("sequence disc-pile --time-limit 0", "--time-limit");
-  ExpectMisuse("sequence disc-pile --set nothing", "--set");
-  ExpectMisuse("sequence disc-pile --set no-such-option=1", "no-such-option");
-  ExpectMisuse("sequence disc-pile --dt -1", "--dt");
-  ExpectMisuse("sequence disc-pile -o " + Path("no/such/folder/x.jsonl"), "no/such/folder");
-  ExpectMisuse("motion --scenes disc-pile@upwards", "upwards");
-  ExpectMisuse("motion --solvers nobody", "nobody");
-  ExpectMisuse("motion --budget 0 --scenes disc-pile -o " + Path("m"), "budget");
+  ExpectMistake("sequence nowhere", "nowhere");
+  ExpectMistake("sequence missing.json", "missing.json");
+  ExpectMistake("sequence disc-pile --level sideways", "sideways");
+  ExpectMistake("sequence disc-pile --solver nobody", "nobody");
+  ExpectMistake("sequence disc-pile --tolerance 2", "--tolerance");
+  ExpectMistake("sequence disc-pile --steps 0", "--steps");
+  ExpectMistake("sequence disc-pile --time-limit 0", "--time-limit");
+  ExpectMistake("sequence disc-pile --set nothing", "--set");
+  ExpectMistake("sequence disc-pile --set no-such-option=1", "no-such-option");
+  ExpectMistake("sequence disc-pile --dt -1", "--dt");
+  ExpectMistake("sequence disc-pile -o " + Path("no/such/folder/x.jsonl"), "no/such/folder");
+  ExpectMistake("motion --scenes disc-pile@upwards", "upwards");
+  ExpectMistake("motion --solvers nobody", "nobody");
+  ExpectMistake("motion --budget 0 --scenes disc-pile -o " + Path("m"), "budget");
 }
 
 TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
@@ -169,11 +126,10 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
     solvers += " " + solver.key;
     motions += solver.uses_tolerance ? 2 : 1;
   }
-  const CommandOutcome outcome =
-      Run("motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
-          "--budget 60 --solvers" +
-          solvers + " -o " + Path("m"));
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  const CommandOutcome outcome = Succeed(
+      "motion --scenes disc-pile,boxes-and-discs,disc-track@velocity --size 10 --steps 30 --tolerances 1e-3,1e-9 "
+      "--budget 60 --solvers" +
+      solvers + " -o " + Path("m"));
   const std::vector<std::string> rows = Lines(ReadFile(Path("m") + "/motion.csv"));
   EXPECT_EQ(rows.size(), 1 + 3 * motions * 31);
   for (const char* scene : {"disc-pile, velocity level", "boxes-and-discs, velocity level", "disc-track, velocity"}) {
@@ -182,9 +138,7 @@ TEST_F(SequenceCommand, MotionComparesEverySolverWithTheReference) {
   // dantzig at 1e-9 is the reference itself but for what it is told.
   std::size_t exact = 0;
   for (const std::string& row : rows) {
-    std::vector<std::string> cells;
-    std::istringstream stream(row);
-    for (std::string cell; std::getline(stream, cell, ',');) cells.push_back(cell);
+    const std::vector<std::string> cells = Split(row, ',');
     if (cells[4] != "dantzig") continue;
     EXPECT_LE(std::stod(cells[9]), 1e-9) << row;
     EXPECT_LE(std::stod(cells[12]), 1e-9) << row;

@@ -43,20 +43,16 @@ AccelerationOptions Elastic();
 class Mover {
  public:
   explicit Mover(const World& world, const AccelerationOptions& options = {}, std::string_view solver = "dantzig");
-  AccelerationMotion* operator->() { return &motion_; }
-  AccelerationMotion& operator*() { return motion_; }
-  const Body& body(std::size_t i) const { return motion_.world().bodies[i]; }
+  Motion* operator->() { return motion_.get(); }
+  const Body& body(std::size_t i) const { return motion_->world().bodies[i]; }
 
  private:
   std::unique_ptr<LcpSolver> solver_;
-  AccelerationMotion motion_;
+  std::unique_ptr<Motion> motion_;
 };
-
-/// With LCPBENCH_MOTION_FIGURES set, what a scene came to.
-void Print(const std::string& name, double drift, double period_error, const MotionStatistics& s, double wall);
 
 /// Moves on for `seconds`, observing at frames; energy relative to `scale` must stay within `tolerance` and penetration
 /// within the contact tolerance.
-void ExpectConserved(Mover* mover, double scale, double seconds = 10, double period_error = 0, double tolerance = 1e-6);
+void ExpectConserved(Mover* mover, double scale, double seconds = 10, double tolerance = 1e-6);
 
 }  // namespace lcpbench

@@ -44,7 +44,7 @@ ContactSystem Detected(const Placed& first, const Placed& second, double toleran
     body.theta = placed->theta;
     system.bodies.push_back(body);
   }
-  const std::vector<const Outline*> outlines = {&first.outline, &second.outline};
+  const std::vector<Outline> outlines = {first.outline, second.outline};
   system.constraints = DetectContacts(system.bodies, outlines, {.tolerance = tolerance, .penetration = tolerance / 10});
   return system;
 }

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "model/geometry/trig.h"

@@ -97,9 +97,7 @@ TEST(AccelerationMotion, ABoxThatFallsOnACornerComesToLieFlat) {
     AccelerationOptions options;
     options.impact.restitution = 0.4;
     Mover mover(world, options);
-    const double started = SteadyNow();
     mover->Advance(5);
-    Print("box falling flat", 0, 0, mover->statistics(), SteadyNow() - started);
     EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     EXPECT_NEAR(mover.body(1).theta, 0, 1e-5) << tilt;
     EXPECT_NEAR(mover.body(1).x.y, 0.1, 1e-5) << tilt;
@@ -134,9 +132,7 @@ TEST(AccelerationMotion, ASpinningRoundDrumLeavesADiscAloneAndAnOvalOneThrowsIt)
     const World world =
         WorldWith(&outline == &drums[0] ? "round drum" : "oval drum", {drum, Movable(Disc(0.2), {0, -0.6})});
     Mover mover(world);
-    const double started = SteadyNow();
     mover->Advance(2);
-    Print("kinematic drum", 0, 0, mover->statistics(), SteadyNow() - started);
     EXPECT_EQ(mover->status(), MotionStatus::kMoving) << mover->detail();
     EXPECT_DOUBLE_EQ(mover.body(0).theta, 6);
     const bool is_round = &outline == drums.data();

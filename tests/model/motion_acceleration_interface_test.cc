@@ -32,9 +32,7 @@ TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
   options.impact.restitution = 0.3;
   Mover first(world, options);
   Mover second(world, options);
-  const double started = SteadyNow();
   first->Advance(1);
-  Print("ovals in a bowl, 1 s", 0, 0, first->statistics(), SteadyNow() - started);
   second->Advance(1);
   EXPECT_EQ(first->status(), MotionStatus::kMoving) << first->detail();
   EXPECT_EQ(first->statistics().solves, second->statistics().solves);
@@ -95,7 +93,8 @@ class TestSolver final : public LcpSolver {
 
 TEST(AccelerationMotion, ForcesThatAreNotFiniteEndTheMotion) {
   TestSolver solver(std::nan(""));
-  AccelerationMotion motion(WorldWith("nan", {Floor(), Movable(Disc(0.1), {0, 0.3})}), {}, solver);
+  const auto moved = MakeAccelerationMotion(WorldWith("nan", {Floor(), Movable(Disc(0.1), {0, 0.3})}), {}, solver);
+  Motion& motion = *moved;
   motion.Advance(3);
   EXPECT_EQ(motion.status(), MotionStatus::kSolverFailed);
   EXPECT_NE(motion.detail().find("as told"), std::string::npos) << motion.detail();
@@ -106,7 +105,9 @@ TEST(AccelerationMotion, ForcesThatAreNotFiniteEndTheMotion) {
 
 TEST(AccelerationMotion, ASolverThatFailsIsCountedAndItsBestPointTaken) {
   TestSolver solver(0);
-  AccelerationMotion motion(WorldWith("no forces", {Floor(), Movable(Disc(0.1), {0, 0.1})}), {}, solver);
+  const auto moved =
+      MakeAccelerationMotion(WorldWith("no forces", {Floor(), Movable(Disc(0.1), {0, 0.1})}), {}, solver);
+  Motion& motion = *moved;
   motion.Advance(0.01);
   EXPECT_EQ(motion.statistics().failed_solves, motion.statistics().solves);
   EXPECT_GT(motion.statistics().failed_solves, 0);
@@ -134,9 +135,7 @@ TEST(AccelerationMotion, EverySolverDrivesIt) {
   reference->Advance(kTime);
   for (const SolverEntry& entry : OwnSolversAndAPeerOfEachLibrary()) {
     Mover mover(world, {}, entry.key);
-    const double started = SteadyNow();
     mover->Advance(kTime);
-    Print("by " + std::string(entry.key), 0, 0, mover->statistics(), SteadyNow() - started);
     if (entry.origin != SolverOrigin::kOwn) {
       // A peer may get impacts wrong and stall for it: that is said, and the numbers stay finite.
       EXPECT_TRUE(mover->status() == MotionStatus::kMoving || !mover->detail().empty()) << entry.key;
@@ -156,7 +155,7 @@ TEST(AccelerationMotion, RefusesWhatMakesNoSense) {
   const auto with = [&](auto change) {
     AccelerationOptions options;
     change(options);
-    AccelerationMotion motion(world, options, *solver);
+    MakeAccelerationMotion(world, options, *solver);
   };
   EXPECT_NO_THROW(with([](AccelerationOptions&) {}));
   EXPECT_THROW(with([](AccelerationOptions& o) { o.contact_tolerance = 0; }), InputError);
@@ -169,13 +168,13 @@ TEST(AccelerationMotion, RefusesWhatMakesNoSense) {
   EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.restitution = 1.1; }), InputError);
   EXPECT_THROW(with([](AccelerationOptions& o) { o.impact.pair_restitution = [](int, int) { return 0.5; }; }),
                InputError);
-  AccelerationMotion motion(world, {}, *solver);
-  EXPECT_THROW(motion.Advance(0), InputError);
-  EXPECT_THROW(motion.Advance(-1), InputError);
-  EXPECT_THROW(motion.Advance(std::numeric_limits<double>::infinity()), InputError);
+  Mover mover(world);
+  for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW(mover->Advance(wrong), InputError);
+  }
   World wrong = world;
   wrong.bodies[1].mass = 0;
-  EXPECT_THROW(AccelerationMotion(wrong, {}, *solver), InputError);
+  EXPECT_THROW(MakeAccelerationMotion(wrong, {}, *solver), InputError);
 }
 
 }  // namespace

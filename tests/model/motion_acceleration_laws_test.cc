@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
 #include <boost/math/special_functions/ellint_1.hpp>
@@ -16,6 +15,7 @@
 #include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "tests/model/acceleration_mover.h"
+#include "tests/model/momenta.h"
 
 namespace lcpbench {
 namespace {
@@ -194,8 +194,7 @@ void ExpectPendulum(const std::string& name, const Constraint& joint, double len
   again->Advance(5 * period);
   EXPECT_NEAR(Norm(again.body(1).x - body.x), 0, 1e-7);
   Mover mover(world);
-  ExpectConserved(&mover, body.mass * kG * length * (1 - std::cos(amplitude)), kSeconds,
-                  Norm(again.body(1).x - body.x));
+  ExpectConserved(&mover, body.mass * kG * length * (1 - std::cos(amplitude)));
 }
 
 TEST(AccelerationMotion, APendulumOnAPinSwingsWithItsPeriod) {

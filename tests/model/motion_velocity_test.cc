@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/geometry/trig.h"
+#include "model/motion/row_matching.h"
 #include "model/motion/velocity_motion.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
@@ -20,6 +21,7 @@
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/model/momenta.h"
 #include "tests/solvers_under_test.h"
 
 namespace lcpbench {
@@ -72,9 +74,10 @@ double Energy(const World& world, const std::vector<Body>& bodies) {
 
 struct Driven {
   explicit Driven(const World& world, const VelocityOptions& options = {}, std::string_view key = "dantzig")
-      : solver(MakeSolver(key)), motion(world, options, *solver) {}
+      : solver(MakeSolver(key)), owned(MakeVelocityMotion(world, options, *solver)), motion(*owned) {}
   std::unique_ptr<LcpSolver> solver;
-  VelocityMotion motion;
+  std::unique_ptr<Motion> owned;
+  Motion& motion;
 };
 
 TEST(VelocityMotion, FallsFreelyByTheSumOfItsSteps) {
@@ -272,13 +275,7 @@ TEST(VelocityMotion, KeepsAChainOfPinsTogetherToTheSquareOfTheStep) {
   }
   world = WorldWith(bodies, {0, -kG});
   for (int i = 0; i < 6; ++i) {
-    Constraint pin;
-    pin.type = ConstraintType::kPin;
-    pin.body1 = i + 1;
-    pin.body2 = i;
-    pin.feature1 = Vertex{{-half, 0}};
-    pin.feature2 = Vertex{{i == 0 ? 0 : half, 0}};
-    world.joints.push_back(pin);
+    world.joints.push_back({ConstraintType::kPin, i + 1, i, Vertex{{-half, 0}}, Vertex{{i == 0 ? 0 : half, 0}}});
   }
   std::vector<double> errors;
   for (const double h : {2e-3, 1e-3, 5e-4}) {
@@ -461,7 +458,7 @@ TEST(VelocityMotion, RefusesOptionsOutsideTheirRanges) {
   const auto refuses = [&](const std::function<void(VelocityOptions*)>& change) {
     VelocityOptions options;
     change(&options);
-    EXPECT_THROW(VelocityMotion(world, options, *solver), InputError);
+    EXPECT_THROW(MakeVelocityMotion(world, options, *solver), InputError);
   };
   refuses([](VelocityOptions* o) { o->step = 0; });
   refuses([](VelocityOptions* o) { o->step = std::numeric_limits<double>::infinity(); });
@@ -472,9 +469,9 @@ TEST(VelocityMotion, RefusesOptionsOutsideTheirRanges) {
   refuses([](VelocityOptions* o) { o->doubtful_depth = 0; });
   refuses([](VelocityOptions* o) { o->depth_clamp = std::nan(""); });
   refuses([](VelocityOptions* o) { o->stabilisation = 2; });
-  VelocityMotion motion(world, {}, *solver);
-  EXPECT_THROW(motion.Advance(0), InputError);
-  EXPECT_THROW(motion.Advance(std::nan("")), InputError);
+  const std::unique_ptr<Motion> motion = MakeVelocityMotion(world, {}, *solver);
+  EXPECT_THROW(motion->Advance(0), InputError);
+  EXPECT_THROW(motion->Advance(std::nan("")), InputError);
 }
 
 TEST(RowMatching, FollowsRowsThroughChangesOfOrder) {
@@ -494,12 +491,7 @@ TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
   ContactSystem system;
   system.bodies = {MakeFixed("bowl"), MakeDisc({}, 1, 1)};
   for (int k = 0; k < 3; ++k) {
-    Constraint contact;
-    contact.body1 = 1;
-    contact.body2 = 0;
-    contact.feature1 = Circle(1);
-    contact.feature2 = Circle(3);
-    system.constraints.push_back(contact);
+    system.constraints.push_back({ConstraintType::kContact, 1, 0, Circle(1), Circle(3)});
   }
   const auto row = [](int constraint, double angle) {
     RowInfo info;
@@ -520,13 +512,7 @@ TEST(RowMatching, TellsPlacesOfOnePairOfFeaturesApartByTheirNormals) {
 // accurate: they do not reach the solver.
 TEST(VelocityMotion, TakesSpeedsBeyondAllDigitsForZero) {
   World world = WorldWith({Walls({{0, 10}, {0, -10}}), DiscBody(0.1, {0, 0}, {3e-310, 0})}, {0, -kG});
-  Constraint guide;
-  guide.type = ConstraintType::kPathJoint;
-  guide.body1 = 1;
-  guide.body2 = 0;
-  guide.feature1 = Vertex{};
-  guide.feature2 = StraightEdge{{0, 10}, {0, -10}};
-  world.joints = {guide};
+  world.joints = {{ConstraintType::kPathJoint, 1, 0, Vertex{}, StraightEdge{{0, 10}, {0, -10}}}};
   Driven driven(world);
   int steps = 0;
   driven.motion.set_observer([&](const MotionProblem& met) {

@@ -141,8 +141,7 @@ struct ContactCase {
     return {rounded(s1), rounded(s2), d};
   }
 
-  ClosestPoints Closest(Regularity required = Regularity::kLocalMinimum) const { return Closest(Start(), required); }
-
+  ClosestPoints Closest() const { return Closest(Start()); }
   ClosestPoints Closest(const SearchStart& start, Regularity required = Regularity::kLocalMinimum) const {
     return FindClosestPoints(Placed1(), Placed2(), start, required);
   }
@@ -281,15 +280,8 @@ inline ContactCase RandomContact(const PairKind& kind, Random* random) {
 
 /// Between bodies 0 and 1.
 inline Constraint ConstraintOf(const ContactCase& c, ConstraintType type = ConstraintType::kContact) {
-  Constraint constraint;
-  constraint.type = type;
-  constraint.feature1 = c.feature1;
-  constraint.feature2 = c.feature2;
   const SearchStart start = c.Start();
-  constraint.s1 = start.s1;
-  constraint.s2 = start.s2;
-  constraint.nominal_gap = start.nominal_gap;
-  return constraint;
+  return {type, 0, 1, c.feature1, c.feature2, start.s1, start.s2, start.nominal_gap};
 }
 
 inline ContactSystem SystemOf(const ContactCase& c, ConstraintType type = ConstraintType::kContact) {
@@ -312,6 +304,17 @@ void OverRandomContacts(const PairKind& kind, int cases, unsigned seed, const Ch
 inline std::string ErrorOf(const ContactSystem& system) {
   try {
     AssembleContactLcp(system);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+/// What the search for closest points says of two features about the origin; "" where it finds them.
+inline std::string RefusalOf(const Feature& feature1, const Feature& feature2, const SearchStart& start = {},
+                             Regularity required = Regularity::kLocalMinimum) {
+  try {
+    FindClosestPoints({feature1, {}, {}}, {feature2, {}, {}}, start, required);
   } catch (const InputError& error) {
     return error.what();
   }

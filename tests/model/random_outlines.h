@@ -1,10 +1,6 @@
 #pragma once
 
-#include <cmath>
 #include <numbers>
-#include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
 #include "model/geometry/feature.h"

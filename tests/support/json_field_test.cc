@@ -30,22 +30,22 @@ std::string ErrorOf(const Json& json, const std::function<void(const JsonField&)
 }
 
 TEST(JsonField, MissingMembersAreRefusedByWhatWasExpected) {
-  const Json json = {{"a", {{"b", 1}}}};
-  const auto error = [&](const std::function<void(const JsonField&)>& read) { return ErrorOf(json, read); };
-  EXPECT_EQ(error([](const JsonField& f) { f["c"].Number(); }), "/c: missing field, expected a number");
-  EXPECT_EQ(error([](const JsonField& f) { f["a"]["c"].Pair<std::array<double, 2>>(); }),
-            "/a/c: missing field, expected an array of two numbers");
-  EXPECT_EQ(error([](const JsonField& f) { f["c"].Items(3); }), "/c: missing field, expected an array of 3");
-  EXPECT_EQ(error([](const JsonField& f) { f["c"]["d"].Boolean(); }), "/c: missing field, expected an object");
-  EXPECT_EQ(error([](const JsonField& f) { f["c"].NumberOrNull(); }), "/c: missing field, expected a number or null");
-  EXPECT_EQ(error([](const JsonField& f) { f["c"].IndexBelow(2); }),
-            "/c: missing field, expected an integer in [0, 2)");
-  EXPECT_EQ(error([](const JsonField& f) {
-              f["c"].Choice<int>({{"x", 1}, {"y", 2}});
-            }),
-            "/c: missing field, expected one of x, y");
-  EXPECT_EQ(error([](const JsonField& f) { f["c"].RequireOnlyKeys({"x"}); }), "/c: missing field, expected an object");
-  EXPECT_EQ(error([](const JsonField& f) { f["a"]["b"]["c"].String(); }), "/a/b: expected an object, found 1");
+  using Field = const JsonField&;
+  const std::pair<std::function<void(Field)>, std::string> kReads[] = {
+      {[](Field f) { f["c"].Number(); }, "/c: missing field, expected a number"},
+      {[](Field f) { f["a"]["c"].Pair<std::array<double, 2>>(); },
+       "/a/c: missing field, expected an array of two numbers"},
+      {[](Field f) { f["c"].Items(3); }, "/c: missing field, expected an array of 3"},
+      {[](Field f) { f["c"]["d"].Boolean(); }, "/c: missing field, expected an object"},
+      {[](Field f) { f["c"].NumberOrNull(); }, "/c: missing field, expected a number or null"},
+      {[](Field f) { f["c"].IndexBelow(2); }, "/c: missing field, expected an integer in [0, 2)"},
+      {[](Field f) {
+         f["c"].Choice<int>({{"x", 1}, {"y", 2}});
+       },
+       "/c: missing field, expected one of x, y"},
+      {[](Field f) { f["c"].RequireOnlyKeys({"x"}); }, "/c: missing field, expected an object"},
+      {[](Field f) { f["a"]["b"]["c"].String(); }, "/a/b: expected an object, found 1"}};
+  for (const auto& [read, error] : kReads) EXPECT_EQ(ErrorOf({{"a", {{"b", 1}}}}, read), error);
 }
 
 TEST(JsonField, HasTellsMembersOfObjectsOnly) {

@@ -26,7 +26,7 @@ void Scale(Vec2 fixed, double factor, Feature* feature) {
   };
   std::visit(
       [&](auto& edge) {
-        if constexpr (requires { edge.side; }) edge.Fields(edge, scale);
+        if constexpr (requires { edge.side; }) ForEachField(edge, scale);
       },
       *feature);
 }

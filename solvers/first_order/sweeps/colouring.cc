@@ -29,79 +29,63 @@ class ColourSet {
   std::array<std::uint64_t, At(kColourBlock / kBits)> words_{};
 };
 
-class BodyColours {
- public:
-  explicit BodyColours(const LcpProblem& problem) : problem_(problem), on_body_(At(problem.J().cols() / 3 + 1)) {}
-
-  ColourSet Forbidden(Index row) const {
-    ColourSet forbidden;
-    ForBodies(row, [&](Index body) { forbidden.Insert(on_body_[At(body)]); });
-    return forbidden;
-  }
-  void Give(Index row, Index colour) {
-    ForBodies(row, [&](Index body) { on_body_[At(body)].Insert(colour); });
-  }
-  void Forget(Index row) {
-    ForBodies(row, [&](Index body) { on_body_[At(body)] = {}; });
-  }
-
- private:
-  template <typename Do>
-  void ForBodies(Index row, const Do& action) const {
-    Index last = -1;
-    for (SparseMatrix::InnerIterator it(problem_.J(), row); it; ++it) {
-      if (it.col() / 3 == last || it.value() == 0 || problem_.inverse_mass()[it.col()] == 0) continue;
-      last = it.col() / 3;
-      action(last);
-    }
-  }
-
-  const LcpProblem& problem_;
-  std::vector<ColourSet> on_body_;
-};
-
-class EntryColours {
- public:
-  explicit EntryColours(const LcpProblem& problem) : A_(problem.SparseA()), colour_(At(problem.size()), kNone) {}
-
-  ColourSet Forbidden(Index row) const {
-    ColourSet forbidden;
-    for (SparseMatrix::InnerIterator it(A_, row); it; ++it) {
-      if (it.value() != 0 && colour_[At(it.col())] != kNone) forbidden.Insert(colour_[At(it.col())]);
-    }
-    return forbidden;
-  }
-  void Give(Index row, Index colour) { colour_[At(row)] = colour; }
-  void Forget(Index row) { colour_[At(row)] = kNone; }
-
- private:
-  static constexpr Index kNone = -1;
-  const SparseMatrix& A_;
-  std::vector<Index> colour_;
-};
-
-template <typename Colours>
-std::vector<Index> Order(Index n, Colours colours) {
+// Rows get the first colour that is not in forbidden(row), and set(row, colour) takes note of it; clear(row) forgets it
+// when the row's block is over.
+template <typename Forbidden, typename Set, typename Clear>
+std::vector<Index> Order(Index n, const Forbidden& forbidden, const Set& set, const Clear& clear) {
   std::vector<Index> order(At(n));
   std::iota(order.begin(), order.end(), 0);
   std::vector<Index> colour(At(n));
   for (Index begin = 0; begin < n; begin += kColourBlock) {
     const Index end = std::min(n, begin + kColourBlock);
-    for (Index row = begin; row < end; ++row) {
-      colour[At(row)] = colours.Forbidden(row).FirstAbsent();
-      colours.Give(row, colour[At(row)]);
-    }
-    for (Index row = begin; row < end; ++row) colours.Forget(row);
+    for (Index row = begin; row < end; ++row) set(row, colour[At(row)] = forbidden(row).FirstAbsent());
+    for (Index row = begin; row < end; ++row) clear(row);
     std::sort(order.begin() + begin, order.begin() + end,
               [&](Index a, Index b) { return colour[At(a)] != colour[At(b)] ? colour[At(a)] < colour[At(b)] : a < b; });
   }
   return order;
 }
 
+std::vector<Index> OrderByBodies(const LcpProblem& problem) {
+  std::vector<ColourSet> on_body(At(problem.J().cols() / 3 + 1));
+  const auto for_bodies = [&](Index row, const auto& action) {
+    Index last = -1;
+    for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
+      if (it.col() / 3 == last || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
+      last = it.col() / 3;
+      action(&on_body[At(last)]);
+    }
+  };
+  const auto forbidden = [&](Index row) {
+    ColourSet colours;
+    for_bodies(row, [&](const ColourSet* body) { colours.Insert(*body); });
+    return colours;
+  };
+  return Order(
+      problem.size(), forbidden,
+      [&](Index row, Index colour) { for_bodies(row, [&](ColourSet* body) { body->Insert(colour); }); },
+      [&](Index row) { for_bodies(row, [](ColourSet* body) { *body = {}; }); });
+}
+
+std::vector<Index> OrderByEntries(const LcpProblem& problem) {
+  constexpr Index kNone = -1;
+  std::vector<Index> colour_of(At(problem.size()), kNone);
+  const auto forbidden = [&](Index row) {
+    ColourSet colours;
+    for (SparseMatrix::InnerIterator it(problem.SparseA(), row); it; ++it) {
+      if (it.value() != 0 && colour_of[At(it.col())] != kNone) colours.Insert(colour_of[At(it.col())]);
+    }
+    return colours;
+  };
+  return Order(
+      problem.size(), forbidden, [&](Index row, Index colour) { colour_of[At(row)] = colour; },
+      [&](Index row) { colour_of[At(row)] = kNone; });
+}
+
 }  // namespace
 
 std::vector<Index> ColouredOrder(const LcpProblem& problem, bool by_bodies) {
-  return by_bodies ? Order(problem.size(), BodyColours(problem)) : Order(problem.size(), EntryColours(problem));
+  return by_bodies ? OrderByBodies(problem) : OrderByEntries(problem);
 }
 
 }  // namespace lcpbench

@@ -1,71 +1,105 @@
 #pragma once
 
-#include <cmath>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <string>
 
-#include "solvers/first_order/sweeps/paced_passes.h"
 #include "solvers/first_order/sweeps/row_work.h"
-#include "solvers/first_order/sweeps/stopping_test.h"
+#include "solvers/lcp/residual.h"
+#include "solvers/lcp/solver.h"
 
-/// Internal to solvers/first_order/.
+/// Internal to solvers/.
 namespace lcpbench {
 
-/// What the engines of all first-order solvers (solvers/lcp/engine_solver.h) have in common.
-template <typename Options>
+/// What the engines of all first-order solvers (solvers/lcp/engine_solver.h) have in common: the rows, passes over them
+/// that read the clock as they go, and when a solve is over and what it then returns.
+///
+/// A check makes the image of f afresh, so that no rounding of earlier passes is left in it, and evaluates rho of the
+/// scaled problem: about two sweeps. Where rho meets the tolerance, rho and the backward error are evaluated by the
+/// *given* form in extended precision, and only that makes a kSolved. The iterate of least rho among those checked (the
+/// start and, but for the time limit, the last one are) is kept and returned.
 class FirstOrderEngine {
  public:
-  explicit FirstOrderEngine(const Options& options) : options_(options) { test_.SetSelfCheck(options.self_check); }
+  /// Multiply-adds between two readings of the clock, about 20 us.
+  static constexpr Index kEntriesPerClockRead = Index{1} << 15;
+
+  std::string WhyUnsupported(const LcpProblem& problem) const;
+  void Prepare(const LcpProblem& problem);
 
  protected:
-  void Prepare(const LcpProblem& problem, bool coloured) {
-    rows_.Prepare(problem, options_.form, coloured);
-    test_.Prepare(problem);
-  }
-  /// A Gauss-Seidel pass over all rows. False when the time is up.
-  bool RunSweep(bool backward, double omega, PacedPasses* passes, StepSums* sums) {
-    return passes->Run(backward, [&](Index begin, Index end) {
-      rows_.rows->Sweep(begin, end, backward, omega, &rows_.f, &rows_.image, sums);
-    });
-  }
+  struct Setup {
+    RowForm form = RowForm::kAuto;
+    bool coloured = true;
+    bool self_check = true;          ///< SettingsReader::SelfCheck; without it rho of the scaled problem decides
+    bool needs_symmetry = false;     ///< refuses A that is not numerically symmetric
+    bool end_when_hopeless = false;  ///< see NncgOptions
+    std::int64_t hopeful_iterations = 0;
+    std::int64_t default_limit = 0;  ///< iterations where LcpOptions names no limit
+  };
+  explicit FirstOrderEngine(const Setup& setup) : setup_(setup) {}
 
-  const Options options_;
-  RowWork rows_;
-  StoppingTest test_;
-};
-
-/// A solver by sweeps alone.
-template <typename Options>
-class SweepEngine : public FirstOrderEngine<Options> {
- public:
-  using FirstOrderEngine<Options>::FirstOrderEngine;
-
-  std::string WhyUnsupported(const LcpProblem& problem) const { return WhyNoRows(problem, this->options_.form); }
-  void Prepare(const LcpProblem& problem) {
-    FirstOrderEngine<Options>::Prepare(problem, this->options_.sweep == SweepOrder::kColoured);
-  }
-
- protected:
-  /// @param relaxation  Next() gives omega for the next sweep; Observe(StepSums) hears of each sweep
-  template <typename Relaxation>
-  void Run(const LcpProblem& problem, const LcpOptions& options, Relaxation relaxation, LcpResult* result) {
-    RowWork& work = this->rows_;
-    StoppingTest& test = this->test_;
-    work.Start(problem, options.initial_f);
-    PacedPasses passes(options, *work.rows, work.scaled.size);
-    bool over = test.Begin(problem, options, Options::kDefaultSweeps, &work, &passes, result);
-    bool backward = false;
+  /// A solve of `problem`, the prepared one or one that shares its matrix. `iterate` makes one iteration on rows_.x
+  /// and returns the norm of the natural residuals that its last pass saw, or nothing if ForAllRows returned false.
+  template <typename Iterate>
+  void Run(const LcpProblem& problem, const LcpOptions& options, LcpResult* result, const Iterate& iterate) {
+    bool over = Begin(problem, options, result);
     while (!over) {
-      StepSums sums;
-      if (!this->RunSweep(backward, relaxation.Next(), &passes, &sums)) {
-        test.EndOutOfTime();
-        break;
-      }
-      relaxation.Observe(sums);
-      if (this->options_.sweep == SweepOrder::kSymmetric) backward = !backward;
-      over = test.Continue(std::sqrt(sums.residual));
+      const std::optional<double> residual = iterate();
+      over = residual.has_value() ? Continue(*residual) : EndOutOfTime();
     }
-    test.Finish();
+    Finish();
   }
+
+  /// Calls pass(begin, end) on ranges that cover all rows, from the last range on if `backward`. False, and not all
+  /// rows done, when the time is up.
+  template <typename Pass>
+  bool ForAllRows(bool backward, const Pass& pass) {
+    const Index n = rows_.scaled.size;
+    for (Index done = 0; done < n;) {
+      const Index take = std::min(n - done, chunk_ - unread_);
+      const Index begin = backward ? n - done - take : done;
+      pass(begin, begin + take);
+      done += take;
+      unread_ += take;
+      if (unread_ >= chunk_ && Expired()) return false;
+    }
+    return true;
+  }
+  /// A Gauss-Seidel pass.
+  bool Sweep(bool backward, double omega, StepSums* sums) {
+    return ForAllRows(backward,
+                      [&](Index begin, Index end) { rows_.rows->Sweep(begin, end, backward, omega, &rows_.x, sums); });
+  }
+
+  RowWork rows_;
+
+ private:
+  bool Begin(const LcpProblem& problem, const LcpOptions& options, LcpResult* result);
+  bool Continue(double residual);
+  bool EndOutOfTime();
+  void Finish();
+  bool Check();
+  bool Claim();
+  bool IsHopeless(double residual);
+  bool Expired();
+
+  const Setup setup_;
+  GivenFormTest given_;
+  Array best_;
+  double best_rho_ = 0;
+  Eigen::VectorXd candidate_;  // of the given problem, on trial for the claim
+  bool claimed_ = false;
+  double tolerance_ = 0;
+  std::int64_t limit_ = 0;
+  std::int64_t unchecked_ = 0;  // iterations since the last check
+  std::int64_t patience_ = 1;   // iterations between checks that the residual asks for
+  double first_log_residual_ = 0;
+  std::optional<Deadline> deadline_;  // none: no limit
+  Index chunk_ = 1;                   // rows between two readings of the clock
+  Index unread_ = 0;                  // rows since the last one
+  LcpResult* result_ = nullptr;
 };
 
 }  // namespace lcpbench

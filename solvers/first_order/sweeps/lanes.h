@@ -1,73 +1,121 @@
 #pragma once
 
-#include <cstddef>
+#include <Eigen/Core>
 #include <cstring>
+#include <type_traits>
 
 #ifdef __SSE2__
 #include <immintrin.h>
 #endif
 
-/// Internal to solvers/: four doubles that are worked on at once. The compiler's vector types, not one machine's
-/// intrinsics: without AVX the same source becomes pairs of SSE2 operations. The sources in solvers/first_order/sweeps/
-/// are compiled without contraction to fused operations, so that a row gives the same bits alone and among others, and
-/// on every machine.
+/// Internal to solvers/: four doubles (or eight) that are worked on at once, and sums over arrays in a fixed order. The
+/// compiler's vector types, not one machine's intrinsics: without AVX the same source becomes pairs of SSE2 operations.
+/// The passes over rows are compiled without contraction to fused operations, so that a row gives the same bits alone
+/// and among others, and on every machine.
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
 namespace lcpbench {
 
-inline constexpr std::size_t kLanes = 4;
+using Array = Eigen::VectorXd;  ///< starts at a cache line (EIGEN_MAX_ALIGN_BYTES)
+
+inline constexpr Eigen::Index kLanes = 4;
 
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 using LaneMask = long long __attribute__((vector_size(kLanes * sizeof(double))));
+using WideLanes = double __attribute__((vector_size(2 * kLanes * sizeof(double))));
 
-// Forced, because a 32-byte vector passed to a real function has no ABI where AVX is off; GCC warns all the same.
+// Forced, because a vector passed to a real function has no ABI where the machine lacks the registers; GCC warns all
+// the same.
 #define LCPBENCH_ALWAYS_INLINE [[gnu::always_inline]] inline
 
-LCPBENCH_ALWAYS_INLINE Lanes Load(const double* from) {
-  Lanes lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
+/// T: double, Lanes or WideLanes. Addresses need no alignment.
+template <typename T = Lanes>
+LCPBENCH_ALWAYS_INLINE T Load(const double* from) {
+  T value;
+  std::memcpy(&value, from, sizeof value);
+  return value;
 }
-LCPBENCH_ALWAYS_INLINE void Store(double* to, const Lanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
-LCPBENCH_ALWAYS_INLINE Lanes Broadcast(double value) { return Lanes{value, value, value, value}; }
+template <typename T>
+LCPBENCH_ALWAYS_INLINE void Store(double* to, const T& value) {
+  std::memcpy(to, &value, sizeof value);
+}
+template <typename T = Lanes>
+LCPBENCH_ALWAYS_INLINE T Filled(double value) {
+  return value - T{};
+}
 /// Bits of `lanes` where the mask's bits are set.
 LCPBENCH_ALWAYS_INLINE Lanes Masked(const Lanes& lanes, const LaneMask& mask) {
   return reinterpret_cast<Lanes>(reinterpret_cast<LaneMask>(lanes) & mask);
 }
 /// max(value, floor), and a NaN that is a NaN. One number is treated as the first of two: the compiler would turn a
-/// comparison into a branch, which no processor foresees over 10^5 rows.
-LCPBENCH_ALWAYS_INLINE double AtLeast(double floor, double value) {
+/// comparison into a branch, which no processor foresees over 10^5 rows; eight are one instruction, which the compiler
+/// does not find in the comparison where the floor is 0.
+template <typename T>
+LCPBENCH_ALWAYS_INLINE T AtLeast(const T& floor, const T& value) {
 #ifdef __SSE2__
-  return _mm_cvtsd_f64(_mm_max_sd(_mm_set_sd(floor), _mm_set_sd(value)));
-#else
-  return floor > value ? floor : value;
+  if constexpr (std::is_same_v<T, double>) return _mm_cvtsd_f64(_mm_max_sd(_mm_set_sd(floor), _mm_set_sd(value)));
 #endif
+#ifdef __AVX512F__
+  if constexpr (std::is_same_v<T, WideLanes>) return _mm512_max_pd(floor, value);
+#endif
+  return floor > value ? floor : value;
 }
-LCPBENCH_ALWAYS_INLINE Lanes AtLeast(const Lanes& floor, const Lanes& value) { return floor > value ? floor : value; }
 LCPBENCH_ALWAYS_INLINE double Sum(const Lanes& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
 
-#ifdef __AVX512F__
-/// Eight doubles, where the machine has registers for them.
-using WideLanes = double __attribute__((vector_size(2 * kLanes * sizeof(double))));
+/// Which lanes of eight a value of four lanes is; kNone where there are no eight.
+enum class HalfOfEight { kLow, kHigh, kNone };
 
-LCPBENCH_ALWAYS_INLINE WideLanes LoadWide(const double* from) {
-  WideLanes lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
+/// A sum of products that are added one, four or eight at a time. The halves of eights are summed apart from all else,
+/// so that the total has the same bits where a machine takes them half by half.
+class ProductSum {
+ public:
+  template <HalfOfEight kHalf = HalfOfEight::kNone, typename T>
+  LCPBENCH_ALWAYS_INLINE void Add(const T& a, const T& b) {
+    if constexpr (std::is_same_v<T, double>) {
+      one_ += a * b;
+    } else if constexpr (std::is_same_v<T, WideLanes>) {
+      eight_ += a * b;
+    } else if constexpr (kHalf == HalfOfEight::kLow) {
+      low_ += a * b;
+    } else if constexpr (kHalf == HalfOfEight::kHigh) {
+      high_ += a * b;
+    } else {
+      four_ += a * b;
+    }
+  }
+  double Total() const {
+    const Lanes low = low_ + __builtin_shufflevector(eight_, eight_, 0, 1, 2, 3);
+    const Lanes high = high_ + __builtin_shufflevector(eight_, eight_, 4, 5, 6, 7);
+    return one_ + (Sum(four_) + (Sum(low) + Sum(high)));
+  }
+
+ private:
+  double one_ = 0;
+  Lanes four_{};
+  Lanes low_{};
+  Lanes high_{};
+  WideLanes eight_{};
+};
+
+/// Calls take(at) for entries by fours and the rest one by one: at(x) are those of the array x, as Lanes or double.
+template <typename Take>
+LCPBENCH_ALWAYS_INLINE void ForEntries(Eigen::Index size, const Take& take) {
+  Eigen::Index i = 0;
+  for (; i + kLanes <= size; i += kLanes) take([i](const Array& x) { return Load(x.data() + i); });
+  for (; i < size; ++i) take([i](const Array& x) { return x[i]; });
 }
-LCPBENCH_ALWAYS_INLINE void Store(double* to, const WideLanes& lanes) { std::memcpy(to, &lanes, sizeof lanes); }
-/// One instruction, which the compiler does not find in the comparison where the floor is 0.
-LCPBENCH_ALWAYS_INLINE WideLanes AtLeast(const WideLanes& floor, const WideLanes& value) {
-  return _mm512_max_pd(floor, value);
+inline double Dot(const Array& a, const Array& b) {
+  ProductSum sum;
+  ForEntries(a.size(), [&](const auto& at) { sum.Add(at(a), at(b)); });
+  return sum.Total();
 }
-LCPBENCH_ALWAYS_INLINE Lanes LowHalf(const WideLanes& lanes) {
-  return __builtin_shufflevector(lanes, lanes, 0, 1, 2, 3);
+/// (a - a0).(b - b0)
+inline double DotOfDifferences(const Array& a, const Array& a0, const Array& b, const Array& b0) {
+  ProductSum sum;
+  ForEntries(a.size(), [&](const auto& at) { sum.Add(at(a) - at(a0), at(b) - at(b0)); });
+  return sum.Total();
 }
-LCPBENCH_ALWAYS_INLINE Lanes HighHalf(const WideLanes& lanes) {
-  return __builtin_shufflevector(lanes, lanes, 4, 5, 6, 7);
-}
-#endif
 
 }  // namespace lcpbench

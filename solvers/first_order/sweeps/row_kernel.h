@@ -1,13 +1,49 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
-#include "solvers/first_order/sweeps/aligned_array.h"
-#include "solvers/first_order/sweeps/scaled_problem.h"
+#include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/lcp/problem.h"
 
 /// Internal to solvers/: the passes over rows that all first-order solvers are made of.
 namespace lcpbench {
+
+/// An LCP in units in which diag A = 1 and 1 <= |b| < 2, so that no step divides and nothing depends on the units of
+/// the given problem. (b is scaled by a power of two, so that the iterates' bits do not depend on the rounding of |b|.)
+/// Row k here is row order[k] of the given problem; all arrays run over k.
+struct ScaledProblem {
+  Index size = 0;
+  std::vector<Index> order;  ///< empty: the given order
+  Array b;
+  double b_norm = 1;   ///< |b| here, 1 where b = 0: rho is the norm of the natural residual over this
+  Array unit;          ///< f_k of the given problem per f_k here
+  Array inverse_root;  ///< (A_kk)^-1/2 of the given problem, 1 where A_kk = 0
+  /// Rows that step differently: a bilateral row is not projected (floor -inf), a row without diagonal does not step
+  /// (gain 0; for PSD A the whole row is 0). Most problems have neither (`mixed` false): then nothing reads these.
+  bool mixed = false;
+  Array floor;  ///< 0 or -infinity
+  Array gain;   ///< 1 or 0
+
+  /// All but b and its units.  O(n) and the diagonal of A.
+  void Reset(const LcpProblem& problem, std::vector<Index> order);
+  /// b, b_norm and unit, of the problem that was given to Reset, or of one that shares its matrix.  O(n)
+  void SetB(const LcpProblem& problem);
+
+  Index Given(Index k) const { return order.empty() ? k : order[static_cast<size_t>(k)]; }
+  bool IsFree(Index k) const { return mixed && floor[k] != 0; }
+
+  /// The start of a solve: zero, or `given` clipped to the bounds.
+  void Start(const Eigen::VectorXd* given, Array* f) const;
+  /// @param given  of n entries already
+  void ToGiven(const Array& f, Eigen::VectorXd* given) const;
+};
+
+/// A vector over the rows and its image (RowKernel).
+struct Point {
+  Array f;
+  Array image;
+};
 
 /// What a pass over rows adds up as it goes.
 struct StepSums {
@@ -32,7 +68,6 @@ class RowKernel {
   /// Takes the scaled problem's b, which has changed; to be called before any pass.
   virtual void SetB() {}
 
-  virtual std::size_t ImageSize() const = 0;
   /// True: image(d).image(e) = d.A e, and passes keep images. False: d.image(e) = d.A e, and they do not.
   virtual bool ImageIsRoot() const = 0;
   /// Multiply-adds per row of a sweep, for pacing; >= 1.
@@ -40,22 +75,20 @@ class RowKernel {
 
   /// image = that of f = 0. (Not all zeros: a layout may keep constants in it, which cancel in differences of images.)
   virtual void StartImage(Array* image) const = 0;
-  /// After StartImage and AddToImage over all rows, `image` is that of f.
-  virtual void AddToImage(Index begin, Index end, const Array& f, Array* image) const = 0;
+  /// After StartImage and AddToImage over all rows, x->image is that of x->f.
+  virtual void AddToImage(Index begin, Index end, Point* x) const = 0;
   /// image += change of the image when f_row grows by `df`; A must be symmetric.
   virtual void AddRowToImage(Index row, double df, Array* image) const = 0;
 
-  /// w_row = (A f + b)_row; needs the image of f where ImageIsRoot.
-  virtual double W(Index row, const Array& f, const Array& image) const = 0;
+  /// w_row = (A f + b)_row; needs the image where ImageIsRoot.
+  virtual double W(Index row, const Point& x) const = 0;
   /// Gauss-Seidel: for every row in turn, f_k <- max(floor, f_k - omega w_k) with the newest f.
-  virtual void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-                     StepSums* sums) const = 0;
-  /// Projected gradient: next_k = max(floor, y_k - step w_k(y)); needs the image of y. Where ImageIsRoot, next_image
-  /// (from StartImage on) becomes that of `next`.
-  virtual void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                            Array* next_image, StepSums* sums) const = 0;
-  /// Sum of r_k^2; needs the image of f.
-  virtual double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const = 0;
+  virtual void Sweep(Index begin, Index end, bool backward, double omega, Point* x, StepSums* sums) const = 0;
+  /// Projected gradient: next_k = max(floor, y_k - step w_k(y)); needs the image of y. Where ImageIsRoot, next->image
+  /// (from StartImage on) becomes that of next->f.
+  virtual void GradientStep(Index begin, Index end, double step, const Point& y, Point* next, StepSums* sums) const = 0;
+  /// Sum of r_k^2; needs the image.
+  virtual double ResidualSquares(Index begin, Index end, const Point& x) const = 0;
 };
 
 /// The layouts; `scaled` is not owned. The rows of D^-1/2 A D^-1/2: 12 bytes and one multiply-add per entry.

@@ -5,7 +5,6 @@
 
 #include "solvers/first_order/sweeps/first_order_options.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
-#include "solvers/first_order/sweeps/scaled_problem.h"
 
 /// Internal to solvers/.
 namespace lcpbench {
@@ -14,8 +13,7 @@ namespace lcpbench {
 struct RowWork {
   ScaledProblem scaled;
   std::unique_ptr<RowKernel> rows;
-  Array f;
-  Array image;  ///< of f; see RowKernel
+  Point x;
 
   /// All but b.
   /// @param coloured  order the rows by ColouredOrder

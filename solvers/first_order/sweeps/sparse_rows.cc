@@ -9,53 +9,33 @@
 namespace lcpbench {
 namespace {
 
-size_t At(Index i) { return static_cast<size_t>(i); }
-
-// A sparse matrix by rows, made one entry after the other.
-class CompressedRows {
- public:
-  void Reserve(Index entries) {
-    column_.reserve(At(entries));
-    value_.reserve(At(entries));
+// Row `row` of A times x, in four sums: one alone would wait for its own addition at every entry.
+double Product(const SparseMatrix& A, Index row, const double* x) {
+  const double* value = A.valuePtr();
+  const int* column = A.innerIndexPtr();
+  Index k = A.outerIndexPtr()[row];
+  const Index end = A.outerIndexPtr()[row + 1];
+  double s0 = 0;
+  double s1 = 0;
+  double s2 = 0;
+  double s3 = 0;
+  for (; k + 4 <= end; k += 4) {
+    s0 += value[k] * x[column[k]];
+    s1 += value[k + 1] * x[column[k + 1]];
+    s2 += value[k + 2] * x[column[k + 2]];
+    s3 += value[k + 3] * x[column[k + 3]];
   }
-  void Push(Index column, double value) {
-    column_.push_back(static_cast<int>(column));
-    value_.push_back(value);
-  }
-  void EndRow() { start_.push_back(static_cast<Index>(value_.size())); }
-  Index Rows() const { return static_cast<Index>(start_.size()) - 1; }
-  Index Entries() const { return start_.back(); }
+  for (; k < end; ++k) s0 += value[k] * x[column[k]];
+  return (s0 + s1) + (s2 + s3);
+}
 
-  // Four sums: one alone would wait for its own addition at every entry.
-  double Dot(Index row, const double* x) const {
-    const double* value = value_.data();
-    const int* column = column_.data();
-    Index k = start_[At(row)];
-    const Index end = start_[At(row) + 1];
-    double s0 = 0;
-    double s1 = 0;
-    double s2 = 0;
-    double s3 = 0;
-    for (; k + 4 <= end; k += 4) {
-      s0 += value[k] * x[column[k]];
-      s1 += value[k + 1] * x[column[k + 1]];
-      s2 += value[k + 2] * x[column[k + 2]];
-      s3 += value[k + 3] * x[column[k + 3]];
-    }
-    for (; k < end; ++k) s0 += value[k] * x[column[k]];
-    return (s0 + s1) + (s2 + s3);
-  }
-  void Add(Index row, double factor, double* x) const {
-    for (Index k = start_[At(row)]; k < start_[At(row) + 1]; ++k) x[column_[At(k)]] += value_[At(k)] * factor;
-  }
+// x += factor times row `row` of A.
+void AddRow(const SparseMatrix& A, Index row, double factor, Array* x) {
+  for (SparseMatrix::InnerIterator it(A, row); it; ++it) (*x)[it.col()] += it.value() * factor;
+}
 
- private:
-  std::vector<Index> start_ = {0};
-  std::vector<int> column_;
-  std::vector<double> value_;
-};
+Index MeanEntries(const SparseMatrix& A) { return A.nonZeros() / std::max<Index>(1, A.rows()); }
 
-// Calls visit(k) for the rows of a range, forward or backward.
 template <typename Visit>
 void ForRows(Index begin, Index end, bool backward, const Visit& visit) {
   if (backward) {
@@ -65,124 +45,93 @@ void ForRows(Index begin, Index end, bool backward, const Visit& visit) {
   }
 }
 
-// The rows of D^-1/2 A D^-1/2 without the diagonal, which is 1 (or 0).
-class AssembledRows final : public RowKernel {
+// The rows of D^-1/2 A D^-1/2 without the diagonal, which is 1 (or 0). Image: A f.
+class AssembledRows final : public LaidOutRows<AssembledRows> {
  public:
   AssembledRows(const LcpProblem& problem, const ScaledProblem& scaled)
-      : scaled_(scaled), diagonal_(At(scaled.size), 0.0) {
+      : LaidOutRows(scaled), rows_(scaled.size, scaled.size), diagonal_(Array::Zero(scaled.size)) {
     const SparseMatrix& A = problem.SparseA();
-    std::vector<Index> position(At(scaled.size));
-    for (Index k = 0; k < scaled.size; ++k) position[At(scaled.Given(k))] = k;
-    rows_.Reserve(A.nonZeros());
-    std::vector<std::pair<Index, double>> entries;
+    std::vector<int> position(static_cast<size_t>(scaled.size));
+    for (Index k = 0; k < scaled.size; ++k) position[static_cast<size_t>(scaled.Given(k))] = static_cast<int>(k);
+    rows_.reserve(A.nonZeros());
+    std::vector<std::pair<int, double>> entries;
     for (Index k = 0; k < scaled.size; ++k) {
       entries.clear();
       for (SparseMatrix::InnerIterator it(A, scaled.Given(k)); it; ++it) {
-        const Index column = position[At(it.col())];
+        const int column = position[static_cast<size_t>(it.col())];
+        const double value = it.value() * scaled.inverse_root[k] * scaled.inverse_root[column];
         if (column == k) {
-          diagonal_[At(k)] = it.value() == 0 ? 0.0 : 1.0;
-        } else {
-          entries.emplace_back(column, it.value() * scaled.inverse_root[At(k)] * scaled.inverse_root[At(column)]);
+          diagonal_[k] = it.value() == 0 ? 0.0 : 1.0;
+        } else if (value != 0) {
+          entries.emplace_back(column, value);
         }
       }
       if (!scaled.order.empty()) std::sort(entries.begin(), entries.end());
-      for (const auto& [column, value] : entries) {
-        if (value != 0) rows_.Push(column, value);
-      }
-      rows_.EndRow();
+      rows_.startVec(k);
+      for (const auto& [column, value] : entries) rows_.insertBack(k, column) = value;
     }
+    rows_.finalize();
   }
 
-  std::size_t ImageSize() const override { return At(scaled_.size); }
   bool ImageIsRoot() const override { return false; }
-  Index EntriesPerRow() const override { return 1 + rows_.Entries() / std::max<Index>(1, rows_.Rows()); }
-  void StartImage(Array* image) const override { image->assign(ImageSize(), 0.0); }
-  void AddToImage(Index begin, Index end, const Array& f, Array* image) const override {
-    for (Index k = begin; k < end; ++k) (*image)[At(k)] = diagonal_[At(k)] * f[At(k)] + rows_.Dot(k, f.data());
+  Index EntriesPerRow() const override { return 1 + MeanEntries(rows_); }
+  void StartImage(Array* image) const override { image->setZero(scaled_.size); }
+  void AddToImage(Index begin, Index end, Point* x) const override {
+    for (Index k = begin; k < end; ++k) x->image[k] = diagonal_[k] * x->f[k] + Product(rows_, k, x->f.data());
   }
   void AddRowToImage(Index row, double df, Array* image) const override {
-    (*image)[At(row)] += diagonal_[At(row)] * df;
-    rows_.Add(row, df, image->data());
+    (*image)[row] += diagonal_[row] * df;
+    AddRow(rows_, row, df, image);
   }
-  double W(Index row, const Array& f, const Array& /*image*/) const override {
-    return (scaled_.b[At(row)] + diagonal_[At(row)] * f[At(row)]) + rows_.Dot(row, f.data());
+  double W(Index row, const Point& x) const override {
+    return (scaled_.b[row] + diagonal_[row] * x.f[row]) + Product(rows_, row, x.f.data());
   }
-  void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-             StepSums* sums) const override {
-    RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-      ForRows(begin, end, backward, [&](Index k) { step->Take(k, W(k, *f, *image)); });
-    });
-  }
-  void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                    Array* /*next_image*/, StepSums* sums) const override {
-    RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-      for (Index k = begin; k < end; ++k) projected->Take(k, scaled_.b[At(k)] + y_image[At(k)]);
-    });
-  }
-  double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const override {
-    return RunResidual(scaled_, f, [&](auto* residual) {
-      for (Index k = begin; k < end; ++k) residual->Take(k, scaled_.b[At(k)] + image[At(k)]);
+  template <typename Step>
+  void Visit(Index begin, Index end, bool backward, const Point& from, Point* /*to*/, Step* step) const {
+    ForRows(begin, end, backward, [&](Index k) {
+      step->Take(k, Step::kKind == StepKind::kSweep ? W(k, from) : scaled_.b[k] + from.image[k]);
     });
   }
 
  private:
-  const ScaledProblem& scaled_;
-  CompressedRows rows_;
+  SparseMatrix rows_;
   Array diagonal_;
 };
 
 // S = D^-1/2 J M^-1/2 by rows on any number of bodies. Image: S^T f.
-class FactorRows final : public RowKernel {
+class FactorRows final : public LaidOutRows<FactorRows> {
  public:
   FactorRows(const LcpProblem& problem, const ScaledProblem& scaled)
-      : scaled_(scaled), columns_(At(problem.J().cols())) {
-    rows_.Reserve(problem.J().nonZeros());
+      : LaidOutRows(scaled), S_(scaled.size, problem.J().cols()) {
+    S_.reserve(problem.J().nonZeros());
     for (Index k = 0; k < scaled.size; ++k) {
+      S_.startVec(k);
       for (SparseMatrix::InnerIterator it(problem.J(), scaled.Given(k)); it; ++it) {
-        const double value = it.value() * std::sqrt(problem.inverse_mass()[it.col()]) * scaled.inverse_root[At(k)];
-        if (value != 0) rows_.Push(it.col(), value);
+        const double value = it.value() * std::sqrt(problem.inverse_mass()[it.col()]) * scaled.inverse_root[k];
+        if (value != 0) S_.insertBack(k, it.col()) = value;
       }
-      rows_.EndRow();
     }
+    S_.finalize();
   }
 
-  std::size_t ImageSize() const override { return columns_; }
   bool ImageIsRoot() const override { return true; }
-  Index EntriesPerRow() const override {
-    return std::max<Index>(1, 2 * rows_.Entries() / std::max<Index>(1, rows_.Rows()));
+  Index EntriesPerRow() const override { return std::max<Index>(1, 2 * MeanEntries(S_)); }
+  void StartImage(Array* image) const override { image->setZero(S_.cols()); }
+  void AddToImage(Index begin, Index end, Point* x) const override {
+    for (Index k = begin; k < end; ++k) AddRow(S_, k, x->f[k], &x->image);
   }
-  void StartImage(Array* image) const override { image->assign(columns_, 0.0); }
-  void AddToImage(Index begin, Index end, const Array& f, Array* image) const override {
-    for (Index k = begin; k < end; ++k) {
-      if (f[At(k)] != 0) AddRowToImage(k, f[At(k)], image);
-    }
-  }
-  void AddRowToImage(Index row, double df, Array* image) const override { rows_.Add(row, df, image->data()); }
-  double W(Index row, const Array& /*f*/, const Array& image) const override {
-    return scaled_.b[At(row)] + rows_.Dot(row, image.data());
-  }
-  void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-             StepSums* sums) const override {
-    RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-      ForRows(begin, end, backward, [&](Index k) { rows_.Add(k, step->Take(k, W(k, *f, *image)), image->data()); });
-    });
-  }
-  void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                    Array* next_image, StepSums* sums) const override {
-    RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-      for (Index k = begin; k < end; ++k) rows_.Add(k, projected->Take(k, W(k, y, y_image)), next_image->data());
-    });
-  }
-  double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const override {
-    return RunResidual(scaled_, f, [&](auto* residual) {
-      for (Index k = begin; k < end; ++k) residual->Take(k, W(k, f, image));
+  void AddRowToImage(Index row, double df, Array* image) const override { AddRow(S_, row, df, image); }
+  double W(Index row, const Point& x) const override { return scaled_.b[row] + Product(S_, row, x.image.data()); }
+  template <typename Step>
+  void Visit(Index begin, Index end, bool backward, const Point& from, Point* to, Step* step) const {
+    ForRows(begin, end, backward, [&](Index k) {
+      const double value = step->Take(k, W(k, from));
+      if constexpr (Step::kKind != StepKind::kResidual) AddRow(S_, k, value, &to->image);
     });
   }
 
  private:
-  const ScaledProblem& scaled_;
-  CompressedRows rows_;
-  std::size_t columns_;
+  SparseMatrix S_;
 };
 
 }  // namespace

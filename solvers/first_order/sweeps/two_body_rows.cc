@@ -4,10 +4,6 @@
 #include <cstring>
 #include <vector>
 
-#ifdef __AVX512F__
-#include <immintrin.h>
-#endif
-
 #include "solvers/first_order/sweeps/lanes.h"
 #include "solvers/first_order/sweeps/projected_step.h"
 #include "solvers/first_order/sweeps/row_kernel.h"
@@ -21,8 +17,9 @@ constexpr Index kSpares = 8;
 constexpr Index kEntriesPerRow = 12;
 // Where fewer rows than this share of all go by fours, looking for sets costs more than they save.
 constexpr double kLeastShareInFours = 0.5;
-constexpr auto kFour = static_cast<Index>(kLanes);
+constexpr Index kFour = kLanes;
 constexpr Index kEight = 2 * kFour;
+constexpr std::size_t kCacheLine = 64;
 // From so many rows on (4 MB) rows and bodies come from beyond the second-level cache, and are asked for ahead of time:
 // bodies as many rows ahead as the latency takes, rows twice as many, so that they are there when their bodies are
 // asked for. 48 to 192 rows are alike, 24 are too few for eights; backward passes, which the hardware does not foresee,
@@ -32,6 +29,12 @@ constexpr Index kAhead = 96;
 constexpr LaneMask kFirstThree = {-1, -1, -1, 0};
 
 using Offsets = std::array<int, 2>;
+
+// Whether a step changes the image, and the one that its products are read from.
+template <typename Step>
+constexpr bool kMoves = Step::kKind != StepKind::kResidual;
+template <typename Step>
+constexpr bool kStepsInPlace = Step::kKind == StepKind::kSweep;
 
 size_t At(Index i) { return static_cast<size_t>(i); }
 
@@ -122,12 +125,12 @@ LCPBENCH_ALWAYS_INLINE __m512d AddPairs(__m512d a, __m512d b) {
 // by eights, a register a row, with the eight dot products added up in one transposition; by fours, half a row a
 // register, where there is no AVX-512; what is left of a set by fours and one by one. All give the same
 // bits. Measured cost: docs/solvers/first_order.md.
-class TwoBodyRows final : public RowKernel {
+class TwoBodyRows final : public LaidOutRows<TwoBodyRows> {
  public:
-  TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) : scaled_(scaled) {
+  TwoBodyRows(const LcpProblem& problem, const ScaledProblem& scaled) : LaidOutRows(scaled) {
     const SparseMatrix& J = problem.J();
     const Index bodies = J.cols() / 3;
-    image_size_ = At(bodies + kSpares) * kLanes;
+    image_size_ = (bodies + kSpares) * kLanes;
     rows_.assign(At(scaled.size), {});
     for (Index k = 0; k < scaled.size; ++k) {
       double* s = rows_[At(k)].s.data();
@@ -138,53 +141,44 @@ class TwoBodyRows final : public RowKernel {
         const Index block = it.col() / 3;
         const size_t side = body[0] < 0 || body[0] == block ? 0 : 1;
         body[side] = block;
-        s[kLanes * side + At(it.col() % 3)] = it.value() * std::sqrt(m) * scaled.inverse_root[At(k)];
+        s[kLanes * static_cast<Index>(side) + it.col() % 3] = it.value() * std::sqrt(m) * scaled.inverse_root[k];
       }
       if (body[0] < 0) body[0] = bodies + k % kSpares;
       if (body[1] < 0) body[1] = bodies + (k + kSpares / 2) % kSpares;
-      const Offsets offsets = {static_cast<int>(body[0]) * static_cast<int>(kLanes),
-                               static_cast<int>(body[1]) * static_cast<int>(kLanes)};
+      const Offsets offsets = {static_cast<int>(body[0] * kLanes), static_cast<int>(body[1] * kLanes)};
       std::memcpy(s + 7, &offsets, sizeof offsets);
     }
     FindSets();
   }
 
   void SetB() override {
-    for (size_t k = 0; k < rows_.size(); ++k) rows_[k].s[3] = scaled_.b[k];
+    for (Index k = 0; k < scaled_.size; ++k) rows_[At(k)].s[3] = scaled_.b[k];
   }
-  std::size_t ImageSize() const override { return image_size_; }
   bool ImageIsRoot() const override { return true; }
   Index EntriesPerRow() const override { return kEntriesPerRow; }
   void StartImage(Array* image) const override {
-    image->assign(image_size_, 0.0);
-    for (size_t i = 3; i < image_size_; i += kLanes) (*image)[i] = 1;
+    image->setZero(image_size_);
+    for (Index i = 3; i < image_size_; i += kLanes) (*image)[i] = 1;
   }
-  void AddToImage(Index begin, Index end, const Array& f, Array* image) const override {
+  void AddToImage(Index begin, Index end, Point* x) const override {
     for (Index k = begin; k < end; ++k) {
-      if (f[At(k)] != 0) AddRowToImage(k, f[At(k)], image);
+      if (x->f[k] != 0) AddRowToImage(k, x->f[k], &x->image);
     }
   }
   void AddRowToImage(Index row, double df, Array* image) const override {
-    Loaded(rows_[At(row)].s.data(), image->data()).Push<true>(Broadcast(df), image->data());
+    Loaded(rows_[At(row)].s.data(), image->data()).Push<true>(Filled(df), image->data());
   }
-  double W(Index row, const Array& /*f*/, const Array& image) const override {
-    return Sum(Loaded(rows_[At(row)].s.data(), image.data()).Products());
+  double W(Index row, const Point& x) const override {
+    return Sum(Loaded(rows_[At(row)].s.data(), x.image.data()).Products());
   }
-  void Sweep(Index begin, Index end, bool backward, double omega, Array* f, Array* image,
-             StepSums* sums) const override {
-    RunStep<false>(scaled_, omega, *f, f, sums, [&](auto* step) {
-      Visit<Pass::kInPlace>(begin, end, backward, image->data(), image->data(), step);
-    });
-  }
-  void GradientStep(Index begin, Index end, double step, const Array& y, const Array& y_image, Array* next,
-                    Array* next_image, StepSums* sums) const override {
-    RunStep<true>(scaled_, step, y, next, sums, [&](auto* projected) {
-      Visit<Pass::kAcross>(begin, end, false, y_image.data(), next_image->data(), projected);
-    });
-  }
-  double ResidualSquares(Index begin, Index end, const Array& f, const Array& image) const override {
-    return RunResidual(scaled_, f,
-                       [&](auto* residual) { Visit<Pass::kRead>(begin, end, false, image.data(), nullptr, residual); });
+  template <typename Step>
+  void Visit(Index begin, Index end, bool backward, const Point& from, Point* to, Step* step) const {
+    double* const out = to == nullptr ? nullptr : to->image.data();
+    if (backward) {
+      VisitRows<true>(begin, end, from.image.data(), out, step);
+    } else {
+      VisitRows<false>(begin, end, from.image.data(), out, step);
+    }
   }
 
  private:
@@ -192,15 +186,9 @@ class TwoBodyRows final : public RowKernel {
     std::array<double, 8> s{};  // first block, b, second block, offsets of the bodies (two int)
   };
 
-  enum class Pass {
-    kRead,     // products only
-    kInPlace,  // what the products read is what the steps change
-    kAcross,   // read one image, change another
-  };
-
   void FindSets() {
-    const auto spares_from = static_cast<int>(image_size_ - At(kSpares) * kLanes);
-    std::vector<Index> last_set(image_size_ / kLanes, -1);  // the last set with a row on the body
+    const Index spares_from = image_size_ - kSpares * kLanes;
+    std::vector<Index> last_set(At(image_size_ / kLanes), -1);  // the last set with a row on the body
     Index set = 0;
     Index length = 0;
     Index in_fours = 0;
@@ -213,25 +201,23 @@ class TwoBodyRows final : public RowKernel {
     };
     for (Index k = 0; k < scaled_.size; ++k) {
       const Offsets offsets = BodiesOf(rows_[At(k)].s.data());
-      const auto taken = [&](int offset) {
-        return offset < spares_from && last_set[static_cast<size_t>(offset) / kLanes] == set;
-      };
+      const auto taken = [&](int offset) { return offset < spares_from && last_set[At(offset / kLanes)] == set; };
       if (taken(offsets[0]) || taken(offsets[1])) close(k);
-      for (const int offset : offsets) last_set[static_cast<size_t>(offset) / kLanes] = set;
+      for (const int offset : offsets) last_set[At(offset / kLanes)] = set;
       ++length;
     }
     close(scaled_.size);
     if (static_cast<double>(in_fours) < kLeastShareInFours * static_cast<double>(scaled_.size)) set_end_.clear();
   }
 
-  template <Pass kPass, typename Step>
+  template <typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitOne(const Row& row, Index k, const double* in, double* out, Step* step) {
     const Loaded loaded(row.s.data(), in);
     const double value = step->Take(k, Sum(loaded.Products()));
-    if constexpr (kPass != Pass::kRead) loaded.Push<kPass == Pass::kInPlace>(Broadcast(value), out);
+    if constexpr (kMoves<Step>) loaded.Push<kStepsInPlace<Step>>(Filled(value), out);
   }
 
-  template <Pass kPass, HalfOfEight kHalf, typename Step>
+  template <HalfOfEight kHalf, typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitFour(const Row* row, Index k, const double* in, double* out, Step* step) {
     const Loaded r0(row[0].s.data(), in);
     const Loaded r1(row[1].s.data(), in);
@@ -247,11 +233,11 @@ class TwoBodyRows final : public RowKernel {
     const Lanes w =
         __builtin_shufflevector(pairs01, pairs23, 0, 1, 4, 5) + __builtin_shufflevector(pairs01, pairs23, 2, 3, 6, 7);
     const Lanes value = step->template Take<kHalf>(k, w);
-    if constexpr (kPass != Pass::kRead) {
-      r0.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
-      r1.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 1, 1, 1, 1), out);
-      r2.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 2, 2, 2, 2), out);
-      r3.Push<kPass == Pass::kInPlace>(__builtin_shufflevector(value, value, 3, 3, 3, 3), out);
+    if constexpr (kMoves<Step>) {
+      r0.Push<kStepsInPlace<Step>>(__builtin_shufflevector(value, value, 0, 0, 0, 0), out);
+      r1.Push<kStepsInPlace<Step>>(__builtin_shufflevector(value, value, 1, 1, 1, 1), out);
+      r2.Push<kStepsInPlace<Step>>(__builtin_shufflevector(value, value, 2, 2, 2, 2), out);
+      r3.Push<kStepsInPlace<Step>>(__builtin_shufflevector(value, value, 3, 3, 3, 3), out);
     }
   }
 
@@ -270,7 +256,7 @@ class TwoBodyRows final : public RowKernel {
     }
   }
 
-  template <Pass kPass, bool kBackward, typename Step>
+  template <bool kBackward, typename Step>
   LCPBENCH_ALWAYS_INLINE static void VisitEight(const Row* row, Index k, const double* in, double* out, Step* step) {
 #ifdef __AVX512F__
     const auto s = [&](Index i) { return row[i].s.data(); };
@@ -282,21 +268,21 @@ class TwoBodyRows final : public RowKernel {
     };
     const __m512d w = AddPairs(AddNeighbours(halves(0, 2), halves(1, 3)), AddNeighbours(halves(4, 6), halves(5, 7)));
     alignas(kCacheLine) std::array<double, kEight> value;
-    StoreTo(value.data(), step->Take(k, WideLanes(w)));
-    if constexpr (kPass != Pass::kRead) {
+    Store(value.data(), step->Take(k, WideLanes(w)));
+    if constexpr (kMoves<Step>) {
       asm("" : "+m"(value));  // broadcasts from memory are free, from registers they take a quarter of the pass
       for (Index i = 0; i < kEight; ++i) {
-        rows[At(i)].template Push<kPass == Pass::kInPlace>(s(i), _mm512_set1_pd(value[At(i)]), out);
+        rows[At(i)].template Push<kStepsInPlace<Step>>(s(i), _mm512_set1_pd(value[At(i)]), out);
       }
     }
 #else
-    if constexpr (kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
-    VisitFour<kPass, HalfOfEight::kLow>(row, k, in, out, step);
-    if constexpr (!kBackward) VisitFour<kPass, HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+    if constexpr (kBackward) VisitFour<HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
+    VisitFour<HalfOfEight::kLow>(row, k, in, out, step);
+    if constexpr (!kBackward) VisitFour<HalfOfEight::kHigh>(row + kFour, k + kFour, in, out, step);
 #endif
   }
 
-  template <Pass kPass, bool kBackward, typename Step>
+  template <bool kBackward, typename Step>
   void VisitRows(Index begin, Index end, const double* in, double* out, Step* step_of_all) const {
     // A copy, so that its sums stay in registers: nothing that `out` points to can be it.
     Step step = *step_of_all;
@@ -304,15 +290,15 @@ class TwoBodyRows final : public RowKernel {
     const bool from_memory = scaled_.size >= kRowsFromMemory;
     const auto by_eights = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, kEight>(k, in);
-      VisitEight<kPass, kBackward>(rows + k, k, in, out, &step);
+      VisitEight<kBackward>(rows + k, k, in, out, &step);
     };
     const auto by_fours = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, kFour>(k, in);
-      VisitFour<kPass, HalfOfEight::kNone>(rows + k, k, in, out, &step);
+      VisitFour<HalfOfEight::kNone>(rows + k, k, in, out, &step);
     };
     const auto by_ones = [&](Index k) __attribute__((always_inline)) {
       if (from_memory) FetchAhead<kBackward, 1>(k, in);
-      VisitOne<kPass>(rows[k], k, in, out, &step);
+      VisitOne(rows[k], k, in, out, &step);
     };
     if (set_end_.empty()) {
       if constexpr (kBackward) {
@@ -350,19 +336,9 @@ class TwoBodyRows final : public RowKernel {
     *step_of_all = step;
   }
 
-  template <Pass kPass, typename Step>
-  void Visit(Index begin, Index end, bool backward, const double* in, double* out, Step* step) const {
-    if (backward) {
-      VisitRows<kPass, true>(begin, end, in, out, step);
-    } else {
-      VisitRows<kPass, false>(begin, end, in, out, step);
-    }
-  }
-
-  const ScaledProblem& scaled_;
-  AlignedVector<Row> rows_;
+  std::vector<Row> rows_;
   std::vector<Index> set_end_;  // of each set of independent rows; empty where there is little to gain
-  std::size_t image_size_ = 0;
+  Index image_size_ = 0;
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -32,13 +31,13 @@ namespace {
 using Json = nlohmann::json;
 
 // Rows enter and leave in the first steps.
-SequenceEntry GearTrain() {
+const SequenceEntry& GearTrain() {
   static const SequenceEntry entry = MeasureSequence(Recipe{"gear-train", 12, 1, {}}, 30);
   return entry;
 }
 
 // Rows only stay.
-SequenceEntry DiscsInV() {
+const SequenceEntry& DiscsInV() {
   static const SequenceEntry entry = MeasureSequence(Recipe{"discs-in-v", 12, 1, {}}, 8);
   return entry;
 }
@@ -51,17 +50,21 @@ std::string ManifestText(std::vector<SequenceEntry> sequences) {
   return FormatManifest(manifest);
 }
 
-class SequenceFile : public CommandTest {};
+class SequenceFile : public CommandTest {
+ protected:
+  std::vector<SequenceStep> WrittenAndRead(const SequenceEntry& entry) const {
+    const std::string path = SequencePath(folder_.string(), entry.id);
+    WriteSequenceFile(entry, path);
+    return ReadSequenceFile(path, entry.sha256);
+  }
+};
 
 TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
-  const std::string path = SequencePath(folder_.string(), GearTrain().id);
-  WriteSequenceFile(GearTrain(), path);
-  const std::vector<SequenceStep> steps = ReadSequenceFile(path, GearTrain().sha256);
+  const std::vector<SequenceStep> steps = WrittenAndRead(GearTrain());
   ASSERT_EQ(static_cast<std::int64_t>(steps.size()), GearTrain().problems);
   std::size_t k = 0;
-  int entered = 0;
-  int left = 0;
-  std::vector<int> before;
+  std::ptrdiff_t entered = 0;
+  std::ptrdiff_t left = 0;
   RowMatching matching;
   ForEachSequenceProblem(
       GearTrain().start, GearTrain().steps, [&](const LcpProblem& problem, const MotionProblem& met) {
@@ -73,10 +76,9 @@ TEST_F(SequenceFile, HoldsTheProblemsAndWhichRowsAreTheSame) {
         for (std::size_t i = 0; i < expected.size(); ++i) EXPECT_EQ(step.previous[i], expected[i].value_or(-1));
         if (k > 0) {
           const auto stay = std::count_if(step.previous.begin(), step.previous.end(), [](int row) { return row >= 0; });
-          entered += static_cast<int>(problem.size() - stay);
-          left += static_cast<int>(static_cast<std::ptrdiff_t>(before.size()) - stay);
+          entered += problem.size() - stay;
+          left += steps[k - 1].problem.size() - stay;
         }
-        before = step.previous;
         ASSERT_TRUE(step.reference.w.has_value());
         EXPECT_LE(ComputeMetrics(step.problem, met.result.f, &step.reference).w_error, 1e-12);
         EXPECT_LE(*step.reference.floor, 1e-9);
@@ -103,9 +105,7 @@ TEST_F(SequenceFile, AnotherHashOrDamageIsRefused) {
 // The exact answer to redundant rows may be a self-stress of 10^16: its floor must excuse nobody.
 TEST_F(SequenceFile, AHugeExactAnswerLendsNeitherItsFloorNorItsW) {
   const SequenceEntry entry = MeasureSequence(Recipe{"roller-bearing", 40, 1, {}}, 2);
-  const std::string path = SequencePath(folder_.string(), entry.id);
-  WriteSequenceFile(entry, path);
-  const std::vector<SequenceStep> steps = ReadSequenceFile(path, entry.sha256);
+  const std::vector<SequenceStep> steps = WrittenAndRead(entry);
   std::size_t k = 0;
   double largest = 0;
   ForEachSequenceProblem(entry.start, entry.steps, [&](const LcpProblem& problem, const MotionProblem& met) {
@@ -129,19 +129,21 @@ TEST(SequencePlan, EveryModeHasItsTiers) {
   manifest.sequences = {DiscsInV()};
   CampaignPlan plan;
   plan.solvers = {"pgs", "dantzig"};
-  std::map<std::string, std::vector<std::tuple<std::string, double, std::size_t>>> passes;  // mode, tier, judged
+  using Modes = std::vector<std::tuple<std::string, double, std::size_t>>;  // mode, tier, judged
+  std::map<std::string, Modes> passes;
   const std::vector<Manifest> manifests = {manifest};
   for (const Task& pass : PlanPasses(plan, manifests)) {
     EXPECT_EQ(pass.warm, pass.mode != "cold");
     EXPECT_EQ(pass.deadline_s > 0, pass.mode.starts_with("deadline-"));
     passes[pass.solver].emplace_back(pass.mode, pass.tier, pass.judged.size());
   }
-  const std::vector<std::tuple<std::string, double, std::size_t>> deadlines = {
-      {"deadline-0.1ms", 1e-9, 3}, {"deadline-1ms", 1e-9, 3}, {"deadline-16ms", 1e-9, 3}};
-  std::vector<std::tuple<std::string, double, std::size_t>> direct = {{"cold", 1e-9, 3}, {"warm", 1e-9, 3}};
-  std::vector<std::tuple<std::string, double, std::size_t>> iterative = {
-      {"cold", 1e-3, 1}, {"cold", 1e-6, 1}, {"cold", 1e-9, 1}, {"warm", 1e-3, 1}, {"warm", 1e-6, 1}, {"warm", 1e-9, 1}};
-  for (auto* expected : {&direct, &iterative}) expected->insert(expected->end(), deadlines.begin(), deadlines.end());
+  Modes direct = {{"cold", 1e-9, 3}, {"warm", 1e-9, 3}};
+  Modes iterative = {{"cold", 1e-3, 1}, {"cold", 1e-6, 1}, {"cold", 1e-9, 1},
+                     {"warm", 1e-3, 1}, {"warm", 1e-6, 1}, {"warm", 1e-9, 1}};
+  for (const char* deadline : {"deadline-0.1ms", "deadline-1ms", "deadline-16ms"}) {
+    direct.emplace_back(deadline, 1e-9, 3);
+    iterative.emplace_back(deadline, 1e-9, 3);
+  }
   EXPECT_EQ(passes["dantzig"], direct);
   EXPECT_EQ(passes["pgs"], iterative);
 }
@@ -150,19 +152,18 @@ class SequencePass : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
-    request_.sequence = GearTrain().id;
     request_.file = SequencePath(folder_.string(), GearTrain().id);
     request_.sha256 = GearTrain().sha256;
     request_.solver = "dantzig";
     request_.tier = 1e-6;
     request_.judged = {1e-3, 1e-6};
-    request_.least_s = request_.most_s = 10;
+    request_.limits.least_s = request_.limits.most_s = 10;
     request_.budget_s = 100;
     WriteSequenceFile(GearTrain(), request_.file);
   }
 
   SequenceReply Run() {
-    return SequenceRunner().Run(request_, [](int, double) {});
+    return SequenceRunner().Run(request_, [](double, const std::string&) {});
   }
 
   SequenceRequest request_;
@@ -225,7 +226,7 @@ TEST_F(SequencePass, WhatComesLateIsNoAnswer) {
   request_.warm = true;
   for (const double deadline : {0.5e-3, 10.0}) {
     request_.deadline_s = deadline;
-    const SequenceReply reply = SequenceRunner(&SlowClock).Run(request_, [](int, double) {});
+    const SequenceReply reply = SequenceRunner(&SlowClock).Run(request_, [](double, const std::string&) {});
     const bool late = deadline < 1;
     EXPECT_EQ(reply.results.at("late").size(), late ? steps_ : 0);
     EXPECT_EQ(reply.results.at("rho")[0].is_null(), late);
@@ -262,7 +263,7 @@ TEST_F(SequencePass, WorkersServeSequencesAndProblemsAndAreKilledWhereTheyHang) 
   EXPECT_FALSE(killed.detail.empty());
   EXPECT_TRUE(killed.results.is_null());
   // What is written of it then: no step counts as reached.
-  const Json nothing = StepRecord({1e-6}, 1e-6).Results(3);
+  const Json nothing = StepRecord({1e-6}).Results(3);
   EXPECT_EQ(nothing.at("verdicts")[0].at("failed_steps"), Json({0, 1, 2}));
   EXPECT_TRUE(nothing.at("preempted").empty());
 }
@@ -281,7 +282,7 @@ class SequenceCampaign : public CommandTest {
 };
 
 TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
-  const CommandOutcome outcome = Succeed(Campaign("c"));
+  Succeed(Campaign("c"));
   std::map<std::string, int> lines;
   for (const Json& pass : Passes("c")) {
     EXPECT_EQ(pass["outcome"], "completed") << pass["detail"];
@@ -294,15 +295,14 @@ TEST_F(SequenceCampaign, EveryPassHasALineInEveryRound) {
     EXPECT_EQ(count, both_tiers ? 4 : 2) << name;
   }
   EXPECT_TRUE(JsonLines(folder_ / "c" / "streams.jsonl").empty());
-  const Json campaign = Json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  const Json campaign = ReadJson(folder_ / "c" / "campaign.json");
   EXPECT_EQ(campaign["deadlines_s"].size(), 3U);
   EXPECT_EQ(campaign["sequences"][0]["steps"], GearTrain().problems);
   EXPECT_EQ(campaign["sequences"][1]["rows"], 12);
 
-  const CommandOutcome analysis = Succeed("analyse " + Path("c"));
-  const std::string latency = ReadFile(folder_ / "c" / "analysis" / "latency.csv");
+  Succeed("analyse " + Path("c"));
   // Tiers: two cold, two warm, and of three deadlines the strictest alone; and the header.
-  EXPECT_EQ(std::count(latency.begin(), latency.end(), '\n'), 2 * 2 * (2 + 2 + 3) + 1) << latency;
+  EXPECT_EQ(Lines(ReadFile(folder_ / "c" / "analysis" / "latency.csv")).size(), 2 * 2 * (2 + 2 + 3) + 1U);
   EXPECT_TRUE(std::filesystem::exists(folder_ / "c" / "analysis" / "deadline.csv"));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "c" / "analysis" / "cells.csv"));
 }
@@ -318,7 +318,7 @@ TEST_F(SequenceCampaign, AnotherSequenceIsToldInOneLine) {
   SequenceEntry wrong = DiscsInV();
   wrong.sha256 = GearTrain().sha256;
   Write("motions.json", ManifestText({wrong}));
-  const CommandOutcome other = Run(Campaign("d"));
+  const CommandOutcome other = Run(Campaign("d"));  // with a progress bar before
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.error.find(wrong.id + ": expected the sequence with SHA-256"), std::string::npos) << other.error;
 }

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -17,12 +16,12 @@
 namespace lcpbench {
 namespace {
 
+using Json = nlohmann::json;
+
 constexpr const char* kManifest = LCPBENCH_SOURCE_DIR "/data/smoke.json";
 
 // By value: what a loop runs over must outlive it.
-nlohmann::json DeclaredSolvers() {
-  return nlohmann::json::parse(ReadFile(LCPBENCH_SOURCE_DIR "/data/tuning.json")).at("solvers");
-}
+Json DeclaredSolvers() { return ReadJson(LCPBENCH_SOURCE_DIR "/data/tuning.json").at("solvers"); }
 
 TEST(TuningSpace, DeclaresEverySolverOnce) {
   std::set<std::string> declared;
@@ -61,11 +60,8 @@ TEST(TuningSpace, FirstValuesAreTheDefaults) {
       options.tolerance = 1e-6;
       LcpResult expected;
       LcpResult found;
-      for (const auto& [settings, result] : {std::pair(Settings(), &expected), std::pair(first, &found)}) {
-        const auto made = MakeSolver(key, settings);
-        made->Prepare(problem);
-        made->Solve(problem, options, result);
-      }
+      MakeSolver(key)->Solve(problem, options, &expected);
+      MakeSolver(key, first)->Solve(problem, options, &found);
       EXPECT_EQ(found.status, expected.status);
       EXPECT_EQ(found.iterations, expected.iterations);
       EXPECT_TRUE(found.f == expected.f);
@@ -79,9 +75,9 @@ class TunedSettings : public CommandTest {
     return std::string("run --suite ") + kManifest + " --filter 'rockers-n8-' --tiers 1e-6 --passes 1 -o " +
            Path(folder) + " " + more;
   }
-  std::map<std::string, nlohmann::json> SolversOf(const std::string& folder) const {
-    const auto campaign = nlohmann::json::parse(ReadFile(folder_ / folder / "campaign.json"));
-    std::map<std::string, nlohmann::json> solvers;
+  std::map<std::string, Json> SolversOf(const std::string& folder) const {
+    const auto campaign = ReadJson(folder_ / folder / "campaign.json");
+    std::map<std::string, Json> solvers;
     for (const auto& solver : campaign["solvers"]) solvers[solver["key"]] = solver;
     return solvers;
   }
@@ -91,16 +87,15 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   Write("tuned.json", R"({"schema": "lcpbench-tuned/1", "budget": 5, "solvers": [
     {"solver": "pgs", "chosen": {"relaxation": "1.3", "sweep": "forward"}},
     {"solver": "dantzig", "chosen": {}}, {"solver": "lemke", "chosen": {"block_start": "yes"}}]})");
-  const CommandOutcome outcome = Run(Campaign("c", "--solvers dantzig,pgs,bpp --tuned " + Path("tuned.json")));
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
+  Succeed(Campaign("c", "--solvers dantzig,pgs,bpp --tuned " + Path("tuned.json")));
   // None for a solver whose default stays, and for one that the campaign has not.
   const auto solvers = SolversOf("c");
   ASSERT_EQ(solvers.size(), 4U);
   const auto& tuned = solvers.at("pgs-tuned");
   EXPECT_EQ(tuned["setting"], "variant");
   EXPECT_EQ(tuned["base"], "pgs");
-  EXPECT_EQ(tuned["settings"], (nlohmann::json{{"relaxation", "1.3"}, {"sweep", "forward"}}));
-  const auto campaign = nlohmann::json::parse(ReadFile(folder_ / "c" / "campaign.json"));
+  EXPECT_EQ(tuned["settings"], (Json{{"relaxation", "1.3"}, {"sweep", "forward"}}));
+  const auto campaign = ReadJson(folder_ / "c" / "campaign.json");
   EXPECT_EQ(campaign["tuning"]["file"], "tuned.json");
   EXPECT_EQ(campaign["tuning"]["sha256"].get<std::string>().size(), 64U);
   EXPECT_EQ(campaign["tuning"]["budget"], 5);
@@ -113,9 +108,9 @@ TEST_F(TunedSettings, RunBesideTheDefaults) {
   ASSERT_EQ(iterations.size(), 4U);
   EXPECT_NE(iterations["pgs-tuned"], iterations["pgs"]);
 
-  ASSERT_EQ(Run(Campaign("d", "--solvers dantzig,pgs")).status, 0);
+  Succeed(Campaign("d", "--solvers dantzig,pgs"));
   EXPECT_EQ(SolversOf("d").size(), 2U);
-  EXPECT_FALSE(nlohmann::json::parse(ReadFile(folder_ / "d" / "campaign.json")).contains("tuning"));
+  EXPECT_FALSE(ReadJson(folder_ / "d" / "campaign.json").contains("tuning"));
 }
 
 TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
@@ -130,21 +125,15 @@ TEST_F(TunedSettings, WhatIsNoTunedFileIsRefusedByOneLine) {
        "lcpbench tune"}};
   for (const auto& [text, told] : mistakes) {
     Write("wrong.json", text);
-    const CommandOutcome outcome = Run(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")));
-    EXPECT_EQ(outcome.status, 2) << text;
-    EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
-    EXPECT_NE(outcome.error.find(told), std::string::npos) << outcome.error;
+    ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("wrong.json")), told);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "c"));
   }
-  const CommandOutcome missing = Run(Campaign("c", "--solvers pgs --tuned " + Path("none.json")));
-  EXPECT_EQ(missing.status, 2);
-  EXPECT_NE(missing.error.find("none.json"), std::string::npos) << missing.error;
-  EXPECT_EQ(Run("run --suite quick --tuned " + Path("none.json") + " -o " + Path("c")).status, 2);
+  ExpectMistake(Campaign("c", "--solvers pgs --tuned " + Path("none.json")), "none.json");
+  ExpectMistake("run --suite quick --tuned " + Path("none.json") + " -o " + Path("c"), "none.json");
 }
 
 TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
-  ASSERT_EQ(
-      Run(Campaign("c", "--solvers pgs,dart-pgs,dart-pgs-default,bullet-dantzig,again --variant again=pgs")).status, 0);
+  Succeed(Campaign("c", "--solvers pgs,dart-pgs,dart-pgs-default,bullet-dantzig,again --variant again=pgs"));
   const auto solvers = SolversOf("c");
   for (const auto& [key, setting] :
        {std::pair("pgs", "default"), std::pair("dart-pgs", "tuned"), std::pair("dart-pgs-default", "default"),
@@ -156,10 +145,7 @@ TEST_F(TunedSettings, CampaignsSayWhichKeysRunTuned) {
 TEST_F(TunedSettings, TuneTellsMistakesInItsSpace) {
   Write("space.json", R"({"schema": "lcpbench-tuning/1", "solvers": [{"solver": "pgs", "settings": {"sweep": 3}}]})");
   const std::string arguments = "tune --folder " + Path("t") + " -o " + Path("out.json") + " --space ";
-  const CommandOutcome outcome = Run(arguments + Path("space.json"));
-  EXPECT_EQ(outcome.status, 2);
-  EXPECT_NE(outcome.error.find("sweep"), std::string::npos) << outcome.error;
-  EXPECT_EQ(std::count(outcome.error.begin(), outcome.error.end(), '\n'), 1) << outcome.error;
+  ExpectMistake(arguments + Path("space.json"), "sweep");
   EXPECT_EQ(Run(arguments + Path("space.json") + " --budget 0").status, 2);
 }
 
@@ -167,18 +153,15 @@ TEST_F(TunedSettings, TuneTellsMistakesInItsSpace) {
 TEST_F(TunedSettings, TuneWritesWhatRunTakes) {
   // A peer without settings, where there is one, is left out.
   const std::string peer = FindSolver("bullet-lemke").available ? ",bullet-lemke" : "";
-  const CommandOutcome outcome = Run("tune --solvers lemke" + peer +
-                                     " --budget 2 --sizes 12 --problem-seed 77 --passes 1 "
-                                     "--folder " +
-                                     Path("t") + " -o " + Path("tuned.json"));
-  ASSERT_EQ(outcome.status, 0) << outcome.error;
-  const auto tuned = nlohmann::json::parse(ReadFile(folder_ / "tuned.json"));
+  Succeed("tune --solvers lemke" + peer + " --budget 2 --sizes 12 --problem-seed 77 --passes 1 --folder " + Path("t") +
+          " -o " + Path("tuned.json"));
+  const auto tuned = ReadJson(folder_ / "tuned.json");
   EXPECT_EQ(tuned["budget"], 2);
   EXPECT_EQ(tuned["problems"]["count"], 48);
   ASSERT_EQ(tuned["solvers"].size(), 1U);
   EXPECT_EQ(tuned["solvers"][0]["configurations"], 2);
-  EXPECT_EQ(tuned["solvers"][0]["tried"][1]["settings"], (nlohmann::json{{"block_start", "yes"}}));
-  ASSERT_EQ(Run(Campaign("c", "--solvers lemke --tuned " + Path("tuned.json"))).status, 0);
+  EXPECT_EQ(tuned["solvers"][0]["tried"][1]["settings"], (Json{{"block_start", "yes"}}));
+  Succeed(Campaign("c", "--solvers lemke --tuned " + Path("tuned.json")));
   EXPECT_EQ(SolversOf("c").size(), tuned["solvers"][0]["chosen"].empty() ? 1U : 2U);
 }
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Dense>
 #include <random>
+#include <set>
 
-#include "benchmarks/measure/body_system.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"
@@ -14,13 +14,8 @@
 namespace lcpbench {
 namespace {
 
-Eigen::MatrixXd Restricted(const Eigen::MatrixXd& A, const std::vector<Index>& rows) {
-  const auto n = static_cast<Index>(rows.size());
-  Eigen::MatrixXd sub(n, n);
-  for (Index i = 0; i < n; ++i) {
-    for (Index j = 0; j < n; ++j) sub(i, j) = A(rows[static_cast<std::size_t>(i)], rows[static_cast<std::size_t>(j)]);
-  }
-  return sub;
+LcpProblem Scene(std::string_view key, int rows, std::uint64_t seed) {
+  return AssembleContactLcp(GenerateScene(key, rows, seed)).problem;
 }
 
 // As many rows as the rank, and A nonsingular on them: so no further row could be added.
@@ -42,24 +37,23 @@ TEST(Oracle, IndependentRowsAreAMaximalSet) {
     const Index expected = rows.empty() ? 0 : Eigen::FullPivLU<Eigen::MatrixXd>(factor).rank();
     EXPECT_EQ(static_cast<Index>(independent.size()), expected) << trial;
     if (independent.empty()) continue;
-    EXPECT_EQ(Eigen::FullPivLU<Eigen::MatrixXd>(Restricted(A, independent)).rank(), expected) << trial;
+    EXPECT_EQ(Eigen::FullPivLU<Eigen::MatrixXd>(A(independent, independent)).rank(), expected) << trial;
   }
 }
 
 TEST(Oracle, SolvesTheProblemThatItIsToldTheActiveSetOf) {
   if (!FindSolver("ipm").available) GTEST_SKIP() << "ipm is not in this build";
   for (const char* key : {"discs-in-v", "disc-pile", "boxes-and-discs"}) {
-    const LcpProblem problem = AssembleContactLcp(GenerateScene(key, 120, 3)).problem;
+    const LcpProblem problem = Scene(key, 120, 3);
     LcpResult result;
     MakeSolver("dantzig")->Solve(problem, {}, &result);
     const Metrics metrics = ComputeMetrics(problem, result.f);
     const std::vector<Index> rows = IndependentRows(problem.SparseA(), ActiveRows(problem, result.f, metrics.w));
     // On the independent active rows w = 0 determines a force that gives the same w everywhere.
-    Eigen::VectorXd b(static_cast<Index>(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) b[static_cast<Index>(i)] = problem.b()[rows[i]];
-    const Eigen::VectorXd solved = Restricted(problem.DenseA(), rows).ldlt().solve(-b);
     Eigen::VectorXd f = Eigen::VectorXd::Zero(problem.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) f[rows[i]] = solved[static_cast<Index>(i)];
+    const Eigen::MatrixXd A = problem.DenseA()(rows, rows);
+    const Eigen::VectorXd b = problem.b()(rows);
+    f(rows) = Eigen::VectorXd(A.ldlt().solve(-b));
     const Eigen::VectorXd w = problem.DenseA() * f + problem.b();
     EXPECT_LE((w - metrics.w).cwiseAbs().maxCoeff(), 1e-7 * problem.b().cwiseAbs().maxCoeff()) << key;
 
@@ -70,13 +64,105 @@ TEST(Oracle, SolvesTheProblemThatItIsToldTheActiveSetOf) {
 // A tree of bodies is ordered without fill: L has the entries of the matrix.
 TEST(Oracle, OfAChainHasNoFill) {
   if (!FindSolver("ipm").available) GTEST_SKIP() << "orders come from CHOLMOD, which is not in this build";
-  const LcpProblem problem = AssembleContactLcp(GenerateScene("chain-of-links", 200, 1)).problem;
+  const LcpProblem problem = Scene("chain-of-links", 200, 1);
   const std::vector<Factorization> times = TimeBodySpace(problem, problem.bilateral_rows());
   ASSERT_FALSE(times.empty());
   EXPECT_EQ(times.front().fill,
             static_cast<double>(MakeBodySystem(problem, problem.bilateral_rows()).lower.nonZeros()));
   EXPECT_GT(times.front().seconds, 0);
   for (const Factorization& time : TimeBodySpace(problem, {})) EXPECT_EQ(time.seconds, 0);
+}
+
+// Every third row is left out, so that some bodies are coupled to nothing.
+std::vector<Index> SomeRows(const LcpProblem& problem) {
+  std::vector<Index> rows;
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (i % 3 != 1) rows.push_back(i);
+  }
+  return rows;
+}
+
+Index BodyOf(const BodySystem& system, int unknown) { return system.column_of[static_cast<std::size_t>(unknown)] / 3; }
+
+TEST(BodySystem, IsMassPlusStiffnessOfTheActiveRows) {
+  for (const SceneFamily& family : AllScenes()) {
+    SCOPED_TRACE(family.key);
+    const LcpProblem problem = Scene(family.key, 25, 2);
+    const std::vector<Index> rows = SomeRows(problem);
+    const BodySystem system = MakeBodySystem(problem, rows);
+    const Eigen::MatrixXd J = Eigen::MatrixXd(problem.J())(rows, system.column_of);
+    const Eigen::VectorXd stiffness = kStiffness * problem.DenseA().diagonal()(rows).cwiseInverse();
+    Eigen::MatrixXd expected = J.transpose() * stiffness.asDiagonal() * J;
+    expected.diagonal() += problem.inverse_mass()(system.column_of).cwiseInverse();
+    const Eigen::MatrixXd lower = system.lower;
+    EXPECT_EQ(lower.triangularView<Eigen::StrictlyUpper>().toDenseMatrix().norm(), 0);
+    const Eigen::MatrixXd difference = lower - expected.triangularView<Eigen::Lower>().toDenseMatrix();
+    EXPECT_LE(difference.cwiseAbs().maxCoeff(), 1e-14 * expected.cwiseAbs().maxCoeff());
+  }
+}
+
+// What is left out neither moves nor is touched.
+TEST(BodySystem, HasEveryMovableBodyOfAnActiveRow) {
+  for (const SceneFamily& family : AllScenes()) {
+    SCOPED_TRACE(family.key);
+    const LcpProblem problem = Scene(family.key, 25, 2);
+    std::set<Index> expected;
+    for (const Index row : SomeRows(problem)) {
+      for (SparseMatrix::InnerIterator it(problem.J(), row); it; ++it) {
+        if (problem.inverse_mass()[it.col()] > 0 && it.value() != 0) expected.insert(it.col() / 3);
+      }
+    }
+    const BodySystem system = MakeBodySystem(problem, SomeRows(problem));
+    ASSERT_EQ(system.bodies(), static_cast<int>(expected.size()));
+    auto next = expected.begin();
+    for (int body = 0; body < system.bodies(); ++body, ++next) {
+      const auto at = static_cast<std::size_t>(body);
+      ASSERT_LT(system.first[at], system.first[at + 1]);
+      for (int k = system.first[at]; k < system.first[at + 1]; ++k) EXPECT_EQ(BodyOf(system, k), *next);
+    }
+  }
+}
+
+// Two bodies are neighbours where the matrix has a block between them.
+TEST(BodySystem, GraphIsThePatternOfItsBlocks) {
+  const LcpProblem problem = Scene("boxes-and-discs", 60, 1);
+  const BodySystem system = MakeBodySystem(problem, SomeRows(problem));
+  const Eigen::MatrixXd lower = system.lower;
+  const Eigen::MatrixXd graph = system.graph;
+  ASSERT_GT(system.graph.nonZeros(), 0);
+  for (int i = 0; i < system.bodies(); ++i) {
+    for (int j = 0; j < i; ++j) {
+      const int row = system.first[static_cast<std::size_t>(i)];
+      const int column = system.first[static_cast<std::size_t>(j)];
+      const int height = system.first[static_cast<std::size_t>(i) + 1] - row;
+      const int width = system.first[static_cast<std::size_t>(j) + 1] - column;
+      const bool coupled = !lower.block(row, column, height, width).isZero(0);
+      EXPECT_EQ(graph(i, j) != 0, coupled);
+      EXPECT_EQ(graph(j, i), graph(i, j));
+    }
+  }
+}
+
+TEST(BodySystem, AnOrderOfBodiesKeepsTheUnknownsOfABodyTogether) {
+  const LcpProblem problem = Scene("rounded-wall", 80, 1);
+  const BodySystem system = MakeBodySystem(problem, SomeRows(problem));
+  const Eigen::VectorXi backwards = Eigen::VectorXi::LinSpaced(system.bodies(), system.bodies() - 1, 0);
+  const Eigen::VectorXi order = system.Expand(backwards);
+  ASSERT_EQ(order.size(), system.lower.cols());
+  EXPECT_EQ(std::set<int>(order.begin(), order.end()).size(), system.column_of.size());
+  for (Index k = 1; k < order.size(); ++k) {
+    const Index body = BodyOf(system, order[k]);
+    EXPECT_LE(body, BodyOf(system, order[k - 1]));
+    if (body == BodyOf(system, order[k - 1])) {
+      EXPECT_EQ(order[k], order[k - 1] + 1);
+    }
+  }
+}
+
+TEST(BodySystem, OfNoRowsIsEmpty) {
+  const BodySystem system = MakeBodySystem(Scene("disc-pile", 20, 1), {});
+  EXPECT_EQ(system.bodies(), 0);
+  EXPECT_EQ(system.lower.cols(), 0);
 }
 
 }  // namespace

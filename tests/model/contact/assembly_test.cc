@@ -40,13 +40,9 @@ ContactSystem RandomSystem(unsigned seed) {
     system.bodies.push_back(c.body1);
     system.constraints.push_back(constraint);
     if (first > 0) {
-      Constraint pin;
-      pin.type = ConstraintType::kPin;
-      pin.body1 = first - 1;
-      pin.body2 = first + 1;
-      pin.feature1 = Vertex{random.Vector(1)};
-      pin.feature2 = Vertex{random.Vector(1)};
-      system.constraints.push_back(pin);
+      const Vertex on1{random.Vector(1)};
+      const Vertex on2{random.Vector(1)};
+      system.constraints.push_back({ConstraintType::kPin, first - 1, first + 1, on1, on2});
     }
   }
   return system;
@@ -64,12 +60,7 @@ ContactSystem BoxOnFloor() {
   box.torque = 8;
   ContactSystem system{"box-on-floor", {floor, box}, {}};
   for (const double x : {-1.0, 1.0}) {
-    Constraint contact;
-    contact.body1 = 1;
-    contact.body2 = 0;
-    contact.feature1 = Vertex{{x, -1}};
-    contact.feature2 = StraightEdge{{16, 0}, {-16, 0}};
-    system.constraints.push_back(contact);
+    system.constraints.push_back({ConstraintType::kContact, 1, 0, Vertex{{x, -1}}, StraightEdge{{16, 0}, {-16, 0}}});
   }
   return system;
 }
@@ -203,10 +194,7 @@ TEST(Assembly, MovingTheWorldLeavesLcpUnchanged) {
 
 TEST(Assembly, PinOfATurnedWorldTurnsItsRows) {
   Random random(33);
-  Constraint pin;
-  pin.type = ConstraintType::kPin;
-  pin.feature1 = Vertex{{0.3, -0.4}};
-  pin.feature2 = Vertex{{-1, 0.5}};
+  const Constraint pin{ConstraintType::kPin, 0, 1, Vertex{{0.3, -0.4}}, Vertex{{-1, 0.5}}};
   const ContactSystem system{"pin", {RandomBody(&random), RandomBody(&random)}, {pin}};
   const double angle = 0.7;
   const Rotation rotation = SinCos(angle);
@@ -274,12 +262,8 @@ TEST(Assembly, ParallelContactsOfDiscsHaveRowsThatDependExactly) {
   disc.omega = 2;
   ContactSystem system{"disc-between-walls", {walls, disc}, {}};
   for (const double y : {-1.0, 1.0}) {
-    Constraint contact;
-    contact.body1 = 1;
-    contact.body2 = 0;
-    contact.feature1 = ArcEdge{{0, 0}, 1, Side::kConvex};
-    contact.feature2 = StraightEdge{{-y, y}, {y, y}};
-    system.constraints.push_back(contact);
+    system.constraints.push_back(
+        {ConstraintType::kContact, 1, 0, ArcEdge{{0, 0}, 1, Side::kConvex}, StraightEdge{{-y, y}, {y, y}}});
   }
   const Eigen::MatrixXd A = AssembleContactLcp(system).problem.DenseA();
   EXPECT_EQ(A(0, 0), -A(0, 1));
@@ -297,13 +281,12 @@ TEST(Assembly, RefusesWrongBodiesNamingThem) {
 
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
-  for (const double value : {0.0, -1.0, nan, infinity, 1e-310}) {
-    system = BoxOnFloor();
-    system.bodies[1].mass = value;
-    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "mass"}));
-    system = BoxOnFloor();
-    system.bodies[1].inertia = value;
-    EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", "inertia"}));
+  for (const auto& [member, name] : {std::pair(&Body::mass, "mass"), std::pair(&Body::inertia, "inertia")}) {
+    for (const double value : {0.0, -1.0, nan, infinity, 1e-310}) {
+      system = BoxOnFloor();
+      system.bodies[1].*member = value;
+      EXPECT_TRUE(Names(ErrorOf(system), {"body 1 'box'", name}));
+    }
   }
   for (double Body::*member : {&Body::theta, &Body::omega, &Body::torque}) {
     system = BoxOnFloor();

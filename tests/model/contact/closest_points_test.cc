@@ -149,16 +149,6 @@ TEST(ClosestPoints, GapIsTheSmallestDistanceFromAVertexToAnEdge) {
   }
 }
 
-std::string Refusal(const Feature& feature1, Vec2 x1, const Feature& feature2, Vec2 x2,
-                    Regularity required = Regularity::kLocalMinimum) {
-  try {
-    FindClosestPoints({feature1, x1, {}}, {feature2, x2, {}}, {}, required);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 struct RefusedPair {
   const char* condition;  // what the error has to name
   Feature feature1;
@@ -205,7 +195,7 @@ std::vector<RefusedPair> RefusedPairs() {
 
 TEST(ClosestPoints, RefuseSingularAndInvalidPairsNamingConditionAndFeature) {
   for (const RefusedPair& pair : RefusedPairs()) {
-    const std::string error = Refusal(pair.feature1, {0, 0}, pair.feature2, {0, 0});
+    const std::string error = RefusalOf(pair.feature1, pair.feature2);
     EXPECT_NE(error.find(pair.condition), std::string::npos) << pair.condition << ": " << error;
     const bool names_a_feature = error.find(Describe(pair.feature1)) != std::string::npos ||
                                  error.find(Describe(pair.feature2)) != std::string::npos;
@@ -217,7 +207,7 @@ TEST(ClosestPoints, RefuseSingularAndInvalidPairsNamingConditionAndFeature) {
 TEST(ClosestPoints, SingularPairsAreRefusedAsPathJointsToo) {
   for (const RefusedPair& pair : RefusedPairs()) {
     if (std::string(pair.condition) == "no local minimum") continue;
-    EXPECT_NE(Refusal(pair.feature1, {0, 0}, pair.feature2, {0, 0}, Regularity::kNonzeroD), "") << pair.condition;
+    EXPECT_NE(RefusalOf(pair.feature1, pair.feature2, {}, Regularity::kNonzeroD), "") << pair.condition;
   }
 }
 
@@ -225,13 +215,13 @@ TEST(ClosestPoints, ThresholdOfDIsRelativeToTheRadius) {
   for (const double radius : {1e-6, 1.0, 1e6}) {
     for (const Side side : {Side::kConvex, Side::kConcave}) {
       const ArcEdge arc{{0, 0}, radius, side};
-      EXPECT_NE(Refusal(Vertex{{0.9e-10 * radius, 0}}, {0, 0}, arc, {0, 0}), "");
-      EXPECT_EQ(Refusal(Vertex{{1e-9 * radius, 0}}, {0, 0}, arc, {0, 0}), "");
+      EXPECT_NE(RefusalOf(Vertex{{0.9e-10 * radius, 0}}, arc), "");
+      EXPECT_EQ(RefusalOf(Vertex{{1e-9 * radius, 0}}, arc), "");
     }
     // A disc in a track that is barely larger, lying against it.
     const auto disc_in_track = [&](double excess) {
       const ArcEdge track{{0, 0}, (1 + excess) * radius, Side::kConcave};
-      return Refusal(ArcEdge{{0, -excess * radius}, radius, Side::kConvex}, {0, 0}, track, {0, 0});
+      return RefusalOf(ArcEdge{{0, -excess * radius}, radius, Side::kConvex}, track);
     };
     EXPECT_NE(disc_in_track(1e-11), "");
     EXPECT_EQ(disc_in_track(1e-9), "");

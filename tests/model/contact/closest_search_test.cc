@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <utility>
 #include <variant>
 #include <vector>
 
@@ -32,21 +31,17 @@ std::vector<PairKind> GeneralPairKinds() {
 class EverySearch : public ::testing::TestWithParam<PairKind> {};
 
 TEST_P(EverySearch, FindsTheContactWithoutAnyStart) {
-  Random random(1);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 1, [](const ContactCase& c, Random*) {
     const StationaryPoints found = SearchStationaryPoints(c.Placed1(), c.Placed2(), {});
     const bool is_there = std::any_of(found.points.begin(), found.points.end(), [&](const ClosestPoints& p) {
       return std::abs(p.d - c.d) < kRounding && Norm(p.n - c.n) < 1e-11;
     });
     EXPECT_TRUE(is_there) << found.points.size() << " other points found; " << found.failure;
-  }
+  });
 }
 
 TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
-  Random random(2);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 2, [](const ContactCase& c, Random*) {
     const std::vector<ClosestPoints> points = SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points;
     for (const ClosestPoints& p : points) {
       EXPECT_NEAR(Norm(p.n), 1, 1e-15);
@@ -55,16 +50,14 @@ TEST_P(EverySearch, EveryPointFoundIsStationaryAndNoneIsFoundTwice) {
         EXPECT_TRUE(&p == &q || Norm(p.R1 - q.R1) + Norm(p.R2 - q.R2) > 1e-8);
       }
     }
-  }
+  });
 }
 
 TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
-  Random random(3);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 3, [](const ContactCase& c, Random* random) {
     const ClosestPoints p = c.Closest();
     const auto near = [&](std::optional<double> s) {
-      return s ? std::optional<double>(*s + random.Uniform(-0.02, 0.02)) : s;
+      return s ? std::optional<double>(*s + random->Uniform(-0.02, 0.02)) : s;
     };
     const ClosestPoints q = c.Closest({near(c.s1), near(c.s2), 0});
     EXPECT_NEAR(p.d, q.d, 1e-16);
@@ -78,37 +71,31 @@ TEST_P(EverySearch, DoesNotDependOnWhereItStartsNearby) {
     };
     const ClosestPoints r = c.Closest({turned(c.feature1, p.s1), turned(c.feature2, p.s2), 0});
     EXPECT_NEAR(p.d, r.d, 1e-16);
-  }
+  });
 }
 
 TEST_P(EverySearch, OneStartOfTwoIsEnough) {
-  Random random(4);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 4, [](const ContactCase& c, Random*) {
     for (const SearchStart& start : {SearchStart{c.s1, {}, c.d}, SearchStart{{}, c.s2, c.d}}) {
       if (!start.s1 && !start.s2) continue;
       EXPECT_NEAR(c.Closest(start).d, c.d, kRounding);
     }
-  }
+  });
 }
 
 TEST_P(EverySearch, WithoutStartTheMinimumNextToTheNominalGapIsMeant) {
-  Random random(5);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 5, [](const ContactCase& c, Random*) {
     for (const double nominal : {c.d, -1.0, 0.5}) {
       const double d = c.Closest({{}, {}, nominal}).d;
       for (const ClosestPoints& p : SearchStationaryPoints(c.Placed1(), c.Placed2(), {}).points) {
         EXPECT_TRUE(p.D() <= 1e-6 || std::abs(p.d - nominal) >= std::abs(d - nominal) - kRounding);
       }
     }
-  }
+  });
 }
 
 TEST_P(EverySearch, SwappingBodiesSwapsTheResultBitByBitAlsoWithoutStart) {
-  Random random(6);
-  for (int i = 0; i < kCases; ++i) {
-    const ContactCase c = RandomContact(GetParam(), &random);
+  OverRandomContacts(GetParam(), kCases, 6, [](const ContactCase& c, Random*) {
     const ClosestPoints p = c.Closest({{}, {}, c.d});
     const ClosestPoints q = c.Swapped().Closest({{}, {}, c.d});
     EXPECT_EQ(p.d, q.d);
@@ -116,7 +103,7 @@ TEST_P(EverySearch, SwappingBodiesSwapsTheResultBitByBitAlsoWithoutStart) {
     EXPECT_EQ(p.R1.x, q.R2.x);
     EXPECT_EQ(p.R2.y, q.R1.y);
     EXPECT_EQ(p.curvature1.s, q.curvature2.s);
-  }
+  });
 }
 
 INSTANTIATE_TEST_SUITE_P(Search, EverySearch, ::testing::ValuesIn(GeneralPairKinds()),
@@ -190,21 +177,11 @@ TEST(Search, EllipsesOfAspectRatioAMillionKeepEveryDigit) {
   }
 }
 
-std::string Refusal(const Feature& feature1, const Feature& feature2, const SearchStart& start = {},
-                    Regularity required = Regularity::kLocalMinimum) {
-  try {
-    FindClosestPoints({feature1, {0, 0}, {}}, {feature2, {0, 0}, {}}, start, required);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
-}
-
 void ExpectRefusal(const std::string& condition, const Feature& feature1, const Feature& feature2,
                    const SearchStart& start = {}, Regularity required = Regularity::kLocalMinimum) {
   for (const bool swap : {false, true}) {
-    const std::string error = swap ? Refusal(feature2, feature1, {start.s2, start.s1, start.nominal_gap}, required)
-                                   : Refusal(feature1, feature2, start, required);
+    const std::string error = swap ? RefusalOf(feature2, feature1, {start.s2, start.s1, start.nominal_gap}, required)
+                                   : RefusalOf(feature1, feature2, start, required);
     EXPECT_NE(error.find(condition), std::string::npos) << condition << ": " << error;
     EXPECT_NE(error.find(Describe(feature1)), std::string::npos) << error;
     EXPECT_NE(error.find(Describe(feature2)), std::string::npos) << error;
@@ -233,17 +210,18 @@ TEST(Search, RefusesStationaryPointsThatAreNoContacts) {
   ExpectRefusal("no local minimum", ArcEdge{{1.2, 0}, 0.8, Side::kConvex}, hole, {{}, 0.0, 0});
   ExpectRefusal("no local minimum", StraightEdge{{-1, -1}, {1, -1}}, hole, {{}, -1.5, 0});
   ExpectRefusal("no local minimum", Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0});
-  EXPECT_EQ(Refusal(Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0}, Regularity::kNonzeroD), "") << "as a path joint it may be";
+  EXPECT_EQ(RefusalOf(Vertex{{0, 0}}, kEllipse, {{}, 0.0, 0}, Regularity::kNonzeroD), "")
+      << "as a path joint it may be";
 }
 
 TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrArc) {
   const StraightEdge floor{{1, -1}, {-1, -1}};
   const StraightEdge wall{{-2, 1}, {-2, -1}};
   for (const double s : {-kPi / 2, -1.57, -1.5, -1.0}) {
-    EXPECT_NE(Refusal(kOval, floor, {s, {}, 0}), "") << s;
+    EXPECT_NE(RefusalOf(kOval, floor, {s, {}, 0}), "") << s;
   }
-  EXPECT_NE(Refusal(kOval, floor), "");
-  EXPECT_NE(Refusal(wall, kOval), "");
+  EXPECT_NE(RefusalOf(kOval, floor), "");
+  EXPECT_NE(RefusalOf(wall, kOval), "");
   ExpectRefusal("curvature match", kOval, StraightEdge{{1, -1}, {-1, -1}}, {-kPi / 2, {}, 0});
   const ClosestPoints vertex = FindClosestPoints({Vertex{{0, -1.25}}, {0, 0}, {}}, {kOval, {0, 0}, {}}, {{}, -1.6, 0});
   EXPECT_EQ(vertex.d, 0.25);
@@ -255,17 +233,17 @@ TEST(Search, RefusesTheFlatSideOfASuperellipseOnAStraightEdgeButNotOnAVertexOrAr
 
 TEST(Search, RefusesStraightBezierCurveOnStraightEdge) {
   const BezierEdge straight{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0}, Vec2{3, 0}}};
-  EXPECT_NE(Refusal(straight, StraightEdge{{1, -1}, {-1, -1}}), "");
-  EXPECT_NE(Refusal(straight, StraightEdge{{1, -1}, {-1, -1}}, {0.5, {}, 0}), "");
+  EXPECT_NE(RefusalOf(straight, StraightEdge{{1, -1}, {-1, -1}}), "");
+  EXPECT_NE(RefusalOf(straight, StraightEdge{{1, -1}, {-1, -1}}, {0.5, {}, 0}), "");
 }
 
 TEST(Search, RefusesPointsBeyondTheEndsOfABezierCurve) {
   const BezierEdge curve{{Vec2{0, 0}, Vec2{1, 0}, Vec2{2, 0.5}, Vec2{3, 2}}};
   ExpectRefusal("beyond the end", Vertex{{-0.2, -1}}, curve, {{}, 0.1, 0});
-  EXPECT_NE(Refusal(Vertex{{-1, -1}}, curve), "");
+  EXPECT_NE(RefusalOf(Vertex{{-1, -1}}, curve), "");
   // The end itself belongs to the curve.
-  EXPECT_EQ(Refusal(Vertex{{0, -1}}, curve, {{}, 0.1, 0}), "");
-  EXPECT_EQ(Refusal(Vertex{{0, -1}}, curve), "");
+  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, curve, {{}, 0.1, 0}), "");
+  EXPECT_EQ(RefusalOf(Vertex{{0, -1}}, curve), "");
 }
 
 TEST(Search, RefusesStartsThatAreNotFiniteAndSearchesThatDoNotConverge) {

@@ -29,7 +29,24 @@ void ExpectClose(double x, double y, double tolerance, const char* what) {
   EXPECT_LE(std::abs(x - y), tolerance * (1 + std::abs(y))) << what << ": " << x << " against " << y;
 }
 
+// The row of the bodies exchanged, bit by bit.
+void ExpectSwapped(const ClosestPoints& p, const ContactRow& row, const ClosestPoints& q, const ContactRow& other) {
+  EXPECT_EQ(p.d, q.d);
+  EXPECT_EQ(p.n, -q.n);
+  EXPECT_EQ(row.d_dot, other.d_dot);
+  EXPECT_EQ(row.gamma, other.gamma);
+  for (size_t k = 0; k < 6; ++k) EXPECT_EQ(row.J[k], other.J[(k + 3) % 6]);
+}
+
 ContactRow RowOf(const ContactCase& c) { return ComputeContactRow(c.Closest(), c.body1, c.body2); }
+
+// First and second derivative at 0 of a function of k steps of h, to the fourth order.
+template <class Function>
+std::array<double, 3> Derivatives(const Function& f, long double h) {
+  const long double f0 = f(0), p1 = f(1), m1 = f(-1), p2 = f(2), m2 = f(-2);
+  return {static_cast<double>(f0), static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h)),
+          static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * f0) / (12 * h * h))};
+}
 
 // The gap of section 2 in long double along a smooth random motion: independent of the code under test, which also has
 // other arms, another order of evaluation and no time.
@@ -144,6 +161,17 @@ Material MaterialPoint(const Body& body, const Acceleration& acceleration, Vec2 
   return {body.v + body.omega * Perp(r), acceleration.a + acceleration.alpha * Perp(r) - body.omega * body.omega * r};
 }
 
+// gamma and omega_n by the centre form, in double: [MODEL.md section 4]
+std::pair<double, double> ByCenters(const ContactCase& c, const ClosestPoints& p) {
+  const Vec2 U1 = Rotate(SinCos(c.body1.theta), Center(c.feature1, p.s1));
+  const Vec2 U2 = Rotate(SinCos(c.body2.theta), Center(c.feature2, p.s2));
+  const double L = SignedRadius(c.feature1, p.s1) + SignedRadius(c.feature2, p.s2) + p.d;
+  const double turn = Dot(Perp(p.n), MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
+  const double w1 = c.body1.omega;
+  const double w2 = c.body2.omega;
+  return {-w1 * w1 * Dot(p.n, U1) + w2 * w2 * Dot(p.n, U2) + turn * turn / L, turn / L};
+}
+
 Acceleration RandomAcceleration(Random* random) {
   return {random->Vector(3), random->Uniform(-3, 3), random->Vector(3), random->Uniform(-3, 3)};
 }
@@ -170,16 +198,14 @@ TEST_P(EveryContactKind, RowGivesTheDerivativesOfTheGapAlongAnyMotion) {
     const Acceleration a1 = RandomAcceleration(random);
     const Acceleration a2 = RandomAcceleration(random);
     const ClosestPoints closest = c.Closest();
+    const long double h = 2e-5L;
     const auto gap = [&](int k) {
-      const long double t = static_cast<long double>(k) * 2e-5L;
+      const long double t = static_cast<long double>(k) * h;
       return LongGap(c.feature1, PoseAt(c.body1, a1, t), c.feature2, PoseAt(c.body2, a2, t), closest);
     };
-    const long double h = 2e-5L;
-    const long double g0 = gap(0), p1 = gap(1), m1 = gap(-1), p2 = gap(2), m2 = gap(-2);
-    const auto d_dot = static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h));
-    const auto d_ddot = static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * g0) / (12 * h * h));
+    const auto [d, d_dot, d_ddot] = Derivatives(gap, h);
     const ContactRow row = ComputeContactRow(closest, c.body1, c.body2);
-    ExpectClose(closest.d, static_cast<double>(g0), 1e-14, "d");
+    ExpectClose(closest.d, d, 1e-14, "d");
     ExpectClose(row.d_dot, d_dot, 1e-8, "d'");
     ExpectClose(JTimesA(row, a1, a2) + row.gamma, d_ddot, 1e-7, "d''");
   });
@@ -211,16 +237,8 @@ TEST_P(EveryContactKind, SwappingBodiesGivesTheSwappedRowBitByBit) {
     const ClosestPoints q = swapped.Closest();
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
     const ContactRow other = ComputeContactRow(q, swapped.body1, swapped.body2);
-    EXPECT_EQ(p.d, q.d);
-    EXPECT_EQ(p.n.x, -q.n.x);
-    EXPECT_EQ(p.n.y, -q.n.y);
-    EXPECT_EQ(row.d_dot, other.d_dot);
-    EXPECT_EQ(row.gamma, other.gamma);
+    ExpectSwapped(p, row, q, other);
     EXPECT_EQ(row.omega_n, other.omega_n);
-    for (size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(row.J[k], other.J[k + 3]);
-      EXPECT_EQ(row.J[k + 3], other.J[k]);
-    }
   });
 }
 
@@ -248,15 +266,9 @@ TEST_P(ContactKindWithCenters, CurvatureFormEqualsCenterForm) {
   OverCases(5, [](const ContactCase& c, Random*) {
     const ClosestPoints p = c.Closest();
     const ContactRow row = ComputeContactRow(p, c.body1, c.body2);
-    const Vec2 U1 = ToWorld(c.body1, Center(c.feature1, p.s1)) - c.body1.x;
-    const Vec2 U2 = ToWorld(c.body2, Center(c.feature2, p.s2)) - c.body2.x;
-    const Vec2 t = Perp(p.n);
-    const double L = SignedRadius(c.feature1, p.s1) + SignedRadius(c.feature2, p.s2) + p.d;
-    const double turn = Dot(t, MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
-    const double gamma =
-        -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
+    const auto [gamma, omega_n] = ByCenters(c, p);
     ExpectClose(row.gamma, gamma, 1e-11, "gamma");
-    ExpectClose(row.omega_n, turn / L, 1e-11, "omega_n");
+    ExpectClose(row.omega_n, omega_n, 1e-11, "omega_n");
   });
 }
 
@@ -310,6 +322,13 @@ INSTANTIATE_TEST_SUITE_P(Law, EveryContactKind, ::testing::ValuesIn(AllPairKinds
 INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithCenters, ::testing::ValuesIn(PairKindsWhere(false)), KindName);
 INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithStraightEdge, ::testing::ValuesIn(PairKindsWhere(true)), KindName);
 
+void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance, double tolerance_of_J) {
+  ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
+  ExpectClose(x.d_dot, y.d_dot, tolerance_of_J, "d'");
+  ExpectClose(x.omega_n, y.omega_n, tolerance, "omega_n");
+  for (size_t k = 0; k < 6; ++k) ExpectClose(x.J[k], y.J[k], tolerance_of_J, "J");
+}
+
 // Against a straight edge, a convex arc (or, for a vertex, also a concave one) of growing radius with the same contact
 // point and normal.
 TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
@@ -327,22 +346,12 @@ TEST(ContactRow, ArcTendsToLineAsRadiusGrows) {
           const ContactRow row = RowOf(curved);
           // The terms in kappa are of order u^2 and (rho omega)^2; rounding of the centre is eps * radius.
           const double tolerance = 1e3 / radius + 1e-14 * radius;
-          ExpectClose(row.gamma, straight.gamma, tolerance, "gamma");
-          ExpectClose(row.d_dot, straight.d_dot, 1e-14 * radius, "d'");
-          ExpectClose(row.omega_n, straight.omega_n, tolerance, "omega_n");
-          for (size_t k = 0; k < 6; ++k) ExpectClose(row.J[k], straight.J[k], 1e-14 * radius, "J");
+          ExpectSameRow(row, straight, tolerance, 1e-14 * radius);
         }
         ASSERT_FALSE(HasFailure());
       }
     }
   }
-}
-
-void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance) {
-  ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
-  ExpectClose(x.d_dot, y.d_dot, tolerance, "d'");
-  ExpectClose(x.omega_n, y.omega_n, tolerance, "omega_n");
-  for (size_t k = 0; k < 6; ++k) ExpectClose(x.J[k], y.J[k], tolerance, "J");
 }
 
 // The same contact with one feature of body 2 replaced by another description of it.
@@ -357,7 +366,7 @@ void ExpectSameRowsAs(Shape shape2, const Describe& describe) {
       ContactCase other = c;
       other.feature2 = describe(c.feature2, c.Closest().s2.value(), &other.s2);
       EXPECT_NEAR(other.Closest().d, c.Closest().d, kRounding);
-      ExpectSameRow(RowOf(other), RowOf(c), 1e-11);
+      ExpectSameRow(RowOf(other), RowOf(c), 1e-11, 1e-11);
       ASSERT_FALSE(::testing::Test::HasFailure());
     }
   }
@@ -461,15 +470,6 @@ ExactRow ExpectExact(const ContactCase& c, const ClosestPoints& p, double tolera
   return exact;
 }
 
-// gamma by the centre form, in double: [MODEL.md section 4]
-double GammaByCenters(const ContactCase& c, const ClosestPoints& p) {
-  const Vec2 U1 = Rotate(SinCos(c.body1.theta), Center(c.feature1, {}));
-  const Vec2 U2 = Rotate(SinCos(c.body2.theta), Center(c.feature2, {}));
-  const double L = SignedRadius(c.feature1, {}) + SignedRadius(c.feature2, {}) + p.d;
-  const double turn = Dot(Perp(p.n), MaterialPoint(c.body1, {}, U1).velocity - MaterialPoint(c.body2, {}, U2).velocity);
-  return -c.body1.omega * c.body1.omega * Dot(p.n, U1) + c.body2.omega * c.body2.omega * Dot(p.n, U2) + turn * turn / L;
-}
-
 // One of body 2's arcs, or body 1's on a straight edge, of a radius up to 1e9 bodies.
 TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
   Random random(21);
@@ -492,7 +492,7 @@ TEST(ContactRow, NearlyStraightArcsKeepAllDigitsWhereTheCenterFormLosesThem) {
         const ClosestPoints p = c.Closest();
         const ExactRow exact = ExpectExact(c, p, 1e-15);
         if (!on_straight) {
-          const double error = std::abs(GammaByCenters(c, p) - exact.gamma) / (1 + std::abs(exact.gamma));
+          const double error = std::abs(ByCenters(c, p).first - exact.gamma) / (1 + std::abs(exact.gamma));
           worst_by_centers = std::max(worst_by_centers, error);
         }
         ASSERT_FALSE(HasFailure());
@@ -560,16 +560,10 @@ TEST(PinRows, GiveTheDerivativesOfTheGapAlongAnyMotion) {
     const Vec2 g = ToWorld(body1, c1) - ToWorld(body2, c2);
     const Vec2 g_dot = m1.velocity - m2.velocity;
     const Vec2 g_ddot = m1.acceleration - m2.acceleration;
-    const std::array<double, 6> v = {body1.v.x, body1.v.y, body1.omega, body2.v.x, body2.v.y, body2.omega};
-    const std::array<double, 6> a = {a1.a.x, a1.a.y, a1.alpha, a2.a.x, a2.a.y, a2.alpha};
     const std::array<std::array<double, 3>, 2> expected = {{{g.x, g_dot.x, g_ddot.x}, {g.y, g_dot.y, g_ddot.y}}};
     for (size_t axis = 0; axis < 2; ++axis) {
-      double Jv = 0;
-      double Ja = 0;
-      for (size_t k = 0; k < 6; ++k) {
-        Jv += pin.J[axis][k] * v[k];
-        Ja += pin.J[axis][k] * a[k];
-      }
+      const double Jv = JTimesA({pin.J[axis]}, {body1.v, body1.omega, {}, 0}, {body2.v, body2.omega, {}, 0});
+      const double Ja = JTimesA({pin.J[axis]}, a1, a2);
       ExpectClose(pin.g[axis], expected[axis][0], kRounding, "g");
       ExpectClose(pin.g_dot[axis], expected[axis][1], kRounding, "g'");
       ExpectClose(Jv, expected[axis][1], kRounding, "J v");
@@ -589,12 +583,8 @@ struct Connector {
     return ComputeConnectorRow(vertex1, SinCos(body1.theta), body1, vertex2, SinCos(body2.theta), body2, length);
   }
   ContactSystem System(ConstraintType type) const {
-    Constraint constraint;
-    constraint.type = type;
-    constraint.feature1 = Vertex{vertex1};
-    constraint.feature2 = Vertex{vertex2};
-    constraint.length = length;
-    return {"connector", {body1, body2}, {constraint}};
+    const Constraint connector{type, 0, 1, Vertex{vertex1}, Vertex{vertex2}, {}, {}, 0, length};
+    return {"connector", {body1, body2}, {connector}};
   }
 };
 
@@ -618,15 +608,11 @@ TEST(ConnectorRow, GivesTheDerivativesOfTheDistanceAlongAnyMotion) {
       const long double t = static_cast<long double>(k) * h;
       return Norm(PoseAt(c.body1, motion1, t).World(c.vertex1) - PoseAt(c.body2, motion2, t).World(c.vertex2));
     };
-    const long double g0 = distance(0), p1 = distance(1), m1 = distance(-1), p2 = distance(2), m2 = distance(-2);
-    const ConnectorRow connector = c.Row();
-    const ContactRow& row = connector.row;
-    const double Ja = row.J[0] * motion1.a.x + row.J[1] * motion1.a.y + row.J[2] * motion1.alpha +
-                      row.J[3] * motion2.a.x + row.J[4] * motion2.a.y + row.J[5] * motion2.alpha;
-    ExpectClose(connector.points.d, static_cast<double>(g0), 1e-14, "d");
-    ExpectClose(row.d_dot, static_cast<double>((8 * (p1 - m1) - (p2 - m2)) / (12 * h)), 1e-8, "d'");
-    ExpectClose(Ja + row.gamma, static_cast<double>((16 * (p1 + m1) - (p2 + m2) - 30 * g0) / (12 * h * h)), 1e-7,
-                "d''");
+    const auto [d, d_dot, d_ddot] = Derivatives(distance, h);
+    const auto [points, row] = c.Row();
+    ExpectClose(points.d, d, 1e-14, "d");
+    ExpectClose(row.d_dot, d_dot, 1e-8, "d'");
+    ExpectClose(JTimesA(row, motion1, motion2) + row.gamma, d_ddot, 1e-7, "d''");
   }
 }
 
@@ -636,15 +622,7 @@ TEST(ConnectorRow, SwappingBodiesGivesTheSwappedRowBitByBit) {
     const Connector c = RandomConnector(&random);
     const ConnectorRow row = c.Row();
     const ConnectorRow swapped = Connector{c.body2, c.body1, c.vertex2, c.vertex1, c.length}.Row();
-    EXPECT_EQ(row.points.d, swapped.points.d);
-    EXPECT_EQ(row.points.n.x, -swapped.points.n.x);
-    EXPECT_EQ(row.points.n.y, -swapped.points.n.y);
-    EXPECT_EQ(row.row.d_dot, swapped.row.d_dot);
-    EXPECT_EQ(row.row.gamma, swapped.row.gamma);
-    for (size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(row.row.J[k], swapped.row.J[k + 3]);
-      EXPECT_EQ(row.row.J[k + 3], swapped.row.J[k]);
-    }
+    ExpectSwapped(row.points, row.row, swapped.points, swapped.row);
   }
 }
 

@@ -9,6 +9,7 @@
 #include "model/geometry/trig.h"
 #include "model/scenes/random.h"
 #include "support/input_error.h"
+#include "tests/model/momenta.h"
 
 namespace lcpbench {
 namespace {

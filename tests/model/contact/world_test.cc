@@ -13,16 +13,6 @@
 namespace lcpbench {
 namespace {
 
-Constraint Pin(int body1, int body2) {
-  Constraint pin;
-  pin.type = ConstraintType::kPin;
-  pin.body1 = body1;
-  pin.body2 = body2;
-  pin.feature1 = Vertex{};
-  pin.feature2 = Vertex{};
-  return pin;
-}
-
 World SmallWorld() {
   World world;
   world.name = "small";
@@ -30,7 +20,7 @@ World SmallWorld() {
   world.bodies[0].fixed = true;
   world.bodies[1].name = "arm";
   world.bodies[2].x = {1, 0};
-  world.joints = {Pin(1, 0)};
+  world.joints = {{ConstraintType::kPin, 1, 0, Vertex{}, Vertex{}}};
   world.loads.gravity = {0, -10};
   return world;
 }
@@ -58,10 +48,10 @@ TEST(World, ErrorsNameTheWorldAndTheBodyOrJoint) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   expect([](World* w) { w->bodies[1].mass = 0; }, "body 1 'arm': the mass");
   expect([](World* w) { w->bodies[1].mass = kNan; }, "body 1 'arm': the mass");
-  expect([](World* w) { w->bodies[2].inertia = -1; }, "body 2 '': the inertia");
+  expect([](World* w) { w->bodies[2].inertia = -1; }, "body 2: the inertia");
   expect([](World* w) { w->bodies[0].x.x = kNan; }, "body 0");
   expect([](World* w) { w->bodies[0].alpha = kNan; }, "body 0");
-  expect([](World* w) { w->bodies[1].omega = std::numeric_limits<double>::infinity(); }, "body 1 'arm': position");
+  expect([](World* w) { w->bodies[1].omega = std::numeric_limits<double>::infinity(); }, "body 1 'arm': the velocity");
   expect([](World* w) { w->joints[0].body2 = 3; }, "joint 0: expected the indices");
   expect([](World* w) { w->joints[0].body2 = -1; }, "joint 0: expected the indices");
   expect([](World* w) { w->joints[0].body2 = 1; }, "joint 0: expected the indices");
@@ -75,12 +65,8 @@ TEST(World, AFixedBodyNeedsNoMassAndLoadsAreChecked) {
 
 TEST(World, AnInstantHasTheJointsFirstAndTheBodiesUnderTheirLoads) {
   const World world = SmallWorld();
-  Constraint contact;
-  contact.body1 = 2;
-  contact.body2 = 0;
-  contact.feature1 = ArcEdge{{}, 0.5, Side::kConvex};
-  contact.feature2 = StraightEdge{{5, -0.5}, {-5, -0.5}};
-  const ContactSystem system = InstantOf(world, {contact});
+  const ContactSystem system = InstantOf(
+      world, {{ConstraintType::kContact, 2, 0, ArcEdge{{}, 0.5, Side::kConvex}, StraightEdge{{5, -0.5}, {-5, -0.5}}}});
   ASSERT_EQ(system.constraints.size(), 2u);
   EXPECT_EQ(system.constraints[0].type, ConstraintType::kPin);
   EXPECT_EQ(system.constraints[1].type, ConstraintType::kContact);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 #include <string>
-#include <tuple>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -36,9 +36,7 @@ class Workshop {
   }
 
   std::vector<Constraint> Detect(double tolerance = 1e-6, double penetration = 1e-6) const {
-    std::vector<const Outline*> pointers;
-    for (const Outline& outline : outlines_) pointers.push_back(&outline);
-    return DetectContacts(bodies_, pointers, {.tolerance = tolerance, .penetration = penetration});
+    return DetectContacts(bodies_, outlines_, {.tolerance = tolerance, .penetration = penetration});
   }
 
   /// The contacts' geometry, from the assembly: every detected constraint must give a row.
@@ -226,10 +224,9 @@ TEST(Detection, RefusesBadInputNamingBodyAndEdge) {
   EXPECT_THROW(valid.Detect(1e-6, -1), InputError);
 }
 
-using PairOfPoints = std::tuple<int, int>;
-std::multiset<PairOfPoints> BodyPairs(const std::vector<Constraint>& contacts) {
-  std::multiset<PairOfPoints> pairs;
-  for (const Constraint& c : contacts) pairs.insert({std::min(c.body1, c.body2), std::max(c.body1, c.body2)});
+std::multiset<std::pair<int, int>> BodyPairs(const std::vector<Constraint>& contacts) {
+  std::multiset<std::pair<int, int>> pairs;
+  for (const Constraint& c : contacts) pairs.insert(std::minmax(c.body1, c.body2));
   return pairs;
 }
 
@@ -239,10 +236,8 @@ TEST(Detection, FindsTheListedContactsOfTheScenesOfDiscs) {
     for (const int rows : {2, 7, 60, 301}) {
       const ContactSystem system = GenerateScene(key, rows, 5);
       std::vector<Outline> outlines;
-      std::vector<const Outline*> pointers;
       for (const Body& body : system.bodies) outlines.push_back(OutlineOf(body));
-      for (const Outline& outline : outlines) pointers.push_back(&outline);
-      const auto contacts = DetectContacts(system.bodies, pointers, {.tolerance = 1e-9, .penetration = 1e-9});
+      const auto contacts = DetectContacts(system.bodies, outlines, {.tolerance = 1e-9, .penetration = 1e-9});
       EXPECT_EQ(BodyPairs(contacts), BodyPairs(system.constraints)) << key << " " << rows;
     }
   }

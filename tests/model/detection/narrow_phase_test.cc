@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <iostream>
 #include <string>
 #include <tuple>
 
@@ -31,11 +30,7 @@ struct Tally {
   int configurations = 0;
   int overlapping = 0;  // left out
   int minima = 0;
-  int at_vertices = 0;
-  int unconfirmed = 0;  // detected, not sampled, but confirmed as minima by the distance's derivatives
-  int flush_ends = 0;   // second contacts of nearly flush edges
-  int undecided = 0;    // descents that did not converge
-  double worst_gap = 0;
+  int undecided = 0;  // descents that did not converge
 };
 
 // Two outlines that keep apart: one beside the other, or one inside the other's boundary.
@@ -110,7 +105,6 @@ class Comparison {
       // On the edge of the range rounding decides.
       if (m.d > c_.reach * (1 - 1e-9)) continue;
       ++tally->minima;
-      if (m.at_vertex1 || m.at_vertex2) ++tally->at_vertices;
       bool found = false;
       for (std::size_t k = 0; k < detected.size(); ++k) {
         const ClosestPoints& closest = detected[k].closest;
@@ -119,18 +113,16 @@ class Comparison {
         EXPECT_FALSE(found) << name_ << ": reported twice";
         found = true;
         used[k] = true;
-        tally->worst_gap = std::max(tally->worst_gap, std::abs(closest.d - m.d));
         EXPECT_LE(std::abs(closest.d - m.d), 1e-9) << name_;
       }
       EXPECT_TRUE(found) << name_ << ": missed d = " << m.d << " at (" << m.p1.x << ", " << m.p1.y << "), vertices "
                          << m.at_vertex1 << m.at_vertex2 << ", reach " << c_.reach;
     }
-    CheckFlushEnds(detected, tally);
+    CheckFlushEnds(detected);
     for (std::size_t k = 0; k < detected.size(); ++k) {
       for (std::size_t i = 0; i < k; ++i)
         EXPECT_FALSE(AreSame(detected[i], detected[k])) << name_ << ": reported twice";
       if (used[k] || detected[k].is_flush_end || detected[k].closest.d > c_.reach * (1 - 1e-9)) continue;
-      ++tally->unconfirmed;
       EXPECT_TRUE(IsMinimum(detected[k].closest))
           << name_ << ": spurious d = " << detected[k].closest.d << ", D = " << detected[k].closest.D();
     }
@@ -156,14 +148,13 @@ class Comparison {
   }
 
   // The second contacts of nearly flush edges, the only ones that are no minima: all of them, and no others.
-  void CheckFlushEnds(const std::vector<GapMinimum>& detected, Tally* tally) const {
+  void CheckFlushEnds(const std::vector<GapMinimum>& detected) const {
     const std::vector<FlushEnd> ends = FlushEnds(loop1_, loop2_, c_.reach);
     const auto is_at = [&](const GapMinimum& m, Vec2 p) {
       return std::min(Norm(c_.pose1.x + m.closest.R1 - p), Norm(c_.pose2.x + m.closest.R2 - p)) < kSamePlace;
     };
     for (const FlushEnd& end : ends) {
       if (!end.certain) continue;
-      ++tally->flush_ends;
       EXPECT_TRUE(std::any_of(detected.begin(), detected.end(), [&](const GapMinimum& m) { return is_at(m, end.p); }))
           << name_ << ": missed an end of flush edges at (" << end.p.x << ", " << end.p.y << ")";
     }
@@ -205,11 +196,6 @@ TEST_P(NarrowPhase, FindsTheMinimaThatDenseSamplingFinds) {
   EXPECT_EQ(tally.undecided, 0);
   EXPECT_LE(tally.overlapping, 1 + cases / 100);
   EXPECT_GE(tally.minima, cases / 4);
-  RecordProperty("minima", tally.minima);
-  std::cout << NameOf(kind1) << (inside ? " around " : " beside ") << NameOf(kind2) << ": " << tally.configurations
-            << " configurations (" << tally.overlapping << " overlapping), " << tally.minima << " minima, "
-            << tally.at_vertices << " of them at vertices, " << tally.unconfirmed << " confirmed by derivatives only, "
-            << tally.undecided << " descents undecided, gaps within " << tally.worst_gap << " m\n";
 }
 
 std::string CaseName(const ::testing::TestParamInfo<Kinds>& info) {
@@ -254,9 +240,6 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaThatDenseSamplingFinds) {
     }
   }
   EXPECT_LE(tally.overlapping, tally.configurations / 100);
-  std::cout << tally.configurations << " configurations, " << tally.minima << " minima, " << tally.unconfirmed
-            << " confirmed by derivatives only, " << tally.flush_ends << " second ends of flush edges, "
-            << tally.undecided << " descents undecided, gaps within " << tally.worst_gap << " m\n";
 }
 
 // Ovals in holes of nearly their own shape: curvatures nearly match, D is small and changes its sign several times.
@@ -280,9 +263,6 @@ TEST(NarrowPhaseOfShapes, FindsTheMinimaOfSnugOvals) {
     Comparison(c, "case " + std::to_string(k)).Run(&tally);
   }
   EXPECT_LE(tally.overlapping, tally.configurations / 10);
-  std::cout << tally.configurations << " configurations, " << tally.overlapping << " overlapping, " << tally.minima
-            << " minima, " << tally.unconfirmed << " confirmed by derivatives only, " << tally.undecided
-            << " undecided, gaps within " << tally.worst_gap << " m\n";
 }
 
 std::vector<GapMinimum> Detect(const Configuration& c, double penetration = 0) {

@@ -1,4 +1,4 @@
-#include "model/motion/path_joints.h"
+#include "model/motion/contact_finder.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,6 @@
 #include "model/geometry/feature.h"
 #include "model/geometry/trig.h"
 #include "model/motion/make_motion.h"
-#include "model/scenes/mechanism_parts.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"

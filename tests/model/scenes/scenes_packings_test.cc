@@ -22,14 +22,11 @@
 #include "model/shape/mass_properties.h"
 #include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
+#include "tests/model/momenta.h"
 #include "tests/model/scene_checks.h"
 
 namespace lcpbench {
 namespace {
-
-using lcpbench::testing::HashOf;
-using lcpbench::testing::kSceneSize;
-using lcpbench::testing::Solid;
 
 struct RandomOvalPlace {
   PlacedOval oval;
@@ -53,8 +50,8 @@ TEST(OvalGap, IsThatOfTheClosestPointSearch) {
     RandomOvalPlace second = RandomOval(&random);
     first.oval.c = random.Uniform(0.31, 0.6) * random.UnitVector();
     second.oval.c = random.Uniform(0, 0.005) * random.UnitVector();
-    const EllipseEdge edge1 = Oval(first.oval.a, first.oval.b);
-    const EllipseEdge edge2 = Oval(second.oval.a, second.oval.b);
+    const EllipseEdge edge1{{}, first.oval.a, first.oval.b};
+    const EllipseEdge edge2{{}, second.oval.a, second.oval.b};
     const ClosestPoints closest = FindClosestPoints({edge1, first.oval.c, SinCos(first.theta), first.theta},
                                                     {edge2, second.oval.c, SinCos(second.theta), second.theta});
     const OvalGap gap = GapBetween(first.oval, second.oval);
@@ -96,63 +93,27 @@ TEST(OvalSupports, AreStationaryWhereTheBoundaryIs) {
   }
 }
 
-TEST(OvalsInBowl, OverlapNowhereWhateverTheSeed) {
-  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const ContactSystem system = GenerateScene("ovals-in-bowl", 700, seed);
-    const auto listed = lcpbench::testing::ContactsOfPairs(system.constraints);
-    const auto edge = [](const Body& body) { return std::get<EllipseEdge>(body.outline[0].edge); };
-    const ArcEdge bowl = std::get<ArcEdge>(system.bodies[0].outline[0].edge);
-    int near = 0;
-    for (std::size_t i = 1; i < system.bodies.size(); ++i) {
-      const Body& body = system.bodies[i];
-      const EllipseEdge oval = edge(body);
-      ASSERT_LE(Norm(body.x) - oval.b, bowl.radius);
-      for (std::size_t j = 0; j < i; ++j) {
-        const Body& other = system.bodies[j];
-        if (listed.contains({static_cast<int>(j), static_cast<int>(i)})) continue;
-        const bool reaches =
-            j == 0 ? Norm(body.x) + oval.a > bowl.radius : Norm(body.x - other.x) < oval.a + edge(other).a;
-        if (!reaches) continue;
-        ++near;
-        const Feature feature = j == 0 ? Feature{bowl} : Feature{edge(other)};
-        const double d = FindClosestPoints({oval, body.x, SinCos(body.theta), body.theta},
-                                           {feature, other.x, SinCos(other.theta), other.theta})
-                             .d;
-        ASSERT_GE(d, 1e-6 * kSceneSize) << system.name << ": " << body.name << ", " << other.name;
-      }
-    }
-    EXPECT_GT(near, 50);
-  }
-}
-
 // In a rigid motion no gap accelerates: J a + gamma = 0 for the centripetal accelerations a of a pile that turns as
 // one.
 TEST(OvalsInBowl, SwingWithTheGammaOfARigidMotion) {
   const ContactSystem system = GenerateScene("ovals-in-bowl", 401, 3);
-  const AssembledLcp lcp = AssembleContactLcp(system);
   std::map<double, int> spins;
   for (const Body& body : system.bodies) ++spins[body.omega];
   const double swing =
       std::max_element(spins.begin(), spins.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
   ASSERT_NE(swing, 0);
-  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(lcp.problem.J().cols());
-  for (std::size_t i = 1; i < system.bodies.size(); ++i) {
-    const Vec2 a = (-swing * swing) * system.bodies[i].x;
-    acceleration[static_cast<Index>(3 * i)] = a.x;
-    acceleration[static_cast<Index>(3 * i) + 1] = a.y;
-  }
-  const Eigen::VectorXd Ja = lcp.problem.J() * acceleration;
+  const Eigen::VectorXd accelerations = lcpbench::testing::GapAccelerationInRotation(system, swing, 0);
   int rigid = 0;
   int spinning = 0;
-  for (std::size_t k = 0; k < lcp.rows.size(); ++k) {
+  for (std::size_t k = 0; k < system.constraints.size(); ++k) {
     const Constraint& c = system.constraints[k];
     const auto moves_along = [&](int body) {
       return body == 0 || system.bodies[static_cast<std::size_t>(body)].omega == swing;
     };
     if (moves_along(c.body1) && moves_along(c.body2)) {
       ++rigid;
-      EXPECT_NEAR(Ja[static_cast<Index>(k)] + lcp.rows[k].gamma, 0, 1e-12);
-    } else if (std::abs(Ja[static_cast<Index>(k)] + lcp.rows[k].gamma) > 1e-3) {
+      EXPECT_NEAR(accelerations[static_cast<Index>(k)], 0, 1e-12);
+    } else if (std::abs(accelerations[static_cast<Index>(k)]) > 1e-3) {
       ++spinning;
     }
   }
@@ -233,20 +194,12 @@ TEST(TallStacks, StandOnTheLightestWithTheStatedMassRatio) {
 TEST(BilliardsBreak, KeepsMomentumWhateverTheForces) {
   const AssembledLcp lcp = AssembleContactLcp(GenerateScene("billiards-break", 300, 1));
   const Eigen::VectorXd f = Eigen::VectorXd::LinSpaced(300, 0, 5);
+  // A column for each body, the table first, which nothing touches.
   const Eigen::VectorXd impulse = lcp.problem.J().transpose() * f;
-  double x = 0;
-  double y = 0;
-  for (Index k = 0; k < impulse.size(); k += 3) {
-    // The table is body 0.
-    if (k == 0) {
-      EXPECT_EQ(impulse.head(3).norm(), 0);
-    }
-    x += impulse[k];
-    y += impulse[k + 1];
-    EXPECT_EQ(impulse[k + 2], 0);
-  }
-  EXPECT_NEAR(x, 0, 1e-10);
-  EXPECT_NEAR(y, 0, 1e-10);
+  const auto bodies = impulse.reshaped(3, impulse.size() / 3);
+  EXPECT_EQ(bodies.col(0).norm(), 0);
+  EXPECT_EQ(bodies.row(2).norm(), 0);
+  EXPECT_LE(bodies.rowwise().sum().norm(), 1e-10);
 }
 
 TEST(BilliardsBreak, SendsTheCueBallIntoTheTouchingRack) {
@@ -280,10 +233,12 @@ TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
   for (int i = 0; i < 50; ++i) {
     const double density = random.Uniform(1, 100);
     const double corner = random.Uniform(0.01, 0.2);
-    const RoundedBoxShape shape{2 * corner + random.Uniform(0.01, 1), 2 * corner + random.Uniform(0.01, 1), corner};
+    const double width = 2 * corner + random.Uniform(0.01, 1);
+    const double height = 2 * corner + random.Uniform(0.01, 1);
     const double a = random.Uniform(0.1, 1);
     const double b = random.Uniform(0.1, 1);
-    const Body bodies[] = {MakeRoundedBox({1, 2}, shape, density), MakeOval({3, 4}, 0.3, a, b, density),
+    const Body bodies[] = {MakeDisc({1, 2}, a, density), MakeBox({1, 2}, a, b, density),
+                           MakeRoundedBox({1, 2}, width, height, corner, density), MakeOval({3, 4}, 0.3, a, b, density),
                            MakeRing({5, 6}, a + b, a, density)};
     for (const Body& body : bodies) {
       Outline outline = OutlineOf(body);
@@ -293,11 +248,6 @@ TEST(PackingParts, HaveTheMassAndInertiaOfTheirOutlines) {
       EXPECT_NEAR(body.mass, properties.mass, 1e-13 * body.mass);
       EXPECT_NEAR(body.inertia, properties.inertia, 1e-12 * body.inertia);
       EXPECT_LE(Norm(properties.center), 1e-14);
-    }
-    for (int k = 0; k < 4; ++k) {
-      const Vec2 end = shape.Edge(k).b;
-      const ArcEdge arc = shape.Corner((k + 1) % 4);
-      EXPECT_NEAR(Norm(end - arc.center), corner, 1e-14);
     }
   }
 }
@@ -310,26 +260,6 @@ TEST(PackingWorlds, KeepGravityAloneOfTheLoads) {
     EXPECT_EQ(body.force.x, body.mass);
     EXPECT_EQ(body.force.y, -2 * body.mass);
     EXPECT_EQ(body.torque, 0);
-  }
-}
-
-TEST(PackingRanks, AreAsTheFamiliesSay) {
-  constexpr double kZero = 1e-11;
-  constexpr int kRows = 300;
-  const std::pair<const char*, std::pair<double, double>> shares[] = {{"ovals-in-bowl", {1, 1}},
-                                                                      {"roller-bearing", {0.75, 0.9}},
-                                                                      {"rounded-wall", {0.45, 0.65}},
-                                                                      {"tall-stacks", {0.95, 0.995}},
-                                                                      {"billiards-break", {0.65, 0.8}}};
-  for (const auto& [key, share] : shares) {
-    const Eigen::VectorXd values =
-        lcpbench::testing::ScaledEigenvalues(AssembleContactLcp(GenerateScene(key, kRows, 1)).problem);
-    const auto rank = (values.array() > kZero * values.maxCoeff()).count();
-    EXPECT_GE(static_cast<double>(rank), share.first * kRows) << key;
-    EXPECT_LE(static_cast<double>(rank), share.second * kRows) << key;
-    if (std::string_view(key) == "tall-stacks") {
-      EXPECT_GE(values.maxCoeff() / values[kRows - rank], 1e6);
-    }
   }
 }
 

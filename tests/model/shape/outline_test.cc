@@ -34,6 +34,11 @@ void ExpectRefused(const Outline& outline, const std::vector<std::string>& texts
   }
 }
 
+Outline WithHole(Outline outline, Vec2 center, double radius) {
+  outline.loops.push_back({Arc(center, radius, 2 * kPi, 0)});
+  return outline;
+}
+
 TEST(Outline, RandomMixturesOfAllEdgesAreValidWhereverTheyAre) {
   Random random(1);
   for (int k = 0; k < 300; ++k) {
@@ -92,21 +97,17 @@ TEST(Outline, EnclosuresHoldTheirPieces) {
   for (int i = 0; i < 30; ++i) {
     const OutlineLoop loop = RandomOutline(&random).loops[0];
     for (const OutlinePiece& piece : loop) {
-      std::visit(
-          [&](const auto& e) {
-            const std::vector<double> cuts = e.EnclosedCuts(piece.s_begin, piece.s_end);
-            ASSERT_GE(cuts.size(), 3U);
-            for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
-              const Vec2 begin = e.Point(cuts[k]);
-              const Vec2 end = e.Point(cuts[k + 1]);
-              const double height = e.Enclose(cuts[k], cuts[k + 1], begin, end).height;
-              for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8}) {
-                const Vec2 p = e.Point(cuts[k] + t * (cuts[k + 1] - cuts[k]));
-                EXPECT_LE(DistanceToSegment(p, begin, end), height + 1e-14) << e.kName;
-              }
-            }
-          },
-          piece.edge);
+      const std::vector<double> cuts = EnclosedCuts(piece);
+      ASSERT_GE(cuts.size(), 3U);
+      for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+        const Vec2 begin = CurvePoint(piece.edge, cuts[k]);
+        const Vec2 end = CurvePoint(piece.edge, cuts[k + 1]);
+        const double height = Enclose(piece.edge, cuts[k], cuts[k + 1]).height;
+        for (const double t : {0.2, 0.4, 0.5, 0.6, 0.8}) {
+          const Vec2 p = CurvePoint(piece.edge, cuts[k] + t * (cuts[k + 1] - cuts[k]));
+          EXPECT_LE(DistanceToSegment(p, begin, end), height + 1e-14) << Describe(ToFeature(piece.edge));
+        }
+      }
     }
   }
 }
@@ -210,33 +211,16 @@ TEST(OutlineChecks, RefuseTheWrongSenseOfTravel) {
 }
 
 TEST(OutlineChecks, RefuseHolesThatAreNotWithinTheMaterial) {
-  Outline outside = Disc(1);
-  outside.loops.push_back({Arc({3, 0}, 0.5, 2 * kPi, 0)});
-  ExpectRefused(outside, {"hole 1", "outside"});
-  Outline around = Disc(1);
-  around.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
-  ExpectRefused(around, {"hole 1", "outside"});
-  Outline crossing = Disc(1);
-  crossing.loops.push_back({Arc({1, 0}, 0.5, 2 * kPi, 0)});
-  ExpectRefused(crossing, {"self-intersecting", "hole 1"});
-  Outline nested = Disc(4);
-  nested.loops.push_back({Arc({}, 2, 2 * kPi, 0)});
-  nested.loops.push_back({Arc({0.5, 0}, 1, 2 * kPi, 0)});
-  ExpectRefused(nested, {"hole 2", "inside hole 1"});
-  Outline in_the_mouth = Bowl(2, 1.5, 1);
-  in_the_mouth.loops.push_back({Arc({}, 0.3, 2 * kPi, 0)});
-  ExpectRefused(in_the_mouth, {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {3, 0}, 0.5), {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {}, 2), {"hole 1", "outside"});
+  ExpectRefused(WithHole(Disc(1), {1, 0}, 0.5), {"self-intersecting", "hole 1"});
+  ExpectRefused(WithHole(WithHole(Disc(4), {}, 2), {0.5, 0}, 1), {"hole 2", "inside hole 1"});
+  ExpectRefused(WithHole(Bowl(2, 1.5, 1), {}, 0.3), {"hole 1", "outside"});
 }
 
 TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
   EXPECT_NO_THROW(RequireValid(Ring(1, 1 - 1e-8)));
-  ExpectRefused(
-      [] {
-        Outline ring = Disc(1);
-        ring.loops.push_back({Arc({}, 1 - 1e-11, 2 * kPi, 0)});
-        return ring;
-      }(),
-      {"hole 1"});
+  ExpectRefused(WithHole(Disc(1), {}, 1 - 1e-11), {"hole 1"});
   for (const double R : {1e3, 1e6, 1e9}) {
     const double alpha = std::asin(1 / R);
     const double drop = std::sqrt((R - 1) * (R + 1));
@@ -257,6 +241,18 @@ TEST(OutlineChecks, TakeLittleTimeForManyEdges) {
   EXPECT_NO_THROW(Gear(shape));
 }
 
+std::vector<double*> NumbersIn(OutlineCurve* curve) {
+  std::vector<double*> numbers;
+  ForEachPoint(*curve, [&](Vec2& p) { numbers.insert(numbers.end(), {&p.x, &p.y}); });
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.radius; }) numbers.push_back(&e.radius);
+        if constexpr (requires { e.phi; }) numbers.insert(numbers.end(), {&e.a, &e.b, &e.phi});
+      },
+      *curve);
+  return numbers;
+}
+
 // What a reader of files could be handed: valid outlines with numbers, kinds or order spoilt.
 OutlinePiece RandomPiece(Random* random) {
   const auto length = [random] {
@@ -264,51 +260,23 @@ OutlinePiece RandomPiece(Random* random) {
     const int choice = RandomInteger(30, random);
     return choice < 10 ? special[choice] : random->Uniform(-3, 3);
   };
-  const auto point = [&] { return Vec2{length(), length()}; };
-  const Side side = random->Uniform(0, 1) < 0.5 ? Side::kConvex : Side::kConcave;
-  OutlinePiece piece;
-  switch (RandomInteger(kEdgeKinds, random)) {
-    case 0:
-      piece.edge = StraightEdge{point(), point()};
-      break;
-    case 1:
-      piece.edge = ArcEdge{point(), length(), side};
-      break;
-    case 2:
-      piece.edge = EllipseEdge{point(), length(), length(), length(), side};
-      break;
-    case 3:
-      piece.edge = SuperellipseEdge{point(), length(), length(), RandomInteger(12, random) - 2, length(), side};
-      break;
-    default:
-      piece.edge = BezierEdge{{point(), point(), point(), point()}};
-  }
+  const OutlineCurve kinds[] = {StraightEdge{}, ArcEdge{}, EllipseEdge{}, SuperellipseEdge{}, BezierEdge{}};
+  OutlinePiece piece{kinds[RandomInteger(kEdgeKinds, random)]};
+  for (double* number : NumbersIn(&piece.edge)) *number = length();
+  std::visit(
+      [&](auto& e) {
+        if constexpr (requires { e.side; }) e.side = random->Uniform(0, 1) < 0.5 ? Side::kConvex : Side::kConcave;
+        if constexpr (requires { e.m; }) e.m = RandomInteger(12, random) - 2;
+      },
+      piece.edge);
   piece.s_begin = RandomInteger(2, random) == 0 ? 0 : length();
   piece.s_end = RandomInteger(2, random) == 0 ? 1 : length();
   return piece;
 }
 
 double* RandomNumber(OutlinePiece* piece, Random* random) {
-  std::vector<double*> numbers = {&piece->s_begin, &piece->s_end};
-  const auto add = [&](Vec2* p) {
-    numbers.push_back(&p->x);
-    numbers.push_back(&p->y);
-  };
-  if (auto* e = std::get_if<StraightEdge>(&piece->edge)) {
-    add(&e->a);
-    add(&e->b);
-  } else if (auto* arc = std::get_if<ArcEdge>(&piece->edge)) {
-    add(&arc->center);
-    numbers.push_back(&arc->radius);
-  } else if (auto* ellipse = std::get_if<EllipseEdge>(&piece->edge)) {
-    add(&ellipse->center);
-    numbers.insert(numbers.end(), {&ellipse->a, &ellipse->b, &ellipse->phi});
-  } else if (auto* super = std::get_if<SuperellipseEdge>(&piece->edge)) {
-    add(&super->center);
-    numbers.insert(numbers.end(), {&super->a, &super->b, &super->phi});
-  } else {
-    for (Vec2& p : std::get<BezierEdge>(piece->edge).P) add(&p);
-  }
+  std::vector<double*> numbers = NumbersIn(&piece->edge);
+  numbers.insert(numbers.end(), {&piece->s_begin, &piece->s_end});
   return numbers[static_cast<std::size_t>(RandomInteger(static_cast<int>(numbers.size()), random))];
 }
 

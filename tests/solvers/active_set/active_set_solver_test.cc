@@ -1,5 +1,5 @@
 // What is particular to block principal pivoting, alone and followed by continuation; what it shares with the other
-// direct solvers is in direct_solvers_*test.cc, the contract of all solvers in contract_test.cc.
+// direct solvers is in direct_solvers_test.cc, the contract of all solvers in contract_test.cc.
 
 #include "solvers/active_set/active_set_solver.h"
 

@@ -1,6 +1,6 @@
 // What is particular to the proximal semismooth Newton method: few factorisations where block pivoting cycles, forces
 // that stay positive on redundant contacts, the clock. What it shares with the other direct solvers is in
-// direct_solvers_*test.cc, the contract of all solvers in contract_test.cc.
+// direct_solvers_test.cc, the contract of all solvers in contract_test.cc.
 
 #include "solvers/active_set/semismooth_newton.h"
 

@@ -4,11 +4,8 @@
 
 #include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
-#include <cmath>
 
-#include "solvers/lcp/verify.h"
 #include "solvers/pivoting/dantzig.h"
-#include "support/input_error.h"
 #include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
@@ -18,9 +15,11 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr auto Iterate = [](const LcpProblem& problem, const ApgdOptions& options, double tolerance, std::int64_t k) {
-  return IterateNew<ApgdSolver>(problem, options, tolerance, k);
-};
+ApgdOptions WithoutRestart() {
+  ApgdOptions options;
+  options.restart = false;
+  return options;
+}
 
 TEST(Apgd, EnergyFallsWithTheSquareOfTheIterations) {
   int compared = 0;
@@ -37,9 +36,7 @@ TEST(Apgd, EnergyFallsWithTheSquareOfTheIterations) {
     const double distance = root.cwiseProduct(solution.f).squaredNorm();
     const double least = Energy(problem, solution.f);
     for (const std::int64_t k : {1, 2, 4, 8, 16, 31}) {
-      ApgdOptions options;
-      options.restart = false;
-      const LcpResult result = Iterate(problem, options, 1e-15, k);
+      const LcpResult result = IterateNew<ApgdSolver>(problem, WithoutRestart(), 1e-15, k);
       // The start is returned where its residual is less than that of the last iterate.
       if (result.iterations < k || result.f.isZero(0)) continue;
       ++compared;
@@ -52,26 +49,11 @@ TEST(Apgd, EnergyFallsWithTheSquareOfTheIterations) {
 
 TEST(Apgd, RestartPaysOnAChain) {
   const TestProblem chain = GeneratedProblems().back();
-  ApgdOptions without;
-  without.restart = false;
-  const LcpResult with_restart = Iterate(chain.problem, {}, 1e-9, 0);
-  const LcpResult without_restart = Iterate(chain.problem, without, 1e-9, 0);
+  const LcpResult with_restart = IterateNew<ApgdSolver>(chain.problem, {}, 1e-9, 0);
+  const LcpResult without_restart = IterateNew<ApgdSolver>(chain.problem, WithoutRestart(), 1e-9, 0);
   EXPECT_EQ(with_restart.status, LcpStatus::kSolved);
   EXPECT_LT(2 * with_restart.iterations, without_restart.iterations);
 }
-
-TEST(Apgd, FormsAgreeOnAnIterate) {
-  for (unsigned seed = 1; seed <= 6; ++seed) {
-    const LcpProblem problem = PlantedProblem(20, 12, seed, seed % 2 == 0 ? 5 : 0, 0).problem;
-    for (const std::int64_t k : {1, 3, 8}) {
-      const VectorXd a = Iterate(problem, {RowForm::kAssembled, true}, 1e-15, k).f;
-      const VectorXd m = Iterate(problem, {RowForm::kMatrixFree, true}, 1e-15, k).f;
-      EXPECT_LE((a - m).cwiseAbs().maxCoeff(), 1e-9 * (1e-300 + a.cwiseAbs().maxCoeff())) << problem.id();
-    }
-  }
-}
-
-TEST(Apgd, UnknownOptionsAreRefused) { EXPECT_THROW(ApgdOptions::FromSettings({{"restart", "maybe"}}), InputError); }
 
 }  // namespace
 }  // namespace lcpbench

@@ -4,15 +4,19 @@
 
 #include <Eigen/Core>
 #include <cmath>
-#include <limits>
 #include <memory>
+#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/first_order/sweeps/paced_passes.h"
+#include "solvers/first_order/sweeps/first_order_engine.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
+#include "tests/solvers/exact_problems.h"
+#include "tests/solvers/first_order_runs.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -20,16 +24,29 @@ namespace {
 
 class FirstOrder : public testing::TestWithParam<std::string> {
  protected:
-  static LcpResult Solve(const LcpProblem& problem, LcpOptions options, const Settings& settings = {}) {
+  static LcpResult Solve(const LcpProblem& problem, const LcpOptions& options, const Settings& settings = {}) {
     const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam(), settings);
     LcpResult result;
     solver->Solve(problem, options, &result);
     return result;
   }
+  static LcpResult IterateFrom0(const LcpProblem& problem, std::int64_t iterations, const Settings& settings) {
+    return Iterate(MakeSolver(GetParam(), settings).get(), problem, 1e-15, iterations);
+  }
   static LcpOptions At(double tolerance) {
     LcpOptions options;
     options.tolerance = tolerance;
     return options;
+  }
+  // Every value of every setting but `form`.
+  static std::vector<Settings> Variants() {
+    if (GetParam() == "apgd") return {{}, {{"restart", "no"}}};
+    if (GetParam() == "nncg") return {{}, {{"sweep", "symmetric"}}, {{"direction", "fletcher-reeves"}}};
+    const std::string relaxation = GetParam() == "pgs" ? "relaxation" : "first-relaxation";
+    return {{},
+            {{"sweep", "forward"}, {relaxation, "0.4"}},
+            {{"sweep", "symmetric"}, {relaxation, "1.6"}},
+            {{relaxation, "1.95"}}};
   }
 };
 
@@ -43,16 +60,83 @@ std::vector<TestProblem> EasyProblems() {
   return problems;
 }
 
-TEST_P(FirstOrder, SolvesEasyProblemsToEveryTierInEveryForm) {
+// Rows on three bodies each, so that the two-body path does not apply.
+LcpProblem ThreeBodyProblem(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<int> entry(-3, 3);
+  std::vector<Eigen::Triplet<double, int>> entries;
+  for (int i = 0; i < 8; ++i) {
+    for (int k = 0; k < 12; ++k) entries.emplace_back(i, k, entry(random));
+  }
+  SparseMatrix J(8, 12);
+  J.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd b(8);
+  for (double& value : b) value = entry(random);
+  return LcpProblem::FromFactors("three-body", J, Eigen::VectorXd::LinSpaced(12, 0.5, 2.0), b);
+}
+
+TEST_P(FirstOrder, SolvesEasyProblemsToEveryTierInEveryFormAndVariant) {
   for (const TestProblem& test : EasyProblems()) {
-    for (const char* form : {"auto", "assembled", "matrix-free"}) {
-      for (const double tolerance : kTiers) {
-        const LcpResult result = Solve(test.problem, At(tolerance), {{"form", form}});
-        EXPECT_EQ(result.status, LcpStatus::kSolved) << test.problem.id() << " " << form << " " << tolerance;
-        EXPECT_TRUE(Verify(test.problem, result, tolerance, &test.reference).passes) << test.problem.id();
+    for (Settings settings : Variants()) {
+      for (const char* form : {"auto", "assembled", "matrix-free"}) {
+        settings["form"] = form;
+        for (const double tolerance : kTiers) {
+          const LcpResult result = Solve(test.problem, At(tolerance), settings);
+          EXPECT_EQ(result.status, LcpStatus::kSolved) << test.problem.id() << " " << form << " " << tolerance;
+          EXPECT_TRUE(Verify(test.problem, result, tolerance, &test.reference).passes) << test.problem.id();
+        }
       }
     }
   }
+}
+
+TEST_P(FirstOrder, BothFormsGiveTheSameIteratesUpToRounding) {
+  std::vector<LcpProblem> problems;
+  for (const TestProblem& test : EasyProblems()) problems.push_back(test.problem);
+  for (unsigned seed = 0; seed < 20; ++seed) problems.push_back(ThreeBodyProblem(seed));
+  for (Settings settings : Variants()) {
+    // Colours differ from form to form.
+    if (GetParam() != "apgd") settings.emplace("sweep", GetParam() == "nncg" ? "symmetric" : "forward");
+    for (const LcpProblem& problem : problems) {
+      for (const std::int64_t iterations : {1, 2, 7}) {
+        settings["form"] = "assembled";
+        const Eigen::VectorXd a = IterateFrom0(problem, iterations, settings).f;
+        settings["form"] = "matrix-free";
+        const Eigen::VectorXd m = IterateFrom0(problem, iterations, settings).f;
+        // Forces compare in the scaled problem, where none has units.
+        const Eigen::VectorXd root = problem.DiagonalA().cwiseSqrt();
+        EXPECT_LE(root.cwiseProduct(a - m).cwiseAbs().maxCoeff(), 1e-9 * root.cwiseProduct(a).cwiseAbs().maxCoeff())
+            << problem.id() << ", " << iterations << " iterations";
+      }
+    }
+  }
+}
+
+TEST_P(FirstOrder, EnergyNeverRises) {
+  if (GetParam() == "apgd") GTEST_SKIP() << "apgd is not monotone";
+  std::vector<TestProblem> problems = GeneratedProblems();
+  problems.push_back({PressedChain(60), {}});
+  problems.push_back(PlantedProblem(40, 20, 2, 5, 0));
+  int compared = 0;
+  for (Settings settings : Variants()) {
+    if (settings.count("direction") > 0) continue;
+    for (const char* form : {"auto", "assembled"}) {
+      settings["form"] = form;
+      for (const TestProblem& test : problems) {
+        double energy = 0;
+        for (const std::int64_t iterations : {1, 2, 3, 4, 6, 9, 10, 11, 12, 15, 20, 22, 25, 30}) {
+          const LcpResult result = IterateFrom0(test.problem, iterations, settings);
+          // The start is returned where its residual is less than that of the last iterate.
+          if (result.f.isZero(0)) continue;
+          ++compared;
+          const double next = Energy(test.problem, result.f);
+          EXPECT_LE(next, energy + 1e-9 * std::abs(energy)) << test.problem.id() << ", " << iterations;
+          energy = next;
+        }
+      }
+    }
+  }
+  EXPECT_GE(compared, 300);
 }
 
 TEST_P(FirstOrder, UnitsChangeNothingButTheUnits) {
@@ -87,14 +171,14 @@ TEST_P(FirstOrder, UnitsChangeNothingButTheUnits) {
 TEST_P(FirstOrder, AllocatesNothingOncePrepared) {
   if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted here";
   CountAllocations(true);
-  std::vector<LcpProblem> problems;
+  std::vector<LcpProblem> problems = {ThreeBodyProblem(1)};
   for (const TestProblem& test : EasyProblems()) {
     problems.push_back(test.problem);
     problems.push_back(LcpProblem::FromSparse("sparse", test.problem.SparseA(), test.problem.b()));
   }
   for (const LcpProblem& problem : problems) {
-    for (const char* form : {"auto", "matrix-free"}) {
-      if (!problem.has_factors() && std::string(form) != "auto") continue;
+    for (const std::string form : {"auto", "matrix-free"}) {
+      if (!problem.has_factors() && form != "auto") continue;
       const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam(), {{"form", form}});
       LcpResult result;
       result.f.setZero(problem.size());
@@ -131,13 +215,11 @@ LcpProblem LongChain(Index n) {
     A.insert(i, i) = 1.0;
     if (i + 1 < n) A.insert(i, i + 1) = -0.5;
   }
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  return LcpProblem::FromSparse("long-chain", A, Eigen::VectorXd::Constant(n, -1.0), {}, facts);
+  return LcpProblem::FromSparse("long-chain", A, Eigen::VectorXd::Constant(n, -1.0), {}, SymmetricPsd());
 }
 
 TEST_P(FirstOrder, ReadsTheClockOftenWithinAnIteration) {
-  constexpr Index kRows = 4 * PacedPasses::kEntriesPerClockRead;
+  constexpr Index kRows = 4 * FirstOrderEngine::kEntriesPerClockRead;
   const LcpProblem problem = LongChain(kRows);
   LcpOptions options = At(1e-9);
   options.now = &StepClock;
@@ -153,29 +235,53 @@ TEST_P(FirstOrder, ReadsTheClockOftenWithinAnIteration) {
   const LcpResult limited = Solve(problem, options);
   EXPECT_EQ(limited.status, LcpStatus::kIterationLimit);
   // Every iteration multiplies by every entry of A at least once, and two of three are off the diagonal.
-  EXPECT_GE(g_clock, 5.0 * 2 * kRows / PacedPasses::kEntriesPerClockRead);
+  EXPECT_GE(g_clock, 5.0 * 2 * kRows / FirstOrderEngine::kEntriesPerClockRead);
 }
 
 TEST_P(FirstOrder, InfeasibleProblemsEndAtALimitWithAFiniteIterate) {
-  Eigen::MatrixXd A(2, 2);
-  A << 1, -1, -1, 1;
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  const LcpProblem jam = LcpProblem::FromDense("jam", A, Eigen::Vector2d(-1, -1), {}, facts);
+  const Eigen::MatrixXd opposed = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  const LcpProblem jam = LcpProblem::FromDense("jam", opposed, Eigen::Vector2d(-1, -1), {}, SymmetricPsd());
   LcpOptions options = At(1e-6);
   options.max_iterations = 500;
   const LcpResult result = Solve(jam, options);
   EXPECT_NE(result.status, LcpStatus::kSolved);
   EXPECT_NE(result.status, LcpStatus::kInfeasible);
   EXPECT_TRUE(result.f.allFinite());
+
+  LcpOptions limited = At(1e-6);
+  limited.time_limit_s = 3.5;  // read at every check
+  limited.now = &StepClock;
+  const LcpResult late = Solve(jam, limited);
+  EXPECT_EQ(late.status, LcpStatus::kTimeLimit);
+  EXPECT_GT(late.iterations, 0);
+  EXPECT_TRUE(late.f.allFinite());
 }
 
-TEST_P(FirstOrder, OnlySweepsTakeANonsymmetricA) {
-  Eigen::MatrixXd A(2, 2);
-  A << 1, 10, -10, 1;
-  const LcpProblem problem = LcpProblem::FromDense("rotation", A, Eigen::Vector2d(-1, -1));
-  const bool is_refused = Solve(problem, At(1e-6)).status == LcpStatus::kUnsupported;
+TEST_P(FirstOrder, RefusesWhatItsRowsCannotBe) {
+  const auto status = [&](const Eigen::MatrixXd& A, const Settings& settings) {
+    return Solve(LcpProblem::FromDense("refused", A, Eigen::Vector2d(-1, 1)), At(1e-6), settings).status;
+  };
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(2, 2);
+  EXPECT_EQ(status(one, {}), LcpStatus::kSolved);
+  EXPECT_EQ(status(one, {{"form", "matrix-free"}}), LcpStatus::kUnsupported);
+  EXPECT_EQ(status(-one, {}), LcpStatus::kUnsupported);
+  // Sweeps alone take a nonsymmetric A.
+  const Eigen::MatrixXd rotation = (Eigen::MatrixXd(2, 2) << 1, 10, -10, 1).finished();
+  const bool is_refused = status(rotation, {}) == LcpStatus::kUnsupported;
   EXPECT_EQ(is_refused, GetParam() == "nncg" || GetParam() == "apgd");
+}
+
+TEST(FirstOrderSettings, OptionsOutOfRangeAreRefused) {
+  std::vector<std::pair<const char*, Settings>> refused = {
+      {"apgd", {{"restart", "maybe"}}}, {"nncg", {{"direction", "steepest"}}}, {"nncg", {{"sweep", "forward"}}},
+      {"pgs", {{"form", "dense"}}},     {"pgs", {{"first-relaxation", "1"}}},  {"psor", {{"sweep", "random"}}}};
+  for (const char* relaxation : {"0", "2", "-1", "nan", "fast"}) {
+    refused.push_back({"pgs", {{"relaxation", relaxation}}});
+    refused.push_back({"psor", {{"first-relaxation", relaxation}}});
+  }
+  for (const auto& [key, settings] : refused) {
+    EXPECT_THROW(MakeSolver(key, settings), InputError) << key << " " << settings.begin()->second;
+  }
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 #include <Eigen/Core>
 #include <cmath>
 #include <random>
-#include <string>
 #include <vector>
 
 #include "solvers/lcp/residual.h"
@@ -17,73 +16,27 @@
 namespace lcpbench {
 namespace {
 
-PgsOptions With(PgsOptions::Form form, double relaxation = 1.0) {
-  PgsOptions options;
-  options.form = form;
-  options.sweep = SweepOrder::kForward;
-  options.relaxation = relaxation;
-  return options;
-}
-
-LcpResult Sweep(PgsSolver* solver, const LcpProblem& problem, std::int64_t sweeps, const Eigen::VectorXd* start) {
-  return Iterate(solver, problem, 1e-9, sweeps, start);
-}
-
-// Rows on three bodies each, so that the two-body path does not apply.
-LcpProblem ThreeBodyProblem(unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_int_distribution<int> entry(-3, 3);
-  std::vector<Eigen::Triplet<double, int>> entries;
-  for (int i = 0; i < 8; ++i) {
-    for (int k = 0; k < 12; ++k) entries.emplace_back(i, k, entry(random));
-  }
-  SparseMatrix J(8, 12);
-  J.setFromTriplets(entries.begin(), entries.end());
-  Eigen::VectorXd b(8);
-  for (double& value : b) value = entry(random);
-  return LcpProblem::FromFactors("three-body", J, Eigen::VectorXd::LinSpaced(12, 0.5, 2.0), b);
-}
-
-TEST(Pgs, BothFormsGiveTheSameIteratesUpToRounding) {
-  std::vector<LcpProblem> problems;
-  for (const TestProblem& test : GeneratedProblems()) problems.push_back(test.problem);
-  for (unsigned seed = 0; seed < 20; ++seed) problems.push_back(ThreeBodyProblem(seed));
-  for (const double relaxation : {0.7, 1.0, 1.6}) {
-    PgsSolver assembled(With(PgsOptions::Form::kAssembled, relaxation));
-    PgsSolver matrix_free(With(PgsOptions::Form::kMatrixFree, relaxation));
-    for (const LcpProblem& problem : problems) {
-      if (!problem.has_factors()) continue;
-      for (const std::int64_t sweeps : {1, 2, 7}) {
-        const Eigen::VectorXd a = Sweep(&assembled, problem, sweeps, nullptr).f;
-        const Eigen::VectorXd m = Sweep(&matrix_free, problem, sweeps, nullptr).f;
-        // Forces compare in the scaled problem, where none has units.
-        const Eigen::VectorXd root =
-            problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1.0 : std::sqrt(d); });
-        const double size = root.cwiseProduct(a).cwiseAbs().maxCoeff();
-        EXPECT_LE(root.cwiseProduct(a - m).cwiseAbs().maxCoeff(), 1e-11 * size)
-            << problem.id() << ", " << sweeps << " sweeps, omega " << relaxation;
-      }
-    }
-  }
-}
+PgsOptions Forward(RowForm form) { return {.form = form, .sweep = SweepOrder::kForward}; }
 
 TEST(Pgs, RelaxationOutsideZeroToTwoIsRefused) {
   for (const double relaxation : {0.0, 2.0, -0.1, 2.5, std::nan("")}) {
-    EXPECT_THROW(PgsSolver(With(PgsOptions::Form::kAuto, relaxation)), InputError) << relaxation;
+    EXPECT_THROW(PgsSolver({.relaxation = relaxation}), InputError) << relaxation;
   }
-  for (const char* relaxation : {"0", "2", "-1", "nan", "fast"}) {
-    EXPECT_THROW(PgsOptions::FromSettings({{"relaxation", relaxation}}), InputError) << relaxation;
-  }
-  EXPECT_THROW(PgsOptions::FromSettings({{"form", "dense"}}), InputError);
-  EXPECT_EQ(PgsOptions::FromSettings({{"relaxation", "1.3"}, {"form", "matrix-free"}}).relaxation, 1.3);
+  const PgsOptions read = PgsOptions::FromSettings({{"relaxation", "1.3"}, {"form", "matrix-free"}});
+  EXPECT_EQ(read.relaxation, 1.3);
+  EXPECT_EQ(read.form, RowForm::kMatrixFree);
+  EXPECT_FALSE(read.adaptive);
+  const PgsOptions psor = PgsOptions::AdaptiveFromSettings({{"sweep", "symmetric"}});
+  EXPECT_EQ(psor.relaxation, PgsOptions::kFirstOfAdaptive);
+  EXPECT_EQ(psor.sweep, SweepOrder::kSymmetric);
+  EXPECT_TRUE(psor.adaptive);
 }
 
 TEST(Pgs, DiagonalProblemIsSolvedInOneSweepAndASecondThatFindsNothingToDo) {
   Eigen::MatrixXd A = Eigen::Vector3d(2, 1e-9, 3e9).asDiagonal();
   const LcpProblem problem =
       LcpProblem::FromDense("diagonal", A, Eigen::Vector3d(-4, 5, 6), RowBounds::WithBilateralRows(3, {2}));
-  PgsSolver solver;
-  const LcpResult result = Sweep(&solver, problem, 0, nullptr);
+  const LcpResult result = IterateNew<PgsSolver>(problem, {}, 1e-9, 0);
   EXPECT_EQ(result.status, LcpStatus::kSolved);
   EXPECT_EQ(result.iterations, 2);
   EXPECT_DOUBLE_EQ(result.f[0], 2);
@@ -97,14 +50,14 @@ TEST(Pgs, RowWithoutDiagonalKeepsZeroForce) {
   J.insert(1, 1) = 1.0;  // on a fixed direction: A has a zero row
   const Eigen::VectorXd inverse_mass = Eigen::Vector3d(1, 0, 1);
   const Eigen::VectorXd start = Eigen::Vector2d(0, 5);
-  for (const auto form : {PgsOptions::Form::kAssembled, PgsOptions::Form::kMatrixFree}) {
-    PgsSolver solver(With(form));
+  for (const auto form : {RowForm::kAssembled, RowForm::kMatrixFree}) {
+    PgsSolver solver(Forward(form));
     const LcpProblem solvable = LcpProblem::FromFactors("zero-row", J, inverse_mass, Eigen::Vector2d(-1, 2));
-    const LcpResult solved = Sweep(&solver, solvable, 0, &start);
+    const LcpResult solved = Iterate(&solver, solvable, 1e-9, 0, &start);
     EXPECT_EQ(solved.status, LcpStatus::kSolved);
     EXPECT_EQ(solved.f, Eigen::VectorXd(Eigen::Vector2d(1, 0)));
     const LcpProblem infeasible = LcpProblem::FromFactors("zero-row-open", J, inverse_mass, Eigen::Vector2d(-1, -2));
-    const LcpResult open = Sweep(&solver, infeasible, 50, &start);
+    const LcpResult open = Iterate(&solver, infeasible, 1e-9, 50, &start);
     EXPECT_EQ(open.status, LcpStatus::kIterationLimit);
     EXPECT_EQ(open.f[1], 0);
   }
@@ -116,43 +69,21 @@ TEST(Pgs, ReturnsTheBestIterateWhenItDiverges) {
   A << 1, 10, -10, 1;
   const LcpProblem problem =
       LcpProblem::FromDense("rotation", A, Eigen::Vector2d(-1, -1), RowBounds::WithBilateralRows(2, {0, 1}));
-  PgsSolver solver(With(PgsOptions::Form::kAssembled));
-  const LcpResult result = Sweep(&solver, problem, 40, nullptr);
+  const LcpResult result = IterateNew<PgsSolver>(problem, Forward(RowForm::kAssembled), 1e-9, 40);
   EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
   EXPECT_LE(ComputeMetrics(problem, result.f).rho, 1.0);  // that of f = 0
-  const LcpResult overflow = Sweep(&solver, problem, 0, nullptr);
+  const LcpResult overflow = IterateNew<PgsSolver>(problem, Forward(RowForm::kAssembled), 1e-9, 0);
   EXPECT_EQ(overflow.status, LcpStatus::kNumericalFailure);
   EXPECT_TRUE(overflow.f.allFinite());
 }
 
-TEST(Pgs, MatrixFreeNeedsFactorsAndNegativeDiagonalIsRefused) {
-  const LcpProblem dense = LcpProblem::FromDense("dense", Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(-1, 1));
-  PgsSolver solver(With(PgsOptions::Form::kMatrixFree));
-  EXPECT_EQ(Sweep(&solver, dense, 0, nullptr).status, LcpStatus::kUnsupported);
-  const LcpProblem negative =
-      LcpProblem::FromDense("negative", -Eigen::MatrixXd::Identity(2, 2), Eigen::Vector2d(1, 1));
-  PgsSolver assembled;
-  EXPECT_EQ(Sweep(&assembled, negative, 0, nullptr).status, LcpStatus::kUnsupported);
-}
-
-double g_clock = 0;
-double StepClock() { return g_clock += 1.0; }
-
-TEST(Pgs, TimeLimitIsReadFromTheInjectedClock) {
-  // An infeasible problem never ends by itself: two opposed rows that both pull.
-  Eigen::MatrixXd A(2, 2);
-  A << 1, -1, -1, 1;
-  const LcpProblem problem = LcpProblem::FromDense("jam", A, Eigen::Vector2d(-1, -1));
-  PgsSolver solver;
-  LcpOptions options;
-  options.time_limit_s = 5.5;
-  options.now = &StepClock;
-  g_clock = 0;
-  LcpResult result;
-  solver.Solve(problem, options, &result);
-  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
-  EXPECT_GT(result.iterations, 0);
-  EXPECT_LT(result.iterations, PgsOptions::kDefaultSweeps);
+TEST(Psor, TakesAFifthOfTheSweepsOfGaussSeidelOnAChain) {
+  const LcpProblem chain = PressedChain(60);
+  const LcpResult plain = IterateNew<PgsSolver>(chain, {}, 1e-9, 0);
+  const LcpResult relaxed = IterateNew<PgsSolver>(chain, PgsOptions::AdaptiveFromSettings({}), 1e-9, 0);
+  EXPECT_EQ(plain.status, LcpStatus::kSolved);
+  EXPECT_EQ(relaxed.status, LcpStatus::kSolved);
+  EXPECT_LE(5 * relaxed.iterations, plain.iterations) << relaxed.iterations << " of " << plain.iterations;
 }
 
 TEST(GivenForm, TestAgreesWithTheVerdict) {

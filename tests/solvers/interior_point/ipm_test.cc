@@ -239,6 +239,37 @@ TEST(Ipm, StartsThatSayNothingAreColdOnes) {
   }
 }
 
+// Masses and loads a little later.
+LcpProblem Drifted(const LcpProblem& before, double drift, unsigned seed) {
+  std::mt19937_64 random(seed);
+  Eigen::VectorXd inverse_mass = before.inverse_mass();
+  for (double& m : inverse_mass) m *= 1 + 0.5 * drift * Uniform(&random, -1, 1);
+  Eigen::VectorXd push(before.J().cols());
+  for (double& a : push) a = drift * Uniform(&random, -5, 5);
+  return LcpProblem::FromFactors("drifted", before.J(), inverse_mass, before.b() + before.J() * push,
+                                 RowBounds::WithBilateralRows(before.size(), before.bilateral_rows()));
+}
+
+// Another set is tried only where the first one is nearly right.
+TEST(Ipm, AGuessThatIsFarOffCostsOneFactorization) {
+  IpmSolver cold;
+  IpmSolver solver;
+  solver.UseWarmStart(IpmSolver::WarmStart::kGuessOnly);
+  int missed = 0;
+  for (unsigned seed = 0; seed < 20; ++seed) {
+    const LcpProblem before = Redundant(200, 60, seed);
+    const Eigen::VectorXd f = SolveWith(&cold, before).f;
+    LcpOptions options;
+    options.initial_f = &f;
+    const LcpResult result = SolveWith(&solver, Drifted(before, 0.3, seed), options);
+    if (result.status == LcpStatus::kSolved) continue;
+    EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+    EXPECT_EQ(result.iterations, 1) << seed;
+    ++missed;
+  }
+  EXPECT_GE(missed, 10);
+}
+
 TEST(Ipm, WarmStartsCostFewFactorizationsMoreThanColdOnes) {
   // Six of the guessed active set at most; where the start is near it is far less.
   constexpr std::int64_t kMostOfAGuess = 6;
@@ -248,14 +279,7 @@ TEST(Ipm, WarmStartsCostFewFactorizationsMoreThanColdOnes) {
     for (unsigned seed = 0; seed < 20; ++seed) {
       const LcpProblem before = seed % 2 == 0 ? DiscPile(300, seed) : Redundant(60, 20, seed);
       const Eigen::VectorXd f = SolveWith(&solver, before).f;
-      std::mt19937_64 random(seed);
-      Eigen::VectorXd inverse_mass = before.inverse_mass();
-      for (double& m : inverse_mass) m *= 1 + 0.5 * drift * Uniform(&random, -1, 1);
-      Eigen::VectorXd push(before.J().cols());
-      for (double& a : push) a = drift * Uniform(&random, -5, 5);
-      const LcpProblem after =
-          LcpProblem::FromFactors("drifted", before.J(), inverse_mass, before.b() + before.J() * push,
-                                  RowBounds::WithBilateralRows(before.size(), before.bilateral_rows()));
+      const LcpProblem after = Drifted(before, drift, seed);
       const LcpResult cold = SolveWith(&solver, after);
       LcpOptions options;
       options.initial_f = &f;

@@ -5,10 +5,9 @@
 #include <memory>
 #include <random>
 #include <string>
-#include <thread>
 #include <vector>
 
-#include "solvers/ipopt/ipopt_engine.h"
+#include "solvers/ipopt/quadratic_program.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
@@ -103,21 +102,6 @@ TEST_P(Ipopt, WarmStartAtTheSolutionTakesNoIterationAndNearItFewer) {
   EXPECT_LT(warm_iterations, cold_iterations);
 }
 
-TEST_P(Ipopt, RepeatedAndInterleavedSolvesAreBitwiseIdentical) {
-  const LcpProblem first = PlantedProblem(15, 6, 1, 4, 3).problem;
-  const LcpProblem second = PlantedProblem(9, 3, 2, 0, 2).problem;
-  const std::unique_ptr<LcpSolver> reused = MakeSolver(GetParam());
-  LcpOptions options;
-  const LcpResult fresh = Solve(first, options.tolerance);
-  LcpResult again;
-  for (int repeat = 0; repeat < 3; ++repeat) {
-    reused->Solve(first, options, &again);
-    EXPECT_EQ(again.iterations, fresh.iterations);
-    EXPECT_TRUE((again.f.array() == fresh.f.array()).all());
-    reused->Solve(second, options, &again);
-  }
-}
-
 // A solve that ended early, in whatever way, must leave nothing behind in the objects that the next one uses.
 TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
   const LcpProblem problem = PlantedProblem(15, 6, 8, 4, 3).problem;
@@ -134,6 +118,8 @@ TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
   limited.max_iterations = 2;
   reused->Solve(problem, limited, &result);
   EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
+  EXPECT_EQ(result.iterations, 2);
+  EXPECT_NE(result.detail.find("Maximum_Iterations_Exceeded"), std::string::npos);
   expect_as_fresh("iteration limit");
   LcpOptions warm;
   warm.initial_f = &fresh.f;
@@ -145,61 +131,6 @@ TEST_P(Ipopt, SolvesAfterEveryKindOfEndingAreAsFresh) {
   reused->Solve(problem, late, &result);
   EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
   expect_as_fresh("time limit");
-}
-
-TEST_P(Ipopt, DistinctObjectsAreUsableFromDistinctThreads) {
-  constexpr unsigned kThreads = 4;
-  constexpr unsigned kProblems = 12;
-  std::vector<LcpProblem> problems;
-  std::vector<LcpResult> alone;
-  for (unsigned seed = 0; seed < kProblems; ++seed) {
-    problems.push_back(
-        PlantedProblem(8 + seed, 4, seed, static_cast<int>(seed % 3), static_cast<int>(seed % 4)).problem);
-    alone.push_back(Solve(problems.back(), 1e-9));
-  }
-  std::vector<std::vector<LcpResult>> together(kThreads, std::vector<LcpResult>(kProblems));
-  std::vector<std::thread> threads;
-  for (unsigned thread = 0; thread < kThreads; ++thread) {
-    threads.emplace_back([&, thread] {
-      for (unsigned k = 0; k < kProblems; ++k) {
-        const unsigned which = (k + 3 * thread) % kProblems;
-        together[thread][which] = Solve(problems[which], 1e-9);
-      }
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-  for (unsigned thread = 0; thread < kThreads; ++thread) {
-    for (unsigned k = 0; k < kProblems; ++k) {
-      EXPECT_EQ(together[thread][k].iterations, alone[k].iterations) << k;
-      EXPECT_TRUE((together[thread][k].f.array() == alone[k].f.array()).all()) << k;
-    }
-  }
-}
-
-TEST_P(Ipopt, IterationLimitIsHonoured) {
-  const LcpProblem problem = PlantedProblem(20, 8, 4, 0, 0).problem;
-  LcpOptions options;
-  options.max_iterations = 3;
-  LcpResult result;
-  MakeSolver(GetParam())->Solve(problem, options, &result);
-  EXPECT_EQ(result.status, LcpStatus::kIterationLimit);
-  EXPECT_EQ(result.iterations, 3);
-  EXPECT_NE(result.detail.find("Maximum_Iterations_Exceeded"), std::string::npos);
-}
-
-double g_clock = 0;
-double StepClock() { return g_clock += 1.0; }
-
-TEST_P(Ipopt, TimeLimitIsReadFromTheInjectedClockEachIteration) {
-  const LcpProblem problem = PlantedProblem(20, 8, 4, 0, 0).problem;
-  LcpOptions options;
-  options.time_limit_s = 3.5;
-  options.now = &StepClock;
-  g_clock = 0;
-  LcpResult result;
-  MakeSolver(GetParam())->Solve(problem, options, &result);
-  EXPECT_EQ(result.status, LcpStatus::kTimeLimit);
-  EXPECT_LE(result.iterations, 4);
 }
 
 TEST_P(Ipopt, InfeasibleByOpposedRowsIsProvedByARay) {
@@ -276,10 +207,10 @@ TEST(IpoptProgram, ItsDerivativesAreThoseOfTheDenseForm) {
   program.nonnegative.assign(n, true);
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(n, n), G = Eigen::MatrixXd::Zero(m, n);
   for (int i = 0; i < n; ++i) {
-    for (int j = 0; j <= i; j += 2) program.hessian.Add(i, j, H(i, j) = H(j, i) = uniform(random));
+    for (int j = 0; j <= i; j += 2) program.hessian.emplace_back(i, j, H(i, j) = H(j, i) = uniform(random));
   }
   for (int i = 0; i < m; ++i) {
-    for (int j = i; j < n; j += 2) program.jacobian.Add(i, j, G(i, j) = uniform(random));
+    for (int j = i; j < n; j += 2) program.jacobian.emplace_back(i, j, G(i, j) = uniform(random));
   }
   const Eigen::VectorXd x = Eigen::VectorXd::NullaryExpr(n, any);
   Eigen::VectorXd gradient(n), values(m);

@@ -1,13 +1,19 @@
-// Answers and proofs of all direct solvers on problems that are exact in double: generated families, small problems
-// without exception, those worked out by hand, and outside data. What is particular to one method is in its own file.
+// Answers, proofs, units, warm starts, limits, refusals and allocations of all direct solvers, on problems that are
+// exact in double: generated families, small problems without exception, those worked out by hand, and outside data.
+// What is particular to one method is in its own file.
 
 #include "tests/solvers/direct_solvers.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "benchmarks/measure/allocation_count.h"
 
 namespace lcpbench {
 namespace {
@@ -15,11 +21,39 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-class DirectSolversAnswer : public DirectSolverTest {};
+class DirectSolversLaw : public DirectSolverTest {
+ protected:
+  // The verdict and w of `test` after rescaling: solved and proved problems alike.
+  void JudgeRescaled(const TestProblem& test, const VectorXd& rows, double of_A, double of_b) {
+    TestProblem other = Rescaled(test, rows, of_A, of_b);
+    const LcpResult result = Solve(other.problem);
+    // The known w in the units of the original, where all numbers are of one size.
+    const std::optional<VectorXd> known = other.reference.w;
+    other.reference.w.reset();
+    Judge(other, result);
+    if (result.status != LcpStatus::kSolved || !known.has_value()) return;
+    const VectorXd w = ComputeMetrics(other.problem, result.f).w;
+    const VectorXd error = (w - *known).cwiseQuotient(of_b * rows);
+    EXPECT_LE(error.cwiseAbs().maxCoeff(), 1e-7 * (1 + test.problem.b().cwiseAbs().maxCoeff()));
+  }
 
-INSTANTIATE_TEST_SUITE_P(All, DirectSolversAnswer, testing::ValuesIn(DirectSolvers()), NameOf);
+  struct Iterations {
+    std::int64_t cold = 0;
+    std::int64_t warm = 0;
+  };
+  Iterations SolveTwice(const TestProblem& test) {
+    const LcpResult cold = Solve(test.problem);
+    LcpOptions options;
+    options.initial_f = &cold.f;
+    const LcpResult warm = Solve(test.problem, options);
+    ExpectSolved(test, warm);
+    return {cold.iterations, warm.iterations};
+  }
+};
 
-TEST_P(DirectSolversAnswer, EveryGeneratedFamilyIsSolved) {
+INSTANTIATE_TEST_SUITE_P(All, DirectSolversLaw, testing::ValuesIn(DirectSolvers()), NameOf);
+
+TEST_P(DirectSolversLaw, EveryGeneratedFamilyIsSolved) {
   for (const ExactFamily& family : SolvableFamilies()) {
     for (unsigned seed = 0; seed < 300; ++seed) {
       const TestProblem test = family.make(seed);
@@ -34,7 +68,7 @@ TEST_P(DirectSolversAnswer, EveryGeneratedFamilyIsSolved) {
   ExpectUndecided(GetParam().undecided);
 }
 
-TEST_P(DirectSolversAnswer, ManyPlantedSolutionsOfEveryRankAreFound) {
+TEST_P(DirectSolversLaw, ManyPlantedSolutionsOfEveryRankAreFound) {
   for (const bool wide_masses : {false, true}) {
     for (unsigned seed = 300; seed < 1000; ++seed) {
       const TestProblem test = PlantedExactly(seed, 30, wide_masses);
@@ -45,7 +79,7 @@ TEST_P(DirectSolversAnswer, ManyPlantedSolutionsOfEveryRankAreFound) {
   ExpectUndecided(GetParam().undecided);
 }
 
-TEST_P(DirectSolversAnswer, EveryUnsolvableFamilyIsProved) {
+TEST_P(DirectSolversLaw, EveryUnsolvableFamilyIsProved) {
   for (const ExactFamily& family : UnsolvableFamilies()) {
     for (unsigned seed = 0; seed < 500; ++seed) {
       const TestProblem test = family.make(seed);
@@ -57,7 +91,7 @@ TEST_P(DirectSolversAnswer, EveryUnsolvableFamilyIsProved) {
 }
 
 // All symmetric PSD A of one and two rows with entries up to 2 in size, all b up to 2, contacts and joints.
-TEST_P(DirectSolversAnswer, EveryProblemOfTwoSmallRowsIsSolvedOrProved) {
+TEST_P(DirectSolversLaw, EveryProblemOfTwoSmallRowsIsSolvedOrProved) {
   int solved = 0;
   int proved = 0;
   const auto check = [&](const MatrixXd& A, const VectorXd& b) {
@@ -96,7 +130,7 @@ TEST_P(DirectSolversAnswer, EveryProblemOfTwoSmallRowsIsSolvedOrProved) {
   EXPECT_GT(proved, 200);
 }
 
-TEST_P(DirectSolversAnswer, ARowOfZerosIsRightOrProvedImpossible) {
+TEST_P(DirectSolversLaw, ARowOfZerosIsRightOrProvedImpossible) {
   MatrixXd A = MatrixXd::Zero(3, 3);
   A(1, 1) = 2;
   const auto solve = [&](double b0, double b2, const std::vector<Index>& bilateral) {
@@ -117,7 +151,7 @@ TEST_P(DirectSolversAnswer, ARowOfZerosIsRightOrProvedImpossible) {
   EXPECT_EQ(solve(0, -5, {2}), LcpStatus::kInfeasible);
 }
 
-TEST_P(DirectSolversAnswer, ARedundantJointIsLeftOutOrProvedImpossible) {
+TEST_P(DirectSolversLaw, ARedundantJointIsLeftOutOrProvedImpossible) {
   // Rows 0 and 1 are one joint written twice, row 2 a contact.
   MatrixXd A(3, 3);
   A << 1, -2, 0.5,  //
@@ -133,7 +167,7 @@ TEST_P(DirectSolversAnswer, ARedundantJointIsLeftOutOrProvedImpossible) {
   ExpectUndecided(GetParam().undecided > 0 ? 1.0 / 3 : 0);
 }
 
-TEST_P(DirectSolversAnswer, TwoOpposedContactsSqueezeOrHold) {
+TEST_P(DirectSolversLaw, TwoOpposedContactsSqueezeOrHold) {
   MatrixXd A(2, 2);
   A << 1, -1,  //
       -1, 1;
@@ -145,7 +179,7 @@ TEST_P(DirectSolversAnswer, TwoOpposedContactsSqueezeOrHold) {
   ExpectSolved(held, Solve(held));
 }
 
-TEST_P(DirectSolversAnswer, EveryOracleProblemIsSolvedExactlyOrProved) {
+TEST_P(DirectSolversLaw, EveryOracleProblemIsSolvedExactlyOrProved) {
   const std::vector<TestProblem> problems = OracleProblems();
   if (problems.empty()) GTEST_SKIP() << "the outside oracle data is not there";
   for (const TestProblem& test : problems) {
@@ -154,7 +188,7 @@ TEST_P(DirectSolversAnswer, EveryOracleProblemIsSolvedExactlyOrProved) {
   ExpectUndecided(0);
 }
 
-TEST_P(DirectSolversAnswer, TheUnitProblemsOfAnotherEngineAreSolved) {
+TEST_P(DirectSolversLaw, TheUnitProblemsOfAnotherEngineAreSolved) {
   const std::vector<LcpProblem> problems = RecordedUnitProblems();
   if (problems.empty()) GTEST_SKIP() << "the outside data is not there";
   int missed = 0;
@@ -165,6 +199,213 @@ TEST_P(DirectSolversAnswer, TheUnitProblemsOfAnotherEngineAreSolved) {
     if (!verdict.passes) ++missed;
   }
   EXPECT_LE(missed, GetParam().unit_problems_missed);
+}
+
+// rho and the threshold of rays count a row of zeros in the units of b, so that its weight against the other rows
+// depends on the units.
+bool HasZeroRows(const LcpProblem& problem) { return (problem.DiagonalA().array() == 0).any(); }
+
+TEST_P(DirectSolversLaw, PowersOfTwoChangeNoPivotAndNoBitOfTheAnswer) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    SCOPED_TRACE(seed);
+    const TestProblem test = PlantedExactly(seed, 25, true);
+    if (HasZeroRows(test.problem) && !GetParam().powers_of_two_leave_zero_rows) continue;
+    const Index n = test.problem.size();
+    const LcpResult plain = Solve(test.problem);
+    const auto expect_same = [&](const VectorXd& rows, double of_A, double of_b) {
+      const LcpResult other = Solve(Rescaled(test, rows, of_A, of_b).problem);
+      EXPECT_EQ(other.status, plain.status);
+      EXPECT_EQ(other.iterations, plain.iterations);
+      EXPECT_TRUE(other.f == of_b / of_A * plain.f.cwiseQuotient(rows));
+    };
+    const VectorXd ones = VectorXd::Ones(n);
+    expect_same(ones, 0x1p40, 1);
+    expect_same(ones, 0x1p-40, 1);
+    expect_same(ones, 1, 0x1p-39);
+    expect_same(ones, 1, 0x1p39);
+    TestRandom random(seed);
+    VectorXd rows(n);
+    for (Index i = 0; i < n; ++i) rows[i] = std::ldexp(1.0, random.Integer(-20, 20));
+    expect_same(rows, 1, 1);
+  }
+}
+
+void ForEachOf(std::span<const ExactFamily> families, unsigned seeds,
+               const std::function<void(const TestProblem& test, unsigned seed)>& check) {
+  for (const ExactFamily& family : families) {
+    for (unsigned seed = 0; seed < seeds; ++seed) {
+      const TestProblem test = family.make(seed);
+      if (HasZeroRows(test.problem)) continue;
+      SCOPED_TRACE(std::string(family.name) + " seed " + std::to_string(seed));
+      check(test, seed);
+    }
+  }
+}
+
+TEST_P(DirectSolversLaw, PowersOfTenChangeNeitherVerdictNorW) {
+  const auto check = [this](const TestProblem& test, unsigned /*seed*/) {
+    const VectorXd ones = VectorXd::Ones(test.problem.size());
+    for (const double unit : {1e-12, 1e12}) {
+      JudgeRescaled(test, ones, unit, 1);
+      JudgeRescaled(test, ones, 1, unit);
+    }
+  };
+  ForEachOf(SolvableFamilies(), 40, check);
+  ExpectUndecided(0);
+  ForEachOf(UnsolvableFamilies(), 40, check);
+  ExpectUndecided(GetParam().undecided_rounded);
+}
+
+TEST_P(DirectSolversLaw, AnyFactorsOfSingleRowsChangeNeitherVerdictNorW) {
+  const auto check = [this](const TestProblem& test, unsigned seed) {
+    TestRandom random(seed);
+    VectorXd rows(test.problem.size());
+    for (double& row : rows) row = std::pow(10.0, random.Integer(-6000, 6000) / 1000.0);
+    JudgeRescaled(test, rows, 1, 1);
+  };
+  ForEachOf(SolvableFamilies(), 100, check);
+  ExpectUndecided(0);
+  ForEachOf(UnsolvableFamilies(), 100, check);
+  ExpectUndecided(GetParam().undecided_rounded);
+}
+
+TEST_P(DirectSolversLaw, AStartFromTheAnswerTakesFewIterations) {
+  constexpr unsigned kProblems = 300;
+  Iterations full_rank;
+  Iterations redundant;
+  for (unsigned seed = 0; seed < kProblems; ++seed) {
+    SCOPED_TRACE(seed);
+    const Iterations full = SolveTwice(PlantedProblem(30, 40, seed, seed % 2 == 0 ? 5 : 0, 0));
+    full_rank.cold += full.cold;
+    full_rank.warm += full.warm;
+    const Iterations other = SolveTwice(PlantedExactly(seed, 30, false));
+    redundant.cold += other.cold;
+    redundant.warm += other.warm;
+  }
+  EXPECT_GE(full_rank.cold, kProblems / 2);  // some start from blocks of rows, and count these as none
+  EXPECT_LE(static_cast<double>(full_rank.warm), GetParam().warm_iterations * kProblems);
+  EXPECT_LE(static_cast<double>(redundant.warm), GetParam().warm_part * static_cast<double>(redundant.cold));
+}
+
+TEST_P(DirectSolversLaw, AWrongStartDoesNoHarm) {
+  for (unsigned seed = 0; seed < 300; ++seed) {
+    const TestProblem test = PlantedExactly(seed, 30, false);
+    TestRandom random(seed + 1000);
+    VectorXd start(test.problem.size());
+    for (Index i = 0; i < start.size(); ++i) start[i] = random.Integer(-3, 3);
+    LcpOptions options;
+    options.initial_f = &start;
+    Judge(test, Solve(test.problem, options));
+  }
+  ExpectUndecided(GetParam().undecided);
+}
+
+TEST_P(DirectSolversLaw, ALimitOfIterationsIsMetAndLeavesNonnegativeForces) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const TestProblem test = PlantedProblem(60, 30, seed, 0, 0);
+    const std::int64_t needed = Solve(test.problem).iterations;
+    for (std::int64_t limit = 1; limit < needed; limit += 1 + needed / 10) {
+      LcpOptions options;
+      options.max_iterations = limit;
+      const LcpResult result = Solve(test.problem, options);
+      if (result.status == LcpStatus::kSolved) continue;
+      EXPECT_EQ(result.status, LcpStatus::kIterationLimit) << limit << ": " << result.detail;
+      EXPECT_EQ(result.iterations, limit);
+      EXPECT_TRUE(result.f.allFinite());
+      EXPECT_GE(result.f.minCoeff(), 0) << limit;
+    }
+  }
+}
+
+TEST_P(DirectSolversLaw, AnExpiredClockEndsTheSolve) {
+  const TestProblem test = PlantedProblem(60, 30, 4, 0, 0);
+  LcpOptions options;
+  options.time_limit_s = 1;
+  options.now = [] {
+    static double time = 0;
+    return time += 2;
+  };
+  const LcpResult result = Solve(test.problem, options);
+  EXPECT_EQ(result.status, LcpStatus::kTimeLimit) << result.detail;
+  EXPECT_TRUE(result.f.allFinite());
+  EXPECT_GE(result.f.minCoeff(), 0);
+}
+
+TEST_P(DirectSolversLaw, AsymmetricMatricesAndNegativeDiagonalsAreUnsupported) {
+  MatrixXd A = MatrixXd::Identity(2, 2);
+  A(0, 1) = 0.5;
+  EXPECT_EQ(Solve(LcpProblem::FromDense("asymmetric", A, VectorXd::Ones(2))).status, LcpStatus::kUnsupported);
+  const LcpResult negative = Solve(LcpProblem::FromDense("negative", -MatrixXd::Identity(2, 2), VectorXd::Ones(2)));
+  EXPECT_EQ(negative.status, LcpStatus::kUnsupported) << negative.detail;
+  EXPECT_FALSE(negative.detail.empty());
+}
+
+TEST_P(DirectSolversLaw, MoreRowsThanItsArraysAreMeantForAreUnsupported) {
+  if (GetParam().row_limit == nullptr) GTEST_SKIP() << "takes any number of rows";
+  const LcpProblem problem = PlantedProblem(8, 4, 1, 0, 0).problem;
+  Settings settings = GetParam().settings;
+  for (const bool fits : {false, true}) {
+    settings[GetParam().row_limit] = fits ? "8" : "7";
+    LcpResult result;
+    MakeSolver(GetParam().key, settings)->Solve(problem, {}, &result);
+    EXPECT_EQ(result.status, fits ? LcpStatus::kSolved : LcpStatus::kUnsupported);
+    EXPECT_TRUE(fits || result.detail.find(GetParam().row_limit) != std::string::npos) << result.detail;
+  }
+}
+
+TEST_P(DirectSolversLaw, NothingWrongIsClaimedForAMatrixThatIsNotPsd) {
+  MatrixXd A(2, 2);
+  A << 1, -2, -2, 1;  // indefinite, without a solution
+  const LcpProblem problem = LcpProblem::FromDense("indefinite", A, Eigen::Vector2d(-1, -1));
+  const LcpResult result = Solve(problem);
+  EXPECT_NE(result.status, LcpStatus::kSolved);
+  EXPECT_NE(result.status, LcpStatus::kInfeasible);
+  EXPECT_TRUE(result.status == LcpStatus::kIterationLimit || !result.detail.empty());
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    TestRandom random(seed);
+    MatrixXd B = MatrixXd::Identity(6, 6);
+    VectorXd b(6);
+    for (Index i = 0; i < 6; ++i) {
+      for (Index j = 0; j < i; ++j) B(i, j) = B(j, i) = random.Integer(-200, 200) / 100.0;
+      b[i] = random.Integer(-100, 100) / 100.0;
+    }
+    const LcpProblem other = LcpProblem::FromDense("indefinite-" + std::to_string(seed), B, b);
+    const LcpResult claim = Solve(other);
+    const Verdict verdict = Verify(other, claim, 1e-9);
+    EXPECT_FALSE(verdict.false_success) << seed;
+    EXPECT_FALSE(verdict.false_infeasible) << seed;
+  }
+}
+
+TEST_P(DirectSolversLaw, SolvingAgainDoesNotAllocate) {
+  if (GetParam().allocates) GTEST_SKIP() << "does not promise that";
+  if (!AllocationsAreCounted()) GTEST_SKIP() << "allocations cannot be counted in this build";
+  CountAllocations(true);
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    const TestProblem dense = PlantedExactly(seed, 60, false);
+    const Index n = dense.problem.size();
+    // The same kind of problem by factors, where w goes through body space.
+    SparseMatrix J = MatrixXd(MatrixXd::Identity(n, n)).sparseView();
+    for (Index i = 0; i + 1 < n; ++i) J.coeffRef(i, i + 1) = -0.5;
+    const LcpProblem by_factors =
+        LcpProblem::FromFactors("chain", J, VectorXd::Ones(n), VectorXd::LinSpaced(n, -1, 0.5));
+    for (const LcpProblem& problem : {dense.problem, by_factors, PlantedProblem(40, 30, seed, 5, 3).problem}) {
+      const std::unique_ptr<LcpSolver> solver = MakeSolver(GetParam().key, GetParam().settings);
+      solver->Reserve(problem.size());
+      solver->Prepare(problem);
+      LcpResult result;
+      solver->Solve(problem, {}, &result);
+      ASSERT_EQ(result.status, LcpStatus::kSolved);
+      const VectorXd f = result.f;
+      LcpOptions warm;
+      warm.initial_f = &f;
+      const long before = AllocationCount();
+      solver->Solve(problem, {}, &result);
+      solver->Solve(problem, warm, &result);
+      EXPECT_EQ(AllocationCount() - before, 0) << "seed " << seed << ", " << problem.id();
+      EXPECT_EQ(result.status, LcpStatus::kSolved);
+    }
+  }
 }
 
 // First-order methods included: whoever claims a solution has the w of all others.

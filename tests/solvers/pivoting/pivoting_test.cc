@@ -1,4 +1,4 @@
-// What is particular to dantzig and lemke; what they share with the other direct solvers is in direct_solvers_*test.cc,
+// What is particular to dantzig and lemke; what they share with the other direct solvers is in direct_solvers_test.cc,
 // the contract of all solvers in contract_test.cc.
 
 #include <gtest/gtest.h>
@@ -43,14 +43,6 @@ TEST(Dantzig, MakesOneMoreRowRightWithEveryPivotWhereNoForceBlocks) {
   }
 }
 
-TEST(Dantzig, ReadsItsSettings) {
-  const DantzigOptions options =
-      DantzigOptions::FromSettings({{"rank_tolerance", "1e-10"}, {"order", "most-negative"}});
-  EXPECT_EQ(options.rank_tolerance, 1e-10);
-  EXPECT_EQ(options.order, DantzigOrder::kMostNegative);
-  EXPECT_EQ(DantzigOptions::FromSettings({}).order, DantzigOrder::kIndex);
-}
-
 TEST(Lemke, FollowsThePathOfATwoByTwoProblemByHand) {
   // d = (1, 1), so b + d = (1.5, 0): row 1 enters at z = 1 and f_1 = 1 - z; w_0 = 0.5 + z + 0.5 f_1 stays positive.
   MatrixXd A(2, 2);
@@ -92,8 +84,13 @@ TEST(Lemke, ResolvesTiesOfEqualRows) {
   }
 }
 
-TEST(Lemke, ReadsItsSettings) {
-  EXPECT_EQ(LemkeOptions::FromSettings({{"rank_tolerance", "1e-10"}}).rank_tolerance, 1e-10);
+TEST(Pivoting, ReadsItsSettings) {
+  const DantzigOptions options =
+      DantzigOptions::FromSettings({{"rank_tolerance", "1e-10"}, {"order", "most-negative"}});
+  EXPECT_EQ(options.rank_tolerance, 1e-10);
+  EXPECT_EQ(options.order, DantzigOrder::kMostNegative);
+  EXPECT_TRUE(options.block_start);
+  EXPECT_FALSE(LemkeOptions::FromSettings({}).block_start);
   EXPECT_THROW(LemkeOptions::FromSettings({{"rank_tolerance", "0"}}), InputError);
 }
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
-#include "solvers/auto/islands.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/linear_algebra/islands.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"
 
@@ -55,7 +55,7 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
   SmallPivoting tableau;
   tableau.Reserve(SmallPivoting::kMaxRows);
   for (Index n = 1; n <= SmallPivoting::kMaxRows; ++n) {
-    for (unsigned seed = 0; seed < 5; ++seed) {
+    for (unsigned seed = 0; seed < (n <= 2 ? 200U : 5U); ++seed) {
       const LcpProblem problem = Definite(n, 1000 * seed + static_cast<unsigned>(n));
       VectorXd f(n);
       const auto [rho, rounding, rows_meet] = tableau.Solve(problem, {}, &f);
@@ -66,49 +66,7 @@ TEST(SmallPivoting, SolvesDefiniteProblemsOfEverySize) {
       EXPECT_LE(rounding, 1e-10);
       EXPECT_LE(verdict.metrics.rho, rho + rounding);
       EXPECT_NEAR(rho, verdict.metrics.rho, 1e-14);
-    }
-  }
-}
-
-// All problems of one and two rows with small integers, joints among them.
-TEST(SmallPivoting, OneAndTwoRowsInClosedForm) {
-  SmallPivoting tableau;
-  tableau.Reserve(2);
-  int cases = 0;
-  for (int joints = 0; joints < 4; ++joints) {
-    for (int a00 = 1; a00 <= 3; ++a00) {
-      for (int a11 = 1; a11 <= 3; ++a11) {
-        for (int a01 = -3; a01 <= 3; ++a01) {
-          if (a01 * a01 >= a00 * a11) continue;
-          for (int b0 = -3; b0 <= 3; ++b0) {
-            for (int b1 = -3; b1 <= 3; ++b1) {
-              const MatrixXd A = (MatrixXd(2, 2) << a00, a01, a01, a11).finished();
-              const VectorXd b = Eigen::Vector2d(b0, b1);
-              std::vector<Index> bilateral;
-              if ((joints & 1) != 0) bilateral.push_back(0);
-              if ((joints & 2) != 0) bilateral.push_back(1);
-              const LcpProblem problem =
-                  LcpProblem::FromDense("two", A, b, RowBounds::WithBilateralRows(2, bilateral), SymmetricPsd());
-              VectorXd f(2);
-              EXPECT_LE(tableau.Solve(problem, {}, &f).rho, 1e-14);
-              EXPECT_TRUE(Verify(problem, Claimed(f), 1e-12).passes) << A << " " << b.transpose() << " " << joints;
-              EXPECT_EQ(tableau.pivots(), 0);
-              ++cases;
-            }
-          }
-        }
-      }
-    }
-  }
-  EXPECT_GT(cases, 5000);
-  for (const bool joint : {false, true}) {
-    for (const double b : {-3.0, 0.0, 2.0}) {
-      const LcpProblem problem =
-          LcpProblem::FromDense("one", MatrixXd::Constant(1, 1, 2.0), VectorXd::Constant(1, b),
-                                RowBounds::WithBilateralRows(1, joint ? std::vector<Index>{0} : std::vector<Index>{}));
-      VectorXd f(1);
-      tableau.Solve(problem, {}, &f);
-      EXPECT_EQ(f[0], joint || b < 0 ? -b / 2 : 0.0);
+      EXPECT_TRUE(n > 2 || tableau.pivots() == 0) << "one and two rows have closed forms";
     }
   }
 }

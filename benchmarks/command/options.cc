@@ -1,0 +1,194 @@
+#include "benchmarks/command/options.h"
+
+#include <filesystem>
+#include <sstream>
+#include <utility>
+
+#include "build_info.h"
+#include "solvers/registry.h"
+#include "support/input_error.h"
+
+namespace lcpbench {
+namespace {
+
+// One a flag, so that arguments may follow it.
+void AddRepeated(CLI::App& command, const char* name, std::vector<std::string>* values, const char* description) {
+  command.add_option(name, *values, description)->allow_extra_args(false);
+}
+
+// What stands before and after the first '='; neither is empty.
+std::pair<std::string, std::string> Divided(const std::string& pair, const char* option, const char* expected) {
+  const auto equals = pair.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == pair.size()) {
+    throw InputError(std::string(option) + ": expected " + expected + ", found '" + pair + "'");
+  }
+  return {pair.substr(0, equals), pair.substr(equals + 1)};
+}
+
+constexpr const char* kSlowdown = "slowdown";
+constexpr double kMostSlowdown = 100;
+
+// Takes `factor` times as long as another solver: after set-up and solve it keeps the processor busy.
+class SlowedSolver : public LcpSolver {
+ public:
+  SlowedSolver(std::unique_ptr<LcpSolver> solver, double factor) : solver_(std::move(solver)), factor_(factor) {}
+  std::string WhyUnsupported(const LcpProblem& problem) const override { return solver_->WhyUnsupported(problem); }
+  void Reserve(Index max_rows) override { solver_->Reserve(max_rows); }
+
+ protected:
+  void DoPrepare(const LcpProblem& problem) override {
+    const double start = SteadyNow();
+    solver_->Prepare(problem);
+    WaitSince(start);
+  }
+  void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override {
+    const double start = SteadyNow();
+    solver_->Solve(problem, options, result);
+    WaitSince(start);
+  }
+
+ private:
+  void WaitSince(double start) const {
+    const double end = start + factor_ * (SteadyNow() - start);
+    while (SteadyNow() < end) {
+    }
+  }
+
+  std::unique_ptr<LcpSolver> solver_;
+  double factor_;
+};
+
+// Registers a solver that is `base`, slowed.
+void RegisterSlowed(const std::string& key, const std::string& base, const std::string& slowdown) {
+  const Settings settings{{kSlowdown, slowdown}};
+  const double factor = SettingsReader(key, settings).Number(kSlowdown, 1, 1, kMostSlowdown);
+  SolverEntry entry = FindSolver(base);
+  if (!entry.available) throw InputError("solver '" + base + "' is not in this build");
+  if (entry.origin != SolverOrigin::kOwn) {
+    throw InputError("--variant " + key + ": expected one of our own solvers to slow down, found '" + base + "'");
+  }
+  entry.base = entry.base.empty() ? entry.key : entry.base;
+  entry.key = key;
+  entry.settings[kSlowdown] = slowdown;
+  entry.make = [make = entry.make, factor](const Settings& more) -> std::unique_ptr<LcpSolver> {
+    return std::make_unique<SlowedSolver>(make(more), factor);
+  };
+  RegisterSolver(std::move(entry));
+}
+
+}  // namespace
+
+CLI::Validator Expect(const std::string& expected, const std::function<bool(double)>& holds) {
+  const auto check = [=](const std::string& text) {
+    double value = 0;
+    const bool good = CLI::detail::lexical_cast(text, value) && holds(value);
+    return good ? std::string() : "expected " + expected + ", found '" + text + "'";
+  };
+  return {check, ""};
+}
+
+CLI::Validator AtLeast(int least) {
+  return Expect("a number >= " + std::to_string(least), [least](double value) { return value >= least; });
+}
+
+CLI::Validator PositiveSeconds() {
+  return Expect("seconds > 0", [](double value) { return value > 0; });
+}
+
+void AddToleranceOption(CLI::App& command, double* tolerance) {
+  command.add_option("--tolerance", *tolerance, "Bound on rho, the scaled natural residual")
+      ->check(Expect("a number in (0, 1)", [](double value) { return value > 0 && value < 1; }));
+}
+
+void AddTimeLimitOption(CLI::App& command, double* time_limit_s) {
+  command.add_option("--time-limit", *time_limit_s, "Seconds per problem")->check(PositiveSeconds());
+}
+
+void SceneOptions::AddSizeAndSeed(CLI::App& command) {
+  command.add_option("--size", size, "Of a scene family: number of rows n at the start");
+  command.add_option("--seed", seed, "Of a scene family: the same seed gives the same scene, bit for bit");
+}
+
+void SceneOptions::AddLevel(CLI::App& command) {
+  command.add_option("--level", level, "acceleration or velocity [default: the scene's own]");
+}
+
+void SceneOptions::AddStep(CLI::App& command) {
+  command.add_option("--dt", step, "Seconds per step [default: the scene's own]")->check(PositiveSeconds());
+}
+
+MovingScene SceneOptions::Load() const {
+  MovingScene loaded = LoadScene(scene, size, seed);
+  if (!level.empty()) loaded.level = MotionLevelFromString(level);
+  if (step > 0) loaded.step = step;
+  return loaded;
+}
+
+void AddSettingsOption(CLI::App& command, std::vector<std::string>* pairs) {
+  AddRepeated(command, "--set", pairs, "Option of the solver itself, NAME=VALUE; may be repeated");
+}
+
+Settings ParseSettings(const std::vector<std::string>& pairs) {
+  Settings settings;
+  for (const std::string& pair : pairs) {
+    const auto equals = pair.find('=');
+    if (equals == std::string::npos || equals == 0) {
+      throw InputError("--set: expected NAME=VALUE, found '" + pair + "'");
+    }
+    settings[pair.substr(0, equals)] = pair.substr(equals + 1);
+  }
+  return settings;
+}
+
+void NamedSolvers::Declare(CLI::App& command) {
+  AddRepeated(command, "--external", &externals,
+              "A solver of your own: KEY=COMMAND, a program that speaks the protocol of "
+              "solvers/peers/protocol/protocol.h; may be repeated");
+  AddRepeated(command, "--variant", &variants,
+              "KEY=SOLVER[,NAME=VALUE]...: a solver with other settings, or one of ours slowed on purpose "
+              "(slowdown=1.1), under a key of its own; may be repeated");
+}
+
+void NamedSolvers::Register() const {
+  for (const std::string& external : externals) {
+    const auto [key, program] = Divided(external, "--external", "KEY=COMMAND");
+    // "$@" hands on the settings.
+    RegisterExternalSolver(key, {"/bin/sh", "-c", "exec " + program + " \"$@\"", "lcpbench"});
+  }
+  RegisterVariants(variants);
+}
+
+std::vector<std::string> NamedSolvers::Words() const {
+  std::vector<std::string> words;
+  for (const std::string& external : externals) words.insert(words.end(), {"--external", external});
+  for (const std::string& variant : variants) words.insert(words.end(), {"--variant", variant});
+  return words;
+}
+
+void RegisterVariants(const std::vector<std::string>& variants) {
+  for (const std::string& variant : variants) {
+    const auto [key, rest] = Divided(variant, "--variant", "KEY=SOLVER[,NAME=VALUE]...");
+    std::vector<std::string> pairs = CLI::detail::split(rest, ',');
+    const std::string base = pairs.front();
+    pairs.erase(pairs.begin());
+    Settings settings = ParseSettings(pairs);
+    const auto slowdown = settings.extract(kSlowdown);
+    if (slowdown.empty()) {
+      RegisterSolverVariant(key, base, settings);
+    } else if (settings.empty()) {
+      RegisterSlowed(key, base, slowdown.mapped());
+    } else {
+      throw InputError("--variant " + key + ": expected slowdown alone, or a variant of a variant");
+    }
+  }
+}
+
+std::string DataFile(const std::string& name) {
+  for (const std::string& folder : {std::string("data"), std::string(kDataFolder)}) {
+    std::string path = folder + "/" + name + ".json";
+    if (std::filesystem::exists(path)) return path;
+  }
+  throw InputError("data/" + name + ".json: not there, nor in " + kDataFolder);
+}
+
+}  // namespace lcpbench

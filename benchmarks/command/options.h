@@ -1,0 +1,67 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "benchmarks/motions/scene_source.h"
+#include "solvers/lcp/settings.h"
+
+namespace lcpbench {
+
+// Options that several commands have.
+
+/// Refuses what is no number that `holds` is true of: "expected <expected>, found '...'".
+CLI::Validator Expect(const std::string& expected, const std::function<bool(double)>& holds);
+CLI::Validator AtLeast(int least);
+CLI::Validator PositiveSeconds();
+
+void AddToleranceOption(CLI::App& command, double* tolerance);
+void AddTimeLimitOption(CLI::App& command, double* time_limit_s);
+
+/// A scene, and what overrides its own way of moving.
+struct SceneOptions {
+  std::string scene = {};  ///< family or file
+  int size = 100;
+  std::uint64_t seed = 1;
+  std::string level = {};  ///< "": the scene's own
+  double step = 0;         ///< [s]; 0: the scene's own
+
+  void AddSizeAndSeed(CLI::App& command);
+  void AddLevel(CLI::App& command);
+  void AddStep(CLI::App& command);
+  /// @throws InputError as LoadScene, and for an unknown level
+  MovingScene Load() const;
+};
+
+/// Adds --set NAME=VALUE, which may be repeated: options of the solver itself.
+void AddSettingsOption(CLI::App& command, std::vector<std::string>* pairs);
+/// @throws InputError for a pair that is not NAME=VALUE
+Settings ParseSettings(const std::vector<std::string>& pairs);
+
+/// Solvers that a command line names besides those of the registry. They are registered before keys are read.
+struct NamedSolvers {
+  /// KEY=COMMAND; the shell splits the command, settings (--set) follow it as NAME=VALUE.
+  std::vector<std::string> externals;
+  /// KEY=SOLVER[,NAME=VALUE]...: a solver with other settings under a key of its own. The name `slowdown` is ours: the
+  /// solve then takes that many times as long, which shows whether a campaign finds a difference of known size.
+  std::vector<std::string> variants;
+
+  /// Adds --external and --variant, which may be repeated.
+  void Declare(CLI::App& command);
+  /// @throws InputError for a malformed one or a key that is taken, and as RegisterSolverVariant
+  void Register() const;
+  /// The same as words of a command line, for worker processes.
+  std::vector<std::string> Words() const;
+};
+
+/// @throws InputError as NamedSolvers::Register
+void RegisterVariants(const std::vector<std::string>& variants);
+
+/// NAME.json of data/. @throws InputError where it is neither in the working directory's nor in the source tree's
+std::string DataFile(const std::string& name);
+
+}  // namespace lcpbench

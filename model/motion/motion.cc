@@ -1,0 +1,78 @@
+#include "model/motion/motion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "support/clock.h"
+#include "support/input_error.h"
+#include "support/number_text.h"
+
+namespace lcpbench {
+
+void RequireFinite(const LcpProblem& problem, const LcpResult& result) {
+  if (result.f.size() == problem.size() && result.f.allFinite()) return;
+  std::string detail = "the solver gave no finite forces or impulses for problem '" + problem.id() + "' (" +
+                       std::string(ToString(result.status)) + ")";
+  if (!result.detail.empty()) detail += ": " + result.detail;
+  throw NoFinitePoint{detail};
+}
+
+void CountedSolver::Solve(const LcpProblem& problem, const Eigen::VectorXd* initial_f, LcpResult* result) {
+  options_.initial_f = initial_f != nullptr && initial_f->size() == problem.size() ? initial_f : nullptr;
+  const double begin = SteadyNow();
+  solver_.Prepare(problem);
+  solver_.Solve(problem, options_, result);
+  statistics_->solve_time_s += SteadyNow() - begin;
+  ++statistics_->solves;
+  if (result->status != LcpStatus::kSolved) ++statistics_->failed_solves;
+}
+
+Motion::Motion(World world, const LcpOptions& lcp, LcpSolver& solver)
+    : world_(std::move(world)), solver_(solver, lcp, &statistics_) {
+  RequireValid(world_);
+}
+
+void Motion::Advance(double duration) {
+  if (!(std::isfinite(duration) && duration > 0)) {
+    throw InputError("motion: the duration must be finite and > 0, found " + NumberText(duration));
+  }
+  try {
+    Move(duration);
+  } catch (const NoFinitePoint& failure) {
+    status_ = MotionStatus::kSolverFailed;
+    detail_ = failure.detail;
+  }
+}
+
+void Motion::NoteGaps(const std::vector<RowInfo>& rows) {
+  for (const RowInfo& row : rows) {
+    double& worst = row.bilateral ? statistics_.worst_joint_error : statistics_.worst_penetration;
+    worst = std::max(worst, row.bilateral ? std::abs(row.d) : -row.d);
+  }
+}
+
+std::string_view ToString(MotionLevel level) {
+  return level == MotionLevel::kAcceleration ? "acceleration" : "velocity";
+}
+
+MotionLevel MotionLevelFromString(std::string_view key) {
+  for (const MotionLevel level : {MotionLevel::kAcceleration, MotionLevel::kVelocity}) {
+    if (key == ToString(level)) return level;
+  }
+  throw InputError("unknown level '" + std::string(key) + "', expected acceleration or velocity");
+}
+
+std::string_view ToString(MotionProblemKind kind) {
+  switch (kind) {
+    case MotionProblemKind::kAcceleration:
+      return "acceleration";
+    case MotionProblemKind::kImpact:
+      return "impact";
+    case MotionProblemKind::kTimeStep:
+      break;
+  }
+  return "time_step";
+}
+
+}  // namespace lcpbench

@@ -1,0 +1,182 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "solvers/answers/answer_judge.h"
+#include "solvers/lcp/residual.h"
+#include "solvers/lcp/solver.h"
+#include "solvers/linear_algebra/active_block_choice.h"
+#include "solvers/linear_algebra/scaled_vectors.h"
+
+namespace lcpbench {
+
+/// Where candidate answers go, in the problem's units.
+class AnswerSink {
+ public:
+  virtual ~AnswerSink() = default;
+  /// To be filled with the next candidate, n numbers.
+  virtual Eigen::VectorXd& candidate() = 0;
+  /// Judges the candidate, keeps the best one. True if it is good enough to stop.
+  virtual bool Publish() = 0;
+  /// The smallest tier that the best one passes; infinite without one.
+  virtual double tier() const = 0;
+};
+
+/// The sink of solvers whose answer is an AnswerJudge's best candidate.
+class JudgedAnswer final : public AnswerSink {
+ public:
+  void Reset(const LcpProblem& problem, bool dense) { judge_.Reset(problem, dense); }  ///< as AnswerJudge
+  /// @param result  its f takes over the best candidate
+  void Start(const LcpProblem& problem, double tolerance, LcpResult* result) {
+    judge_.SetB(problem);
+    judge_.Start(tolerance);
+    result_ = result;
+  }
+  Eigen::VectorXd& candidate() override { return judge_.candidate(); }
+  bool Publish() override { return judge_.Publish(result_) || tier() <= AnswerJudge::kGoodEnough; }
+  double tier() const override { return judge_.tier(); }
+
+ private:
+  AnswerJudge judge_;
+  LcpResult* result_ = nullptr;
+};
+
+/// Block principal pivoting inside a proximal-point loop, on any ActiveBlock: what `bpp`, `semismooth-newton` and `ipm`
+/// share. The method is described at BppSolver. Internal to solvers/. Vectors are by row of the problem, in the units
+/// of ScaledVectors. Only Reserve and a ray allocate.
+class BlockPivoting {
+ public:
+  enum class End {
+    kDone,            ///< the sink, or without one the signs of all rows, say so
+    kInfeasible,      ///< with a ray
+    kNotMet,          ///< the proximal loop ended above the tolerance
+    kSingular,        ///< Rules::end_when_singular
+    kCycling,         ///< Rules::end_when_cycling
+    kGaveUp,          ///< too many rows violated for Rules
+    kIterationLimit,  ///< Task::factors
+    kStopped,         ///< the deadline passed, or the block has no factor
+  };
+
+  /// One problem and what to solve it with.
+  struct Task {
+    const LcpProblem* problem = nullptr;
+    const ScaledVectors* scaled = nullptr;
+    ActiveBlock* block = nullptr;        ///< loaded
+    AnswerSink* sink = nullptr;          ///< nullptr: an answer is one without violated rows
+    const Deadline* deadline = nullptr;  ///< nullptr for none
+    std::int64_t factors = 0;            ///< limit
+    double tolerance = 0;
+    /// Whether forces are corrected by conjugate gradients in double, preconditioned with the factor: faster than
+    /// refinement, which follows in extended precision, but they magnify what of b is inconsistent with dependent rows.
+    bool conjugate = false;
+    /// Forces beside loaded bodies are rounding where those by A are 0 (BodyActiveBlock).
+    bool through_bodies = false;
+  };
+
+  /// How far a Run goes.
+  struct Rules {
+    double weight = 1e-8;        ///< proximal weight e at the start, at least kLeastWeight
+    double largest_weight = 1;   ///< see BppOptions::largest_proximal
+    double weight_factor = 0.3;  ///< of e from one proximal step to the next
+    int steps = 60;              ///< proximal ones
+    int patience = 3;            ///< see BppOptions::patience
+    bool end_when_singular = false;
+    bool end_when_cycling = false;
+    bool try_every_set = false;  ///< offers what solves A on it, clipped: worth while where factors are dear
+    /// A set ends it that leaves more than this part of the least number of violated rows before it ...
+    double progress = std::numeric_limits<double>::infinity();
+    double most_wrong = 1;  ///< ... as does the first set with more than this part of all rows violated, ...
+    double few_wrong = 0;   ///< ... unless at most this part is left
+    std::int64_t factors = std::numeric_limits<std::int64_t>::max();  ///< of this Run
+  };
+  static constexpr double kLeastWeight = 1e-11;
+  /// Proofs of infeasibility are looked for above this tier, or above the tolerance if that is less.
+  static constexpr double kProofTolerance = 1e-9;
+
+  static constexpr Index kDependentShare = 50;  ///< see BppOptions::end_when_singular
+
+  void Reserve(const LcpProblem& problem);
+  /// @param task  what it points to must outlive the runs
+  void Begin(const Task& task);
+  /// F = all rows that can act, c = 0.
+  void StartCold();
+  /// F = {D f > w}, c = f.
+  void StartFrom(const Eigen::VectorXd& f, const Eigen::VectorXd& w);
+  /// The proximal loop from the latest start.
+  End Run(const Rules& rules);
+
+  /// A factor of A_FF + weight D_FF within the limits of the task: kDone, or why there is none.
+  End Factor(const std::vector<char>& active, double weight);
+  /// Corrects f_F on A itself from the given F and f, with a new factor of that weight; rows that are violated then
+  /// change sides while their number falls, from less than `most`; refines to rounding. kNotMet if no candidate was
+  /// good enough.
+  End Finish(const std::vector<char>& active, const Eigen::VectorXd& f, double weight, Index most);
+  /// Candidate forces, in the problem's units: those up to `least` of the largest D^1/2 f are 0.
+  void GiveForces(double least, Eigen::VectorXd* f) const;
+  /// Whether the direction, made a ray by a few corrections, is accepted by VerifyFarkasRay; ray() is it then.
+  bool FindRay(const Eigen::VectorXd& direction);
+
+  /// Of the latest start; may be changed before a Run.
+  std::vector<char>& active() { return active_; }
+  /// Of the latest Run or Finish, and w = A f + b.
+  const Eigen::VectorXd& f() const { return f_; }
+  const Eigen::VectorXd& w() const { return w_; }
+  std::optional<Eigen::VectorXd>& ray() { return accepted_ray_; }
+  std::int64_t factors() const { return factors_; }
+  std::int64_t single_exchanges() const { return single_exchanges_; }
+
+ private:
+  End PivotBlocks(const Rules& rules);
+  End SolveActive();
+  End CorrectForces();
+  bool Refine(double tolerance);
+  End Polish(Index most, double tolerance);
+  Index FindViolated(bool of_proximal);
+  void Exchange(bool least_only);
+  bool Publish();
+  double tier() const { return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier(); }
+  double LargestForce() const { return f_.cwiseAbs().cwiseProduct(root_).maxCoeff(); }
+  double proof_tolerance() const { return std::min(task_.tolerance, kProofTolerance); }
+  bool TimeIsUp() const { return task_.deadline != nullptr && task_.deadline->Expired(); }
+  double GapRoot(Index i) const { return root_[i] * unit_; }
+
+  Task task_;
+  GivenFormTest product_;
+  std::int64_t factors_ = 0;
+  std::int64_t run_factors_ = 0;  // of them, before this Run
+  std::int64_t single_exchanges_ = 0;
+  double weight_ = 0;
+  double unit_ = 1;  // A_ii of the first row that can act
+  Eigen::VectorXd root_;
+  std::vector<char> active_, active_proximal_;
+  std::vector<Index> violated_;
+  Eigen::VectorXd f_, w_, center_, proximal_;
+  Eigen::VectorXd residual_, direction_, image_, preconditioned_, ray_;
+  std::optional<Eigen::VectorXd> accepted_ray_;
+};
+
+/// What `bpp` and `semismooth-newton` have around it: units, a form of the active block and a judge of answers.
+struct PivotingSetup {
+  void Prepare(const LcpProblem& problem, ActiveBlockChoice::Allowed allowed, bool self_checks);
+  /// Loads the problem. False where result says already how it ends.
+  /// @param factors  limit unless the options have one
+  bool Begin(const LcpProblem& problem, const LcpOptions& options, const Deadline* deadline, std::int64_t factors,
+             bool conjugate, LcpResult* result);
+  /// The result of a solve that ended so; its detail is left to the solver.
+  void Conclude(BlockPivoting::End end, double tolerance, LcpResult* result);
+  double StepTime() const { return blocks.StepTime(block, scaled.b.size()); }
+
+  bool self_check = true;
+  ActiveBlockChoice blocks;
+  ActiveBlock* block = nullptr;
+  ScaledVectors scaled;
+  JudgedAnswer answer;
+  BlockPivoting pivoting;
+};
+
+}  // namespace lcpbench

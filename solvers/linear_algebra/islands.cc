@@ -1,0 +1,210 @@
+#include "solvers/linear_algebra/islands.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+#include <utility>
+
+namespace lcpbench {
+namespace {
+
+size_t At(Index i) { return static_cast<size_t>(i); }
+
+// Columns of the given rows, by groups of three (the bodies), renumbered without gaps; -1 for bodies not touched.
+std::vector<Index> RenumberBodies(const SparseMatrix& J, std::span<const Index> rows, Index* count) {
+  std::vector<Index> number(At((J.cols() + 2) / 3), -1);
+  *count = 0;
+  for (const Index i : rows) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      Index& body = number[At(it.col() / 3)];
+      if (body < 0) body = (*count)++;
+    }
+  }
+  return number;
+}
+
+}  // namespace
+
+void IdleRows::Prepare(const LcpProblem& problem) {
+  const SparseMatrix& A = problem.SparseA();
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  const size_t n = At(problem.size());
+  keep_.assign(n, 1);
+  bilateral_.assign(n, 0);
+  has_twin_.assign(n, 0);
+  for (const Index i : problem.bilateral_rows()) bilateral_[At(i)] = 1;
+  for (Index i = 0; i < problem.size(); ++i) {
+    for (SparseMatrix::InnerIterator it(A, i); it; ++it) {
+      const Index j = it.col();
+      if (j != i && it.value() != 0 && it.value() == d[i] && it.value() == d[j]) has_twin_[At(i)] = 1;
+    }
+  }
+}
+
+bool IdleRows::IsIdle(const LcpProblem& problem, Index i) const {
+  if (bilateral_[At(i)] != 0) return false;
+  const Eigen::VectorXd& b = problem.b();
+  bool pushed_down = b[i] < 0;
+  if (pushed_down && has_twin_[At(i)] == 0) return false;
+  const Eigen::VectorXd& d = problem.DiagonalA();
+  for (SparseMatrix::InnerIterator it(problem.SparseA(), i); it; ++it) {
+    const Index j = it.col();
+    const double a = it.value();
+    if (a == 0 || j == i || keep_[At(j)] == 0) continue;
+    if (bilateral_[At(j)] != 0 || a < 0) {
+      pushed_down = true;
+      if (has_twin_[At(i)] == 0) return false;
+    } else if (a == d[i] && a == d[j] && (b[i] > b[j] || (b[i] == b[j] && i > j))) {
+      return true;
+    }
+  }
+  return !pushed_down;
+}
+
+Index IdleRows::Find(const LcpProblem& problem) {
+  std::fill(keep_.begin(), keep_.end(), 1);
+  Index idle = 0;
+  // One pass is enough: A is symmetric, so a row left out for having no negative entries was none in any other row, and
+  // a row left out as a twin leaves its twin.
+  for (Index i = 0; i < problem.size(); ++i) {
+    if (!IsIdle(problem, i)) continue;
+    keep_[At(i)] = 0;
+    ++idle;
+  }
+  return idle;
+}
+
+void DisjointSets::Reset(Index n) {
+  parent_.resize(At(n));
+  std::iota(parent_.begin(), parent_.end(), Index{0});
+}
+
+Index DisjointSets::Root(Index i) {
+  while (parent_[At(i)] != i) {
+    parent_[At(i)] = parent_[At(parent_[At(i)])];
+    i = parent_[At(i)];
+  }
+  return i;
+}
+
+bool DisjointSets::Join(Index i, Index j) {
+  const Index a = Root(i);
+  const Index b = Root(j);
+  parent_[At(std::max(a, b))] = std::min(a, b);
+  return a != b;
+}
+
+void Islands::Reserve(Index max_rows) {
+  joined_.Reset(max_rows);
+  for (std::vector<Index>* v : {&island_, &order_, &begin_, &filled_}) v->reserve(At(max_rows) + 1);
+}
+
+void Islands::Find(const SparseMatrix& A, const std::vector<char>& keep) {
+  const Index n = A.rows();
+  joined_.Reset(n);
+  for (Index i = 0; i < n; ++i) {
+    if (keep[At(i)] == 0) continue;
+    for (SparseMatrix::InnerIterator it(A, i); it && it.col() < i; ++it) {
+      if (it.value() != 0 && keep[At(it.col())] != 0) joined_.Join(it.col(), i);
+    }
+  }
+  Collect(n, &keep);
+}
+
+void Islands::FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass) {
+  const Index n = J.rows();
+  joined_.Reset(n);
+  std::vector<Index> last_row(At(J.cols()), -1);
+  for (Index i = 0; i < n; ++i) {
+    for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
+      if (it.value() == 0 || inverse_mass[it.col()] == 0) continue;
+      Index& last = last_row[At(it.col())];
+      if (last >= 0) joined_.Join(last, i);
+      last = i;
+    }
+  }
+  Collect(n, nullptr);
+}
+
+// Numbers the islands of the rows with (*keep)[i] != 0, and sorts their rows.
+void Islands::Collect(Index n, const std::vector<char>* keep) {
+  const auto left_out = [keep](Index i) { return keep != nullptr && (*keep)[At(i)] == 0; };
+  island_.assign(At(n), -1);
+  Index count = 0;
+  begin_.assign(1, 0);
+  for (Index i = 0; i < n; ++i) {
+    if (left_out(i)) continue;
+    const Index root = joined_.Root(i);
+    if (root == i) {
+      island_[At(i)] = count++;
+      begin_.push_back(0);
+    }
+    island_[At(i)] = island_[At(root)];
+    ++begin_[At(island_[At(i)]) + 1];
+  }
+  largest_ = 0;
+  for (Index k = 0; k < count; ++k) {
+    largest_ = std::max(largest_, begin_[At(k) + 1]);
+    begin_[At(k) + 1] += begin_[At(k)];
+  }
+  order_.resize(At(begin_.back()));
+  filled_.assign(begin_.begin(), begin_.end() - 1);
+  for (Index i = 0; i < n; ++i) {
+    if (!left_out(i)) order_[At(filled_[At(island_[At(i)])]++)] = i;
+  }
+}
+
+std::span<const Index> Islands::rows(Index island) const {
+  const size_t begin = At(begin_[At(island)]);
+  return std::span<const Index>(order_).subspan(begin, At(begin_[At(island) + 1]) - begin);
+}
+
+LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows) {
+  const auto m = static_cast<Index>(rows.size());
+  Eigen::VectorXd b(m);
+  std::vector<Index> bilateral;
+  for (Index k = 0; k < m; ++k) {
+    b[k] = problem.b()[rows[At(k)]];
+    if (problem.is_bilateral(rows[At(k)])) bilateral.push_back(k);
+  }
+  const std::string id = problem.id() + " (" + std::to_string(m) + " rows)";
+  RowBounds bounds = RowBounds::WithBilateralRows(m, bilateral);
+  MatrixFacts facts;
+  facts.symmetric = problem.facts().symmetric;
+  facts.positive_semidefinite = problem.facts().positive_semidefinite;
+  std::vector<Eigen::Triplet<double, int>> entries;
+  if (problem.has_factors()) {
+    const SparseMatrix& J = problem.J();
+    Index bodies = 0;
+    const std::vector<Index> number = RenumberBodies(J, rows, &bodies);
+    Eigen::VectorXd inverse_mass = Eigen::VectorXd::Zero(3 * bodies);
+    for (Index column = 0; column < J.cols(); ++column) {
+      if (number[At(column / 3)] >= 0) {
+        inverse_mass[3 * number[At(column / 3)] + column % 3] = problem.inverse_mass()[column];
+      }
+    }
+    for (Index k = 0; k < m; ++k) {
+      for (SparseMatrix::InnerIterator it(J, rows[At(k)]); it; ++it) {
+        const Index column = 3 * number[At(it.col() / 3)] + it.col() % 3;
+        entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
+      }
+    }
+    SparseMatrix part(m, 3 * bodies);
+    part.setFromTriplets(entries.begin(), entries.end());
+    return LcpProblem::FromFactors(id, part, std::move(inverse_mass), std::move(b), bounds, facts);
+  }
+  const SparseMatrix& A = problem.SparseA();
+  std::vector<Index> number(At(problem.size()), -1);
+  for (Index k = 0; k < m; ++k) number[At(rows[At(k)])] = k;
+  for (Index k = 0; k < m; ++k) {
+    for (SparseMatrix::InnerIterator it(A, rows[At(k)]); it; ++it) {
+      const Index column = number[At(it.col())];
+      if (column >= 0) entries.emplace_back(static_cast<int>(k), static_cast<int>(column), it.value());
+    }
+  }
+  SparseMatrix part(m, m);
+  part.setFromTriplets(entries.begin(), entries.end());
+  return LcpProblem::FromSparse(id, part, std::move(b), bounds, facts);
+}
+
+}  // namespace lcpbench

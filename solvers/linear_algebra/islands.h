@@ -1,0 +1,75 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+
+namespace lcpbench {
+
+/// Finds rows of an LCP that cannot carry force, by looking at single entries, so that leaving them out is exact for
+/// symmetric PSD A: f_i = 0 together with any solution of the rest is a solution of the whole. Row i is unilateral and
+///   - has b_i >= 0 and no A_ij < 0, and no A_ij != 0 with a bilateral j, over the rows j that are left: w_i >= 0
+///     whatever they do; or
+///   - is the same as a row j that is left (A_ij = A_ii = A_jj, which for PSD A means equal rows), and b_i >= b_j:
+///     w_i = w_j + b_i - b_j >= 0.
+class IdleRows {
+ public:
+  /// Looks for equal rows; b is not read.  O(nnz A), allocates.
+  void Prepare(const LcpProblem& problem);
+  /// Returns the number of idle rows of the prepared problem, or of one that shares its matrix.  O(nnz A), much less
+  /// where most b_i < 0.
+  Index Find(const LcpProblem& problem);
+  /// By row: 0 if idle.
+  const std::vector<char>& keep() const { return keep_; }
+
+ private:
+  bool IsIdle(const LcpProblem& problem, Index i) const;
+
+  std::vector<char> bilateral_, has_twin_, keep_;
+};
+
+/// A partition of 0, ..., n - 1 that only gets coarser. Only Reset allocates.
+class DisjointSets {
+ public:
+  void Reset(Index n);
+  /// The least member of the set of i.
+  Index Root(Index i);
+  /// False if i and j were in one set already.
+  bool Join(Index i, Index j);
+
+ private:
+  std::vector<Index> parent_;
+};
+
+/// The parts of an LCP that no entry of A connects: each may be solved by itself.
+class Islands {
+ public:
+  void Reserve(Index max_rows);
+  /// Islands among the rows with keep[i] != 0, in the order of their first rows.  O(nnz A)
+  void Find(const SparseMatrix& A, const std::vector<char>& keep);
+  /// Islands among all rows of a problem by factors, A not formed: rows that share a column of J which can move belong
+  /// together, even where products of J cancel.  O(nnz J), allocates one number per column.
+  void FindByColumns(const SparseMatrix& J, const Eigen::VectorXd& inverse_mass);
+
+  Index count() const { return static_cast<Index>(begin_.size()) - 1; }
+  /// Which one a row that was kept belongs to.
+  Index island(Index row) const { return island_[static_cast<size_t>(row)]; }
+  /// Ascending.
+  std::span<const Index> rows(Index island) const;
+  /// Rows of the largest one.
+  Index largest() const { return largest_; }
+
+ private:
+  void Collect(Index n, const std::vector<char>* keep);
+
+  DisjointSets joined_;
+  std::vector<Index> island_, order_, begin_, filled_;
+  Index largest_ = 0;
+};
+
+/// The LCP of some rows alone: in the given form, with the bodies that they touch.
+/// @param rows  ascending
+LcpProblem Subproblem(const LcpProblem& problem, std::span<const Index> rows);
+
+}  // namespace lcpbench
