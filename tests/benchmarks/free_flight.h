@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "model/contact/world.h"
 #include "model/motion/motion.h"
 #include "model/scenes/parts.h"
+#include "solvers/registry.h"
 
 namespace lcpbench {
 
@@ -18,7 +20,7 @@ class FreeFlight final : public Motion {
   /// Before the end of every Advance, [s]: when the step began that the observer is told of.
   static constexpr double kStep = 1e-3;
 
-  explicit FreeFlight(World world) : Motion(std::move(world)) {}
+  explicit FreeFlight(World world) : Motion(std::move(world), {}, Unused()) {}
 
   /// What the observer is told in every step, besides the time.
   ContactSystem system;
@@ -31,6 +33,12 @@ class FreeFlight final : public Motion {
   }
 
  private:
+  // Nothing touches anything.
+  static LcpSolver& Unused() {
+    static const std::unique_ptr<LcpSolver> solver = MakeSolver("dantzig");
+    return *solver;
+  }
+
   void Move(double duration) override {
     const Vec2 g = world_.loads.gravity;
     for (Body& body : world_.bodies) {
