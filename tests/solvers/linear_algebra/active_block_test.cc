@@ -73,12 +73,9 @@ VectorXd RandomSide(Index n, TestRandom* random) {
   return right;
 }
 
-template <typename Block>
-Block Loaded(const LcpProblem& problem) {
-  Block block;
-  block.Analyze(problem);
-  block.Load(problem, VectorXd::Ones(problem.size()));
-  return block;
+void LoadUnscaled(const LcpProblem& problem, ActiveBlock* block) {
+  block->Analyze(problem);
+  block->Load(problem, VectorXd::Ones(problem.size()));
 }
 
 template <typename Block>
@@ -138,7 +135,8 @@ TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
     const LcpProblem problem = RandomBodies(4, 40, seed);
     const Index n = problem.size();
     const std::vector<char> active(static_cast<size_t>(n), 1);
-    auto block = Loaded<TypeParam>(problem);
+    TypeParam block;
+    LoadUnscaled(problem, &block);
     block.Factor(active, 1e-8, nullptr);
     const VectorXd right = problem.DenseA() * VectorXd::Ones(n);
     VectorXd x = right;
@@ -150,8 +148,10 @@ TYPED_TEST(ActiveBlockTest, HoldsPivotsOfSingularBlocksToTheShift) {
 TEST(SparseActiveBlock, AnUpdatedFactorIsTheFreshOneToTheLastBit) {
   const Index n = 60;
   const LcpProblem problem = RandomBodies(25, n, 5);
-  auto updated = Loaded<SparseActiveBlock>(problem);
-  auto fresh = Loaded<SparseActiveBlock>(problem);
+  SparseActiveBlock updated;
+  LoadUnscaled(problem, &updated);
+  SparseActiveBlock fresh;
+  LoadUnscaled(problem, &fresh);
   TestRandom random(7);
   std::vector<char> active(static_cast<size_t>(n), 1);
   for (int change = 0; change < 50; ++change) {
@@ -197,8 +197,10 @@ TEST(BodyActiveBlock, AnUpdatedFactorSolvesAsANewOneAfterHundredsOfChanges) {
     const Index n = 400;
     const LcpProblem problem = RandomBodies(120, n, 11);
     TestRandom random(23);
-    auto updated = Loaded<BodyActiveBlock>(problem);
-    auto fresh = Loaded<BodyActiveBlock>(problem);
+    BodyActiveBlock updated;
+    LoadUnscaled(problem, &updated);
+    BodyActiveBlock fresh;
+    LoadUnscaled(problem, &fresh);
     fresh.set_may_update(false);
     std::vector<char> active = RandomSet(n, &random);
     for (int change = 0; change < 400; ++change) {
@@ -231,7 +233,8 @@ TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
   VectorXd first;
   std::int64_t updates = 0;
   for (int run = 0; run < 3; ++run) {
-    auto block = Loaded<BodyActiveBlock>(problem);
+    BodyActiveBlock block;
+    LoadUnscaled(problem, &block);
     TestRandom random(5);
     std::vector<char> active = RandomSet(n, &random);
     VectorXd x = RandomSide(n, &random);
@@ -258,7 +261,8 @@ TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
 TEST(BodyActiveBlock, CountsRowsBeyondTheDegreesOfFreedomOfTheirBodies) {
   const Index n = 40;
   const LcpProblem problem = RandomBodies(2, n, 1);
-  auto block = Loaded<BodyActiveBlock>(problem);
+  BodyActiveBlock block;
+  LoadUnscaled(problem, &block);
   std::vector<char> active(static_cast<size_t>(n), 1);
   block.Factor(active, 1e-6, nullptr);
   EXPECT_EQ(block.CountDependentRows(), n - 6);
