@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "benchmarks/collection/content_hash.h"
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/lcp/verify.h"

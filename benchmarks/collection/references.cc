@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "benchmarks/collection/gzip_file.h"
-#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -18,7 +18,6 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/sequences.h"
 #include "model/motion/row_matching.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

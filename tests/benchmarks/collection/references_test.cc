@@ -10,7 +10,6 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {

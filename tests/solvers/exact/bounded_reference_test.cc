@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/exact/exact_solver.h"

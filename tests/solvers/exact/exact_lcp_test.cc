@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/lcp/verify.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "benchmarks/motions/scene_source.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"

@@ -1,4 +1,3 @@
-#include "solvers/lcp/rounding_floor.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,9 @@
-#include "benchmarks/campaign/reference_floor.h"
+#include "benchmarks/measure/reference_solves.h"
 
 #include <gtest/gtest.h>
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
