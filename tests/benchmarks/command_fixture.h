@@ -16,6 +16,8 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/refusal.h"
+
 namespace lcpbench {
 
 struct CommandOutcome {
@@ -25,10 +27,7 @@ struct CommandOutcome {
 };
 
 inline std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return (std::stringstream() << std::ifstream(path, std::ios::binary).rdbuf()).str();
 }
 
 inline std::vector<std::string> Split(const std::string& text, char separator) {
@@ -49,17 +48,8 @@ inline std::vector<nlohmann::json> JsonLines(const std::filesystem::path& path) 
 inline nlohmann::json ReadJson(const std::filesystem::path& path) { return nlohmann::json::parse(ReadFile(path)); }
 
 /// Runs the lcpbench command, or another program, in a folder of the test's own.
-class CommandTest : public testing::Test {
+class CommandTest : public FolderTest {
  protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("lcpbench_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-
   CommandOutcome Run(const std::string& arguments, const std::string& input = "") {
     Write("stdin", input);
     const std::string command =
@@ -113,13 +103,7 @@ class CommandTest : public testing::Test {
     return status;
   }
 
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-
   std::string program_ = LCPBENCH_COMMAND;
-  std::filesystem::path folder_;
 };
 
 }  // namespace lcpbench
