@@ -136,9 +136,8 @@ TEST(BoundedReference, BoundsOfGeneratedProblemsHold) {
     SCOPED_TRACE(test.problem.id());
     ExpectProved(test.problem, RefineReference(test.problem, SolveBy("dantzig", test.problem, 1e-9).f, {}));
     // Degenerate forces that are 0 to the last digit.
-    LcpResult exact;
-    ExactSolver().Solve(test.problem, {}, &exact);
-    ExpectProved(test.problem, RefineReference(test.problem, exact.f, {}));
+    ExactSolver exact;
+    ExpectProved(test.problem, RefineReference(test.problem, SolveWith(&exact, test.problem).f, {}));
   }
 }
 

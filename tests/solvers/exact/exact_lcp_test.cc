@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <random>
 #include <string>
 #include <vector>
@@ -76,11 +77,8 @@ TEST_P(ExactLcpTest, GeneratedProblemsHaveProvedAnswers) {
     ASSERT_EQ(answer.f_least_norm.size(), answer.f.size()) << answer.detail;
     EXPECT_TRUE(answer.f_unique.has_value());
     // Whatever else solves it is no shorter.
-    Rational own = 0, least = 0;
-    for (size_t i = 0; i < answer.f.size(); ++i) {
-      own += answer.f[i] * answer.f[i];
-      least += answer.f_least_norm[i] * answer.f_least_norm[i];
-    }
+    const auto square = [](const auto& f) { return std::inner_product(f.begin(), f.end(), f.begin(), Rational(0)); };
+    const Rational own = square(answer.f), least = square(answer.f_least_norm);
     EXPECT_LE(least, own);
     EXPECT_TRUE(answer.f_unique == false || least == own);
   }
@@ -146,9 +144,10 @@ TEST(ExactLcp, RaysAreExactAndJointsThatContradictThemselvesHaveOne) {
 
 TEST(ExactLcp, WhatIsNoPositiveSemidefiniteMatrixIsSaidToBeNone) {
   EXPECT_THROW(Small(R"({"A":[[1,2],[3,1]],"b":[1,1]})"), InputError);
-  EXPECT_EQ(SolveExactly(Small(R"({"A":[[0,1],[1,0]],"b":[-1,-1]})"), {}).status, Status::kNotSemidefinite);
-  EXPECT_EQ(SolveExactly(Small(R"({"A":[[1,2],[2,1]],"b":[-1,-1]})"), {}).status, Status::kNotSemidefinite);
-  EXPECT_EQ(SolveExactly(Small(R"({"A":[[-1]],"b":[-1]})"), {}).status, Status::kNotSemidefinite);
+  for (const char* line :
+       {R"({"A":[[0,1],[1,0]],"b":[-1,-1]})", R"({"A":[[1,2],[2,1]],"b":[-1,-1]})", R"({"A":[[-1]],"b":[-1]})"}) {
+    EXPECT_EQ(SolveExactly(Small(line), {}).status, Status::kNotSemidefinite) << line;
+  }
 }
 
 TEST(ExactLcp, DoublesAreTheRationalsThatTheyAre) {
