@@ -8,7 +8,7 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/sequences.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
