@@ -52,14 +52,9 @@ TEST_F(FclibFile, ProblemsComeBackBitForBit) {
 }
 
 TEST_F(FclibFile, TheEndsOfTheRangeComeBackToo) {
-  Eigen::MatrixXd A(2, 2);
-  A << 1, -0.0, 5e-324, -1.7976931348623157e308;
-  Eigen::VectorXd b(2);
-  b << -0.0, 0.1;
   // Unsymmetric where all rows are of one kind.
-  for (const std::vector<Index>& bilateral : {std::vector<Index>{}, {0, 1}}) {
-    const LcpProblem problem = LcpProblem::FromSparse("an id\nof two lines", A.sparseView(0, 0), b,
-                                                      RowBounds::WithBilateralRows(2, bilateral));
+  for (const LcpProblem& dense : {EndsOfTheRange(), EndsOfTheRange({0, 1})}) {
+    const LcpProblem problem = InForm(dense, MatrixForm::kSparse);
     WriteFclibProblem(problem, Path("p.h5"));
     const LcpProblem back = ReadFclibProblem(Path("p.h5")).problem;
     EXPECT_EQ(back.id(), problem.id());
