@@ -9,7 +9,6 @@
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 #include "tests/solvers/solve_with.h"
 

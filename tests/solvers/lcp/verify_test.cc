@@ -187,22 +187,13 @@ TEST(Verify, FischerBurmeisterDoesNotCancel) {
 }
 
 TEST(Verify, EveryFormIsJudgedAlike) {
-  SparseMatrix J(3, 6);
-  J.insert(0, 0) = 1;
-  J.insert(0, 3) = -1;
-  J.insert(1, 1) = 2;
-  J.insert(2, 3) = 1;
-  J.insert(2, 5) = 3;
-  Eigen::VectorXd inverse_mass(6);
-  inverse_mass << 1, 2, 0, 4, 4, 0.5;
-  const Eigen::Vector3d b(-1, 2, -3);
-  const LcpProblem factors = LcpProblem::FromFactors("j", J, inverse_mass, b);
-  const LcpProblem dense = LcpProblem::FromDense("d", factors.DenseA(), b);
-  const LcpProblem sparse = LcpProblem::FromSparse("s", factors.SparseA(), b);
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(3, 6) << 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 3).finished();
+  const Eigen::VectorXd inverse_mass = (Eigen::VectorXd(6) << 1, 2, 0, 4, 4, 0.5).finished();
+  const LcpProblem factors = LcpProblem::FromFactors("j", J.sparseView(), inverse_mass, Eigen::Vector3d(-1, 2, -3));
   const Eigen::Vector3d f(0.25, -0.5, 0.75);
   const Metrics m = ComputeMetrics(factors, f);
-  for (const LcpProblem& other : {dense, sparse}) {
-    const Metrics n = ComputeMetrics(other, f);
+  for (const MatrixForm form : {MatrixForm::kDense, MatrixForm::kSparse}) {
+    const Metrics n = ComputeMetrics(InForm(factors, form), f);
     EXPECT_EQ(m.w, n.w);
     EXPECT_DOUBLE_EQ(m.rho, n.rho);
     EXPECT_DOUBLE_EQ(m.backward_error, n.backward_error);
@@ -228,14 +219,10 @@ TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
 
 TEST(Verify, RoundingIsNotDividedByAScaleThatCancels) {
   // Row 1 is perpendicular to row 0 up to rounding of 0.1 and 0.3; b_1 = 0, so |A||f| + |b| is 0 or rounding there.
-  SparseMatrix J(2, 3);
-  J.insert(0, 0) = 0.1;
-  J.insert(0, 1) = 0.3;
-  J.insert(1, 0) = 0.3;
-  J.insert(1, 1) = -0.1;
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(2, 3) << 0.1, 0.3, 0, 0.3, -0.1, 0).finished();
   const double d = 0.1 * 0.1 + 0.3 * 0.3;
-  const LcpProblem problem =
-      LcpProblem::FromFactors("perpendicular", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1.0 / 3.0, 0));
+  const LcpProblem problem = LcpProblem::FromFactors("perpendicular", J.sparseView(), Eigen::Vector3d(1, 1, 1),
+                                                     Eigen::Vector2d(-1.0 / 3.0, 0));
   const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
   EXPECT_TRUE(verdict.passes) << verdict.reason;
 }
@@ -475,6 +462,14 @@ LcpReference WithFloor(double floor) {
   return reference;
 }
 
+void ExpectTheSame(const Verdict& verdict, const Verdict& strict) {
+  EXPECT_EQ(verdict.passes, strict.passes);
+  EXPECT_EQ(verdict.best_tier, strict.best_tier);
+  EXPECT_EQ(verdict.false_success, strict.false_success);
+  EXPECT_EQ(verdict.reason, strict.reason);
+  EXPECT_FALSE(verdict.at_floor);
+}
+
 // w = f - 1: rho is |f - 1| for f near 1.
 LcpProblem One() { return LcpProblem::FromDense("one", Eigen::MatrixXd::Ones(1, 1), -Eigen::VectorXd::Ones(1)); }
 LcpResult Off(double error) { return Solved(Eigen::VectorXd::Constant(1, 1 - error)); }
@@ -508,11 +503,7 @@ TEST(VerdictAtTheFloor, AFloorBelowTheTierOrNoneChangesNothing) {
       for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNaN, kInfinity, -1.0, -kInfinity}) {
         const LcpReference reference = WithFloor(floor);
         const Verdict verdict = Verify(One(), result, tier, &reference);
-        EXPECT_EQ(verdict.passes, strict.passes);
-        EXPECT_FALSE(verdict.at_floor);
-        EXPECT_EQ(verdict.best_tier, strict.best_tier);
-        EXPECT_EQ(verdict.false_success, strict.false_success);
-        EXPECT_EQ(verdict.reason, strict.reason);
+        ExpectTheSame(verdict, strict);
       }
     }
   }
@@ -565,9 +556,7 @@ TEST(VerdictAtTheFloor, AHugeSelfStressDoesNotLoosenAVerdict) {
       const Eigen::Vector2d f(t + 1 + error, t);
       const Verdict strict = Verify(problem, Solved(f), 1e-9);
       const Verdict verdict = Verify(problem, Solved(f), 1e-9, &reference);
-      EXPECT_EQ(verdict.passes, strict.passes) << t;
-      EXPECT_EQ(verdict.reason, strict.reason) << t;
-      EXPECT_FALSE(verdict.at_floor) << t;
+      ExpectTheSame(verdict, strict);
       EXPECT_DOUBLE_EQ(verdict.metrics.answer_floor, RoundingFloor(problem, f));
       // Its own floor would have let it pass.
       const LcpReference own = WithFloor(RoundingFloor(problem, f));
