@@ -105,8 +105,8 @@ TEST_P(ExactLcpTest, ScenesOfEveryFamilyAreSolvedAndSolversAreNear) {
       given.ComputeW(SolveBy("dantzig", given, 1e-12).f, &w);
       const Eigen::VectorXd root = given.DiagonalA().cwiseSqrt();
       for (Index i = 0; i < given.size(); ++i) w[i] -= answer.w[At(i)].convert_to<double>();
-      const auto size = [&root](const Eigen::VectorXd& x) { return x.cwiseQuotient(root).cwiseAbs().maxCoeff(); };
-      EXPECT_LE(size(w), 1e-9 * size(given.b()));
+      const auto largest = [&root](const Eigen::VectorXd& x) { return x.cwiseQuotient(root).cwiseAbs().maxCoeff(); };
+      EXPECT_LE(largest(w), 1e-9 * largest(given.b()));
     }
   }
 }
