@@ -203,7 +203,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.method = peer.method;
   entry.source = peer.project.library;
   entry.available = built.find(" " + std::string(peer.project.folder) + " ") != std::string_view::npos;
-  entry.uses_tolerance = peer.uses_tolerance;
+  entry.uses_tolerance = peer.tiers.has_value();
   entry.why_not_guaranteed = &NotOurs;
   entry.origin = SolverOrigin::kPeer;
   entry.licence = peer.project.licence;

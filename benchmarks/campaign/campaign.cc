@@ -14,11 +14,9 @@
 
 #include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/journal.h"
-#include "benchmarks/campaign/problem_file.h"
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/sequence_file.h"
 #include "benchmarks/campaign/worker_process.h"
-#include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

@@ -2,16 +2,21 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
+#include <set>
 #include <system_error>
 
 #include "benchmarks/campaign/journal.h"
+#include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/measure/environment.h"
-#include "solvers/peers/tier_settings.h"
+#include "benchmarks/measure/oracle.h"
+#include "benchmarks/measure/progress.h"
 #include "solvers/registry.h"
 #include "support/append_only_file.h"
 #include "support/input_error.h"
@@ -25,15 +30,14 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kSchema = "lcpbench-campaign/2";
 constexpr std::array kOrigins = {"own", "peer", "external"};  // SolverOrigin
 
-// What a key stands for. Only peers whose stopping options were chosen by the rule of tier_settings.h run tuned under
+// What a key stands for. Only peers whose stopping options were chosen by the rule of peer_table.h run tuned under
 // their own key; our solvers, and peers without such options, run as they are.
 const char* SettingOf(const SolverEntry& solver) {
   if (!solver.base.empty()) return "variant";
-  const auto table = TierTable();
-  const bool tuned =
-      std::any_of(table.begin(), table.end(), [&solver](const TierSettings& row) { return row.key == solver.key; });
-  return tuned ? "tuned" : "default";
+  return solver.origin == SolverOrigin::kPeer && solver.uses_tolerance ? "tuned" : "default";
 }
+
+std::string FolderOf(const std::string& path) { return std::filesystem::path(path).parent_path().string(); }
 
 // UTC, ISO 8601.
 std::string Now() {
@@ -214,6 +218,38 @@ void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   const Json campaign = ReadCampaignFile(folder + "/" + kCampaignFile);
   const Json all = {{"context", campaign.at("environment")}, {"benchmarks", benchmarks}};
   WriteTextFile(path, all.dump(2) + "\n");
+}
+
+ProblemSet::ProblemSet(const std::string& path)
+    : manifest(ReadManifest(path)), source(FolderOf(path)), references(manifest, FolderOf(path)) {}
+
+void WriteProblems(const std::string& path, const std::vector<std::string>& manifests,
+                   const std::vector<PlannedProblem>& problems) {
+  std::set<std::string> done;
+  AppendOnlyFile file(path, "a problem of a campaign",
+                      [&done](const auto& line) { done.insert(line.at("problem").template get<std::string>()); });
+  if (problems.size() <= done.size()) return;
+  std::vector<std::unique_ptr<ProblemSet>> sets;
+  for (const std::string& manifest : manifests) sets.push_back(std::make_unique<ProblemSet>(manifest));
+  std::vector<ManifestEntry> entries;
+  for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
+  const std::map<std::string, double> weights = WeightsByBase(entries);
+  ProgressBar bar("problems", static_cast<double>(problems.size() - done.size()));
+  for (const PlannedProblem& planned : problems) {
+    const ManifestEntry& entry = *planned.entry;
+    if (done.count(entry.id) > 0) continue;
+    ProblemSet& set = *sets[planned.manifest];
+    const LcpProblem problem = set.source.Get(entry);
+    DescribedProblem described{set.manifest.name, planned, problem, weights.at(entry.base), {}, {}};
+    const std::optional<KnownAnswer> answer = set.references.Find(problem);
+    if (answer && answer->f.size() > 0) {
+      if (std::isfinite(*answer->reference.floor)) described.floor = answer->reference.floor;
+      const double oracle_s = TimeOracle(problem, answer->f, *answer->reference.w);
+      if (oracle_s > 0) described.oracle_s = oracle_s;
+    }
+    file.Append({RecordOf<DescribedProblem>(ProblemFields(), described)});
+    bar.Advance(1, entry.id);
+  }
 }
 
 }  // namespace lcpbench

@@ -7,7 +7,7 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/properties.h"
-#include "benchmarks/measure/speed_probe.h"
+#include "benchmarks/measure/process_watch.h"
 
 namespace lcpbench {
 

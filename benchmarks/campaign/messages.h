@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmarks/campaign/campaign_plan.h"
-#include "benchmarks/measure/speed_probe.h"
+#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "support/input_error.h"
 

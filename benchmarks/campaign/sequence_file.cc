@@ -6,13 +6,12 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/measure/interrupt.h"
+#include "benchmarks/measure/progress.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 

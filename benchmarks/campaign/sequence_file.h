@@ -15,7 +15,7 @@ namespace lcpbench {
 // compressed by gzip, one per problem. A line is FormatLcpRecord, with `status` and `w` where the exact answer is
 // known, and besides
 //   previous  for each row the index of the same row in the line before (RowMatching), or -1: it was not there
-//   floor     the problem's rounding floor (rounding_floor.h): of the exact answer, or the least of FindReferenceFloor;
+//   floor     the problem's rounding floor (verify.h): of the exact answer, or the least of FindReferenceFloor;
 //             null where there is none
 
 struct SequenceStep {
@@ -29,7 +29,7 @@ std::string SequencePath(const std::string& folder, const std::string& id);
 
 /// Makes the sequence and writes it under a temporary name, which becomes `path` when the file is complete.
 /// @throws InputError where the problems are not those of the manifest (SHA-256), or the file cannot be written;
-///         Interrupted (interrupt.h) after a signal
+///         Interrupted (progress.h) after a signal
 void WriteSequenceFile(const SequenceEntry& entry, const std::string& path);
 
 /// @param sha256  SequenceHash of the problems

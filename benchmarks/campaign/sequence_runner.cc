@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "benchmarks/campaign/result_fields.h"
-#include "benchmarks/measure/speed_probe.h"
+#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

@@ -7,7 +7,7 @@
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/measure/allocation_count.h"
-#include "benchmarks/measure/peak_memory.h"
+#include "benchmarks/measure/process_watch.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/peers/protocol/external_solver.h"
 #include "support/input_error.h"

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "benchmarks/campaign/campaign_file.h"
 #include "benchmarks/campaign/messages.h"
-#include "benchmarks/campaign/problem_file.h"
 #include "benchmarks/measure/solver_pool.h"
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/lcp/problem.h"

@@ -6,7 +6,7 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "solvers/exact/bounded_reference.h"
 #include "solvers/exact/exact_lcp.h"
 #include "solvers/exact/exact_solver.h"

@@ -4,7 +4,7 @@
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/metric_table.h"
+#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

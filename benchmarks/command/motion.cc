@@ -2,7 +2,7 @@
 
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "benchmarks/measure/interrupt.h"
+#include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/motion_study.h"
 #include "solvers/registry.h"
 

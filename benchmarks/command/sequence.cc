@@ -5,7 +5,6 @@
 
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/contact/loads.h"

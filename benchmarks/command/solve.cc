@@ -1,9 +1,9 @@
 #include <iostream>
 
-#include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 
-#include "benchmarks/measure/interrupt.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/loads.h"
 #include "solvers/lcp/verify.h"

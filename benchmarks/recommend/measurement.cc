@@ -13,12 +13,12 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/worker_process.h"
+#include "benchmarks/measure/process_watch.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/measure/quantile.h"
-#include "benchmarks/measure/speed_probe.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 

@@ -37,7 +37,7 @@ struct Measurement {
 
 /// Runs every solver over the steps in a worker process, which may crash or hang without harm, as campaigns on
 /// sequences do (sequence_runner.h), and judges every answer relative to the problem's rounding floor, which own
-/// solvers find beforehand (reference_floor.h). One problem alone is solved as a sequence of copies. Where it is known
+/// solvers find beforehand (reference_solves.h). One problem alone is solved as a sequence of copies. Where it is known
 /// which rows stay, every solver also runs from warm starts. What fails on every step is not run again.
 /// @throws InputError for an unknown solver
 std::vector<Measurement> MeasureSolvers(const MeasurementPlan& plan, ProblemSteps steps);

@@ -123,12 +123,12 @@ def _solvers(inputs: Inputs) -> _Lines:
                "loose tier does not make them faster.")
     if passed := int(inputs.cells["at_floor"].sum()):
         yield ("Rounding floor", f"{formats.plural(passed, 'cell')} passed only because the tier is looser where rounding the "
-               "proved answer to doubles exceeds it already (rounding_floor.h).")
+               "proved answer to doubles exceeds it already (verify.h).")
     if inputs.peers:
         yield ("Other projects' solvers", "They run in worker processes and are timed there, from the same arrays as ours: "
                "forming what the library takes, a dense A by the one shared assembly or sparse matrices, is on their clock. "
                "Their options are their own defaults (keys with -default) or the loosest that pass each tier on tuning "
-               "problems, one rule for all (solvers/peers/tier_settings.h). Their authors were not asked.")
+               "problems, one rule for all (solvers/peers/peer_table.h). Their authors were not asked.")
     if who := [key for key in inputs.keys if inputs.entries[key].get("protocol") == 1]:
         yield ("External programs of protocol 1", f"{formats.words(who)}: these are handed matrices, not arrays. Forming them "
                "took place in the host, was timed there and is added to their times.")

@@ -58,7 +58,7 @@ const char* ToString(BoundedReference::Proof proof);
 
 struct BoundedOptions {
   double time_limit_s = 600;  ///< looked at between refinements; what has been reached by then is what is bounded
-  /// Dependent rows up to which it is tried to tell the active ones among them (vertex_search.h): some seconds for 200
+  /// Dependent rows up to which it is tried to tell the active ones among them: some seconds for 200
   /// of them among 1000 rows.
   Index most_dependent_rows = 300;
 };

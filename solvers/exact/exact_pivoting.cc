@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "solvers/exact/independent_rows.h"
+#include "solvers/exact/flint_matrix.h"
 
 namespace lcpbench {
 namespace {

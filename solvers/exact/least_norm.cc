@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "solvers/exact/exact_pivoting.h"
-#include "solvers/exact/independent_rows.h"
+#include "solvers/exact/flint_matrix.h"
 
 namespace lcpbench {
 namespace {

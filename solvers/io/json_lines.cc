@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "solvers/lcp/metric_table.h"
+#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
 

@@ -25,7 +25,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/residual.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/lcp/work_counts.h"
 
 namespace lcpbench {
 namespace {

@@ -185,7 +185,7 @@ struct LcpReference {
   std::optional<Eigen::VectorXd> w;  ///< n, of every solution
   /// Only where f is unique.
   std::optional<Eigen::VectorXd> f;
-  /// The problem's rounding floor (rounding_floor.h): that of an answer known from elsewhere than the judged solver.
+  /// The problem's rounding floor (verify.h): that of an answer known from elsewhere than the judged solver.
   /// Verdicts are then relative to max(tier, floor), see PassesTier; what is not a finite number >= 0 counts as
   /// unknown.
   std::optional<double> floor = std::nullopt;

@@ -1,12 +1,11 @@
 #include "solvers/lcp/verify.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <vector>
-
-#include "solvers/lcp/rounding_floor.h"
 
 namespace lcpbench {
 namespace {
@@ -342,6 +341,76 @@ Verdict Verify(const LcpProblem& problem, const LcpResult& result, double tolera
     }
   }
   return verdict;
+}
+
+namespace {
+
+constexpr std::array kMetrics{
+    MetricEntry{"rho", &Metrics::rho,
+                "scaled natural residual |min(D^1/2 f, D^-1/2 w)|_2 / |D^-1/2 b|_2, D = diag A (primary)"},
+    MetricEntry{"backward_error", &Metrics::backward_error,
+                "max_i |min(A_ii f_i, w_i)| / (|A||f| + |b|)_i, componentwise"},
+    MetricEntry{"natural_residual", &Metrics::natural_residual, "max_i |min(f_i, w_i)|, |w_i| on bilateral rows"},
+    MetricEntry{"natural_residual_siconos", &Metrics::natural_residual_siconos, "|f - max(0, f - w)|_2 / |b|_2"},
+    MetricEntry{"fischer_burmeister", &Metrics::fischer_burmeister,
+                "1/2 sum (sqrt(p^2 + q^2) - p - q)^2 with p = D^1/2 f, q = D^-1/2 w"},
+    MetricEntry{"primal_infeasibility", &Metrics::primal_infeasibility, "max_i max(0, -f_i)"},
+    MetricEntry{"dual_infeasibility", &Metrics::dual_infeasibility, "max_i max(0, -w_i), |w_i| on bilateral rows"},
+    MetricEntry{"complementarity", &Metrics::complementarity, "max_i |f_i w_i|"},
+    MetricEntry{"gap", &Metrics::gap, "|f.w|"},
+    MetricEntry{"gap_rel", &Metrics::gap_rel, "|f.w| / (|f.A f| + |b.f|)"},
+    MetricEntry{"energy_bound", &Metrics::energy_bound,
+                "f_C.max(w_C, 0) >= |f - f~|_A^2 for the problem with b~ = b + (w~ - w)"},
+    MetricEntry{"energy_shift", &Metrics::energy_shift, "|D^-1/2 (b~ - b)|_2, by which energy_bound is off"},
+    MetricEntry{"w_error", &Metrics::w_error, "max_i |w_i - w*_i| / (1 + |b|_inf), where w* is known"},
+    MetricEntry{"f_error", &Metrics::f_error, "max_i |f_i - f*_i| / (1 + |f*|_inf), where f* is known and unique"},
+    MetricEntry{"floor", &Metrics::floor,
+                "rounding floor of the problem: answer_floor of a reference answer; tiers below it cannot be demanded"},
+    MetricEntry{"answer_floor", &Metrics::answer_floor,
+                "2^-53 |D^-1/2 |A||f||_2 / |D^-1/2 b|_2: what rounding f to double can add to rho"},
+};
+
+}  // namespace
+
+std::span<const MetricEntry> AllMetrics() { return kMetrics; }
+
+namespace {
+
+constexpr double kUnitRoundoff = 0x1p-53;
+
+// |A| |f|, or from factors its bound.
+Eigen::VectorXd Magnitude(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  const Eigen::VectorXd absolute = f.cwiseAbs();
+  switch (problem.given_form()) {
+    case MatrixForm::kDense:
+      return problem.DenseA().cwiseAbs() * absolute;
+    case MatrixForm::kSparse:
+      return problem.SparseA().cwiseAbs() * absolute;
+    case MatrixForm::kFactors:
+      break;
+  }
+  const SparseMatrix J = problem.J().cwiseAbs();
+  return J * problem.inverse_mass().cwiseProduct(J.transpose() * absolute);
+}
+
+// |x|_2, of which units may make the squares too large or small for doubles. Eigen's own stableNorm ends on an
+// assertion about the alignment of its copies where that is 64 bytes and vectors are narrower.
+double NormInRange(const Eigen::VectorXd& x) {
+  const double largest = x.cwiseAbs().maxCoeff();
+  if (!(largest > 0) || !std::isfinite(largest)) return largest;
+  return largest * (x / largest).norm();
+}
+
+}  // namespace
+
+double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f) {
+  if (f.size() != problem.size() || !f.allFinite()) return std::numeric_limits<double>::infinity();
+  if (f.size() == 0) return 0;
+  const Eigen::VectorXd root =
+      problem.DiagonalA().unaryExpr([](double d) { return d == 0 ? 1 : std::sqrt(std::abs(d)); });
+  const double change = kUnitRoundoff * NormInRange(Magnitude(problem, f).cwiseQuotient(root));
+  const double b = NormInRange(problem.b().cwiseQuotient(root));
+  return b == 0 ? change : change / b;
 }
 
 }  // namespace lcpbench

@@ -2,7 +2,9 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
@@ -47,7 +49,7 @@ struct Metrics {
   double f_error = -1;  ///< -1 also where f is not unique
   /// The problem's rounding floor, from the reference; -1 unknown. What verdicts are relative to.
   double floor = -1;
-  /// The rounding floor of f itself (rounding_floor.h): a self-stress shows as answer_floor far above floor. No verdict
+  /// The rounding floor of f itself, see RoundingFloor: a self-stress shows as answer_floor far above floor. No verdict
   /// depends on it.
   double answer_floor = -1;
 };
@@ -109,5 +111,34 @@ double EffectiveTier(const Metrics& m, double tolerance);
 
 /// True if `m` passes tier `tolerance`: finite, rho <= T', backward_error <= sqrt(T') with T' = EffectiveTier.
 bool PassesTier(const Metrics& m, double tolerance);
+
+/// Names and formulas of the scalar metrics: one table for files, the command and the report.
+struct MetricEntry {
+  std::string_view key;      ///< in files and tables: "rho", "backward_error", ...
+  double Metrics::*value;    ///< where Metrics has it
+  std::string_view formula;  ///< one line
+};
+
+/// The primary metric first.
+std::span<const MetricEntry> AllMetrics();
+
+/// The rounding floor of an answer: the largest change of rho that rounding f to double alone can bring,
+///     u |D^-1/2 |A| |f||_2 / |D^-1/2 b|_2,   u = 2^-53 (unit roundoff),
+/// with rho's conventions: D = diag A with 1 where A_ii = 0 and |A_ii| where it is negative, and absolute where b = 0.
+/// Independent of units and of row scaling, as rho is.
+///
+/// Why: f (1 + d), |d_i| <= u, changes w by at most u |A||f| componentwise, and D_ii f_i by at most u |A_ii f_i|; min
+/// is nonexpansive, so |rho(f (1 + d)) - rho(f)| <= floor (where every A_ii != 0; for PSD A an A_ii = 0 means that f_i
+/// acts on nothing). Even the rounded exact solution has rho up to the floor, and no tier below it can be demanded of a
+/// solver that returns doubles. [Oettli, Prager 1964; Higham, Accuracy and Stability of Numerical Algorithms, 2002,
+/// sec. 3.5, 7.1]
+///
+/// From factors |A| |f| is bounded by |J| M^-1 (|J|^T |f|), so that A is never formed.
+///
+/// The floor belongs to f. Where contacts are redundant f is not unique, and a self-stress raises it as far as one
+/// likes: a verdict may lean on the floor of an answer that the judged solver has no say in only (LcpReference::floor).
+///
+/// Infinite where f does not have n finite entries; 0 for n = 0. O(nnz of the given form).
+double RoundingFloor(const LcpProblem& problem, const Eigen::VectorXd& f);
 
 }  // namespace lcpbench

@@ -7,7 +7,6 @@
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/in_sequence.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/work_counts.h"
 #include "solvers/linear_algebra/cost_model.h"
 
 namespace lcpbench {

@@ -11,7 +11,6 @@
 
 #include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/memory_budget.h"
-#include "solvers/lcp/work_counts.h"
 #include "solvers/linear_algebra/supernodal_factor.h"
 
 namespace lcpbench {

@@ -9,7 +9,7 @@
 
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
-#include "solvers/peers/tier_settings.h"
+#include "solvers/peers/peer_table.h"
 
 namespace lcpbench {
 
@@ -33,7 +33,7 @@ inline int IterationLimit(const LcpOptions& options, double usual) {
 class PeerTier {
  public:
   PeerTier() = default;
-  /// The setting `tolerance` wins over the table of tier_settings.cc.
+  /// The setting `tolerance` wins over the table of peer_table.cc.
   PeerTier(std::string_view key, SettingsReader* reader, const char* setting = "tolerance")
       : key_(key), is_library_default_(key.ends_with("-default")) {
     if (!is_library_default_) chosen_ = reader->Number(setting, 0, 0, 1);

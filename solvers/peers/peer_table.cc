@@ -1,5 +1,9 @@
 #include "solvers/peers/peer_table.h"
 
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
 namespace lcpbench {
 namespace {
 
@@ -16,6 +20,9 @@ constexpr MethodClass kAny = MethodClass::kAnySize;
 constexpr std::string_view kWithCfm = "the same with the diagonal shift that engines use (cfm)";
 constexpr std::string_view kAsItIs = "the same with the library's own options";
 
+// Tolerances bound: of DART the largest relative change of a force in one sweep; of Siconos ||min(f, w)|| over ||b||;
+// of petsc-rsls the norm of w on the free rows and of petsc-ssls that of the Fischer-Burmeister function, of TAO the
+// projected gradient, all relative to the start; of Clp both primal and dual infeasibility.
 constexpr PeerEntry kPeers[] = {
     {kBullet, "bullet-dantzig", "Dantzig pivoting of the physics engine"},
     {kBullet, "bullet-dantzig-cfm", kWithCfm},
@@ -24,30 +31,51 @@ constexpr PeerEntry kPeers[] = {
     {kOde, "ode-dantzig-cfm", kWithCfm},
     {kDart, "dart-dantzig", "Dantzig pivoting, after ODE's"},
     {kDart, "dart-dantzig-cfm", kWithCfm},
-    {kDart, "dart-pgs", "projected Gauss-Seidel", true},
+    {kDart, "dart-pgs", "projected Gauss-Seidel", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}},
     {kDart, "dart-pgs-default", kAsItIs},
     {kSiconos, "siconos-lexicolemke", "lexicographic Lemke pivoting"},
-    {kSiconos, "siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function", true},
+    {kSiconos, "siconos-newton-fb", "semismooth Newton on the Fischer-Burmeister function",
+     TierSettings{{1e-5, 1e-8, 1e-10}, 1e6}},
     {kSiconos, "siconos-newton-fb-default", kAsItIs},
-    {kSiconos, "siconos-pgs", "projected Gauss-Seidel", true},
+    {kSiconos, "siconos-pgs", "projected Gauss-Seidel", TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}},
     {kSiconos, "siconos-pgs-default", kAsItIs},
-    {kSiconos, "siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix", true, kAny},
+    {kSiconos, "siconos-nsgs-sbm", "block Gauss-Seidel on a sparse block matrix",
+     TierSettings{{1e-4, 1e-7, 1e-10}, 1e9}, kAny},
     {kSiconos, "siconos-avi", "pivoting on the affine variational inequality (Cao, Ferris)"},
-    {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search", true, kAny},
-    {kPetsc, "petsc-rsls-default", kAsItIs, false, kAny},
-    {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search", true, kAny},
-    {kPetsc, "petsc-ssls-default", kAsItIs, false, kAny},
-    {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP", true, kAny},
-    {kPetsc, "tao-bntr-default", kAsItIs, false, kAny},
-    {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP", true, kAny},
-    {kPetsc, "tao-tron-default", kAsItIs, false, kAny},
-    {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", false, MethodClass::kExactArithmetic},
-    {kClp, "clp", "COIN-OR simplex code with its QP extension", true, kAny},
-    {kClp, "clp-default", kAsItIs, false, kAny},
+    {kPetsc, "petsc-rsls", "SNES reduced-space active-set Newton with line search",
+     TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kPetsc, "petsc-rsls-default", kAsItIs, {}, kAny},
+    {kPetsc, "petsc-ssls", "SNES semismooth Newton with line search", TierSettings{{1e-6, 1e-8, 1e-11}, 1e6}, kAny},
+    {kPetsc, "petsc-ssls-default", kAsItIs, {}, kAny},
+    {kPetsc, "tao-bntr", "TAO bounded Newton trust region on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kPetsc, "tao-bntr-default", kAsItIs, {}, kAny},
+    {kPetsc, "tao-tron", "TAO trust-region Newton (TRON) on the QP", TierSettings{{1e-3, 1e-6, 1e-9}, 1e6}, kAny},
+    {kPetsc, "tao-tron-default", kAsItIs, {}, kAny},
+    {kCgal, "cgal-qp", "exact rational QP simplex: a reference for small n", {}, MethodClass::kExactArithmetic},
+    {kClp, "clp", "COIN-OR simplex code with its QP extension", TierSettings{{1e-3, 1e-6, 1e-9}, 0}, kAny},
+    {kClp, "clp-default", kAsItIs, {}, kAny},
 };
+
+constexpr std::array kTableTiers{1e-3, 1e-6, 1e-9};
+// A requested 1e-6 may arrive with the last digit off.
+constexpr double kSlack = 1 + 1e-9;
+
+const TierSettings& TiersOf(std::string_view key) {
+  const auto* peer = std::find_if(std::begin(kPeers), std::end(kPeers), [key](const auto& p) { return p.key == key; });
+  if (peer == std::end(kPeers) || !peer->tiers) throw std::logic_error("no tier settings for " + std::string(key));
+  return *peer->tiers;
+}
 
 }  // namespace
 
 std::span<const PeerEntry> AllPeers() { return kPeers; }
+
+double TierTolerance(std::string_view key, double tolerance) {
+  std::size_t tier = 0;
+  while (tier + 1 < kTableTiers.size() && kTableTiers[tier] > tolerance * kSlack) ++tier;
+  return TiersOf(key).tolerances[tier];
+}
+
+double TierIterations(std::string_view key) { return TiersOf(key).most_iterations; }
 
 }  // namespace lcpbench

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -15,12 +17,23 @@ struct PeerProject {
   std::string_view licence;  ///< SPDX expression of the library as Debian ships it
 };
 
+/// What one solver is given for its own stopping options, by requested tier.
+///
+/// The rule for tuned keys is the same effort for every library; docs/peers.md states it, and how many problems passed.
+/// Limits of iterations are so high that the time limit decides.
+struct TierSettings {
+  std::array<double, 3> tolerances;  ///< for the tiers 1e-3, 1e-6, 1e-9
+  double most_iterations;            ///< or sweeps; 0: the library's own limit
+};
+
 /// One of its solvers.
 struct PeerEntry {
-  const PeerProject& project;   ///< whose it is
-  std::string_view key;         ///< as in the registry
-  std::string_view method;      ///< one line
-  bool uses_tolerance = false;  ///< false: one run stands for every tier
+  const PeerProject& project;  ///< whose it is
+  std::string_view key;        ///< as in the registry
+  std::string_view method;     ///< one line
+  /// None for keys that end in "-default", being the library's own options untouched, and for solvers without a
+  /// tolerance (pivoting codes, exact arithmetic), of which one run stands for every tier.
+  std::optional<TierSettings> tiers = std::nullopt;
   /// What limits its size.
   MethodClass method_class = MethodClass::kDenseMatrix;
 
@@ -30,5 +43,10 @@ struct PeerEntry {
 
 /// All peers, in the report's order.
 std::span<const PeerEntry> AllPeers();
+
+/// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.
+/// @throws std::logic_error where the key is no peer's with tiers, here and below
+double TierTolerance(std::string_view key, double tolerance);
+double TierIterations(std::string_view key);
 
 }  // namespace lcpbench

@@ -10,11 +10,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
+
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 
@@ -25,10 +28,7 @@ struct CommandOutcome {
 };
 
 inline std::string ReadFile(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::stringstream text;
-  text << file.rdbuf();
-  return text.str();
+  return (std::stringstream() << std::ifstream(path, std::ios::binary).rdbuf()).str();
 }
 
 inline std::vector<std::string> Split(const std::string& text, char separator) {
@@ -48,18 +48,55 @@ inline std::vector<nlohmann::json> Records(const std::string& text) {
 inline std::vector<nlohmann::json> JsonLines(const std::filesystem::path& path) { return Records(ReadFile(path)); }
 inline nlohmann::json ReadJson(const std::filesystem::path& path) { return nlohmann::json::parse(ReadFile(path)); }
 
-/// Runs the lcpbench command, or another program, in a folder of the test's own.
-class CommandTest : public testing::Test {
- protected:
-  void SetUp() override {
-    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("lcpbench_") + info->test_suite_name() + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
+/// A campaign's folder problem by problem: an object per problem, solver and tier with what streams.jsonl says of it in
+/// arrays, in the order of the tasks, and its times `fresh_s` of all passes.
+inline std::vector<nlohmann::json> CellsOf(const std::filesystem::path& folder) {
+  using Json = nlohmann::json;
+  std::map<std::string, std::vector<std::string>> problems;
+  for (const Json& line : JsonLines(folder / "problems.jsonl")) problems[line["size_class"]].push_back(line["problem"]);
+  std::vector<Json> cells;
+  std::map<std::string, std::size_t> places;
+  for (const Json& line : JsonLines(folder / "streams.jsonl")) {
+    const auto place = [&](std::size_t k) -> std::size_t& {
+      const std::string problem = problems.at(line["size_class"]).at(line["first"].get<std::size_t>() + k);
+      return places[problem + "|" + line["solver"].get<std::string>() + "|" + line["tier"].dump()];
+    };
+    if (line["kind"] == "fresh") {
+      for (std::size_t k = 0; k < line["fresh_s"].size(); ++k) {
+        if (line["fresh_s"][k].is_number()) cells.at(place(k))["fresh_s"].push_back(line["fresh_s"][k]);
+      }
+    }
+    if (line["kind"] != "judge") continue;
+    const bool excluded = line["excluded"] != "";
+    for (std::size_t k = 0; k < line[excluded ? "count" : "attempted"]; ++k) {
+      Json cell = {{"problem", problems.at(line["size_class"]).at(line["first"].get<std::size_t>() + k)},
+                   {"solver", line["solver"]},
+                   {"tier", line["tier"]},
+                   {"excluded", line["excluded"]},
+                   {"claim", "solved"},
+                   {"passes", !excluded},
+                   {"at_floor", false},
+                   {"false_success", false},
+                   {"reason", ""},
+                   {"detail", ""},
+                   {"fresh_s", Json::array()}};
+      for (const auto& [field, values] : line.items()) {
+        if (values.is_array() && field != "exceptions") cell[field] = values[k];
+      }
+      for (const Json& exception : line.value("exceptions", Json::array())) {
+        if (exception["at"] == k) cell.update(exception);
+      }
+      if (cell["claim"] == "excluded") cell["excluded"] = cell["reason"];
+      place(k) = cells.size();
+      cells.push_back(std::move(cell));
+    }
   }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  return cells;
+}
 
+/// Runs the lcpbench command, or another program, in a folder of the test's own.
+class CommandTest : public FolderTest {
+ protected:
   CommandOutcome Run(const std::string& arguments, const std::string& input = "") {
     Write("stdin", input);
     const std::string command =
@@ -113,13 +150,7 @@ class CommandTest : public testing::Test {
     return status;
   }
 
-  std::string Path(const std::string& name) const { return (folder_ / name).string(); }
-  void Write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-
   std::string program_ = LCPBENCH_COMMAND;
-  std::filesystem::path folder_;
 };
 
 }  // namespace lcpbench

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "benchmarks/measure/allocation_count.h"
+#include "solvers/lcp/factor_clock.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/verify.h"
-#include "solvers/lcp/work_counts.h"
 #include "solvers/registry.h"
 #include "tests/solvers/exact_problems.h"
 #include "tests/solvers/test_problems.h"

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <string_view>
+
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
 
 namespace lcpbench {
 
@@ -12,6 +15,14 @@ inline LcpResult SolveWith(LcpSolver* solver, const LcpProblem& problem, const L
   LcpResult result;
   solver->Solve(problem, options, &result);
   return result;
+}
+
+/// One solve by a solver of the registry.
+inline LcpResult SolveBy(std::string_view key, const LcpProblem& problem, double tolerance = LcpOptions{}.tolerance,
+                         const Settings& settings = {}) {
+  LcpOptions options;
+  options.tolerance = tolerance;
+  return SolveWith(MakeSolver(key, settings).get(), problem, options);
 }
 
 /// Claimed to be solved, and verified at the tolerance.

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "solvers/peers/protocol/channel.h"
+#include "solvers/peers/protocol/protocol.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

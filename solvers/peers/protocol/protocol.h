@@ -10,6 +10,7 @@
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
+#include "support/subprocess.h"
 
 namespace lcpbench {
 
@@ -108,5 +109,11 @@ PassRequest DecodePass(const Bytes& payload, std::span<const ProblemArrays> stre
 /// As DecodeHello, for kPassReply.
 /// @param request  that it answers
 PassReply DecodePassReply(const Bytes& payload, const PassRequest& request, std::span<const ProblemArrays> stream);
+
+/// Writes one frame, as WriteAll.
+Transfer WriteFrame(int fd, MessageType type, const Bytes& payload, double until);
+/// Reads one frame, as ReadAll. The type is kNone where the header is none of the protocol's or promises more than
+/// kLargestPayload. Memory grows with what arrives, not with what the header promises.
+Transfer ReadFrame(int fd, MessageType* type, Bytes* payload, double until);
 
 }  // namespace lcpbench

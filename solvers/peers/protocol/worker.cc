@@ -11,7 +11,7 @@
 #include <optional>
 #include <vector>
 
-#include "solvers/peers/protocol/channel.h"
+#include "solvers/peers/protocol/protocol.h"
 
 namespace lcpbench {
 namespace {

@@ -11,7 +11,6 @@
 
 #include "benchmarks/collection/manifest.h"
 #include "solvers/registry.h"
-#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {

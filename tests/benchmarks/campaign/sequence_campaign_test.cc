@@ -19,11 +19,9 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/motion/row_matching.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {

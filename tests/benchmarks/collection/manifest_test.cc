@@ -20,7 +20,6 @@
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 

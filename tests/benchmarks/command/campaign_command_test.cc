@@ -20,9 +20,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/measure/quantile.h"
 #include "support/input_error.h"
-#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
 
 namespace lcpbench {
@@ -310,11 +308,6 @@ TEST_F(CampaignCommand, GoogleBenchmarksFiltersAndJsonWork) {
   EXPECT_EQ(times, 2U * 4 * 3);
   for (const auto& benchmark : json["benchmarks"]) EXPECT_GT(benchmark["real_time"].get<double>(), 0);
   EXPECT_EQ(Run(Campaign("d", "--benchmark_color=true")).status, 2);
-}
-
-TEST(MedianOf, IsTheMiddleOne) {
-  EXPECT_EQ(MedianOf({4, 1, 3}), 3);
-  EXPECT_EQ(MedianOf({4, 1, 3, 2}), 2.5);
 }
 
 TEST(NoiseRule, CountsWhatTheMachineDid) {

@@ -9,9 +9,8 @@
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/registry.h"
-#include "tests/benchmarks/campaign_cells.h"
 #include "tests/benchmarks/command_fixture.h"
+#include "tests/solvers/solve_with.h"
 
 namespace lcpbench {
 namespace {
@@ -56,12 +55,8 @@ TEST(TuningSpace, FirstValuesAreTheDefaults) {
       for (const auto& [name, values] : solver["settings"].items()) first[name] = values[0];
       if (!FindSolver(key).available || first.empty()) continue;
       SCOPED_TRACE(std::string(scene) + ", " + key);
-      LcpOptions options;
-      options.tolerance = 1e-6;
-      LcpResult expected;
-      LcpResult found;
-      MakeSolver(key)->Solve(problem, options, &expected);
-      MakeSolver(key, first)->Solve(problem, options, &found);
+      const LcpResult expected = SolveBy(key, problem, 1e-6);
+      const LcpResult found = SolveBy(key, problem, 1e-6, first);
       EXPECT_EQ(found.status, expected.status);
       EXPECT_EQ(found.iterations, expected.iterations);
       EXPECT_TRUE(found.f == expected.f);

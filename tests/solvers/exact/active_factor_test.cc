@@ -11,7 +11,7 @@
 #include "model/scenes/scene.h"
 #include "solvers/exact/dyadic_lcp.h"
 #include "solvers/exact/exact_lcp.h"
-#include "solvers/exact/independent_rows.h"
+#include "solvers/exact/flint_matrix.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {

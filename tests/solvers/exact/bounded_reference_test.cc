@@ -9,13 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/measure/exact_guess.h"
+#include "benchmarks/measure/reference_solves.h"
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
 #include "solvers/exact/exact_solver.h"
-#include "solvers/lcp/verify.h"
-#include "solvers/registry.h"
 #include "support/input_error.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
@@ -66,12 +65,8 @@ ExactAnswer Exactly(const ExactLcp& lcp) {
 }
 
 double SizeOfLoads(const LcpProblem& problem) {
-  double sum = 0;
-  for (Index i = 0; i < problem.size(); ++i) {
-    const double diagonal = problem.DiagonalA()[i] > 0 ? problem.DiagonalA()[i] : 1;
-    sum += problem.b()[i] * problem.b()[i] / diagonal;
-  }
-  return std::sqrt(sum);
+  const auto root = [](double diagonal) { return diagonal > 0 ? std::sqrt(diagonal) : 1; };
+  return problem.b().cwiseQuotient(problem.DiagonalA().unaryExpr(root)).norm();
 }
 
 // Every statement of the reference, against the exact answer of the problem that it names.
@@ -112,14 +107,6 @@ void ExpectProved(const LcpProblem& problem, const BoundedReference& reference) 
   }
 }
 
-Eigen::VectorXd SolvedBy(const char* key, const LcpProblem& problem, double tolerance) {
-  LcpOptions options;
-  options.tolerance = tolerance;
-  LcpResult result;
-  MakeSolver(key)->Solve(problem, options, &result);
-  return result.f;
-}
-
 TEST(BoundedReference, BoundsOfScenesHold) {
   int problems = 0;
   int as_given = 0;
@@ -128,7 +115,7 @@ TEST(BoundedReference, BoundsOfScenesHold) {
       for (const std::uint64_t seed : {1U, 2U}) {
         const LcpProblem problem = AssembleContactLcp(GenerateScene(scene.key, size, seed)).problem;
         SCOPED_TRACE(problem.id());
-        const BoundedReference reference = RefineReference(problem, SolvedBy("auto", problem, 1e-12), {});
+        const BoundedReference reference = RefineReference(problem, SolveBy("auto", problem, 1e-12).f, {});
         ExpectProved(problem, reference);
         ++problems;
         if (reference.proof == Proof::kNearbyProblem) {
@@ -147,11 +134,10 @@ TEST(BoundedReference, BoundsOfGeneratedProblemsHold) {
   for (const TestProblem& test : GeneratedProblems()) {
     if (test.problem.size() > 40) continue;
     SCOPED_TRACE(test.problem.id());
-    ExpectProved(test.problem, RefineReference(test.problem, SolvedBy("dantzig", test.problem, 1e-9), {}));
+    ExpectProved(test.problem, RefineReference(test.problem, SolveBy("dantzig", test.problem, 1e-9).f, {}));
     // Degenerate forces that are 0 to the last digit.
-    LcpResult exact;
-    ExactSolver().Solve(test.problem, {}, &exact);
-    ExpectProved(test.problem, RefineReference(test.problem, exact.f, {}));
+    ExactSolver exact;
+    ExpectProved(test.problem, RefineReference(test.problem, SolveWith(&exact, test.problem).f, {}));
   }
 }
 
@@ -161,7 +147,7 @@ TEST(BoundedReference, BoundsHoldFromAnyStart) {
   std::uniform_real_distribution<double> part(0, 1);
   for (const SceneFamily& scene : AllScenes()) {
     const LcpProblem problem = AssembleContactLcp(GenerateScene(scene.key, 24, 1)).problem;
-    const Eigen::VectorXd solved = SolvedBy("auto", problem, 1e-9);
+    const Eigen::VectorXd solved = SolveBy("auto", problem, 1e-9).f;
     for (const double spoilt : {1e-6, 1e-2, 1.0}) {
       SCOPED_TRACE(problem.id() + " " + std::to_string(spoilt));
       Eigen::VectorXd start = solved;
@@ -183,7 +169,7 @@ TEST(BoundedReference, ProblemsWithoutASolutionAreNeverBoundedAsGiven) {
       const LcpProblem problem = AssembleContactLcp(GenerateScene("roller-bearing", size, seed)).problem;
       if (Exactly(ExactFrom(problem)).status != ExactAnswer::Status::kInfeasible) continue;
       ++infeasible;
-      const BoundedReference reference = RefineReference(problem, SolvedBy("auto", problem, 1e-12), {});
+      const BoundedReference reference = RefineReference(problem, SolveBy("auto", problem, 1e-12).f, {});
       EXPECT_EQ(reference.proof, Proof::kNearbyProblem);
       EXPECT_GT(reference.energy_shift, 0);
       ExpectProved(problem, reference);
@@ -199,7 +185,7 @@ TEST(BoundedReference, PivotsTellWhichOfTheDependentRowsAreActive) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
       const LcpProblem problem = AssembleContactLcp(GenerateScene(key, 120, seed)).problem;
       SCOPED_TRACE(problem.id());
-      const Eigen::VectorXd start = SolvedBy("auto", problem, 1e-12);
+      const Eigen::VectorXd start = SolveBy("auto", problem, 1e-12).f;
       const BoundedReference with = RefineReference(problem, start, {});
       ExpectProved(problem, with);
       BoundedOptions no_pivots;
@@ -229,7 +215,7 @@ TEST(BoundedReference, TakesAllFormsOfAProblem) {
     const LcpProblem given = AssembleContactLcp(GenerateScene("ovals-in-bowl", size, 1)).problem;
     for (const LcpProblem& problem : {InForm(given, MatrixForm::kDense), InForm(given, MatrixForm::kSparse)}) {
       SCOPED_TRACE(problem.id());
-      const BoundedReference reference = RefineReference(problem, SolvedBy("dantzig", problem, 1e-12), {});
+      const BoundedReference reference = RefineReference(problem, SolveBy("dantzig", problem, 1e-12).f, {});
       EXPECT_EQ(reference.proof, Proof::kActiveRows);
       ExpectProved(problem, reference);
     }

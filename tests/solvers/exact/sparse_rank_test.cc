@@ -46,15 +46,13 @@ TEST(SparseRank, SeesTheLastBit) {
 TEST(SparseRank, OfAProblemCountsColumnsThatCanMove) {
   Eigen::MatrixXd J(2, 6);
   J << 1, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1;
-  Eigen::VectorXd inverse_mass(6);
-  inverse_mass << 0, 0, 0, 1, 1, 1;
-  const auto problem =
-      LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2));
-  EXPECT_EQ(RankOf(problem, 10), 2);
-  inverse_mass[5] = 0;
-  EXPECT_EQ(
-      RankOf(LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2)), 10), 1);
-  EXPECT_EQ(RankOf(problem, 1), 2);
+  const auto problem = [&J](double last) {
+    const Eigen::VectorXd inverse_mass = (Eigen::VectorXd(6) << 0, 0, 0, 1, 1, last).finished();
+    return LcpProblem::FromFactors("", SparseMatrix(J.sparseView()), inverse_mass, Eigen::VectorXd::Zero(2));
+  };
+  EXPECT_EQ(RankOf(problem(1), 10), 2);
+  EXPECT_EQ(RankOf(problem(0), 10), 1);
+  EXPECT_EQ(RankOf(problem(1), 1), 2);
   Eigen::MatrixXd A(2, 2);
   A << 1, 2, 2, 4;
   const auto dense = LcpProblem::FromDense("", A, Eigen::VectorXd::Zero(2));

@@ -52,14 +52,9 @@ TEST_F(FclibFile, ProblemsComeBackBitForBit) {
 }
 
 TEST_F(FclibFile, TheEndsOfTheRangeComeBackToo) {
-  Eigen::MatrixXd A(2, 2);
-  A << 1, -0.0, 5e-324, -1.7976931348623157e308;
-  Eigen::VectorXd b(2);
-  b << -0.0, 0.1;
   // Unsymmetric where all rows are of one kind.
-  for (const std::vector<Index>& bilateral : {std::vector<Index>{}, {0, 1}}) {
-    const LcpProblem problem = LcpProblem::FromSparse("an id\nof two lines", A.sparseView(0, 0), b,
-                                                      RowBounds::WithBilateralRows(2, bilateral));
+  for (const LcpProblem& dense : {EndsOfTheRange(), EndsOfTheRange({0, 1})}) {
+    const LcpProblem problem = InForm(dense, MatrixForm::kSparse);
     WriteFclibProblem(problem, Path("p.h5"));
     const LcpProblem back = ReadFclibProblem(Path("p.h5")).problem;
     EXPECT_EQ(back.id(), problem.id());
@@ -147,10 +142,8 @@ Contents Example() {
 TEST_F(FclibFile, TheNormalPartIsTheProblem) {
   Example().Write(Path("example.hdf5"));
   const LcpProblem problem = ReadFclibProblem(Path("example.hdf5")).problem;
-  Eigen::Matrix3d A;
-  A << 4, 1, 5, 1, 3, 0, 5, 0, 2;
   EXPECT_EQ(problem.id(), "example");
-  EXPECT_EQ(problem.DenseA(), A);
+  EXPECT_EQ(problem.DenseA(), (Eigen::Matrix3d() << 4, 1, 5, 1, 3, 0, 5, 0, 2).finished());
   EXPECT_EQ(problem.b(), Eigen::Vector3d(-1, -2, -3));
   EXPECT_EQ(problem.bilateral_rows(), std::vector<Index>{2});
 
@@ -163,9 +156,7 @@ TEST_F(FclibFile, TheNormalPartIsTheProblem) {
   spatial.reals["/solution/r"] = {1, 8, 8, 2, 8, 8};
   spatial.Write(Path("spatial.h5"));
   const FclibProblem read = ReadFclibProblem(Path("spatial.h5"));
-  Eigen::Matrix2d A3;
-  A3 << 1, 3, 4, 2;
-  EXPECT_EQ(read.problem.DenseA(), A3);
+  EXPECT_EQ(read.problem.DenseA(), (Eigen::Matrix2d() << 1, 3, 4, 2).finished());
   EXPECT_EQ(read.problem.b(), Eigen::Vector2d(-1, -2));
   EXPECT_EQ(read.f.value(), Eigen::Vector2d(1, 2));
 }
@@ -177,20 +168,37 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
     std::function<void(Contents*)> change;
     std::string expected;
   };
+  // A dataset, of this type alone; or without it.
   const auto integers = [](const std::string& name, std::vector<int> values) {
-    return [=](Contents* contents) { contents->integers[name] = values; };
+    return [=](Contents* contents) {
+      contents->reals.erase(name);
+      contents->integers[name] = values;
+    };
   };
   const auto reals = [](const std::string& name, std::vector<double> values) {
-    return [=](Contents* contents) { contents->reals[name] = values; };
+    return [=](Contents* contents) {
+      contents->integers.erase(name);
+      contents->reals[name] = values;
+    };
+  };
+  const auto without = [](const std::string& name) {
+    return [=](Contents* contents) {
+      contents->integers.erase(name);
+      contents->reals.erase(name);
+    };
+  };
+  const auto factors = [](int rows, std::vector<double> inverse_mass) {
+    return [=](Contents* contents) {
+      contents->Matrix("/lcpbench/J", rows, 3, 0, {}, {}, {});
+      contents->reals["/lcpbench/inverse_mass"] = inverse_mass;
+    };
   };
   const std::string W = kW, V = kV, R = kR, vectors = "/fclib_local/vectors";
   const Case cases[] = {
-      {[&](Contents* c) { c->integers.erase(W + "/p"); },
-       "/fclib_local/W/p: expected a dataset of integers, found none"},
-      {[&](Contents* c) { c->reals.erase(W + "/x"); }, "/fclib_local/W/x: expected a dataset of numbers, found none"},
-      {[&](Contents* c) { c->reals.erase(vectors + "/s"); }, "vectors/s: expected a dataset of numbers, found none"},
-      {[&](Contents* c) { c->integers.erase(R + "/m"); },
-       "/fclib_local/R/m: expected a dataset of integers, found none"},
+      {without(W + "/p"), "/fclib_local/W/p: expected a dataset of integers, found none"},
+      {without(W + "/x"), "/fclib_local/W/x: expected a dataset of numbers, found none"},
+      {without(vectors + "/s"), "vectors/s: expected a dataset of numbers, found none"},
+      {without(R + "/m"), "/fclib_local/R/m: expected a dataset of integers, found none"},
       {[](Contents* c) { *c = {}; }, "/fclib_local/spacedim: expected a dataset of integers, found none"},
       {integers("/fclib_local/spacedim", {4}), "spacedim: expected one number from 2 to 3, found 4"},
       {integers("/fclib_local/spacedim", {}), "spacedim: expected one number from 2 to 3, found 0 numbers"},
@@ -227,30 +235,15 @@ TEST_F(FclibFile, WhatIsWrongIsOneLineWithItsDataset) {
       {integers("/lcpbench/row_order", {0, 1, 1}), "row_order: expected every row once, found one twice"},
       {integers("/lcpbench/J/m", {3}), "J/n: expected a dataset of integers, found none"},
       {reals("/lcpbench/inverse_mass", {1, 1, 1}), "J/m: expected a dataset of integers, found none"},
-      {[](Contents* c) {
-         c->Matrix("/lcpbench/J", 2, 3, 0, {}, {}, {});
-         c->reals["/lcpbench/inverse_mass"] = {1, 1, 1};
-       },
-       "/lcpbench/J: expected 3 x 3 entries, found 2 x 3"},
-      {[](Contents* c) {
-         c->Matrix("/lcpbench/J", 3, 3, 0, {}, {}, {});
-         c->reals["/lcpbench/inverse_mass"] = {1, -1, 1};
-       },
-       "inverse"},
+      {factors(2, {1, 1, 1}), "/lcpbench/J: expected 3 x 3 entries, found 2 x 3"},
+      {factors(3, {1, -1, 1}), "inverse"},
       {[&](Contents* c) {
          c->Matrix(R, 1, 1, 2, {0, 0}, {0, 0}, {1e308, 1e308});
        },
        "finite"},
       // Wrong types.
-      {[&](Contents* c) {
-         c->integers.erase(W + "/i");
-         c->reals[W + "/i"] = {0, 1, 2, 3, 0, 2};
-       },
-       "W/i: expected a dataset of 32-bit integers, found another type"},
-      {[&](Contents* c) {
-         c->reals.erase(vectors + "/q");
-         c->integers[vectors + "/q"] = {1, 2, 3, 4};
-       },
+      {reals(W + "/i", {0, 1, 2, 3, 0, 2}), "W/i: expected a dataset of 32-bit integers, found another type"},
+      {integers(vectors + "/q", {1, 2, 3, 4}),
        "vectors/q: expected a dataset of 64-bit IEEE numbers, found another type"},
       {[&](Contents* c) {
          c->integers.erase(W + "/m");

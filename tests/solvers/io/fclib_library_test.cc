@@ -6,7 +6,6 @@ extern "C" {
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
 #include <random>
 #include <string>
@@ -15,17 +14,14 @@ extern "C" {
 #include "solvers/io/fclib_file.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
 
-class FclibLibrary : public testing::Test {
+class FclibLibrary : public FolderTest {
  protected:
-  void SetUp() override { std::remove(path_.c_str()); }
-  void TearDown() override { std::remove(path_.c_str()); }
-
-  std::string path_ =
-      testing::TempDir() + "fclib-library-" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".hdf5";
+  const std::string path_ = Path("p.hdf5");
 };
 
 // What fclib_delete_local frees is what the structure holds.
@@ -41,6 +37,12 @@ Eigen::MatrixXd DenseOf(const fclib_matrix* matrix) {
     for (int k = matrix->p[column]; k < matrix->p[column + 1]; ++k) dense(matrix->i[k], column) = matrix->x[k];
   }
   return dense;
+}
+
+void ExpectSame(const Eigen::MatrixXd& found, const Eigen::MatrixXd& expected) {
+  ASSERT_EQ(found.rows(), expected.rows());
+  ASSERT_EQ(found.cols(), expected.cols());
+  EXPECT_EQ(found, expected);
 }
 
 // Rows of W for the contacts, of R for the bilateral rows.
@@ -63,36 +65,25 @@ TEST_F(FclibLibrary, ReadsOurFiles) {
     ASSERT_NE(read, nullptr);
     const Rows rows(problem);
     const auto contacts = static_cast<Index>(rows.contacts.size());
+    const auto bilateral = static_cast<Index>(rows.bilateral.size());
+    const auto normal = Eigen::seqN(Index{0}, contacts, Index{2});  // of what has two rows a contact
+    const Eigen::MatrixXd& A = problem.DenseA();
     EXPECT_EQ(read->spacedim, 2);
     EXPECT_STREQ(read->info->title, problem.id().c_str());
-    const Eigen::MatrixXd W = DenseOf(read->W);
-    ASSERT_EQ(W.rows(), 2 * contacts);
-    Eigen::MatrixXd expected_W = Eigen::MatrixXd::Zero(2 * contacts, 2 * contacts);
-    for (Index k = 0; k < contacts; ++k) {
-      const Index i = rows.contacts[static_cast<size_t>(k)];
-      for (Index l = 0; l < contacts; ++l) {
-        expected_W(2 * k, 2 * l) = problem.DenseA()(i, rows.contacts[static_cast<size_t>(l)]);
-      }
-      EXPECT_EQ(read->q[2 * k], problem.b()[i]);
-      EXPECT_EQ(read->q[2 * k + 1], 0);
-      EXPECT_EQ(read->mu[k], 0);
-    }
-    EXPECT_EQ(W, expected_W);
+    Eigen::MatrixXd W = Eigen::MatrixXd::Zero(2 * contacts, 2 * contacts), V(2 * contacts, bilateral);
+    W(normal, normal) = A(rows.contacts, rows.contacts);
+    ExpectSame(DenseOf(read->W), W);
+    Eigen::VectorXd q = Eigen::VectorXd::Zero(2 * contacts);
+    q(normal) = problem.b()(rows.contacts);
+    EXPECT_EQ(Eigen::VectorXd::Map(read->q, 2 * contacts), q);
+    EXPECT_TRUE(Eigen::VectorXd::Map(read->mu, contacts).isZero(0));
     EXPECT_EQ(read->R == nullptr, rows.bilateral.empty());
     if (read->R != nullptr) {
-      const Eigen::MatrixXd V = DenseOf(read->V), R = DenseOf(read->R);
-      for (size_t k = 0; k < rows.bilateral.size(); ++k) {
-        const auto column = static_cast<Index>(k);
-        const Index j = rows.bilateral[k];
-        EXPECT_EQ(read->s[k], problem.b()[j]);
-        for (size_t l = 0; l < rows.bilateral.size(); ++l) {
-          EXPECT_EQ(R(static_cast<Index>(l), column), problem.DenseA()(rows.bilateral[l], j));
-        }
-        for (Index l = 0; l < contacts; ++l) {
-          EXPECT_EQ(V(2 * l, column), problem.DenseA()(rows.contacts[static_cast<size_t>(l)], j));
-          EXPECT_EQ(V(2 * l + 1, column), 0);
-        }
-      }
+      V.setZero();
+      V(normal, Eigen::all) = A(rows.contacts, rows.bilateral);
+      ExpectSame(DenseOf(read->V), V);
+      ExpectSame(DenseOf(read->R), A(rows.bilateral, rows.bilateral));
+      EXPECT_EQ(Eigen::VectorXd::Map(read->s, bilateral), problem.b()(rows.bilateral).eval());
     }
     Free(read);
   }

@@ -13,16 +13,14 @@
 #include "solvers/io/siconos_text.h"
 #include "tests/solvers/lcp/same_problem.h"
 #include "tests/solvers/test_problems.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
 
-class SiconosLibrary : public testing::Test {
+class SiconosLibrary : public FolderTest {
  protected:
-  void TearDown() override { std::remove(path_.c_str()); }
-
-  std::string path_ =
-      testing::TempDir() + "siconos-library-" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".dat";
+  const std::string path_ = Path("p.dat");
 };
 
 void ExpectSame(const LcpProblem& problem, NumericsMatrix* M, const double* q) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "solvers/io/same_bits.h"
 #include "solvers/lcp/problem.h"
@@ -9,6 +10,13 @@ namespace lcpbench {
 
 inline bool SameBits(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return a.size() == b.size() && SameBits(a.data(), b.data(), a.size());
+}
+
+/// Not symmetric, with the ends of the range of doubles and zeros of both signs.
+inline LcpProblem EndsOfTheRange(const std::vector<Index>& bilateral = {}) {
+  const Eigen::MatrixXd A = (Eigen::MatrixXd(2, 2) << 1, -0.0, 5e-324, -1.7976931348623157e308).finished();
+  return LcpProblem::FromDense("an id\nof two lines", A, Eigen::Vector2d(-0.0, 0.1),
+                               RowBounds::WithBilateralRows(2, bilateral));
 }
 
 /// What differs between A, b and the kinds of rows; "" for nothing.

@@ -14,7 +14,9 @@
 namespace lcpbench {
 namespace {
 
+constexpr double kUnitRoundoff = 0x1p-53;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 LcpProblem Diagonal(std::initializer_list<double> diagonal, std::initializer_list<double> b, MatrixFacts facts = {}) {
   Eigen::VectorXd d = Eigen::Map<const Eigen::VectorXd>(diagonal.begin(), static_cast<Index>(diagonal.size()));
@@ -28,6 +30,8 @@ LcpResult Claim(LcpStatus status, Eigen::VectorXd f) {
   result.f = std::move(f);
   return result;
 }
+
+LcpResult Solved(Eigen::VectorXd f) { return Claim(LcpStatus::kSolved, std::move(f)); }
 
 // A symmetric positive definite A, a planted solution with f and w complementary, b = w - A f.
 struct Planted {
@@ -51,10 +55,9 @@ Planted Plant(Index n, unsigned seed) {
 
 TEST(Verify, AnExactSolutionPassesTheStrictestTier) {
   const LcpProblem problem = Diagonal({2, 4}, {-6, 3});
-  const Verdict verdict = Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(3, 0)), 1e-9);
-  EXPECT_TRUE(verdict.passes);
+  const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(3, 0)), 1e-9);
+  EXPECT_TRUE(verdict.passes && !verdict.false_success);
   EXPECT_EQ(verdict.best_tier, 1e-9);
-  EXPECT_FALSE(verdict.false_success);
   EXPECT_EQ(verdict.metrics.rho, 0);
   EXPECT_EQ(verdict.metrics.w, Eigen::Vector2d(0, 3));
 }
@@ -79,11 +82,24 @@ TEST(Verify, MetricsFollowTheirFormulas) {
   EXPECT_NEAR(m.fischer_burmeister, 0.5 * (fb(2, 1) * fb(2, 1) + fb(-3, -1) * fb(-3, -1)), 1e-14);
 }
 
-TEST(Verify, BilateralRowsAreJudgedByWAlone) {
-  const LcpProblem problem = LcpProblem::FromDense("b", 2 * Eigen::Matrix2d::Identity(), Eigen::Vector2d(4, 4),
-                                                   RowBounds::WithBilateralRows(2, {0}));
-  EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(-2, 0)), 1e-9).passes);
-  EXPECT_FALSE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(0, 0)), 1e-3).passes);
+TEST(Verify, SmallAnswersAreJudgedRowByRow) {
+  const LcpProblem bilateral = LcpProblem::FromDense("b", 2 * Eigen::Matrix2d::Identity(), Eigen::Vector2d(4, 4),
+                                                     RowBounds::WithBilateralRows(2, {0}));
+  const LcpProblem zero_diagonal = Diagonal({0, 1}, {2, -1});
+  const LcpProblem zero_b = Diagonal({4, 1}, {0, 0});
+  struct {
+    const LcpProblem& problem;
+    Eigen::Vector2d f;
+    bool passes;  // the strictest tier, or not even the loosest
+  } const cases[] = {
+      {bilateral, {-2, 0}, true},     {bilateral, {0, 0}, false}, {zero_diagonal, {0, 1}, true},
+      {zero_diagonal, {1, 1}, false}, {zero_b, {0, 0}, true},
+  };
+  for (const auto& [problem, f, passes] : cases) {
+    EXPECT_EQ(Verify(problem, Solved(f), passes ? 1e-9 : 1e-3).passes, passes) << f.transpose();
+  }
+  // Absolute where b is zero.
+  EXPECT_DOUBLE_EQ(ComputeMetrics(zero_b, Eigen::Vector2d(1e-4, 0)).rho, 2e-4);
 }
 
 TEST(Verify, RhoAndBackwardErrorAreIndependentOfUnitsAndRowScaling) {
@@ -108,7 +124,7 @@ TEST(Verify, RhoAndBackwardErrorAreIndependentOfUnitsAndRowScaling) {
 TEST(Verify, OneBadRowIsNotHiddenByAHugeB) {
   // rho is small because |b| is dominated by row 1; the backward error of row 0 is 1.
   const LcpProblem problem = Diagonal({1, 1}, {-1, 1e12});
-  const Verdict verdict = Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(0, 0)), 1e-9);
+  const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(0, 0)), 1e-9);
   EXPECT_LE(verdict.metrics.rho, 1e-9);
   EXPECT_FALSE(verdict.passes);
   EXPECT_TRUE(verdict.false_success);
@@ -117,15 +133,15 @@ TEST(Verify, OneBadRowIsNotHiddenByAHugeB) {
 
 TEST(Verify, NotANumberNeverPasses) {
   const LcpProblem problem = Diagonal({1, 1}, {-1, 1});
-  for (const double bad : {kNaN, std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()}) {
-    const Verdict verdict = Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(1, bad)), 1e-3);
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+    const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1, bad)), 1e-3);
     EXPECT_FALSE(verdict.passes);
     EXPECT_TRUE(verdict.false_success);
     EXPECT_EQ(verdict.best_tier, 0);
   }
   // Finite but so large that w overflows.
-  EXPECT_FALSE(Verify(Diagonal({1e300, 1}, {1, 1}), Claim(LcpStatus::kSolved, Eigen::Vector2d(1e300, 0)), 1e-3).passes);
-  EXPECT_FALSE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::VectorXd(1)), 1e-3).passes);  // wrong length
+  EXPECT_FALSE(Verify(Diagonal({1e300, 1}, {1, 1}), Solved(Eigen::Vector2d(1e300, 0)), 1e-3).passes);
+  EXPECT_FALSE(Verify(problem, Solved(Eigen::VectorXd(1)), 1e-3).passes);  // wrong length
 }
 
 TEST(Verify, OnlyAClaimOfSuccessCanBeAFalseSuccess) {
@@ -135,18 +151,6 @@ TEST(Verify, OnlyAClaimOfSuccessCanBeAFalseSuccess) {
     EXPECT_FALSE(Verify(problem, Claim(status, Eigen::VectorXd::Zero(1)), 1e-6).false_success);
   }
   EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kInfeasible, Eigen::VectorXd::Ones(1)), 1e-6).false_infeasible);
-}
-
-TEST(Verify, AbsoluteResidualsWhereBIsZero) {
-  const LcpProblem problem = Diagonal({4}, {0});
-  EXPECT_DOUBLE_EQ(ComputeMetrics(problem, Eigen::VectorXd::Constant(1, 1e-4)).rho, 2e-4);
-  EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::VectorXd::Zero(1)), 1e-9).passes);
-}
-
-TEST(Verify, ZeroDiagonalCountsAsOne) {
-  const LcpProblem problem = Diagonal({0, 1}, {2, -1});
-  EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(0, 1)), 1e-9).passes);
-  EXPECT_FALSE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(1, 1)), 1e-3).passes);
 }
 
 TEST(Verify, EnergyCertificateBoundsTheErrorOfTheShiftedProblem) {
@@ -183,22 +187,13 @@ TEST(Verify, FischerBurmeisterDoesNotCancel) {
 }
 
 TEST(Verify, EveryFormIsJudgedAlike) {
-  SparseMatrix J(3, 6);
-  J.insert(0, 0) = 1;
-  J.insert(0, 3) = -1;
-  J.insert(1, 1) = 2;
-  J.insert(2, 3) = 1;
-  J.insert(2, 5) = 3;
-  Eigen::VectorXd inverse_mass(6);
-  inverse_mass << 1, 2, 0, 4, 4, 0.5;
-  const Eigen::Vector3d b(-1, 2, -3);
-  const LcpProblem factors = LcpProblem::FromFactors("j", J, inverse_mass, b);
-  const LcpProblem dense = LcpProblem::FromDense("d", factors.DenseA(), b);
-  const LcpProblem sparse = LcpProblem::FromSparse("s", factors.SparseA(), b);
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(3, 6) << 1, 0, 0, -1, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 1, 0, 3).finished();
+  const Eigen::VectorXd inverse_mass = (Eigen::VectorXd(6) << 1, 2, 0, 4, 4, 0.5).finished();
+  const LcpProblem factors = LcpProblem::FromFactors("j", J.sparseView(), inverse_mass, Eigen::Vector3d(-1, 2, -3));
   const Eigen::Vector3d f(0.25, -0.5, 0.75);
   const Metrics m = ComputeMetrics(factors, f);
-  for (const LcpProblem& other : {dense, sparse}) {
-    const Metrics n = ComputeMetrics(other, f);
+  for (const MatrixForm form : {MatrixForm::kDense, MatrixForm::kSparse}) {
+    const Metrics n = ComputeMetrics(InForm(factors, form), f);
     EXPECT_EQ(m.w, n.w);
     EXPECT_DOUBLE_EQ(m.rho, n.rho);
     EXPECT_DOUBLE_EQ(m.backward_error, n.backward_error);
@@ -224,23 +219,23 @@ TEST(Verify, SolversEstimateAgreesWithTheMetrics) {
 
 TEST(Verify, RoundingIsNotDividedByAScaleThatCancels) {
   // Row 1 is perpendicular to row 0 up to rounding of 0.1 and 0.3; b_1 = 0, so |A||f| + |b| is 0 or rounding there.
-  SparseMatrix J(2, 3);
-  J.insert(0, 0) = 0.1;
-  J.insert(0, 1) = 0.3;
-  J.insert(1, 0) = 0.3;
-  J.insert(1, 1) = -0.1;
+  const Eigen::MatrixXd J = (Eigen::MatrixXd(2, 3) << 0.1, 0.3, 0, 0.3, -0.1, 0).finished();
   const double d = 0.1 * 0.1 + 0.3 * 0.3;
-  const LcpProblem problem =
-      LcpProblem::FromFactors("perpendicular", J, Eigen::Vector3d(1, 1, 1), Eigen::Vector2d(-1.0 / 3.0, 0));
-  const Verdict verdict = Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
+  const LcpProblem problem = LcpProblem::FromFactors("perpendicular", J.sparseView(), Eigen::Vector3d(1, 1, 1),
+                                                     Eigen::Vector2d(-1.0 / 3.0, 0));
+  const Verdict verdict = Verify(problem, Solved(Eigen::Vector2d(1.0 / 3.0 / d, 0)), 1e-9);
   EXPECT_TRUE(verdict.passes) << verdict.reason;
 }
 
+// A body between two walls: w_0 = f_0 - f_1 + b_0, w_1 = -f_0 + f_1 + b_1.
+LcpProblem Opposed(const Eigen::Vector2d& b, const std::vector<Index>& bilateral = {}) {
+  const Eigen::MatrixXd A = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  return LcpProblem::FromDense("opposed", A, b, RowBounds::WithBilateralRows(2, bilateral), SymmetricPsd());
+}
+
 TEST(FarkasRay, AnExactRayIsAccepted) {
-  // w_0 = f_0 - f_1 - 1, w_1 = -f_0 + f_1 - 1: y = (1, 1) has A y = 0, b.y = -2.
-  Eigen::Matrix2d A;
-  A << 1, -1, -1, 1;
-  const LcpProblem problem = LcpProblem::FromDense("opposed", A, Eigen::Vector2d(-1, -1));
+  // y = (1, 1) has A y = 0, b.y = -2.
+  const LcpProblem problem = Opposed({-1, -1});
   const FarkasVerdict verdict = VerifyFarkasRay(problem, Eigen::Vector2d(1, 1));
   EXPECT_TRUE(verdict.accepted) << verdict.reason;
   EXPECT_EQ(verdict.b_dot_y, -2);
@@ -251,7 +246,7 @@ TEST(FarkasRay, ASmallAyIsNotAProof) {
   const LcpProblem problem = Diagonal({1, 1e-10}, {1, -1});
   const FarkasVerdict verdict = VerifyFarkasRay(problem, Eigen::Vector2d(0, 1));
   EXPECT_FALSE(verdict.accepted);
-  EXPECT_TRUE(Verify(problem, Claim(LcpStatus::kSolved, Eigen::Vector2d(0, 1e10)), 1e-9).passes);
+  EXPECT_TRUE(Verify(problem, Solved(Eigen::Vector2d(0, 1e10)), 1e-9).passes);
 }
 
 // A column of light and heavy bodies in turns is solvable, by forces whose sum is 6 10^12 |b| and more. Along the
@@ -274,18 +269,301 @@ TEST(FarkasRay, AForceThatIsOnlyLargeIsNotAProof) {
 }
 
 TEST(FarkasRay, WrongSignsAreRefused) {
-  Eigen::Matrix2d A;
-  A << 1, -1, -1, 1;
-  const LcpProblem problem = LcpProblem::FromDense("opposed", A, Eigen::Vector2d(-1, -1));
+  const LcpProblem problem = Opposed({-1, -1});
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(-1, -1)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::Vector2d(1, kNaN)).accepted);
   EXPECT_FALSE(VerifyFarkasRay(problem, Eigen::VectorXd::Ones(3)).accepted);
-  const LcpProblem solvable = LcpProblem::FromDense("solvable", A, Eigen::Vector2d(-1, 1));
-  EXPECT_FALSE(VerifyFarkasRay(solvable, Eigen::Vector2d(1, 1)).accepted);  // b.y = 0
+  EXPECT_FALSE(VerifyFarkasRay(Opposed({-1, 1}), Eigen::Vector2d(1, 1)).accepted);  // b.y = 0
   // On bilateral rows y is free.
-  const LcpProblem joints =
-      LcpProblem::FromDense("joints", A, Eigen::Vector2d(1, 1), RowBounds::WithBilateralRows(2, {0, 1}));
-  EXPECT_TRUE(VerifyFarkasRay(joints, Eigen::Vector2d(-1, -1)).accepted);
+  EXPECT_TRUE(VerifyFarkasRay(Opposed({1, 1}, {0, 1}), Eigen::Vector2d(-1, -1)).accepted);
+}
+
+// ----- rounding floors
+
+// Seeded problems by factors, some rows bilateral, magnitudes over six decades, some forces 0.
+struct Case {
+  SparseMatrix J;
+  Eigen::VectorXd inverse_mass;
+  Eigen::VectorXd b;
+  RowBounds bounds;
+  Eigen::VectorXd f;
+
+  LcpProblem Factors() const { return LcpProblem::FromFactors("factors", J, inverse_mass, b, bounds); }
+  Eigen::MatrixXd A() const { return Eigen::MatrixXd(J) * inverse_mass.asDiagonal() * Eigen::MatrixXd(J).transpose(); }
+};
+
+Case RandomCase(unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  const auto spread = [&] { return std::pow(10.0, 6 * std::generate_canonical<double, 53>(random) - 3); };
+  Case c;
+  const Index n = 1 + static_cast<Index>(random() % 9);
+  const Index columns = 3 * (1 + static_cast<Index>(random() % 4));
+  Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, columns);
+  for (double& x : J.reshaped()) x = random() % 3 == 0 ? 0.0 : normal(random);
+  J.col(0).setConstant(1);  // no row of zeros
+  c.J = J.sparseView();
+  c.inverse_mass.resize(columns);
+  for (double& m : c.inverse_mass) m = random() % 5 == 0 ? 0.0 : spread();
+  c.inverse_mass[0] = spread();
+  c.b.resize(n);
+  c.f.resize(n);
+  std::vector<Index> bilateral;
+  for (Index i = 0; i < n; ++i) {
+    c.b[i] = normal(random) * spread();
+    c.f[i] = random() % 3 == 0 ? 0.0 : normal(random) * spread();
+    if (random() % 4 == 0) bilateral.push_back(i);
+  }
+  c.bounds = RowBounds::WithBilateralRows(n, bilateral);
+  return c;
+}
+
+// The formula, written out.
+double ByFormula(const Eigen::MatrixXd& magnitudes, const Eigen::MatrixXd& A, const Eigen::VectorXd& b,
+                 const Eigen::VectorXd& f) {
+  long double change = 0;
+  long double scale = 0;
+  for (Index i = 0; i < b.size(); ++i) {
+    long double sum = 0;
+    for (Index j = 0; j < b.size(); ++j) sum += std::abs(static_cast<long double>(magnitudes(i, j)) * f[j]);
+    const long double d = A(i, i) == 0 ? 1 : std::abs(A(i, i));
+    change += sum * sum / d;
+    scale += static_cast<long double>(b[i]) * b[i] / d;
+  }
+  return static_cast<double>(kUnitRoundoff * std::sqrt(scale == 0 ? change : change / scale));
+}
+
+TEST(RoundingFloor, FollowsItsFormulaInEveryForm) {
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const Case c = RandomCase(seed);
+    Eigen::MatrixXd A = c.A();
+    const Eigen::MatrixXd J = Eigen::MatrixXd(c.J).cwiseAbs();
+    const double by_factors = ByFormula(J * c.inverse_mass.asDiagonal() * J.transpose(), A, c.b, c.f);
+    EXPECT_NEAR(RoundingFloor(c.Factors(), c.f), by_factors, 1e-13 * by_factors) << seed;
+    // The other forms need neither symmetry nor a positive diagonal.
+    if (seed % 2 == 0) A(0, A.cols() - 1) += 1;
+    if (seed % 3 == 0) A(0, 0) = -A(0, 0);
+    if (seed % 5 == 0) A(A.rows() - 1, A.rows() - 1) = 0;
+    const double by_entries = ByFormula(A, A, c.b, c.f);
+    EXPECT_NEAR(RoundingFloor(LcpProblem::FromDense("d", A, c.b), c.f), by_entries, 1e-13 * by_entries) << seed;
+    EXPECT_NEAR(RoundingFloor(LcpProblem::FromSparse("s", A.sparseView(), c.b), c.f), by_entries, 1e-13 * by_entries)
+        << seed;
+  }
+}
+
+TEST(RoundingFloor, FactorsBoundTheFloorOfTheirMatrix) {
+  int larger = 0;
+  for (unsigned seed = 0; seed < 200; ++seed) {
+    const Case c = RandomCase(seed);
+    const double by_factors = RoundingFloor(c.Factors(), c.f);
+    const double by_entries = RoundingFloor(LcpProblem::FromDense("d", c.A(), c.b), c.f);
+    EXPECT_GE(by_factors, by_entries * (1 - 1e-13)) << seed;
+    larger += by_factors > by_entries * (1 + 1e-9) ? 1 : 0;
+  }
+  EXPECT_GT(larger, 50);  // a bound, not the same thing
+}
+
+TEST(RoundingFloor, IsIndependentOfUnitsAndRowScaling) {
+  for (unsigned seed = 0; seed < 100; ++seed) {
+    const Case c = RandomCase(seed);
+    const double floor = RoundingFloor(c.Factors(), c.f);
+    const double floor_of_matrix = RoundingFloor(LcpProblem::FromDense("d", c.A(), c.b), c.f);
+    std::mt19937 random(seed);
+    // Powers of two: nothing rounds. Squares of the last two leave the range of double.
+    for (const int exponent : {-3, 40, 530, -530}) {
+      Eigen::VectorXd rows(c.b.size());
+      for (double& s : rows) s = std::ldexp(1.0, static_cast<int>(random() % 80) - 40);
+      Case scaled = c;
+      scaled.J = rows.asDiagonal() * c.J;
+      scaled.b = std::ldexp(1.0, exponent) * rows.cwiseProduct(c.b);
+      scaled.f = std::ldexp(1.0, exponent) * c.f.cwiseQuotient(rows);
+      EXPECT_DOUBLE_EQ(RoundingFloor(scaled.Factors(), scaled.f), floor) << seed;
+      const LcpProblem dense = LcpProblem::FromDense("d", rows.asDiagonal() * c.A() * rows.asDiagonal(), scaled.b);
+      EXPECT_DOUBLE_EQ(RoundingFloor(dense, scaled.f), floor_of_matrix) << seed;
+      // Another unit of mass: 1/m and f in opposite directions.
+      scaled.inverse_mass *= std::ldexp(1.0, 21);
+      scaled.f *= std::ldexp(1.0, -21);
+      EXPECT_DOUBLE_EQ(RoundingFloor(scaled.Factors(), scaled.f), floor) << seed;
+    }
+  }
+}
+
+TEST(RoundingFloor, BoundsWhatRelativeChangesOfForcesDoToRho) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> within(-1, 1);
+  for (unsigned seed = 0; seed < 400; ++seed) {
+    const Case c = RandomCase(seed);
+    const LcpProblem dense = LcpProblem::FromDense("d", c.A(), c.b, c.bounds);
+    for (const LcpProblem& problem : {c.Factors(), dense}) {
+      for (const double size : {1e-2, 1e-5, 1e-8}) {
+        Eigen::VectorXd changed = c.f;
+        for (double& x : changed) x *= 1 + size * within(random);
+        const double before = ComputeMetrics(problem, c.f).rho;
+        const double after = ComputeMetrics(problem, changed).rho;
+        const double bound = size / kUnitRoundoff * RoundingFloor(problem, c.f);
+        EXPECT_LE(std::abs(after - before), bound * (1 + 1e-6) + 1e-14 * before) << seed;
+      }
+    }
+  }
+}
+
+TEST(RoundingFloor, IsAttainedWhereNothingCancels) {
+  // A >= 0 and f > 0 with w = 0: forces that all grow alike.
+  for (unsigned seed = 0; seed < 50; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(0.1, 1);
+    Eigen::MatrixXd A(5, 5);
+    Eigen::VectorXd f(5);
+    for (double& x : A.reshaped()) x = uniform(random);
+    for (double& x : f) x = uniform(random);
+    A.diagonal().array() += 5;
+    const LcpProblem problem = LcpProblem::FromDense("d", A, -A * f);
+    const double rho = ComputeMetrics(problem, 1.001 * f).rho;
+    EXPECT_NEAR(rho, 0.001 / kUnitRoundoff * RoundingFloor(problem, f), 1e-9 * rho);
+    EXPECT_NEAR(rho, 0.001, 1e-12);  // then the floor is u itself, the least there is
+  }
+}
+
+TEST(RoundingFloor, GrowsWithTheMassRatioOfAColumnAndTheRoundedExactAnswerIsBelowIt) {
+  double previous = 0;
+  for (const double ratio : {1.0, 1e2, 1e4, 1e6}) {
+    const StackedColumn column = MakeStackedColumn(1000, ratio);
+    Eigen::VectorXd f(1000);
+    for (Index i = 0; i < 1000; ++i) f[i] = static_cast<double>(column.f[static_cast<size_t>(i)]);
+    const double floor = RoundingFloor(column.problem, f);
+    EXPECT_GT(floor, 20 * previous);
+    previous = floor;
+    // No answer in double comes much nearer than the exact one, rounded; the bound is no empty one.
+    const double rho = ComputeMetrics(column.problem, f).rho;
+    EXPECT_LE(rho, 1.01 * floor) << ratio;
+    EXPECT_GE(rho, 0.05 * floor) << ratio;
+  }
+  EXPECT_GT(previous, 1e-9);
+}
+
+TEST(RoundingFloor, AnswersThatAreNoneHaveAnInfiniteFloor) {
+  const LcpProblem problem = LcpProblem::FromDense("d", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, 0));
+  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kNaN)), kInfinity);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d(1, kInfinity)), kInfinity);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::VectorXd::Ones(3)), kInfinity);
+  EXPECT_EQ(RoundingFloor(problem, Eigen::Vector2d::Zero()), 0);
+  EXPECT_EQ(RoundingFloor(LcpProblem::FromDense("0", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0)), Eigen::VectorXd(0)),
+            0);
+  // Absolute where b = 0, as rho is.
+  const LcpProblem homogeneous = LcpProblem::FromDense("h", 4 * Eigen::Matrix2d::Identity(), Eigen::Vector2d::Zero());
+  EXPECT_DOUBLE_EQ(RoundingFloor(homogeneous, Eigen::Vector2d(3, 4)), 10 * kUnitRoundoff);
+}
+
+// --- verdicts relative to a floor
+
+LcpReference WithFloor(double floor) {
+  LcpReference reference;
+  reference.floor = floor;
+  return reference;
+}
+
+void ExpectTheSame(const Verdict& verdict, const Verdict& strict) {
+  EXPECT_EQ(verdict.passes, strict.passes);
+  EXPECT_EQ(verdict.best_tier, strict.best_tier);
+  EXPECT_EQ(verdict.false_success, strict.false_success);
+  EXPECT_EQ(verdict.reason, strict.reason);
+  EXPECT_FALSE(verdict.at_floor);
+}
+
+// w = f - 1: rho is |f - 1| for f near 1.
+LcpProblem One() { return LcpProblem::FromDense("one", Eigen::MatrixXd::Ones(1, 1), -Eigen::VectorXd::Ones(1)); }
+LcpResult Off(double error) { return Solved(Eigen::VectorXd::Constant(1, 1 - error)); }
+
+TEST(VerdictAtTheFloor, PassesUpToTheFloorAndSaysSo) {
+  const LcpReference reference = WithFloor(1e-7);
+  const Verdict at_floor = Verify(One(), Off(0.5e-7), 1e-9, &reference);
+  EXPECT_TRUE(at_floor.passes && at_floor.at_floor && !at_floor.false_success);
+  EXPECT_EQ(at_floor.best_tier, 1e-9);
+  EXPECT_EQ(at_floor.reason, "");
+  EXPECT_EQ(at_floor.metrics.floor, 1e-7);
+
+  const Verdict above = Verify(One(), Off(2e-7), 1e-9, &reference);
+  EXPECT_TRUE(!above.passes && !above.at_floor && above.false_success);
+  EXPECT_EQ(above.best_tier, 1e-6);
+  EXPECT_NE(above.reason.find("> 1e-07 (rounding floor)"), std::string::npos) << above.reason;
+
+  EXPECT_FALSE(Verify(One(), Off(0.5e-7), 1e-9).passes);
+  // What meets the tier anyway does not lean on the floor.
+  EXPECT_FALSE(Verify(One(), Off(0.5e-9), 1e-9, &reference).at_floor);
+}
+
+TEST(VerdictAtTheFloor, AFloorBelowTheTierOrNoneChangesNothing) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> exponent(-13, -1);
+  for (int k = 0; k < 300; ++k) {
+    const LcpResult result = Off(std::pow(10, exponent(random)));
+    for (const double tier : kTiers) {
+      const Verdict strict = Verify(One(), result, tier);
+      EXPECT_EQ(strict.metrics.floor, -1);
+      for (const double floor : {0.0, 1e-16, 0.99 * kTiers[0], kNaN, kInfinity, -1.0, -kInfinity}) {
+        const LcpReference reference = WithFloor(floor);
+        const Verdict verdict = Verify(One(), result, tier, &reference);
+        ExpectTheSame(verdict, strict);
+      }
+    }
+  }
+}
+
+TEST(VerdictAtTheFloor, PassesExactlyWhatMeetsTheLargerOfTierAndFloor) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> exponent(-12, -3);
+  for (int k = 0; k < 1000; ++k) {
+    const LcpResult result = Off(std::pow(10, exponent(random)));
+    const LcpReference reference = WithFloor(std::pow(10, exponent(random)));
+    const double tier = kTiers[k % 3];
+    const Verdict verdict = Verify(One(), result, tier, &reference);
+    EXPECT_EQ(verdict.passes, Verify(One(), result, std::max(tier, *reference.floor)).passes);
+    EXPECT_EQ(verdict.at_floor, verdict.passes && !Verify(One(), result, tier).passes);
+  }
+}
+
+TEST(VerdictAtTheFloor, NoFloorIsLargeEnoughForNothing) {
+  for (const double floor : {1.0, 1e3, 1e300}) {
+    const LcpReference reference = WithFloor(floor);
+    for (const double off : {1.0, 2 * kLargestFloor, kLargestFloor / 2, kNaN, kInfinity}) {
+      EXPECT_EQ(Verify(One(), Off(off), 1e-9, &reference).passes, off == kLargestFloor / 2) << off;
+    }
+  }
+}
+
+TEST(VerdictAtTheFloor, TheBackwardErrorIsJudgedByTheSameTier) {
+  // Row 1 makes |b| large, so that rho is small; row 0 has the backward error e / (2 - e).
+  const auto verdict = [](double e, double floor) {
+    const LcpProblem problem = LcpProblem::FromDense("d", Eigen::Matrix2d::Identity(), Eigen::Vector2d(-1, 1e9));
+    const LcpReference reference = WithFloor(floor);
+    return Verify(problem, Solved(Eigen::Vector2d(1 - e, 0)), 1e-9, &reference);
+  };
+  EXPECT_FALSE(verdict(1e-3, 1e-10).passes);
+  EXPECT_TRUE(verdict(1e-3, 1e-6).passes);
+  EXPECT_TRUE(verdict(1e-3, 1e-6).at_floor);
+  EXPECT_FALSE(verdict(3e-3, 1e-6).passes);
+  EXPECT_NE(verdict(3e-3, 1e-6).reason.find("backward error"), std::string::npos);
+}
+
+TEST(VerdictAtTheFloor, AHugeSelfStressDoesNotLoosenAVerdict) {
+  // A body between two walls: f = (1, 0) + t (1, 1) for any t >= 0.
+  const LcpProblem problem = Opposed({-1, 1});
+  const LcpReference reference = WithFloor(RoundingFloor(problem, Eigen::Vector2d(1, 0)));
+  int loosened = 0;
+  for (double t = 1; t < 1e14; t *= 3) {
+    const double ulp = std::nextafter(t, 2 * t) - t;
+    for (const double error : {0.0, ulp, -ulp}) {
+      const Eigen::Vector2d f(t + 1 + error, t);
+      const Verdict strict = Verify(problem, Solved(f), 1e-9);
+      const Verdict verdict = Verify(problem, Solved(f), 1e-9, &reference);
+      ExpectTheSame(verdict, strict);
+      EXPECT_DOUBLE_EQ(verdict.metrics.answer_floor, RoundingFloor(problem, f));
+      // Its own floor would have let it pass.
+      const LcpReference own = WithFloor(RoundingFloor(problem, f));
+      loosened += Verify(problem, Solved(f), 1e-9, &own).passes && !strict.passes ? 1 : 0;
+    }
+  }
+  EXPECT_GT(loosened, 10);
 }
 
 }  // namespace

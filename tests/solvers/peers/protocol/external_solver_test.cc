@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/lcp/verify.h"
-#include "solvers/registry.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 #include "tests/support/refusal.h"
 
@@ -24,19 +23,13 @@ ExternalSolverOptions Worker(const std::string& manner) {
   return options;
 }
 
-LcpResult SolveWith(ExternalSolver& solver, const LcpProblem& problem, double time_limit_s = 5) {
+LcpResult SolveThere(ExternalSolver& solver, const LcpProblem& problem, double time_limit_s = 5) {
   LcpOptions options;
   options.time_limit_s = time_limit_s;
-  LcpResult result;
-  solver.Solve(problem, options, &result);
-  return result;
+  return SolveWith(&solver, problem, options);
 }
 
-LcpResult SolveHere(const LcpProblem& problem) {
-  LcpResult result;
-  MakeSolver("dantzig")->Solve(problem, {}, &result);
-  return result;
-}
+LcpResult SolveHere(const LcpProblem& problem) { return SolveBy("dantzig", problem); }
 
 // How a worker fails; nothing where it does not.
 template <typename Act>
@@ -60,7 +53,7 @@ TEST(ExternalSolver, GivesTheBitsOfTheSameSolverInThisProcess) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
     const LcpResult here = SolveHere(problem);
-    const LcpResult there = SolveWith(external, problem);
+    const LcpResult there = SolveThere(external, problem);
     EXPECT_EQ(there.status, here.status);
     EXPECT_EQ(there.f, here.f);
     EXPECT_EQ(there.iterations, here.iterations);
@@ -72,11 +65,11 @@ TEST(ExternalSolver, AnotherBIsSolvedOnTheMatrixThatWasSent) {
   ExternalSolver external(Worker("dantzig"));
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const LcpProblem problem = PlantedProblem(15, 5, seed, 3, 0).problem;
-    SolveWith(external, problem);
+    SolveThere(external, problem);
     const LcpProblem other = problem.WithB(-problem.b());
-    EXPECT_EQ(SolveWith(external, other).f, SolveHere(other).f);
+    EXPECT_EQ(SolveThere(external, other).f, SolveHere(other).f);
     // And back: nothing of the other b is left.
-    EXPECT_EQ(SolveWith(external, problem).f, SolveHere(problem).f);
+    EXPECT_EQ(SolveThere(external, problem).f, SolveHere(problem).f);
   }
 }
 
@@ -144,7 +137,7 @@ TEST(ExternalSolver, AWorkerOfVersion1GetsTheFormItWantsAndFormingItIsTimedHere)
     EXPECT_TRUE(external.is_version_1());
     const LcpProblem problem = PlantedProblem(15, 5, 1, 3, 0).problem;
     const LcpResult here = SolveHere(problem);
-    const LcpResult there = SolveWith(external, problem);
+    const LcpResult there = SolveThere(external, problem);
     EXPECT_EQ(there.status, LcpStatus::kSolved) << there.detail;
     EXPECT_LE((there.f - here.f).norm(), 1e-9 * here.f.norm());
     // 0.25 of conversion and 0.5 of the solve, as that worker says.
@@ -183,7 +176,7 @@ TEST(ExternalSolver, OutlivesAWorkerThatMisbehaves) {
     SCOPED_TRACE(manner.name);
     ExternalSolver solver(Worker(manner.name));
     for (int time = 0; time < 2; ++time) {
-      const LcpResult result = SolveWith(solver, AnyProblem(), 0.2);
+      const LcpResult result = SolveThere(solver, AnyProblem(), 0.2);
       EXPECT_EQ(result.status, manner.status) << result.detail;
       EXPECT_NE(result.detail.find(manner.detail), std::string::npos) << result.detail;
       EXPECT_EQ(result.f.size(), AnyProblem().size());
@@ -199,14 +192,14 @@ TEST(ExternalSolver, MemoryIsBounded) {
   ExternalSolverOptions options = Worker("memory");
   options.memory_limit = std::uint64_t{512} << 20U;
   ExternalSolver solver(options);
-  const LcpResult result = SolveWith(solver, AnyProblem(), 20);
+  const LcpResult result = SolveThere(solver, AnyProblem(), 20);
   EXPECT_EQ(result.status, LcpStatus::kNumericalFailure) << result.detail;
 }
 
 TEST(ExternalSolver, ClaimsAreJudgedLikeAnyOthers) {
   for (const char* manner : {"print", "nan"}) {
     ExternalSolver solver(Worker(manner));
-    const LcpResult result = SolveWith(solver, AnyProblem());
+    const LcpResult result = SolveThere(solver, AnyProblem());
     EXPECT_EQ(result.status, LcpStatus::kSolved) << manner;
     EXPECT_TRUE(Verify(AnyProblem(), result, 1e-9).false_success) << manner;
   }
@@ -218,7 +211,7 @@ TEST(ExternalSolver, WhatIsNoWorkerIsRefusedByName) {
     options.start_limit_s = 0.5;
     ExternalSolver solver(options);
     EXPECT_THROW(solver.Greet(), InputError) << manner;
-    EXPECT_EQ(SolveWith(solver, AnyProblem()).status, LcpStatus::kNumericalFailure) << manner;
+    EXPECT_EQ(SolveThere(solver, AnyProblem()).status, LcpStatus::kNumericalFailure) << manner;
   }
   ExternalSolver missing({{"/no/such/program"}});
   ExpectRefused([&] { missing.Greet(); }, "/no/such/program");
@@ -230,9 +223,7 @@ TEST(ExternalSolver, RegistersUnderAKeyOfItsOwn) {
   const SolverEntry& entry = FindSolver("test-worker");
   EXPECT_EQ(entry.origin, SolverOrigin::kExternal);
   EXPECT_EQ(WorkerVersion("test-worker"), "1.0");
-  LcpResult result;
-  entry.make({})->Solve(AnyProblem(), {}, &result);
-  EXPECT_TRUE(Verify(AnyProblem(), result, 1e-9).passes);
+  ExpectSolved(AnyProblem(), SolveBy(entry.key, AnyProblem()));
   EXPECT_THROW(RegisterExternalSolver("test-worker", {"x"}), InputError);
   EXPECT_THROW(RegisterExternalSolver("Bad Key", {"x"}), InputError);
   EXPECT_THROW(RegisterExternalSolver("empty", {}), InputError);
@@ -243,7 +234,7 @@ TEST(ExternalSolver, ThePythonExampleSolves) {
   ExternalSolver solver({{"/usr/bin/python3", LCPBENCH_SOURCE_DIR "/examples/external_solver.py"}});
   for (unsigned seed = 1; seed <= 10; ++seed) {
     const LcpProblem problem = PlantedProblem(12, 5, seed, 2, 0).problem;
-    const LcpResult result = SolveWith(solver, problem, 20);
+    const LcpResult result = SolveThere(solver, problem, 20);
     EXPECT_EQ(result.status, LcpStatus::kSolved) << result.detail;
     EXPECT_TRUE(Verify(problem, result, 1e-6).passes) << Verify(problem, result, 1e-6).reason;
   }

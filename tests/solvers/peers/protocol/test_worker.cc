@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/peers/protocol/channel.h"
+#include "solvers/peers/protocol/protocol.h"
 #include "solvers/peers/protocol/worker.h"
 #include "solvers/registry.h"
 

@@ -1,22 +1,48 @@
-#include "benchmarks/campaign/reference_floor.h"
+#include "benchmarks/measure/reference_solves.h"
 
 #include <algorithm>
 #include <array>
 #include <memory>
 #include <string_view>
 
-#include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
 namespace {
 
+constexpr double kTolerance = 1e-12;
+constexpr double kTimeLimit = 30;
 // By expected cost. The answers of an interior point, of pivoting and of descent from 0 lie apart where f is not
 // unique: their floors differ by up to 50 on redundant packings.
 constexpr std::array<std::string_view, 4> kReferenceSolvers = {"auto", "suitesparse", "nncg", "dantzig"};
 
+LcpResult SolveBy(const char* key, const LcpProblem& problem) {
+  LcpOptions options;
+  options.tolerance = kTolerance;
+  options.time_limit_s = kTimeLimit;
+  LcpResult result;
+  MakeSolver(key)->Solve(problem, options, &result);
+  return result;
+}
+
 }  // namespace
+
+ExactGuess GuessBySolvers(const LcpProblem& problem) {
+  ExactGuess guess;
+  for (const char* key : {"dantzig", "auto"}) {
+    const LcpResult result = SolveBy(key, problem);
+    if (result.status == LcpStatus::kInfeasible && result.farkas_ray.has_value()) {
+      guess.ray = *result.farkas_ray;
+      return guess;
+    }
+    if (guess.f.size() == 0 || result.status == LcpStatus::kSolved) guess.f = result.f;
+    if (result.status == LcpStatus::kSolved) return guess;
+  }
+  return guess;
+}
+
+LcpResult SolveNearly(const LcpProblem& problem) { return SolveBy("auto", problem); }
 
 std::optional<double> FindReferenceFloor(const LcpProblem& problem, double tolerance, double time_limit_s) {
   std::optional<double> least;

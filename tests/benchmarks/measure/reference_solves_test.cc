@@ -1,28 +1,33 @@
-#include "benchmarks/campaign/reference_floor.h"
+#include "benchmarks/measure/reference_solves.h"
 
 #include <gtest/gtest.h>
 
 #include "model/contact/assembly.h"
 #include "model/scenes/scene.h"
-#include "solvers/lcp/rounding_floor.h"
-#include "solvers/lcp/verify.h"
-#include "solvers/registry.h"
+#include "tests/solvers/solve_with.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
 
 constexpr double kStrictest = 1e-9;
-constexpr double kTimeLimit = 20;
+
+// A reference that knows the floor alone.
+LcpReference ReferenceOf(const LcpProblem& problem) {
+  constexpr double kTimeLimit = 20;
+  LcpReference reference;
+  reference.floor = FindReferenceFloor(problem, kStrictest, kTimeLimit);
+  EXPECT_TRUE(reference.floor.has_value()) << problem.id();
+  return reference;
+}
 
 TEST(ReferenceFloor, IsKnownOnEveryFamilyAndBelowEveryTier) {
   for (const SceneFamily& scene : AllScenes()) {
     for (const std::uint64_t seed : {1U, 2U}) {
       const LcpProblem problem = AssembleContactLcp(GenerateScene(std::string(scene.key), 40, seed)).problem;
-      const std::optional<double> floor = FindReferenceFloor(problem, kStrictest, kTimeLimit);
-      ASSERT_TRUE(floor.has_value()) << scene.key;
-      EXPECT_GT(*floor, 0);
-      EXPECT_LT(*floor, 1e-11) << scene.key;
+      const double floor = ReferenceOf(problem).floor.value_or(0);
+      EXPECT_GT(floor, 0);
+      EXPECT_LT(floor, 1e-11) << scene.key;
     }
   }
 }
@@ -31,9 +36,7 @@ TEST(ReferenceFloor, IsKnownOnEveryFamilyAndBelowEveryTier) {
 TEST(ReferenceFloor, MakesHonestAnswersPassWhereMassesDifferByAMillion) {
   for (const double ratio : {1e4, 1e6}) {
     const StackedColumn column = MakeStackedColumn(500, ratio);
-    LcpReference reference;
-    reference.floor = FindReferenceFloor(column.problem, kStrictest, kTimeLimit);
-    ASSERT_TRUE(reference.floor.has_value());
+    const LcpReference reference = ReferenceOf(column.problem);
     EXPECT_GT(*reference.floor, kStrictest);
 
     LcpResult exact;
@@ -47,10 +50,7 @@ TEST(ReferenceFloor, MakesHonestAnswersPassWhereMassesDifferByAMillion) {
     EXPECT_TRUE(verdict.at_floor);
 
     for (const char* key : {"auto", "dantzig"}) {
-      LcpOptions options;
-      options.tolerance = kStrictest;
-      LcpResult result;
-      MakeSolver(key)->Solve(column.problem, options, &result);
+      LcpResult result = SolveBy(key, column.problem, kStrictest);
       const Verdict judged = Verify(column.problem, result, kStrictest, &reference);
       EXPECT_TRUE(judged.passes) << key << ": " << judged.reason;
       // One part in a thousand of the load is no rounding.
@@ -63,15 +63,10 @@ TEST(ReferenceFloor, MakesHonestAnswersPassWhereMassesDifferByAMillion) {
 TEST(ReferenceFloor, IsTheSameWhateverAJudgedSolverReturns) {
   // Redundant: a wall of bricks with two contacts at every face, where self-stress is free.
   const LcpProblem problem = AssembleContactLcp(GenerateScene("boxes-and-discs", 60, 1)).problem;
-  LcpReference reference;
-  reference.floor = FindReferenceFloor(problem, kStrictest, kTimeLimit);
-  ASSERT_TRUE(reference.floor.has_value());
+  const LcpReference reference = ReferenceOf(problem);
   for (const SolverEntry& entry : AllSolvers()) {
     if (!entry.available || entry.origin != SolverOrigin::kOwn) continue;
-    LcpOptions options;
-    options.tolerance = kStrictest;
-    LcpResult result;
-    entry.make({})->Solve(problem, options, &result);
+    const LcpResult result = SolveBy(entry.key, problem, kStrictest);
     const Verdict verdict = Verify(problem, result, kStrictest, &reference);
     EXPECT_EQ(verdict.metrics.floor, *reference.floor) << entry.key;
     EXPECT_EQ(verdict.passes, Verify(problem, result, kStrictest).passes) << entry.key;
@@ -81,11 +76,8 @@ TEST(ReferenceFloor, IsTheSameWhateverAJudgedSolverReturns) {
 
 TEST(ReferenceFloor, IsNotKnownWhereNothingIsVerified) {
   // Two walls that close on a body.
-  Eigen::Matrix2d A;
-  A << 1, -1, -1, 1;
-  MatrixFacts facts;
-  facts.symmetric = facts.positive_semidefinite = true;
-  const LcpProblem problem = LcpProblem::FromDense("closing", A, Eigen::Vector2d(-1, -1), {}, facts);
+  const Eigen::MatrixXd A = (Eigen::MatrixXd(2, 2) << 1, -1, -1, 1).finished();
+  const LcpProblem problem = LcpProblem::FromDense("closing", A, Eigen::Vector2d(-1, -1), {}, SymmetricPsd());
   LcpReference reference;
   reference.floor = FindReferenceFloor(problem, kStrictest, 1);
   EXPECT_FALSE(reference.floor.has_value());

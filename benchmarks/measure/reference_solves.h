@@ -2,9 +2,17 @@
 
 #include <optional>
 
+#include "solvers/exact/exact_lcp.h"
 #include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
 
 namespace lcpbench {
+
+/// Where SolveExactly starts: the answer of `dantzig`, whose active rows are independent, else of `auto`.
+ExactGuess GuessBySolvers(const LcpProblem& problem);
+
+/// Where RefineReference starts: the answer of `auto`.
+LcpResult SolveNearly(const LcpProblem& problem);
 
 /// The floor that all verdicts on one problem are relative to, found without any of the judged answers: where f is not
 /// unique, a solver that returns a huge self-stress must not loosen its own verdict.

@@ -1,4 +1,4 @@
-#include "solvers/exact/independent_rows.h"
+#include "solvers/exact/flint_matrix.h"
 
 #include <flint/fmpz_poly.h>
 #include <flint/nmod_vec.h>

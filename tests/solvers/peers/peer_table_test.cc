@@ -1,40 +1,31 @@
-// The table of what a tier means to each peer: its form, and that what it promises of passing still holds.
+// What a tier means to each peer: how the table is read, and that what it promises of passing still holds.
 
-#include "solvers/peers/tier_settings.h"
+#include "solvers/peers/peer_table.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <set>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
-#include "solvers/peers/peer_table.h"
 #include "solvers/registry.h"
 #include "tests/solvers/test_problems.h"
 
 namespace lcpbench {
 namespace {
 
-TEST(TierSettings, EveryRowNamesATunedPeerOnce) {
-  std::set<std::string_view> seen;
-  for (const TierSettings& row : TierTable()) {
-    const bool is_tuned = std::any_of(AllPeers().begin(), AllPeers().end(), [&](const PeerEntry& peer) {
-      return peer.key == row.key && peer.uses_tolerance;
-    });
-    EXPECT_TRUE(is_tuned && seen.insert(row.key).second) << row.key;
-  }
-}
-
 TEST(TierSettings, ATierIsReadFromItsColumnAndWhatLiesBetweenFromTheStricterOne) {
-  for (const TierSettings& row : TierTable()) {
+  int tuned = 0;
+  for (const PeerEntry& peer : AllPeers()) {
+    if (!peer.tiers) continue;
+    ++tuned;
+    EXPECT_FALSE(peer.has_library_defaults()) << peer.key;
     for (const auto& [tolerance, column] :
          {std::pair{1e-2, 0}, {1e-3, 0}, {1e-4, 1}, {1e-6, 1}, {1e-7, 2}, {1e-12, 2}}) {
-      EXPECT_EQ(TierTolerance(row.key, tolerance), row.tolerances[static_cast<size_t>(column)]) << row.key;
+      EXPECT_EQ(TierTolerance(peer.key, tolerance), peer.tiers->tolerances[static_cast<size_t>(column)]) << peer.key;
     }
   }
+  EXPECT_EQ(tuned, 9);
   EXPECT_THROW(TierTolerance("dart-dantzig", 1e-6), std::logic_error);
 }
 

@@ -29,4 +29,9 @@ class DisturbanceWatch {
   long long switches_;
 };
 
+/// Linux: from here on PeakBytes() counts anew. Freed memory is given back first.
+void ResetPeak();
+/// The most memory of this process that was resident at a time since ResetPeak() [bytes]; 0 where unknown.
+double PeakBytes();
+
 }  // namespace lcpbench

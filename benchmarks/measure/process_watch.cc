@@ -1,11 +1,15 @@
-#include "benchmarks/measure/speed_probe.h"
+#include "benchmarks/measure/process_watch.h"
 
+#include <malloc.h>
 #include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdio>
 #include <ctime>
+#include <fstream>
 #include <limits>
+#include <string>
 
 #include "solvers/lcp/solver.h"
 
@@ -52,6 +56,22 @@ Disturbance DisturbanceWatch::Finish() const {
   found.switches = InvoluntarySwitches() - switches_;
   found.probe_s = std::max(probe_s_, ProbeSpeed());
   return found;
+}
+
+// proc(5): 5 written to clear_refs resets VmHWM, which is in kB.
+void ResetPeak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+double PeakBytes() {
+  std::ifstream status("/proc/self/status");
+  std::string line;
+  while (std::getline(status, line)) {
+    double kilobytes = 0;
+    if (std::sscanf(line.c_str(), "VmHWM: %lf kB", &kilobytes) == 1) return 1024 * kilobytes;
+  }
+  return 0;
 }
 
 }  // namespace lcpbench
