@@ -7,7 +7,6 @@
 #include "benchmarks/drawing/outline_path.h"
 #include "benchmarks/drawing/svg_text.h"
 #include "model/detection/detection.h"
-#include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {

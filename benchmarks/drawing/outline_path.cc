@@ -7,7 +7,6 @@
 
 #include "benchmarks/drawing/svg_text.h"
 #include "model/geometry/feature.h"
-#include "model/geometry/overloaded.h"
 #include "model/scenes/parts.h"
 
 namespace lcpbench {

@@ -13,7 +13,6 @@
 #include "benchmarks/drawing/drawn_scene.h"
 #include "benchmarks/drawing/outline_path.h"
 #include "benchmarks/drawing/svg_text.h"
-#include "model/geometry/trig.h"
 #include "model/scenes/parts.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

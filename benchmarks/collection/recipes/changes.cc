@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "model/contact/assembly.h"
-#include "model/geometry/trig.h"
 #include "model/scenes/random.h"
 #include "support/input_error.h"
 

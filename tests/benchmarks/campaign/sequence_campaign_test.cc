@@ -17,7 +17,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/sequences.h"
-#include "model/motion/row_matching.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/lcp/rounding_floor.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

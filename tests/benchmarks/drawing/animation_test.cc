@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "benchmarks/drawing/animation_page.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/command_fixture.h"
