@@ -85,7 +85,7 @@ def motion_share(problems):
     return sum(of_motions) / sum(weights(problems))
 
 
-# Size classes of benchmarks/collection/size_classes.h that the standard tier's motions are meant for.
+# Size classes of benchmarks/collection/properties.h that the standard tier's motions are meant for.
 _MOTION_CLASSES = [("31–100", 31, 100), ("101–300", 101, 300), ("301–1000", 301, 1000), ("1001–10⁴", 1001, 10_000)]
 
 

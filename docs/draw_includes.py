@@ -158,10 +158,8 @@ _COLOURS = {  # panel, box, lines
     "model": ("#eef7ee", "#ffffff", "#2e7d32"),
     "benchmarks": ("#ffffff", "#fdf0dc", "#a65b00"),
 }
-_SUBTITLE = (
-    "A folder includes only what is below it. "
-    "solvers/ knows no bodies and model/ no methods; what they share is solvers/lcp."
-)
+_SUBTITLE = ("A folder includes only what is below it. solvers/ knows no bodies and model/ no methods; what they share is "
+             "solvers/lcp.")
 _CAPTION = (
     "An arrow: files of the upper folder include headers of the lower one; thin: 1 or 2 includes, thicker: 3 to 8, "
     "9 and more.",

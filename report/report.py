@@ -204,7 +204,7 @@ def _headline(options: argparse.Namespace) -> None:
         print(markdown.full_headline(inputs, found), end="")
         return
     texts = {path: path.read_text(encoding="utf-8") for path in options.update}
-    texts = {path: text for path, text in texts.items() if readme_blocks.has_blocks(text)}
+    texts = {path: text for path, text in texts.items() if readme_blocks.BLOCK.search(text)}
     if not texts:
         raise ReportError(", ".join(map(str, options.update)), "no block of numbers",
                           "'<!-- numbers:NAME -->' and, after it, '<!-- end -->'")
@@ -252,7 +252,7 @@ def _calibrate(options: argparse.Namespace) -> int:
     from lcpbench_report.statistics import pairwise
 
     found = pairwise.calibration_table(*_load(options, options.campaign))
-    print(pairwise.calibration_words(found).markdown(), end="")
+    print(found.to_string(index=False, float_format="%.4g"))
     return 0 if found["right"].all() else 1
 
 

@@ -2,10 +2,11 @@
 """The rules of the source tree: which folders may include which, how many entries a folder has, that cited files exist,
 and that the drawing of the layers (docs/includes.svg) is up to date."""
 
+import graphlib
 import re
 import sys
 import unittest
-from collections import defaultdict, deque
+from collections import defaultdict
 from pathlib import Path
 
 _ROOT = Path(__file__).resolve().parents[1]
@@ -32,13 +33,6 @@ _MAY_INCLUDE_REGISTRY = re.compile(r"(benchmarks|tests|solvers/c)/|solvers/regis
 
 # Generated headers without a template of the same name (*.in).
 _GENERATED = {"git_revision.h"}
-
-# Includes that close a cycle of folders, from -> to.
-_FOLDER_CYCLES = set()
-
-# Includes that close a cycle of files, from -> to, X.h and X.cc as one. Headers alone have no cycle: here X.cc
-# is implemented with Y, and Y.h needs the types of X.h.
-_FILE_CYCLES = set()
 
 _MOST_ENTRIES = 32  # of a folder: what a listing shows at a glance
 _UNCOUNTED = ("tests", "data", "report/reference")
@@ -89,60 +83,6 @@ def _prose(path, text):
     return _only(text, comments), text
 
 
-def _way(edges, begin, end):
-    """The shortest way [begin, ..., end] in the graph {a: {b, ...}}, or None."""
-    before, waiting = {begin: None}, deque([begin])
-    while waiting:
-        node = waiting.popleft()
-        if node == end:
-            way = [node]
-            while before[way[-1]] is not None:
-                way.append(before[way[-1]])
-            return way[::-1]
-        for other in sorted(edges.get(node, ())):
-            if other not in before:
-                before[other] = node
-                waiting.append(other)
-    return None
-
-
-def _cycle(edges):
-    """A shortest cycle [a, ..., a], or None."""
-    left = {node: set(others) for node, others in edges.items()}
-    while ends := [node for node in left if not left[node] & set(left)]:
-        for node in ends:
-            del left[node]
-    ways = ((node, _way(left, other, node)) for node in sorted(left) for other in sorted(left[node] & set(left)))
-    return min(([node] + way for node, way in ways if way), key=len, default=None)
-
-
-class _Graph:
-    """Who includes whom, with the names that `name` gives to files: their folders, for instance."""
-
-    def __init__(self, includes, name):
-        self.includes = defaultdict(list)  # by edge
-        for include in includes:
-            edge = name(include.source), name(include.target)
-            if edge[0] != edge[1]:
-                self.includes[edge].append(include)
-
-    def without(self, exceptions):
-        edges = defaultdict(set)
-        for source, target in self.includes:
-            if (source, target) not in exceptions:
-                edges[source].add(target)
-        return edges
-
-    def cycle(self, exceptions):
-        """Includes, one of each edge of a cycle; none where there is none."""
-        cycle = _cycle(self.without(exceptions)) or []
-        return [self.includes[edge][0] for edge in zip(cycle, cycle[1:])]
-
-    def needless(self, exceptions):
-        edges = self.without(exceptions)
-        return sorted(e for e in exceptions if e not in self.includes or not _way(edges, e[1], e[0]))
-
-
 class _Tree(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
@@ -157,18 +97,27 @@ class _Tree(unittest.TestCase):
             self.fail("\n".join([why, *map(str, found)]))
 
 
+def _cycle(includes, name):
+    """Includes, one of each edge of a cycle in the graph of who includes whom; none where there is none.
+
+    @param name  what a file is called there: by its folder, for instance
+    """
+    edges = defaultdict(dict)  # from -> to -> the first include
+    for include in includes:
+        source, target = name(include.source), name(include.target)
+        if source != target:
+            edges[source].setdefault(target, include)
+    try:
+        graphlib.TopologicalSorter(edges).prepare()
+    except graphlib.CycleError as error:
+        cycle = error.args[1]  # every node is included by the next one
+        return [edges[source][target] for target, source in zip(cycle, cycle[1:])]
+    return []
+
+
 class Includes(_Tree):
-    def _folders(self):
-        return _Graph((i for i in self.own_includes if not i.source.startswith("tests/")), draw_includes.folder_of)
-
-    def _units(self):
-        checked = (i for i in self.own_includes if i.source.startswith(("solvers/", "model/")))
-        return _Graph(checked, lambda path: re.sub(r"\.(h|cc|c)$", "", path))
-
-    def test_there_is_something_to_check(self):
-        self.assertGreater(len(self.own_includes), 1000)
-
     def test_includes_of_ours_exist(self):
+        self.assertGreater(len(self.own_includes), 1000)  # there is something to check
         made = {path.rpartition("/")[2][:-3] for path in self.files if path.endswith(".in")} | _GENERATED
         lost = [
             include
@@ -179,11 +128,8 @@ class Includes(_Tree):
         self.assertNone(lost, "no such file is tracked or generated:")
 
     def test_directions_between_top_folders(self):
-        wrong = []
-        for include in self.own_includes:
-            may = next(may for begin, may in _MAY_INCLUDE if include.source.startswith(begin))
-            if not re.match(may, include.target):
-                wrong.append(f"{include}, may include of ours: {may}")
+        may = {i: next(may for begin, may in _MAY_INCLUDE if i.source.startswith(begin)) for i in self.own_includes}
+        wrong = [f"{i}, may include of ours: {targets}" for i, targets in may.items() if not re.match(targets, i.target)]
         self.assertNone(wrong, "includes against the direction of the layers:")
 
     def test_the_registry_is_included_from_above_only(self):
@@ -192,21 +138,22 @@ class Includes(_Tree):
         wrong = [include for include in includes if not _MAY_INCLUDE_REGISTRY.match(include.source)]
         self.assertNone(wrong, "solvers/registry.h depends on every solver and is for benchmarks/, tests/, solvers/c/:")
 
-    def test_folders_have_no_cycle(self):
-        cycle = self._folders().cycle(_FOLDER_CYCLES)
-        self.assertNone(cycle, "folders include each other in a circle:")
+    def test_there_are_no_cycles(self):
+        for what, is_checked, name in (
+            ("folders", lambda path: not path.startswith("tests/"), draw_includes.folder_of),
+            # X.h and X.cc as one
+            ("files", lambda path: path.startswith(("solvers/", "model/")), lambda path: re.sub(r"\.(h|cc|c)$", "", path)),
+            ("headers", lambda path: path.endswith(".h"), lambda path: path),
+        ):
+            with self.subTest(what):
+                includes = (include for include in self.own_includes if is_checked(include.source))
+                self.assertNone(_cycle(includes, name), f"{what} include each other in a cycle:")
 
-    def test_files_have_no_cycle(self):
-        cycle = self._units().cycle(_FILE_CYCLES)
-        self.assertNone(cycle, "files include each other in a circle:")
-
-    def test_exceptions_are_needed(self):
-        needless = self._folders().needless(_FOLDER_CYCLES) + self._units().needless(_FILE_CYCLES)
-        self.assertNone(needless, "these exceptions close no cycle any more, remove them:")
-
-    def test_headers_have_no_cycle(self):
-        graph = _Graph((i for i in self.own_includes if i.source.endswith(".h")), lambda path: path)
-        self.assertNone(graph.cycle(set()), "headers include each other in a circle:")
+    def test_a_cycle_is_found(self):
+        pairs = [("a", "b"), ("b", "c"), ("c", "d"), ("d", "b"), ("a", "d")]
+        includes = [draw_includes.Include(source, 1, target, True) for source, target in pairs]
+        self.assertEqual({include.source for include in _cycle(includes, str)}, {"b", "c", "d"})
+        self.assertEqual(_cycle(includes[:3], str), [])
 
 
 class Folders(_Tree):
@@ -230,7 +177,7 @@ class Citations(_Tree):
     @classmethod
     def setUpClass(cls):
         super().setUpClass()
-        cls.folders = {folder for path in cls.files for folder in _parents(path)}
+        cls.folders = {path[: at.start()] for path in cls.files for at in re.finditer("/", path)}
         cls.texts = {}  # of a path: lines of comments and documents alone, lines of these and of strings
         for path in cls.files:
             if not path.startswith(_HISTORY):
@@ -247,53 +194,39 @@ class Citations(_Tree):
                 for match in pattern.finditer(line):
                     yield f"{path}:{number}", match[1]
 
-    def test_cited_files_exist(self):
-        found = self._cited(_CITED_PATH, strings=True)
-        lost = [
-            f"{place} cites {cited}"
-            for place, cited in found
-            if cited not in self.known and f"{place.rpartition('/')[0]}/{cited}" not in self.known  # a link of a page
-        ]
-        self.assertNone(lost, "no such file is tracked:")
-
-    def test_cited_folders_exist(self):
-        found = self._cited(_CITED_FOLDER, strings=True)
-        lost = [f"{place} cites {cited}/" for place, cited in found if cited not in self.folders]
-        self.assertNone(lost, "no such folder is tracked:")
-
-    def test_ends_of_paths_exist(self):
+    def test_what_is_cited_exists(self):
         tops = tuple(f"{top}/" for top in _TOP.split("|"))
         ends = {path[at.end() :] for path in self.files for at in re.finditer("/", path)}
-        found = [cited for cited in self._cited(_CITED_TAIL, strings=False) if not cited[1].startswith(tops)]
-        lost = [f"{place} cites {cited}" for place, cited in found if cited not in ends]
-        self.assertNone(lost, "no tracked path ends like this:")
-
-    def test_cited_names_exist(self):
         names = {path.rpartition("/")[2] for path in self.files}
         names |= {name[:-3] for name in names if name.endswith(".in")} | _GENERATED | _FOREIGN_HEADERS
-        found = self._cited(_CITED_NAME, strings=False)
-        lost = [f"{place} cites {cited}" for place, cited in found if cited not in names]
-        self.assertNone(lost, "no such source is tracked:")
+
+        def is_file(place, cited):  # from the root, or a link of a page
+            return not self.known.isdisjoint((cited, f"{place.rpartition('/')[0]}/{cited}"))
+
+        for pattern, strings, exists, why in (
+            (_CITED_PATH, True, is_file, "no such file is tracked:"),
+            (_CITED_FOLDER, True, lambda _, cited: cited in self.folders, "no such folder is tracked:"),
+            (_CITED_TAIL, False, lambda _, cited: cited.startswith(tops) or cited in ends, "no tracked path ends so:"),
+            (_CITED_NAME, False, lambda _, cited: cited in names, "no such source is tracked:"),
+        ):
+            with self.subTest(why):
+                found = list(self._cited(pattern, strings))
+                self.assertTrue(found)
+                self.assertNone([f"{place} cites {cited}" for place, cited in found if not exists(place, cited)], why)
 
 
 class Drawing(_Tree):
     def test_the_drawing_shows_the_tree(self):
         boxes, arrows = draw_includes.drawn(self.own_includes)
         drawn_boxes, drawn_arrows = draw_includes.read_drawing(draw_includes.DRAWING.read_text(encoding="utf-8"))
-        wrong = [f"{box} is not drawn" for box in sorted(boxes - drawn_boxes)]
-        wrong += [f"{box} is drawn, but is no folder" for box in sorted(drawn_boxes - boxes)]
-        wrong += ["the arrow {} -> {} is not drawn".format(*arrow) for arrow in sorted(set(arrows) - drawn_arrows)]
-        wrong += ["the arrow {} -> {} is drawn needlessly".format(*arrow) for arrow in sorted(drawn_arrows - set(arrows))]
-        self.assertNone(wrong, "docs/includes.svg is out of date, run docs/draw_includes.py:")
+        wrong = [f"box {box}" for box in sorted(boxes ^ drawn_boxes)]
+        wrong += ["arrow {} -> {}".format(*arrow) for arrow in sorted(set(arrows) ^ drawn_arrows)]
+        self.assertNone(wrong, "docs/includes.svg lacks, or has needlessly; run docs/draw_includes.py:")
 
     def test_drawing_is_deterministic(self):
         boxes, arrows = draw_includes.drawn(self.own_includes)
         again = draw_includes.drawn(reversed(self.own_includes))
         self.assertEqual(draw_includes.drawing(boxes, arrows), draw_includes.drawing(*again))
-
-
-def _parents(path):
-    return [path[: at.start()] for at in re.finditer("/", path)]
 
 
 if __name__ == "__main__":

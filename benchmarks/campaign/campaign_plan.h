@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "benchmarks/collection/manifest.h"
-#include "benchmarks/collection/size_classes.h"
+#include "benchmarks/collection/properties.h"
 #include "benchmarks/measure/speed_probe.h"
 
 namespace lcpbench {

@@ -128,7 +128,7 @@ constexpr TimeField kTimes[] = {
      &PassEntry::convert_s},
     {{"solve_s", "[time?]", "s", "the rest of the solve"}, PassKind::kParts, &PassEntry::solve_s},
     {{"again_s", "[positive?]", "s",
-      "the same matrix with another b (benchmarks/collection/recipes/changes.h), right after a solve with the given "
+      "the same matrix with another b (benchmarks/collection/recipes/recipe.h), right after a solve with the given "
       "one"},
      PassKind::kAgain,
      &PassEntry::seconds},

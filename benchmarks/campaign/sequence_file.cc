@@ -9,7 +9,7 @@
 #include "benchmarks/campaign/reference_floor.h"
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/sequences.h"
+#include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/measure/interrupt.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/rounding_floor.h"

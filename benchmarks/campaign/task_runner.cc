@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "benchmarks/campaign/result_fields.h"
-#include "benchmarks/collection/recipes/changes.h"
+#include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/measure/allocation_count.h"
 #include "benchmarks/measure/peak_memory.h"
 #include "solvers/lcp/verify.h"

@@ -7,9 +7,10 @@
 
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/collection/sequences.h"
+#include "benchmarks/motions/sequence.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -25,7 +26,7 @@ class Builder {
     manifest_.name = tier.name;
     manifest_.version = kCollectionVersion;
     manifest_.purpose = tier.purpose;
-    if (tier.has_references) manifest_.references = "references/" + tier.name + ".jsonl.gz";
+    if (tier.has_files) manifest_.references = "references/" + tier.name + ".jsonl.gz";
     all_ = static_cast<int>(tier.problems.size() + tier.motions.size() + tier.fill.size() + tier.sequences.size());
   }
 
@@ -33,7 +34,7 @@ class Builder {
     for (const Candidate& candidate : tier_.problems) AddPlaced(candidate);
     for (const MotionCandidate& candidate : tier_.motions) AddMotion(candidate);
     for (const FillPlan& plan : tier_.fill) Fill(plan);
-    for (const SequenceCandidate& candidate : tier_.sequences) {
+    for (const MotionCandidate& candidate : tier_.sequences) {
       SequenceEntry entry = MeasureSequence(candidate.start, candidate.steps);
       entry.provenance = kProvenance;
       entry.licence = kLicence;
@@ -66,7 +67,7 @@ class Builder {
       manifest_.refused.push_back({instance.problem.id(), reason});
       return nullptr;
     }
-    if (tier_.has_references && !examined.reference_line.empty()) built_.references += examined.reference_line + '\n';
+    if (tier_.has_files && !examined.reference_line.empty()) built_.references += examined.reference_line + '\n';
     contents_.insert(examined.entry.sha256);
     ManifestEntry& entry = manifest_.problems.emplace_back(examined.entry);
     entry.family = family;
@@ -80,7 +81,7 @@ class Builder {
     Recipe recipe = candidate.recipe;
     for (int k = 0; k < kSeedsTried; ++k, recipe.seed += kSeedStep) {
       const Instance instance = MakeInstance(recipe);
-      ManifestEntry* entry = Take(instance, candidate.family);
+      ManifestEntry* entry = Take(instance, recipe.scene);
       if (entry == nullptr) continue;
       entry->source = recipe;
       entry->base = BaseOf(recipe);
@@ -204,6 +205,52 @@ std::optional<Examined> KnownTier::Find(const LcpProblem& problem) const {
   const auto entry = entries_.find(problem.id());
   if (entry == entries_.end() || entry->second.sha256 != ContentHash(problem)) return std::nullopt;
   return Examined{entry->second, references_.Line(problem.id())};
+}
+
+SequenceEntry MeasureSequence(const Recipe& start, int steps) {
+  SequenceEntry entry;
+  entry.id = RecipeId(start) + "-motion";
+  entry.family = start.scene;
+  entry.start = start;
+  entry.steps = steps;
+  SequenceHash hash;
+  ActiveSetHistory history;
+  std::vector<Index> rows;
+  std::int64_t still = 0;
+  const std::string end =
+      ForEachSequenceProblem(start, steps, [&](const LcpProblem& problem, const MotionProblem& met) {
+        hash.Add(problem);
+        rows.push_back(problem.size());
+        if (met.result.status == LcpStatus::kInfeasible) ++entry.unsolvable;
+        const ActiveSetChange change = history.Follow(met, ComputeMetrics(problem, met.result.f).w);
+        if (rows.size() == 1) return;
+        std::int64_t changes = 0;
+        const auto count = [&changes](const std::vector<int>& list, std::int64_t* sum) {
+          *sum += static_cast<std::int64_t>(list.size());
+          changes += static_cast<std::int64_t>(list.size());
+        };
+        count(change.entered, &entry.entered);
+        count(change.left, &entry.left);
+        count(change.activated, &entry.activated);
+        count(change.deactivated, &entry.deactivated);
+        if (changes == 0) ++still;
+        entry.churn += static_cast<double>(changes) / static_cast<double>(std::max<Index>(problem.size(), 1));
+      });
+  if (!end.empty()) throw InputError(entry.id + ": " + end);
+  entry.problems = static_cast<std::int64_t>(rows.size());
+  if (rows.size() > 1) {
+    const auto others = static_cast<double>(rows.size() - 1);
+    entry.churn /= others;
+    entry.still_share = static_cast<double>(still) / others;
+  }
+  std::sort(rows.begin(), rows.end());
+  if (!rows.empty()) {
+    entry.least_rows = rows.front();
+    entry.median_rows = rows[rows.size() / 2];
+    entry.most_rows = rows.back();
+  }
+  entry.sha256 = hash.Result();
+  return entry;
 }
 
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,

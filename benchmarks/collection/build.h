@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 
-#include "benchmarks/collection/examine.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/plan.h"
 #include "benchmarks/collection/references.h"
@@ -44,6 +43,10 @@ class KnownTier {
 /// @param known  of an earlier build: problems with the same id and content are not examined again. Or null.
 BuiltTier BuildTier(const Tier& tier, const ExamineOptions& options, const KnownTier* known,
                     const std::function<void(int done, int all, const std::string& id)>& progress);
+
+/// Counts and hashes the problems of a sequence.
+/// @throws InputError where the motion ends before its time, and as ForEachSequenceProblem
+SequenceEntry MeasureSequence(const Recipe& start, int steps);
 
 /// How often a candidate is tried with another seed, and by what its seed is raised.
 inline constexpr int kSeedsTried = 20;

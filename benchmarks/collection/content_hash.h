@@ -15,7 +15,6 @@ namespace lcpbench {
 ///     b, the number of bilateral rows, their indices, ascending from 0
 ///     matrix:   rows, columns, entries of every row, then column and value of every entry by rows
 /// Stored zeros are entries. Two numbers that are equal but for the sign of zero hash differently.  O(entries)
-/// @throws std::logic_error for bounds other than unilateral and bilateral
 std::string ContentHash(const LcpProblem& problem);
 
 /// SHA-256 of the hashes of a sequence's problems, each followed by a line feed.

@@ -74,25 +74,26 @@ void ReadEachLine(const std::string& path,
   if (!any) throw InputError(reader.name() + ": is empty, expected JSON lines");
 }
 
+int TellRefusal(const std::function<void()>& act) {
+  try {
+    act();
+    return 0;
+  } catch (const InputError& error) {
+    std::cerr << "lcpbench: " << error.what() << std::endl;
+    return kMisuse;
+  }
+}
+
 int ForEachLine(const std::vector<std::string>& files,
                 const std::function<void(const std::string& line, const std::string& where)>& handle) {
   int status = 0;
-  const auto tell = [&status](const InputError& error) {
-    std::cerr << "lcpbench: " << error.what() << std::endl;
-    status = kMisuse;
-  };
   for (const std::string& path : files) {
-    try {
+    const int of_file = TellRefusal([&] {
       ReadEachLine(path, [&](const std::string& line, const std::string& where) {
-        try {
-          handle(line, where);
-        } catch (const InputError& error) {
-          tell(error);
-        }
+        status |= TellRefusal([&] { handle(line, where); });
       });
-    } catch (const InputError& error) {
-      tell(error);
-    }
+    });
+    status |= of_file;
   }
   return status;
 }

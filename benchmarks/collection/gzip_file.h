@@ -43,10 +43,11 @@ void WriteGzipFile(const std::string& path, const std::string& text);
 void ReadEachLine(const std::string& path,
                   const std::function<void(const std::string& line, const std::string& where)>& handle);
 
-/// The same for several files, going on after mistakes: a line or file that is refused with InputError is told on
-/// standard error, one line each, and the next one is taken, so that nothing already computed is lost. A file without
-/// any line is refused as well.
-/// @return 0, or 2 when something was refused
+/// Runs `act`; what it refuses with InputError is told on standard error, in one line. @return 0, or 2 then
+int TellRefusal(const std::function<void()>& act);
+
+/// ReadEachLine for several files, going on after a line or file that is refused (TellRefusal), so that nothing already
+/// computed is lost. @return 0, or 2 when something was refused
 int ForEachLine(const std::vector<std::string>& files,
                 const std::function<void(const std::string& line, const std::string& where)>& handle);
 

@@ -4,11 +4,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
-#include <sstream>
 #include <tuple>
 #include <type_traits>
 #include <utility>
@@ -18,6 +16,7 @@
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/json_field.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -365,7 +364,7 @@ LcpProblem ProblemSource::Get(const ManifestEntry& entry) {
 
 LcpProblem ProblemSource::Read(const FileSource& source) {
   const std::string path = (std::filesystem::path(folder_) / source.path).string();
-  if (FormatOfFile(path) != ProblemFormat::kJsonLines) return ReadProblemFile(path);
+  if (const auto read = FormatOfFile(path).read) return read(path);
   if (!open_ || open_->name() != path || open_->number() >= source.line) open_.emplace(path);
   std::string line;
   while (open_->number() < source.line) {
@@ -400,11 +399,7 @@ std::string FormatManifest(const Manifest& manifest) {
 }
 
 Manifest ReadManifest(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || std::filesystem::is_directory(path)) throw InputError(path + ": cannot be opened for reading");
-  std::stringstream text;
-  text << file.rdbuf();
-  const nlohmann::json document = ParseJsonObject(text.str(), path);
+  const nlohmann::json document = ParseJsonObject(ReadTextFile(path), path);
   const JsonField root(document, path);
   if (root["lcpbench_manifest"].Integer() != kFormat) {
     root["lcpbench_manifest"].Mismatch("the format's number " + std::to_string(kFormat));
@@ -431,7 +426,10 @@ Manifest ReadManifest(const std::string& path) {
     }
   }
   if (root.Has("sequences")) {
-    for (const JsonField& item : root["sequences"].Items()) read(item, manifest.sequences.emplace_back());
+    for (const JsonField& item : root["sequences"].Items()) {
+      read(item, manifest.sequences.emplace_back());
+      for (const JsonField& count : {item["problems"], item["rows"]["most"]}) PositiveInteger(count);
+    }
   }
   return manifest;
 }

@@ -56,7 +56,7 @@ struct ManifestEntry {
 };
 
 /// Fill-ups: problems of the set's own families and sizes with further seeds, so that streams are long enough
-/// (size_classes.h). The manifest has one hash over all of a class, and no properties.
+/// (SizeClass). The manifest has one hash over all of a class, and no properties.
 struct FillClass {
   std::string size_class;  ///< key
   std::size_t problems = 0;

@@ -30,8 +30,7 @@ void Add(const Scenes& scenes, std::initializer_list<int> sizes, const std::vect
     for (const int rows : sizes) {
       for (const std::uint64_t seed : seeds) {
         for (const std::vector<Change>& change : changes) {
-          tier->problems.push_back(
-              {{std::string(scene), rows, seed, change}, std::string(scene), std::string(grid), std::string(purpose)});
+          tier->problems.push_back({{std::string(scene), rows, seed, change}, std::string(grid), std::string(purpose)});
         }
       }
     }
@@ -65,26 +64,14 @@ void AddMotions(std::initializer_list<int> sizes, std::uint64_t last_seed, int s
   }
 }
 
-Tier Named(const char* name, const char* purpose) {
-  Tier tier;
-  tier.name = name;
-  tier.purpose = purpose;
-  return tier;
-}
-
 Tier Smoke() {
-  Tier tier = Named("smoke", "Every scene family at two small sizes: all solvers in seconds.");
-  tier.refuses = true;
-  tier.has_references = true;
-  tier.has_files = true;
+  Tier tier{"smoke", "Every scene family at two small sizes: all solvers in seconds.", true, true};
   Add(EveryScene(), {8, 40}, kUnchanged, &tier, {11});
   return tier;
 }
 
 Tier Engine() {
-  Tier tier = Named("engine", "One to three rows, as a physics engine's islands mostly are.");
-  tier.has_references = true;
-  tier.has_files = true;
+  Tier tier{"engine", "One to three rows, as a physics engine's islands mostly are.", false, true};
   Add(EveryScene(), {1, 2, 3}, kUnchanged, &tier, {1, 2, 3});
   // Of one row f = 0 and w = 0 are all there is, and an engine meets either: nothing is refused for its answer.
   tier.fill = {{SizeClassOf(1), {1}}, {SizeClassOf(2), {2, 3}}};
@@ -92,11 +79,8 @@ Tier Engine() {
 }
 
 Tier Standard() {
-  Tier tier = Named("standard",
-                    "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.");
-  tier.refuses = true;
-  tier.has_references = true;
-  tier.has_files = true;
+  Tier tier{"standard", "What solvers are compared on: all families at 4 to 10^4 rows, and grids of one property each.",
+            true, true};
   Add(EveryScene(), {4, 6, 10, 16, 25, 40, 64, 100, 160, 250, 400, 640, 1000}, kUnchanged, &tier, {1, 2});
   Add(EveryScene(), {2000}, kUnchanged, &tier);
   Add({"discs-in-v", "disc-pile", "disc-track", "boxes-and-discs", "chain-of-links", "ovals-in-bowl", "roller-bearing",
@@ -130,16 +114,14 @@ Tier Standard() {
 }
 
 Tier Large() {
-  Tier tier = Named("large", "10^4 to 10^6 rows, generated when they are wanted.");
+  Tier tier{"large", "10^4 to 10^6 rows, generated when they are wanted."};
   Add(EveryScene(), {20'000, 100'000}, kUnchanged, &tier);
   Add({"disc-pile", "disc-track", "ovals-in-bowl", "rounded-wall"}, {300'000, 1'000'000}, kUnchanged, &tier);
   return tier;
 }
 
 Tier Pathological() {
-  Tier tier = Named("pathological", "Problems that are meant to break something, each of which says what.");
-  tier.has_references = true;
-  tier.has_files = true;
+  Tier tier{"pathological", "Problems that are meant to break something, each of which says what.", false, true};
   for (const HardCase& hard : AllHardCases()) AddHard({hard.key}, {8, 40, 200}, kUnchanged, hard.purpose, &tier);
   AddHard({"discs-in-v", "roller-bearing", "rounded-wall", "billiards-break"}, {60, 240}, kUnchanged,
           "Rank-deficient A: forces are not unique, and pivots vanish but for rounding.", &tier, 21);
@@ -171,7 +153,7 @@ Tier Pathological() {
 }
 
 Tier Sequences() {
-  Tier tier = Named("sequences", "Consecutive problems of scenes in motion: what warm starts are for.");
+  Tier tier{"sequences", "Consecutive problems of scenes in motion: what warm starts are for."};
   constexpr int kSteps = 200;
   const auto add = [&tier](std::string_view scene, int rows) {
     tier.sequences.push_back({{std::string(scene), rows, 1, {}}, kSteps});

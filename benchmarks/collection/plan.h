@@ -4,23 +4,22 @@
 #include <string_view>
 #include <vector>
 
+#include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/recipes/recipe.h"
-#include "benchmarks/collection/size_classes.h"
 
 namespace lcpbench {
 
-/// A problem that the collection is meant to have.
+/// A problem that the collection is meant to have, of the family that its scene is.
 struct Candidate {
   Recipe recipe;
-  std::string family;
   std::string grid;     ///< the property that its neighbours differ in; "" outside grids
   std::string purpose;  ///< of pathological ones: what it is meant to break
 };
 
-/// A motion that the collection is meant to have some steps of (TakeSteps).
+/// A scene that moves: `steps` are what is taken of it (TakeSteps), or the length of a sequence in steps of its own.
 struct MotionCandidate {
   Recipe start;
-  int steps = 0;  ///< taken
+  int steps = 0;
 };
 
 /// Fill-ups of one size class: problems of all scene families at some sizes.
@@ -29,26 +28,16 @@ struct FillPlan {
   std::vector<int> rows;
 };
 
-/// A sequence that the collection is meant to have: a scene that moves `steps` steps of its own length.
-struct SequenceCandidate {
-  Recipe start;
-  int steps = 0;
-};
-
 /// One tier of the collection.
 struct Tier {
   std::string name;
   std::string purpose;
-  /// Trivial problems and problems without a solution are refused, and the next seed is tried.
-  bool refuses = false;
-  /// Proved answers are written.
-  bool has_references = false;
-  /// The problems themselves are written as well.
-  bool has_files = false;
-  std::vector<Candidate> problems;
-  std::vector<MotionCandidate> motions;
-  std::vector<FillPlan> fill;
-  std::vector<SequenceCandidate> sequences;
+  bool refuses = false;    ///< trivial problems and problems without a solution, and tries the next seed
+  bool has_files = false;  ///< of its problems and proved answers
+  std::vector<Candidate> problems = {};
+  std::vector<MotionCandidate> motions = {};
+  std::vector<FillPlan> fill = {};
+  std::vector<MotionCandidate> sequences = {};
 };
 
 /// smoke, engine, standard, large, sequences, pathological.  @throws InputError naming them

@@ -23,13 +23,8 @@ namespace {
 
 constexpr Index kPerBody = 3;
 
-struct Bodies {
-  Index count = 0;
-  std::optional<double> mass_ratio;
-};
-
 // Of the bodies that can move and that a row touches.
-Bodies MeasureBodies(const LcpProblem& problem) {
+void MeasureBodies(const LcpProblem& problem, ProblemProperties* measured) {
   const Eigen::VectorXd& inverse = problem.inverse_mass();
   std::vector<char> touched(static_cast<size_t>((inverse.size() + kPerBody - 1) / kPerBody), 0);
   for (Index i = 0; i < problem.size(); ++i) {
@@ -37,19 +32,17 @@ Bodies MeasureBodies(const LcpProblem& problem) {
       if (inverse[it.col()] > 0) touched[static_cast<size_t>(it.col() / kPerBody)] = 1;
     }
   }
-  Bodies bodies;
   double least = std::numeric_limits<double>::infinity();
   double most = 0;
   for (size_t k = 0; k < touched.size(); ++k) {
     if (touched[k] == 0) continue;
-    ++bodies.count;
+    ++measured->bodies;
     const double mobility = inverse[kPerBody * static_cast<Index>(k)];
     if (mobility <= 0) continue;
     least = std::min(least, mobility);
     most = std::max(most, mobility);
   }
-  if (most > 0) bodies.mass_ratio = most / least;
-  return bodies;
+  if (most > 0) measured->mass_ratio = most / least;
 }
 
 // J M^-1/2 on columns with an entry, the other way round where that is lower than wide.
@@ -150,9 +143,7 @@ ProblemProperties MeasureProperties(const LcpProblem& problem) {
   measured.nonzeros_A = problem.SparseA().nonZeros();
   if (problem.has_factors()) {
     measured.nonzeros_J = problem.J().nonZeros();
-    const Bodies bodies = MeasureBodies(problem);
-    measured.bodies = bodies.count;
-    measured.mass_ratio = bodies.mass_ratio;
+    MeasureBodies(problem, &measured);
   }
   measured.rank.value = RankOf(problem, kMostRowsDense);
   measured.rank.method = measured.rank.value ? "exact, modulo two primes of 62 bits"

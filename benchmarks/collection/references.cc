@@ -1,19 +1,28 @@
 #include "benchmarks/collection/references.h"
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
+#include "benchmarks/measure/exact_guess.h"
+#include "solvers/exact/bounded_reference.h"
+#include "solvers/exact/exact_lcp.h"
 #include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
+#include "solvers/registry.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 
 constexpr size_t kExcerpt = 40;
 
@@ -33,6 +42,141 @@ Eigen::VectorXd Numbers(const Json& values, Index size) {
     throw InputError("expected " + std::to_string(size) + " numbers, found " + std::to_string(numbers.size()));
   }
   return Eigen::Map<const Eigen::VectorXd>(numbers.data(), size);
+}
+
+Eigen::VectorXd ToDoubles(const std::vector<Rational>& values) {
+  Eigen::VectorXd doubles(static_cast<Index>(values.size()));
+  for (size_t k = 0; k < values.size(); ++k) doubles[static_cast<Index>(k)] = values[k].convert_to<double>();
+  return doubles;
+}
+
+Json ToJson(const Eigen::VectorXd& values) { return std::vector<double>(values.begin(), values.end()); }
+
+// |D^-1/2 b|_2
+double LoadScale(const LcpProblem& problem) {
+  double squared = 0;
+  for (Index i = 0; i < problem.size(); ++i) {
+    const double d = problem.DiagonalA()[i] > 0 ? problem.DiagonalA()[i] : 1;
+    squared += problem.b()[i] * problem.b()[i] / d;
+  }
+  return std::sqrt(squared);
+}
+
+// ----- proved answers
+
+// True where one is known; then it is written into `examined`.
+bool Certify(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  ExactOptions exact_options;
+  exact_options.time_limit_s = options.time_limit_s;
+  exact_options.guess = GuessBySolvers;
+  const ExactLcp exact = ExactFrom(problem);
+  const ExactAnswer answer = SolveExactly(exact, exact_options);
+  const bool solved = answer.status == ExactAnswer::Status::kSolved;
+  const bool infeasible = answer.status == ExactAnswer::Status::kInfeasible;
+  if (!(solved || infeasible) || !FindFault(exact, answer).empty()) return false;
+
+  ReferenceSummary& reference = examined->entry.reference;
+  reference.kind = "certified";
+  reference.status = ToString(answer.status);
+  Json line = {{"id", problem.id()}, {"kind", reference.kind}, {"status", reference.status}};
+  if (infeasible) {
+    line["ray"] = ToJson(ToDoubles(answer.ray));
+  } else {
+    const bool least_norm = !answer.f_least_norm.empty();
+    const Eigen::VectorXd w = ToDoubles(answer.w);
+    const Eigen::VectorXd f = ToDoubles(least_norm ? answer.f_least_norm : answer.f);
+    // Doubles of exact zeros are zeros, and of nothing else in the range of these numbers.
+    examined->entry.answer = MeasureAnswer(problem, f, w, 0);
+    reference.f_unique = answer.f_unique;
+    reference.nullity_on_active = answer.nullity_on_active;
+    // f + w > 0 everywhere is the property itself; where it fails, only a unique f says that no other f has it.
+    if (examined->entry.answer->degenerate == 0) {
+      reference.strictly_complementary = true;
+    } else if (answer.f_unique.has_value() && *answer.f_unique) {
+      reference.strictly_complementary = false;
+    }
+    if (!least_norm) reference.detail = answer.detail;
+    line["f_unique"] = reference.f_unique.has_value() ? Json(*reference.f_unique) : Json(nullptr);
+    line["w"] = ToJson(w);
+    line[least_norm ? "f_minnorm" : "f"] = ToJson(f);
+  }
+  examined->reference_line = line.dump();
+  return true;
+}
+
+// ----- solved and bounded answers
+
+// By our solvers, as good as the verifier finds it; none where it does not pass 1e-9.
+std::optional<Eigen::VectorXd> Solve(const LcpProblem& problem, const ExamineOptions& options) {
+  std::optional<Eigen::VectorXd> best;
+  double best_rho = std::numeric_limits<double>::infinity();
+  const bool is_start = problem.size() <= options.bounded_up_to;  // of a refinement, the nearer the better
+  for (const double tolerance : {1e-12, 1e-9}) {
+    if (tolerance < 1e-9 && !is_start) continue;
+    LcpOptions lcp;
+    lcp.tolerance = tolerance;
+    lcp.time_limit_s = is_start ? options.time_limit_s : options.large_time_limit_s;
+    LcpResult result;
+    MakeSolver("auto")->Solve(problem, lcp, &result);
+    const Metrics metrics = ComputeMetrics(problem, result.f);
+    if (PassesTier(metrics, 1e-9) && metrics.rho < best_rho) {
+      best_rho = metrics.rho;
+      best = result.f;
+    }
+    if (result.status == LcpStatus::kSolved) break;
+  }
+  return best;
+}
+
+BoundedReference Bound(const LcpProblem& problem, const Eigen::VectorXd& f, const ExamineOptions& options) {
+  BoundedOptions bounded;
+  bounded.time_limit_s = options.time_limit_s;
+  return RefineReference(problem, f, bounded);
+}
+
+void Write(const LcpProblem& problem, const BoundedReference& bounded, Examined* examined) {
+  const Eigen::VectorXd f = ToDoubles(bounded.f);
+  ReferenceSummary& reference = examined->entry.reference;
+  reference = {};
+  reference.kind = "bounded";
+  reference.status = "solved";
+  reference.proof = ToString(bounded.proof);
+  reference.energy_bound = bounded.energy_bound;
+  reference.energy_shift = bounded.energy_shift;
+  reference.w_bound = bounded.w_bound;
+  reference.f_bound = bounded.f_bound;
+  reference.detail = bounded.detail;
+  if (bounded.proof == BoundedReference::Proof::kActiveRows) {
+    // f > 0 on the rows with w = 0 is part of the proof, and that there is no other f.
+    reference.f_unique = true;
+    reference.nullity_on_active = 0;
+    reference.strictly_complementary = true;
+    examined->entry.answer = MeasureAnswer(problem, f, bounded.w, 0);
+  } else {
+    constexpr double kNegligible = 1e-12;
+    examined->entry.answer = MeasureAnswer(problem, f, bounded.w, kNegligible * LoadScale(problem));
+  }
+  const Json line = {{"id", problem.id()},
+                     {"kind", reference.kind},
+                     {"status", reference.status},
+                     {"proof", reference.proof},
+                     {"energy_bound", bounded.energy_bound},
+                     {"energy_shift", bounded.energy_shift},
+                     {"w_bound", bounded.w_bound},
+                     {"w", ToJson(bounded.w)},
+                     {"f", ToJson(f)}};
+  examined->reference_line = line.dump();
+}
+
+// A problem that has an exact ray: solvable but for roundings?
+void LookNearby(const LcpProblem& problem, const ExamineOptions& options, Examined* examined) {
+  const std::optional<Eigen::VectorXd> f = Solve(problem, options);
+  if (!f.has_value()) return;
+  const BoundedReference bounded = Bound(problem, *f, options);
+  if (bounded.energy_shift > kRounding * LoadScale(problem)) return;
+  Write(problem, bounded, examined);
+  examined->entry.reference.detail =
+      "no solution as its doubles say it, by an exact ray; the bounds are for a problem nearby";
 }
 
 }  // namespace
@@ -79,6 +223,30 @@ std::optional<KnownAnswer> References::Find(const LcpProblem& problem) const {
   } catch (const InputError& error) {
     throw InputError(name_ + ": '" + problem.id() + "': " + error.what());
   }
+}
+
+Examined Examine(const LcpProblem& problem, const ExamineOptions& options) {
+  Examined examined;
+  examined.entry.id = problem.id();
+  examined.entry.sha256 = ContentHash(problem);
+  examined.entry.properties = MeasureProperties(problem);
+  if (problem.size() <= options.exact_up_to && Certify(problem, options, &examined)) {
+    if (examined.entry.reference.status == "infeasible") LookNearby(problem, options, &examined);
+    return examined;
+  }
+  const std::optional<Eigen::VectorXd> f = Solve(problem, options);
+  if (!f.has_value()) {
+    examined.entry.reference.detail = "not solved to 1e-9";
+  } else if (problem.size() <= options.bounded_up_to && problem.facts().positive_semidefinite) {
+    Write(problem, Bound(problem, *f, options), &examined);
+  } else {
+    examined.entry.reference.detail = problem.size() > options.bounded_up_to
+                                          ? "none above " + std::to_string(options.bounded_up_to) + " rows"
+                                          : "A is not known to be positive semidefinite";
+    constexpr double kNegligible = 1e-8;
+    examined.entry.answer = MeasureAnswer(problem, *f, ComputeMetrics(problem, *f).w, kNegligible * LoadScale(problem));
+  }
+  return examined;
 }
 
 }  // namespace lcpbench

@@ -14,7 +14,6 @@
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "benchmarks/collection/sequences.h"
 #include "benchmarks/command/commands.h"
 #include "benchmarks/measure/progress.h"
 #include "solvers/io/json_lines.h"
@@ -60,8 +59,10 @@ struct Build {
       WriteGzipFile((folder / name).string(), lines);
     };
     const Manifest& manifest = built.manifest;
-    if (tier.has_references) write(manifest.references, built.references);
-    if (tier.has_files) write("problems/" + tier.name + ".jsonl.gz", built.problems);
+    if (tier.has_files) {
+      write(manifest.references, built.references);
+      write("problems/" + tier.name + ".jsonl.gz", built.problems);
+    }
     if (!built.motion_problems.empty()) write(kMotionProblems, built.motion_problems);
     WriteTextFile(path, FormatManifest(manifest));
     std::cerr << path << ": " << manifest.problems.size() << " problems, " << manifest.fill.size() << " fill-ups, "

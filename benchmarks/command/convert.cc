@@ -42,27 +42,27 @@ struct Convert {
 
   int Run() const {
     const bool is_folder = fs::is_directory(output);
-    const ProblemFormat format = Format(is_folder);
+    const ProblemFormat& format = Format(is_folder);
     std::optional<TextOutput> lines;
-    if (!is_folder && format == ProblemFormat::kJsonLines) lines.emplace(output);
+    if (!is_folder && format.read == nullptr) lines.emplace(output);
     std::set<std::string> written;
     return ForEachProblem(files, [&](const LcpRecord& record) {
       const LcpProblem& problem = record.problem;
       if (lines) return lines->Write(FormatLcpRecord(problem) + "\n");
       const std::string path =
-          is_folder ? (fs::path(output) / (FileName(problem.id()) + "." + NameOf(format))).string() : output;
+          is_folder ? (fs::path(output) / (FileName(problem.id()) + "." + format.name)).string() : output;
       if (!written.insert(path).second) {
         throw InputError(path + ": expected one problem of this name, found '" + problem.id() +
                          "' besides; a folder takes problems of different ids");
       }
-      WriteProblemFile(problem, path, format);
+      format.write(problem, path);
     });
   }
 
  private:
-  ProblemFormat Format(bool is_folder) const {
-    if (is_folder) return to.empty() ? ProblemFormat::kMatrixMarket : FormatNamed(to);
-    if (to.empty() || FormatNamed(to) == FormatOfFile(output)) return FormatOfFile(output);
+  const ProblemFormat& Format(bool is_folder) const {
+    if (is_folder) return FormatNamed(to.empty() ? "mtx" : to);
+    if (to.empty() || &FormatNamed(to) == &FormatOfFile(output)) return FormatOfFile(output);
     throw InputError("--to " + to + ": expected a folder or a file of this format for --output, found '" + output +
                      "'");
   }

@@ -5,10 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/collection/examine.h"
 #include "benchmarks/collection/gzip_file.h"
-#include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/problem_formats.h"
+#include "benchmarks/collection/references.h"
 #include "benchmarks/command/commands.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
@@ -28,7 +27,7 @@ bool IsJsonLines(const fs::path& path) {
 
 // A file of one problem in another format; of Matrix Market name.mtx, and no part of one.
 bool IsProblemFile(const fs::path& path) {
-  if (FormatOfFile(path.string()) == ProblemFormat::kJsonLines) return false;
+  if (FormatOfFile(path.string()).read == nullptr) return false;
   const std::string stem = path.stem().string();
   const std::vector<std::string> parts = {"_b", "_x", "_J", "_invM", "_bilateral"};
   return path.extension() != ".mtx" || std::none_of(parts.begin(), parts.end(), [&stem](const std::string& part) {

@@ -4,9 +4,9 @@
 
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
-#include "benchmarks/drawing/animation_page.h"
+#include "benchmarks/drawing/animation.h"
 #include "benchmarks/drawing/picture.h"
-#include "benchmarks/drawing/svg_text.h"
+#include "benchmarks/drawing/svg.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/assembly.h"
 #include "solvers/registry.h"

@@ -1,9 +1,22 @@
 #include "benchmarks/drawing/animation.h"
 
-#include <cmath>
-#include <utility>
+#include <openssl/evp.h>
+#include <zlib.h>
 
+#include <algorithm>
+#include <array>
+#include <boost/algorithm/string/replace.hpp>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "animation_template.h"
+#include "benchmarks/drawing/svg.h"
 #include "model/contact/loads.h"
+#include "model/scenes/parts.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -72,6 +85,292 @@ AnimationFrame FrameOf(const Motion& motion) {
   return frame;
 }
 
+using Json = nlohmann::ordered_json;
+
+/// A path's coordinates have two decimals: this many units across are enough for any zoom.
+constexpr double kUnitsAcross = 4000;
+/// Arrows of the largest usual force are so many times as long as bodies; rare ones may be kArrowCut times longer, then
+/// they are cut.
+constexpr double kArrowBodies = 1.3;
+constexpr double kArrowCut = 3;
+/// In a frame: what a count of 16 bits can say.
+constexpr std::size_t kMostForces = 65535;
+
+Json Pair(Vec2 p) { return {p.x, p.y}; }
+
+/// Path units per metre.
+double UnitOf(const Body& upright) {
+  const double extent = ExtentOf(BoundsOf(upright));
+  return extent > 0 ? kUnitsAcross / extent : kUnitsAcross;
+}
+
+/// @param band  depth of the hatching of unbounded bodies [m]
+Json BodyJson(const Body& body, double band) {
+  Json json = {{"name", body.name}, {"kind", body.fixed ? (IsDriven(body) ? "driven" : "fixed") : "movable"}};
+  json["pose"] = {body.x.x, body.x.y, body.theta};
+  if (body.outline.empty()) return json;
+  Body upright = body;
+  upright.x = {};
+  upright.theta = 0;
+  const double unit = UnitOf(upright);
+  const Bounds bounds = BoundsOf(upright);
+  const BodyPaths paths = PathsOf(body, unit, band * unit);
+  json["unit"] = unit;
+  json["radius"] = bounds.min().cwiseAbs().cwiseMax(bounds.max().cwiseAbs()).norm();
+  json["fill"] = paths.fill;
+  json["edges"] = Json::array();
+  for (std::size_t kind = 0; kind < paths.edges.size(); ++kind) {
+    if (!paths.edges[kind].empty()) json["edges"].push_back({kEdgeStyles[kind].color, paths.edges[kind]});
+  }
+  return json;
+}
+
+Json ConnectorJson(const Connector& connector) {
+  Json json = {{"type", connector.type},   {"a", connector.end1.body},        {"p", Pair(connector.end1.point)},
+               {"b", connector.end2.body}, {"q", Pair(connector.end2.point)}, {"length", connector.length},
+               {"side", connector.side}};
+  if (!connector.path) return json;
+  Body carrier;
+  carrier.outline = {*connector.path};
+  json["unit"] = UnitOf(carrier);
+  json["path"] = PiecePath(*connector.path, UnitOf(carrier), "M");
+  return json;
+}
+
+/// The start, and from there on every body that has not left for good: what flies far away shall not shrink the rest.
+Bounds MotionView(const Animation& animation, const std::vector<Bounds>& bounds) {
+  const std::vector<Body>& bodies = animation.world.bodies;
+  Bounds view = ViewOf(bodies, bounds, {});
+  const double far = 0.6 * ExtentOf(view);
+  const Bounds near(view.min().array() - far, view.max().array() + far);
+  for (const AnimationFrame& frame : animation.frames) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const Eigen::Vector2d x = PointOf(frame.poses[i].x);
+      const double reach = ExtentOf(bounds[i]) / 2;
+      if (!bodies[i].fixed && near.contains(x)) view.extend(Bounds(x.array() - reach, x.array() + reach));
+    }
+  }
+  return view;
+}
+
+/// What does not change in a recorded motion: name, caption, statistics, colours, the view that holds most of the
+/// motion [m], every body's outline once (paths of SVG in the body frame, y up, `unit` path units per metre),
+/// connectors between bodies, and the frames' energies. O(bodies + frames).
+Json SceneJson(const Animation& animation, const std::vector<Connector>& connectors) {
+  const World& world = animation.world;
+  const std::vector<Bounds> bounds = BoundsOf(world.bodies);
+  const Bounds view = MotionView(animation, bounds);
+  const double median = MedianExtent(world.bodies, bounds);
+  const double size = median > 0 ? median : std::max(ExtentOf(view) / 10, 1e-9);
+
+  Json json = {{"name", world.name}, {"caption", animation.caption}, {"stopped", animation.stopped}};
+  json["statistics"] = {{"steps", animation.statistics.steps},
+                        {"solves", animation.statistics.solves},
+                        {"failedSolves", animation.statistics.failed_solves},
+                        {"impacts", animation.statistics.impacts},
+                        {"worstPenetration", animation.statistics.worst_penetration}};
+  json["fps"] = animation.fps;
+  json["frameCount"] = animation.frames.size();
+  // The last frame is late where the duration is no multiple of the frames' distance, early where the motion stopped.
+  json["duration"] = animation.frames.back().time - animation.frames.front().time;
+  json["view"] = {view.min().x(), view.min().y(), view.max().x(), view.max().y()};
+  json["bodySize"] = size;
+  json["colors"] = {{"force", kForceColor}, {"ink", kInkColor},    {"soft", kSoftInkColor},
+                    {"body", kBodyFill},    {"fixed", kFixedFill}, {"driven", kDrivenFill}};
+  json["bodies"] = Json::array();
+  for (const Body& body : world.bodies) json["bodies"].push_back(BodyJson(body, 0.3 * size));
+  json["connectors"] = Json::array();
+  json["symbols"] = Json::object();
+  for (const Connector& connector : connectors) {
+    json["connectors"].push_back(ConnectorJson(connector));
+    Json& symbol = json["symbols"][std::string(connector.type)] = Json::array();
+    for (const auto& [along, across, down] : SymbolOf(connector.type)) symbol.push_back({along, across, down});
+  }
+  json["energy"] = {{"kinetic", Json::array()}, {"potential", Json::array()}};
+  for (const AnimationFrame& frame : animation.frames) {
+    json["energy"]["kinetic"].push_back(frame.kinetic);
+    json["energy"]["potential"].push_back(frame.potential);
+  }
+  return json;
+}
+
+constexpr double kLevels = 65535;
+
+/// An interval in 16 bits: value = offset + step word.
+class Quantiser {
+ public:
+  /// @param least_step  finer steps would not be seen, and would only make the page larger
+  explicit Quantiser(double least_step = 0) : least_step_(least_step) {}
+
+  void Include(double value) {
+    low_ = std::min(low_, value);
+    high_ = std::max(high_, value);
+  }
+  std::uint16_t operator()(double value) const {
+    return step() > 0 ? static_cast<std::uint16_t>(std::lround(std::clamp((value - low_) / step(), 0.0, kLevels))) : 0;
+  }
+  double offset() const { return low_ <= high_ ? low_ : 0; }
+  double step() const { return low_ < high_ ? std::max((high_ - low_) / kLevels, least_step_) : 0; }
+
+ private:
+  double least_step_;
+  double low_ = 1e300;
+  double high_ = -1e300;
+};
+
+std::uint16_t AngleWord(double theta) {
+  const double turns = theta / (2 * kPi);
+  return static_cast<std::uint16_t>(std::lround((turns - std::floor(turns)) * 65536) & 0xFFFF);
+}
+
+class Words {
+ public:
+  void Add(unsigned word) { words_.push_back(static_cast<std::uint16_t>(word & 0xFFFFU)); }
+
+  /// Smooth in time: second differences are small.
+  void AddTrack(const std::vector<std::uint16_t>& track) {
+    unsigned before = 0;
+    unsigned slope = 0;
+    for (const unsigned word : track) {
+      Add(word - before - slope);
+      slope = word - before;
+      before = word;
+    }
+  }
+
+  std::string Packed() const {
+    std::string bytes;
+    bytes.reserve(2 * words_.size());
+    for (const unsigned shift : {0U, 8U}) {
+      for (const unsigned word : words_) bytes.push_back(static_cast<char>((word >> shift) & 0xFFU));
+    }
+    uLongf size = compressBound(bytes.size());
+    std::string packed(size, '\0');
+    const int status = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_DEFAULT_COMPRESSION);
+    if (status != Z_OK) throw std::runtime_error("zlib cannot compress the animation's frames");
+    packed.resize(size);
+    return packed;
+  }
+
+ private:
+  std::vector<std::uint16_t> words_;
+};
+
+void AddTracks(const Animation& animation, Json* bodies, Words* words) {
+  const std::size_t frames = animation.frames.size();
+  std::vector<std::uint16_t> track(frames);
+  for (std::size_t i = 0; i < animation.world.bodies.size(); ++i) {
+    Quantiser x;
+    Quantiser y;
+    bool turns = false;
+    for (const AnimationFrame& frame : animation.frames) {
+      x.Include(frame.poses[i].x.x);
+      y.Include(frame.poses[i].x.y);
+      turns = turns || frame.poses[i].theta != animation.frames.front().poses[i].theta;
+    }
+    if (x.step() == 0 && y.step() == 0 && !turns) continue;
+    (*bodies)[i]["track"] = {x.offset(), x.step(), y.offset(), y.step()};
+    const auto add = [&](auto word) {
+      for (std::size_t k = 0; k < frames; ++k) track[k] = word(animation.frames[k].poses[i]);
+      words->AddTrack(track);
+    };
+    add([&](const BodyPose& pose) { return x(pose.x.x); });
+    add([&](const BodyPose& pose) { return y(pose.x.y); });
+    add([&](const BodyPose& pose) { return AngleWord(pose.theta); });
+  }
+}
+
+using Forces = std::vector<std::vector<DrawnForce>>;  // by frame
+
+/// All frames' lists of at, at, force, force, by columns.
+/// @param place, force  finer steps than these are not wanted (Quantiser)
+Json AddLists(const Forces& frames, double place, double force, Words* words) {
+  const auto column = [](const DrawnForce& of, std::size_t c) {
+    return std::array{of.at.x, of.at.y, of.force.x, of.force.y}[c];
+  };
+  for (const auto& list : frames) words->Add(static_cast<unsigned>(list.size()));
+  Json columns = Json::array();
+  for (std::size_t c = 0; c < 4; ++c) {
+    Quantiser quantiser(c < 2 ? place : force);
+    for (const auto& list : frames) {
+      for (const DrawnForce& element : list) quantiser.Include(column(element, c));
+    }
+    std::vector<std::uint16_t> before;
+    for (const auto& list : frames) {
+      std::vector<std::uint16_t> now;
+      now.reserve(list.size());
+      for (std::size_t i = 0; i < list.size(); ++i) {
+        now.push_back(quantiser(column(list[i], c)));
+        words->Add(static_cast<unsigned>(now[i]) - (i < before.size() ? before[i] : 0U));
+      }
+      before = std::move(now);
+    }
+    columns.push_back({quantiser.offset(), quantiser.step()});
+  }
+  return columns;
+}
+
+/// The size that `share` of the forces stay below; 0 without any.
+double SizeOfShare(const Forces& frames, double share) {
+  std::vector<double> sizes;
+  for (const auto& list : frames) {
+    for (const DrawnForce& each : list) sizes.push_back(Norm(each.force));
+  }
+  if (sizes.empty()) return 0;
+  const auto nth = sizes.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(sizes.size() - 1));
+  std::nth_element(sizes.begin(), nth, sizes.end());
+  return *nth;
+}
+
+void AddForces(const Animation& animation, Json* scene, Words* words) {
+  const auto bodies = (*scene)["bodySize"].get<double>();
+  // Forces by what all but a few largest stay below: spikes shall not make the others invisible.
+  const auto add = [&](const char* name, std::vector<DrawnForce> AnimationFrame::*list, double share) {
+    Forces frames;
+    for (const AnimationFrame& frame : animation.frames) frames.push_back(frame.*list);
+    const double size = SizeOfShare(frames, share);
+    for (auto& forces : frames) {
+      std::erase_if(forces, [&](const DrawnForce& each) { return Norm(each.force) < kFaintForce * size; });
+      forces.resize(std::min(forces.size(), kMostForces));
+    }
+    (*scene)[name] = AddLists(frames, kVisiblePlace * bodies, kVisibleForce * size, words);
+    return size;
+  };
+  const double typical = add("forces", &AnimationFrame::forces, 0.98);
+  const double largest_impulse = add("impacts", &AnimationFrame::impacts, 1);
+  const double arrow = kArrowBodies * bodies;  // [m]
+  (*scene)["arrowPerNewton"] = typical > 0 ? arrow / typical : 0;
+  (*scene)["longestArrow"] = kArrowCut * arrow;
+  (*scene)["largestImpulse"] = largest_impulse;
+}
+
+Json LegendJson(const Json& scene, const Animation& animation, const std::vector<Connector>& connectors) {
+  std::vector<LegendItem> items = LegendOf(animation.world.bodies, connectors);
+  const auto per_newton = scene["arrowPerNewton"].get<double>();
+  const auto longest = scene["longestArrow"].get<double>();
+  const auto impulse = scene["largestImpulse"].get<double>();
+  if (per_newton > 0) {
+    items.push_back({34, SvgArrow({}, {34, 0}, 2.2, kForceColor),
+                     "force: " + Short(longest / kArrowCut / per_newton) + " N are " + Short(longest / kArrowCut) +
+                         " m long, at most " + Short(longest) + " m"});
+  }
+  if (impulse > 0) {
+    items.push_back({12, SvgCircle({6, 0}, 5, {kForceColor, 1.5}), "impact, largest " + Short(impulse) + " N s"});
+  }
+  Json legend = Json::array();
+  for (const auto& [width, symbol, text] : items) legend.push_back({width, symbol, text});
+  return legend;
+}
+
+std::string Base64(const std::string& bytes) {
+  std::string text((bytes.size() + 2) / 3 * 4 + 1, '\0');  // with a zero at its end
+  EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()), reinterpret_cast<const unsigned char*>(bytes.data()),
+                  static_cast<int>(bytes.size()));
+  text.pop_back();
+  return text;
+}
+
 }  // namespace
 
 void RequireValid(const AnimationOptions& options) {
@@ -106,6 +405,32 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   animation.statistics = motion->statistics();
   if (motion->status() != MotionStatus::kMoving) animation.stopped = motion->detail();
   return animation;
+}
+
+AnimationData PackAnimation(const Animation& animation) {
+  const std::vector<Connector> connectors = ConnectorsOf(animation.world.joints, &animation.world.loads);
+  AnimationData data;
+  data.scene = SceneJson(animation, connectors);
+  Words words;
+  AddTracks(animation, &data.scene["bodies"], &words);
+  AddForces(animation, &data.scene, &words);
+  data.scene["legend"] = LegendJson(data.scene, animation, connectors);
+  data.frames = Base64(words.Packed());
+  return data;
+}
+
+std::string RenderAnimationPage(const Animation& animation) {
+  const AnimationData data = PackAnimation(animation);
+  std::string page = kAnimationPage;
+  for (const auto& [mark, text] : std::initializer_list<std::pair<const char*, std::string>>{
+           {"{{style}}", kAnimationStyle},
+           {"{{script}}", std::string(kAnimationData) + kAnimationDrawing + kAnimationPlot + kAnimationPlayer},
+           {"{{frames}}", data.frames},
+           {"{{scene}}", boost::algorithm::replace_all_copy(data.scene.dump(), "<", "\\u003c")},  // no "</script"
+           {"{{title}}", Escape(animation.world.name)}}) {
+    boost::algorithm::replace_all(page, mark, text);
+  }
+  return page;
 }
 
 }  // namespace lcpbench

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -51,5 +52,31 @@ void RequireValid(const AnimationOptions& options);
 /// @throws InputError for options outside their ranges, and as Motion::Advance
 Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
                           const std::function<void(double)>& progress = {});
+
+/// A recorded motion as one HTML page that needs nothing else, neither network nor server: the bodies with their
+/// contact forces, play, pause, scrub and speed, and the energies over time with a cursor. "#t=1.5" in
+/// its address opens it at a time. Browsers of 2023 and later (DecompressionStream).
+std::string RenderAnimationPage(const Animation& animation);
+
+/// A recorded motion as the page reads it: what does not change, and the frames, packed.
+struct AnimationData {
+  nlohmann::ordered_json scene;
+  /// Base64 of a zlib stream of 16-bit words: first all low bytes, then all high bytes. The words are, in this order:
+  /// for every body with "track" in `scene`, x, y and theta of all frames, as second differences in time, with
+  ///     x = track[0] + track[1] word,  y = track[2] + track[3] word,  theta = 2 pi word / 65536;
+  /// then counts and columns at, at, force, force of all frames' forces, and the same of all impacts: scene.forces and
+  /// scene.impacts hold offset and scale per column. Their elements are differences to the element of the same number
+  /// in the frame before (0 where there is none). All differences modulo 65536.
+  std::string frames;
+};
+
+/// O(frames (bodies + forces)). Positions are kept to 1/65535 of every body's own travel, angles to 1e-4 rad, where
+/// forces act to kVisiblePlace of a body's size, forces to kVisibleForce of those that are seldom exceeded, or both to
+/// 1/65535 of their range; forces below kFaintForce of them are left out.
+AnimationData PackAnimation(const Animation& animation);
+
+inline constexpr double kVisiblePlace = 2e-3;
+inline constexpr double kVisibleForce = 5e-3;
+inline constexpr double kFaintForce = 5e-3;
 
 }  // namespace lcpbench

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "benchmarks/drawing/outline_path.h"
-#include "benchmarks/drawing/svg_text.h"
+#include "benchmarks/drawing/svg.h"
 #include "model/detection/detection.h"
 
 namespace lcpbench {

@@ -47,7 +47,7 @@ inline constexpr std::array<std::string_view, 2> kDrivenFill{"#F3E8C8", "#A98A3A
 /// A fixed body that moves, or begins to, as prescribed.
 bool IsDriven(const Body& body);
 
-/// A body's outline as paths in its frame (outline_path.h).
+/// A body's outline as paths in its frame (svg.h).
 struct BodyPaths {
   std::string fill;                                   ///< by the even-odd rule
   std::array<std::string, kEdgeStyles.size()> edges;  ///< by EdgeKind; "" where it has none

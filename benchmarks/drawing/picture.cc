@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "benchmarks/drawing/drawn_scene.h"
-#include "benchmarks/drawing/outline_path.h"
-#include "benchmarks/drawing/svg_text.h"
+#include "benchmarks/drawing/svg.h"
+#include "model/geometry/vec2.h"
 #include "model/scenes/parts.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

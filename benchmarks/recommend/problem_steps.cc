@@ -116,8 +116,8 @@ void RequireRows(const ProblemSteps& found) {
 }  // namespace
 
 ProblemSteps ReadProblemSteps(const std::string& path) {
-  ProblemSteps found =
-      FormatOfFile(path) == ProblemFormat::kJsonLines ? ReadLines(path) : Single(ReadProblemFile(path));
+  const auto read = FormatOfFile(path).read;
+  ProblemSteps found = read == nullptr ? ReadLines(path) : Single(read(path));
   found.name = path == "-" ? "standard input" : std::filesystem::path(path).filename().string();
   RequireRows(found);
   return found;

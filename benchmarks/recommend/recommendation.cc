@@ -60,14 +60,10 @@ std::string FormatTable(const std::vector<std::vector<std::string>>& rows) {
   return text;
 }
 
-std::string NameOf(const Assessment& each, bool warm_is_told) {
-  if (!warm_is_told) return each.measured.solver;
-  return each.measured.solver + (each.measured.warm ? ", warm starts" : ", cold starts");
-}
-
 std::string Evidence(const Recommendation& all, const Assessment& each) {
-  std::string text = NameOf(each, all.rows_are_known) + ": " + TimeText(each.p50_s) + " median, " +
-                     TimeText(each.p99_s) + " p99, rho " + ErrorText(each.measured.rho);
+  const char* start = !all.rows_are_known ? "" : each.measured.warm ? ", warm starts" : ", cold starts";
+  std::string text = each.measured.solver + start + ": " + TimeText(each.p50_s) + " median, " + TimeText(each.p99_s) +
+                     " p99, rho " + ErrorText(each.measured.rho);
   if (all.request.deadline_s) text += ", in time " + ShortText(100 * each.in_time) + " %";
   return each.shortcoming.empty() ? text : text + "; " + each.shortcoming;
 }
@@ -132,16 +128,12 @@ std::string UntriedText(const Recommendation& all) {
 }
 
 std::string OriginNote(const std::string& solver) {
-  switch (FindSolver(solver).origin) {
-    case SolverOrigin::kOwn:
-      return "";
-    case SolverOrigin::kPeer:
-      return "It runs in a process of its own, which takes longer than what was timed; its library can be called "
-             "directly.\n";
-    case SolverOrigin::kExternal:
-      return "It is a command of yours: RegisterExternalSolver makes its key known, or call its library directly.\n";
-  }
-  return "";
+  const SolverOrigin origin = FindSolver(solver).origin;
+  if (origin == SolverOrigin::kOwn) return "";
+  return origin == SolverOrigin::kPeer
+             ? "It runs in a process of its own, which takes longer than what was timed; its library can be called "
+               "directly.\n"
+             : "It is a command of yours: RegisterExternalSolver makes its key known, or call its library directly.\n";
 }
 
 std::string DisturbedText(const Recommendation& all) {
@@ -150,16 +142,6 @@ std::string DisturbedText(const Recommendation& all) {
   if (disturbed == 0) return "";
   return "note: the processor's clock was slower than at its best by a tenth in " + std::to_string(disturbed) +
          " passes, though they were repeated\n";
-}
-
-// Others that meet the request, or come next.
-std::string RunnersUp(const Recommendation& all) {
-  constexpr size_t kMost = 3;
-  std::string text;
-  for (size_t k = 1; k < std::min(all.ranked.size(), kMost + 1); ++k) {
-    text += (k == 1 ? "next: " : "      ") + Evidence(all, all.ranked[k]) + "\n";
-  }
-  return text;
 }
 
 Json FiniteOrNull(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -178,12 +160,11 @@ std::string SettingsText(const Settings& settings) {
 std::string EmbeddingCode(const std::string& solver, bool warm, const RecommendationRequest& request) {
   const SolverEntry& entry = FindSolver(solver);
   const std::string& base = entry.base.empty() ? entry.key : entry.base;
-  const std::string limit = request.deadline_s ? "    options.time_limit_s = " + NumberText(*request.deadline_s) +
-                                                     ";  // of the solve, without set-up\n"
-                                               : "";
   std::vector<std::pair<std::string, std::string>> replacements = {
       {"@TOLERANCE@", NumberText(request.tolerance)},
-      {"@LIMIT@", limit},
+      {"@LIMIT@", request.deadline_s ? "    options.time_limit_s = " + NumberText(*request.deadline_s) +
+                                           ";  // of the solve, without set-up\n"
+                                     : ""},
       {"@START@", warm ? "    options.initial_f = forces_before;\n" : ""},
       {"@SOLVER@", base},
       {"@SETTINGS@", SettingsText(entry.settings)}};
@@ -199,18 +180,20 @@ std::string EmbeddingCode(const std::string& solver, bool warm, const Recommenda
 }
 
 std::string FormatRecommendation(const Recommendation& all) {
+  constexpr size_t kMostShown = 4;
   const Assessment& best = all.ranked.front();
-  std::string text = Heading(all) + FeaturesLine(all) + RegionLine(all) + "\n" + Table(all) + "\n";
-  if (!best.meets) {
-    text += "nothing that was tried meets the request; nearest: " + Evidence(all, best) + "\n";
-  } else {
-    text += "recommended: " + Evidence(all, best) + "\n";
+  const Measurement& measured = best.measured;
+  std::string text = Heading(all) + FeaturesLine(all) + RegionLine(all) + "\n" + Table(all) + "\n" +
+                     (best.meets ? "recommended: " : "nothing that was tried meets the request; nearest: ") +
+                     Evidence(all, best) + "\n";
+  // Others that meet the request, or come next.
+  for (size_t k = 1; k < std::min(all.ranked.size(), kMostShown); ++k) {
+    text += (k == 1 ? "next: " : "      ") + Evidence(all, all.ranked[k]) + "\n";
   }
-  text += RunnersUp(all) + UntriedText(all) + DisturbedText(all);
+  text += UntriedText(all) + DisturbedText(all);
   if (!best.meets) return text;
-  text += "\nC++:\n\n" + EmbeddingCode(best.measured.solver, best.measured.warm, all.request) +
-          OriginNote(best.measured.solver) + "\nCMake:\n\n" + kCMake;
-  return text;
+  return text + "\nC++:\n\n" + EmbeddingCode(measured.solver, measured.warm, all.request) +
+         OriginNote(measured.solver) + "\nCMake:\n\n" + kCMake;
 }
 
 nlohmann::ordered_json DescribeRecommendation(const Recommendation& all) {

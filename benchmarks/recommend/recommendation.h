@@ -4,8 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/recommend/features.h"
-#include "benchmarks/recommend/ranking.h"
+#include "benchmarks/recommend/measurement.h"
 #include "benchmarks/recommend/rules.h"
 
 namespace lcpbench {

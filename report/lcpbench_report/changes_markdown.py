@@ -10,6 +10,7 @@ from .statistics.groups import COUNTED
 from .statistics.intervals import MARGIN
 from .statistics.load import Campaign
 from .statistics.same import cell_name
+from .statistics.weighted import weighted_median
 from .table import Table
 
 _SHOWN = 20  # rows of a table
@@ -84,12 +85,14 @@ def _speeds(changes: Changes) -> list[str]:
 
 def _agreement(changes: Changes) -> list[str]:
     agree, total, low, high = changes.agreement()
+    both = changes.both_verified
+    ratio = weighted_median(both["time_s_new"] / both["time_s_old"], both["weight"])
     lines = ["## Agreement", ""]
     if not total:
         return lines + ["No cell was verified in both.", ""]
     return lines + [f"The intervals of the median time overlap in {agree} of {formats.plural(total, 'cell')} that both "
                     f"verified: {100 * agree / total:.1f} % [{100 * low:.1f}, {100 * high:.1f}]. Median ratio of all "
-                    f"their times: {changes.overall_ratio():.3f}; what differs here moved all solvers alike.", ""]
+                    f"their times: {ratio:.3f}; what differs here moved all solvers alike.", ""]
 
 
 def _only_in_one(changes: Changes) -> list[str]:

@@ -86,8 +86,9 @@ def by_deadline(inputs: Inputs) -> list[dict]:
     if deadlines is None:
         return []
     found = []
-    parts = {(-tier, _number(size)): (tier, size, rows) for (tier, size), rows in deadlines.groupby(["tier", "size"])}
-    for _, (tier, size, rows) in sorted(parts.items(), key=lambda part: part[0]):
+    # Loosest tier first; all sizes together come last.
+    for (tier, size), rows in sorted(deadlines.groupby(["tier", "size"]), key=lambda part: (
+            -part[0][0], math.inf if part[0][1] == ALL else float(part[0][1]))):
         warm = passes(inputs, tier, size=size).set_index("solver")["p99"]
         choices = []
         for deadline in sorted(set(deadlines["deadline_s"])):
@@ -97,11 +98,6 @@ def by_deadline(inputs: Inputs) -> list[dict]:
                             "p99": ranked[0][1], "next": ranked[1] if ranked[1:] else None} if ranked else None)
         found.append({"tier": tier, "size": size, "choices": choices})
     return found
-
-
-def _number(size: str) -> float:
-    """For an order: all sizes together come last."""
-    return math.inf if size == ALL else float(size)
 
 
 def passes(inputs: Inputs, tier: float, mode: str = "warm", size: str = ALL) -> pd.DataFrame:

@@ -14,19 +14,15 @@ def seconds(value: float) -> str:
     if value is None or not math.isfinite(value):
         return DASH
     name, scale = time_unit(value)
-    return f"{three_digits(value / scale)}{_NARROW}{name}"
+    value /= scale
+    digits = max(0, 2 - math.floor(math.log10(value) + 1e-12)) if value > 0 else 0
+    return f"{value:.{min(digits, 2)}f}{_NARROW}{name}"
 
 
 def time_unit(value: float) -> tuple[str, float]:
     """(name, size [s]) of the unit in which a time is at least 1."""
     # 0.9995: what would round to 1000 of a unit is 1 of the next
     return next(((name, scale) for name, scale in _UNITS if value >= 0.9995 * scale), _UNITS[-1])
-
-
-def three_digits(value: float) -> str:
-    """As many digits after the point as make three significant ones, two at most."""
-    digits = max(0, 2 - math.floor(math.log10(value) + 1e-12)) if value > 0 else 0
-    return f"{value:.{min(digits, 2)}f}"
 
 
 def residual(value: float) -> str:

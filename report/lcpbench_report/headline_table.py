@@ -9,6 +9,7 @@ problem by problem, reaches 1.
 import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -31,8 +32,7 @@ class Entry:
     best: bool = False  # of all, or tied with it
 
 
-@dataclass(frozen=True)
-class Ratio:
+class Ratio(NamedTuple):
     """A weighted median with its interval."""
 
     median: float

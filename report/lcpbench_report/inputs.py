@@ -72,7 +72,6 @@ class Inputs:
 
     @cached_property
     def styles(self) -> dict[str, SolverStyle]:
-        """How solvers look, by key."""
         return solver_styles(self.solvers)
 
     @cached_property
@@ -125,13 +124,10 @@ def load_inputs(folders: list[Path], motion: Path | None = None, precision: Path
             seen[name] = str(folder)
     if sum(bool(campaign.sequences) for campaign in campaigns) > 1:
         raise ReportError(str(folders[-1]), "a second campaign of sequences", "at most one")
-    cells, ablated = (_joined([cell_table(campaign, of) for campaign in campaigns]) for of in (False, True))
+    # Without empty parts, whose columns have no type.
+    parts = ([cell_table(campaign, of) for campaign in campaigns] for of in (False, True))
+    cells, ablated = (pd.concat([one for one in some if len(one)] or some[:1], ignore_index=True) for some in parts)
     notes = [f"{folder.name}: {note}" for folder, campaign in zip(folders, campaigns) for note in campaign.notes]
     delivered = delivered_table(cell_table(load_campaign(precision))) if precision is not None else None
     return Inputs([folder.resolve().name for folder in folders], campaigns, cells, ablated,
                   table, notes, delivered, load_campaign(ablation) if ablation is not None else None)
-
-
-def _joined(parts: list[pd.DataFrame]) -> pd.DataFrame:
-    """Without the empty ones, whose columns have no type."""
-    return pd.concat([part for part in parts if len(part)] or parts[:1], ignore_index=True)

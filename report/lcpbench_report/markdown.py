@@ -17,8 +17,6 @@ ABLATION_WORDS = ("These versions are in no other table or figure: our solvers w
          "Right and false: of the version, then of its solver. False: false successes and answers below the tier.")
 
 
-# ----- the headline
-
 def caption(inputs: Inputs, found: Headline) -> str:
     """What a cell says, by which rule it is bold, and where it was measured."""
     return (f"Fresh times at tier {power(found.tier)}. A fresh time is one interval from the caller's arrays (J by rows, "
@@ -57,7 +55,6 @@ def _measured(info: dict, keys: list[str], *words: str) -> str:
 
 
 def details(inputs: Inputs, found: Headline) -> str:
-    """False successes, and the table of all solvers."""
     lines = [f"The 99 % quantile is given for classes with at least {LEAST_FOR_P99} problems. {false_successes(inputs)}", "",
              "Own solvers first, then the best solver of each peer library, with a second one where the best is not run on "
              "larger problems. The columns are numbers of rows. After a time stands the share verified, where that is not all, "
@@ -72,12 +69,9 @@ def details(inputs: Inputs, found: Headline) -> str:
 
 
 def full_headline(inputs: Inputs, found: Headline) -> str:
-    """Caption, both tables, and what is said about them."""
     return "\n".join([caption(inputs, found), "", shown_tables.classes(found).markdown(), peers(found), "",
                       details(inputs, found)])
 
-
-# ----- ablations
 
 def ablation(inputs: Inputs) -> str:
     """The table of all size classes together."""
@@ -93,8 +87,6 @@ def checks(inputs: Inputs) -> str:
              if of["ablation"] == "no-self-check" and of["size_class"] == ALL]
     return f"without it, {'; '.join(parts)}." if parts else ""
 
-
-# ----- the summary
 
 def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
     """@param lines    what the report finds, a sentence each; they come first

@@ -18,7 +18,7 @@ from .headline_table import Headline
 from .inputs import Inputs
 from .table import Table
 
-_BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
+BLOCK = re.compile(r"<!-- numbers:([a-z-]+) -->(.*?)<!-- end -->", re.DOTALL)
 FIGURE = Path("report/reference/headline.svg")  # below the repository
 _ALT = "Median fresh time against the number of rows: own solvers, the best of each peer library, and the oracle"
 
@@ -36,16 +36,11 @@ class Page:
         return self.inputs.campaigns[0].info
 
     def data(self, name: str) -> dict:
-        """A file of data/."""
         return json.loads((self.root / "data" / f"{name}.json").read_text(encoding="utf-8"))
 
     def link(self, target: Path) -> str:
         """@param target  below the repository"""
         return Path(os.path.relpath((self.root / target).resolve(), self.path.resolve().parent)).as_posix()
-
-
-def has_blocks(text: str) -> bool:
-    return bool(_BLOCK.search(text))
 
 
 def fill(text: str, page: Page) -> str:
@@ -63,7 +58,7 @@ def fill(text: str, page: Page) -> str:
         new = f"\n\n{written[block].strip()}\n\n" if found[2].startswith("\n") else written[block].strip()
         return f"<!-- numbers:{block} -->{new}<!-- end -->"
 
-    return _BLOCK.sub(write, text)
+    return BLOCK.sub(write, text)
 
 
 def _headline(page: Page) -> str:
@@ -79,15 +74,10 @@ def _streams(page: Page) -> str:
 
 
 def _limits(page: Page) -> str:
-    """Rules of size and whom they leave out."""
     rules: dict[tuple, list[str]] = {}
     for limit in page.info.get("size_limits", []):
         rules.setdefault((limit["reason"], limit["largest"]), []).append(f"`{limit['solver']}`")
     return "; ".join(f"{reason}: to {largest} rows ({', '.join(who)})" for (reason, largest), who in rules.items())
-
-
-def _manifests(page: Page) -> str:
-    return formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])])
 
 
 def _tuning(page: Page) -> str:
@@ -146,7 +136,7 @@ BLOCKS: dict[str, Callable[[Page], str]] = {
     "streams": _streams,
     "passes": lambda page: str(page.info["passes"]),
     "limits": _limits,
-    "manifests": _manifests,
+    "manifests": lambda page: formats.words([f"`{of['name']}` {of['version']}" for of in page.info.get("manifests", [])]),
     "tuning": _tuning, "recommendation": _recommendation,
     "own-keys": lambda page: _keys(of["key"] for of in _solvers(page, "own")),
     "peer-keys": lambda page: _keys(of["key"] for of in _solvers(page, "peer")),

@@ -19,15 +19,12 @@ _MOST_SOLVERS = 25  # of the table of sequences
 
 
 def key(solver: str) -> str:
-    """As code."""
     return f"`{solver}`"
 
 
 def _table(columns: list[str], rows: list[list], align: str = "") -> Table | None:
     return Table(columns, rows, align) if rows else None
 
-
-# ----- by size
 
 def classes(found: Headline) -> Table:
     """A row per size class: the best of ours against the peers."""
@@ -51,7 +48,6 @@ def by_solver(found: Headline) -> Table:
 
 
 def cell(entry: Entry | None, problems: int) -> str:
-    """@param problems  of the class"""
     if entry is None or not entry.attempted:
         return DASH
     verified = share_of(entry.share)
@@ -191,7 +187,6 @@ def robustness(inputs: Inputs) -> Table | None:
 
 
 def pathological(inputs: Inputs) -> pd.DataFrame:
-    """Cells of problems that are meant to break something."""
     cells = inputs.cells
     return cells[cells["set"] == PATHOLOGICAL]
 
@@ -299,8 +294,6 @@ def motions(inputs: Inputs) -> list[tuple[str, str, Table]]:
         found.append((scene, level, Table(columns, rows, "ll" + "r" * 9 + "l")))
     return found
 
-
-# ----- solvers
 
 def settings(inputs: Inputs) -> Table:
     """How every solver was set, whose it is, and what it was given."""

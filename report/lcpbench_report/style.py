@@ -64,18 +64,15 @@ def solver_styles(solvers: list[dict]) -> dict[str, SolverStyle]:
         if solver["origin"] != "own":
             markers = libraries.setdefault(of, {})
             colour = _PEERS[list(libraries).index(of) % len(_PEERS)]
-            marker = markers.setdefault(base, _free_marker(base, of, list(markers.values())))
-            styles[key] = SolverStyle(colour, marker, _SOLID if base == key else varied, False)
+            if base not in markers:
+                wanted = (MARKERS.get(base.removeprefix(of + "-")), *_MARKERS)
+                free = [marker for marker in wanted if marker and marker not in markers.values()]
+                markers[base] = free[0] if free else _MARKERS[len(markers) % len(_MARKERS)]
+            styles[key] = SolverStyle(colour, markers[base], _SOLID if base == key else varied, False)
         elif key not in styles:
             parent = styles.get(base) or SolverStyle(_OWN[0], _MARKERS[0], _SOLID, True)
             styles[key] = replace(parent, dash=varied)
     return {solver["key"]: styles[solver["key"]] for solver in solvers}
-
-
-def _free_marker(method_key: str, of_library: str, taken: list[str]) -> str:
-    usual = MARKERS.get(method_key.removeprefix(of_library + "-"))
-    free = [marker for marker in (usual, *_MARKERS) if marker and marker not in taken]
-    return free[0] if free else _MARKERS[len(taken) % len(_MARKERS)]
 
 
 def _own_styles(keys: list[str]) -> dict[str, SolverStyle]:

@@ -11,8 +11,9 @@ MOST_LINES = 11
 
 def summary_lines(inputs: Inputs) -> list[str]:
     """Plain text; solver keys in backticks."""
-    rules = (_what, lambda of: peers(headline(of)) if len(of.cells) else "", _coverage, false_successes, _fastest,
-             _by_size, _accuracy, _robustness, _sequences, _motion, _scaling)
+    of_cells = (_what, lambda of: peers(headline(of)), _coverage, false_successes, _fastest, _by_size, _accuracy,
+                _robustness)
+    rules = (*of_cells, _sequences, _motion, _scaling) if len(inputs.cells) else (_sequences, _motion)
     return [line for rule in rules if (line := rule(inputs))][:MOST_LINES]
 
 
@@ -25,8 +26,6 @@ def _keys(solvers: list[str], most: int = 6) -> str:
 
 def _what(inputs: Inputs) -> str:
     cells = inputs.cells
-    if cells.empty:
-        return ""
     rows = [about["rows"] for about in inputs.problems.values()]
     others = f" and {formats.plural(len(inputs.peers), 'setting')} of other projects' solvers" if inputs.peers else ""
     return (f"{formats.plural(len(inputs.own), 'solver')} of ours{others} on {len(inputs.problems)} problems of "
@@ -57,8 +56,6 @@ def _coverage(inputs: Inputs) -> str:
 def false_successes(inputs: Inputs) -> str:
     """Two figures: what claims to have solved what it was asked for, and what was never asked."""
     cells = inputs.cells
-    if cells.empty:
-        return ""
     ran = cells[cells["verdict"] != EXCLUDED]
     own, asked = ran["solver"].isin(inputs.own), ran["asked"].astype(bool)
     false = ran["verdict"] == FALSE_SUCCESS

@@ -41,7 +41,8 @@ class Table:
         head = "".join(f"<th{sides[side]}>{html(text)}</th>" for side, text in zip(self._sides, self.columns))
         rows = []
         for row in self.rows:
-            cells = [_html_cell(str(cell)) for cell in row]
+            parts = (str(cell).partition("\n") for cell in row)
+            cells = [f"{html(first)}<small>{html(detail)}</small>" if detail else html(first) for first, _, detail in parts]
             others = (f"<td{sides[side]}>{cell}</td>" for side, cell in zip(self._sides[1:], cells[1:]))
             rows.append(f"<tr><th>{cells[0]}</th>{''.join(others)}</tr>")
         return Markup(f'<div class="scroll"><table class="{of_class}">\n<thead><tr>{head}</tr></thead>\n<tbody>\n'
@@ -57,7 +58,6 @@ class Table:
 
 
 def html(text: str) -> Markup:
-    """Marked text; all else in it is escaped."""
     marked = _STRONG.sub(r"<b>\1</b>", _CODE.sub(r"<code>\1</code>", str(escape(text))))
     return Markup(_WORD.sub(r"<em>\1</em>", marked))
 
@@ -69,11 +69,6 @@ def latex(text: str) -> str:
 
 def _line(cells) -> str:
     return "| " + " | ".join(cells) + " |"
-
-
-def _html_cell(text: str) -> str:
-    first, _, detail = text.partition("\n")
-    return str(html(first)) + (f"<small>{html(detail)}</small>" if detail else "")
 
 
 def _latex_line(cells) -> str:

@@ -88,8 +88,8 @@ def write_campaign(folder: Path, factors: dict[str, float], seed: int = 1, tiers
     """
     noise = noise or Noise()
     folder.mkdir(parents=True, exist_ok=True)
-    entries = [_solver(key, True) | (solvers or {}).get(key, {}) for key in factors]
-    described = campaign_info(list(tiers), seed, [*entries, _solver("absent", False)], noise.passes) | (info or {})
+    entries = [solver_entry(key) | (solvers or {}).get(key, {}) for key in factors]
+    described = campaign_info(list(tiers), seed, [*entries, solver_entry("absent", False)], noise.passes) | (info or {})
     (folder / "campaign.json").write_text(json.dumps(described), encoding="utf-8")
     problems = [_problem(f"{family}-{rows}-{copy}", "main", family, rows)
                 for family in FAMILIES for rows in SIZES for copy in range(copies)]
@@ -122,11 +122,8 @@ def campaign_info(tiers: list[float], seed: int, solvers: list[dict], passes: in
 def stream_lines(problems: list[dict], cells: list[dict]) -> list[dict]:
     """The lines of streams.jsonl. A task ends where a rule begins or ends to exclude the solver, and where a problem of
     the class has no cell; classes without a stream have tasks of single problems."""
-    order: dict[str, tuple[str, int]] = {}
-    numbers = itertools.count()
-    for key, *_ in CLASSES:
-        numbers = itertools.count()
-        order |= {p["problem"]: (p["size_class"], next(numbers)) for p in problems if p["size_class"] == key}
+    numbers = {key: itertools.count() for key, *_ in CLASSES}
+    order = {problem["problem"]: (problem["size_class"], next(numbers[problem["size_class"]])) for problem in problems}
     streams = {key: stream for key, *_, stream in CLASSES}
     by_task: dict[tuple, list[dict]] = {}
     for cell in sorted(cells, key=lambda cell: order[cell["problem"]][1]):
@@ -160,6 +157,11 @@ def exclude(record: dict, rule: str = "rows > 100") -> dict:
     return record | {"excluded": rule}
 
 
+def only(solver: str | None, part: str, change: Callable[[dict], dict]) -> Callable[[dict], dict]:
+    """`change` for the cells of a solver (None: of all) whose problem's name holds `part`, the others as they are."""
+    return lambda record: change(record) if solver in (None, record["solver"]) and part in record["problem"] else record
+
+
 def slower(record: dict, factor: float) -> dict:
     """The same cell, and every pass takes so many times as long."""
     return record | {"fresh_s": [None if time is None else factor * time for time in record["fresh_s"]],
@@ -173,7 +175,8 @@ def _task_lines(solver: str, size: str, tier: float, task: list[dict]) -> list[d
     if task[0]["excluded"]:
         return [judge]
     judge |= {"attempted": len(task), **{key: [cell[key] for cell in task] for key in JUDGED},
-              "exceptions": [_exception(at, cell) for at, cell in enumerate(task) if not _is_plain(cell)],
+              "exceptions": [{"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
+                             for at, cell in enumerate(task) if not _is_plain(cell)],
               "peak_bytes": None}
     lines = [judge]
     for index in range(max(len(cell["fresh_s"]) for cell in task)):
@@ -193,12 +196,8 @@ def _is_plain(cell: dict) -> bool:
     return cell["claim"] == "solved" and cell["passes"] and not any(cell[flag] for flag in FLAGS[1:])
 
 
-def _exception(at: int, cell: dict) -> dict:
-    return {"at": at} | {key: cell[key] for key in ("claim", *FLAGS, "reason", "detail")}
-
-
-def _solver(key: str, available: bool) -> dict:
-    return {"key": key, "setting": "tuned", "origin": "own", "uses_tolerance": True, "available": available,
+def solver_entry(key: str, available: bool = True, origin: str = "own") -> dict:
+    return {"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": available,
             "tolerance": "follows", "ablation": "", "base": "", "settings": {}, "licence": "", "library_version": ""}
 
 

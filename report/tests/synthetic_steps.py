@@ -3,7 +3,7 @@
 import json
 from pathlib import Path
 
-from .synthetic_campaign import campaign_info, write_lines
+from .synthetic_campaign import campaign_info, solver_entry, write_lines
 
 STEPS = 101  # so that percentiles are order statistics
 TIERS = (1e-3, 1e-6)
@@ -14,9 +14,7 @@ DEADLINE = 1e-3
 def write_sequences(folder: Path, passes: list[dict], solvers=(("quick", "own"), ("peer", "peer"))) -> Path:
     """Fills `folder`, without files of problems and cells, and returns it."""
     folder.mkdir(parents=True, exist_ok=True)
-    entries = [{"key": key, "setting": "tuned", "origin": origin, "uses_tolerance": True, "available": True,
-                "tolerance": "follows", "ablation": "", "licence": "", "library_version": ""} for key, origin in solvers]
-    info = campaign_info(list(TIERS), 1, entries) | {
+    info = campaign_info(list(TIERS), 1, [solver_entry(key, origin=origin) for key, origin in solvers]) | {
         "sequences": [{"sequence": name, "set": "motions", "family": name.split("-")[0], "rows": rows,
                        "most_rows": rows, "steps": STEPS} for name, rows in SEQUENCES],
         "deadlines_s": [DEADLINE], "pass_budget_s": 20}

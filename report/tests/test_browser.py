@@ -83,7 +83,7 @@ class Browser(SharedFolderCase):
         self.run_script("arguments[0].scrollIntoView()", place)
         WebDriverWait(self.driver, 20).until(lambda _: self.run_script("return Boolean(arguments[0].data)", place))
 
-    def test_a_chip_takes_a_solver_out_and_puts_it_back(self):
+    def test_chips_and_presets_take_solvers_out_and_put_them_back(self):
         self.assertIn("pgs", self.names("profile"))
         self.driver.find_element(By.CSS_SELECTOR, "#more summary").click()
         chip = self.driver.find_element(By.CSS_SELECTOR, "#chips .chip[data-solver=pgs]")
@@ -93,9 +93,6 @@ class Browser(SharedFolderCase):
         self.assertEqual(len(self.driver.find_elements(By.CSS_SELECTOR, "#legend .chip")), 2)
         chip.click()
         self.assertIn("pgs", self.names("profile"))
-
-    def test_presets(self):
-        self.driver.find_element(By.CSS_SELECTOR, "#more summary").click()
         for preset, expected in (("own", {"auto", "pgs"}), ("peer", {"ode-dantzig"}), ("none", set()),
                                  ("all", {"auto", "pgs", "ode-dantzig"})):
             self.driver.find_element(By.CSS_SELECTOR, f"[data-preset={preset}]").click()

@@ -7,8 +7,8 @@ import pandas as pd
 from lcpbench_report import decision, fairness, markdown, shown_tables, summary
 from lcpbench_report.errors import ReportError
 from lcpbench_report.inputs import load_inputs
-from .cases import FolderCase, SharedFolderCase
-from .synthetic_campaign import cells_of, fail, write_campaign
+from .cases import FolderCase
+from .synthetic_campaign import cells_of, fail, only, write_campaign
 from .synthetic_report import whole_inputs, write_all
 from .synthetic_steps import STEPS
 
@@ -37,11 +37,9 @@ class Contenders(unittest.TestCase):
         self.assertEqual([(found.solver, found.problems) for found in ranked], [("early", 1), ("late", 1)])
 
 
-class WholeReport(SharedFolderCase):
-    @classmethod
-    def setUpClass(cls):
-        super().setUpClass()
-        cls.inputs = whole_inputs()
+class WholeReport(unittest.TestCase):
+    def setUp(self):
+        self.inputs = whole_inputs()
 
     def test_every_class_names_the_fastest_of_ours(self):
         choices = decision.by_class(self.inputs)
@@ -107,8 +105,7 @@ class Parts(FolderCase):
         entry = {"origin": "own", "ablation": "no-self-check", "base": "auto"}
         inputs = load_inputs([write_campaign(
             self.folder, {"auto": 1.0, "pgs": 3.0, "auto-unchecked": 0.5}, copies=2, solvers={"auto-unchecked": entry},
-            change=lambda record: fail(record, "solved") if record["solver"] == "auto-unchecked"
-            and record["problem"] == "piles-20-1" else record)])
+            change=only("auto-unchecked", "piles-20-1", lambda record: fail(record, "solved")))])
         (row,) = shown_tables.ablation(inputs, all_only=True).rows
         solver, version, rows, _, time, _, false = row
         self.assertEqual((solver, version, rows, false), ("auto", "without its own check", "all", "1, 0"))

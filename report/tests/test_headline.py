@@ -8,7 +8,7 @@ from lcpbench_report import formats, markdown, shown_tables, summary
 from lcpbench_report.headline_table import headline
 from lcpbench_report.inputs import load_inputs
 from .cases import SharedFolderCase, run
-from .synthetic_campaign import exclude, fail, slower
+from .synthetic_campaign import exclude, fail, only, slower
 from .synthetic_report import ENVIRONMENT, FAILING, MANY, NEXT, OWN, write_problems, write_steps
 
 COLUMN = 2  # of problems with 31 to 100 rows
@@ -34,37 +34,25 @@ class Headline(SharedFolderCase):
 
     def test_a_solver_that_fails_is_not_bold_though_it_is_the_fastest(self):
         for claim in ("iteration_limit", "solved"):  # false successes are failures too
-            _, found = self.of(lambda record: fail(record, claim) if record["solver"] == FAILING
-                               and record["problem"] == "piles-50-1" else record)
+            _, found = self.of(only(FAILING, "piles-50-1", lambda record: fail(record, claim)))
             self.assertEqual(self.best(found), [{NEXT} if k == COLUMN else {FAILING} for k in range(len(found.classes))])
             self.assertAlmostEqual(found.classes[COLUMN].entries[FAILING].share, 5 / 6)
 
     def test_where_nobody_verifies_everything_the_fastest_of_those_that_verify_most_is_bold(self):
-        def change(record):
-            hard = record["problem"] == "piles-50-1"
-            harder = record["problem"] == "chains-50-1" and record["solver"] == FAILING
-            return fail(record) if hard or harder else record
-
-        _, found = self.of(change)
+        on_some = only(FAILING, "chains-50-1", fail)
+        _, found = self.of(lambda record: only(None, "piles-50-1", fail)(on_some(record)))
         self.assertEqual(self.best(found)[COLUMN], {NEXT})
 
     def test_what_the_interval_of_the_ratio_does_not_tell_apart_is_tied(self):
-        def change(record):  # as fast as the fastest, but for some noise that goes both ways
-            if record["solver"] != NEXT:
-                return record
-            return slower(record, 0.5 / 0.6 * (1.1 if record["problem"].endswith("-1") else 1 / 1.1))
-
-        _, found = self.of(change)
+        # As fast as the fastest, but for some noise that goes both ways.
+        _, found = self.of(only(NEXT, "", lambda record: slower(record, 0.5 / 0.6 * (
+            1.1 if record["problem"].endswith("-1") else 1 / 1.1))))
         self.assertEqual(self.best(found)[COLUMN], {FAILING, NEXT})
 
     def test_failing_on_hard_problems_does_not_make_a_solver_faster(self):
         _, complete = self.of(lambda record: record)
-        for failures in (1, 2):
-            def change(record):
-                names = [f"{family}-50-1" for family in ("piles", "chains")][:failures]
-                return fail(record) if record["solver"] == "pgs" and record["problem"] in names else record
-
-            _, found = self.of(change)
+        for failures in ("piles-50-1", "-50-1"):
+            _, found = self.of(only("pgs", failures, fail))
             self.assertGreaterEqual(found.classes[COLUMN].entries["pgs"].time_s,
                                     complete.classes[COLUMN].entries["pgs"].time_s)
 
@@ -93,8 +81,7 @@ class Headline(SharedFolderCase):
         self.assertIn("none is right on 99", shown_tables.classes(found).markdown())
 
     def test_excluded_columns_are_a_dash_and_never_bold(self):
-        _, found = self.of(lambda record: exclude(record) if record["solver"] == FAILING and "-10-" in record["problem"]
-                           else record)
+        _, found = self.of(only(FAILING, "-10-", exclude))
         self.assertEqual(shown_tables.cell(found.classes[0].entries[FAILING], found.classes[0].problems), formats.DASH)
         self.assertNotIn(FAILING, self.best(found)[0])
 
@@ -182,9 +169,6 @@ class Headline(SharedFolderCase):
             self.assert_refused("headline", self.folder, "--root", self.path, "--update", *files)
             self.assertEqual(bad.read_text(encoding="utf-8"), text)
         self.assertEqual(good.read_text(encoding="utf-8"), stale)
-
-    def test_a_missing_folder_is_one_line_and_status_two(self):
-        self.assert_refused("headline", self.path / "nowhere")
 
     def test_the_summary_holds_its_lines_tables_and_how_to_compare(self):
         inputs = load_inputs([self.folder, write_steps(self.path / "sequences")])

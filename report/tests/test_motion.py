@@ -28,12 +28,11 @@ class Motion(FolderCase):
     def test_what_does_not_fit_is_told_by_line_and_column(self):
         path = self.folder / motion.FILE
         text = path.read_text()
-        path.write_text(text.replace("pgs,0.001,7,", "pgs,0.001,seven,"))
-        with self.assertRaisesRegex(ReportError, "motion.csv: line 109, column 'step' is 'seven'; expected a whole"):
-            motion.read(self.folder)
-        path.write_text(text.replace("penetration", "depth", 1))
-        with self.assertRaisesRegex(ReportError, "column 'penetration' is missing"):
-            motion.read(self.folder)
-        path.write_text(text.splitlines()[0] + "\n")
-        with self.assertRaisesRegex(ReportError, "no rows"):
-            motion.read(self.folder)
+        for wrong, words in (
+                (text.replace("pgs,0.001,7,", "pgs,0.001,seven,"),
+                 "motion.csv: line 109, column 'step' is 'seven'; expected a whole"),
+                (text.replace("penetration", "depth", 1), "column 'penetration' is missing"),
+                (text.splitlines()[0] + "\n", "no rows")):
+            path.write_text(wrong)
+            with self.assertRaisesRegex(ReportError, words):
+                motion.read(self.folder)

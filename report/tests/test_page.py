@@ -156,6 +156,3 @@ class Script(FolderCase):
     def test_a_missing_bundle_is_told_with_its_package(self):
         with self.assertRaisesRegex(ReportError, "python3-plotly"):
             plotly_bundle.minified(Path("/nowhere/plotly.js"))
-
-    def test_a_folder_that_is_no_campaign_is_refused(self):
-        self.assert_refused("report", self.folder, "-o", self.folder / "x.html")

@@ -165,10 +165,11 @@ class EvaluationTest(unittest.TestCase):
 
 
 class CommandTest(FolderCase):
-    def write_campaign(self) -> tuple[Path, Path]:
+    def setUp(self):
         """A folder of three own solvers, one of them of an ablation, and a peer, and the features of its problems. A
         fill-up has none."""
-        folder = self.folder / "campaign"
+        super().setUp()
+        self.campaign, self.features = folder, path = self.folder / "campaign", self.folder / "features.jsonl"
         synthetic_campaign.write_campaign(
             folder, {"auto": 4.0, "pgs": 1.0, "bare": 0.1, "peer": 2.0}, tiers=(1e-6,), copies=2,
             change_problem=lambda problem: problem | {"family": problem["family"] + problem["problem"][-1],
@@ -176,17 +177,14 @@ class CommandTest(FolderCase):
             solvers={"peer": {"origin": "peer"}, "bare": {"ablation": "no-self-check", "base": "auto"}},
             info={"environment": {"git_commit": "abc"}})
         problems = [json.loads(line) for line in (folder / "problems.jsonl").read_text().splitlines()]
-        path = self.folder / "features.jsonl"
         path.write_text("".join(json.dumps({"problem": one["problem"], "rows": one["rows"], "redundancy": None}) + "\n"
                                 for one in problems if not one["fill"]))
-        return folder, path
 
     def test_the_fresh_time_counts_and_peers_are_told_apart(self):
-        folder, features = self.write_campaign()
-        found = read_outcomes([folder], features)
+        found = read_outcomes([self.campaign], self.features)
         self.assertEqual((found.own, found.peers), (["auto", "pgs"], ["peer"]))  # nothing of ablations
         self.assertEqual(found.edges["rows"][:4], [0, 2, 4, 7])
-        cells = cell_table(load_campaign(folder))
+        cells = cell_table(load_campaign(self.campaign))
         np.testing.assert_allclose(found.table.groupby("solver").time_s.median(),
                                    cells.groupby("solver").fresh_s.median())
         made = evaluation.make(found)
@@ -195,24 +193,22 @@ class CommandTest(FolderCase):
         self.assertEqual(made["sequences"], [])
 
     def test_sequences_have_lists_by_the_latency_of_warm_steps(self):
-        folder, features = self.write_campaign()
         passes = [one_pass(name, solver, mode, [time * (1 if mode == "warm" else cold)] * STEPS,
                            failed=range(5) if solver == "wrong" else ())
                   for name, _ in SEQUENCES for mode in ("cold", "warm")
                   for solver, time, cold in (("quick", 1e-5, 9), ("slow", 2e-5, 1), ("wrong", 1e-6, 1))]
         write_sequences(self.folder / "sequences", passes, [(key, "own") for key in ("quick", "slow", "wrong")])
-        found = read_sequences([folder, self.folder / "sequences"])
+        found = read_sequences([self.campaign, self.folder / "sequences"])
         self.assertEqual(found.table[found.table.solver == "quick"].time_s.tolist(), [1e-5] * len(SEQUENCES))
         self.assertFalse(found.table[found.table.solver == "wrong"].verified.any())  # on 95 % of the steps
-        made = evaluation.make(read_outcomes([folder], features), found)
+        made = evaluation.make(read_outcomes([self.campaign], self.features), found)
         self.assertEqual({tuple(region["candidates"]) for region in made["sequences"]}, {("quick",)})
-        self.assertIsNone(read_sequences([folder]))
+        self.assertIsNone(read_sequences([self.campaign]))
 
     def test_the_file_says_where_it_comes_from_and_is_the_same_each_time(self):
-        folder, features = self.write_campaign()
         outputs = [self.folder / "one.json", self.folder / "two.json"]
         for output in outputs:
-            status, text, error = run("recommendation", folder, "--features", features, "-o", output)
+            status, text, error = run("recommendation", self.campaign, "--features", self.features, "-o", output)
             self.assertEqual((status, error), (0, ""))
             self.assertIn("families held out:", text)
         self.assertEqual(outputs[0].read_bytes(), outputs[1].read_bytes())
@@ -221,21 +217,21 @@ class CommandTest(FolderCase):
         self.assertEqual([made["evaluation"]["tiers"][0]["families"][key] for key in ("pass", "groups")], [5, 5])
 
     def test_families_can_be_left_out(self):
-        folder, features = self.write_campaign()
         output = self.folder / "rules.json"
-        self.assertEqual(run("recommendation", folder, "--features", features, "--leave-out", "piles0", "-o", output)[0], 0)
+        self.assertEqual(run("recommendation", self.campaign, "--features", self.features, "--leave-out", "piles0", "-o",
+                             output)[0], 0)
         made = json.loads(output.read_text())
         self.assertEqual((made["left_out"], made["evaluation"]), (["piles0"], None))
         self.assertLessEqual({region["families"] for region in made["regions"]}, {3, 4})
 
     def test_mistakes_are_one_line(self):
-        folder, features = self.write_campaign()
         for arguments, expected in (
-                ((folder, "--features", self.folder / "none", "-o", "x"), "no such file"),
-                ((self.folder, "--features", features, "-o", "x"), "campaign.json: missing"),
-                ((folder, folder, "--features", features, "-o", "x"), "is in two"),
-                ((folder, "--features", features, "--leave-out", "cubes", "-o", "x"), "no problem of family 'cubes'")):
+                ((self.campaign, "--features", self.folder / "none", "-o", "x"), "no such file"),
+                ((self.folder, "--features", self.features, "-o", "x"), "campaign.json: missing"),
+                ((self.campaign, self.campaign, "--features", self.features, "-o", "x"), "is in two"),
+                ((self.campaign, "--features", self.features, "--leave-out", "cubes", "-o", "x"),
+                 "no problem of family 'cubes'")):
             self.assert_refused("recommendation", *arguments, told=(expected,))
-        features.write_text(features.read_text().split("\n", 1)[1])
+        self.features.write_text(self.features.read_text().split("\n", 1)[1])
         with self.assertRaisesRegex(ReportError, "no line for problem"):
-            read_outcomes([folder], features)
+            read_outcomes([self.campaign], self.features)

@@ -93,6 +93,12 @@ class Clusters(unittest.TestCase):
         with unittest.mock.patch.object(intervals, "_MANY", 10**9):
             self.assertEqual(Bootstrap(about).median(range(700), values, weights), quick)
 
+    def test_medians_of_resamples_are_weighted_medians(self):
+        bootstrap = Bootstrap(problems_of([k % 4 for k in range(40)], list(range(40))))
+        values, weights = np.arange(40.0), np.random.default_rng(6).choice([0.25, 1.0], 40)
+        expected = [weighted_median(values[often > 0], (weights * often)[often > 0]) for often in bootstrap._drawn.T]
+        np.testing.assert_allclose(bootstrap._medians(values, weights.astype(np.float32), np.arange(40)), expected)
+
     def test_the_mean_has_the_interval_of_its_standard_error(self):
         values = np.random.default_rng(8).normal(3, 1, 400)
         low, high = Bootstrap(problems_of([0] * 400, list(range(400)))).mean(range(400), values, np.ones(400))

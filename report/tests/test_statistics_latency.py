@@ -1,7 +1,5 @@
 """Tables of steps: quantiles that are known, and what is refused."""
 
-import json
-
 import numpy as np
 import pandas as pd
 
@@ -148,11 +146,3 @@ class Refusals(FolderCase):
     def test_a_pass_that_is_there_twice_or_lacks_its_first_round_is_refused(self):
         self.refuse([self.line, self.line], "twice")
         self.refuse([self.line | {"round": 1}], "round 0")
-
-    def test_a_torn_last_line_is_passed_over_with_a_note(self):
-        write_sequences(self.folder, [self.line])
-        with (self.folder / "steps.jsonl").open("a") as file:
-            file.write(json.dumps(self.line | {"round": 1})[:100])
-        campaign = load_campaign(self.folder)
-        self.assertEqual(len(campaign.notes), 1)
-        self.assertEqual(len(next(iter(campaign.passes.values())).rounds), 1)

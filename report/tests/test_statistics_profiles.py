@@ -29,6 +29,8 @@ class Profiles(unittest.TestCase):
         shares = profile(EXAMPLE, taus=[1, 2.9, 3, 3.9, 4, 1e4])
         np.testing.assert_allclose(shares["a"], np.array([1, 1, 2, 2, 2, 2]) / 3)
         np.testing.assert_allclose(shares["b"], np.array([1, 1, 1, 1, 2, 2]) / 3)
+        variants = profile(EXAMPLE, taus=[1, 3], weights=[1, 0.5, 0.5])  # q and r share the weight of their base
+        np.testing.assert_allclose(variants[["a", "b"]], [[2 / 4, 1 / 4], [3 / 4, 1 / 4]])
 
     def test_a_profile_rises_from_the_share_of_wins_to_the_verified_share(self):
         for seed in range(20):
@@ -66,11 +68,6 @@ class Profiles(unittest.TestCase):
         self.assertEqual(set(table["problems"]), {2})
         last = table[table["tau"] == TAUS[-1]].set_index("solver")["share"]
         self.assertEqual(last.to_dict(), {"a": 0.5, "b": 0.5})
-
-    def test_variants_share_the_weight_of_their_base(self):
-        shares = profile(EXAMPLE, taus=[1, 3], weights=[1, 0.5, 0.5])
-        np.testing.assert_allclose(shares["a"], [2 / 4, 3 / 4])
-        np.testing.assert_allclose(shares["b"], [1 / 4, 1 / 4])
 
     def test_problems_that_do_not_count_do_not(self):
         self.assertTrue(profile_table(cells_of(EXAMPLE, counts=False)).empty)

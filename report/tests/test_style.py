@@ -6,7 +6,7 @@ from lcpbench_report.style import solver_styles
 
 OWN = ("dantzig", "auto", "semismooth-newton", "lemke", "bpp", "active-set", "pgs", "psor", "nncg", "apgd", "ipopt-qp",
        "ipopt-ncp", "ipm", "hybrid", "new-one", "another")
-PEERS = ("bullet-dantzig", "bullet-dantzig-cfm", "bullet-lemke", "ode-dantzig", "dart-dantzig", "dart-pgs",
+PEERS = ("bullet-dantzig", "bullet-dantzig-cfm", "bullet-lemke", "ode-dantzig", "ode-new", "dart-dantzig", "dart-pgs",
          "dart-pgs-default", "siconos-lexicolemke", "siconos-newton-fb", "siconos-pgs", "siconos-nsgs-sbm",
          "siconos-avi", "petsc-rsls", "petsc-ssls", "tao-bntr", "tao-tron", "cgal-qp", "clp", "clp-default")
 
@@ -19,17 +19,11 @@ class Style(unittest.TestCase):
     def setUp(self):
         self.styles = solver_styles(entries())
 
-    def test_own_solvers_of_one_colour_have_other_markers_and_dashes(self):
-        for look in (lambda s: (s.colour, s.marker), lambda s: (s.colour, str(s.dash))):
-            self.assertEqual(len({look(self.styles[key]) for key in OWN}), len(OWN))
-
-    def test_the_important_ones_have_colours_of_their_own(self):
-        important = ("auto", "dantzig", "bpp", "ipm", "pgs", "lemke")
-        self.assertEqual(len({self.styles[key].colour for key in important}), len(important))
-
-    def test_every_solver_looks_different_in_matplotlib_and_in_plotly(self):
-        keys = [*OWN, *PEERS]
-        for look in (lambda s: (s.colour, s.marker, str(s.dash)), lambda s: (s.colour, s.plotly_symbol, s.plotly_dash)):
+    def test_looks_differ(self):
+        for keys, look in ((OWN, lambda s: (s.colour, s.marker)), (OWN, lambda s: (s.colour, s.dash)),
+                           (("auto", "dantzig", "bpp", "ipm", "pgs", "lemke"), lambda s: s.colour),  # the important ones
+                           (OWN + PEERS, lambda s: (s.colour, s.marker, s.dash)),
+                           (OWN + PEERS, lambda s: (s.colour, s.plotly_symbol, s.plotly_dash))):
             self.assertEqual(len({look(self.styles[key]) for key in keys}), len(keys))
 
     def test_a_library_has_one_colour_and_no_other_has_it(self):

@@ -1,11 +1,11 @@
 """Tuning: what is drawn, what is chosen, and what is told of a space that does not fit."""
 
+import contextlib
 import json
 import math
 import unittest
+from collections import Counter
 from pathlib import Path
-
-_REPORT = Path(__file__).resolve().parents[1]
 
 import numpy as np
 import pandas as pd
@@ -21,7 +21,7 @@ from .synthetic_campaign import Noise, cells_of, median_times, write_campaign
 SPACE = Space("pgs", {"sweep": ["coloured", "forward", "symmetric"], "relaxation": ["1", "1.2", "1.4", "1.6"]})
 SMALL = Space("lemke", {"block_start": ["no", "yes"]})
 NOISE_SEEDS = 100
-DATA = _REPORT.parent / "data"
+DATA = Path(__file__).resolve().parents[2] / "data"
 
 
 def judged(cells, keys=("default", "fast", "same")) -> list[choice.Outcome]:
@@ -140,10 +140,7 @@ class Drawing(unittest.TestCase):
         self.assertEqual(len(draw(SPACE, 100, 1)), 12)
 
     def test_every_configuration_is_as_likely(self):
-        counts: dict[str, int] = {}
-        for seed in range(2200):
-            for configuration in draw(SPACE, 2, seed)[1:]:
-                counts[json.dumps(configuration)] = counts.get(json.dumps(configuration), 0) + 1
+        counts = Counter(json.dumps(drawn) for seed in range(2200) for drawn in draw(SPACE, 2, seed)[1:])
         self.assertEqual(len(counts), 11)
         self.assertLess(sum((n - 200) ** 2 / 200 for n in counts.values()), 29.6)  # chi-squared of 10, 0.1 %
 
@@ -190,10 +187,7 @@ class Mistakes(FolderCase):
         for problems, refused in (([{"id": "a", "sha256": "1"}], False), ([{"id": "b", "sha256": "3"}], True),
                                   ([{"id": "c", "sha256": "2"}], True)):
             (own / "manifest.json").write_text(json.dumps({"problems": problems}))
-            if refused:
-                with self.assertRaisesRegex(ReportError, "standard.json"):
-                    campaign.require_disjoint(own / "manifest.json", self.folder)
-            else:
+            with self.assertRaisesRegex(ReportError, "standard.json") if refused else contextlib.nullcontext():
                 self.assertEqual(campaign.require_disjoint(own / "manifest.json", self.folder), ["standard"])
 
 
@@ -222,8 +216,6 @@ class Record(FolderCase):
         self.assertIn("block_start=yes", said[0])
 
     def test_the_committed_file_is_of_the_committed_space(self):
-        if not (DATA / "tuned.json").is_file():
-            self.skipTest("not tuned yet")
         tuned = json_of(DATA / "tuned.json")
         spaces = load_spaces(DATA / "tuning.json")
         self.assertEqual(tuned["space"]["sha256"], choice.file_hash(DATA / "tuning.json"))

@@ -135,6 +135,7 @@ class BlockPivoting {
   End SolveActive();
   End CorrectForces();
   bool Refine(double tolerance);
+  bool RelaxTinyRows(double tolerance);
   End Polish(Index most, double tolerance);
   Index FindViolated(bool of_proximal);
   void Exchange(bool least_only);

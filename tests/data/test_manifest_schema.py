@@ -21,23 +21,14 @@ _MALFORMED = [
     (("problems",), {}),
     (("refused", 0, "reason"), REMOVED),
     (("refused_by_reason",), {"f = 0": 0}),
-    (("problems", 0, "id"), ""),
-    (("problems", 0, "recipe"), REMOVED),
-    (("problems", 0, "file"), {"path": "a.jsonl", "line": 1}),
-    (("problems", 0, "recipe", "rows"), 0),
-    (("problems", 0, "recipe", "seed"), -1),
-    (("problems", 0, "recipe", "changes"), [{"name": "magic", "amount": 1}]),
-    (("problems", 0, "rank"), -1),
-    (("problems", 0, "rank_method"), REMOVED),
-    (("problems", 0, "condition"), 0.5),
-    (("problems", 0, "fraction_active"), 1.5),
+    *((("problems", 0, key), value) for key, value in (
+        ("id", ""), ("recipe", REMOVED), ("file", {"path": "a.jsonl", "line": 1}), ("rank", -1), ("rank_method", REMOVED),
+        ("condition", 0.5), ("fraction_active", 1.5), ("licence", REMOVED), ("origin", "imagined"), ("base", ""),
+        ("sha256", "0123"), ("colour", "red"))),
+    *((("problems", 0, "recipe", key), value) for key, value in (
+        ("rows", 0), ("seed", -1), ("changes", [{"name": "magic", "amount": 1}]))),
     (("problems", 0, "reference", "kind"), "believed"),
-    (("problems", 0, "licence"), REMOVED),
-    (("problems", 0, "origin"), "imagined"),
-    (("problems", 0, "base"), ""),
     (("fill",), [{"size_class": "1", "problems": 0}]),
-    (("problems", 0, "sha256"), "0123"),
-    (("problems", 0, "colour"), "red"),
 ]
 
 

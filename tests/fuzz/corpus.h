@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -25,6 +26,35 @@ inline std::vector<std::string> Corpus(const std::string& folder) {
     contents.push_back(bytes.str());
   }
   return contents;
+}
+
+/// Bytes changed, cut out, doubled, and pieces of another text put in.
+inline std::string ChangedBytes(std::string text, const std::vector<std::string>& corpus, std::mt19937* random) {
+  const auto below = [random](size_t n) { return n == 0 ? size_t{0} : (*random)() % n; };
+  constexpr char kBytes[] = "0123456789-+.eE/%,:[]{}\" \n\r\tnaif";
+  for (size_t changes = 1 + below(4); changes > 0; --changes) {
+    const size_t at = below(text.size() + 1);
+    switch (below(5)) {
+      case 0:
+        if (at < text.size()) text[at] = static_cast<char>((*random)());
+        break;
+      case 1:
+        text.insert(at, 1, kBytes[below(sizeof kBytes - 1)]);
+        break;
+      case 2:
+        text.erase(at, 1 + below(8));
+        break;
+      case 3:
+        text.insert(at, text.substr(below(text.size() + 1), below(24)));
+        break;
+      default: {
+        const std::string& other = corpus[below(corpus.size())];
+        text.insert(at, other.substr(below(other.size() + 1), below(24)));
+        break;
+      }
+    }
+  }
+  return text;
 }
 
 }  // namespace lcpbench

@@ -9,7 +9,7 @@
 
 #include "solvers/io/fclib_file.h"
 #include "tests/fuzz/error_law.h"
-#include "tests/fuzz/problem_laws.h"
+#include "tests/fuzz/laws.h"
 #include "tests/solvers/lcp/same_problem.h"
 
 namespace lcpbench {

@@ -9,7 +9,7 @@
 #include "solvers/io/fclib_file.h"
 #include "tests/fuzz/corpus.h"
 #include "tests/fuzz/hdf5_mutation.h"
-#include "tests/fuzz/problem_laws.h"
+#include "tests/fuzz/laws.h"
 
 namespace lcpbench {
 namespace {

@@ -1,4 +1,4 @@
-// Any bytes keep the law of tests/fuzz/problem_laws.h that LCPBENCH_LAW names.
+// Any bytes keep the law of tests/fuzz/laws.h that LCPBENCH_LAW names.
 
 #include <cstddef>
 #include <cstdint>
@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "tests/fuzz/problem_laws.h"
+#include "tests/fuzz/laws.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 

@@ -1,4 +1,4 @@
-#include "tests/fuzz/problem_laws.h"
+#include "tests/fuzz/laws.h"
 
 #include <sstream>
 

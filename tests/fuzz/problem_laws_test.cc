@@ -1,6 +1,6 @@
 // The readers' laws on the seed corpus and on seeded changes of it, for builds without libFuzzer.
 
-#include "tests/fuzz/problem_laws.h"
+#include "tests/fuzz/laws.h"
 
 #include <gtest/gtest.h>
 
@@ -12,35 +12,6 @@
 
 namespace lcpbench {
 namespace {
-
-// Bytes changed, cut out, doubled, and pieces of another text put in.
-std::string Changed(std::string text, const std::vector<std::string>& corpus, std::mt19937* random) {
-  const auto below = [random](size_t n) { return n == 0 ? size_t{0} : (*random)() % n; };
-  constexpr char kBytes[] = "0123456789-+.eE/%,:[]{}\" \n\r\tnaif";
-  for (size_t changes = 1 + below(4); changes > 0; --changes) {
-    const size_t at = below(text.size() + 1);
-    switch (below(5)) {
-      case 0:
-        if (at < text.size()) text[at] = static_cast<char>((*random)());
-        break;
-      case 1:
-        text.insert(at, 1, kBytes[below(sizeof kBytes - 1)]);
-        break;
-      case 2:
-        text.erase(at, 1 + below(8));
-        break;
-      case 3:
-        text.insert(at, text.substr(below(text.size() + 1), below(24)));
-        break;
-      default: {
-        const std::string& other = corpus[below(corpus.size())];
-        text.insert(at, other.substr(below(other.size() + 1), below(24)));
-        break;
-      }
-    }
-  }
-  return text;
-}
 
 struct Reader {
   const char* corpus;
@@ -62,7 +33,7 @@ TEST_P(ProblemLaws, HoldForTheCorpusAndItsChanges) {
   constexpr int kChanges = 20000;
   std::mt19937 random(1);
   for (int k = 0; k < kChanges; ++k) {
-    const std::string text = Changed(corpus[static_cast<size_t>(k) % corpus.size()], corpus, &random);
+    const std::string text = ChangedBytes(corpus[static_cast<size_t>(k) % corpus.size()], corpus, &random);
     ASSERT_EQ(GetParam().law(text), "") << text;
   }
 }

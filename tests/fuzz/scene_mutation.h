@@ -59,22 +59,4 @@ inline std::string MutatedTree(const std::string& text, Random* random) {
   return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// The text with one to four stretches of it erased, overwritten or copied.
-inline std::string MutatedBytes(std::string text, Random* random) {
-  const std::size_t changes = 1 + Below(4, random);
-  for (std::size_t k = 0; k < changes && !text.empty(); ++k) {
-    const std::size_t at = Below(text.size(), random);
-    const std::size_t kind = Below(3, random);
-    if (kind == 0) {
-      text.erase(at, 1 + Below(20, random));
-    } else if (kind == 1) {
-      text[at] = static_cast<char>(Below(256, random));
-    } else {
-      const std::size_t from = Below(text.size(), random);
-      text.insert(at, text.substr(from, 1 + Below(20, random)));
-    }
-  }
-  return text;
-}
-
 }  // namespace lcpbench

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/motion/contact_finder.h"
+#include "solvers/exact/exact_solver.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -104,6 +105,19 @@ std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
     }
   }
   return {};
+}
+
+std::string ForEachSequenceProblem(
+    const Recipe& start, int steps,
+    const std::function<void(const LcpProblem& problem, const MotionProblem& met)>& handle) {
+  ExactSolver solver;
+  const std::string id = RecipeId(start) + "-motion-";
+  int number = 0;
+  const MovingScene scene = LoadScene(start.scene, start.rows, start.seed);
+  return FollowScene(scene, solver, steps, [&](const MotionProblem& met) {
+    handle(WithId(met.problem, id + std::to_string(number++)), met);
+    return true;
+  });
 }
 
 std::string FollowMotion(const Recipe& start, int steps, const std::function<bool(const MotionStep& step)>& handle) {

@@ -3,7 +3,6 @@
 #include <functional>
 #include <string>
 
-#include "benchmarks/collection/recipes/changes.h"
 #include "benchmarks/collection/recipes/recipe.h"
 #include "benchmarks/motions/scene_source.h"
 #include "solvers/lcp/solver.h"
@@ -36,6 +35,17 @@ class SweepSolver final : public LcpSolver {
 /// @return "" or why the motion ended before its time
 std::string FollowScene(const MovingScene& scene, LcpSolver& solver, int steps,
                         const std::function<bool(const MotionProblem& met)>& handle);
+
+/// Lets a scene move under forces from exact arithmetic, rounded once (exact_solver.h), so that the problems met have
+/// the same bits on every machine, and calls `handle` with every problem that SequenceWriter would write: of a step's
+/// acceleration problems the first, impacts and time steps all. The problem is given an id of its own,
+/// "<scene>-n<rows>-s<seed>-motion-<number from 0>".
+/// @param start  its changes are none
+/// @return "" or why the motion ended before its time
+/// @throws InputError as StartScene
+std::string ForEachSequenceProblem(
+    const Recipe& start, int steps,
+    const std::function<void(const LcpProblem& problem, const MotionProblem& met)>& handle);
 
 /// One time step of a motion.
 struct MotionStep {

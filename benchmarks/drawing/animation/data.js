@@ -1,4 +1,4 @@
-// ---- the recorded motion: words of 16 bits, see benchmarks/drawing/animation_page.h
+// ---- the recorded motion: words of 16 bits, see benchmarks/drawing/animation.h
 
 const element = (id) => document.getElementById(id);
 const scene = JSON.parse(element("scene").textContent);

@@ -45,7 +45,6 @@ def _without_end(regions: list[dict]) -> list[dict]:
 
 
 def evaluate(outcomes: Outcomes) -> dict:
-    """The member `evaluation`."""
     tables, edges = rules.tier_tables(outcomes), outcomes.edges
     by_family = [row for table in tables for row in held_out(outcomes, table, table.families, edges)]
     by_seed = [row for table in tables for row in held_out(outcomes, table, table.seeds.fillna(-1), edges)]

@@ -20,8 +20,6 @@ _LEAST_FAMILIES = 3  # a region with problems of fewer ones takes the list of al
 _PEERS = 2  # of a list
 
 
-# ----- parts of the space of features
-
 def bounds(edges: Edges) -> list[dict[str, tuple[float, float]]]:
     """Of every region, in the order of region_of."""
     parts = [[*zip(ends, [*ends[1:], math.inf])] for ends in edges.values()]
@@ -37,8 +35,6 @@ def region_of(features: pd.DataFrame, edges: Edges) -> pd.Series:
         number = number * len(ends) + np.searchsorted(ends, values, side="right") - 1
     return pd.Series(number, index=features.index)
 
-
-# ----- short lists
 
 def family_weights(families: pd.Series, weights: pd.Series) -> np.ndarray:
     """Of every problem, so that all families weigh the same, with what its problems weigh within each."""
@@ -65,8 +61,6 @@ def choose(of_region: pd.DataFrame, weights: np.ndarray, false_success: set[str]
         chosen.append(values.columns[index])
     return chosen
 
-
-# ----- regions
 
 @dataclass
 class TierTable:

@@ -36,7 +36,6 @@ _STYLE = {
 
 
 def look():
-    """A context in which figures are made and saved."""
     return plt.rc_context(_STYLE)
 
 
@@ -71,14 +70,12 @@ def line(style: SolverStyle, marks: bool = True) -> dict:
 
 
 def marker(style: SolverStyle, size: float = 4) -> dict:
-    """Arguments of plot() for a solver's marker."""
     return {"marker": style.marker, "markersize": size * (0.85 if style.marker in "sD" else 1),
             "markerfacecolor": style.colour if style.own else "white", "markeredgecolor": style.colour,
             "markeredgewidth": 0.5 if style.own else 0.9, "color": style.colour}
 
 
 def handles(solvers: list[str], styles: dict[str, SolverStyle], oracle: bool = False) -> list[Line2D]:
-    """For a legend: line, dash and marker of every solver."""
     return [Line2D([], [], label=solver, **line(styles[solver])) for solver in solvers] + \
         [Line2D([], [], label="oracle", **ORACLE)] * oracle
 

@@ -12,7 +12,6 @@ from ..statistics.tables import write_csv
 from ..formats import power
 from . import canvas, quality, speed, steps
 
-_PACKAGES = r"\usepackage{booktabs}" + "\n" + r"\usepackage{textcomp}"
 _OF_CELLS = {"time-by-size": speed.by_size, "time-by-family": speed.by_family, "accuracy": quality.distributions,
              "coverage": quality.bars, "work-precision": quality.work_precision, "scaling": speed.exponents,
              "robustness": quality.pathological, "robustness-grids": quality.grids}
@@ -74,7 +73,7 @@ def _readme(tex: list[str]) -> str:
     if tex:
         names = ", ".join(f"`{name}`" for name in tex)
         lines += [f"`*.tex`: the same in short for papers: {names}. They need", "",
-                  *("    " + line for line in _PACKAGES.splitlines()), "",
+                  r"    \usepackage{booktabs}", r"    \usepackage{textcomp}", "",
                   "and stand in a table of your own, which has the caption:", "",
                   *("    " + line for line in (r"\begin{table*}", r"  \centering", rf"  \input{{tables/{tex[0]}}}",
                                                r"  \caption{...}", r"\end{table*}")), "",

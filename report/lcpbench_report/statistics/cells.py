@@ -146,10 +146,8 @@ def _passes(tasks: list[Task], places: list[slice], total: int, kind: str, key: 
 
 def _verdicts(columns: dict[str, np.ndarray]) -> np.ndarray:
     failed = np.array([FAILED + claim for claim in columns["claim"]], dtype=object)
-    claimed = np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER)
     return np.select([columns["excluded"] != "", columns["passes"], columns["false_success"]],
-                     [np.full(len(failed), EXCLUDED, dtype=object), np.full(len(failed), VERIFIED, dtype=object),
-                      claimed.astype(object)], failed)
+                     [EXCLUDED, VERIFIED, np.where(columns["asked"], FALSE_SUCCESS, BELOW_TIER)], failed)
 
 
 def median_of_passes(times: np.ndarray) -> np.ndarray:

@@ -25,7 +25,6 @@ from .groups import COUNTED, GROUP, with_label
 from .intervals import Bootstrap, holm, share_interval
 from .load import TASK_BUDGET, Campaign
 from .same import ENVIRONMENT
-from .weighted import weighted_median
 
 SLOWER, FASTER = "slower", "faster"
 ALL = "all"  # size classes, or families
@@ -69,11 +68,6 @@ class Changes:
         agree = int(((both["fresh_low_old"] <= both["fresh_high_new"]) &
                      (both["fresh_low_new"] <= both["fresh_high_old"])).sum())
         return agree, len(both), *share_interval(agree / max(len(both), 1), len(both))
-
-    def overall_ratio(self) -> float:
-        """Weighted median over all cells that both verified; what moves all solvers alike shows here."""
-        both = self.both_verified
-        return weighted_median(both["time_s_new"] / both["time_s_old"], both["weight"])
 
 
 def compare_campaigns(old: Campaign, new: Campaign) -> Changes:

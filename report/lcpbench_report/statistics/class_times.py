@@ -1,11 +1,10 @@
 """What a user pays, by size class: every solver's fresh time, how much it solves, and who is as good as the best; what
 ours take over the peers; and what ablations change. Problems that count only.
 
-Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. In a class a solver is
-*tied* with the best where their intervals overlap (intervals.Bootstrap: families, then bases). Problems of a class take
-very different times, so that intervals are wide; a median of ratios, problem by problem, is sharper: what is common to
-both times cancels. Where the first solver of a ratio is not verified it is infinite; where the second is not, the
-problem has none.
+Medians are of the class's weight, failures infinite: failing on the hard ones cannot lower them. Problems of a class take
+very different times, so that intervals of medians are wide (intervals.Bootstrap: families, then bases); a median of
+ratios, problem by problem, is sharper: what is common to both times cancels. Where the first solver of a ratio is not
+verified it is infinite; where the second is not, the problem has none.
 
 Peers are all keys of other projects: one that was not asked for the tier and is right all the same is a rival. The
 fastest peer of a problem is another one from problem to problem, which no user can know beforehand; so beside it stands
@@ -33,9 +32,9 @@ LEAST_TURNS = 20  # problems of a class that a solver must have had its turn at 
 _ENDS = ("", "_low", "_high")
 _SHARES = [f"{share}{end}" for share in ("attempted_share", "verified_share", "verified_of_attempted") for end in _ENDS]
 _MEDIANS = ["again_s", "first_s", *PART_TIMES]
-_OVER_BEST, _RATIO, _PEER_RATIO = ([f"{name}{end}" for end in _ENDS] for name in ("over_best", "ratio", "peer_ratio"))
+_RATIO, _PEER_RATIO = ([f"{name}{end}" for end in _ENDS] for name in ("ratio", "peer_ratio"))
 COLUMNS = [*GROUP, "size_class", "solver", "asked", "problems", "weight", "attempted", "verified", "false_successes",
-           "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS, "tied", *_OVER_BEST]
+           "below_tier", *_SHARES, "median_s", "median_low", "median_high", "p99_s", *_MEDIANS]
 PEER_COLUMNS = [*GROUP, "size_class", "solver", "problems", "weight", "verified_share", "verified_low", "verified_high",
                 "median_s", "p99_s", "no_peer", *_RATIO, "peer", "peer_share", "peer_low", "peer_high", "peer_median_s",
                 "peer_p99_s", *_PEER_RATIO]
@@ -76,35 +75,14 @@ def p99(cells: pd.DataFrame) -> float:
     return weighted_quantile(timed["fresh_s"], timed["weight"], 0.99)
 
 
-# ----- every solver
-
 def class_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per group, size class (and `all`) and solver. `p99_s` and the medians of the second measure (`again_s`), of
-    the solve that was judged and of the parts are of verified answers that were timed. `tied` and `over_best`: with the
-    best of all solvers that were asked."""
-    tables = []
+    the solve that was judged and of the parts are of verified answers that were timed."""
+    rows = []
     for label, of_class in classes(cells):
-        bootstrap, solvers = Bootstrap(of_class), _by_solver(of_class)
-        table = pd.DataFrame([label | {"solver": solver} | _row(own, bootstrap) for solver, own in solvers.items()])
-        finite = table[table["asked"] & np.isfinite(table["median_s"])]
-        table["tied"] = tied(table[table["asked"]]).reindex(table.index, fill_value=False)
-        table[_OVER_BEST] = math.nan
-        if len(finite):
-            best = solvers[finite.loc[finite["median_s"].idxmin(), "solver"]]["time_s"]
-            table[_OVER_BEST] = [[*_ratio(_OVER_BEST, own["time_s"], best.reindex(own.index), own["weight"],
-                                          bootstrap).values()] for own in solvers.values()]
-        tables.append(table)
-    return pd.concat(tables, ignore_index=True)[COLUMNS] if tables else pd.DataFrame(columns=COLUMNS)
-
-
-def tied(rows: pd.DataFrame) -> pd.Series:
-    """Of solvers in one class: whether the interval of the median reaches that of the one with the least median."""
-    finite = rows[np.isfinite(rows["median_s"])]
-    if finite.empty:
-        return pd.Series(False, index=rows.index)
-    best = finite.loc[finite["median_s"].idxmin()]
-    reach = best["median_s"] if math.isnan(best["median_high"]) else best["median_high"]
-    return np.isfinite(rows["median_s"]) & (rows["median_low"].fillna(rows["median_s"]) <= reach)
+        bootstrap = Bootstrap(of_class)
+        rows += [label | {"solver": solver} | _row(own, bootstrap) for solver, own in _by_solver(of_class).items()]
+    return pd.DataFrame(rows, columns=COLUMNS)
 
 
 def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
@@ -117,8 +95,6 @@ def _row(cells: pd.DataFrame, bootstrap: Bootstrap) -> dict:
         row[key] = weighted_median(known[key], known["weight"])
     return row
 
-
-# ----- ours over the peers
 
 def peer_ratio_table(cells: pd.DataFrame, own: Collection[str]) -> pd.DataFrame:
     """A row per group, size class (and `all`) and own solver: `ratio` to the fastest verified peer of each problem (where
@@ -166,8 +142,6 @@ def _best(peers: pd.DataFrame, weights: pd.Series) -> str:
             medians[key] = weighted_median(turns, own)
     return min(medians, key=medians.get, default="")
 
-
-# ----- ablations
 
 def ablation_table(cells: pd.DataFrame, ablated: pd.DataFrame, solvers: list[dict]) -> pd.DataFrame:
     """What single means are worth: solvers without their self-check, peers with a check and one more solve with a shifted

@@ -28,18 +28,7 @@ def coverage_table(cells: pd.DataFrame) -> pd.DataFrame:
 
 
 def coverage(cells: pd.DataFrame) -> dict:
-    """The columns of one solver's cells, without those of the group."""
-    kinds = kinds_of(cells)
-    weights = cells["weight"].to_numpy(dtype=float)
-    found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
-             "weight": float(weights.sum())}
-    for share, (part, whole) in SHARES.items():
-        found |= share_with_interval(kinds[part][kinds[whole]], weights[kinds[whole]], share, share)
-    return found
-
-
-def kinds_of(cells: pd.DataFrame) -> dict[str, np.ndarray]:
-    """Name of a count -> of every cell whether it counts there."""
+    # Name of a count -> of every cell whether it counts there.
     verdict = cells["verdict"].to_numpy()
     flags = {name: cells[name].to_numpy().astype(bool) for name in ("passes", "at_floor", "false_infeasible")}
     kinds = {"problems": np.ones(len(cells), dtype=bool), "at_floor": flags["passes"] & flags["at_floor"],
@@ -50,4 +39,9 @@ def kinds_of(cells: pd.DataFrame) -> dict[str, np.ndarray]:
     kinds["wrong_claims"] = kinds["false_successes"] | kinds["below_tier"]
     kinds["claims"] = kinds["verified"] | kinds["wrong_claims"]
     kinds["failed"] = kinds["attempted"] & ~kinds["claims"]
-    return kinds
+    weights = cells["weight"].to_numpy(dtype=float)
+    found = {"asked": bool(cells["asked"].all()), **{kind: int(holds.sum()) for kind, holds in kinds.items()},
+             "weight": float(weights.sum())}
+    for share, (part, whole) in SHARES.items():
+        found |= share_with_interval(kinds[part][kinds[whole]], weights[kinds[whole]], share, share)
+    return found

@@ -3,7 +3,6 @@
 A kind is a word of _KINDS; a "?" behind it allows null.
 """
 
-import functools
 import json
 import math
 from pathlib import Path
@@ -33,18 +32,15 @@ _KINDS = {
 
 # {record: {field: {"type": kind, ...}}}, written by `lcpbench list fields --json`; [kind] is a list of it.
 _SCHEMA = json.loads((Path(__file__).parent / "result_fields.json").read_text(encoding="utf-8"))
-
-
-@functools.cache
-def _kinds_of(record: str, keys: tuple[str, ...]) -> dict[str, str]:
-    """Of lists only that they are."""
-    fields = _SCHEMA[record]
-    return {key: "list" if fields[key]["type"][0] == "[" else fields[key]["type"] for key in keys or fields}
+# Record -> field -> kind; of lists only that they are.
+_KINDS_OF = {record: {key: "list" if field["type"][0] == "[" else field["type"] for key, field in fields.items()}
+             for record, fields in _SCHEMA.items()}
 
 
 def check_record(place: str, value: object, record: str, *keys: str) -> dict:
     """As check_fields, for a record of a campaign's lines: all its fields, or these."""
-    return check_fields(place, value, _kinds_of(record, keys))
+    kinds = _KINDS_OF[record]
+    return check_fields(place, value, {key: kinds[key] for key in keys} if keys else kinds)
 
 
 def check_fields(place: str, record: object, kinds: dict[str, str]) -> dict:

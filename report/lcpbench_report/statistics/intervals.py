@@ -97,7 +97,10 @@ class Bootstrap:
             beyond = [(before >= half)[chosen].mean(), (sums[-1] < half)[chosen].mean() if last < len(values) else 0]
             if first == 0 or max(beyond) < _TAIL / 2:
                 break
-        return _middle_values(values[first:last], sums[:, chosen], half[chosen])
+        # Where running sums of weights reach half; the mean with the next one where they equal it.
+        values, sums, half = values[first:last], sums[:, chosen], half[chosen]
+        low, high = ((sums < half * factor).sum(axis=0) for factor in (1 - _ROUNDING, 1 + _ROUNDING))
+        return (values[np.minimum(low, len(values) - 1)] + values[np.minimum(high, len(values) - 1)]) / 2
 
 
 def share_interval(share: float, weight: float) -> tuple[float, float]:
@@ -132,12 +135,6 @@ def _draw(families: np.ndarray) -> np.ndarray:
         own = np.flatnonzero(families == family)
         drawn[own] = rng.multinomial(often[:, family] * len(own), np.full(len(own), 1 / len(own))).T
     return drawn
-
-
-def _middle_values(values: np.ndarray, sums: np.ndarray, half: np.ndarray) -> np.ndarray:
-    """Where running sums of weights (values x resamples) reach half; the mean with the next one where they equal it."""
-    low, high = (sums < half * (1 - _ROUNDING)).sum(axis=0), (sums < half * (1 + _ROUNDING)).sum(axis=0)
-    return (values[np.minimum(low, len(values) - 1)] + values[np.minimum(high, len(values) - 1)]) / 2
 
 
 def _percentiles(found: np.ndarray) -> tuple[float, float]:

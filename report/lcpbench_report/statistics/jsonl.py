@@ -4,7 +4,6 @@ import json
 import lzma
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import BinaryIO
 
 from ..errors import ReportError
 
@@ -49,21 +48,17 @@ def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, o
     """
     if not is_there(path):
         raise ReportError(path.name, f"missing in {path.parent}", "the files of a campaign, benchmarks/RESULTS.md")
-    with path.open("rb") if path.is_file() else lzma.open(packed(path), "rb") as file:
-        for number, line in enumerate(_whole(file, path), start=1):
-            try:
-                value = _DECODER.decode(line.decode("utf-8"))
-            except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
-                if not line.endswith(b"\n"):
-                    note(f"{path.name}:{number}: the last line is torn, and was ignored")
-                    return
-                raise ReportError(f"{path.name}:{number}", str(error), "a line of JSON") from error
-            yield number, value
-
-
-def _whole(file: BinaryIO, path: Path) -> Iterator[bytes]:
     try:
-        yield from file
+        with path.open("rb") if path.is_file() else lzma.open(packed(path), "rb") as file:
+            for number, line in enumerate(file, start=1):
+                try:
+                    value = _DECODER.decode(line.decode("utf-8"))
+                except ValueError as error:  # of which UnicodeDecodeError and JSONDecodeError are kinds
+                    if not line.endswith(b"\n"):
+                        note(f"{path.name}:{number}: the last line is torn, and was ignored")
+                        return
+                    raise ReportError(f"{path.name}:{number}", str(error), "a line of JSON") from error
+                yield number, value
     except (lzma.LZMAError, EOFError) as error:
         raise ReportError(packed(path).name, str(error), "a file compressed by xz") from error
 

@@ -44,7 +44,7 @@ class JudgedPass:
 
     @property
     def rounds(self) -> list[Round]:
-        return self.runs.in_order()
+        return [self.runs.rounds[index] for index in sorted(self.runs.rounds)]
 
     def preempted(self) -> np.ndarray:
         """Steps that were disturbed in every round."""

@@ -79,7 +79,6 @@ class Campaign:
 
     @property
     def solvers(self) -> dict[str, dict]:
-        """The entries of campaign.json by key."""
         return {solver["key"]: solver for solver in self.info["solvers"]}
 
     @property

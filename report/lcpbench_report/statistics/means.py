@@ -21,7 +21,6 @@ from .weighted import quantiles, weighted_median, weighted_share
 # Units of time: "oracle" is one factorization with the answer's active set known.
 UNITS = ("s", "oracle")
 COLUMNS = [*GROUP, "solver", "unit", "shift", "problems", "penalised", "mean", "mean_low", "mean_high", "over_best"]
-PRECISION_COLUMNS = ["set", "solver", "strictest", "tier", "problems", "shift", "mean_s", "rho_median", "rho_max"]
 DELIVERED = ("rho", "w_error")
 DELIVERED_COLUMNS = ["set", "solver", "tier", "problems", "verified_share", "shift", "mean_s", "answers",
                      *(name for metric in DELIVERED for name in quantiles([], f"{metric}_"))]
@@ -33,9 +32,9 @@ def shifted_geometric_mean(times, shift: float, weights=None) -> float:
     return float(np.exp(np.average(np.log(values + shift), weights=weights)) - shift) if len(values) else math.nan
 
 
-def penalised(cells: pd.DataFrame, times: str = "time_s") -> pd.Series:
-    """The column `times`, with the problem's limit where it is not finite."""
-    return cells[times].where(np.isfinite(cells[times]), cells["time_limit_s"])
+def penalised(cells: pd.DataFrame) -> pd.Series:
+    """The time that counts, with the problem's limit where it is not finite."""
+    return cells["time_s"].where(np.isfinite(cells["time_s"]), cells["time_limit_s"])
 
 
 def mean_time(cells: pd.DataFrame, shift: float) -> float:
@@ -75,29 +74,6 @@ def mean_table(cells: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=COLUMNS)
 
 
-def precision_table(cells: pd.DataFrame) -> pd.DataFrame:
-    """Work over precision: what a solver's next digits cost. A tier costs more only if it is asked of the same problems:
-    for every tier `strictest` there is one curve, over the problems that the solver solves at that tier and at all looser
-    ones. A row per set, solver, curve and tier, loosest first; curves without a problem are left out."""
-    rows = []
-    labelled = with_label(cells)
-    shifts = _shifts(labelled, "time_s")
-    for (label, solver), own in labelled.groupby(["set", "solver"], sort=False):
-        tiers = sorted(own["tier"].unique(), reverse=True)
-        solved = own[own["verdict"] == VERIFIED]
-        problems = set(solved["problem"])
-        for depth, strictest in enumerate(tiers, start=1):
-            problems &= set(solved.loc[solved["tier"] == strictest, "problem"])
-            curve = solved[solved["problem"].isin(problems)]
-            for tier in tiers[:depth] if problems else ():
-                point = curve[curve["tier"] == tier]
-                rows.append({"set": label, "solver": solver, "strictest": strictest, "tier": tier,
-                             "problems": len(point), "shift": shifts[label], "mean_s": mean_time(point, shifts[label]),
-                             "rho_median": weighted_median(point["rho"], point["weight"]),
-                             "rho_max": point["rho"].max()})
-    return pd.DataFrame(rows, columns=PRECISION_COLUMNS)
-
-
 def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
     """A row per set, solver and tier: what the solver takes for the tolerance it is asked for, and how exact its
     answers are by the common metrics, whether they pass or not. The time of an answer that is not verified is that of
@@ -105,7 +81,7 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
     rows = []
     run = with_label(cells[cells["verdict"] != EXCLUDED])
     run = run.assign(taken_s=run["fresh_s"].fillna(run["first_s"]).fillna(run["time_limit_s"]))
-    shifts = _shifts(run, "taken_s")
+    shifts = {label: shift_of(own, "taken_s") for label, own in run.groupby("set")}  # one for all tiers: they compare
     for (label, solver, tier), own in run.groupby(["set", "solver", "tier"], sort=False):
         row = {"set": label, "solver": solver, "tier": tier, "problems": len(own),
                "verified_share": weighted_share(own["verdict"] == VERIFIED, own["weight"]), "shift": shifts[label],
@@ -115,8 +91,3 @@ def delivered_table(cells: pd.DataFrame) -> pd.DataFrame:
             row |= quantiles(own[metric], f"{metric}_", own["weight"])
         rows.append(row)
     return pd.DataFrame(rows, columns=DELIVERED_COLUMNS)
-
-
-def _shifts(labelled: pd.DataFrame, times: str) -> dict[str, float]:
-    """Of every set one for all tiers, so that they compare."""
-    return {label: shift_of(own, times) for label, own in labelled.groupby("set")}

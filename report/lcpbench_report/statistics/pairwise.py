@@ -18,7 +18,6 @@ import pandas as pd
 from scipy import special, stats
 
 from ..errors import ReportError
-from ..table import Table
 from .cells import EXCLUDED, cell_table
 from .groups import COUNTED, GROUP, groups, wide
 from .intervals import MARGIN, Bootstrap, holm
@@ -73,7 +72,7 @@ def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFra
     @param excluded  as `times`: whether the cell was excluded by rule
     @returns a row per ordered pair; columns of COLUMNS without those of the group
     """
-    bootstrap = bootstrap_of(about)
+    bootstrap = Bootstrap(about.assign(problem=about.index))
     pairs = [compare_two(times, about, bootstrap, a, b, excluded) for a, b in itertools.combinations(times.columns, 2)]
     for test in ("sign_p", "wilcoxon_p"):
         for pair, adjusted in zip(pairs, holm([pair[test] for pair in pairs])):
@@ -82,10 +81,6 @@ def compare_pairs(times: pd.DataFrame, about: pd.DataFrame, excluded: pd.DataFra
         pair["verdict"] = verdict(pair["wilcoxon_p_holm"], pair["direction"], pair["ratio_low"], pair["ratio_high"])
     rows = [row for pair in pairs for row in (pair, _mirrored(pair))]
     return pd.DataFrame(rows, columns=COLUMNS[len(GROUP):])
-
-
-def bootstrap_of(about: pd.DataFrame) -> Bootstrap:
-    return Bootstrap(about.assign(problem=about.index))
 
 
 def pairwise_table(cells: pd.DataFrame) -> pd.DataFrame:
@@ -165,11 +160,3 @@ def calibration_table(campaign: Campaign) -> pd.DataFrame:
             rows.append([pair["tier"], base, variant, factor, pair["both"], 1 / pair["ratio"], 1 / pair["ratio_high"],
                          1 / pair["ratio_low"], expected, pair["verdict"], bool(pair["verdict"] == expected)])
     return pd.DataFrame(rows, columns=CALIBRATION_COLUMNS)
-
-
-def calibration_words(found: pd.DataFrame) -> Table:
-    """What was not found as expected in bold."""
-    return Table(["solver", "against", "tier", "problems", "time ratio", "95 % interval", "expected", "found"],
-                 [[f"`{row.solver}`", f"slowed by {row.slowdown:g}" if row.slowdown > 1 else "itself", f"{row.tier:.0e}",
-                   row.problems, f"{row.ratio:.3f}", f"{row.ratio_low:.3f} … {row.ratio_high:.3f}", row.expected,
-                   row.found if row.right else f"**{row.found}**"] for row in found.itertuples()], "llrrrlll")

@@ -18,6 +18,7 @@ ENVIRONMENT = ("started", "environment", "environment_hash")
 _TIME_OF_PROBLEM = "oracle_s"
 CELL_FIELDS = ("excluded", "claim", "passes", "best_tier", "at_floor", "false_success", "false_infeasible",
                "proved_infeasible", "iterations", *METRICS)
+_MISSING = object()  # the value of a key that is not there
 # Claims that depend on how fast the machine is.
 _OUT_OF_TIME = ("time_limit", "killed")
 
@@ -89,17 +90,13 @@ def _differences(path: str, a, b) -> list[str]:
     """Every place at which they differ, objects key by key. True is not 1 here."""
     if isinstance(a, dict) and isinstance(b, dict):
         return [place for key in dict.fromkeys([*a, *b]) for place in
-                _differences(f"{path}.{key}" if path else str(key), a.get(key, _Missing), b.get(key, _Missing))]
+                _differences(f"{path}.{key}" if path else str(key), a.get(key, _MISSING), b.get(key, _MISSING))]
     same = a == b and isinstance(a, bool) == isinstance(b, bool)
     return [] if same else [f"{path} {_word(a)} | {_word(b)}"]
 
 
-class _Missing:
-    """The value of a key that is not there."""
-
-
 def _word(value) -> str:
-    if value is _Missing:
+    if value is _MISSING:
         return "missing"
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else "not known"  # all digits: it may be the last one

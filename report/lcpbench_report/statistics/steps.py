@@ -43,9 +43,6 @@ class PassRuns:
     excluded: str = ""
     rounds: dict[int, Round] = field(default_factory=dict)
 
-    def in_order(self) -> list[Round]:
-        return [self.rounds[index] for index in sorted(self.rounds)]
-
 
 def read_sequences(info: dict, place: str) -> dict[str, dict]:
     """What campaign.json says of its sequences, by name; nothing where it has none."""

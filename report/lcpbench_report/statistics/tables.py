@@ -13,15 +13,15 @@ from .coverage import coverage_table
 from .distributions import accuracy_table, oracle_table, profile_table, scaling_table
 from .latency import deadline_table, latency_by_solver_table, latency_table
 from .load import Campaign
-from .means import delivered_table, mean_table, precision_table
+from .means import delivered_table, mean_table
 from .pairwise import pairwise_table
 
 FOLDER = "analysis"
 # Name -> function of the table of cells.
 _OF_CELLS: dict[str, Callable[[pd.DataFrame], pd.DataFrame]] = {
     "cells": lambda cells: cells, "class_times": class_table, "profiles": profile_table, "pairwise": pairwise_table,
-    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "precision": precision_table,
-    "delivered": delivered_table, "accuracy": accuracy_table, "oracle": oracle_table,
+    "means": mean_table, "coverage": coverage_table, "scaling": scaling_table, "delivered": delivered_table,
+    "accuracy": accuracy_table, "oracle": oracle_table,
 }
 # Name -> function of a campaign that has passes over sequences.
 STEP_TABLES: dict[str, Callable[[Campaign], pd.DataFrame]] = {
@@ -42,12 +42,7 @@ class Tables(UserDict):
 
 def makers_of(cells: pd.DataFrame, ablated: pd.DataFrame,
               solvers: list[dict]) -> dict[str, Callable[[], pd.DataFrame]]:
-    """Of all of TABLES.
-
-    @param cells    of cells.cell_table
-    @param ablated  the same of ablations
-    @param solvers  the entries of campaign.json
-    """
+    """Of all of TABLES; the arguments are those of class_times.ablation_table."""
     own = {entry["key"] for entry in solvers if entry["origin"] == "own"}
     return {name: partial(table, cells) for name, table in _OF_CELLS.items()} | {
         "peer_ratio": partial(peer_ratio_table, cells, own),

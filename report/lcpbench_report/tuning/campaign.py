@@ -16,7 +16,6 @@ _MARK = "lcpbench_manifest"
 
 @dataclass
 class Command:
-    """The lcpbench command."""
 
     program: Path
 
@@ -96,7 +95,6 @@ def _problems(manifest: Path) -> dict[str, dict]:
 
 
 def sizes_of(text: str) -> list[int]:
-    """Of --sizes."""
     words = text.split(",")
     if not all(word.isdigit() and int(word) for word in words):
         raise ReportError("--sizes", f"found {text!r}", "rows, divided by commas")

@@ -23,10 +23,10 @@ import pandas as pd
 
 from ..formats import short
 from ..statistics.cells import BELOW_TIER, EXCLUDED, FALSE_SUCCESS, cell_table
-from ..statistics.intervals import MARGIN, holm
+from ..statistics.intervals import MARGIN, Bootstrap, holm
 from ..statistics.load import Campaign
 from ..statistics.means import penalised, shift_of, shifted_geometric_mean
-from ..statistics.pairwise import LEVEL, bootstrap_of, compare_two
+from ..statistics.pairwise import LEVEL, compare_two
 from .campaign import TIER, keys_of
 from .space import Configuration, Space
 
@@ -57,7 +57,7 @@ def judge(cells: pd.DataFrame, keys: list[str]) -> tuple[float, list[Outcome]]:
     times, about, failures, false = _times(cells, keys)
     shift = shift_of(cells[cells["solver"].isin(keys)])
     shift = 0.0 if math.isnan(shift) else shift  # none was verified: all are limits
-    weights, bootstrap = about["weight"].to_numpy(), bootstrap_of(about)
+    weights, bootstrap = about["weight"].to_numpy(), Bootstrap(about.assign(problem=about.index))
     pairs = [compare_two(times, about, bootstrap, key, keys[0]) for key in keys[1:]]
     adjusted = [math.nan, *holm([pair["wilcoxon_p"] for pair in pairs])]
     directions = [0, *(pair["direction"] for pair in pairs)]
@@ -74,7 +74,6 @@ def judge(cells: pd.DataFrame, keys: list[str]) -> tuple[float, list[Outcome]]:
 
 
 def choose(outcomes: list[Outcome]) -> int:
-    """The index of the chosen one; 0 is the default."""
     allowed = [index for index, outcome in enumerate(outcomes) if outcome.allowed]
     return min(allowed, key=lambda index: outcomes[index].mean_s, default=0)
 
@@ -93,8 +92,6 @@ def _times(cells: pd.DataFrame, keys: list[str]) -> tuple[pd.DataFrame, pd.DataF
     about["weight"] /= about.groupby("size_class")["weight"].transform("sum")
     return times, about, failures, false
 
-
-# ----- the file
 
 @dataclass
 class Asked:

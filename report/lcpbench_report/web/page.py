@@ -27,24 +27,22 @@ def render(inputs: Inputs, pictures: Sequence[Picture] = ()) -> str:
     environment.filters["html"] = table.html
     data = payload.build(inputs, shown(inputs))
     data["pictures"] = [picture.family for picture in pictures]
+    has = {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
+           "sequences": "latency" in inputs.analysis, "motion": inputs.motion is not None,
+           "scaling": len(inputs.analysis.get("scaling", ())) > 0}
     context = {
         "css": Markup((_HERE / "style.css").read_text(encoding="utf-8")),
         "plotly": Markup(plotly_bundle.minified()),
         "script": Markup("\n".join((_HERE / name).read_text(encoding="utf-8") for name in _SCRIPTS)),
-        "data": Markup(as_script(data)),
-        "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": _has(inputs),
+        # JSON that may stand inside a <script>
+        "data": Markup(json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")),
+        "title": ", ".join(inputs.names), "summary": summary.summary_lines(inputs), "has": has,
         "tables": _tables(inputs), "motions": shown_tables.motions(inputs), "environments": _environments(inputs),
         "commit": str(inputs.campaigns[0].info.get("environment", {}).get("git_commit", "unknown"))[:12],
         "limitations": limitations(inputs), "notes": inputs.notes, **_headline(inputs),
         "pictures": pictures, "pictured": {picture.family for picture in pictures},
     }
     return environment.get_template("page.html.j2").render(context)
-
-
-def as_script(data: dict) -> str:
-    """JSON that may stand inside a <script>."""
-    text = json.dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c")
 
 
 def shown(inputs: Inputs) -> list[str]:
@@ -74,13 +72,6 @@ def _tables(inputs: Inputs) -> dict[str, Markup | None]:
              "ablation": (shown_tables.ablation(inputs), ""),
              "settings": (shown_tables.settings(inputs), "")}
     return {name: made and made.html(of_class) for name, (made, of_class) in found.items()}
-
-
-def _has(inputs: Inputs) -> dict[str, bool]:
-    analysis = inputs.analysis
-    return {"cells": len(inputs.cells) > 0, "pathological": len(shown_tables.pathological(inputs)) > 0,
-            "sequences": "latency" in analysis, "motion": inputs.motion is not None,
-            "scaling": len(analysis.get("scaling", ())) > 0}
 
 
 def _listed(value: object) -> str:

@@ -122,8 +122,6 @@ def _motion(table: pd.DataFrame | None) -> list[dict]:
     return found
 
 
-# ----- numbers in few bytes
-
 def pack(values) -> str:
     """Base64 of little-endian 16-bit integers. NaN is unknown; negative values are not expected."""
     given = np.asarray(values, dtype=float)

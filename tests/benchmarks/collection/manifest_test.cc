@@ -6,8 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -15,18 +15,17 @@
 #include "benchmarks/collection/content_hash.h"
 #include "benchmarks/collection/gzip_file.h"
 #include "benchmarks/collection/plan.h"
+#include "benchmarks/collection/properties.h"
 #include "benchmarks/collection/references.h"
-#include "benchmarks/collection/sequences.h"
-#include "benchmarks/collection/size_classes.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/io/matrix_market.h"
+#include "solvers/lcp/rounding_floor.h"
+#include "solvers/lcp/verify.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
-
-std::string TierPath(const std::string& tier) { return LCPBENCH_SOURCE_DIR "/data/" + tier + ".json"; }
 
 std::string WriteTemporary(const std::string& name, const std::string& text) {
   const std::string path = (std::filesystem::path(testing::TempDir()) / name).string();
@@ -77,6 +76,13 @@ TEST(ContentHash, IsOfTheContentWhateverItsNameAndFile) {
 
 // ----- manifests
 
+Manifest ExpectReadAsWritten(const Manifest& manifest) {
+  const std::string text = FormatManifest(manifest);
+  Manifest read = ReadManifest(WriteTemporary("round.json", text));
+  EXPECT_EQ(FormatManifest(read), text);
+  return read;
+}
+
 TEST(Manifest, IsReadAsItWasWritten) {
   Tier tier = PlanTier("smoke");
   tier.problems.resize(6);
@@ -86,9 +92,7 @@ TEST(Manifest, IsReadAsItWasWritten) {
   tier.sequences.push_back({{"rockers", 5, 3, {}}, 100});
   Manifest built = BuildTier(tier, {}, nullptr, [](int, int, const std::string&) {}).manifest;
   built.refused.clear();  // which is not read
-  const std::string text = FormatManifest(built);
-  const Manifest read = ReadManifest(WriteTemporary("round.json", text));
-  EXPECT_EQ(FormatManifest(read), text);
+  const Manifest read = ExpectReadAsWritten(built);
   ASSERT_EQ(read.problems.size(), 6U);
   ProblemSource source("");
   for (const ManifestEntry& entry : read.problems) EXPECT_EQ(ContentHash(source.Get(entry)), entry.sha256);
@@ -96,11 +100,10 @@ TEST(Manifest, IsReadAsItWasWritten) {
   EXPECT_EQ(read.sequences[0].sha256, MeasureSequence(read.sequences[0].start, 100).sha256);
 }
 
-TEST(Manifest, HasStepsOfMotionsAndFillUpsAsTheyWereWritten) {
+// Two steps of a motion, three fill-ups and a sequence.
+Manifest OneOfEach() {
   const std::string hash(64, 'a');
   Manifest manifest;
-  manifest.name = "n";
-  manifest.version = "1";
   Recipe step{"disc-pile", 45, 1, {}, 60};
   for (const int number : {60, 100}) {
     ManifestEntry& entry = manifest.problems.emplace_back();
@@ -111,47 +114,54 @@ TEST(Manifest, HasStepsOfMotionsAndFillUpsAsTheyWereWritten) {
     entry.source = FileSource{"problems/motion.jsonl.gz", static_cast<size_t>(number)};
     entry.base = BaseOf(step);
     entry.origin = "motion";
+    entry.properties.rows = 45;
     entry.sha256 = hash;
   }
-  EXPECT_EQ(manifest.problems[0].id, "disc-pile-n45-s1-motion-step60");
   manifest.fill_classes = {{"4-6", 3, {}, hash}};
   for (const Recipe& recipe : {Recipe{"rockers", 4, 7, {}}, Recipe{"rockers", 4, 9, {}}, Recipe{"rockers", 6, 7, {}}}) {
     manifest.fill.push_back(FillEntry(recipe));
   }
-  const std::string text = FormatManifest(manifest);
-  const Manifest read = ReadManifest(WriteTemporary("steps.json", text));
-  EXPECT_EQ(FormatManifest(read), text);
+  SequenceEntry& sequence = manifest.sequences.emplace_back();
+  sequence.id = "sequence";
+  sequence.start = {"rockers", 5, 3, {}};
+  sequence.steps = 2;
+  sequence.problems = 2;
+  sequence.most_rows = 3;
+  sequence.sha256 = hash;
+  return manifest;
+}
+
+TEST(Manifest, HasStepsOfMotionsAndFillUpsAsTheyWereWritten) {
+  const Manifest manifest = OneOfEach();
+  EXPECT_EQ(manifest.problems[0].id, "disc-pile-n45-s1-motion-step60");
+  const Manifest read = ExpectReadAsWritten(manifest);
   EXPECT_EQ(read.problems.at(1).remake, manifest.problems[1].remake);
   ASSERT_EQ(read.fill.size(), 3U);
   for (const ManifestEntry& entry : read.fill) EXPECT_TRUE(entry.fill && entry.base == entry.id);
-  const std::map<std::string, double> weights = WeightsByBase(read.problems);
-  EXPECT_EQ(weights.size(), 1U);
-  EXPECT_EQ(weights.at("disc-pile-n45-s1-motion"), 0.5);
+  EXPECT_EQ(WeightsByBase(read.problems), (std::map<std::string, double>{{"disc-pile-n45-s1-motion", 0.5}}));
 }
 
 TEST(Manifest, OfAnotherFormIsRefusedInOneLine) {
-  const std::string hash(64, '0');
-  const std::string problem =
-      R"({"id":"a","family":"f","recipe":{"scene":"rockers","rows":3,"seed":1},"rows":3,"sha256":")" + hash + "\"}";
-  const auto with = [](const std::string& problems) {
-    return R"({"lcpbench_manifest":1,"name":"n","version":"1","problems":[)" + problems + "]}";
-  };
-  EXPECT_EQ(ReadManifest(WriteTemporary("good.json", with(problem))).problems.size(), 1U);
-  const auto replaced = [&](const std::string& from, const std::string& to) {
-    std::string text = with(problem);
-    text.replace(text.find(from), from.size(), to);
-    return text;
+  const auto good = nlohmann::json::parse(FormatManifest(OneOfEach()));
+  const auto with = [&](const char* place, const nlohmann::json& value) {
+    nlohmann::json other = good;
+    other[nlohmann::json::json_pointer(place)] = value;
+    return std::pair<std::string, std::string>(other.dump(), place);
   };
   const std::pair<std::string, std::string> kBad[] = {
       {"", ""},
       {"[]", ""},
-      {replaced("manifest\":1", "manifest\":2"), "/lcpbench_manifest"},
-      {replaced("\"id\":\"a\"", "\"id\":7"), "/problems/0/id"},
-      {replaced("\"seed\":1", "\"seed\":-1"), "/problems/0/recipe/seed"},
-      {replaced("\"seed\":1", "\"seed\":0.5"), "/problems/0/recipe/seed"},
-      {replaced("\"rows\":3,\"seed\"", "\"rows\":0,\"seed\""), "/problems/0/recipe/rows"},
-      {replaced(hash, "beef"), "/problems/0/sha256"},
-      {with(problem + "," + problem), "/problems/1/id"},
+      with("/lcpbench_manifest", 2),
+      with("/problems/0/id", 7),
+      with("/problems/0/recipe/seed", -1),
+      with("/problems/0/recipe/seed", 0.5),
+      with("/problems/0/recipe/rows", 0),
+      with("/problems/0/sha256", "beef"),
+      with("/problems/1/id", good["problems"][0]["id"]),
+      with("/fill/0/problems", 4),
+      with("/sequences/0/steps", 0),
+      with("/sequences/0/problems", 0),
+      with("/sequences/0/rows/most", 0),
   };
   for (const auto& [text, place] : kBad) {
     const std::string path = WriteTemporary("bad.json", text);
@@ -170,23 +180,28 @@ TEST(Manifest, OfAnotherFormIsRefusedInOneLine) {
 
 // ----- the collection
 
-class CollectionTier : public testing::TestWithParam<std::string> {};
+const std::string kData = LCPBENCH_SOURCE_DIR "/data/";
+
+class CollectionTier : public testing::TestWithParam<std::string> {
+ protected:
+  const Tier tier_ = PlanTier(GetParam());
+  const Manifest manifest_ = ReadManifest(kData + GetParam() + ".json");
+  ProblemSource source_{kData};
+};
 INSTANTIATE_TEST_SUITE_P(Tiers, CollectionTier, testing::ValuesIn(AllTiers()),
                          [](const auto& test) { return test.param; });
 
 // Up to a size that takes seconds; `lcpbench collection check` makes all of them.
 TEST_P(CollectionTier, IsWhatItsHashesSay) {
   constexpr Index kMostRows = 2000;
-  const Manifest manifest = ReadManifest(TierPath(GetParam()));
-  EXPECT_EQ(manifest.name, GetParam());
-  EXPECT_EQ(manifest.version, kCollectionVersion);
-  ProblemSource source(LCPBENCH_SOURCE_DIR "/data");
-  for (const ManifestEntry& entry : manifest.problems) {
+  EXPECT_EQ(manifest_.name, GetParam());
+  EXPECT_EQ(manifest_.version, kCollectionVersion);
+  for (const ManifestEntry& entry : manifest_.problems) {
     if (entry.properties.rows > kMostRows) continue;
-    EXPECT_EQ(ContentHash(source.Get(entry)), entry.sha256) << entry.id;
+    EXPECT_EQ(ContentHash(source_.Get(entry)), entry.sha256) << entry.id;
   }
   int left = 4;
-  for (const SequenceEntry& entry : manifest.sequences) {
+  for (const SequenceEntry& entry : manifest_.sequences) {
     if (entry.start.rows > 20 || left == 0) continue;
     --left;
     EXPECT_EQ(MeasureSequence(entry.start, entry.steps).sha256, entry.sha256) << entry.id;
@@ -195,37 +210,32 @@ TEST_P(CollectionTier, IsWhatItsHashesSay) {
 
 // The files are for those who do not generate: the same problems, in the same order, steps of motions in another file.
 TEST_P(CollectionTier, HasFilesOfTheSameProblems) {
-  const std::string path = LCPBENCH_SOURCE_DIR "/data/problems/" + GetParam() + ".jsonl.gz";
-  ASSERT_EQ(std::filesystem::exists(path), PlanTier(GetParam()).has_files);
-  if (!PlanTier(GetParam()).has_files) return;
-  const Manifest manifest = ReadManifest(TierPath(GetParam()));
+  const std::string path = kData + "problems/" + GetParam() + ".jsonl.gz";
+  ASSERT_EQ(std::filesystem::exists(path), tier_.has_files);
+  if (!tier_.has_files) return;
   std::vector<const ManifestEntry*> placed;
-  for (const ManifestEntry& entry : manifest.problems) {
+  for (const ManifestEntry& entry : manifest_.problems) {
     if (entry.origin == "placed") placed.push_back(&entry);
   }
-  LineReader lines(path);
-  std::string line;
   size_t k = 0;
-  while (lines.Next(&line)) {
+  ReadEachLine(path, [&](const std::string& line, const std::string& where) {
     ASSERT_LT(k, placed.size());
     const ManifestEntry& entry = *placed[k++];
-    const LcpProblem problem = ParseLcpRecord(line, entry.id).problem;
+    const LcpProblem problem = ParseLcpRecord(line, where).problem;
     EXPECT_EQ(problem.id(), entry.id);
     EXPECT_EQ(ContentHash(problem), entry.sha256);
-  }
+  });
   EXPECT_EQ(k, placed.size());
 }
 
 TEST_P(CollectionTier, FillsStreamsUpWithProblemsThatItsHashesSay) {
-  const Manifest manifest = ReadManifest(TierPath(GetParam()));
-  const References references(manifest, LCPBENCH_SOURCE_DIR "/data");
-  ProblemSource source("");
+  const References references(manifest_, kData);
   size_t next = 0;
-  for (const FillClass& fill : manifest.fill_classes) {
+  for (const FillClass& fill : manifest_.fill_classes) {
     SequenceHash hash;
     for (size_t k = 0; k < fill.problems; ++k) {
-      const ManifestEntry& entry = manifest.fill[next++];
-      const LcpProblem problem = source.Get(entry);
+      const ManifestEntry& entry = manifest_.fill[next++];
+      const LcpProblem problem = source_.Get(entry);
       hash.Add(problem);
       EXPECT_EQ(SizeClassOf(problem.size()).key, fill.size_class) << entry.id;
       EXPECT_EQ(problem.size(), entry.properties.rows) << entry.id;
@@ -233,25 +243,23 @@ TEST_P(CollectionTier, FillsStreamsUpWithProblemsThatItsHashesSay) {
     }
     EXPECT_EQ(hash.Result(), fill.sha256) << fill.size_class;
   }
-  EXPECT_EQ(next, manifest.fill.size());
-  for (const FillPlan& plan : PlanTier(GetParam()).fill) {
+  EXPECT_EQ(next, manifest_.fill.size());
+  for (const FillPlan& plan : tier_.fill) {
     const auto count = [&](const std::vector<ManifestEntry>& entries) {
       return std::count_if(entries.begin(), entries.end(), [&](const ManifestEntry& entry) {
         return SizeClassOf(entry.properties.rows).key == plan.size_class.key;
       });
     };
-    EXPECT_GE(count(manifest.problems) + count(manifest.fill), plan.size_class.stream) << plan.size_class.key;
+    EXPECT_GE(count(manifest_.problems) + count(manifest_.fill), plan.size_class.stream) << plan.size_class.key;
   }
 }
 
 TEST_P(CollectionTier, IsWhatIsPlanned) {
-  const Tier tier = PlanTier(GetParam());
-  const Manifest manifest = ReadManifest(TierPath(GetParam()));
   // But for seeds, and for what was refused with every seed, in the planned order.
   size_t next = 0;
   const auto follow = [&](const Recipe& planned, int most) {
-    for (int taken = 0; taken < most && next < manifest.problems.size(); ++taken) {
-      const ManifestEntry& entry = manifest.problems[next];
+    for (int taken = 0; taken < most && next < manifest_.problems.size(); ++taken) {
+      const ManifestEntry& entry = manifest_.problems[next];
       Recipe recipe = entry.remake ? *entry.remake : std::get<Recipe>(entry.source);
       const bool tried = recipe.seed >= planned.seed && (recipe.seed - planned.seed) % kSeedStep == 0;
       recipe.seed = planned.seed;
@@ -260,11 +268,63 @@ TEST_P(CollectionTier, IsWhatIsPlanned) {
       ++next;
     }
   };
-  for (const Candidate& candidate : tier.problems) follow(candidate.recipe, 1);
-  for (const MotionCandidate& candidate : tier.motions) follow(candidate.start, candidate.steps);
-  EXPECT_EQ(next, manifest.problems.size());
-  ASSERT_EQ(manifest.sequences.size(), tier.sequences.size());
-  for (size_t k = 0; k < tier.sequences.size(); ++k) EXPECT_EQ(manifest.sequences[k].start, tier.sequences[k].start);
+  for (const Candidate& candidate : tier_.problems) follow(candidate.recipe, 1);
+  for (const MotionCandidate& candidate : tier_.motions) follow(candidate.start, candidate.steps);
+  EXPECT_EQ(next, manifest_.problems.size());
+  ASSERT_EQ(manifest_.sequences.size(), tier_.sequences.size());
+  for (size_t k = 0; k < tier_.sequences.size(); ++k) EXPECT_EQ(manifest_.sequences[k].start, tier_.sequences[k].start);
+}
+
+// ----- the committed answers, judged as any solver's are
+
+Eigen::VectorXd Numbers(const nlohmann::json& values) {
+  const auto numbers = values.get<std::vector<double>>();
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), static_cast<Index>(numbers.size()));
+}
+
+TEST_P(CollectionTier, HasAnswersThatSolveTheProblemsOrProveThatNothingDoes) {
+  constexpr Index kMostRows = 1000;
+  ASSERT_EQ(manifest_.references.empty(), !tier_.has_files);
+  if (!tier_.has_files) return;
+  std::map<std::string, const ManifestEntry*> entries;
+  for (const auto* part : {&manifest_.problems, &manifest_.fill}) {
+    for (const ManifestEntry& entry : *part) entries[entry.id] = &entry;
+  }
+  size_t count = 0;
+  ReadEachLine(kData + manifest_.references, [&](const std::string& line, const std::string& /*where*/) {
+    const nlohmann::json record = nlohmann::json::parse(line);
+    const std::string id = record["id"];
+    ++count;
+    ASSERT_TRUE(entries.count(id) == 1) << id;
+    const ManifestEntry& entry = *entries[id];
+    EXPECT_EQ(entry.reference.kind, record["kind"]) << id;
+    if (entry.properties.rows > kMostRows) return;
+    const LcpProblem problem = source_.Get(entry);
+    if (record["status"] == "infeasible") {
+      EXPECT_TRUE(VerifyFarkasRay(problem, Numbers(record["ray"])).accepted) << id;
+      return;
+    }
+    const Eigen::VectorXd f = Numbers(record.contains("f_minnorm") ? record["f_minnorm"] : record["f"]);
+    LcpReference reference;
+    reference.status = LcpReference::Status::kSolved;
+    reference.w = Numbers(record["w"]);
+    const Metrics metrics = ComputeMetrics(problem, f, &reference);
+    // Nothing but the rounding of f and w to doubles and, where rows contradict each other by their roundings, what the
+    // proof says of the distance to the problem that has a solution.
+    const double floor = RoundingFloor(problem, f);
+    const Eigen::VectorXd D = problem.DiagonalA().unaryExpr([](double d) { return d > 0 ? d : 1.0; });
+    const double loads = problem.b().cwiseQuotient(D.cwiseSqrt()).norm();
+    const double shift = record.value("energy_shift", 0.0);
+    // On rows that contradict each other f and w of the other problem need not be complementary to the last digit; and
+    // of one settled wall the floor is estimated too low, by a factor of ten.
+    const double rounding = entry.origin == "motion" ? 1e-12 : 1e-15;
+    EXPECT_LE(metrics.rho, 2 * floor + rounding + 2 * shift / loads) << id;
+    const Eigen::VectorXd error = (metrics.w - *reference.w).cwiseQuotient(D.cwiseSqrt());
+    EXPECT_LE(error.norm(), (2 * floor + 1e-15) * loads + 2 * shift) << id;
+  });
+  size_t expected = manifest_.fill.size();
+  for (const ManifestEntry& entry : manifest_.problems) expected += entry.reference.kind == "none" ? 0 : 1;
+  EXPECT_EQ(count, expected);
 }
 
 }  // namespace

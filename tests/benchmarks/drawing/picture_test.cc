@@ -2,21 +2,24 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
 #include <cmath>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "benchmarks/drawing/drawn_scene.h"
-#include "benchmarks/drawing/outline_path.h"
+#include "benchmarks/drawing/svg.h"
 #include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
+#include "tests/benchmarks/free_flight.h"
 
 namespace lcpbench {
 namespace {
@@ -27,26 +30,38 @@ std::vector<Outline> Shapes() {
           Gear(GearShape{}), Cam(1, 0.4, 1.2), Bowl(1, 0.8, 1)};
 }
 
+std::vector<OutlinePiece> Pieces() {
+  std::vector<OutlinePiece> pieces;
+  for (const Outline& outline : Shapes()) {
+    for (const OutlinePiece& piece : AllPieces(outline)) pieces.push_back(piece);
+  }
+  return pieces;
+}
+
 int Count(const std::string& text, const std::string& part) {
   int count = 0;
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
   return count;
 }
 
+std::string Drawn(const ContactSystem& system, const PictureExtras& extras = {}) {
+  std::string svg = RenderSvg(system, AssembleContactLcp(system), nullptr, nullptr, extras);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  return svg;
+}
+
 TEST(PieceFlattening, StaysWithinItsToleranceOfTheCurve) {
   for (const double flatness : {1e-2, 1e-4}) {
-    for (const Outline& outline : Shapes()) {
-      for (const OutlinePiece& piece : AllPieces(outline)) {
-        const std::vector<double> s = FlatParameters(piece, flatness);
-        ASSERT_EQ(s.front(), piece.s_begin);
-        ASSERT_EQ(s.back(), piece.s_end);
-        for (std::size_t k = 1; k < s.size(); ++k) {
-          const Vec2 a = CurvePoint(piece.edge, s[k - 1]);
-          const Vec2 chord = CurvePoint(piece.edge, s[k]) - a;
-          for (int i = 1; i < 16; ++i) {
-            const Vec2 p = CurvePoint(piece.edge, s[k - 1] + (s[k] - s[k - 1]) * i / 16) - a;
-            EXPECT_LE(std::abs(Cross(chord, p)), 1.5 * flatness * Norm(chord)) << outline.name;
-          }
+    for (const OutlinePiece& piece : Pieces()) {
+      const std::vector<double> s = FlatParameters(piece, flatness);
+      ASSERT_EQ(s.front(), piece.s_begin);
+      ASSERT_EQ(s.back(), piece.s_end);
+      for (std::size_t k = 1; k < s.size(); ++k) {
+        const Vec2 a = CurvePoint(piece.edge, s[k - 1]);
+        const Vec2 chord = CurvePoint(piece.edge, s[k]) - a;
+        for (int i = 1; i < 16; ++i) {
+          const Vec2 p = CurvePoint(piece.edge, s[k - 1] + (s[k] - s[k - 1]) * i / 16) - a;
+          EXPECT_LE(std::abs(Cross(chord, p)), 1.5 * flatness * Norm(chord)) << piece.edge.index();
         }
       }
     }
@@ -55,16 +70,14 @@ TEST(PieceFlattening, StaysWithinItsToleranceOfTheCurve) {
 
 TEST(PiecePath, EndsWhereThePieceEnds) {
   constexpr double kUnit = 20;
-  for (const Outline& outline : Shapes()) {
-    for (const OutlinePiece& piece : AllPieces(outline)) {
-      const std::string path = PiecePath(piece, kUnit, "M");
-      const Vec2 end = kUnit * CurvePoint(piece.edge, piece.s_end);
-      const std::regex numbers("(-?[0-9.]+) (-?[0-9.]+)$");
-      std::smatch match;
-      ASSERT_TRUE(std::regex_search(path, match, numbers)) << path;
-      EXPECT_NEAR(std::stod(match[1]), end.x, 0.006) << path;
-      EXPECT_NEAR(std::stod(match[2]), end.y, 0.006) << path;
-    }
+  const std::regex numbers("(-?[0-9.]+) (-?[0-9.]+)$");
+  for (const OutlinePiece& piece : Pieces()) {
+    const std::string path = PiecePath(piece, kUnit, "M");
+    const Vec2 end = kUnit * CurvePoint(piece.edge, piece.s_end);
+    std::smatch match;
+    ASSERT_TRUE(std::regex_search(path, match, numbers)) << path;
+    EXPECT_NEAR(std::stod(match[1]), end.x, 0.006) << path;
+    EXPECT_NEAR(std::stod(match[2]), end.y, 0.006) << path;
   }
 }
 
@@ -74,12 +87,16 @@ TEST(PiecePath, TurnsArcsTheWayOfTravel) {
   EXPECT_NE(PiecePath({Circle(1), 1, 0}, 10, "M").find("A10 10 0 0 0 "), std::string::npos);
 }
 
+TEST(BandPath, LiesInTheMaterial) {
+  EXPECT_EQ(BandPath(WholeEdge({1, 0}, {-1, 0}), 10, 9), "M10 0L-10 0L-10 -9L10 -9Z");
+}
+
 TEST(Pictures, TurnBodiesAndMirrorTheirFrames) {
   ContactSystem system;
   system.name = "turned";
   system.bodies = {MakeBox({}, 2, 1, 1)};
   system.bodies[0].theta = kPi / 6;
-  const std::string svg = RenderSvg(system, AssembleContactLcp(system), nullptr, nullptr);
+  const std::string svg = Drawn(system);
   // A point (1, 0) of the body lies right of its centre and, y pointing down on the page, above.
   EXPECT_NE(svg.find("transform=\"matrix(0.866025 -0.500000 -0.500000 -0.866025 "), std::string::npos);
 }
@@ -92,65 +109,24 @@ TEST(Outlines, AreBoundedUnlessTheMaterialLiesOutside) {
 }
 
 TEST(EdgeStyles, HaveColoursOfTheirOwn) {
-  for (std::size_t i = 0; i < kEdgeStyles.size(); ++i) {
-    EXPECT_NE(kEdgeStyles[i].color, kForceColor);
-    for (std::size_t j = 0; j < i; ++j) EXPECT_NE(kEdgeStyles[i].color, kEdgeStyles[j].color);
-  }
+  std::set<std::string_view> colours = {kForceColor};
+  for (const EdgeStyle& style : kEdgeStyles) EXPECT_TRUE(colours.insert(style.color).second) << style.name;
 }
 
-TEST(Pictures, FillHolesByTheEvenOddRuleAndColourEveryKindOfEdge) {
-  ContactSystem system;
-  system.name = "shapes";
-  double x = 0;
-  for (const Outline& outline : Shapes()) {
-    Body body = MakeBody(outline, 1);
-    body.x = {x += 3, 0};
-    system.bodies.push_back(body);
-  }
-  Body curve;
-  curve.name = "leaf";
-  curve.outline = {{BezierEdge{{{{0, 0}, {1, -1}, {2, -1}, {3, 0}}}}, 0, 1},
-                   {BezierEdge{{{{3, 0}, {2, 1}, {1, 1}, {0, 0}}}}, 0, 1}};
-  system.bodies.push_back(curve);
-  const std::string svg = RenderSvg(system, AssembleContactLcp(system), nullptr, nullptr);
-  EXPECT_EQ(Count(svg, "fill-rule=\"evenodd\""), static_cast<int>(system.bodies.size()));
+TEST(Pictures, FillHolesColourEveryKindOfEdgeAndDrawJointsLoadsAndDrivenBodies) {
+  World world = Exhibition();
+  world.bodies[0].v = {1, 0};  // so that no body is at rest
+  const std::string svg = Drawn({"exhibition", world.bodies, world.joints}, {&world.loads, "some words"});
+  const auto has_outline = [](const Body& body) { return !body.outline.empty(); };
+  EXPECT_EQ(Count(svg, "fill-rule=\"evenodd\""), std::count_if(world.bodies.begin(), world.bodies.end(), has_outline));
   for (const EdgeStyle& style : kEdgeStyles) {
     EXPECT_NE(svg.find("stroke=\"" + std::string(style.color) + "\""), std::string::npos) << style.name;
     EXPECT_NE(svg.find(">" + std::string(style.name) + "<"), std::string::npos) << style.name;
   }
-  EXPECT_EQ(svg.find("nan"), std::string::npos);
-}
-
-TEST(Pictures, DrawJointsSpringsDampersAndDrivenBodies) {
-  ContactSystem system;
-  system.name = "joints";
-  for (int i = 0; i < 5; ++i) {
-    Body body = MakeDisc({2.0 * i, 0}, 0.5, 1);
-    body.name = "disc " + std::to_string(i);
-    system.bodies.push_back(body);
+  for (const char* part : {">pin (1)<", ">rod (1)<", ">rope (1)<", ">path joint (1)<", ">spring (1)<", ">damper (1)<",
+                           ">driven<", ">gravity 9.81 m/s\u00B2<", "some words", "<title>drum, driven, "}) {
+    EXPECT_NE(svg.find(part), std::string::npos) << part;
   }
-  Body drum = MakeFixed("drum");
-  drum.outline = AllPieces(Ring(0.7, 0.6));
-  drum.omega = 2;
-  system.bodies.push_back(drum);
-  const auto joint = [&](ConstraintType type, int body1, Vec2 point1, int body2, const Feature& feature2) {
-    system.constraints.push_back({type, body1, body2, Vertex{point1}, feature2, {}, {}, 0, 1.5});
-  };
-  joint(ConstraintType::kPin, 0, {1, 0}, 1, Vertex{{-1, 0}});
-  joint(ConstraintType::kRod, 1, {0.4, 0}, 2, Vertex{{-0.1, 0}});
-  joint(ConstraintType::kRope, 2, {0.4, 0}, 3, Vertex{{-0.4, 0}});
-  joint(ConstraintType::kPathJoint, 4, {0, 0}, 3, ArcEdge{{}, 2, Side::kConvex});
-  Loads loads;
-  loads.gravity = {0, -kGravity};
-  loads.springs.push_back({{0, {}}, {4, {}}, 1, 1});
-  loads.dampers.push_back({{4, {}}, {0, {}}, 1});
-  const std::string svg = RenderSvg(system, AssembleContactLcp(system), nullptr, nullptr, {&loads, "some words"});
-  for (const char* item : {"pin (1)", "rod (1)", "rope (1)", "path joint (1)", "spring (1)", "damper (1)", "driven",
-                           "gravity 9.81 m/s\u00B2"}) {
-    EXPECT_NE(svg.find(std::string(">") + item + "<"), std::string::npos) << item;
-  }
-  EXPECT_NE(svg.find("some words"), std::string::npos);
-  EXPECT_NE(svg.find("<title>drum, driven, "), std::string::npos);
   EXPECT_EQ(svg.find(">fixed<"), std::string::npos);
 }
 
@@ -178,14 +154,13 @@ TEST(Pictures, LabelForcesWhereThereIsRoomOnly) {
   Body floor = MakeFixed("floor");
   floor.outline = {WholeEdge({50, 0}, {-50, 0})};
   AddBody(&system, "floor", floor);
-  Eigen::VectorXd f(1);
   for (int count : {1, 400}) {
     while (static_cast<int>(system.constraints.size()) < count) {
       const int disc =
           AddBody(&system, "disc", MakeDisc({0.1 * static_cast<double>(system.constraints.size()), 0.04}, 0.04, 1));
       AddContact(&system, disc, Circle(0.04), 0, StraightEdge{{50, 0}, {-50, 0}});
     }
-    f = Eigen::VectorXd::Constant(count, 19.62);
+    const Eigen::VectorXd f = Eigen::VectorXd::Constant(count, 19.62);
     const Eigen::VectorXd w = Eigen::VectorXd::Zero(count);
     const std::string svg = RenderSvg(system, AssembleContactLcp(system), &f, &w);
     EXPECT_EQ(Count(svg, ">19.6 N<"), count == 1 ? 1 : 0);
@@ -205,8 +180,7 @@ TEST(RenderSvg, DrawsEveryBodyOfEveryFamilyInWellFormedSvg) {
         std::istringstream text(svg);
         boost::property_tree::ptree tree;
         EXPECT_NO_THROW(boost::property_tree::read_xml(text, tree)) << family.key;
-        EXPECT_EQ(svg.find("nan"), std::string::npos);
-        EXPECT_EQ(svg.find("inf"), std::string::npos);
+        for (const char* bad : {"nan", "inf"}) EXPECT_EQ(svg.find(bad), std::string::npos);
         for (const Body& body : system.bodies) {
           EXPECT_NE(svg.find("<title>" + body.name + ","), std::string::npos) << body.name;
         }

@@ -7,10 +7,10 @@
 #include <bit>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <initializer_list>
-#include <sstream>
+#include <random>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -21,7 +21,8 @@
 #include "model/scenes/scene.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
-#include "tests/fuzz/scene_laws.h"
+#include "tests/fuzz/corpus.h"
+#include "tests/fuzz/laws.h"
 #include "tests/fuzz/scene_mutation.h"
 
 namespace lcpbench {
@@ -37,9 +38,9 @@ void ExpectSameAfterRoundTrip(const SceneFile& scene) {
   EXPECT_EQ(FormatScene(read), text);
 }
 
-std::vector<std::string> Examples(const std::string& folder = "data/scenes") {
+std::vector<std::string> Examples() {
   std::vector<std::string> paths;
-  for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/" + folder)) {
+  for (const auto& entry : std::filesystem::directory_iterator(LCPBENCH_SOURCE_DIR "/data/scenes")) {
     const std::string name = entry.path().filename().string();
     if (name.ends_with(".json") && !name.ends_with(".schema.json")) paths.push_back(entry.path().string());
   }
@@ -208,21 +209,16 @@ TEST(SceneFileRoundTrip, WhatTheReaderWouldRefuseIsNotWritten) {
 // The fuzz target's laws (tests/fuzz) on seeded mutations of the examples, so that every compiler and every test run
 // tries some: bytes changed, and values of the JSON tree replaced, removed, copied and renamed.
 TEST(SceneFileMutations, GiveAValidWorldOrOneLineOfError) {
-  std::vector<std::string> seeds;
-  for (const char* folder : {"data/scenes", "tests/fuzz/corpus"}) {
-    for (const std::string& path : Examples(folder)) {
-      std::ostringstream text;
-      text << std::ifstream(path).rdbuf();
-      seeds.push_back(text.str());
-    }
-  }
+  std::vector<std::string> seeds = Corpus("corpus");
+  for (std::string& scene : Corpus("../../data/scenes")) seeds.push_back(std::move(scene));
   ASSERT_GE(seeds.size(), 8U);
   Random random(1);
+  std::mt19937 bytes(1);
   constexpr int kRounds = 4000;
   for (int round = 0; round < kRounds; ++round) {
     const std::string& seed = seeds[Below(seeds.size(), &random)];
     const bool tree = random.Uniform() < 0.8;
-    const std::string text = tree ? MutatedTree(seed, &random) : MutatedBytes(seed, &random);
+    const std::string text = tree ? MutatedTree(seed, &random) : ChangedBytes(seed, seeds, &bytes);
     std::string broken;
     EXPECT_NO_THROW(broken = BrokenSceneLaw(text)) << text;
     EXPECT_EQ(broken, "") << text;

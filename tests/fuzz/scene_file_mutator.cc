@@ -1,31 +1,17 @@
-// Any bytes are either a scene that holds what scene_file.h promises, or an InputError of one line. So is what
-// detection and assembly make of the scene, and the text that the writer makes of it reads back.
+// How libFuzzer changes scene files.
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
-#include <cstdlib>
 #include <string>
-#include <string_view>
 
 #include "model/scenes/random.h"
-#include "tests/fuzz/scene_laws.h"
 #include "tests/fuzz/scene_mutation.h"
 
 // What libFuzzer calls, and its own mutator, which it offers.
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned int seed);
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
-
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const std::string text(data, data + size);
-  const std::string broken = lcpbench::BrokenSceneLaw(text);
-  if (broken.empty()) return 0;
-  std::fprintf(stderr, "%s\n", broken.c_str());
-  std::abort();
-}
 
 // Bytes changed at random are hardly ever JSON: most mutations are made on the tree of values.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
