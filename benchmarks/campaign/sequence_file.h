@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "benchmarks/collection/manifest.h"
+#include "model/motion/contact_finder.h"
 #include "model/motion/motion.h"
-#include "model/motion/row_matching.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {

@@ -7,7 +7,6 @@
 
 #include "benchmarks/drawing/drawn_scene.h"
 #include "model/contact/world.h"
-#include "model/geometry/vec2.h"
 #include "model/motion/motion.h"
 
 namespace lcpbench {

@@ -6,7 +6,6 @@
 
 #include "benchmarks/drawing/svg.h"
 #include "model/detection/detection.h"
-#include "model/geometry/trig.h"
 
 namespace lcpbench {
 namespace {

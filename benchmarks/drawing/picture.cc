@@ -12,7 +12,7 @@
 
 #include "benchmarks/drawing/drawn_scene.h"
 #include "benchmarks/drawing/svg.h"
-#include "model/geometry/trig.h"
+#include "model/geometry/vec2.h"
 #include "model/scenes/parts.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"

@@ -9,7 +9,6 @@
 #include <variant>
 
 #include "model/geometry/feature.h"
-#include "model/geometry/overloaded.h"
 #include "model/scenes/parts.h"
 
 namespace lcpbench {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "model/motion/contact_finder.h"
 #include "model/motion/motion.h"
-#include "model/motion/row_matching.h"
 #include "solvers/lcp/verify.h"
 
 namespace lcpbench {

@@ -10,7 +10,7 @@
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/contact/assembly.h"
-#include "model/motion/row_matching.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

@@ -10,7 +10,6 @@
 
 #include "model/contact/closest_points.h"
 #include "model/contact/contact_row.h"
-#include "model/geometry/trig.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

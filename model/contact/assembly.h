@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "model/contact/system.h"
-#include "model/geometry/vec2.h"
 #include "solvers/lcp/problem.h"
 
 namespace lcpbench {

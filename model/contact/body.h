@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "model/geometry/feature.h"
-#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 
@@ -28,7 +27,11 @@ struct Body {
   double alpha = 0;
   /// What the body looks like, for pictures; assembly reads the constraints' features only.
   std::vector<OutlineEdge> outline;
+  bool operator==(const Body&) const = default;
 };
+
+/// The world point of the body-frame point c.
+inline Vec2 WorldPoint(const Body& body, Vec2 c) { return body.x + Rotate(SinCos(body.theta), c); }
 
 /// "body 3 'name'", for error texts.
 std::string BodyText(std::span<const Body> bodies, std::size_t i);

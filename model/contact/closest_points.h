@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "model/geometry/double_double.h"
-#include "model/geometry/placed_feature.h"
-#include "model/geometry/vec2.h"
+#include "model/geometry/smooth_curve.h"
 
 namespace lcpbench {
 

@@ -6,7 +6,6 @@
 #include "model/contact/body.h"
 #include "model/contact/closest_points.h"
 #include "model/contact/system.h"
-#include "model/geometry/trig.h"
 
 namespace lcpbench {
 

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <string>
 
-#include "model/geometry/trig.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -20,6 +20,7 @@ namespace lcpbench {
 struct Attachment {
   int body = 0;
   Vec2 point;  ///< body frame [m]
+  bool operator==(const Attachment&) const = default;
 };
 
 /// Sets force and torque of every body to 0. O(n).
@@ -32,6 +33,7 @@ struct Spring {
   Attachment end2;
   double stiffness = 1;    ///< [N/m] >= 0
   double rest_length = 0;  ///< [m] >= 0
+  bool operator==(const Spring&) const = default;
 };
 void ApplySpring(const Spring& spring, std::span<Body> bodies);
 
@@ -41,6 +43,7 @@ struct Damper {
   Attachment end1;
   Attachment end2;
   double coefficient = 1;  ///< [N s/m] >= 0
+  bool operator==(const Damper&) const = default;
 };
 void ApplyDamper(const Damper& damper, std::span<Body> bodies);
 
@@ -48,6 +51,7 @@ void ApplyDamper(const Damper& damper, std::span<Body> bodies);
 struct Thruster {
   Attachment at;
   Vec2 force;  ///< body frame [N]
+  bool operator==(const Thruster&) const = default;
 };
 
 /// Attraction between the centres of mass of all pairs of bodies, as between far-apart balls: strength m1 m2 / r^2. A
@@ -56,6 +60,7 @@ struct Thruster {
 struct MutualAttraction {
   double strength = 1;   ///< [N m^2/kg^2]; negative repels
   double softening = 0;  ///< [m] >= 0
+  bool operator==(const MutualAttraction&) const = default;
 };
 /// O(n^2), pairs in order of indices.
 void ApplyMutualAttraction(const MutualAttraction& attraction, std::span<Body> bodies);
@@ -65,6 +70,7 @@ struct Wrench {
   Attachment at;
   Vec2 force;         ///< world frame [N]
   double torque = 0;  ///< [N m], besides the force's own moment
+  bool operator==(const Wrench&) const = default;
 };
 
 /// Everything that acts on the bodies of a world besides its constraints.
@@ -75,6 +81,7 @@ struct Loads {
   std::vector<Thruster> thrusters;
   std::vector<Wrench> wrenches;
   std::optional<MutualAttraction> attraction;
+  bool operator==(const Loads&) const = default;
 };
 
 /// Sets force and torque of every body to the sum of all loads, in the order of the members above.

@@ -33,6 +33,7 @@ struct Constraint {
   double nominal_gap = 0;
   /// Of a rod or rope [m], > 0; ignored by all others.
   double length = 0;
+  bool operator==(const Constraint&) const = default;
 };
 
 /// Bodies and the constraints between them at one instant: what assembly turns into an LCP.

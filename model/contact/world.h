@@ -9,6 +9,12 @@
 
 namespace lcpbench {
 
+/// The mechanics that a world moves by.
+enum class MotionLevel {
+  kAcceleration,  ///< forces from the contact LCP at every evaluation, events located, impacts simultaneous
+  kVelocity,      ///< time stepping: one LCP of impulses a step, no events [Anitescu, Potra 1997]
+};
+
 /// A mechanical system that can move: where a sequence of contact problems starts. Its contacts are not listed but
 /// found from the bodies' outlines (detection.h) at every instant.
 struct World {
@@ -19,6 +25,7 @@ struct World {
   /// Pins, path joints, rods and ropes; never kContact. Two bodies that share one do not touch each other.
   std::vector<Constraint> joints;
   Loads loads;
+  bool operator==(const World&) const = default;
 };
 
 /// The world of which `system` is one instant: its bodies, its constraints other than contacts, and as loads the

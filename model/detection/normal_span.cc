@@ -7,8 +7,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "model/geometry/trig.h"
-
 namespace lcpbench {
 namespace {
 

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "model/geometry/trig.h"
-
 namespace lcpbench {
 namespace {
 

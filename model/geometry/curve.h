@@ -8,8 +8,6 @@
 #include <vector>
 
 #include "model/geometry/area_moments.h"
-#include "model/geometry/trig.h"
-#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 

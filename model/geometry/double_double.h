@@ -2,7 +2,6 @@
 
 #include <cmath>
 
-#include "model/geometry/trig.h"
 #include "model/geometry/vec2.h"
 
 namespace lcpbench {

@@ -4,7 +4,6 @@
 #include <numbers>
 #include <type_traits>
 
-#include "model/geometry/overloaded.h"
 #include "support/input_error.h"
 #include "support/number_text.h"
 

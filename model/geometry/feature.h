@@ -10,6 +10,14 @@
 
 namespace lcpbench {
 
+/// Lambdas as one visitor for std::visit.
+template <class... Ts>
+struct Overloaded : Ts... {
+  using Ts::operator()...;
+};
+template <class... Ts>
+Overloaded(Ts...) -> Overloaded<Ts...>;
+
 /// A corner of an outline, or a point of attachment.
 struct Vertex {
   static constexpr const char* kName = "vertex";
@@ -49,6 +57,7 @@ struct OutlineEdge {
   OutlineCurve edge;
   double s_begin = 0;
   double s_end = 1;
+  bool operator==(const OutlineEdge&) const = default;
 };
 /// The name under which outlines, their checks and their mass properties speak of a piece.
 using OutlinePiece = OutlineEdge;

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <variant>
 
-#include "model/geometry/overloaded.h"
+#include "model/geometry/feature.h"
 
 namespace lcpbench {
 namespace {

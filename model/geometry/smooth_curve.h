@@ -1,13 +1,32 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <tuple>
 #include <vector>
 
 #include "model/geometry/double_double.h"
-#include "model/geometry/placed_feature.h"
+#include "model/geometry/feature.h"
 
 namespace lcpbench {
+
+/// A body's feature placed in the world: a body-frame point c is at x + R(theta) c.
+struct PlacedFeature {
+  const Feature& feature;
+  Vec2 x;             ///< the body's centre of mass [m]
+  Rotation rotation;  ///< SinCos(theta)
+  /// Where given, pairs whose contact point depends strongly on the angle are placed by it to twice the digits.
+  std::optional<double> theta = std::nullopt;
+};
+
+/// The (cos, sin) of a rotation by theta; a double has room for rounded angles only.
+template <class T>
+VecOf<T> TurnOf(Rotation rotation, std::optional<double> theta, Angles angles) {
+  if constexpr (std::is_same_v<T, DoubleDouble>) {
+    if (angles == Angles::kExact && theta) return ExactRotation(*theta);
+  }
+  return LiftRotation<T>(rotation);
+}
 
 /// A place on a curve, free of trigonometric functions so that a search can move it in any arithmetic. Oval:
 /// (cos tau, sin tau), with tau the parameter of the oval as an affine image of the unit one; Bezier: (s, 0).

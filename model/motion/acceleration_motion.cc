@@ -23,8 +23,6 @@
 #include "model/contact/world.h"
 #include "model/detection/detection.h"
 #include "model/detection/normal_span.h"
-#include "model/geometry/trig.h"
-#include "model/geometry/vec2.h"
 #include "model/motion/contact_finder.h"
 #include "model/motion/motion.h"
 #include "solvers/lcp/problem.h"

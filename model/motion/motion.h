@@ -9,7 +9,6 @@
 #include "model/contact/assembly.h"
 #include "model/contact/system.h"
 #include "model/contact/world.h"
-#include "model/motion/motion_level.h"
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/solver.h"
 

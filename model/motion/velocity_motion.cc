@@ -7,7 +7,6 @@
 
 #include "model/contact/loads.h"
 #include "model/motion/contact_finder.h"
-#include "model/motion/row_matching.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "model/contact/assembly.h"
-#include "model/geometry/trig.h"
 #include "support/input_error.h"
 
 namespace lcpbench {

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "model/contact/body.h"
-#include "model/geometry/vec2.h"
 
 namespace lcpbench {
 

@@ -28,7 +28,7 @@ struct SceneFile {
 /// @throws InputError, one line: "where: JSON pointer: expected ..., found ...", for geometry with outline and edge;
 /// line
 ///         and column of what is not JSON. The world returned passes RequireValid (world.h), every closed shape
-///         RequireValid (outline_checks.h), every edge RequireValidPiece. Time as of those checks.
+///         RequireValid (outline.h), every edge RequireValidPiece. Time as of those checks.
 SceneFile ParseScene(std::string_view text, const std::string& where);
 
 /// @throws InputError as ParseScene, and for files that cannot be read or are longer than kMaxSceneFileBytes
@@ -38,7 +38,7 @@ SceneFile ReadSceneFile(const std::string& path);
 /// Body::force and Body::torque (derived from the loads), and for names: bodies whose name is empty or taken get their
 /// index appended. Outlines of fixed bodies become chains. O(size).
 /// @throws InputError for a world that RequireValid refuses, and for a movable body's outline that does not bound a
-///         plane shape (outline_checks.h)
+///         plane shape (outline.h)
 std::string FormatScene(const SceneFile& scene);
 
 }  // namespace lcpbench

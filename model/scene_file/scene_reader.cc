@@ -8,9 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
-#include "model/scene_file/json_document.h"
 #include "model/scene_file/scene_file.h"
 #include "model/scene_file/shape_reader.h"
 
@@ -52,7 +50,6 @@ struct SceneBodies {
     return IsZero(origin) ? drawn : InRange(drawn - origin, field);
   }
   /// A body-frame point in the world.
-  Vec2 WorldPoint(int body, Vec2 point) const { return (*this)[body].x + Rotate(SinCos((*this)[body].theta), point); }
   /// The body-frame point that lies now where a field states, in the world.
   Vec2 ReadPlace(const JsonField& field, int body) const {
     const Rotation r = SinCos((*this)[body].theta);
@@ -195,8 +192,8 @@ Feature ReadJointEdge(const JsonField& edge, int body, const SceneBodies& bodies
 // Stated, or else the distance of the two points.
 double ReadLength(const JsonField& field, const Constraint& joint, const SceneBodies& bodies) {
   if (field.Has("length")) return ReadPositive(field["length"]);
-  const Vec2 p1 = bodies.WorldPoint(joint.body1, std::get<Vertex>(joint.feature1).p);
-  const Vec2 p2 = bodies.WorldPoint(joint.body2, std::get<Vertex>(joint.feature2).p);
+  const Vec2 p1 = WorldPoint(bodies[joint.body1], std::get<Vertex>(joint.feature1).p);
+  const Vec2 p2 = WorldPoint(bodies[joint.body2], std::get<Vertex>(joint.feature2).p);
   const double length = Norm(p1 - p2);
   if (!(length >= 1 / kLargestNumber && length <= kLargestNumber)) {
     field.Fail("the points coincide (distance " + Text(length) +

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "model/detection/detection.h"
-#include "model/geometry/overloaded.h"
+#include "model/geometry/feature.h"
 #include "model/motion/make_motion.h"
 #include "model/scene_file/fields.h"
 #include "model/scene_file/scene_file.h"
-#include "model/shape/outline_checks.h"
+#include "model/shape/outline.h"
 
 namespace lcpbench {
 namespace {

@@ -9,9 +9,7 @@
 #include <tuple>
 #include <utility>
 
-#include "model/geometry/trig.h"
 #include "model/scene_file/fields.h"
-#include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
 
 namespace lcpbench {

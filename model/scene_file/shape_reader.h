@@ -4,8 +4,8 @@
 #include <string>
 
 #include "model/geometry/feature.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/outline.h"
+#include "model/shape/shapes.h"
 #include "support/json_field.h"
 
 namespace lcpbench {
@@ -27,7 +27,7 @@ DrawnEdge ReadEdge(const JsonField& edge, std::optional<Vec2> begin);
 /// What a body of a scene file looks like, in the frame it is drawn in.
 struct SceneShape {
   Outline outline;
-  /// Whether the outline bounds a plane shape (RequireValid of outline_checks.h holds) rather than being "chains":
+  /// Whether the outline bounds a plane shape (RequireValid of outline.h holds) rather than being "chains":
   /// curves, open or closed, that only a fixed body may have.
   bool is_region = true;
   MassProperties per_density;  ///< of a region, at density 1 kg/m^2

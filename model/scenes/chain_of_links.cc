@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/shapes.h"
 

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
 #include "model/shape/shapes.h"
 

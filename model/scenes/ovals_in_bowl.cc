@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/oval_front.h"
 #include "model/scenes/scene_builder.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "model/contact/assembly.h"
-#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 
 namespace lcpbench {
 namespace {
@@ -165,8 +165,6 @@ CircleMeeting MeetingOf(Vec2 center1, double reach1, Vec2 center2, double reach2
   const double along = (reach1 * reach1 - reach2 * reach2 + distance * distance) / (2 * distance);
   return {center1 + along * unit, unit, reach1 * reach1 - along * along};
 }
-
-Vec2 WorldPoint(const Body& body, Vec2 p) { return body.x + Rotate(SinCos(body.theta), p); }
 
 Vec2 BodyPoint(const Body& body, Vec2 p) {
   const Rotation turn = SinCos(body.theta);

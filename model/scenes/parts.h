@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "model/contact/system.h"
-#include "model/geometry/trig.h"
 #include "model/scenes/random.h"
 #include "model/shape/outline.h"
 
@@ -75,8 +74,6 @@ struct CircleMeeting {
 };
 CircleMeeting MeetingOf(Vec2 center1, double reach1, Vec2 center2, double reach2);
 
-/// x + R(theta) p.
-Vec2 WorldPoint(const Body& body, Vec2 p);
 /// The body-frame coordinates of a world point.
 Vec2 BodyPoint(const Body& body, Vec2 p);
 /// The velocity of the body's material point at a world point.

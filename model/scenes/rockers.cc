@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/scene_builder.h"
 
 namespace lcpbench {

@@ -7,7 +7,6 @@
 
 #include "model/contact/system.h"
 #include "model/contact/world.h"
-#include "model/motion/motion_level.h"
 
 namespace lcpbench {
 

@@ -1,4 +1,4 @@
-#include "model/shape/outline_checks.h"
+#include "model/shape/outline.h"
 
 #include <algorithm>
 #include <cmath>

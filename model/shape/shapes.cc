@@ -6,8 +6,6 @@
 #include <string>
 #include <utility>
 
-#include "model/geometry/trig.h"
-#include "model/shape/outline_checks.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -184,6 +182,20 @@ Outline Bowl(double outer_radius, double inner_radius, double half_opening) {
   return Checked({"bowl",
                   {{Arc({}, outer_radius, left, right), Arc(Polar(middle, right), lip, right, right + kPi),
                     Arc({}, inner_radius, right, left), Arc(Polar(middle, left), lip, left + kPi, left + 2 * kPi)}}});
+}
+
+Outline Centered(const Outline& outline) { return Transformed(outline, 0, -ComputeMassProperties(outline, 1).center); }
+
+Body MakeBody(const Outline& outline, double density) {
+  RequireValid(outline);
+  const MassProperties properties = ComputeMassProperties(outline, density);
+  Body body;
+  body.name = outline.name;
+  body.mass = properties.mass;
+  body.inertia = properties.inertia;
+  body.x = properties.center;
+  body.outline = AllPieces(Centered(outline));
+  return body;
 }
 
 }  // namespace lcpbench

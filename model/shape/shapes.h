@@ -1,12 +1,13 @@
 #pragma once
 
+#include "model/contact/body.h"
 #include "model/shape/outline.h"
 
 namespace lcpbench {
 
-// Ready-made outlines, each valid in the sense of RequireValid (outline_checks.h) for every parameter that is accepted,
+// Ready-made outlines, each valid in the sense of RequireValid (outline.h) for every parameter that is accepted,
 // up to its limits of size and slenderness. Lengths in m, angles in rad. The frame is the drawing's own; its origin is
-// the centre of mass only where the shape is symmetric about it: see Centered and MakeBody (mass_properties.h).
+// the centre of mass only where the shape is symmetric about it: see Centered and MakeBody.
 // Vertices lie wherever pieces join, also at smooth joints. The same bits on every machine.
 // @throws InputError naming the shape and the parameter, for parameters outside the stated ranges
 
@@ -61,5 +62,13 @@ Outline Cam(double base_radius, double nose_radius, double distance);
 /// positive y axis, its two lips rounded by half circles. 0 < inner_radius < outer_radius; the lips must not touch:
 /// half_opening < pi and sin(half_opening) mean radius > (outer_radius - inner_radius) / 2 while half_opening < pi / 2.
 Outline Bowl(double outer_radius, double inner_radius, double half_opening);
+
+/// The outline moved so that its centre of mass is the origin, as a body frame demands.
+Outline Centered(const Outline& outline);
+
+/// A movable body of that shape, at rest with its body frame on the outline's frame: x = centre of mass, theta = 0;
+/// name, mass, inertia and outline (body frame, as of Centered(outline)) are set.
+/// @throws InputError as RequireValid and ComputeMassProperties
+Body MakeBody(const Outline& outline, double density);
 
 }  // namespace lcpbench

@@ -10,7 +10,6 @@
 #include "model/contact/world.h"
 #include "model/motion/motion.h"
 #include "model/scenes/parts.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "solvers/registry.h"
 

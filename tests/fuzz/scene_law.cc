@@ -5,7 +5,7 @@
 #include "model/geometry/feature.h"
 #include "model/motion/contact_finder.h"
 #include "model/scene_file/scene_file.h"
-#include "model/shape/outline_checks.h"
+#include "model/shape/outline.h"
 #include "tests/fuzz/error_law.h"
 #include "tests/fuzz/laws.h"
 

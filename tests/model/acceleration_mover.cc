@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "model/contact/loads.h"
-#include "model/shape/mass_properties.h"
+#include "model/shape/shapes.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {

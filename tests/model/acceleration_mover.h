@@ -7,6 +7,7 @@
 
 #include "model/contact/world.h"
 #include "model/motion/acceleration_motion.h"
+#include "model/scenes/parts.h"
 #include "model/shape/outline.h"
 #include "solvers/lcp/solver.h"
 
@@ -14,7 +15,6 @@ namespace lcpbench {
 
 // Worlds of a few bodies, and motion at the acceleration level in them, for its tests.
 
-inline constexpr double kPi = 3.14159265358979323846;
 inline constexpr double kG = 9.81;
 
 Body Movable(const Outline& outline, Vec2 x, double theta = 0);

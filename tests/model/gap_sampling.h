@@ -8,7 +8,6 @@
 #include <optional>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/shape/outline.h"
 #include "tests/model/edge_point.h"
 #include "tests/model/random_outlines.h"
@@ -506,12 +505,7 @@ inline std::vector<SampledMinimum> SampledMinima(const SampledLoop& loop1, const
 /// A smooth closed curve of Bezier edges through random points about the origin.
 inline OutlineLoop RandomBlob(double radius, bool counter_clockwise, Random* random) {
   const int count = 3 + RandomInteger(4, random);
-  std::vector<Vec2> p;
-  for (int k = 0; k < count; ++k) {
-    const double turn = (k + random->Uniform(-0.2, 0.2)) / count;
-    const Rotation u = SinCos(2 * std::numbers::pi * (counter_clockwise ? turn : -turn));
-    p.push_back(radius * random->Uniform(0.7, 1.3) * Vec2{u.cos, u.sin});
-  }
+  const std::vector<Vec2> p = RandomCorners(count, {}, radius, counter_clockwise, 0.2, 0.3, random);
   OutlineLoop loop;
   const auto at = [&](int k) { return p[static_cast<std::size_t>((k + count) % count)]; };
   for (int k = 0; k < count; ++k) {
@@ -541,18 +535,8 @@ inline OutlineLoop RandomLoopOfKind(EdgeKind kind, double radius, bool counter_c
     return RandomBlob(radius, counter_clockwise, random);
   }
   const int vertices = 4 + RandomInteger(4, random);
-  std::vector<Vec2> corners;
-  for (int k = 0; k < vertices; ++k) {
-    const double part = (k + random->Uniform(-0.2, 0.2)) / vertices;
-    const Rotation u = SinCos(turn * (counter_clockwise ? part : -part));
-    corners.push_back(radius * random->Uniform(0.8, 1.2) * Vec2{u.cos, u.sin});
-  }
-  OutlineLoop loop;
-  for (int k = 0; k < vertices; ++k) {
-    loop.push_back(RandomPieceBetween(corners[static_cast<std::size_t>(k)],
-                                      corners[static_cast<std::size_t>((k + 1) % vertices)], kind, random));
-  }
-  return loop;
+  return RandomLoopThrough(
+      RandomCorners(vertices, {}, radius, counter_clockwise, 0.2, 0.2, random), [&] { return kind; }, random);
 }
 
 }  // namespace lcpbench::testing

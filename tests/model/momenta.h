@@ -4,7 +4,6 @@
 
 #include "model/contact/body.h"
 #include "model/contact/loads.h"
-#include "model/geometry/trig.h"
 
 namespace lcpbench {
 

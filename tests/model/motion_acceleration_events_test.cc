@@ -9,7 +9,6 @@
 
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "tests/model/acceleration_mover.h"
 

@@ -38,12 +38,7 @@ TEST(AccelerationMotion, TheSameStartGivesTheSameBits) {
   EXPECT_EQ(first->statistics().solves, second->statistics().solves);
   EXPECT_GT(first->statistics().impacts, 10);
   EXPECT_LE(first->statistics().worst_penetration, options.contact_tolerance);
-  for (std::size_t i = 0; i < bodies.size(); ++i) {
-    const Body& a = first.body(i);
-    const Body& b = second.body(i);
-    EXPECT_TRUE(a.x.x == b.x.x && a.x.y == b.x.y && a.theta == b.theta) << i;
-    EXPECT_TRUE(a.v.x == b.v.x && a.v.y == b.v.y && a.omega == b.omega) << i;
-  }
+  EXPECT_TRUE(first->world() == second->world());
 }
 
 TEST(AccelerationMotion, ProblemsThatAreObservedAreThoseOfTheModelWithoutStabilisation) {

@@ -12,7 +12,6 @@
 
 #include "model/contact/loads.h"
 #include "model/scenes/random.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "tests/model/acceleration_mover.h"
 #include "tests/model/momenta.h"
@@ -197,18 +196,12 @@ void ExpectPendulum(const std::string& name, const Constraint& joint, double len
   ExpectConserved(&mover, body.mass * kG * length * (1 - std::cos(amplitude)));
 }
 
-TEST(AccelerationMotion, APendulumOnAPinSwingsWithItsPeriod) {
+TEST(AccelerationMotion, PendulumsOnAPinARodAndAPathSwingWithTheirPeriods) {
   ExpectPendulum("pendulum on a pin", Joint(ConstraintType::kPin, 1, {0, 0.8}, 0, {0, 0}), 0.8, true);
-}
-
-TEST(AccelerationMotion, APendulumOnARodSwingsWithItsPeriod) {
   ExpectPendulum("pendulum on a rod", Joint(ConstraintType::kRod, 1, {}, 0, {}, 0.8), 0.8, false);
-}
-
-TEST(AccelerationMotion, APendulumOnAPathSwingsWithItsPeriod) {
-  Constraint joint = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
-  joint.feature2 = ArcEdge{{}, 0.8, Side::kConcave};
-  ExpectPendulum("pendulum on a path", joint, 0.8, false);
+  Constraint path = Joint(ConstraintType::kPathJoint, 1, {}, 0, {});
+  path.feature2 = ArcEdge{{}, 0.8, Side::kConcave};
+  ExpectPendulum("pendulum on a path", path, 0.8, false);
 }
 
 TEST(AccelerationMotion, ABeadRunsAroundAnEllipseAndKeepsItsEnergy) {

@@ -18,10 +18,9 @@
 #include "model/contact/closest_points.h"
 #include "model/contact/system.h"
 #include "model/geometry/feature.h"
-#include "model/geometry/overloaded.h"
-#include "model/geometry/trig.h"
 #include "support/input_error.h"
 #include "tests/model/edge_point.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench::testing {
 
@@ -100,6 +99,14 @@ inline const std::vector<PairKind>& AllPairKinds() {
     }
     return all;
   }();
+  return kinds;
+}
+
+/// Of all kinds those that fulfil a condition.
+template <class Condition>
+std::vector<PairKind> PairKindsWhere(const Condition& condition) {
+  std::vector<PairKind> kinds = AllPairKinds();
+  std::erase_if(kinds, [&](const PairKind& kind) { return !condition(kind); });
   return kinds;
 }
 
@@ -302,23 +309,13 @@ void OverRandomContacts(const PairKind& kind, int cases, unsigned seed, const Ch
 
 /// What assembly says of `system`; "" where it takes it.
 inline std::string ErrorOf(const ContactSystem& system) {
-  try {
-    AssembleContactLcp(system);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return lcpbench::RefusalOf([&] { AssembleContactLcp(system); });
 }
 
 /// What the search for closest points says of two features about the origin; "" where it finds them.
 inline std::string RefusalOf(const Feature& feature1, const Feature& feature2, const SearchStart& start = {},
                              Regularity required = Regularity::kLocalMinimum) {
-  try {
-    FindClosestPoints({feature1, {}, {}}, {feature2, {}, {}}, start, required);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "";
+  return lcpbench::RefusalOf([&] { FindClosestPoints({feature1, {}, {}}, {feature2, {}, {}}, start, required); });
 }
 
 /// Signed radius of curvature at s: 0 for a vertex, and for a straight edge, which has none.

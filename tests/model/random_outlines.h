@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
 #include "model/shape/outline.h"
 #include "tests/model/random_contacts.h"
 
@@ -73,22 +72,35 @@ inline OutlinePiece RandomPieceBetween(Vec2 p, Vec2 q, EdgeKind kind, Random* ra
   return Transformed(piece, 0, p - CurvePoint(piece.edge, piece.s_begin));
 }
 
+/// Points around `center` in their order, with angles and distances that scatter: by `scatter` of the angle between two
+/// and by `spread` of the radius.
+inline std::vector<Vec2> RandomCorners(int count, Vec2 center, double radius, bool counter_clockwise, double scatter,
+                                       double spread, Random* random) {
+  std::vector<Vec2> corners;
+  for (int k = 0; k < count; ++k) {
+    const double turn = (k + random->Uniform(-scatter, scatter)) / count;
+    const Rotation u = SinCos(2 * std::numbers::pi * (counter_clockwise ? turn : -turn));
+    corners.push_back(center + (radius * random->Uniform(1 - spread, 1 + spread)) * Vec2{u.cos, u.sin});
+  }
+  return corners;
+}
+
+/// Random edges, of a kind that `kind()` gives, from corner to corner.
+template <class Kind>
+OutlineLoop RandomLoopThrough(const std::vector<Vec2>& corners, const Kind& kind, Random* random) {
+  OutlineLoop loop;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    loop.push_back(RandomPieceBetween(corners[k], corners[(k + 1) % corners.size()], kind(), random));
+  }
+  return loop;
+}
+
 /// A closed loop of 5 to 9 random edges between vertices near the unit circle about `center` times `radius`.
 inline OutlineLoop RandomLoop(Vec2 center, double radius, bool counter_clockwise, Random* random) {
   const int vertices = 5 + RandomInteger(5, random);
-  std::vector<Vec2> corners;
-  for (int k = 0; k < vertices; ++k) {
-    const double turn = (k + random->Uniform(-0.15, 0.15)) / vertices;
-    const Rotation u = SinCos(2 * std::numbers::pi * (counter_clockwise ? turn : -turn));
-    corners.push_back(center + (radius * random->Uniform(0.9, 1.1)) * Vec2{u.cos, u.sin});
-  }
-  OutlineLoop loop;
-  for (int k = 0; k < vertices; ++k) {
-    const auto kind = static_cast<EdgeKind>(RandomInteger(kEdgeKinds, random));
-    loop.push_back(RandomPieceBetween(corners[static_cast<std::size_t>(k)],
-                                      corners[static_cast<std::size_t>((k + 1) % vertices)], kind, random));
-  }
-  return loop;
+  return RandomLoopThrough(
+      RandomCorners(vertices, center, radius, counter_clockwise, 0.15, 0.1, random),
+      [&] { return static_cast<EdgeKind>(RandomInteger(kEdgeKinds, random)); }, random);
 }
 
 /// A valid outline of all kinds of edges, with up to two holes.

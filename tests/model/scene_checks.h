@@ -9,6 +9,9 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <ostream>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -17,13 +20,27 @@
 #include "model/contact/system.h"
 #include "model/detection/detection.h"
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
+#include "model/scenes/scene.h"
 #include "model/shape/outline.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/solver.h"
 #include "solvers/lcp/verify.h"
 
+namespace lcpbench {
+
+/// The key alone: test listings would show raw bytes.
+inline void PrintTo(const SceneFamily& scene, std::ostream* out) { *out << scene.key; }
+
+}  // namespace lcpbench
+
 namespace lcpbench::testing {
+
+/// A key as part of a test's name.
+inline std::string TestNameOf(std::string_view key) {
+  std::string name(key);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
 
 /// The smallest radius or half-width of any body in any scene family [m]: what gaps are compared with.
 inline constexpr double kSceneSize = 0.02;

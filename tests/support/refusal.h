@@ -33,7 +33,7 @@ void ExpectRefused(Act act, const std::string& words, const std::string& beginni
 }
 
 /// A folder of its own for each test of files.
-class FolderTest : public testing::Test {
+class FolderTest : public ::testing::Test {
  protected:
   void SetUp() override {
     std::filesystem::remove_all(folder_);
@@ -51,9 +51,9 @@ class FolderTest : public testing::Test {
     return text.str();
   }
 
-  const testing::TestInfo& test_ = *testing::UnitTest::GetInstance()->current_test_info();
+  const ::testing::TestInfo& test_ = *::testing::UnitTest::GetInstance()->current_test_info();
   std::filesystem::path folder_ =
-      std::filesystem::path(testing::TempDir()) / (std::string(test_.test_suite_name()) + "-" + test_.name());
+      std::filesystem::path(::testing::TempDir()) / (std::string(test_.test_suite_name()) + "-" + test_.name());
 };
 
 }  // namespace lcpbench

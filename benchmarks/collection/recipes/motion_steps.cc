@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "model/motion/row_matching.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/exact/exact_solver.h"
 #include "support/input_error.h"
 

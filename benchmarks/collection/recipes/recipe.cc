@@ -14,7 +14,7 @@
 #include "benchmarks/collection/recipes/hard_cases.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "model/contact/assembly.h"
-#include "model/geometry/trig.h"
+#include "model/geometry/vec2.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
 #include "support/input_error.h"

@@ -18,7 +18,7 @@
 #include "benchmarks/collection/build.h"
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
-#include "model/motion/row_matching.h"
+#include "model/motion/contact_finder.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"

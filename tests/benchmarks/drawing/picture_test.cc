@@ -17,7 +17,6 @@
 #include "model/geometry/feature.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/benchmarks/free_flight.h"

@@ -20,24 +20,17 @@ std::vector<std::string> CellsOf(const MotionOutcome& outcome) {
   return cells;
 }
 
-TEST(MotionTable, ShowsADashForWhatWasNotMeasured) {
+TEST(MotionTable, ShowsADashForWhatWasNotMeasuredAndZeroForWhatWasMeasuredToBeZero) {
+  using Cells = std::vector<std::string>;
   MotionOutcome outcome;
   outcome.solver = "dantzig";
   outcome.tolerance = 1e-9;
-  EXPECT_EQ(CellsOf(outcome),
-            (std::vector<std::string>{"dantzig", "1.0e-09", "-", "-", "-", "-", "-", "-", "-", "0", "0", "0", "0"}));
-}
-
-TEST(MotionTable, ShowsZeroForWhatWasMeasuredToBeZero) {
-  MotionOutcome outcome;
-  outcome.solver = "dantzig";
-  outcome.tolerance = 1e-9;
+  EXPECT_EQ(CellsOf(outcome), (Cells{"dantzig", "1.0e-09", "-", "-", "-", "-", "-", "-", "-", "0", "0", "0", "0"}));
   outcome.steps = 10;
   outcome.energy_drift = outcome.energy_error = outcome.penetration = outcome.distance = outcome.rho = 0;
   outcome.solves = 4;
   outcome.solve_time_s = 5e-5;
-  EXPECT_EQ(CellsOf(outcome),
-            (std::vector<std::string>{"dantzig", "1.0e-09", "0", "0", "0", "-", "0", "5.0", "0", "4", "0", "0", "0"}));
+  EXPECT_EQ(CellsOf(outcome), (Cells{"dantzig", "1.0e-09", "0", "0", "0", "-", "0", "5.0", "0", "4", "0", "0", "0"}));
 }
 
 }  // namespace

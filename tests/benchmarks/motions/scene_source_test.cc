@@ -14,25 +14,17 @@
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
+#include "tests/model/scene_checks.h"
 
 namespace lcpbench {
 
-/// The key alone: test listings would show raw bytes.
-static void PrintTo(const SceneFamily& scene, std::ostream* out) { *out << scene.key; }
-
 namespace {
 
-class MovingScenes : public testing::TestWithParam<SceneFamily> {};
-
-std::string ParamName(const testing::TestParamInfo<SceneFamily>& info) {
-  std::string name(info.param.key);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
+class MovingScenes : public ::testing::TestWithParam<SceneFamily> {};
 
 /// The scene as it is read back from the file that it was written to.
 MovingScene WrittenAndRead(const MovingScene& scene, const std::string& file) {
-  const std::string path = (std::filesystem::path(testing::TempDir()) / file).string();
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / file).string();
   std::ofstream(path, std::ios::binary) << FormatMovingScene(scene);
   MovingScene read = LoadScene(path, 1, 1);
   std::filesystem::remove(path);
@@ -83,7 +75,8 @@ TEST_P(MovingScenes, AreReadBackFromTheirFilesWithTheSameProblems) {
   EXPECT_EQ(Problems(read, 4), expected);
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, MovingScenes, testing::ValuesIn(AllScenes().begin(), AllScenes().end()), ParamName);
+INSTANTIATE_TEST_SUITE_P(Families, MovingScenes, ::testing::ValuesIn(AllScenes().begin(), AllScenes().end()),
+                         [](const auto& of) { return testing::TestNameOf(of.param.key); });
 
 /// Families of contacts that lie still: gravity keeps them together.
 TEST(MovingPiles, KeepMostOfTheirContactsActive) {
@@ -100,7 +93,7 @@ TEST(MovingPiles, KeepMostOfTheirContactsActive) {
 }
 
 MovingScene DroppedBall(MotionLevel level, double restitution) {
-  const std::string path = (std::filesystem::path(testing::TempDir()) / "dropped_ball.json").string();
+  const std::string path = (std::filesystem::path(::testing::TempDir()) / "dropped_ball.json").string();
   std::ofstream(path) << R"({"lcpbench_scene": 1, "motion": {"level": "acceleration", "step": 0.001, "restitution": )"
                       << restitution << R"(}, "bodies": [
       {"name": "floor", "fixed": true, "shape": {"box": {"width": 4, "height": 1}}, "position": [0, -0.5]},

@@ -11,7 +11,6 @@
 #include <variant>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "support/input_error.h"
 #include "tests/model/random_contacts.h"
 

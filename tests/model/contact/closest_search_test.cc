@@ -21,11 +21,7 @@ constexpr double kRounding = 1e-13;
 constexpr double kPi = 3.14159265358979323846;
 
 std::vector<PairKind> GeneralPairKinds() {
-  std::vector<PairKind> kinds;
-  for (const PairKind& kind : AllPairKinds()) {
-    if (kind.is_general()) kinds.push_back(kind);
-  }
-  return kinds;
+  return PairKindsWhere([](const PairKind& kind) { return kind.is_general(); });
 }
 
 class EverySearch : public ::testing::TestWithParam<PairKind> {};
@@ -107,7 +103,7 @@ TEST_P(EverySearch, SwappingBodiesSwapsTheResultBitByBitAlsoWithoutStart) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Search, EverySearch, ::testing::ValuesIn(GeneralPairKinds()),
-                         [](const auto& kind) { return kind.param.name; });
+                         ::testing::PrintToStringParamName());
 
 // Dense sampling of both outlines, for ovals that lie apart: there the least distance is the smallest gap found.
 TEST(Search, SmallestGapOfOvalsThatLieApartIsTheirDistance) {

@@ -7,6 +7,7 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -308,19 +309,12 @@ bool HasStraightEdge(const PairKind& kind) {
   return kind.shape1 == Shape::kStraight || kind.shape2 == Shape::kStraight;
 }
 
-std::vector<PairKind> PairKindsWhere(bool straight) {
-  std::vector<PairKind> kinds;
-  for (const PairKind& kind : AllPairKinds()) {
-    if (HasStraightEdge(kind) == straight) kinds.push_back(kind);
-  }
-  return kinds;
-}
-
-std::string KindName(const ::testing::TestParamInfo<PairKind>& kind) { return kind.param.name; }
-
-INSTANTIATE_TEST_SUITE_P(Law, EveryContactKind, ::testing::ValuesIn(AllPairKinds()), KindName);
-INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithCenters, ::testing::ValuesIn(PairKindsWhere(false)), KindName);
-INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithStraightEdge, ::testing::ValuesIn(PairKindsWhere(true)), KindName);
+INSTANTIATE_TEST_SUITE_P(Law, EveryContactKind, ::testing::ValuesIn(AllPairKinds()),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithCenters, ::testing::ValuesIn(PairKindsWhere(std::not_fn(HasStraightEdge))),
+                         ::testing::PrintToStringParamName());
+INSTANTIATE_TEST_SUITE_P(Law, ContactKindWithStraightEdge, ::testing::ValuesIn(PairKindsWhere(HasStraightEdge)),
+                         ::testing::PrintToStringParamName());
 
 void ExpectSameRow(const ContactRow& x, const ContactRow& y, double tolerance, double tolerance_of_J) {
   ExpectClose(x.gamma, y.gamma, tolerance, "gamma");
@@ -678,10 +672,9 @@ TEST(ConnectorRow, RefusesWhatHasNoDirectionOrLengthNamingIt) {
   for (const auto& [type, name] :
        {std::pair{ConstraintType::kRod, "rod 0"}, std::pair{ConstraintType::kRope, "rope 0"}}) {
     const auto expect_refused = [&, kind = std::string(name)](const ContactSystem& system, const char* mentions) {
-      const std::string error = ErrorOf(system);
-      EXPECT_NE(error.find(kind), std::string::npos) << error;
-      EXPECT_NE(error.find(mentions), std::string::npos) << error;
-      EXPECT_EQ(error.find('\n'), std::string::npos);
+      for (const std::string& words : {kind, std::string(mentions)}) {
+        ExpectRefused([&] { AssembleContactLcp(system); }, words);
+      }
     };
     EXPECT_EQ(ErrorOf(good.System(type)), "");
     Connector coincident = good;

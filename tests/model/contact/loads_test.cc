@@ -6,10 +6,9 @@
 #include <type_traits>
 #include <vector>
 
-#include "model/geometry/trig.h"
 #include "model/scenes/random.h"
-#include "support/input_error.h"
 #include "tests/model/momenta.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench {
 namespace {
@@ -206,11 +205,7 @@ TEST(Loads, WithoutADirectionOrWithBadNumbersAreRefused) {
     if constexpr (std::is_same_v<Load, Wrench>) loads.wrenches = {load};
     if constexpr (std::is_same_v<Load, MutualAttraction>) loads.attraction = load;
     if constexpr (std::is_same_v<Load, Vec2>) loads.gravity = load;
-    try {
-      SetLoads(loads, bodies);
-    } catch (const InputError&) {
-      return true;
-    }
+    if (!RefusalOf([&] { SetLoads(loads, bodies); }).empty()) return true;
     for (const Body& body : bodies) EXPECT_TRUE(IsFinite(body.force) && std::isfinite(body.torque));
     return false;
   };

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
 #include "model/motion/make_motion.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/random.h"

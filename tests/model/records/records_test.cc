@@ -13,8 +13,7 @@
 #include "model/contact/assembly.h"
 #include "model/contact/contact_row.h"
 #include "model/geometry/feature.h"
-#include "model/geometry/trig.h"
-#include "support/input_error.h"
+#include "tests/support/refusal.h"
 
 namespace lcpbench::testing {
 namespace {
@@ -180,11 +179,7 @@ Json SomeConnector(const char* kind) {
 }
 
 std::string InputErrorOf(const std::string& line) {
-  try {
-    return "no error: " + AssembleRecord(line, "file.jsonl:7");
-  } catch (const InputError& error) {
-    return error.what();
-  }
+  return RefusalOf([&] { AssembleRecord(line, "file.jsonl:7"); });
 }
 
 TEST(Records, NumbersReadBackExactly) {

@@ -19,7 +19,6 @@
 #include "model/scene_file/scene_file.h"
 #include "model/scenes/random.h"
 #include "model/scenes/scene.h"
-#include "model/shape/mass_properties.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/fuzz/corpus.h"
@@ -29,68 +28,13 @@
 namespace lcpbench {
 namespace {
 
-// Every number of a world, as its bits: -0 and 0 differ.
-std::vector<std::uint64_t> BitsOf(const World& world) {
-  std::vector<std::uint64_t> bits;
-  const auto add = [&bits](std::initializer_list<double> values) {
-    for (const double value : values) bits.push_back(std::bit_cast<std::uint64_t>(value));
-  };
-  const auto add_feature = [&](const Feature& feature) {
-    for (const double value : NumbersOf(feature)) add({value});
-  };
-  const auto add_end = [&](const Attachment& at) { add({1.0 * at.body, at.point.x, at.point.y}); };
-  for (const Body& body : world.bodies) {
-    add({body.fixed ? 1.0 : 0.0, body.mass, body.inertia, body.theta, body.omega, body.alpha});
-    for (const Vec2 value : {body.x, body.v, body.acceleration}) add({value.x, value.y});
-    for (const auto& [edge, s_begin, s_end] : body.outline) {
-      add_feature(ToFeature(edge));
-      // A point of the curve, whatever its list of numbers leaves out.
-      const Vec2 p = CurvePoint(edge, s_begin);
-      add({s_begin, s_end, p.x, p.y});
-    }
-  }
-  for (const Constraint& joint : world.joints) {
-    add({1.0 * static_cast<int>(joint.type), 1.0 * joint.body1, 1.0 * joint.body2, joint.nominal_gap, joint.length});
-    add_feature(joint.feature1);
-    add_feature(joint.feature2);
-    for (const auto& s : {joint.s1, joint.s2}) add({s ? 1.0 : 0.0, s.value_or(0)});
-  }
-  const Loads& loads = world.loads;
-  add({loads.gravity.x, loads.gravity.y});
-  for (const Spring& load : loads.springs) {
-    add_end(load.end1);
-    add_end(load.end2);
-    add({load.stiffness, load.rest_length});
-  }
-  for (const Damper& load : loads.dampers) {
-    add_end(load.end1);
-    add_end(load.end2);
-    add({load.coefficient});
-  }
-  for (const Thruster& load : loads.thrusters) {
-    add_end(load.at);
-    add({load.force.x, load.force.y});
-  }
-  for (const Wrench& load : loads.wrenches) {
-    add_end(load.at);
-    add({load.force.x, load.force.y, load.torque});
-  }
-  if (loads.attraction) add({loads.attraction->strength, loads.attraction->softening});
-  return bits;
-}
-
 void ExpectSameAfterRoundTrip(const SceneFile& scene) {
   const std::string text = FormatScene(scene);
   const SceneFile read = ParseScene(text, "written");
-  EXPECT_EQ(read.world.name, scene.world.name);
+  EXPECT_TRUE(read.world == scene.world);
   EXPECT_EQ(read.level, scene.level);
   EXPECT_EQ(read.step, scene.step);
   EXPECT_EQ(read.restitution, scene.restitution);
-  ASSERT_EQ(read.world.bodies.size(), scene.world.bodies.size());
-  for (std::size_t i = 0; i < read.world.bodies.size(); ++i) {
-    EXPECT_EQ(read.world.bodies[i].name, scene.world.bodies[i].name);
-  }
-  EXPECT_EQ(BitsOf(read.world), BitsOf(scene.world));
   EXPECT_EQ(FormatScene(read), text);
 }
 
@@ -232,6 +176,7 @@ TEST(SceneFileRoundTrip, RandomWorldsOfEverythingKeepEveryBit) {
     scene.world = RandomWorld(seed);
     scene.restitution = static_cast<double>(seed) / 128;
     ExpectSameAfterRoundTrip(scene);
+    EXPECT_NE(FormatScene(scene).find("-0.0"), std::string::npos) << "the sign of a zero is kept";
   }
 }
 

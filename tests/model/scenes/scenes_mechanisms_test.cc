@@ -15,35 +15,21 @@
 #include <vector>
 
 #include "model/contact/assembly.h"
-#include "model/geometry/trig.h"
 #include "model/motion/contact_finder.h"
 #include "model/scenes/parts.h"
 #include "model/scenes/scene.h"
 #include "solvers/io/json_lines.h"
-#include "solvers/lcp/verify.h"
 #include "solvers/registry.h"
 #include "tests/model/scene_checks.h"
 
 namespace lcpbench {
 namespace {
 
-/// The smallest radius or half-width of any body in these families [m]: what gaps are compared with.
-constexpr double kSize = 0.02;
-
-using lcpbench::testing::ContactsOfPairs;
-
 class Mechanisms : public ::testing::TestWithParam<const char*> {
  protected:
   static ContactSystem Generate(int rows, std::uint64_t seed) { return GenerateScene(GetParam(), rows, seed); }
   static World Start(int rows, std::uint64_t seed) { return StartScene(GetParam(), rows, seed); }
-  static bool IsCradle() { return std::string(GetParam()) == "newtons-cradle"; }
 };
-
-std::string ParamName(const ::testing::TestParamInfo<const char*>& info) {
-  std::string name(info.param);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
 
 const Body& BodyOf(const ContactSystem& system, int i) { return system.bodies[static_cast<std::size_t>(i)]; }
 
@@ -60,36 +46,13 @@ TEST_P(Mechanisms, MixFewRowsForEverySeed) {
   }
 }
 
-TEST_P(Mechanisms, StartAsWorldsWhoseOutlinesTouchWhereListed) {
-  const auto solver = MakeSolver("dantzig");
-  for (const int rows : {1, 2, 3, 4, 5, 6, 7, 10, 25, 60, 121, 600}) {
-    for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-      const ContactSystem system = Generate(rows, seed);
-      World world = Start(rows, seed);
-      ASSERT_NO_THROW(RequireValid(world));
-      ASSERT_EQ(world.name, system.name);
-      // Touching balls are the one-problem form's; see the test of its gaps.
-      if (IsCradle()) world = WorldOf(system);
-      // Anything that is nearer than 1e-8, or overlaps by up to half of the smallest body.
-      const std::vector<Constraint> contacts = ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2);
-      ASSERT_EQ(ContactsOfPairs(contacts), ContactsOfPairs(system.constraints)) << system.name;
-      const ContactSystem instant = InstantOf(world, contacts);
-      const AssembledLcp lcp = AssembleContactLcp(instant);
-      ASSERT_EQ(static_cast<int>(lcp.rows.size()), rows) << system.name;
-      for (const RowInfo& row : lcp.rows) ASSERT_LE(std::abs(row.d), 1e-9 * kSize) << system.name;
-      LcpResult result;
-      solver->Solve(lcp.problem, {}, &result);
-      EXPECT_TRUE(Verify(lcp.problem, result, 1e-9).passes) << system.name << ": " << result.detail;
-    }
-  }
-}
-
 TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
   // Free motion for a time h opens no row by more than O(h^2): velocities lie along the constraints of the world, too.
   constexpr double kStep = 1e-4;
   for (const int rows : {10, 33}) {
     World world = Start(rows, 3);
-    const std::vector<Constraint> contacts = ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2);
+    const std::vector<Constraint> contacts =
+        ContactFinder(world).Find(world.bodies, 1e-8, lcpbench::testing::kSceneSize / 2);
     for (Body& body : world.bodies) {
       body.x = body.x + kStep * body.v;
       body.theta += kStep * body.omega;
@@ -103,7 +66,7 @@ TEST_P(Mechanisms, KeepJointsAndContactsTogetherForAMoment) {
 INSTANTIATE_TEST_SUITE_P(Families, Mechanisms,
                          ::testing::Values("gear-train", "cam-follower", "newtons-cradle", "chain-of-links",
                                            "spinning-drum", "oval-train"),
-                         ParamName);
+                         [](const auto& of) { return lcpbench::testing::TestNameOf(of.param); });
 
 TEST(GearTrain, TurnsAlternatelyAtTheRatioOfTheTeeth) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
@@ -163,7 +126,7 @@ TEST(NewtonsCradle, StartsWithSmallGapsAndLiftedBalls) {
   for (const int rows : {3, 5, 6, 9, 40}) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const World world = StartScene("newtons-cradle", rows, seed);
-      EXPECT_TRUE(ContactFinder(world).Find(world.bodies, 1e-8, kSize / 2).empty());
+      EXPECT_TRUE(ContactFinder(world).Find(world.bodies, 1e-8, lcpbench::testing::kSceneSize / 2).empty());
       int lifted = 0;
       for (std::size_t i = 2; i < world.bodies.size(); ++i) {
         const Body& ball = world.bodies[i];

@@ -1,4 +1,3 @@
-#include "model/shape/mass_properties.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +6,6 @@
 #include <numbers>
 #include <vector>
 
-#include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
 #include "support/input_error.h"
 #include "tests/model/random_outlines.h"
@@ -19,12 +17,37 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kExact = 1e-14;
 constexpr double kAccurate = 1e-13;
 
-// Area, centre of mass and inertia for density 1, as a closed form gives them.
+// Area, centre of mass and inertia about it for density 1, as a closed form gives them.
 struct Expected {
   double area;
   Vec2 center;
   double inertia;
+
+  Expected operator-() const { return {-area, center, -inertia}; }
 };
+
+// Two parts together, by Steiner's theorem.
+Expected operator+(const Expected& a, const Expected& b) {
+  const double area = a.area + b.area;
+  const Vec2 apart = a.center - b.center;
+  const Vec2 center = (a.area / area) * a.center + (b.area / area) * b.center;
+  return {area, center, a.inertia + b.inertia + a.area * b.area / area * Dot(apart, apart)};
+}
+
+Expected DiscAt(Vec2 at, double r) { return {kPi * r * r, at, kPi * r * r * r * r / 2}; }
+Expected BoxAt(Vec2 at, double w, double h) { return {w * h, at, w * h * (w * w + h * h) / 12}; }
+// The half of a disc about `at` that lies in a direction: its centroid is 4r/3pi away.
+Expected HalfDiscAt(Vec2 at, Vec2 direction, double r) {
+  const double half = kPi * r * r / 2;
+  const double arm = 4 * r / (3 * kPi);
+  return {half, at + arm * direction, half * r * r / 2 - half * arm * arm};
+}
+// The quarter in the directions of two unit vectors along the axes.
+Expected QuarterDiscAt(Vec2 at, Vec2 directions, double r) {
+  const double quarter = kPi * r * r / 4;
+  const double arm = 4 * r / (3 * kPi);
+  return {quarter, at + arm * directions, quarter * r * r / 2 - quarter * 2 * arm * arm};
+}
 
 // Lengths are compared in units of the gyradius.
 void ExpectSame(const MassProperties& p, const MassProperties& q, double tolerance) {
@@ -61,29 +84,14 @@ Outline Subdivided(const Outline& outline, Random* random) {
   return cut;
 }
 
-TEST(MassProperties, DiscHasPiRSquaredAndHalfMRSquared) {
-  for (const double r : {1e-6, 0.3, 1.0, 7e5}) {
-    ExpectProperties(Disc(r), {kPi * r * r, {}, kPi * r * r * r * r / 2}, kExact);
-  }
-}
-
-TEST(MassProperties, RingIsTheDifferenceOfTwoDiscs) {
+TEST(MassProperties, DiscsAndDifferencesOfTwoHaveClosedForms) {
+  for (const double r : {1e-6, 0.3, 1.0, 7e5}) ExpectProperties(Disc(r), DiscAt({}, r), kExact);
   for (const auto& [R, r] : {std::pair(1.0, 0.5), std::pair(2.0, 1.9), std::pair(3.0, 0.001)}) {
-    ExpectProperties(Ring(R, r), {kPi * (R - r) * (R + r), {}, kPi / 2 * (R - r) * (R + r) * (R * R + r * r)},
-                     kAccurate);
+    ExpectProperties(Ring(R, r), DiscAt({}, R) + -DiscAt({}, r));
   }
-}
-
-TEST(MassProperties, DiscWithEccentricHoleFollowsSteiner) {
-  const double R = 2;
-  const double r = 0.5;
-  const Vec2 hole{0.7, -0.4};
-  Outline outline = Disc(R);
-  outline.loops.push_back({Arc(hole, r, 2 * kPi, 0)});
-  const double area = kPi * (R * R - r * r);
-  const Vec2 center = (-kPi * r * r / area) * hole;
-  const double about_origin = kPi / 2 * R * R * R * R - kPi / 2 * r * r * r * r - kPi * r * r * Dot(hole, hole);
-  ExpectProperties(outline, {area, center, about_origin - area * Dot(center, center)});
+  Outline eccentric = Disc(2);
+  eccentric.loops.push_back({Arc({0.7, -0.4}, 0.5, 2 * kPi, 0)});
+  ExpectProperties(eccentric, DiscAt({}, 2) + -DiscAt({0.7, -0.4}, 0.5));
 }
 
 TEST(MassProperties, EllipseHasClosedForm) {
@@ -94,53 +102,27 @@ TEST(MassProperties, EllipseHasClosedForm) {
   }
 }
 
-TEST(MassProperties, BoxAndRoundedBoxHaveClosedForms) {
+TEST(MassProperties, ShapesOfBoxesAndArcsAreTheSumsOfTheirParts) {
   for (const auto& [w, h] : {std::pair(2.0, 1.0), std::pair(1e6, 1.0), std::pair(1.0, 1.0)}) {
-    ExpectProperties(Box(w, h), {w * h, {}, w * h * (w * w + h * h) / 12}, kExact);
+    ExpectProperties(Box(w, h), BoxAt({}, w, h), kExact);
   }
   const double w = 3;
   const double h = 2;
   for (const double r : {1e-3, 0.4, 0.999}) {
-    // A cross of three boxes, and four quarter discs whose centroid is 4r/3pi from the corner's centre on either axis.
-    const double core_w = w - 2 * r;
-    const double core_h = h - 2 * r;
-    const double quarter = kPi * r * r / 4;
-    const double arm = 4 * r / (3 * kPi);
-    const double cx = core_w / 2 + arm;
-    const double cy = core_h / 2 + arm;
-    const double quarters = 4 * (kPi * r * r * r * r / 8 - quarter * 2 * arm * arm + quarter * (cx * cx + cy * cy));
-    const double side_x = (w / 2 - r / 2);
-    const double side_y = (h / 2 - r / 2);
-    const double boxes = core_w * core_h * (core_w * core_w + core_h * core_h) / 12 +
-                         2 * r * core_h * ((r * r + core_h * core_h) / 12 + side_x * side_x) +
-                         2 * r * core_w * ((r * r + core_w * core_w) / 12 + side_y * side_y);
-    ExpectProperties(RoundedBox(w, h, r), {w * h - (4 - kPi) * r * r, {}, boxes + quarters});
+    Expected rounded = BoxAt({}, w - 2 * r, h);
+    for (const double side : {-1.0, 1.0}) {
+      rounded = rounded + BoxAt({side * (w - r) / 2, 0}, r, h - 2 * r);
+      for (const double end : {-1.0, 1.0}) {
+        rounded = rounded + QuarterDiscAt({side * (w / 2 - r), end * (h / 2 - r)}, {side, end}, r);
+      }
+    }
+    ExpectProperties(RoundedBox(w, h, r), rounded);
   }
-}
-
-TEST(MassProperties, HalfDiscAndDShapeHaveClosedForms) {
-  const double r = 1.7;
-  const double half = kPi * r * r / 2;
-  const double arm = 4 * r / (3 * kPi);
-  const double half_inertia = kPi * r * r * r * r / 4 - half * arm * arm;
-  ExpectProperties(HalfDisc(r), {half, {0, arm}, half_inertia});
-  const double s = 0.9;
-  const double box = 2 * r * s;
-  const double area = half + box;
-  const double center = (half * arm - box * s / 2) / area;
-  const double inertia = half_inertia + half * (arm - center) * (arm - center) + box * (s * s + 4 * r * r) / 12 +
-                         box * (s / 2 + center) * (s / 2 + center);
-  ExpectProperties(DShape(s, r), {area, {center, 0}, inertia});
-}
-
-TEST(MassProperties, CapsuleHasClosedForm) {
+  ExpectProperties(HalfDisc(1.7), HalfDiscAt({}, {0, 1}, 1.7));
+  ExpectProperties(DShape(0.9, 1.7), HalfDiscAt({}, {1, 0}, 1.7) + BoxAt({-0.45, 0}, 0.9, 3.4));
   for (const auto& [l, r] : {std::pair(2.0, 0.5), std::pair(1e-3, 1.0), std::pair(1e5, 1.0)}) {
-    const double half = kPi * r * r / 2;
-    const double arm = 4 * r / (3 * kPi);
-    const double end = l / 2 + arm;
-    const double inertia =
-        2 * (kPi * r * r * r * r / 4 - half * arm * arm + half * end * end) + 2 * r * l * (l * l + 4 * r * r) / 12;
-    ExpectProperties(Capsule(l, r), {2 * half + 2 * r * l, {}, inertia});
+    const Expected ends = HalfDiscAt({l / 2, 0}, {1, 0}, r) + HalfDiscAt({-l / 2, 0}, {-1, 0}, r);
+    ExpectProperties(Capsule(l, r), ends + BoxAt({}, l, 2 * r));
   }
 }
 

@@ -8,10 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/shape/mass_properties.h"
-#include "model/shape/outline_checks.h"
 #include "model/shape/shapes.h"
-#include "support/input_error.h"
 #include "tests/model/random_outlines.h"
 
 namespace lcpbench::testing {
@@ -22,15 +19,9 @@ const double kNaN = std::numeric_limits<double>::quiet_NaN();
 const double kInfinity = std::numeric_limits<double>::infinity();
 
 // One line that names the outline and holds every one of the texts.
-void ExpectRefused(const Outline& outline, const std::vector<std::string>& texts) {
-  try {
-    RequireValid(outline);
-    ADD_FAILURE() << "accepted; expected an error with: " << texts[0];
-  } catch (const InputError& error) {
-    const std::string what = error.what();
-    EXPECT_NE(what.find("outline '" + outline.name + "'"), std::string::npos) << what;
-    EXPECT_EQ(what.find('\n'), std::string::npos) << what;
-    for (const std::string& text : texts) EXPECT_NE(what.find(text), std::string::npos) << what;
+void Refuses(const Outline& outline, const std::vector<std::string>& texts) {
+  for (const std::string& text : texts) {
+    ExpectRefused([&] { RequireValid(outline); }, text, "outline '" + outline.name + "'");
   }
 }
 
@@ -119,44 +110,33 @@ TEST(OutlineChecks, RefuseNumbersThatMakeNoEdge) {
     return outline;
   };
   const std::string edge = "outer boundary, edge 2";
+  // What RequireValid refuses of a curve (curve_test.cc, closest_points_test.cc) is refused of a piece.
   for (const double bad : {kNaN, kInfinity, -kInfinity}) {
-    ExpectRefused(with(Line({bad, 2}, {0, 2})), {edge, "straight edge", "not finite"});
-    ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0, bad}), {edge, "not finite"});
-    ExpectRefused(with(Arc({0, bad}, 1, 0, 1)), {edge, "arc", "not finite"});
-    ExpectRefused(with(Arc({0, 0}, bad, 0, 1)), {edge, "arc"});
-    ExpectRefused(with({EllipseEdge{{}, 1, 1, bad, Side::kConvex}, 0, 1}), {edge, "ellipse", "not finite"});
-    ExpectRefused(with({SuperellipseEdge{{}, bad, 1, 4, 0, Side::kConvex}, 0, 1}), {edge, "superellipse"});
-    ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{1, bad}, Vec2{}, Vec2{}}}, 0, 1}), {edge, "bezier", "not finite"});
+    Refuses(with(Line({bad, 2}, {0, 2})), {edge, "straight edge", "not finite"});
+    Refuses(with({StraightEdge{{2, 2}, {0, 2}}, 0, bad}), {edge, "not finite"});
+    Refuses(with(Arc({0, 0}, bad, 0, 1)), {edge, "arc"});
   }
-  for (const double radius : {0.0, -1.0}) {
-    ExpectRefused(with(Arc({}, radius, 0, 1)), {edge, "radius must be > 0"});
-    ExpectRefused(with({EllipseEdge{{}, radius, 1, 0, Side::kConvex}, 0, 1}), {edge, "semi-axes must be > 0"});
-    ExpectRefused(with({SuperellipseEdge{{}, 1, radius, 4, 0, Side::kConvex}, 0, 1}), {edge, "semi-axes must be > 0"});
+  Refuses(with(Arc({}, 0, 0, 1)), {edge, "radius must be > 0"});
+  Refuses(with({EllipseEdge{{}, 1.1e6, 1, 0, Side::kConvex}, 0, 1}), {edge, "aspect ratio"});
+  for (const int m : {kMaxSuperellipseExponent + 2, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()}) {
+    Refuses(with({SuperellipseEdge{{}, 1, 1, m, 0, Side::kConvex}, 0, 1}), {edge, "exponent", "even"});
   }
-  for (const int m : {-2, 0, 1, 3, 7, kMaxSuperellipseExponent + 2, std::numeric_limits<int>::min(),
-                      std::numeric_limits<int>::max()}) {
-    ExpectRefused(with({SuperellipseEdge{{}, 1, 1, m, 0, Side::kConvex}, 0, 1}), {edge, "exponent", "even"});
-  }
-  ExpectRefused(with({EllipseEdge{{}, 1.1e6, 1, 0, Side::kConvex}, 0, 1}), {edge, "aspect ratio"});
-  ExpectRefused(with({SuperellipseEdge{{}, 1, 1e7, 4, 0, Side::kConvex}, 0, 1}), {edge, "aspect ratio"});
-  ExpectRefused(with(Line({2, 2}, {2, 2})), {edge, "zero-length"});
-  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0.5, 0.5}), {edge, "zero-length"});
-  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 1, 0}), {edge, "s_begin < s_end"});
-  ExpectRefused(with({StraightEdge{{2, 2}, {0, 2}}, 0, 1.5}), {edge, "0..1"});
-  ExpectRefused(with({ArcEdge{{}, 1, Side::kConvex}, 1, 0}), {edge, "counter-clockwise"});
-  ExpectRefused(with({ArcEdge{{}, 1, Side::kConcave}, 0, 1}), {edge, "clockwise"});
-  ExpectRefused(with(Arc({}, 1, 0, 7)), {edge, "full turn"});
-  ExpectRefused(with(Arc({}, 1, 1e9, 1e9 + 1)), {edge, "1000 rad"});
-  ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{2, 2}, Vec2{1, 3}, Vec2{0, 2}}}, 0, 1}), {edge, "derivative"});
-  ExpectRefused(with({BezierEdge{{Vec2{2, 2}, Vec2{0, 3}, Vec2{2, 3}, Vec2{0, 2}}}, 0, 1}), {edge, "derivative"});
+  Refuses(with({BezierEdge{{Vec2{2, 2}, Vec2{2, 2}, Vec2{1, 3}, Vec2{0, 2}}}, 0, 1}), {edge, "derivative"});
+  Refuses(with({StraightEdge{{2, 2}, {0, 2}}, 0.5, 0.5}), {edge, "zero-length"});
+  Refuses(with({StraightEdge{{2, 2}, {0, 2}}, 1, 0}), {edge, "s_begin < s_end"});
+  Refuses(with({StraightEdge{{2, 2}, {0, 2}}, 0, 1.5}), {edge, "0..1"});
+  Refuses(with({ArcEdge{{}, 1, Side::kConvex}, 1, 0}), {edge, "counter-clockwise"});
+  Refuses(with({ArcEdge{{}, 1, Side::kConcave}, 0, 1}), {edge, "clockwise"});
+  Refuses(with(Arc({}, 1, 0, 7)), {edge, "full turn"});
+  Refuses(with(Arc({}, 1, 1e9, 1e9 + 1)), {edge, "1000 rad"});
 }
 
 TEST(OutlineChecks, RefuseOutlinesWithoutEdges) {
-  ExpectRefused({"empty", {}}, {"no outer boundary"});
-  ExpectRefused({"empty", {{}}}, {"outer boundary", "no edges"});
+  Refuses({"empty", {}}, {"no outer boundary"});
+  Refuses({"empty", {{}}}, {"outer boundary", "no edges"});
   Outline hole = Disc(1);
   hole.loops.emplace_back();
-  ExpectRefused(hole, {"hole 1", "no edges"});
+  Refuses(hole, {"hole 1", "no edges"});
 }
 
 TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheTolerance) {
@@ -165,62 +145,60 @@ TEST(OutlineChecks, RefuseOpenOutlinesBeyondTheTolerance) {
                    {{Line({0, 0}, {1, 0}), Line({1, 0}, {1, 1}), Line({1, 1}, {0, 1 + size}), Line({0, 1}, {0, 0})}}};
   };
   EXPECT_NO_THROW(RequireValid(gap(1e-10)));
-  ExpectRefused(gap(1e-8), {"edge 2", "open outline", "edge 3"});
-  ExpectRefused({"line", {{Line({0, 0}, {1, 0})}}}, {"edge 0", "open outline"});
-  ExpectRefused({"arc", {{Arc({}, 1, 0, 6)}}}, {"edge 0", "open outline"});
+  Refuses(gap(1e-8), {"edge 2", "open outline", "edge 3"});
+  Refuses({"line", {{Line({0, 0}, {1, 0})}}}, {"edge 0", "open outline"});
+  Refuses({"arc", {{Arc({}, 1, 0, 6)}}}, {"edge 0", "open outline"});
 }
 
 TEST(OutlineChecks, RefuseSelfIntersections) {
-  ExpectRefused(Polygon({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0", "edge 2"});
+  Refuses(Polygon({{0, 0}, {2, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0", "edge 2"});
   // A vertex on an edge, an edge run twice, a spike.
-  ExpectRefused(Polygon({{0, 0}, {4, 0}, {4, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0"});
-  ExpectRefused(Polygon({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0}, {0, 1}}), {"self-intersecting"});
-  ExpectRefused(Polygon({{0, 0}, {2, 0}, {2, 2}, {2, 3}, {2, 2}, {0, 2}}), {"self-intersecting"});
+  Refuses(Polygon({{0, 0}, {4, 0}, {4, 2}, {2, 0}, {0, 2}}), {"self-intersecting", "edge 0"});
+  Refuses(Polygon({{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 0}, {0, 1}}), {"self-intersecting"});
+  Refuses(Polygon({{0, 0}, {2, 0}, {2, 2}, {2, 3}, {2, 2}, {0, 2}}), {"self-intersecting"});
   // A line through an arc; an arc bulging through the opposite side.
-  ExpectRefused({"cut", {{Arc({}, 1, 0, kPi), Line({-1, 0}, {0, 2}), Line({0, 2}, {1, 0})}}}, {"self-intersecting"});
+  Refuses({"cut", {{Arc({}, 1, 0, kPi), Line({-1, 0}, {0, 2}), Line({0, 2}, {1, 0})}}}, {"self-intersecting"});
   const double R = 1.02;
   const double h = std::sqrt(R * R - 1);
-  const double begin = std::atan2(h, -1.0);
   Outline bulge{"bulge",
                 {{Line({-1, -0.1}, {1, -0.1}), Line({1, -0.1}, {1, 0}),
                   Arc({0, h}, R, 2 * kPi - std::atan2(h, 1.0), kPi + std::atan2(h, 1.0)), Line({-1, 0}, {-1, -0.1})}}};
-  EXPECT_GT(begin, 0);
-  ExpectRefused(bulge, {"self-intersecting", "edge 0", "edge 2"});
+  Refuses(bulge, {"self-intersecting", "edge 0", "edge 2"});
   // One Bezier edge with a loop.
-  ExpectRefused({"loop",
-                 {{{BezierEdge{{Vec2{0, 0}, Vec2{4, 3}, Vec2{-2, 3}, Vec2{2, 0}}}, 0, 1},
-                   Line({2, 0}, {3, -1}),
-                   Line({3, -1}, {-1, -1}),
-                   Line({-1, -1}, {0, 0})}}},
-                {"self-intersecting", "itself"});
+  Refuses({"loop",
+           {{{BezierEdge{{Vec2{0, 0}, Vec2{4, 3}, Vec2{-2, 3}, Vec2{2, 0}}}, 0, 1},
+             Line({2, 0}, {3, -1}),
+             Line({3, -1}, {-1, -1}),
+             Line({-1, -1}, {0, 0})}}},
+          {"self-intersecting", "itself"});
 }
 
 TEST(OutlineChecks, RefuseCuspsOfZeroAngle) {
   // A crescent of two circles that touch from inside.
-  ExpectRefused({"crescent", {{Arc({}, 1, 0, 2 * kPi), Arc({0.5, 0}, 0.5, 2 * kPi, 0)}}}, {"self-intersecting"});
+  Refuses({"crescent", {{Arc({}, 1, 0, 2 * kPi), Arc({0.5, 0}, 0.5, 2 * kPi, 0)}}}, {"self-intersecting"});
   // A small angle is allowed.
   EXPECT_NO_THROW(RequireValid(Polygon({{0, 0}, {1, -1e-4}, {1, 1e-4}})));
 }
 
 TEST(OutlineChecks, RefuseTheWrongSenseOfTravel) {
-  ExpectRefused(Polygon({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {"outer boundary", "edge 0", "clockwise"});
-  ExpectRefused({"inside out", {{Arc({}, 1, 2 * kPi, 0)}}}, {"outer boundary", "clockwise"});
+  Refuses(Polygon({{0, 0}, {0, 1}, {1, 1}, {1, 0}}), {"outer boundary", "edge 0", "clockwise"});
+  Refuses({"inside out", {{Arc({}, 1, 2 * kPi, 0)}}}, {"outer boundary", "clockwise"});
   Outline ring = Disc(2);
   ring.loops.push_back({Arc({}, 1, 0, 2 * kPi)});
-  ExpectRefused(ring, {"hole 1", "counter-clockwise"});
+  Refuses(ring, {"hole 1", "counter-clockwise"});
 }
 
 TEST(OutlineChecks, RefuseHolesThatAreNotWithinTheMaterial) {
-  ExpectRefused(WithHole(Disc(1), {3, 0}, 0.5), {"hole 1", "outside"});
-  ExpectRefused(WithHole(Disc(1), {}, 2), {"hole 1", "outside"});
-  ExpectRefused(WithHole(Disc(1), {1, 0}, 0.5), {"self-intersecting", "hole 1"});
-  ExpectRefused(WithHole(WithHole(Disc(4), {}, 2), {0.5, 0}, 1), {"hole 2", "inside hole 1"});
-  ExpectRefused(WithHole(Bowl(2, 1.5, 1), {}, 0.3), {"hole 1", "outside"});
+  Refuses(WithHole(Disc(1), {3, 0}, 0.5), {"hole 1", "outside"});
+  Refuses(WithHole(Disc(1), {}, 2), {"hole 1", "outside"});
+  Refuses(WithHole(Disc(1), {1, 0}, 0.5), {"self-intersecting", "hole 1"});
+  Refuses(WithHole(WithHole(Disc(4), {}, 2), {0.5, 0}, 1), {"hole 2", "inside hole 1"});
+  Refuses(WithHole(Bowl(2, 1.5, 1), {}, 0.3), {"hole 1", "outside"});
 }
 
 TEST(OutlineChecks, AcceptThinGapsAndNearlyStraightArcs) {
   EXPECT_NO_THROW(RequireValid(Ring(1, 1 - 1e-8)));
-  ExpectRefused(WithHole(Disc(1), {}, 1 - 1e-11), {"hole 1"});
+  Refuses(WithHole(Disc(1), {}, 1 - 1e-11), {"hole 1"});
   for (const double R : {1e3, 1e6, 1e9}) {
     const double alpha = std::asin(1 / R);
     const double drop = std::sqrt((R - 1) * (R + 1));

@@ -8,8 +8,6 @@
 #include <numbers>
 #include <vector>
 
-#include "model/shape/mass_properties.h"
-#include "model/shape/outline_checks.h"
 #include "support/input_error.h"
 #include "tests/model/random_outlines.h"
 
@@ -17,48 +15,37 @@ namespace lcpbench::testing {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr int kShapes = 12;
 
 // Every shape with random parameters.
 Outline RandomShape(int kind, Random* random) {
   const double p = random->Uniform(0.1, 3);
   const double q = random->Uniform(0.1, 3);
   const double share = random->Uniform(0.05, 0.95);
-  switch (kind) {
-    case 0:
-      return Disc(p);
-    case 1:
-      return Box(p, q);
-    case 2:
-      return RoundedBox(p, q, share * std::min(p, q) / 2);
-    case 3:
-      return Capsule(p, q);
-    case 4:
-      return HalfDisc(p);
-    case 5:
-      return DShape(p, q);
-    case 6:
-      return Ring(p, share * p);
-    case 7:
-      return Ellipse(p, q);
-    case 8:
-      return Superellipse(p, q, 2 + 2 * RandomInteger(10, random));
-    case 9: {
-      GearShape gear;
-      gear.teeth = 5 + RandomInteger(30, random);
-      gear.tip_radius = p;
-      gear.root_radius = random->Uniform(0.6, 0.95) * p;
-      gear.tip_share = random->Uniform(0.1, 0.4);
-      gear.foot_share = random->Uniform(0.4, 0.9);
-      gear.flank_radius = random->Uniform(1, 3) * p;
-      return Gear(gear);
-    }
-    case 10:
-      return Cam(p, share * p, p * random->Uniform(1, 4));
-    default:
-      return Bowl(p, share * p, random->Uniform(1.58, 3));
-  }
+  const std::function<Outline()> shapes[kShapes] = {
+      [&] { return Disc(p); },
+      [&] { return Box(p, q); },
+      [&] { return RoundedBox(p, q, share * std::min(p, q) / 2); },
+      [&] { return Capsule(p, q); },
+      [&] { return HalfDisc(p); },
+      [&] { return DShape(p, q); },
+      [&] { return Ring(p, share * p); },
+      [&] { return Ellipse(p, q); },
+      [&] { return Superellipse(p, q, 2 + 2 * RandomInteger(10, random)); },
+      [&] {
+        GearShape gear;
+        gear.teeth = 5 + RandomInteger(30, random);
+        gear.tip_radius = p;
+        gear.root_radius = random->Uniform(0.6, 0.95) * p;
+        gear.tip_share = random->Uniform(0.1, 0.4);
+        gear.foot_share = random->Uniform(0.4, 0.9);
+        gear.flank_radius = random->Uniform(1, 3) * p;
+        return Gear(gear);
+      },
+      [&] { return Cam(p, share * p, p * random->Uniform(1, 4)); },
+      [&] { return Bowl(p, share * p, random->Uniform(1.58, 3)); }};
+  return shapes[kind]();
 }
-constexpr int kShapes = 12;
 
 TEST(Shapes, AreValidForRandomParametersAndStayValidWhenMoved) {
   Random random(1);

@@ -1,4 +1,4 @@
-#include "model/geometry/trig.h"
+#include "model/geometry/vec2.h"
 
 #include <mpfr.h>
 
