@@ -47,6 +47,7 @@ std::span<const PeerEntry> AllPeers();
 /// The tolerance for the loosest tier that is not looser than `tolerance`; that of 1e-9 for stricter ones.
 /// @throws std::logic_error where the key is no peer's with tiers, here and below
 double TierTolerance(std::string_view key, double tolerance);
+/// Largest number of iterations, the same at all tiers.
 double TierIterations(std::string_view key);
 
 }  // namespace lcpbench
