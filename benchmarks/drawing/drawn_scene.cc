@@ -123,7 +123,7 @@ std::string ConnectorShape(const Connector& connector, Vec2 from, Vec2 to, doubl
     return SvgPath(path, {kInkColor, width}) + SvgPath(path, {kWhite, width - std::min(1.6, width / 2)}) +
            PinShape(from, width / 2) + PinShape(to, width / 2);
   }
-  const std::string line = SvgPath(path, {kInkColor, StrokeOf(half)});
+  std::string line = SvgPath(path, {kInkColor, StrokeOf(half)});
   if (connector.type != "rope") return line;
   const double dot = std::max(0.8, 0.35 * half);
   return line + SvgCircle(from, dot, {.fill = kInkColor}) + SvgCircle(to, dot, {.fill = kInkColor});

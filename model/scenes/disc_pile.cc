@@ -248,7 +248,8 @@ class PileScene final : public SceneBuilder {
   }
 
   void Load() override {
-    const double layers = std::sqrt(1.0 + rows_ / 2);
+    const int pairs = rows_ / 2;
+    const double layers = std::sqrt(1.0 + pairs);
     Apply({.weight = kWeight / std::sqrt(layers), .gust = kGravity});
   }
 

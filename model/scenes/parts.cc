@@ -187,7 +187,7 @@ Constraint& AddConstraint(ContactSystem* system, ConstraintType type, int body1,
     constraint.length = Norm(WorldPoint(BodyOf(*system, body1), std::get<Vertex>(feature1).p) -
                              WorldPoint(BodyOf(*system, body2), std::get<Vertex>(feature2).p));
   }
-  return system->constraints.emplace_back(std::move(constraint));
+  return system->constraints.emplace_back(constraint);
 }
 
 double StillVelocity(const ContactSystem& system, std::size_t component) {

@@ -357,9 +357,9 @@ BlockPivoting::End BlockPivoting::Run(const Rules& rules) {
       moved = std::max(moved, std::abs(proximal_[i] - center_[i]) * root_[i]);
       size = std::max(size, std::abs(proximal_[i]) * root_[i]);
     }
-    if (step > 0 && tier() > proof_tolerance() && moved * (step + 1) >= kDivergence * size &&
-        FindRay(direction_ = proximal_ - center_)) {
-      return End::kInfeasible;
+    if (step > 0 && tier() > proof_tolerance() && moved * (step + 1) >= kDivergence * size) {
+      direction_ = proximal_ - center_;
+      if (FindRay(direction_)) return End::kInfeasible;
     }
     center_ = proximal_;
     active_ = active_proximal_;

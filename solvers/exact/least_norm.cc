@@ -19,7 +19,7 @@ constexpr double kGuessDone = 1e-15;
 Eigen::MatrixXd ToDoubles(const IntegerMatrix& A) {
   Eigen::MatrixXd result(A.rows(), A.columns());
   slong exponent = 0;
-  for (Index i = 0; i < A.rows(); ++i) exponent = std::max<slong>(exponent, fmpz_bits(A.at(i, i)));
+  for (Index i = 0; i < A.rows(); ++i) exponent = std::max(exponent, static_cast<slong>(fmpz_bits(A.at(i, i))));
   for (Index i = 0; i < A.rows(); ++i) {
     for (Index j = 0; j < A.columns(); ++j) {
       slong own = 0;

@@ -59,7 +59,7 @@ ApgdOptions ApgdOptions::FromSettings(const Settings& settings) {
 }
 
 void ApgdEngine::Prepare(const LcpProblem& problem) {
-  FirstOrderEngine::Prepare(problem);
+  PrepareRows(problem);
   for (Point* point : {&before_, &y_, &next_}) *point = rows_.x;
 }
 

@@ -157,7 +157,7 @@ NncgOptions NncgOptions::FromSettings(const Settings& settings) {
 }
 
 void NncgEngine::Prepare(const LcpProblem& problem) {
-  FirstOrderEngine::Prepare(problem);
+  PrepareRows(problem);
   for (Point* point : {&x_, &previous_, &extra_}) *point = rows_.x;
 }
 

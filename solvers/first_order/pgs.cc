@@ -96,6 +96,7 @@ class PgsEngine final : public FirstOrderEngine {
     CheckRelaxation(options);
   }
 
+  void Prepare(const LcpProblem& problem) { PrepareRows(problem); }
   void Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
     AdaptiveRelaxation relaxation(options_.relaxation);
     bool backward = false;

@@ -130,11 +130,12 @@ struct LcpProblem::Matrix {
   double asymmetry = 0;
   bool two_body_rows = false;
 
-  void TakeSparse(SparseMatrix matrix, const char* name, Index columns) {
-    RequireShape(id, name, matrix.rows(), matrix.cols(), rows, columns);
-    matrix.makeCompressed();
-    RequireFinite(id, name, matrix.valuePtr(), matrix.nonZeros());
-    sparse.swap(matrix);  // Eigen's sparse matrices cannot be moved
+  // Swapped out of its place: Eigen's sparse matrices cannot be moved.
+  void TakeSparse(SparseMatrix* matrix, const char* name, Index columns) {
+    RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
+    matrix->makeCompressed();
+    RequireFinite(id, name, matrix->valuePtr(), matrix->nonZeros());
+    sparse.swap(*matrix);
   }
 
   void TakeMasses(Eigen::VectorXd masses) {
@@ -271,14 +272,14 @@ LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::Vecto
 LcpProblem LcpProblem::FromSparse(std::string id, SparseMatrix A, Eigen::VectorXd b, RowBounds bounds,
                                   MatrixFacts facts) {
   const auto storage = MakeStorage(std::move(id), MatrixForm::kSparse, std::move(b), std::move(bounds), facts);
-  storage->matrix.TakeSparse(std::move(A), "A", storage->matrix.rows);
+  storage->matrix.TakeSparse(&A, "A", storage->matrix.rows);
   return LcpProblem(storage);
 }
 
 LcpProblem LcpProblem::FromFactors(std::string id, SparseMatrix J, Eigen::VectorXd inverse_mass, Eigen::VectorXd b,
                                    RowBounds bounds, MatrixFacts facts) {
   const auto storage = MakeStorage(std::move(id), MatrixForm::kFactors, std::move(b), std::move(bounds), facts);
-  storage->matrix.TakeSparse(std::move(J), "J", inverse_mass.size());
+  storage->matrix.TakeSparse(&J, "J", inverse_mass.size());
   storage->matrix.TakeMasses(std::move(inverse_mass));
   return LcpProblem(storage);
 }

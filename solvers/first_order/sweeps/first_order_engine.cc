@@ -27,7 +27,7 @@ std::string FirstOrderEngine::WhyUnsupported(const LcpProblem& problem) const {
   return why.empty() ? WhyNoRows(problem, setup_.form) : why;
 }
 
-void FirstOrderEngine::Prepare(const LcpProblem& problem) {
+void FirstOrderEngine::PrepareRows(const LcpProblem& problem) {
   rows_.Prepare(problem, setup_.form, setup_.coloured);
   given_.Reset(problem);
   best_.setZero(problem.size());

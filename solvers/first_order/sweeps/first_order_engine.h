@@ -26,7 +26,6 @@ class FirstOrderEngine {
   static constexpr Index kEntriesPerClockRead = Index{1} << 15;
 
   std::string WhyUnsupported(const LcpProblem& problem) const;
-  void Prepare(const LcpProblem& problem);
 
  protected:
   struct Setup {
@@ -39,6 +38,8 @@ class FirstOrderEngine {
     std::int64_t default_limit = 0;  ///< iterations where LcpOptions names no limit
   };
   explicit FirstOrderEngine(const Setup& setup) : setup_(setup) {}
+
+  void PrepareRows(const LcpProblem& problem);
 
   /// A solve of `problem`, the prepared one or one that shares its matrix. `iterate` makes one iteration on rows_.x
   /// and returns the norm of the natural residuals that its last pass saw, or nothing if ForAllRows returned false.

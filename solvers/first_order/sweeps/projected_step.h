@@ -83,11 +83,12 @@ class LaidOutRows : public RowKernel {
   }
 
  protected:
-  explicit LaidOutRows(const ScaledProblem& scaled) : scaled_(scaled) {}
-
   const ScaledProblem& scaled_;
 
  private:
+  friend Layout;
+  explicit LaidOutRows(const ScaledProblem& scaled) : scaled_(scaled) {}
+
   template <StepKind kKind>
   void Pass(Index begin, Index end, bool backward, double rate, const Point& from, Point* to, StepSums* sums) const {
     const auto with = [&](auto step) {
