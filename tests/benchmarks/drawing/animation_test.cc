@@ -252,6 +252,7 @@ class AnimationInBrowser : public CommandTest {
   nlohmann::json SelfTest(std::string page, const std::string& size) const {
     page.insert(page.rfind("})();"), ReadFile(LCPBENCH_SOURCE_DIR "/tests/benchmarks/drawing/animation_selftest.js"));
     Write("page.html", page);
+    Write("log", "");  // that of the page before would be found while the browser starts
     const std::string command = browser_ + " --headless --no-sandbox --disable-gpu --user-data-dir=" + Path("profile") +
                                 " --enable-logging=stderr --window-size=" + size + " 'file://" + Path("page.html") +
                                 "' > " + Path("log") +
