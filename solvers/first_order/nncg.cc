@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <optional>
 
 #include "solvers/first_order/sweeps/first_order_engine.h"
@@ -11,6 +13,12 @@ namespace {
 
 // A plane whose Gram determinant is below this share of its product of squares is a line but for rounding.
 constexpr double kParallel = 1e-10;
+
+// A projection breaks the conjugacy of the previous step. Most iterates are none the worse for it, but where rows with
+// almost no force are projected again and again, the residual hovers. Once it has not fallen for this many iterations,
+// and for half as many as there are rows, every kProjections projected extrapolations in a row end in a restart.
+constexpr std::int64_t kHovering = 32;
+constexpr int kProjections = 2;
 
 // Rows that are looked through one by one for projections where one of them is projected.
 constexpr Index kBlock = 32;
@@ -62,6 +70,8 @@ class NncgEngine final : public FirstOrderEngine {
   Products MakeProducts(double energy) const;
   Combination FletcherReeves();
   void Extrapolate(double energy);
+  void Watch(double residual);
+  void Restart();
 
   const bool optimal_;
   Point x_;         // where the sweep began
@@ -70,6 +80,9 @@ class NncgEngine final : public FirstOrderEngine {
   bool has_previous_ = false;
   double previous_w_ = 0;   // p.w at x less p.A p
   double last_change_ = 0;  // |z|^2 of the previous iteration
+  double least_residual_ = 0;
+  std::int64_t hovering_ = 0;  // iterations since it was found
+  int projections_ = 0;        // extrapolations in a row that were projected
 };
 
 // `energy` is what the sweep gained: z.w + z.A z / 2.
@@ -107,14 +120,16 @@ void NncgEngine::Extrapolate(double energy) {
   if (optimal_) of = MakeProducts(energy);
   const Combination c = optimal_ ? LeastEnergy(of) : FletcherReeves();
   const double more = c.along_sweep - 1;
-  extra_.image = more * (y.image - x_.image) + c.along_previous * previous_.image;
+  const auto extend = [&](const Array& to, const Array& from, const Array& step, Index k) {
+    return c.along_previous * step[k] + more * (to[k] - from[k]);
+  };
+  for (Index i = 0; i < y.image.size(); ++i) extra_.image[i] = extend(y.image, x_.image, previous_.image, i);
   double slope = more * (of.zw + of.zz) + c.along_previous * (of.pw + of.zp);  // extra.w at y
   bool clipped = false;
   for (Index begin = 0; begin < y.f.size(); begin += kBlock) {
     const Index end = std::min(begin + kBlock, y.f.size());
-    const auto block = [&](Array& of_all) { return of_all.segment(begin, end - begin); };
-    block(extra_.f) = more * (block(y.f) - block(x_.f)) + c.along_previous * block(previous_.f);
-    if ((block(y.f) + block(extra_.f)).minCoeff() >= 0) continue;
+    for (Index k = begin; k < end; ++k) extra_.f[k] = extend(y.f, x_.f, previous_.f, k);
+    if ((y.f + extra_.f).segment(begin, end - begin).minCoeff() >= 0) continue;
     for (Index k = begin; k < end; ++k) {
       const double wanted = extra_.f[k];
       if (y.f[k] + wanted >= 0 || rows_.scaled.IsFree(k)) continue;
@@ -135,12 +150,31 @@ void NncgEngine::Extrapolate(double energy) {
   }
   previous_w_ = of.zw + part * (slope - sweep_extra);
   const auto move_on = [part](Array* y_part, const Array& extra, const Array& from, Array* step) {
-    *y_part += part * extra;
-    *step = *y_part - from;
+    for (Index i = 0; i < from.size(); ++i) {
+      const double next = (*y_part)[i] + part * extra[i];
+      (*step)[i] = next - from[i];
+      (*y_part)[i] = next;
+    }
   };
   move_on(&y.f, extra_.f, x_.f, &previous_.f);
   move_on(&y.image, extra_.image, x_.image, &previous_.image);
   has_previous_ = true;
+  projections_ = clipped ? projections_ + 1 : 0;
+  if (hovering_ > std::max<std::int64_t>(kHovering, y.f.size() / 2) && projections_ >= kProjections) Restart();
+}
+
+void NncgEngine::Watch(double residual) {
+  ++hovering_;
+  if (residual >= least_residual_) return;
+  least_residual_ = residual;
+  hovering_ = 0;
+}
+
+void NncgEngine::Restart() {
+  has_previous_ = false;
+  previous_.f.setZero();
+  previous_.image.setZero();
+  projections_ = 0;
 }
 
 NncgOptions NncgOptions::FromSettings(const Settings& settings) {
@@ -162,9 +196,9 @@ void NncgEngine::Prepare(const LcpProblem& problem) {
 }
 
 void NncgEngine::Solve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  has_previous_ = false;
-  previous_.f.setZero();
-  previous_.image.setZero();
+  Restart();
+  least_residual_ = std::numeric_limits<double>::infinity();
+  hovering_ = 0;
   Run(problem, options, result, [&]() -> std::optional<double> {
     x_ = rows_.x;
     StepSums forward;
@@ -174,6 +208,7 @@ void NncgEngine::Solve(const LcpProblem& problem, const LcpOptions& options, Lcp
       in_time = ForAllRows(false, [&](Index begin, Index end) { rows_.rows->AddToImage(begin, end, &rows_.x); });
     }
     if (!in_time) return {};
+    Watch(backward.residual);
     Extrapolate(forward.energy + backward.energy);
     return std::sqrt(backward.residual);
   });

@@ -9,7 +9,7 @@ namespace lcpbench {
 
 /// Options of NncgSolver.
 struct NncgOptions {
-  static constexpr std::int64_t kDefaultIterations = 10000;  ///< limit where max_iterations is 0
+  static constexpr std::int64_t kDefaultIterations = 30000;  ///< limit where max_iterations is 0
 
   /// How the sweep's step and the previous step are combined.
   enum class Direction {
