@@ -66,11 +66,12 @@ ProximalFactor::ProximalFactor(const LcpProblem& problem, std::vector<Index> row
   if (n == 0) return;
   factor_.setShift(part);
   factor_.compute(block_);
-  if (IsFactorised()) pivots_ = factor_.vectorD();
+  if (IsFactorized()) pivots_ = factor_.vectorD();
 }
 
 Eigen::VectorXd ProximalFactor::Solve(const Eigen::VectorXd& r) const {
   if (rows_.empty()) return r;
+  if (!IsFactorized()) return Eigen::VectorXd::Constant(r.size(), std::numeric_limits<double>::quiet_NaN());
   return scale_.cwiseProduct(factor_.solve(scale_.cwiseProduct(r)));
 }
 
@@ -80,7 +81,7 @@ ActiveFactor::ActiveFactor(const LcpProblem& problem, const std::vector<Index>& 
   const ProximalFactor all(problem, rows, kFindingPart);
   std::vector<Index> independent;
   for (size_t k = 0; k < rows.size(); ++k) {
-    const bool depends = all.IsFactorised() && all.Pivot(static_cast<Index>(k)) <= kDependentPivot;
+    const bool depends = all.IsFactorized() && all.Pivot(static_cast<Index>(k)) <= kDependentPivot;
     (depends ? dependent_ : independent).push_back(rows[k]);
   }
   factor_.emplace(problem, std::move(independent), 0.0);
@@ -129,7 +130,7 @@ double ActiveFactor::LeastEigenvalueBound() const {
   const Matrix& block = factor_->block();
   const Index n = block.rows();
   if (n == 0) return 1;
-  if (!factor_->IsFactorised()) return 0;
+  if (!factor_->IsFactorized()) return 0;
   for (const Index i : independent()) {
     const double diagonal = problem_.DiagonalA()[i];
     if (!(diagonal >= kLeastDiagonal && diagonal <= kLargestDiagonal)) return 0;

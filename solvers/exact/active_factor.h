@@ -8,7 +8,7 @@
 
 namespace lcpbench {
 
-/// S A_RR S + part I on some rows R, factorised in doubles: rows and columns are scaled by powers of two S = diag s
+/// S A_RR S + part I on some rows R, factorized in doubles: rows and columns are scaled by powers of two S = diag s
 /// that bring the diagonal to [1/2, 2), which rounds nothing. Internal to solvers/exact/.
 class ProximalFactor {
  public:
@@ -20,11 +20,11 @@ class ProximalFactor {
   const std::vector<Index>& rows() const { return rows_; }
   /// s_k of row k of R.
   const Eigen::VectorXd& scale() const { return scale_; }
-  /// About (A_RR + part S^-2)^-1 r, numbered within R.
+  /// About (A_RR + part S^-2)^-1 r, numbered within R; NaN where it is not factorized.
   Eigen::VectorXd Solve(const Eigen::VectorXd& r) const;
   /// d_k of row k of R, where the rows before it in the order of the factor are eliminated.
   double Pivot(Index k) const;
-  bool IsFactorised() const { return rows_.empty() || factor_.info() == Eigen::Success; }
+  bool IsFactorized() const { return rows_.empty() || factor_.info() == Eigen::Success; }
   /// Lower triangle, without part I.
   const Matrix& block() const { return block_; }
 
@@ -36,7 +36,7 @@ class ProximalFactor {
   Eigen::SimplicialLDLT<Matrix> factor_;
 };
 
-/// The block A_GG of the rows G among some that are independent of each other, factorised in doubles, and a bound of
+/// The block A_GG of the rows G among some that are independent of each other, factorized in doubles, and a bound of
 /// its least eigenvalue that its rounding errors cannot break. Internal to solvers/exact/.
 class ActiveFactor {
  public:

@@ -31,6 +31,8 @@ constexpr double kTie = 1e-9;
 // A row with less of its A_kk left depends on the basis.
 constexpr double kDependentStiffness = 1e-9;
 constexpr int kMostPivotsPerRow = 20;
+// Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
+constexpr double kProximal = 0x1p-30;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -76,7 +78,11 @@ class VertexSearch {
   }
   bool IsInBasis(Index i) { return std::binary_search(vertex_.basis.begin(), vertex_.basis.end(), i); }
 
-  void Factorize() { factor_.emplace(problem_, vertex_.basis, 0.0); }
+  // Of a basis that is exactly singular, with the proximal part.
+  void Factorize() {
+    factor_.emplace(problem_, vertex_.basis, 0.0);
+    if (!factor_->IsFactorized()) factor_.emplace(problem_, vertex_.basis, kProximal);
+  }
   void Leave(Index i) {
     vertex_.basis.erase(PlaceOf(i));
     force(i) = 0;
@@ -234,8 +240,6 @@ constexpr long kAllBits = 1000;
 // What gains less than a factor of this has come to its end.
 constexpr double kLeastGain = 2;
 constexpr int kPatience = 4;
-// Of the scaled diagonal: far above the rounding of doubles, and below the least eigenvalues that are not 0.
-constexpr double kProximal = 0x1p-30;
 
 Index Count(const std::vector<Index>& rows) { return static_cast<Index>(rows.size()); }
 
