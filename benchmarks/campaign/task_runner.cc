@@ -59,7 +59,7 @@ JudgeReply TaskRunner::Run(const JudgeRequest& request, const BeginPhase& begin)
   LcpOptions options;
   options.tolerance = request.tier;
   options.time_limit_s = request.time_limit_s;
-  options.time_factorisations = true;
+  options.time_factorizations = true;
   const ProblemArrays arrays = ProblemArrays::Of(given.problem);
 
   begin(request.time_limit_s, "while it was solved");

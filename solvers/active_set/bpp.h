@@ -8,7 +8,7 @@ namespace lcpbench {
 struct BppOptions {
   /// Which form of A is factored.
   enum class Form {
-    kAuto,  ///< sparse where its factorisation is predicted to take less time
+    kAuto,  ///< sparse where its factorization is predicted to take less time
     kDense,
     kSparse,
     kBodies,  ///< through the bodies (BodyActiveBlock); as kAuto where the problem or the build does not allow it
@@ -29,7 +29,7 @@ struct BppOptions {
   /// weight rises or single exchanges follow. [Portugal, Judice, Vicente 1994 use 3 to 10] In [1, 100].
   int patience = 3;
 
-  /// Ends with kNumericalFailure after the first factorisation if more than one row in kDependentShare of its F depends
+  /// Ends with kNumericalFailure after the first factorization if more than one row in kDependentShare of its F depends
   /// on others: blocks are likely to cycle then, and a caller may have a better method.
   bool end_when_singular = false;
   static constexpr Index kDependentShare = 50;  ///< of end_when_singular

@@ -13,18 +13,18 @@
 namespace lcpbench {
 namespace {
 
-// What nncg may cost before the others take over, in factorisations: about what block pivoting needs where it does
+// What nncg may cost before the others take over, in factorizations: about what block pivoting needs where it does
 // well, and half of what the Newton method needs on redundant rows.
-constexpr double kFactorisationsOfBpp = 6;
-constexpr double kFactorisationsOfNewton = 12;
+constexpr double kFactorizationsOfBpp = 6;
+constexpr double kFactorizationsOfNewton = 12;
 // The same for psor, which is asked only where it is the cheapest; and its sweep, in nncg iterations.
-constexpr double kFactorisationsForPsor = 4;
+constexpr double kFactorizationsForPsor = 4;
 constexpr double kPsorTime = 0.5;
-// nncg goes before block pivoting if a factorisation costs as much as so many of its iterations.
+// nncg goes before block pivoting if a factorization costs as much as so many of its iterations.
 constexpr double kProbeRatio = 6;
 constexpr std::int64_t kLeastNncgIterations = 16;
 // Block pivoting that needs more than this has met cycles, which cost it more than the Newton method.
-constexpr std::int64_t kMostFactorisationsOfBpp = 24;
+constexpr std::int64_t kMostFactorizationsOfBpp = 24;
 
 // Of large problems: up to here a factor has so little fill that block pivoting is the fastest; above, sweeps arrive
 // before block pivoting would be set up. The scene families lie below 0.13 or above 0.5.
@@ -44,21 +44,21 @@ constexpr std::int64_t kSweepsOfLarge = 0;
 #endif
 
 // More rows than columns of J that can move anything: A = J M^-1 J^T is singular. False where that is not known.
-bool RowsOutnumberFreedoms(const LcpProblem& problem) {
+bool RowsOutnumberDegreesOfFreedom(const LcpProblem& problem) {
   if (problem.facts().rank.has_value()) return *problem.facts().rank < problem.size();
   if (!problem.has_factors()) return false;
   const SparseMatrix& J = problem.J();
   std::vector<char> is_free(static_cast<size_t>(J.cols()), 0);
-  Index freedoms = 0;
+  Index degrees_of_freedom = 0;
   for (Index i = 0; i < J.rows(); ++i) {
     for (SparseMatrix::InnerIterator it(J, i); it; ++it) {
       char& seen = is_free[static_cast<size_t>(it.col())];
       if (seen != 0 || it.value() == 0 || problem.inverse_mass()[it.col()] == 0) continue;
       seen = 1;
-      ++freedoms;
+      ++degrees_of_freedom;
     }
   }
-  return problem.size() > freedoms;
+  return problem.size() > degrees_of_freedom;
 }
 
 // Cycles in the graph of bodies and pairs that share a row, by body: 0 for trees and chains, whose factor has no fill;
@@ -88,8 +88,8 @@ double CyclesPerBody(const LcpProblem& problem) {
 
 }  // namespace
 
-AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check)
-    : newton_factorisations_(newton_factorisations),
+AutoPortfolio::AutoPortfolio(std::int64_t newton_factorizations, bool self_check)
+    : newton_factorizations_(newton_factorizations),
       psor_({.relaxation = PgsOptions::kFirstOfAdaptive,
              .adaptive = true,
              .end_when_hopeless = true,
@@ -107,9 +107,9 @@ AutoPortfolio::AutoPortfolio(std::int64_t newton_factorisations, bool self_check
       }()) {
 }
 
-// Up to which number of iterations nncg may go for the price of so many factorisations.
-std::int64_t AutoPortfolio::NncgLimit(double factorisations, double step_time) const {
-  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorisations * step_time / nncg_time_));
+// Up to which number of iterations nncg may go for the price of so many factorizations.
+std::int64_t AutoPortfolio::NncgLimit(double factorizations, double step_time) const {
+  return std::max(kLeastNncgIterations, static_cast<std::int64_t>(factorizations * step_time / nncg_time_));
 }
 
 bool AutoPortfolio::PrepareBpp(const LcpProblem& problem) {
@@ -127,7 +127,7 @@ bool AutoPortfolio::IsLarge(const LcpProblem& problem) {
 }
 
 void AutoPortfolio::Classify(const LcpProblem& problem) {
-  is_redundant_ = RowsOutnumberFreedoms(problem);
+  is_redundant_ = RowsOutnumberDegreesOfFreedom(problem);
   is_large_ = IsLarge(problem);
   suits_tableau_ = is_redundant_;
 }
@@ -145,12 +145,12 @@ void AutoPortfolio::Prepare(const LcpProblem& problem) {
     nncg_limit_ = kSweepsOfLarge;
   } else if (is_redundant_) {
     newton_.Prepare(problem);
-    nncg_limit_ = NncgLimit(kFactorisationsOfNewton, newton_.StepTime());
+    nncg_limit_ = NncgLimit(kFactorizationsOfNewton, newton_.StepTime());
   } else if (PrepareBpp(problem)) {
     suits_tableau_ = bpp_.is_dense();
     if (bpp_.StepTime() > kProbeRatio * nncg_time_) {
-      nncg_limit_ = NncgLimit(kFactorisationsOfBpp, bpp_.StepTime());
-      psor_limit_ = static_cast<std::int64_t>(kFactorisationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
+      nncg_limit_ = NncgLimit(kFactorizationsOfBpp, bpp_.StepTime());
+      psor_limit_ = static_cast<std::int64_t>(kFactorizationsForPsor * bpp_.StepTime() / (kPsorTime * nncg_time_));
       psor_.Prepare(problem);
     }
   }
@@ -211,16 +211,16 @@ bool AutoPortfolio::TrySweeps(LcpSolver* solver, std::string_view name, std::int
 }
 
 bool AutoPortfolio::TryBpp(LcpResult* result) {
-  if (Try(&bpp_, "bpp", kMostFactorisationsOfBpp, result)) return true;
-  // What it has when it runs out of factorisations is mostly right but for a few rows.
+  if (Try(&bpp_, "bpp", kMostFactorizationsOfBpp, result)) return true;
+  // What it has when it runs out of factorizations is mostly right but for a few rows.
   if (is_large_ && result->iterations > 1 && result->f.allFinite()) {
     start_ = result->f;
     has_start_ = true;
   }
   const bool is_singular = result->iterations == 1 && result->status == LcpStatus::kNumericalFailure;
-  // A sweep over a dense A costs too much of its factorisation; hybrid has sweeps of its own.
+  // A sweep over a dense A costs too much of its factorization; hybrid has sweeps of its own.
   if (!is_singular || nncg_limit_ > 0 || bpp_.is_dense() || is_large_) return false;
-  return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorisationsOfNewton, bpp_.StepTime()), result);
+  return TrySweeps(&nncg_, "nncg", NncgLimit(kFactorizationsOfNewton, bpp_.StepTime()), result);
 }
 
 void AutoPortfolio::Solve(const LcpProblem& problem, const LcpOptions& options, Choice choice, const Deadline& deadline,
@@ -252,7 +252,7 @@ void AutoPortfolio::AskAll(Choice choice, LcpResult* result) {
 }
 
 bool AutoPortfolio::TryNewton(LcpResult* result) {
-  return Try(&newton_, "semismooth-newton", newton_factorisations_, result);
+  return Try(&newton_, "semismooth-newton", newton_factorizations_, result);
 }
 
 bool AutoPortfolio::TryHybrid(LcpResult* result) {

@@ -26,7 +26,7 @@ namespace lcpbench {
 /// of least rho that any of them ended at.
 class AutoPortfolio {
  public:
-  AutoPortfolio(std::int64_t newton_factorisations, bool self_check);
+  AutoPortfolio(std::int64_t newton_factorizations, bool self_check);
 
   enum class Choice {
     kByCost,
@@ -46,8 +46,8 @@ class AutoPortfolio {
   /// From here on `hybrid` is faster than the semismooth Newton method on every redundant family (1e-9, one thread).
   static constexpr Index kSmallRows = 900;
 
-  /// Whether factors of the prepared problem are dense, or rows outnumber freedoms: a tableau does well then up to
-  /// larger sizes.
+  /// Whether factors of the prepared problem are dense, or rows outnumber degrees of freedom: a tableau does well then
+  /// up to larger sizes.
   bool suits_tableau() const { return suits_tableau_; }
 
  private:
@@ -55,14 +55,14 @@ class AutoPortfolio {
   void AskAll(Choice choice, LcpResult* result);
   void Remember(const Eigen::VectorXd& f);
   void TakeTheBest(LcpResult* result);
-  std::int64_t NncgLimit(double factorisations, double step_time) const;
+  std::int64_t NncgLimit(double factorizations, double step_time) const;
   bool TrySweeps(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
   bool TryBpp(LcpResult* result);
   bool TryNewton(LcpResult* result);
   bool TryHybrid(LcpResult* result);
   bool Try(LcpSolver* solver, std::string_view name, std::int64_t limit, LcpResult* result);
 
-  std::int64_t newton_factorisations_;
+  std::int64_t newton_factorizations_;
   bool is_redundant_ = false;
   bool is_large_ = false;
   bool has_bpp_ = false;

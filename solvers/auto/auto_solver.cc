@@ -44,8 +44,8 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
   };
   read_rows("tableau_rows", &options.tableau_rows);
   read_rows("hard_tableau_rows", &options.hard_tableau_rows);
-  options.newton_factorisations = static_cast<std::int64_t>(
-      reader.Number("newton_factorisations", static_cast<double>(options.newton_factorisations), 1, 1e9));
+  options.newton_factorizations = static_cast<std::int64_t>(
+      reader.Number("newton_factorizations", static_cast<double>(options.newton_factorizations), 1, 1e9));
   options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;
@@ -54,8 +54,8 @@ AutoOptions AutoOptions::FromSettings(const Settings& settings) {
 class AutoEngine {
  public:
   explicit AutoEngine(const AutoOptions& options)
-      : options_(options), whole_(options.newton_factorisations, options.self_check) {
-    if (options.newton_factorisations < 1) throw InputError("auto: newton_factorisations must be >= 1");
+      : options_(options), whole_(options.newton_factorizations, options.self_check) {
+    if (options.newton_factorizations < 1) throw InputError("auto: newton_factorizations must be >= 1");
     for (const Index rows : {options.tableau_rows, options.hard_tableau_rows}) {
       if (rows < 0 || rows > SmallPivoting::kMaxRows) {
         throw InputError("auto: rows for a tableau must be in [0, " + std::to_string(SmallPivoting::kMaxRows) + "]");
@@ -172,7 +172,7 @@ void AutoEngine::SolveRest(const LcpProblem& problem, const LcpOptions& options,
     for (Index k = 0; k < m; ++k) rest_start_[k] = (*options.initial_f)[rest_[static_cast<size_t>(k)]];
     part_options.initial_f = &rest_start_;
   }
-  AutoPortfolio portfolio(options_.newton_factorisations, options_.self_check);
+  AutoPortfolio portfolio(options_.newton_factorizations, options_.self_check);
   portfolio.Prepare(part);
   LcpResult answer;
   answer.f.setZero(m);

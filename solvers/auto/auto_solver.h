@@ -13,12 +13,12 @@ struct AutoOptions {
   /// The same where rows outnumber the degrees of freedom of the bodies, or A is nearly full: other backends find that
   /// harder.
   Index hard_tableau_rows = 128;
-  /// Factorisations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
-  std::int64_t newton_factorisations = 150;
+  /// Factorizations that the semismooth Newton method is granted, >= 1; problems up to 10^3 rows need 10 to 70.
+  std::int64_t newton_factorizations = 150;
   /// SettingsReader::SelfCheck, of the backends too; without it a tableau's answer is taken as it is.
   bool self_check = true;
 
-  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorisations` and `self_check`. @throws InputError for others
+  /// Keys `tableau_rows`, `hard_tableau_rows`, `newton_factorizations` and `self_check`. @throws InputError for others
   static AutoOptions FromSettings(const Settings& settings);
 };
 
@@ -42,7 +42,7 @@ struct AutoOptions {
 /// iterations of the backend of the rest. Guaranteed class: symmetric positive semidefinite A of any rank, as its
 /// backends; nonsymmetric A is refused. A failure leaves the last backend's f and status.
 ///
-/// Warm start: for a tableau's size one factorisation of the rows with initial_f > 0, a second one after their wrong
+/// Warm start: for a tableau's size one factorization of the rows with initial_f > 0, a second one after their wrong
 /// rows have changed sides, and a tableau only where that is not the answer; the others as their own headers say.
 ///
 /// Set-up covers what the problem's structure suggests first; other backends prepare within the solve. Limits are the

@@ -59,7 +59,7 @@ class AdaptiveRelaxation {
 
 void CheckRelaxation(const PgsOptions& options) {
   if (options.relaxation > 0 && options.relaxation < 2) return;
-  throw InputError(std::string(options.adaptive ? "psor: option 'first-relaxation'" : "pgs: option 'relaxation'") +
+  throw InputError(std::string(options.adaptive ? "psor: option 'first_relaxation'" : "pgs: option 'relaxation'") +
                    " must be in (0, 2), found " + std::to_string(options.relaxation));
 }
 
@@ -70,7 +70,7 @@ PgsOptions Read(const Settings& settings, PgsOptions options) {
   if (sweep == "forward") options.sweep = SweepOrder::kForward;
   if (sweep == "symmetric") options.sweep = SweepOrder::kSymmetric;
   options.relaxation =
-      reader.Number(options.adaptive ? "first-relaxation" : "relaxation", options.relaxation, 0.0, 2.0);
+      reader.Number(options.adaptive ? "first_relaxation" : "relaxation", options.relaxation, 0.0, 2.0);
   options.self_check = reader.SelfCheck();
   reader.Finish();
   CheckRelaxation(options);

@@ -33,7 +33,7 @@ struct PgsOptions {
   /// Options `form` = auto | assembled | matrix-free, `sweep` = forward | symmetric | coloured, `relaxation` and
   /// `self_check`.
   static PgsOptions FromSettings(const Settings& settings);
-  /// The same for `psor`, with `first-relaxation` in the place of `relaxation`.
+  /// The same for `psor`, with `first_relaxation` in the place of `relaxation`.
   static PgsOptions AdaptiveFromSettings(const Settings& settings);
 };
 

@@ -10,11 +10,11 @@
 namespace lcpbench {
 namespace {
 
-// Below, a factorisation takes no longer than a few sweeps, and its answers have more digits.
+// Below, a factorization takes no longer than a few sweeps, and its answers have more digits.
 constexpr Index kLeastRows = 500;
 // Above, ordering and analysis may take longer than the sweeps, so they wait until they are needed.
 constexpr Index kMostRowsAnalysed = 20000;
-// Of a warm start: the active set is tried before the sweeps where a factorisation takes no longer than so many, with
+// Of a warm start: the active set is tried before the sweeps where a factorization takes no longer than so many, with
 // pivots that take no longer than so many together.
 constexpr double kCheapFactorization = 17;
 constexpr double kGuessWork = 90;
@@ -27,8 +27,8 @@ HybridOptions HybridOptions::FromSettings(const Settings& settings) {
   SettingsReader reader("hybrid", settings);
   HybridOptions options;
   constexpr double kMost = 100000;
-  options.least_iterations = static_cast<int>(reader.Number("least-iterations", options.least_iterations, 0, kMost));
-  options.most_iterations = static_cast<int>(reader.Number("most-iterations", options.most_iterations, 0, kMost));
+  options.least_iterations = static_cast<int>(reader.Number("least_iterations", options.least_iterations, 0, kMost));
+  options.most_iterations = static_cast<int>(reader.Number("most_iterations", options.most_iterations, 0, kMost));
   options.self_check = reader.SelfCheck();
   reader.Finish();
   return options;

@@ -14,20 +14,20 @@ class InteriorPoint {
     kGood,
     kStagnant,  ///< steps have become too short, or mu no longer falls
     kDiverged,  ///< f has left every reasonable bound: infeasible or very ill-conditioned
-    kStopped,   ///< a limit, or no factorisation
+    kStopped,   ///< a limit, or no factorization
   };
 
   void Reserve(Index n);
-  /// Regularised equality solve and Mehrotra's shift (one factorisation).
+  /// Regularised equality solve and Mehrotra's shift (one factorization).
   Progress StartCold(IpmRun* run);
-  /// From f, moved onto f w = mu with f - w kept, so that no row is off centre (no factorisation). [The smoothing of
+  /// From f, moved onto f w = mu with f - w kept, so that no row is off centre (no factorization). [The smoothing of
   /// Chen, Harker 1993 and Kanzow 1996, taken for a start]
   /// @param mu_per_residual  mu in root mean squares of the natural residual of f
   void StartWarm(IpmRun* run, const Eigen::VectorXd& f, double mu_per_residual);
   /// Where rows block the steps: back to the middle, f w = growth mu in every row with f - w as it is, from where
   /// steps are long again.
   void Recentre(IpmRun* run, double growth);
-  /// One step (one factorisation).
+  /// One step (one factorization).
   Progress Step(IpmRun* run);
 
   const Eigen::VectorXd& f() const { return f_; }

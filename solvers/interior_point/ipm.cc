@@ -34,7 +34,7 @@ constexpr BlockPivoting::Rules kFromStart = {
     .try_every_set = true, .progress = 0.5, .most_wrong = 0.12, .few_wrong = 0.01, .factors = 8};
 constexpr BlockPivoting::Rules kLastResort = {
     .weight_factor = 0.01, .steps = 12, .try_every_set = true, .factors = 300};
-// Of a warm start: rho against the one of f = 0 from which its active set is worth a factorisation, and from which the
+// Of a warm start: rho against the one of f = 0 from which its active set is worth a factorization, and from which the
 // interior point starts from it rather than cold.
 constexpr double kWorthTrying = 0.5;
 // mu of a warm start, in its mean residual. What sweeps leave undone on redundant rows is smooth and small, and the
@@ -50,7 +50,7 @@ constexpr double kBlockedStep = 0.3;
 constexpr double kLift = 100;
 constexpr int kMostLifts = 2;
 constexpr double kLeastWarmSweeps = 60;
-constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorisations
+constexpr double kWarmSweepWork = 4;  // limit of the sweeps, in factorizations
 
 // Weight of the proximal term for pivots from an interior-point iterate: its distance from the solution is of the order
 // of sqrt(mu) where rows are degenerate. The first guess of all takes the light weight: if F is right, it is exact.
@@ -70,7 +70,7 @@ constexpr double kNear = 5;  // times the tolerance: rho from which ...
 constexpr std::int64_t kSweepsWhereNear = 300;
 constexpr double kWorthSweeps = 1e6;  // flop; below, going on is as cheap, and exact
 
-// Turns an interior iterate into an answer without another factorisation. An interior point that has found mu leaves a
+// Turns an interior iterate into an answer without another factorization. An interior point that has found mu leaves a
 // residual of sqrt(mu) in every row where f and w both vanish, so that going on to mu = 1e-18 would take it twice as
 // long as finding the active set. Two ways out, of which each costs less than one step:
 //
@@ -85,7 +85,7 @@ class InteriorFinish {
       : sweeps_(NncgOptions{.end_when_hopeless = true, .self_check = self_check}) {}
 
   // Set-up for a problem; the sweeps' own set-up waits until they are first needed.
-  // @param factor_work  of one factorisation [flop]: sweeps are for where that is much
+  // @param factor_work  of one factorization [flop]: sweeps are for where that is much
   void Reserve(Index n, double factor_work);
   // To be called at the beginning of a solve.
   void Restart() { least_tried_ = std::numeric_limits<double>::infinity(); }

@@ -30,7 +30,7 @@ struct IpmOptions {
 ///
 /// 1. Mehrotra predictor-corrector with Gondzio's centrality correctors on  w = A f + b, f w = mu e, its target mu
 ///    chosen among three by the mu that each step would leave (InteriorPoint); bilateral rows are free. Every step
-///    factorises A + diag(w/f) + eps I once. The pattern never changes, so neither does the symbolic analysis of
+///    factorizes A + diag(w/f) + eps I once. The pattern never changes, so neither does the symbolic analysis of
 ///    Prepare. eps is a proximal term about the current iterate, so it slows but does not move the limit.
 /// 2. Systems live on the contacts, A + diag(w/f), or on the bodies (BodySpace), where redundant rows cost nothing: on
 ///    the bodies where the columns of J hold many rows. A solve is refined only where its residual calls for it.
@@ -49,14 +49,14 @@ struct IpmOptions {
 /// negative diagonal entry, or a nonzero beside a zero diagonal entry. Departures: one step length for f and w (the QP
 /// couples them); the proximal term; finishing by active sets.
 ///
-/// iterations = numeric factorisations, of interior-point steps, of active sets and of rays alike; default limit 500.
-/// Cost of one: CHOLMOD's Factorize plus 3 to 10 solves. Limits are checked before each factorisation; none is begun
+/// iterations = numeric factorizations, of interior-point steps, of active sets and of rays alike; default limit 500.
+/// Cost of one: CHOLMOD's Factorize plus 3 to 10 solves. Limits are checked before each factorization; none is begun
 /// that would end more than 10 % past the time limit if it takes as long as the one before. A failure leaves the
 /// iterate of least rho seen.
 ///
 /// Warm start: initial_f, clipped at 0, is returned if it meets the tier; it is ignored where its rho is at least half
 /// that of f = 0. Else: its active set, with block pivots only as long as they pay (BlockPivoting); nncg for as long
-/// as its rate promises an answer within the time of four factorisations; the interior point from the best iterate so
+/// as its rate promises an answer within the time of four factorizations; the interior point from the best iterate so
 /// far where that has a rho below 3 % of that of f = 0, or cold. May change the answer where f is not unique.
 /// In a sequence order and symbolic analysis are kept where they still fit. Measured: docs/solvers/interior_point.md.
 class IpmSolver final : public EngineSolver<IpmOptions, class IpmEngine> {

@@ -22,7 +22,7 @@ struct IpmStatistics {
   std::int64_t pivots = 0;          ///< of these, active sets tried
   bool body_space = false;          ///< the systems live on the bodies
   double fill = 0;                  ///< entries of L
-  double factor_flops = 0;          ///< of one factorisation
+  double factor_flops = 0;          ///< of one factorization
 };
 
 /// One solve of the `ipm` backend: limits, counters and the best iterate so far, shared by its two methods; the system
@@ -56,7 +56,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   const LcpOptions& options() const { return options_; }
   IpmStatistics& statistics() { return statistics_; }
 
-  /// Factorises A^ + diag(theta) if the limits allow it. False: limit_hit() or a breakdown told by system().why().
+  /// Factorizes A^ + diag(theta) if the limits allow it. False: limit_hit() or a breakdown told by system().why().
   bool Factorize(const Eigen::VectorXd& theta) {
     if (limit_hit()) return false;
     if (statistics_.factorizations >= limit_) {
@@ -75,7 +75,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
     *seconds = options_.time_limit_s - deadline_.Elapsed();
     return *seconds > 0;
   }
-  /// True once a limit has stopped a factorisation; limit_status() says which.
+  /// True once a limit has stopped a factorization; limit_status() says which.
   bool limit_hit() const { return status_ != LcpStatus::kNotRun; }
   LcpStatus limit_status() const { return status_; }
 
@@ -138,7 +138,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   Index CountDependentRows() const override { return 0; }
 
  private:
-  // A factorisation cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it
+  // A factorization cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it
   // takes as long as the one before with all that followed.
   bool NoTimeForAnother() {
     if (!std::isfinite(options_.time_limit_s)) return false;

@@ -27,7 +27,7 @@ struct WorkCounts {
   bool operator==(const WorkCounts&) const = default;
 };
 
-/// How long a solve spends in numeric factorisations (LcpOptions::time_factorisations), by thread. Off otherwise, so
+/// How long a solve spends in numeric factorizations (LcpOptions::time_factorizations), by thread. Off otherwise, so
 /// that small solves do not pay for clock reads. Whole factors count, and CHOLMOD's updates of them; symbolic analysis,
 /// solves with a factor, and what pivoting methods do row by row do not.
 class FactorClock {
@@ -54,7 +54,7 @@ class FactorClock {
     bool is_outermost_;
   };
 
-  /// Around a factorisation, which WorkCounts counts, too. Of nested ones the outermost is timed.
+  /// Around a factorization, which WorkCounts counts, too. Of nested ones the outermost is timed.
   class Scope {
    public:
     Scope() : counts_(on_ && !within_), start_(counts_ ? SteadyNow() : 0) {
@@ -74,7 +74,7 @@ class FactorClock {
     double start_;
   };
 
-  /// Of a library that factorises inside and does not say how long.
+  /// Of a library that factorizes inside and does not say how long.
   static void CannotTell() { seconds_ = std::numeric_limits<double>::quiet_NaN(); }
 
  private:

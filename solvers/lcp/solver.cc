@@ -99,11 +99,11 @@ void LcpSolver::Solve(const LcpProblem& problem, const LcpOptions& options, LcpR
   try {
     Prepare(problem);
     const InSequence::Scope sequence(in_sequence_);
-    const FactorClock::Session clock(options.time_factorisations);
+    const FactorClock::Session clock(options.time_factorizations);
     DoSolve(problem, options, result);
-    // What another process solves it factorises there.
+    // What another process solves it factorizes there.
     const bool is_known = result->own_solve_s < 0 && !std::isnan(clock.seconds());
-    if (options.time_factorisations && is_known) result->factor_s = clock.seconds();
+    if (options.time_factorizations && is_known) result->factor_s = clock.seconds();
   } catch (const MemoryRefusal& refusal) {
     result->status = LcpStatus::kUnsupported;
     result->detail = refusal.what();

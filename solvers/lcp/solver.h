@@ -45,8 +45,8 @@ struct LcpOptions {
   /// Whether adapters of foreign code shall say own_solve_s and own_convert_s: clock reads around the library's call,
   /// so not where the whole is timed.
   bool time_parts = false;
-  /// Whether LcpResult::factor_s is wanted: two clock reads a factorisation, so not where the solve itself is timed.
-  bool time_factorisations = false;
+  /// Whether LcpResult::factor_s is wanted: two clock reads a factorization, so not where the solve itself is timed.
+  bool time_factorizations = false;
   /// The clock that the time limit is read from; tests inject their own.
   double (*now)() = &SteadyNow;
 };
@@ -67,7 +67,7 @@ struct LcpResult {
   /// Of a solver in another process [s]: one interval there, from the caller's arrays to f, set-up and warm start
   /// inside; after LcpProblem::WithB from the new b to f. Negative: the solver runs in this process.
   double own_fresh_s = -1;
-  /// Of the solve, in numeric factorisations [s] (factor_clock.h); negative: not asked for, or not known.
+  /// Of the solve, in numeric factorizations [s] (factor_clock.h); negative: not asked for, or not known.
   double factor_s = -1;
   /// Proof of infeasibility: y >= 0 on unilateral rows, A y = 0, b.y < 0 (MODEL.md section 8, property 3).
   std::optional<Eigen::VectorXd> farkas_ray;

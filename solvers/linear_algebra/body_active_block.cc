@@ -51,29 +51,29 @@ double BodyActiveBlock::NewFactorTime() const {
 Index BodyActiveBlock::CountDependentRows() const {
   std::vector<char> touched(At(bodies_.bodies()), 0);
   Index rows = 0;
-  Index freedoms = 0;
+  Index degrees_of_freedom = 0;
   for (Index i = 0; i < n_; ++i) {
     if (active_[At(i)] == 0) continue;
     ++rows;
     for (const int body : {bodies_.row(i).first, bodies_.row(i).second}) {
       if (body == kNone || touched[At(body)] != 0) continue;
       touched[At(body)] = 1;
-      freedoms += kAxes;
+      degrees_of_freedom += kAxes;
     }
   }
-  return std::max<Index>(0, rows - freedoms);
+  return std::max<Index>(0, rows - degrees_of_freedom);
 }
 
 void BodyActiveBlock::Load(const LcpProblem& problem, const Eigen::VectorXd& scale) {
   diagonal_ = problem.DiagonalA().cwiseProduct(scale).cwiseProduct(scale);
   bodies_.Load(problem, scale.cwiseInverse());
   valid_ = false;
-  factorisations_ = 0;
+  factorizations_ = 0;
   updates_ = 0;
 }
 
 void BodyActiveBlock::FactorAnew() {
-  ++factorisations_;
+  ++factorizations_;
   updated_ = false;
   // Every pivot of K is at least 1 but for rounding.
   valid_ = bodies_.Factorize(theta_);

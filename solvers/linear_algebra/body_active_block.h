@@ -15,7 +15,7 @@ namespace lcpbench {
 ///
 /// A row that enters or leaves F adds or removes one column of J^T: a rank-1 change of K, whose pattern is that of all
 /// rows. A Factor with the shift of the one before updates the factor where that is predicted to take less time than a
-/// new one, from counts alone (entries of L from the changed bodies to the root, and flop of a factorisation), never
+/// new one, from counts alone (entries of L from the changed bodies to the root, and flop of a factorization), never
 /// from the clock. [Davis, Hager 2001, by CHOLMOD]
 ///
 /// Precision: r - J_F x cancels, about eps / shift of r is lost; and a row that leaves F takes its weight 1 / shift out
@@ -23,8 +23,8 @@ namespace lcpbench {
 /// factors anew where updates have worn the factor out.
 ///
 /// Departures from ActiveBlock: CHOLMOD allocates in Factor and the first Solve; the clock is read before a
-/// factorisation and after it only; CountDependentRows counts those rows of F that must depend on others, being more
-/// than the freedoms of their bodies: a lower bound.
+/// factorization and after it only; CountDependentRows counts those rows of F that must depend on others, being more
+/// than the degrees of freedom of their bodies: a lower bound.
 class BodyActiveBlock final : public ActiveBlock {
  public:
   /// @throws std::runtime_error as CholmodFactor::Analyze
@@ -39,7 +39,7 @@ class BodyActiveBlock final : public ActiveBlock {
   /// For tests and measurements: whether updates are allowed (yes at the start), and how often each way was taken since
   /// Load.
   void set_may_update(bool may) { may_update_ = may; }
-  std::int64_t factorisations() const { return factorisations_; }
+  std::int64_t factorizations() const { return factorizations_; }
   std::int64_t updates() const { return updates_; }
 
  private:
@@ -62,7 +62,7 @@ class BodyActiveBlock final : public ActiveBlock {
   double shift_ = 0;
   std::vector<char> active_;
   std::vector<int> entering_, leaving_;
-  std::int64_t factorisations_ = 0;
+  std::int64_t factorizations_ = 0;
   std::int64_t updates_ = 0;
   Eigen::VectorXd theta_, right_, residual_, x_, step_;
 };

@@ -12,7 +12,7 @@ namespace lcpbench {
 namespace {
 
 // Nested dissection takes some hundred times as long as minimum degree and saves a fifth to a third of the work of
-// factorisations of this many flop, which a solve pays ten to forty times.
+// factorizations of this many flop, which a solve pays ten to forty times.
 constexpr double kWorthDissection = 4e8;
 constexpr double kWorthChange = 0.9;  // its work against that of minimum degree
 

@@ -36,7 +36,7 @@ class BodyGraph {
   /// @param taking_part  rows with 0 join nothing; empty: all take part
   /// @param will_update  as CholmodFactor::AnalyzeAsOrdered, the same in every call
   /// @param factor  holds the analysis; the same in every call, and changed by nobody else
-  /// O(rows log rows) and what has to be ordered and analysed; nested dissection is tried too where a factorisation is
+  /// O(rows log rows) and what has to be ordered and analysed; nested dissection is tried too where a factorization is
   /// long enough to pay for it.
   /// @throws std::runtime_error as CholmodFactor::Analyze
   void Prepare(const LcpProblem& problem, const std::vector<char>& taking_part, bool will_update,

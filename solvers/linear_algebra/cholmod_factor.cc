@@ -303,20 +303,20 @@ bool CholmodFactor::Factorize() {
     const SingleThread one(true);
     if (!s.panels.ready()) s.PreparePanels();
     if (s.panels.Factorize(s.lower.valuePtr())) return true;
-    s.why = "numeric factorisation: " + StatusText(CHOLMOD_NOT_POSDEF);
+    s.why = "numeric factorization: " + StatusText(CHOLMOD_NOT_POSDEF);
     return false;
   }
   if (s.updated) {
     cholmod_free_factor(&s.factor, &s.common);
     s.factor = cholmod_copy_factor(s.analysis, &s.common);
     s.updated = false;
-    if (s.factor == nullptr) throw std::runtime_error("numeric factorisation: " + StatusText(s.common.status));
+    if (s.factor == nullptr) throw std::runtime_error("numeric factorization: " + StatusText(s.common.status));
   }
   const SingleThread one(s.factor->is_super != 0);
   s.common.status = CHOLMOD_OK;
   const int done = cholmod_factorize(&s.view, s.factor, &s.common);
   if (done != 0 && s.common.status == CHOLMOD_OK && s.factor->minor == s.factor->n) return true;
-  s.why = "numeric factorisation: " + StatusText(s.common.status);
+  s.why = "numeric factorization: " + StatusText(s.common.status);
   return false;
 }
 

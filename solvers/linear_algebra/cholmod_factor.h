@@ -9,8 +9,8 @@
 
 namespace lcpbench {
 
-/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorised many times.
-/// CHOLMOD orders, analyses, and factorises by columns; by supernodes SupernodalFactor does, on CHOLMOD's structure.
+/// A sparse symmetric matrix with a fixed pattern and changing diagonal, analysed once and factorized many times.
+/// CHOLMOD orders, analyses, and factorizes by columns; by supernodes SupernodalFactor does, on CHOLMOD's structure.
 /// [Chen, Davis, Hager, Rajamanickam, Algorithm 887, ACM TOMS 35, 2008; AMD ordering: Amestoy, Davis, Duff]
 ///
 /// CHOLMOD's types stay in the source file. One object serves one thread at a time, and runs on one thread: OpenMP
@@ -38,7 +38,7 @@ class CholmodFactor {
   /// @throws std::runtime_error with CHOLMOD's status (out of memory, too large, `order` not a permutation)
   void Analyze(Definiteness definiteness, const ColumnMatrix& lower, const Eigen::VectorXi& order = {});
 
-  /// The same for a positive definite matrix whose rows are in elimination order, postordered, so that a factorisation
+  /// The same for a positive definite matrix whose rows are in elimination order, postordered, so that a factorization
   /// reads it in place instead of permuting it first.
   /// @param will_update  whether Update may be called, which needs a second copy of the analysis
   void AnalyzeAsOrdered(const ColumnMatrix& lower, bool will_update = false);
@@ -50,7 +50,7 @@ class CholmodFactor {
   Eigen::Index size() const;
   /// The order of elimination that the latest analysis chose: order()[k] is the row to eliminate k-th.
   Eigen::VectorXi order() const;
-  /// Predicted work of one factorisation [flop] and entries of L.
+  /// Predicted work of one factorization [flop] and entries of L.
   double flops() const;
   double fill() const;
 
@@ -78,7 +78,7 @@ class CholmodFactor {
   std::vector<double> EntriesToRoot() const;
   bool is_supernodal() const;
 
-  /// x = K^-1 r with the latest factorisation; x may be r.
+  /// x = K^-1 r with the latest factorization; x may be r.
   void Solve(const Eigen::VectorXd& r, Eigen::VectorXd* x);
 
  private:

@@ -22,11 +22,11 @@ struct CostModel {
   static constexpr double kConvertEntry = 3;   ///< of a factor by supernodes into one by columns
   static constexpr double kUpdateEntry = 0.8;  ///< of L, for each row that changes
   static constexpr double kUpdateRow = 300;
-  // A step of block pivoting, in its factorisation and by row.
+  // A step of block pivoting, in its factorization and by row.
   static constexpr double kDenseStep = 0.5;
   static constexpr double kSparseStep = 2;
   static constexpr double kSparseStepRow = 25;
-  // An iteration of nncg, by row with two bodies or by entry of an assembled A, against a factorisation of the interior
+  // An iteration of nncg, by row with two bodies or by entry of an assembled A, against a factorization of the interior
   // point with all its solves.
   static constexpr double kSweepRow = 8;
   static constexpr double kSweepEntry = 1.5;

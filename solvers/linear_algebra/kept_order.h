@@ -24,7 +24,7 @@ class KeptOrder {
 
   /// @param names  of the nodes, all different; none: nothing is kept
   /// @param order  order[k]: the node to eliminate k-th
-  /// @param work   of a factorisation in this order, in any unit
+  /// @param work   of a factorization in this order, in any unit
   /// O(n log n)
   void Keep(const std::vector<Name>& names, const Eigen::VectorXi& order, double work);
   void Clear() { known_.clear(); }
@@ -34,7 +34,7 @@ class KeptOrder {
   /// @param starts, indices  the graph by columns, without the entries of one triangle or with all
   /// Empty where there is no kept order, or more than kMostNew of the nodes are new.  O(n log n + edges)
   Eigen::VectorXi Find(const std::vector<Name>& names, const int* starts, const int* indices);
-  /// Whether a factorisation in a found order is not so much more work than in the one that was kept that it is worth
+  /// Whether a factorization in a found order is not so much more work than in the one that was kept that it is worth
   /// ordering anew.
   /// After one that does not, the next kPause problems are not asked for theirs: where the graph changes so that orders
   /// wear out, to find that out costs an analysis.

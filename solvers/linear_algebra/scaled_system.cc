@@ -14,7 +14,7 @@ namespace {
 constexpr double kAffordableEntries = 3e7;
 // Body space is taken where sum (column count of J)^2, which is about three times the entries of A for contacts of
 // rigid bodies, exceeds this multiple of the entries of J. Measured at 3e3 to 1e5 rows: up to 6 (discs) contact space
-// is factorised 1.5 to 3 times faster, from 9 on (boxes, walls, bearings) body space is 1.4 to 4 times faster.
+// is factorized 1.5 to 3 times faster, from 9 on (boxes, walls, bearings) body space is 1.4 to 4 times faster.
 constexpr double kBodySpaceRatio = 7;
 
 }  // namespace

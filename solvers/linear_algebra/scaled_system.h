@@ -26,8 +26,8 @@ class ScaledSystem {
  public:
   enum class Space {
     kAutomatic,  ///< the one of less predicted work
-    kContact,    ///< factorises A^ + diag(theta), n x n
-    kBody,       ///< factorises I + J^^T diag(1 / theta) J^ on the bodies (BodySpace)
+    kContact,    ///< factorizes A^ + diag(theta), n x n
+    kBody,       ///< factorizes I + J^^T diag(1 / theta) J^ on the bodies (BodySpace)
   };
 
   /// Scales, finds components, chooses the space and analyses. O(nnz) and the analysis.
@@ -50,7 +50,7 @@ class ScaledSystem {
   /// y = A^ x, O(nnz) of the chosen space.
   void Multiply(const Eigen::VectorXd& x, Eigen::VectorXd* y) const;
 
-  /// Numeric factorisation of A^ + diag(theta); rows with theta = kOut are left out (x_i = 0 there to rounding), as are
+  /// Numeric factorization of A^ + diag(theta); rows with theta = kOut are left out (x_i = 0 there to rounding), as are
   /// idle rows whatever their theta.
   bool Factorize(const Eigen::VectorXd& theta);
   const std::string& why() const { return body_space_ ? bodies_.why() : factor_.why(); }

@@ -9,7 +9,7 @@ namespace lcpbench {
 /// [Ng, Peyton, Block sparse Cholesky algorithms on advanced uniprocessor computers, SIAM J. Sci. Comput. 14, 1993]
 ///
 /// The structure is another's (CHOLMOD's analysis); this computes and holds the numbers. Left-looking: a supernode
-/// collects what each earlier one that reaches it owes it, one product of dense blocks each, and is then factorised by
+/// collects what each earlier one that reaches it owes it, one product of dense blocks each, and is then factorized by
 /// itself. Does the same operations as CHOLMOD's own numeric phase (version 3.0.14), in 0.3 to 0.9 of its time: contact
 /// problems have thousands of small supernodes, and there that one spends more on OpenMP regions and bookkeeping around
 /// the products than on the products.

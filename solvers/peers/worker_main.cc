@@ -124,11 +124,11 @@ Settings ParseSettings(int argc, char** argv) {
   return settings;
 }
 
-// Settings of every peer: check=yes (default no) with check-shift, see CheckedSolver.
+// Settings of every peer: check=yes (default no) with check_shift, see CheckedSolver.
 std::unique_ptr<LcpSolver> Make(const PeerLibrary& library, std::string_view key, const Settings& settings) {
   SettingsReader reader(key, settings);
   const bool is_checked = reader.Choice("check", "no", {"no", "yes"}) == "yes";
-  const double shift = reader.Number("check-shift", CheckedSolver::kShift, 0, 1);
+  const double shift = reader.Number("check_shift", CheckedSolver::kShift, 0, 1);
   auto made = library.make(key, &reader);
   reader.Finish();
   return is_checked ? std::make_unique<CheckedSolver>(std::move(made), shift) : std::move(made);

@@ -17,7 +17,7 @@ constexpr Index kLanes = DenseLdlt::kLanes;
 using Lanes = Eigen::Array<double, kLanes, 1>;
 using LanesOfColumn = Eigen::Map<Lanes, Eigen::AlignedMax>;
 using ReadLanes = Eigen::Map<const Lanes, Eigen::AlignedMax>;
-// Multiply-adds of a factorisation between two looks at the clock, some 10 us.
+// Multiply-adds of a factorization between two looks at the clock, some 10 us.
 constexpr Index kWorkPerClockRead = 1 << 17;
 
 Index FirstLane(Index row) { return row / kLanes * kLanes; }

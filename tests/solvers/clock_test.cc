@@ -40,7 +40,7 @@ TEST_P(ClockTest, IsReadForEveryUnitOfWork) {
   const LcpProblem problem = PlantedProblem(kRows, 150, 1, 0, 0).problem;
   const LcpResult result = Solve(problem, kNever);
   // An iteration of the first-order methods is one product with A, of which there are some hundred in 20 us where n is
-  // small; of the others at least a factorisation or, with a dense factor, n^2 numbers.
+  // small; of the others at least a factorization or, with a dense factor, n^2 numbers.
   const auto work = static_cast<double>(result.iterations) * static_cast<double>(problem.SparseA().nonZeros());
   constexpr double kMostWorkPerRead = 1 << 16;
   EXPECT_GE(static_cast<double>(reads), work / kMostWorkPerRead) << result.iterations << " iterations";
@@ -68,16 +68,16 @@ TEST_P(ClockTest, EndsTheSolveSoonAfterItHasRunOut) {
   }
 }
 
-TEST_P(ClockTest, FactorisationsAreTimedWhereThatIsAskedFor) {
+TEST_P(ClockTest, FactorizationsAreTimedWhereThatIsAskedFor) {
   const LcpProblem problem = PlantedProblem(kRows, 150, 1, 0, 0).problem;
   const LcpResult plain = SolverTest::Solve(problem, kTolerance);
   EXPECT_LT(plain.factor_s, 0);
   const double start = SteadyNow();
-  const LcpResult timed = SolverTest::Solve(problem, {.tolerance = kTolerance, .time_factorisations = true});
+  const LcpResult timed = SolverTest::Solve(problem, {.tolerance = kTolerance, .time_factorizations = true});
   const double solve_s = SteadyNow() - start;
   EXPECT_LE(timed.factor_s, solve_s);
   EXPECT_TRUE((timed.f.array() == plain.f.array()).all());
-  // Sweeps and gradients factorise nothing; what begins with whole factors does.
+  // Sweeps and gradients factorize nothing; what begins with whole factors does.
   const std::string& key = GetParam().key;
   // Ipopt does not say.
   if (key == "ipopt-qp" || key == "ipopt-ncp") {

@@ -162,7 +162,7 @@ TEST_P(PeerContract, ACheckedSolverClaimsWhatHolds) {
     }
   }
   EXPECT_THROW(GetParam().make({{"check", "maybe"}}), InputError);
-  EXPECT_THROW(GetParam().make({{"check-shift", "2"}}), InputError);
+  EXPECT_THROW(GetParam().make({{"check_shift", "2"}}), InputError);
 }
 
 TEST_P(PeerContract, NoRowsIsSolvedAndUnknownSettingsAreRefused) {
@@ -179,19 +179,19 @@ struct Wrong {
 TEST(PeerSettings, WhatIsOutOfRangeOrAnotherKeysIsRefused) {
   const Wrong wrong[] = {
       {"ode-dantzig-cfm", {{"cfm", "-1"}}},
-      {"ode-dantzig", {{"early-termination", "no"}}},
-      {"dart-pgs", {{"epsilon-for-division", "-1"}}},
+      {"ode-dantzig", {{"early_termination", "no"}}},
+      {"dart-pgs", {{"epsilon_for_division", "-1"}}},
       {"dart-pgs", {{"randomize", "often"}}},
       {"dart-pgs-default", {{"randomize", "no"}}},
       {"siconos-lexicolemke", {{"rule", "dantzig"}}},
       {"siconos-newton-fb", {{"direction", "down"}}},
       {"siconos-newton-fb-default", {{"search", "armijo"}}},
       {"siconos-pgs", {{"regularization", "-0.1"}}},
-      {"siconos-nsgs-sbm", {{"block-rows", "0"}}},
+      {"siconos-nsgs-sbm", {{"block_rows", "0"}}},
       {"siconos-avi", {{"rule", "lemke"}}},
-      {"petsc-rsls", {{"linear-solver", "magic"}}},
+      {"petsc-rsls", {{"linear_solver", "magic"}}},
       {"petsc-rsls", {{"shift", "2"}}},
-      {"petsc-ssls", {{"linear-solver", "cholesky"}}},
+      {"petsc-ssls", {{"linear_solver", "cholesky"}}},
       {"tao-bntr", {{"projections", "3"}}},
       {"tao-tron", {{"radius", "step"}}},
       {"tao-tron", {{"projections", "0"}}},
@@ -219,7 +219,7 @@ TEST(PeerSettings, AShiftedFactorizationSolvesMoreOfTheSingularProblems) {
       }
       return passed;
     };
-    EXPECT_GT(count({{"linear-solver", "lu"}, {"shift", "1e-8"}}), count({})) << key;
+    EXPECT_GT(count({{"linear_solver", "lu"}, {"shift", "1e-8"}}), count({})) << key;
   }
 }
 

@@ -109,7 +109,7 @@ struct Effort {
   LcpResult result;
 };
 
-// Chains of joints beside piles whose rows outnumber the freedoms of the
+// Chains of joints beside piles whose rows outnumber the degrees of freedom of the
 // bodies, so that block pivoting and sweeps hand over to others.
 ProblemArrays Family(int which, Index n, unsigned seed) {
   switch (which) {

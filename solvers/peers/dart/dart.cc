@@ -34,12 +34,12 @@ bool CallDantzig(const DantzigProblem& p) {
 
 class Pgs : public LcpSolver {
  public:
-  Pgs(std::string_view key, SettingsReader* reader) : tier_(key, reader, "relative-tolerance") {
+  Pgs(std::string_view key, SettingsReader* reader) : tier_(key, reader, "relative_tolerance") {
     if (tier_.is_library_default()) return;
     // The first sweep's threshold has the unit of force: never stop by it, but where nothing moves at all.
     option_.mDeltaXThreshold = 0;
     option_.mRandomizeConstraintOrder = reader->Choice("randomize", "no", {"no", "yes"}) == "yes";
-    option_.mEpsilonForDivision = reader->Number("epsilon-for-division", 1e-9, 0, 1);
+    option_.mEpsilonForDivision = reader->Number("epsilon_for_division", 1e-9, 0, 1);
   }
 
  protected:
@@ -116,7 +116,7 @@ class Pgs : public LcpSolver {
 
 std::unique_ptr<LcpSolver> Make(std::string_view key, SettingsReader* reader) {
   if (!key.starts_with("dart-dantzig")) return std::make_unique<Pgs>(key, reader);
-  const bool early = reader->Choice("early-termination", "yes", {"yes", "no"}) == "yes";
+  const bool early = reader->Choice("early_termination", "yes", {"yes", "no"}) == "yes";
   return std::make_unique<DantzigPeer>(key, reader,
                                        DantzigPeer::Code{&PadToFour, early ? &CallDantzig<true> : &CallDantzig<false>});
 }

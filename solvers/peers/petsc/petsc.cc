@@ -311,10 +311,10 @@ class Snes : public PetscPeer {
     if (tier_.is_library_default()) return;
     // "cg-icc" is conjugate gradients with incomplete Cholesky; a factorization alone needs no Krylov method.
     const std::string choice =
-        key == "petsc-rsls" ? reader->Choice("linear-solver", "library",
+        key == "petsc-rsls" ? reader->Choice("linear_solver", "library",
                                              {"library", "lu", "gmres-jacobi", "bcgs-ilu", "cholesky", "cg-jacobi",
                                               "cg-icc", "minres-jacobi"})
-                            : reader->Choice("linear-solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"});
+                            : reader->Choice("linear_solver", "library", {"library", "lu", "gmres-jacobi", "bcgs-ilu"});
     const auto dash = choice.find('-');
     if (choice != "library") {
       krylov_ = dash == std::string::npos ? KSPPREONLY : choice.substr(0, dash);
@@ -323,7 +323,7 @@ class Snes : public PetscPeer {
     shift_ = reader->Number("shift", 0, 0, 1);
     if (preconditioner_ == PCJACOBI) shift_ = 0;
     if (shift_ > 0 && preconditioner_.empty()) preconditioner_ = PCILU;  // the library's own
-    line_search_ = OrEmpty(reader->Choice("line-search", "library", {"library", "bt", "basic", "l2", "cp"}));
+    line_search_ = OrEmpty(reader->Choice("line_search", "library", {"library", "bt", "basic", "l2", "cp"}));
   }
 
  protected:
@@ -396,9 +396,9 @@ class TaoPeer : public PetscPeer {
       set(option, reader->Choice(name, *choices.begin(), choices), *choices.begin());
     };
     if (key == "tao-bntr") {
-      choose("first-radius", "-tao_bnk_init_type", {"interpolation", "constant", "direction"});
+      choose("first_radius", "-tao_bnk_init_type", {"interpolation", "constant", "direction"});
       choose("radius", "-tao_bnk_update_type", {"reduction", "interpolation"});
-      choose("active-set", "-tao_bnk_as_type", {"bertsekas", "none"});
+      choose("active_set", "-tao_bnk_as_type", {"bertsekas", "none"});
     } else {
       const int projections = static_cast<int>(reader->Number("projections", 3, 1, 1000));
       set("-tao_tron_maxgpits", std::to_string(projections), "3");

@@ -353,8 +353,8 @@ class Siconos : public LcpSolver {
                                      {"rpgs", SICONOS_LCP_RPGS},
                                      {"lemke", SICONOS_LCP_LEMKE},
                                      {"newton-fb", SICONOS_LCP_NEWTON_FB_FBLSA}});
-        local_iterations_ = static_cast<int>(reader->Number("local-iterations", 0, 0, 1e6));
-        block_rows_ = static_cast<std::size_t>(reader->Number("block-rows", kLargestBlock, 1, 1000));
+        local_iterations_ = static_cast<int>(reader->Number("local_iterations", 0, 0, 1e6));
+        block_rows_ = static_cast<std::size_t>(reader->Number("block_rows", kLargestBlock, 1, 1000));
         return;
       default:
         return;

@@ -166,7 +166,7 @@ TEST(AutoSolver, ReturnsTheBestPointWhereNoBackendArrives) {
 TEST(AutoSolver, RefusesImpossibleOptions) {
   EXPECT_THROW(AutoOptions::FromSettings({{"tableau_rows", "129"}}), InputError);
   EXPECT_THROW(AutoOptions::FromSettings({{"rows", "1"}}), InputError);
-  EXPECT_THROW(AutoSolver({.newton_factorisations = 0}), InputError);
+  EXPECT_THROW(AutoSolver({.newton_factorizations = 0}), InputError);
   EXPECT_THROW(AutoSolver({.hard_tableau_rows = -1}), InputError);
 }
 

@@ -34,7 +34,7 @@ class FirstOrder : public testing::TestWithParam<std::string> {
   static std::vector<Settings> Variants() {
     if (GetParam() == "apgd") return {{}, {{"restart", "no"}}};
     if (GetParam() == "nncg") return {{}, {{"sweep", "symmetric"}}, {{"direction", "fletcher-reeves"}}};
-    const std::string relaxation = GetParam() == "pgs" ? "relaxation" : "first-relaxation";
+    const std::string relaxation = GetParam() == "pgs" ? "relaxation" : "first_relaxation";
     return {{},
             {{"sweep", "forward"}, {relaxation, "0.4"}},
             {{"sweep", "symmetric"}, {relaxation, "1.6"}},
@@ -249,10 +249,10 @@ TEST_P(FirstOrder, RefusesWhatItsRowsCannotBe) {
 TEST(FirstOrderSettings, OptionsOutOfRangeAreRefused) {
   std::vector<std::pair<const char*, Settings>> refused = {
       {"apgd", {{"restart", "maybe"}}}, {"nncg", {{"direction", "steepest"}}}, {"nncg", {{"sweep", "forward"}}},
-      {"pgs", {{"form", "dense"}}},     {"pgs", {{"first-relaxation", "1"}}},  {"psor", {{"sweep", "random"}}}};
+      {"pgs", {{"form", "dense"}}},     {"pgs", {{"first_relaxation", "1"}}},  {"psor", {{"sweep", "random"}}}};
   for (const char* relaxation : {"0", "2", "-1", "nan", "fast"}) {
     refused.push_back({"pgs", {{"relaxation", relaxation}}});
-    refused.push_back({"psor", {{"first-relaxation", relaxation}}});
+    refused.push_back({"psor", {{"first_relaxation", relaxation}}});
   }
   for (const auto& [key, settings] : refused) {
     EXPECT_THROW(MakeSolver(key, settings), InputError) << key << " " << settings.begin()->second;

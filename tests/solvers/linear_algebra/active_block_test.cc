@@ -251,7 +251,7 @@ TEST(BodyActiveBlock, ChoosesUpdatesByCountsAndTheSameEveryTime) {
       first = x;
       updates = block.updates();
       EXPECT_GE(updates, 30);
-      EXPECT_GE(block.factorisations(), 5);  // one at first, and for half of the rows
+      EXPECT_GE(block.factorizations(), 5);  // one at first, and for half of the rows
     }
     EXPECT_EQ(block.updates(), updates);
     EXPECT_TRUE(x == first);
