@@ -1,17 +1,11 @@
 // How libFuzzer changes HDF5 files.
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <random>
 #include <string>
 
 #include "tests/fuzz/hdf5_mutation.h"
-
-// What libFuzzer calls, and its own mutator, which it offers.
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
-                                               unsigned int seed);
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
+#include "tests/fuzz/libfuzzer.h"
 
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
                                                unsigned int seed) {

@@ -1,17 +1,11 @@
 // How libFuzzer changes scene files.
 
 #include <algorithm>
-#include <cstddef>
-#include <cstdint>
 #include <string>
 
 #include "model/scenes/random.h"
+#include "tests/fuzz/libfuzzer.h"
 #include "tests/fuzz/scene_mutation.h"
-
-// What libFuzzer calls, and its own mutator, which it offers.
-extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
-                                               unsigned int seed);
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
 // Bytes changed at random are hardly ever JSON: most mutations are made on the tree of values.
 extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::size_t max_size,
