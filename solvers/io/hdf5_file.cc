@@ -72,7 +72,7 @@ class Report {
     std::uint64_t begin = 0;
     std::uint64_t size = 0;  // bytes
   };
-  struct Outcome {
+  struct alignas(Place) Outcome {  // the places follow it
     bool is_complete = false;
     char refusal[1000] = {};  // a message without the file's name
   };
@@ -109,6 +109,7 @@ class Report {
     const std::uint64_t room = size_ - first_value_;
     if (found.size > room || found.begin > room - found.size) return false;
     values->resize(found.size / sizeof(typename List::value_type));
+    if (values->empty()) return true;
     std::memcpy(values->data(), bytes() + first_value_ + found.begin,
                 values->size() * sizeof(typename List::value_type));
     return true;

@@ -25,7 +25,9 @@ class Campaign : public CommandTest {
 
   // The misbehaving worker under the key `key`; it may use half a gigabyte, so that exhausting it is quick.
   std::string External(const std::string& key, const std::string& manner) {
-    Write(key + ".sh", "ulimit -v 524288\nexec " LCPBENCH_TEST_WORKER " " + manner + "\n");
+    const std::string limit =
+        SanitizerReservesMemory() ? "export ASAN_OPTIONS=$ASAN_OPTIONS:hard_rss_limit_mb=512" : "ulimit -v 524288";
+    Write(key + ".sh", limit + "\nexec " LCPBENCH_TEST_WORKER " " + manner + "\n");
     return " --external \"" + key + "=sh " + Path(key + ".sh") + "\"";
   }
 
