@@ -40,6 +40,7 @@ struct NncgOptions {
 ///                       projection P onto f >= 0 cuts something off, the point of least energy between y and it
 ///     Fletcher-Reeves:  x' = P(y + beta p), beta = |z|^2 / |z of the previous iteration|^2, and beta = 0 (restart) if
 ///                       that is above 1.
+/// Either way the previous step is forgotten again and again once projections keep the residual from falling.
 ///
 /// Matrix class: symmetric PSD. Optimal: the energy after an iteration is at most that of the sweep alone, so w
 /// converges wherever the problem is solvable, as for pgs; a numerically nonsymmetric A is refused. Sweeps in
