@@ -28,6 +28,8 @@ constexpr int kMaxPolishes = 8;
 // rho from which refinement in extended precision is tried, and how often.
 constexpr double kWorthRefining = 1e-7;
 constexpr int kMaxRefinements = 5;
+// An estimate of rho above this times what refinement is tried from is no matter of rounding.
+constexpr double kNear = 10;
 constexpr int kMaxRelaxations = 6;
 // Where blocks cycle, e rises to this at least, then tenfold: on all redundant families blocks settle there.
 constexpr double kCyclingWeight = 1e-2;
@@ -214,7 +216,7 @@ BlockPivoting::End BlockPivoting::CorrectForces() {
 
 // Where rounding is what is left, and too much for rows whose terms are all tiny: with residuals in extended precision.
 bool BlockPivoting::Refine(double tolerance) {
-  if (task_.sink == nullptr || task_.conjugate) return false;
+  if (task_.sink == nullptr || task_.conjugate || !IsNear()) return false;
   double most = kWorthRefining;
   for (int k = 0; k < kMaxRefinements && tier() > tolerance && !TimeIsUp(); ++k) {
     GiveForces(0, &ray_);
@@ -284,6 +286,8 @@ void BlockPivoting::GiveForces(double least, Eigen::VectorXd* f) const {
   }
 }
 
+bool BlockPivoting::IsNear() const { return task_.sink->rho() <= kNear * std::max(kWorthRefining, task_.tolerance); }
+
 // Forces that are rounding beside the largest are published as 0 if that is better: where all forces around a row
 // should be 0, the row's backward error is rounding over rounding.
 bool BlockPivoting::Publish() {
@@ -296,7 +300,7 @@ bool BlockPivoting::Publish() {
   if (task_.through_bodies && publish(kEpsilon)) return true;
   if (!(task_.through_bodies && sink.tier() <= proof_tolerance()) && publish(0)) return true;
   for (const double tiny : kTinyForces) {
-    if (sink.tier() <= proof_tolerance() || TimeIsUp()) break;
+    if (sink.tier() <= proof_tolerance() || !IsNear() || TimeIsUp()) break;
     if (publish(tiny)) return true;
   }
   return false;

@@ -25,6 +25,8 @@ class AnswerSink {
   virtual bool Publish() = 0;
   /// The smallest tier that the best one passes; infinite without one.
   virtual double tier() const = 0;
+  /// An estimate of the latest candidate's rho; 0 where there is none.
+  virtual double rho() const { return 0; }
 };
 
 /// The sink of solvers whose answer is an AnswerJudge's best candidate.
@@ -141,6 +143,8 @@ class BlockPivoting {
   void Exchange(bool least_only);
   bool Publish();
   double tier() const { return task_.sink == nullptr ? std::numeric_limits<double>::infinity() : task_.sink->tier(); }
+  // Whether rounding may be what keeps the latest candidate from being an answer.
+  bool IsNear() const;
   double LargestForce() const { return f_.cwiseAbs().cwiseProduct(root_).maxCoeff(); }
   double proof_tolerance() const { return std::min(task_.tolerance, kProofTolerance); }
   bool TimeIsUp() const { return task_.deadline != nullptr && task_.deadline->Expired(); }

@@ -87,15 +87,18 @@ class NncgEngine final : public FirstOrderEngine {
 
 // `energy` is what the sweep gained: z.w + z.A z / 2.
 Products NncgEngine::MakeProducts(double energy) const {
+  const Array& y_left = Left(rows_.x);
+  const Array& x_left = Left(x_);
+  const Array& p_left = Left(previous_);
   ProductSum zz;
   ProductSum zp;
   ProductSum pp;
   ForEntries(rows_.x.image.size(), [&](const auto& at) {
-    const auto z = at(Left(rows_.x)) - at(Left(x_));
+    const auto z = at(y_left) - at(x_left);
     const auto p = at(previous_.image);
     zz.Add(z, at(rows_.x.image) - at(x_.image));
     zp.Add(z, p);
-    pp.Add(at(Left(previous_)), p);
+    pp.Add(at(p_left), p);
   });
   Products of;
   of.zz = zz.Total();

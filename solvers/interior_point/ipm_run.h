@@ -47,7 +47,9 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
         limit_(options.max_iterations > 0 ? options.max_iterations : kDefaultLimit),
         statistics_(statistics),
         best_f_(Eigen::VectorXd::Zero(system.size())),
-        candidate_(best_f_) {}
+        candidate_(best_f_),
+        scaled_(best_f_),
+        gaps_(best_f_) {}
 
   ScaledSystem& system() { return system_; }
   /// Weight of the proximal term.
@@ -86,21 +88,21 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
     const auto rho = static_cast<double>(test_.Rho(f));
     bool meets = rho <= tolerance;
     for (Index i = 0; meets && own_.self_check && i < f.size(); ++i) meets = test_.RowMeets(tolerance, f, i);
-    if (meets == accepted_ ? rho < best_rho_ : meets) {
-      best_f_ = f;
-      best_rho_ = rho;
-    }
-    accepted_ = accepted_ || meets;
-    return meets;
+    return Note(f, rho, meets);
   }
-  /// The same for f^ in scaled variables; *w becomes the scaled gaps unless it is nullptr.
+  /// The same for f^ in scaled variables, in extended precision only where double finds it near; *w becomes the scaled
+  /// gaps unless it is nullptr.
   bool AcceptScaled(const Eigen::VectorXd& scaled_f, Eigen::VectorXd* w) {
     const ScaledVectors& rows = system_.rows();
     for (Index i = 0; i < scaled_f.size(); ++i) candidate_[i] = rows.GivenForce(i, scaled_f[i]);
-    const bool meets = Accept(candidate_);
-    for (Index i = 0; w != nullptr && i < w->size(); ++i) {
-      (*w)[i] = rows.ScaledGap(i, static_cast<double>(test_.w(i)));
-    }
+    system_.Multiply(scaled_f, &gaps_);
+    gaps_ += system_.b();
+    latest_rho_ = rows.Rho(scaled_f, gaps_);
+    const bool is_near = !(latest_rho_ > kNear * options_.tolerance);
+    const bool meets = is_near ? Accept(candidate_) : Note(candidate_, latest_rho_, false);
+    if (w == nullptr) return meets;
+    *w = gaps_;
+    for (Index i = 0; is_near && i < w->size(); ++i) (*w)[i] = rows.ScaledGap(i, static_cast<double>(test_.w(i)));
     return meets;
   }
   const Eigen::VectorXd& best_f() const { return best_f_; }
@@ -110,7 +112,11 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
 
   // AnswerSink
   Eigen::VectorXd& candidate() override { return candidate_; }
-  bool Publish() override { return Accept(candidate_); }
+  bool Publish() override {
+    for (Index i = 0; i < candidate_.size(); ++i) scaled_[i] = system_.rows().ScaledForce(i, candidate_[i]);
+    return AcceptScaled(scaled_, nullptr);
+  }
+  double rho() const override { return latest_rho_; }
   double tier() const override { return accepted_ ? best_rho_ : std::numeric_limits<double>::infinity(); }
 
   // ActiveBlock, of the prepared system: a factor within the limits of the run.
@@ -130,14 +136,22 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
     values = (out_.array() < ScaledSystem::kOut).select(right_, 0.0);
   }
   void Multiply(const double* x, double* y) const override {
-    Eigen::VectorXd product;
-    system_.Multiply(Eigen::Map<const Eigen::VectorXd>(x, out_.size()), &product);
-    std::copy(product.begin(), product.end(), y);
+    system_.Multiply(Eigen::Map<const Eigen::VectorXd>(x, out_.size()), &product_);
+    std::copy(product_.begin(), product_.end(), y);
   }
   double factor_time() const override { return 0; }
   Index CountDependentRows() const override { return 0; }
 
  private:
+  // Remembers it as Accept says.
+  bool Note(const Eigen::VectorXd& f, double rho, bool meets) {
+    if (meets == accepted_ ? rho < best_rho_ : meets) {
+      best_f_ = f;
+      best_rho_ = rho;
+    }
+    accepted_ = accepted_ || meets;
+    return meets;
+  }
   // A factorization cannot be interrupted, so none is begun that would end late by more than kAllowedOvershoot, if it
   // takes as long as the one before with all that followed.
   bool NoTimeForAnother() {
@@ -152,6 +166,8 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   static constexpr std::int64_t kDefaultLimit = 500;
   // Our residual and the verdict's differ by rounding; a claim must hold in both.
   static constexpr double kMargin = 0.9;
+  // Times the tolerance: rho in double that calls for extended precision.
+  static constexpr double kNear = 10;
 
   ScaledSystem& system_;
   GivenFormTest& test_;
@@ -164,6 +180,9 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   double last_factorization_ = -1;  // when it began [s]
   Eigen::VectorXd best_f_;
   Eigen::VectorXd candidate_;
+  Eigen::VectorXd scaled_, gaps_;  // of a candidate
+  double latest_rho_ = 0;          // of the latest one in scaled variables, in double
+  mutable Eigen::VectorXd product_;
   Eigen::VectorXd out_, right_;  // theta of the latest active set
   bool accepted_ = false;
   double best_rho_ = std::numeric_limits<double>::infinity();

@@ -37,7 +37,7 @@ double ScaledVectors::Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) co
 
 void ScaledVectors::Clip(const Eigen::VectorXd& given, Eigen::VectorXd* f) const {
   for (Eigen::Index i = 0; i < given.size(); ++i) {
-    const double force = given[i] / (scale[i] * b_unit[i]);
+    const double force = ScaledForce(i, given[i]);
     (*f)[i] = !acts(i) ? 0.0 : is_joint(i) ? force : std::max(force, 0.0);
   }
 }

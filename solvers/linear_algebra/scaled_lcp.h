@@ -52,6 +52,7 @@ struct ScaledVectors {
   double Rho(const Eigen::VectorXd& f, const Eigen::VectorXd& w) const;
 
   double GivenForce(Eigen::Index i, double f) const { return f * (scale[i] * b_unit[i]); }
+  double ScaledForce(Eigen::Index i, double given) const { return given / (scale[i] * b_unit[i]); }
   double GivenGap(Eigen::Index i, double w) const { return w * (b_unit[i] / scale[i]); }
   double ScaledGap(Eigen::Index i, double given) const { return given / (b_unit[i] / scale[i]); }
   /// Of any forces f in given units: f >= 0 but for joints, and 0 for rows that do not act.
