@@ -47,9 +47,7 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
         limit_(options.max_iterations > 0 ? options.max_iterations : kDefaultLimit),
         statistics_(statistics),
         best_f_(Eigen::VectorXd::Zero(system.size())),
-        candidate_(best_f_),
-        scaled_(best_f_),
-        gaps_(best_f_) {}
+        candidate_(best_f_) {}
 
   ScaledSystem& system() { return system_; }
   /// Weight of the proximal term.
@@ -90,19 +88,14 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
     for (Index i = 0; meets && own_.self_check && i < f.size(); ++i) meets = test_.RowMeets(tolerance, f, i);
     return Note(f, rho, meets);
   }
-  /// The same for f^ in scaled variables, in extended precision only where double finds it near; *w becomes the scaled
-  /// gaps unless it is nullptr.
+  /// The same for f^ in scaled variables; *w becomes the scaled gaps unless it is nullptr.
   bool AcceptScaled(const Eigen::VectorXd& scaled_f, Eigen::VectorXd* w) {
     const ScaledVectors& rows = system_.rows();
     for (Index i = 0; i < scaled_f.size(); ++i) candidate_[i] = rows.GivenForce(i, scaled_f[i]);
-    system_.Multiply(scaled_f, &gaps_);
-    gaps_ += system_.b();
-    latest_rho_ = rows.Rho(scaled_f, gaps_);
-    const bool is_near = !(latest_rho_ > kNear * options_.tolerance);
-    const bool meets = is_near ? Accept(candidate_) : Note(candidate_, latest_rho_, false);
-    if (w == nullptr) return meets;
-    *w = gaps_;
-    for (Index i = 0; is_near && i < w->size(); ++i) (*w)[i] = rows.ScaledGap(i, static_cast<double>(test_.w(i)));
+    const bool meets = Accept(candidate_);
+    for (Index i = 0; w != nullptr && i < w->size(); ++i) {
+      (*w)[i] = rows.ScaledGap(i, static_cast<double>(test_.w(i)));
+    }
     return meets;
   }
   const Eigen::VectorXd& best_f() const { return best_f_; }
@@ -112,9 +105,15 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
 
   // AnswerSink
   Eigen::VectorXd& candidate() override { return candidate_; }
+  /// Accept where the candidate is near by its rho in double.
   bool Publish() override {
-    for (Index i = 0; i < candidate_.size(); ++i) scaled_[i] = system_.rows().ScaledForce(i, candidate_[i]);
-    return AcceptScaled(scaled_, nullptr);
+    const ScaledVectors& rows = system_.rows();
+    scaled_.resize(candidate_.size());
+    for (Index i = 0; i < candidate_.size(); ++i) scaled_[i] = rows.ScaledForce(i, candidate_[i]);
+    system_.Multiply(scaled_, &product_);
+    product_ += system_.b();
+    latest_rho_ = rows.Rho(scaled_, product_);
+    return latest_rho_ > kNear * options_.tolerance ? Note(candidate_, latest_rho_, false) : Accept(candidate_);
   }
   double rho() const override { return latest_rho_; }
   double tier() const override { return accepted_ ? best_rho_ : std::numeric_limits<double>::infinity(); }
@@ -180,9 +179,9 @@ class IpmRun final : public AnswerSink, public ActiveBlock {
   double last_factorization_ = -1;  // when it began [s]
   Eigen::VectorXd best_f_;
   Eigen::VectorXd candidate_;
-  Eigen::VectorXd scaled_, gaps_;  // of a candidate
-  double latest_rho_ = 0;          // of the latest one in scaled variables, in double
+  Eigen::VectorXd scaled_;  // the latest candidate
   mutable Eigen::VectorXd product_;
+  double latest_rho_ = 0;        // in double
   Eigen::VectorXd out_, right_;  // theta of the latest active set
   bool accepted_ = false;
   double best_rho_ = std::numeric_limits<double>::infinity();
