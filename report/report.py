@@ -5,11 +5,14 @@
     report/report.py report standard pathological sequences --motion motion -o build/report/index.html
 
 `report/report.py --help` lists the commands; `lcpbench` has the four that are used most. Exit status: 0; 1 where a
-comparison found a difference; 2 with one line on standard error when the arguments or the files do not fit.
+comparison found a difference; 2 with one line on standard error when the arguments or the files do not fit; 3 with one
+line when output is lost, such as on a full disk.
 """
 
 import argparse
 import datetime
+import errno
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -18,9 +21,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 from lcpbench_report.errors import ReportError  # noqa: E402
+from lcpbench_report.files import write_text  # noqa: E402
 
 # What a command needs is imported when it is run: pandas alone takes a second.
 
+# Of output, not of a mistake.
+_LOST = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO}
 _ROOT = Path(__file__).resolve().parents[1]
 _COMMANDS: dict[str, tuple[Callable[[argparse.Namespace], int | None], tuple]] = {}
 
@@ -33,6 +39,8 @@ class Parser(argparse.ArgumentParser):
 
 
 def main(arguments: list[str] | None = None) -> int:
+    if sys.stdout is None:  # it was closed from the start: what is printed is lost
+        sys.stdout = os.fdopen(os.open(os.devnull, os.O_RDONLY), "w")
     parser = Parser(prog="report.py", description=__doc__.partition("\n")[0])
     parsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
     for name, (act, wanted) in _COMMANDS.items():
@@ -41,11 +49,19 @@ def main(arguments: list[str] | None = None) -> int:
             of_command.add_argument(*words, **settings)
     options = parser.parse_args(arguments)
     try:
-        return _COMMANDS[options.command][0](options) or 0
+        status = _COMMANDS[options.command][0](options) or 0
+        sys.stdout.flush()
+        return status
     except ReportError as error:
         print(f"{options.command}: error: {error}", file=sys.stderr)
     except OSError as error:
-        print(f"{options.command}: error: {error.filename}: {error.strerror}", file=sys.stderr)
+        if error.filename is None:
+            # Standard output has no name; what is left in it would be told again at the end of the program.
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        if error.errno == errno.EPIPE:
+            return 141  # as a shell's for SIGPIPE
+        print(f"{options.command}: error: {error.filename or 'standard output'}: {error.strerror}", file=sys.stderr)
+        return 3 if error.filename is None or error.errno in _LOST else 2
     return 2
 
 
@@ -102,7 +118,7 @@ def _compare_two(options: argparse.Namespace) -> int:
     if options.output is None:
         print(text, end="")
     else:
-        options.output.write_text(text, encoding="utf-8")
+        write_text(options.output, text)
     return int(regressed)
 
 
@@ -128,11 +144,11 @@ def _report(options: argparse.Namespace) -> None:
     folder = options.output.parent
     folder.mkdir(parents=True, exist_ok=True)
     page = render(inputs, gallery.read(options.pictures) if options.pictures else [])
-    options.output.write_text(page, encoding="utf-8")
+    write_text(options.output, page)
     # Read anew: a report counts fewer problems than a comparison.
     changed, _ = _compare(options, options.previous, options.campaigns[0]) if options.previous else ("", False)
     words = markdown.render(inputs, summary.summary_lines(inputs), changed)
-    (folder / "summary.md").write_text(words, encoding="utf-8")
+    write_text(folder / "summary.md", words)
     write_static(inputs, folder)
 
 
@@ -213,7 +229,7 @@ def _headline(options: argparse.Namespace) -> None:
               for path, text in texts.items()}
     write_figure_of_times(inputs, options.root / readme_blocks.FIGURE)
     for path, text in filled.items():
-        path.write_text(text, encoding="utf-8")
+        write_text(path, text)
 
 
 @_command("recommendation", _file("campaigns", nargs="+", help="folder of a campaign on problems, or on sequences"),

@@ -12,6 +12,7 @@ class CsvWriter {
   /// @throws InputError when the file cannot be written
   CsvWriter(const std::string& path, const std::vector<std::string>& columns);
 
+  /// @throws OutputError where it cannot be written
   void Row(const std::vector<std::string>& cells);
 
   static std::string Cell(double value);  ///< shortest text that reads back to the same double; "inf", "nan"

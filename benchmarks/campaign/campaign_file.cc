@@ -184,14 +184,7 @@ Json ReadCampaignFile(const std::string& path) {
   }
 }
 
-void WriteCampaignFile(const std::string& path, const Json& campaign) {
-  // Renamed when it is whole: what is killed here must not leave a file that --resume cannot read.
-  const std::string part = path + ".part";
-  WriteTextFile(part, campaign.dump(1) + "\n");
-  std::error_code error;
-  std::filesystem::rename(part, path, error);
-  if (error) throw InputError(path + ": cannot be written");
-}
+void WriteCampaignFile(const std::string& path, const Json& campaign) { WriteTextFile(path, campaign.dump(1) + "\n"); }
 
 void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
   Json benchmarks = Json::array();

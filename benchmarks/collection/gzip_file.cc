@@ -6,9 +6,13 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <memory>
+#include <new>
+#include <vector>
 
 #include "support/exit_status.h"
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -55,10 +59,28 @@ bool LineReader::Fill() {
 }
 
 void WriteGzipFile(const std::string& path, const std::string& text) {
-  gzFile file = gzopen(path.c_str(), "wb9");
-  if (file == nullptr) throw InputError(path + ": cannot be opened for writing");
-  const bool written = gzfwrite(text.data(), 1, text.size(), file) == text.size();
-  if (gzclose(file) != Z_OK || !written) throw InputError(path + ": writing failed");
+  constexpr int kLargestWindow = MAX_WBITS + 16;  // zlib's way to ask for gzip
+  constexpr int kUsualMemory = 8;
+  z_stream deflation{};
+  if (deflateInit2(&deflation, Z_BEST_COMPRESSION, Z_DEFLATED, kLargestWindow, kUsualMemory, Z_DEFAULT_STRATEGY) !=
+      Z_OK)
+    throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&deflateEnd)> end(&deflation, &deflateEnd);
+  TextOutput file(path);
+  std::vector<char> packed(kBlock);
+  for (std::size_t at = 0, size = 0; at <= text.size(); at += kBlock) {
+    size = std::min(kBlock, text.size() - at);
+    // zlib does not write there.
+    deflation.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()) + at);
+    deflation.avail_in = static_cast<uInt>(size);
+    do {
+      deflation.next_out = reinterpret_cast<Bytef*>(packed.data());
+      deflation.avail_out = static_cast<uInt>(kBlock);
+      deflate(&deflation, at + kBlock > text.size() ? Z_FINISH : Z_NO_FLUSH);
+      file.stream().write(packed.data(), static_cast<std::streamsize>(kBlock - deflation.avail_out));
+    } while (deflation.avail_out == 0);
+  }
+  file.Close();
 }
 
 void ReadEachLine(const std::string& path,

@@ -35,7 +35,7 @@ class LineReader {
 };
 
 /// Writes `text` compressed by gzip, without name and time: the same text gives the same bytes.
-/// @throws InputError where the file cannot be written
+/// As WriteTextFile, with its errors
 void WriteGzipFile(const std::string& path, const std::string& text);
 
 /// Calls `handle(line, "file:line")` for every non-empty line of a file ("-" is standard input), plain or compressed.

@@ -172,6 +172,7 @@ struct WriteProblems {
       ForEachSequenceProblem(entry.start, entry.steps,
                              [&](const LcpProblem& problem, const MotionProblem&) { write(problem); });
     }
+    out.Close();
     if (!left.empty()) throw InputError(path + ": no problem or sequence '" + left.front() + "'");
     return 0;
   }

@@ -46,8 +46,10 @@ struct Convert {
     std::optional<TextOutput> lines;
     if (!is_folder && format.read == nullptr) lines.emplace(output);
     std::set<std::string> written;
-    return ForEachProblem(files, [&](const LcpRecord& record) {
+    bool any = false;
+    const int status = ForEachProblem(files, [&](const LcpRecord& record) {
       const LcpProblem& problem = record.problem;
+      any = true;
       if (lines) return lines->Write(FormatLcpRecord(problem) + "\n");
       const std::string path =
           is_folder ? (fs::path(output) / (FileName(problem.id()) + "." + format.name)).string() : output;
@@ -57,6 +59,9 @@ struct Convert {
       }
       format.write(problem, path);
     });
+    // Of bad records alone nothing is made.
+    if (lines && (any || status == 0)) lines->Close();
+    return status;
   }
 
  private:

@@ -1,10 +1,15 @@
+#include <cerrno>
+#include <csignal>
 #include <exception>
 #include <iostream>
 
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
 #include "solvers/linear_algebra/library_threads.h"
+#include "support/exit_status.h"
 #include "support/input_error.h"
+#include "support/output_error.h"
+#include "support/text_file.h"
 
 namespace {
 
@@ -37,9 +42,7 @@ void HideStandIns(CLI::App& app) {
   for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) HideStandIns(*command);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int RunCommand(int argc, char** argv) {
   using namespace lcpbench;
   CLI::App app("Compares solvers of the linear complementarity problem of rigid bodies touching along curved edges");
   app.name("lcpbench");
@@ -69,6 +72,23 @@ int main(int argc, char** argv) {
     return run();
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kMisuse;
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace lcpbench;
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit of a file's size is told as a full disk is
+  const CheckedStandardOutput checked;
+  try {
+    const int status = RunCommand(argc, argv);
+    std::cout << std::flush;
+    return status;
+  } catch (const OutputError& error) {
+    if (error.error() == EPIPE) return kBrokenPipe;
+    std::cerr << "lcpbench: " << error.what() << std::endl;
+    return kLostOutput;
   } catch (const InputError& error) {
     std::cerr << "lcpbench: " << error.what() << std::endl;
     return kMisuse;

@@ -59,7 +59,7 @@ struct Sequence {
     const std::unique_ptr<LcpSolver> made = MakeSolver(solver, ParseSettings(settings));
     const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *made);
     TextOutput file(output);
-    SequenceWriter writer(file.stream(), file.name(), solver, lcp.tolerance, with_matrix);
+    SequenceWriter writer(file.stream(), solver, lcp.tolerance, with_matrix);
     motion->set_observer([&writer](const MotionProblem& met) {
       // One step of many events can take long.
       Interruption::Check();
@@ -86,6 +86,7 @@ struct Sequence {
         if (motion->status() != MotionStatus::kMoving) break;
       }
     }
+    file.Close();
     PrintSummary(*motion, writer.counts(), energy);
     if (failure) throw InputError(*failure);
     if (Interruption::Requested()) return Interruption::ExitStatus();

@@ -39,26 +39,24 @@ struct SequenceCounts {
 };
 
 /// Writes the LCPs of a motion as JSON lines: FormatLcpRecord, and a member "motion" that readers of problems pass
-/// over (fields in RESULTS.md). Flushed after every line, so that an interrupted run keeps what it has.
+/// over (fields in RESULTS.md). Flushed after every line.
 class SequenceWriter {
  public:
   /// @param out        not owned; must outlive the writer
-  /// @param name       names the stream in errors
-  SequenceWriter(std::ostream& out, std::string name, std::string solver, double tolerance, bool with_matrix);
+  SequenceWriter(std::ostream& out, std::string solver, double tolerance, bool with_matrix);
 
   /// The sequence's next step begins. Of the acceleration problems until the next call the first one is written: how
   /// many steps the integrator takes in between is its own matter. Impacts and time steps are written all.
   void BeginStep(int step);
 
   /// Judges and writes one problem.
-  /// @throws InputError where it cannot be written
+  /// Throws what `out` throws.
   void Write(const MotionProblem& met);
 
   const SequenceCounts& counts() const { return counts_; }
 
  private:
   std::ostream& out_;
-  std::string name_;
   std::string solver_;
   double tolerance_;
   bool with_matrix_;

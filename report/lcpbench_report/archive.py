@@ -12,6 +12,7 @@ from pathlib import Path
 
 from . import motion
 from .errors import ReportError
+from .files import replaced
 from .statistics.jsonl import packed, read_lines
 from .statistics.load import PROBLEMS_FILE, STREAMS_FILE
 from .statistics.steps import FILE as STEPS_FILE
@@ -40,7 +41,8 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
     output.mkdir(parents=True, exist_ok=True)
     if (folder / motion.FILE).is_file():
         path = packed(output / motion.FILE)
-        path.write_bytes(lzma.compress((folder / motion.FILE).read_bytes(), preset=9))
+        with replaced(path) as beside:
+            beside.write_bytes(lzma.compress((folder / motion.FILE).read_bytes(), preset=9))
         return {path.name: path.stat().st_size}
     shutil.copyfile(folder / CAMPAIGN, output / CAMPAIGN)
     written = {CAMPAIGN: (output / CAMPAIGN).stat().st_size}
@@ -49,7 +51,7 @@ def archive(folder: Path, output: Path) -> dict[str, int]:
             lines = sorted((order(line), number, json.dumps(_rounded(line, *digits), separators=(",", ":")))
                            for number, line in read_lines(folder / name, lambda note: None))
             path = packed(output / name)
-            with lzma.open(path, "wt", encoding="utf-8", preset=9) as file:
+            with replaced(path) as beside, lzma.open(beside, "wt", encoding="utf-8", preset=9) as file:
                 file.writelines(text + "\n" for *_, text in lines)
             written[path.name] = path.stat().st_size
     return written

@@ -31,7 +31,7 @@ Hdf5Datasets ReadHdf5(const std::string& path, const Hdf5Datasets& wanted);
 
 /// Writes a new HDF5 file of these datasets and the groups of their paths, the same bytes for the same values. It takes
 /// the place of a file of this name. Not for several threads at once.
-/// @throws InputError `path: cannot be written`
+/// Written as by WriteTextFile, with its errors
 void WriteHdf5(const std::string& path, const Hdf5Datasets& datasets);
 
 }  // namespace lcpbench

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "support/input_error.h"
+#include "support/text_file.h"
 
 namespace lcpbench {
 namespace {
@@ -135,10 +136,9 @@ std::string RoundTripDigits(double value) {
 }
 
 void WriteFile(const std::string& path, const std::function<void(std::ostream&)>& write) {
-  std::ofstream file(path);
-  if (file) write(file);
-  file.close();
-  if (!file) throw InputError(path + ": cannot be written");
+  TextOutput file(path);
+  write(file.stream());
+  file.Close();
 }
 
 }  // namespace lcpbench

@@ -273,6 +273,65 @@ TEST_F(Command, ConvertFillsAFolderWithFilesOfAFormat) {
   ExpectMistake("convert - --to dat -o " + Path("x.mtx"), "expected a folder or a file of this format", problems);
 }
 
+TEST_F(Command, LostOutputIsToldInOneLineWithStatus3) {
+  Write("p.jsonl", std::string(kProblem) + "\n" + kProblem + "\n");
+  const std::string problem = Path("p.jsonl");
+  for (const std::string& arguments :
+       {std::string("--help"), std::string("list scenes"), std::string("list fields"),
+        std::string("generate disc-pile --size 5"), "solve --solver auto " + problem, "certify " + problem,
+        "convert " + problem, std::string("scene disc-pile --size 5")}) {
+    for (const auto& [place, reason] :
+         {std::pair{"> /dev/full", "No space left on device"}, std::pair{">&-", "Bad file descriptor"}}) {
+      const int status = std::system((program_ + " " + arguments + " " + place + " 2> " + Path("error")).c_str());
+      EXPECT_EQ(WEXITSTATUS(status), 3) << arguments << place;
+      EXPECT_EQ(ReadFile(Path("error")), std::string("lcpbench: standard output: writing failed: ") + reason + "\n");
+    }
+  }
+  // Nothing is lost where nothing is written there.
+  EXPECT_EQ(std::system((program_ + " convert " + problem + " -o " + Path("q.jsonl") + " >&-").c_str()), 0);
+  EXPECT_EQ(Lines(ReadFile(Path("q.jsonl"))).size(), 2U);
+}
+
+TEST_F(Command, AClosedPipeEndsQuietly) {
+  for (const char* trap : {"", "trap '' PIPE; "}) {
+    const std::string command = std::string(trap) + program_ + " list fields 2> " + Path("error") + " | true";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+    EXPECT_EQ(ReadFile(Path("error")), "");
+  }
+}
+
+TEST_F(Command, ConvertInPlaceAndOnAFullDiskKeepsTheInput) {
+  std::string lines;
+  for (int k = 0; k < 2000; ++k) lines += std::string(kProblem) + "\n";
+  Write("x.jsonl", lines);
+  const std::string x = Path("x.jsonl");
+  Succeed("convert " + x + " -o " + x);
+  EXPECT_EQ(Records(ReadFile(x)).size(), 2000U);
+  Succeed("convert - -o " + Path("y.mtx"), kProblem);
+  Succeed("convert - -o " + Path("y.h5"), kProblem);
+  const auto before = [&] { return std::distance(fs::directory_iterator(folder_), {}); };
+  const auto files = before();
+  const std::string full = "ulimit -f 0; " + program_ + " convert ";
+  for (const std::string& arguments : {x + " -o " + x, Path("y.mtx") + " -o " + Path("y.h5"),
+                                       Path("y.h5") + " -o " + Path("y.dat"), Path("y.h5") + " -o " + Path("y.mtx")}) {
+    // Standard error is a pipe: a file would not grow, either.
+    const int status = std::system(("sh -c '" + full + arguments + "; exit $?' 2>&1 | cat > " + Path("error")).c_str());
+    EXPECT_EQ(status, 0);
+    const std::vector<std::string> told = Lines(ReadFile(Path("error")));
+    ASSERT_EQ(told.size(), 1U) << arguments;
+    EXPECT_TRUE(told[0].ends_with("writing failed: File too large")) << told[0];
+  }
+  EXPECT_EQ(Records(ReadFile(x)).size(), 2000U);
+  Succeed("convert " + Path("y.h5"));
+  Succeed("convert " + Path("y.mtx"));
+  EXPECT_LE(before(), files + 1);  // the file of errors
+  // Of bad records alone nothing is made, and good ones are not lost for a bad one.
+  EXPECT_EQ(Run("convert - -o " + x, "no problem\n").status, 2);
+  EXPECT_EQ(Records(ReadFile(x)).size(), 2000U);
+  EXPECT_EQ(Run("convert - -o " + x, std::string(kProblem) + "\nno problem\n").status, 2);
+  EXPECT_EQ(Records(ReadFile(x)).size(), 1U);
+}
+
 TEST_F(Command, ConvertTellsWhatIsWrongWithAFileInOneLine) {
   ExpectMistake("convert " + Path("absent.hdf5"), "absent.hdf5: cannot be opened");
   ExpectMistake("convert " + Path("absent.dat"), "absent.dat: cannot be opened");

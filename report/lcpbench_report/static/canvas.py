@@ -12,6 +12,7 @@ from matplotlib.lines import Line2D  # noqa: E402
 from matplotlib.ticker import (FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter,  # noqa: E402
                                NullLocator)
 
+from ..files import replaced  # noqa: E402
 from ..style import ORACLE_COLOUR, SolverStyle  # noqa: E402
 from ..formats import time_unit  # noqa: E402
 
@@ -49,7 +50,8 @@ def save(figure, folder: Path, name: str) -> list[Path]:
     """<name>.svg and <name>.pdf of one figure, which is closed."""
     paths = [folder / f"{name}.svg", folder / f"{name}.pdf"]
     save_svg(figure, paths[0])
-    figure.savefig(paths[1], metadata={"CreationDate": None, "Creator": "LCPBench", "Producer": None})
+    with replaced(paths[1]) as beside:
+        figure.savefig(beside, metadata={"CreationDate": None, "Creator": "LCPBench", "Producer": None})
     plt.close(figure)
     return paths
 
@@ -60,7 +62,8 @@ def save_svg(figure, path: Path) -> None:
     # The layout is found once; by default every drawing looks for it again, which takes longer than the drawing.
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
-    figure.savefig(path, metadata={"Date": None, "Creator": "LCPBench"})
+    with replaced(path) as beside:
+        figure.savefig(beside, metadata={"Date": None, "Creator": "LCPBench"})
 
 
 def line(style: SolverStyle, marks: bool = True) -> dict:

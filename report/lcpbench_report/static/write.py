@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from .. import choice, motion, shown_tables
+from ..files import replaced, write_text
 from ..inputs import Inputs
 from ..statistics.tables import write_csv
 from ..formats import power
@@ -53,7 +54,7 @@ def write_tables(inputs: Inputs, folder: Path) -> list[Path]:
     texts["README.md"] = _readme(list(texts))
     for name, text in texts.items():
         written.append(folder / name)
-        written[-1].write_text(text, encoding="utf-8")
+        write_text(written[-1], text)
     return written
 
 
@@ -89,7 +90,7 @@ def _write_csv(table, path: Path) -> Path:
     write_csv(table, path)
     if path.stat().st_size <= _LARGE:
         return path
-    with path.open("rb") as source, packed.open("wb") as file:
+    with path.open("rb") as source, replaced(packed) as beside, beside.open("wb") as file:
         with gzip.GzipFile("", "wb", compresslevel=6, fileobj=file, mtime=0) as target:
             shutil.copyfileobj(source, target)
     path.unlink()

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from ..errors import ReportError
+from ..files import write_text
 
 
 def read_object(path: Path, schema: str, expected: str = "the files of a campaign, benchmarks/RESULTS.md") -> dict:
@@ -36,7 +37,7 @@ def text_of(value, indent: str = "") -> str:
 
 def write_object(path: Path, value: dict) -> None:
     """The same object is always the same bytes."""
-    path.write_text(text_of(value) + "\n", encoding="utf-8")
+    write_text(path, text_of(value) + "\n")
 
 
 def read_lines(path: Path, note: Callable[[str], None]) -> Iterator[tuple[int, object]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from ..files import replaced
 from .cells import cell_table
 from .class_times import ablation_table, class_table, peer_ratio_table
 from .coverage import coverage_table
@@ -67,4 +68,5 @@ def write_csv(table: pd.DataFrame, path: Path) -> None:
     words = {True: "true", False: "false"}
     booleans = {name: column.map(words) for name, column in table.items()
                 if len(column) and pd.api.types.infer_dtype(column) == "boolean"}
-    table.assign(**booleans).to_csv(path, index=False, float_format=_DIGITS, lineterminator="\n")
+    with replaced(path) as beside:
+        table.assign(**booleans).to_csv(beside, index=False, float_format=_DIGITS, lineterminator="\n")
