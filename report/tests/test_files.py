@@ -42,7 +42,7 @@ class Files(FolderCase):
         self.assertEqual(caught.exception.filename, str(self.folder / "none" / "x"))
 
     def test_lost_output_is_status_3_and_one_line(self):
-        write_campaign(self.folder / "a", {"a": 1.0, "b": 2.0})
+        write_campaign(self.folder / "a", {"a": 1.0, "b": 2.0}, copies=2)
         compare = ("compare", self.folder / "a", self.folder / "a")
         for place, reason in (("> /dev/full", "No space left on device"), (">&-", "Bad file descriptor")):
             self.assertEqual(tell(f'"$0" "$@" {place}', *compare),
