@@ -33,6 +33,8 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
       take(nlohmann::json::parse(line), line);
     } catch (const nlohmann::json::exception&) {
       throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found another line");
+    } catch (const InputError& error) {
+      throw InputError(path + ":" + std::to_string(number) + ": expected " + expected + ", found " + error.what());
     }
     bytes += line.size() + 1;
   }
@@ -62,9 +64,19 @@ void AppendOnlyFile::Append(const std::vector<Json>& lines) {
   std::string text;
   for (const Json& line : lines) text += line.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
   // One call: what a killed campaign leaves is whole lines, and at most a torn one at the end.
-  const ssize_t written = write(file_, text.data(), text.size());
-  if (written != static_cast<ssize_t>(text.size()))
-    throw InputError(path_ + ": writing failed: " + std::strerror(errno));
+  const off_t before = lseek(file_, 0, SEEK_END);
+  std::size_t written = 0;
+  while (written < text.size()) {
+    const ssize_t count = write(file_, text.data() + written, text.size() - written);
+    if (count < 0 && errno == EINTR) continue;
+    if (count <= 0) {
+      const std::string reason = count < 0 ? std::strerror(errno) : "nothing was written";
+      // Where that fails, too, the torn line is cut off when the file is opened again.
+      const bool is_cut = written == 0 || before < 0 || ftruncate(file_, before) == 0;
+      throw InputError(path_ + ": writing failed: " + reason + (is_cut ? "" : ", its last line is torn"));
+    }
+    written += static_cast<std::size_t>(count);
+  }
   const double now = SteadyNow();
   if (now - synchronised_ >= kSecondsBetweenSynchronisations) {
     fdatasync(file_);

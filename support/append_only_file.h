@@ -10,7 +10,8 @@ namespace lcpbench {
 
 /// Hands over every line of a file of JSON lines but a last one that was torn.
 /// @param expected  what a line is, for error texts
-/// @param take      the line as JSON and as text; may throw nlohmann::json::exception for what is no such line
+/// @param take      the line as JSON and as text; for what is no such line it may throw nlohmann::json::exception, or
+///                  InputError with what was found
 /// @return bytes of these lines
 /// @throws InputError where the file cannot be read, or has another line, naming file and line
 std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expected,
@@ -18,7 +19,8 @@ std::uintmax_t ReadJsonLines(const std::string& path, const std::string& expecte
 
 /// A file of JSON lines that is appended to and never changed: what a campaign has run so far. Every append is written
 /// by one call, so that a killed campaign loses at most what was in flight, and a machine that goes down the last two
-/// seconds; a last line that was torn is cut off when the file is opened again.
+/// seconds; a last line that was torn is cut off when the file is opened again. Of an append that failed, on a full
+/// disk, nothing stays.
 class AppendOnlyFile {
  public:
   /// Opens or creates the file and hands over every line that it has, as ReadJsonLines.

@@ -19,6 +19,7 @@
 #include "benchmarks/campaign/worker_process.h"
 #include "benchmarks/measure/progress.h"
 #include "solvers/registry.h"
+#include "support/file_lock.h"
 #include "support/input_error.h"
 #include "support/text_file.h"
 
@@ -28,11 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string In(const std::string& folder, const char* file) { return (fs::path(folder) / file).string(); }
-
-bool HasSequences(const std::vector<Manifest>& manifests) {
-  return std::any_of(manifests.begin(), manifests.end(),
-                     [](const Manifest& manifest) { return !manifest.sequences.empty(); });
-}
 
 class Campaign {
  public:
@@ -44,7 +40,8 @@ class Campaign {
         problems_(problems),
         tasks_(TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)),
         passes_(TasksOfShard(PlanPasses(plan, manifests), options.shard, options.shards)),
-        journal_(options.folder, HasSequences(manifests), environment_hash) {}
+        journal_(options.folder, PlanTasks(plan, problems), PlanPasses(plan, manifests), plan.passes,
+                 environment_hash) {}
 
   // False where it was interrupted. The caller keeps the Interruption.
   bool Run() {
@@ -224,6 +221,7 @@ class Campaign {
     TimedReply all;
     all.outcome = ended.outcome;
     all.detail = ended.detail;
+    all.retried = ended.retried;
     all.failed.resize(request.judged.size());
     for (const std::uint32_t place : request.pass.order) {
       if (Interruption::Requested()) break;
@@ -231,6 +229,7 @@ class Campaign {
       one.pass.order = {place};
       one.pass.group = 1;
       const TimedReply reply = worker_->Run(one);
+      if (!reply.retried.empty()) all.retried += (all.retried.empty() ? "" : "; ") + reply.retried;
       for (const auto& [field, seconds] : reply.times) {
         all.times[field].resize(request.stream.size());
         all.times[field][place] = seconds.at(place);
@@ -298,6 +297,7 @@ class Campaign {
     request.limits = plan_.limits;
     request.budget_s = plan_.pass_budget_s;
     const SequenceReply reply = worker_->Run(request);
+    if (Interruption::Requested() && reply.outcome == "crashed") return;
     if (reply.outcome != "completed") ++failures_;
     journal_.WritePass(pass, round, reply);
   }
@@ -335,9 +335,6 @@ void TellOfAnotherEnvironment(const std::string& folder, const nlohmann::ordered
 
 // The plan's file is there and says the same, or is not there yet.
 std::string PrepareFolder(const CampaignOptions& options, const nlohmann::ordered_json& campaign) {
-  std::error_code error;
-  fs::create_directories(options.folder, error);
-  if (error) throw InputError(options.folder + ": cannot be created: " + error.message());
   const std::string path = In(options.folder, kCampaignFile);
   if (!fs::exists(path)) {
     WriteCampaignFile(path, campaign);
@@ -399,10 +396,15 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
-  const std::string environment = PrepareFolder(options, DescribeCampaign(plan, manifests, problems));
+  const nlohmann::ordered_json described = DescribeCampaign(plan, manifests, problems);
+  std::error_code error;
+  fs::create_directories(options.folder, error);
+  if (error) throw InputError(options.folder + ": cannot be created: " + error.message());
+  const FileLock lock(In(options.folder, kLockFile));  // before anything is read: the other may be writing it
+  const std::string environment = PrepareFolder(options, described);
   Campaign campaign(plan, options, problems, manifests, environment);
   TellWhatIsMissing(plan);  // not before: of a user's mistake there is one line only
-  WriteProblems(In(options.folder, kProblemsFile), plan.manifests, problems);
+  WriteProblems(In(options.folder, kProblemsFile), plan, manifests, problems);
   const Interruption interruption;
   return campaign.Run() ? 0 : Interruption::ExitStatus();
 }
@@ -424,8 +426,7 @@ void MergeCampaigns(const std::vector<std::string>& folders, const std::string& 
         const LineKey key = KeyOfLine(json);
         if (merged.emplace(key, line).second) return;
         const TaskKey& task = std::get<TaskKey>(key);
-        throw InputError(folder + ": " + task.solver + " on " + task.about + " at " + task.tier +
-                         " is in another folder already");
+        throw InputError(task.solver + " on " + task.about + " at " + task.tier + ", which is there already");
       });
     }
   }

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <system_error>
 
 #include "benchmarks/campaign/journal.h"
@@ -81,6 +80,23 @@ std::map<std::string, Times> TimesByName(const std::string& folder) {
     }
   });
   return cells;
+}
+
+// That a line of problems.jsonl says what the plan says; what was measured need only be a measurement.
+void RequireDescribes(const nlohmann::json& line, const std::string& set, const PlannedProblem& planned,
+                      double weight) {
+  const LcpProblem none = LcpProblem::FromDense("none", Eigen::MatrixXd(0, 0), Eigen::VectorXd(0));
+  // As a file has it: without infinite numbers.
+  const std::string text = RecordOf<DescribedProblem>(ProblemFields(), {set, planned, none, weight, {}, {}}).dump();
+  auto expected = nlohmann::json::parse(text);
+  expected["rows"] = planned.entry->properties.rows;
+  for (const char* measured : {"bilateral", "oracle_s", "floor"}) {
+    const nlohmann::json& value = line.at(measured);
+    if (value.is_null() || (value.is_number() && value >= 0)) expected[measured] = value;
+  }
+  for (const auto& [field, value] : expected.items()) {
+    if (line.at(field) != value) throw InputError(field + " " + line.at(field).dump());
+  }
 }
 
 }  // namespace
@@ -177,6 +193,7 @@ bool SameCampaign(Json a, Json b) {
 Json ReadCampaignFile(const std::string& path) {
   try {
     Json json = Json::parse(ReadTextFile(path));
+    for (const char* member : {"environment", "environment_hash", "started", "lines"}) json.at(member);
     if (json.at("schema") != kSchema) throw InputError(path + ": expected schema " + std::string(kSchema));
     return json;
   } catch (const Json::exception&) {
@@ -216,21 +233,24 @@ void WriteBenchmarkJson(const std::string& folder, const std::string& path) {
 ProblemSet::ProblemSet(const std::string& path)
     : manifest(ReadManifest(path)), source(FolderOf(path)), references(manifest, FolderOf(path)) {}
 
-void WriteProblems(const std::string& path, const std::vector<std::string>& manifests,
+void WriteProblems(const std::string& path, const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                    const std::vector<PlannedProblem>& problems) {
-  std::set<std::string> done;
-  AppendOnlyFile file(path, "a problem of a campaign",
-                      [&done](const auto& line) { done.insert(line.at("problem").template get<std::string>()); });
-  if (problems.size() <= done.size()) return;
-  std::vector<std::unique_ptr<ProblemSet>> sets;
-  for (const std::string& manifest : manifests) sets.push_back(std::make_unique<ProblemSet>(manifest));
   std::vector<ManifestEntry> entries;
   for (const PlannedProblem& planned : problems) entries.push_back(*planned.entry);
   const std::map<std::string, double> weights = WeightsByBase(entries);
-  ProgressBar bar("problems", static_cast<double>(problems.size() - done.size()));
-  for (const PlannedProblem& planned : problems) {
+  std::size_t done = 0;
+  AppendOnlyFile file(path, "a problem of this campaign", [&](const nlohmann::json& line) {
+    if (done == problems.size()) throw InputError("a line more than it has problems");
+    RequireDescribes(line, manifests[problems[done].manifest].name, problems[done], weights.at(entries[done].base));
+    ++done;
+  });
+  if (done == problems.size()) return;
+  std::vector<std::unique_ptr<ProblemSet>> sets;
+  for (const std::string& manifest : plan.manifests) sets.push_back(std::make_unique<ProblemSet>(manifest));
+  ProgressBar bar("problems", static_cast<double>(problems.size() - done));
+  for (; done < problems.size(); ++done) {
+    const PlannedProblem& planned = problems[done];
     const ManifestEntry& entry = *planned.entry;
-    if (done.count(entry.id) > 0) continue;
     ProblemSet& set = *sets[planned.manifest];
     const LcpProblem problem = set.source.Get(entry);
     DescribedProblem described{set.manifest.name, planned, problem, weights.at(entry.base), {}, {}};

@@ -28,6 +28,7 @@ void WriteCampaignFile(const std::string& path, const nlohmann::ordered_json& ca
 void WriteBenchmarkJson(const std::string& folder, const std::string& path);
 
 inline constexpr const char* kCampaignFile = "campaign.json";
+inline constexpr const char* kLockFile = "campaign.lock";  // of the one run that writes here
 inline constexpr const char* kProblemsFile = "problems.jsonl";
 
 /// A manifest, its problems and their known answers.
@@ -42,10 +43,11 @@ struct ProblemSet {
 
 /// Writes problems.jsonl (RESULTS.md): what is known of every problem of a campaign, and what an oracle would have to
 /// pay for it that is told the active set (oracle.h), measured here. Problems that the file has already are passed
-/// over. Lines have the order of `problems`, which is what the arrays of streams.jsonl refer to. The k problems of the
-/// campaign that have one base weigh 1/k each.
-/// @param manifests  paths, in the order that PlannedProblem::manifest refers to
-void WriteProblems(const std::string& path, const std::vector<std::string>& manifests,
+/// over; they must be the first ones of `problems`, as these have them. Lines have the order of `problems`, which is
+/// what the arrays of streams.jsonl refer to. The k problems of the campaign that have one base weigh 1/k each.
+/// @param manifests  of the plan
+/// @throws InputError naming file and line where the file has another problem
+void WriteProblems(const std::string& path, const CampaignPlan& plan, const std::vector<Manifest>& manifests,
                    const std::vector<PlannedProblem>& problems);
 
 }  // namespace lcpbench

@@ -9,6 +9,7 @@
 #include "benchmarks/campaign/result_fields.h"
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/measure/quantile.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -27,6 +28,11 @@ Json Rounded(const std::vector<std::optional<double>>& values) {
   Json array = Json::array();
   for (const std::optional<double>& value : values) array.push_back(value ? RoundedNumber(*value) : Json(nullptr));
   return array;
+}
+
+// Only where there was one: nearly no line has any.
+void AddRetry(const Reply& reply, const Json& at, Json* line) {
+  if (!reply.retried.empty()) (*line)["retried"].push_back({{"at", at}, {"detail", reply.retried}});
 }
 
 // Of a problem at the k-th tier; null where there is no answer.
@@ -64,6 +70,15 @@ double MedianOfKnown(const nlohmann::json& times, const Counts& counts) {
   return known.empty() ? 0 : MedianOf(std::move(known));
 }
 
+std::map<TaskKey, std::size_t> PlannedKeys(const std::vector<Task>& tasks, const std::vector<Task>& sequences) {
+  std::map<TaskKey, std::size_t> keys;
+  for (const Task& task : tasks) {
+    for (const double tier : task.judged) keys[TaskKey(task, tier)] = task.count();
+  }
+  for (const Task& pass : sequences) keys[TaskKey(pass, pass.tier)] = 0;
+  return keys;
+}
+
 }  // namespace
 
 const char* KindKey(PassKind kind) {
@@ -86,12 +101,54 @@ LineKey KeyOfLine(const nlohmann::json& line) {
   return {TaskKey(line), line.at("kind").get<std::string>(), line.at("pass").get<int>()};
 }
 
-Journal::Journal(const std::string& folder, bool has_sequences, std::string environment_hash)
-    : environment_hash_(std::move(environment_hash)),
-      streams_(folder + "/" + kStreamsFile, "a pass of a campaign", [this](const auto& line) { Note(line); }) {
-  if (!has_sequences) return;
-  steps_ = std::make_unique<AppendOnlyFile>(folder + "/" + kStepsFile, "a pass over a sequence",
-                                            [this](const auto& line) { Note(line); });
+Journal::Journal(const std::string& folder, const std::vector<Task>& tasks, const std::vector<Task>& sequences,
+                 int passes, std::string environment_hash)
+    : environment_hash_(std::move(environment_hash)), planned_(PlannedKeys(tasks, sequences)), passes_(passes) {
+  const auto open = [&](const char* file, const char* expected) {
+    return std::make_unique<AppendOnlyFile>(folder + "/" + file, expected, [this](const auto& line) {
+      RequireNew(line);
+      Note(line);
+    });
+  };
+  streams_ = open(kStreamsFile, "a pass of this campaign");
+  if (!sequences.empty()) steps_ = open(kStepsFile, "a pass over a sequence of this campaign");
+}
+
+void Journal::RequireNew(const nlohmann::json& line) const {
+  const LineKey line_key = KeyOfLine(line);
+  const auto& [key, kind, pass] = line_key;
+  const auto planned = planned_.find(key);
+  if (planned == planned_.end()) {
+    const auto is_known = [this](auto TaskKey::*field, const auto& value) {
+      return std::any_of(planned_.begin(), planned_.end(), [&](const auto& of) { return of.first.*field == value; });
+    };
+    if (!is_known(&TaskKey::solver, key.solver)) throw InputError("solver '" + key.solver + "'");
+    if (!is_known(&TaskKey::about, key.about)) throw InputError("size class or sequence '" + key.about + "'");
+    if (!is_known(&TaskKey::tier, key.tier)) throw InputError("tier " + key.tier);
+    throw InputError("a task of '" + key.solver + "' that it does not have");
+  }
+  const bool is_sequence = line.contains("sequence");
+  const int least = is_sequence || kind == kJudge ? 0 : 1;
+  const int most = is_sequence ? passes_ - 1 : kind == kJudge ? 0 : kind == KindKey(PassKind::kFresh) ? passes_ : 1;
+  if (!is_sequence && kind != kJudge && kind != KindKey(PassKind::kFresh) && kind != KindKey(PassKind::kParts) &&
+      kind != KindKey(PassKind::kAgain)) {
+    throw InputError("kind '" + kind + "'");
+  }
+  const nlohmann::json& number = line.at(is_sequence ? "round" : "pass");
+  if (!number.is_number_integer() || pass < least || pass > most) {
+    throw InputError((is_sequence ? "round " : "pass ") + number.dump());
+  }
+  if (done_.count(line_key) > 0) {
+    throw InputError("a second line of " + key.solver + " on " + key.about + " at " + key.tier +
+                     (is_sequence ? ", " + key.mode + ", round " : ", " + kind + ", pass ") + std::to_string(pass));
+  }
+  if (kind != kJudge || !line.at("excluded").get<std::string>().empty()) return;
+  const auto attempted = line.at("attempted").get<std::size_t>();
+  if (attempted > planned->second) throw InputError("attempted " + line.at("attempted").dump());
+  for (const nlohmann::json& exception : line.at("exceptions")) {
+    if (exception.at("at").get<std::size_t>() >= attempted)
+      throw InputError("an exception at " + exception["at"].dump());
+  }
 }
 
 bool Journal::Has(const TaskKey& key, const std::string& kind, int pass) const {
@@ -158,7 +215,7 @@ void Journal::WriteByTier(const Task& task, const char* kind, int pass, const Co
     lines.push_back(RecordOf<LineSource>(LineFields(), {task, tier, kind, pass, environment_hash_}));
     complete(k, &lines.back());
   }
-  Append(&streams_, lines);
+  Append(streams_.get(), lines);
 }
 
 void Journal::WriteJudged(const Task& task, const std::vector<Judged>& judged) {
@@ -182,6 +239,7 @@ void Journal::WriteJudged(const Task& task, const std::vector<Judged>& judged) {
     if (is_version_1) column("formed_on_host_s");
     (*line)["peak_bytes"] = peak;
     (*line)["exceptions"] = std::move(exceptions);
+    for (std::size_t at = 0; at < judged.size(); ++at) AddRetry(judged[at].reply, at, line);
   });
 }
 
@@ -198,6 +256,7 @@ void Journal::WriteTimed(const Task& task, PassKind kind, int pass, std::uint32_
   WriteByTier(task, KindKey(kind), pass, [&](std::size_t k, Json* line) {
     (*line)["outcome"] = reply.outcome;
     (*line)["detail"] = reply.detail;
+    AddRetry(reply, nullptr, line);
     if (kind == PassKind::kFresh) (*line)["group"] = group;
     for (const TimeField& field : TimeFields()) {
       if (field.kind != kind) continue;
@@ -224,6 +283,7 @@ void Journal::WritePass(const Task& task, int round, const SequenceReply& reply)
   rest["steps"] = steps;
   rest["environment"] = environment_hash_;
   for (const ResultField& field : StepFields()) line[field.name] = rest.at(field.name);
+  AddRetry(reply, nullptr, &line);
   Append(steps_.get(), {line});
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <compare>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -51,8 +52,12 @@ struct TimedRun {
 class Journal {
  public:
   /// Opens or creates the files and reads what they have.
-  /// @throws InputError where one cannot be written, or has a line of something else
-  Journal(const std::string& folder, bool has_sequences, std::string environment_hash);
+  /// @param tasks, sequences  of the whole campaign, whatever the shard
+  /// @param passes            CampaignPlan::passes
+  /// @throws InputError where one cannot be written; naming file and line where one has a line twice, or one that is
+  ///         not of these tasks, sequences and passes
+  Journal(const std::string& folder, const std::vector<Task>& tasks, const std::vector<Task>& sequences, int passes,
+          std::string environment_hash);
 
   bool Has(const TaskKey& key, const std::string& kind, int pass) const;
 
@@ -81,6 +86,8 @@ class Journal {
   void WritePass(const Task& task, int round, const SequenceReply& reply);
 
  private:
+  // Of a line that is read: it belongs to the plan, and is not there yet.
+  void RequireNew(const nlohmann::json& line) const;
   void Note(const nlohmann::json& line);
   // The lines of a task for which there is none yet, at every tier that it is judged at; `complete(k, &line)` adds to
   // the one of the k-th tier.
@@ -89,11 +96,12 @@ class Journal {
   void Append(AppendOnlyFile* file, const std::vector<nlohmann::ordered_json>& lines);
 
   std::string environment_hash_;
+  std::map<TaskKey, std::size_t> planned_;  // with the count of problems
+  int passes_;
   std::vector<double> probes_;  // ascending
   std::set<LineKey> done_;
   std::map<TaskKey, Judgement> judged_;
-  // Last: they tell the others what they have.
-  AppendOnlyFile streams_;
+  std::unique_ptr<AppendOnlyFile> streams_;
   std::unique_ptr<AppendOnlyFile> steps_;
 };
 

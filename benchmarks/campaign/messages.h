@@ -67,6 +67,8 @@ struct SequenceRequest {
 struct Reply {
   std::string outcome = "completed";  ///< or how the worker's process ended: crashed, killed, out_of_memory
   std::string detail;                 ///< the reason, where it was not completed
+  /// How a worker ended that something else killed, before a new one tried again; set by WorkerProcess. "": none did.
+  std::string retried;
 };
 
 struct JudgeReply : Reply {

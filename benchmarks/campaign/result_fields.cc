@@ -196,6 +196,11 @@ constexpr ResultField kStepVerdict[] = {
     {"failed_steps", "list", "", "indices"},
 };
 
+constexpr ResultField kRetry[] = {
+    {"at", "count?", "", "place in the lists of a line of kind judge; null: of others"},
+    {"detail", "text", "", "how the first worker ended; of several solves, each"},
+};
+
 constexpr FieldOf<Described> kProblem[] = {
     {{"problem", "name", "", "id"}, Planned<&ManifestEntry::id>},
     {{"set", "name", "", "name of its manifest"}, [](const Described& of) { return Json(of.set); }},
@@ -283,6 +288,11 @@ std::vector<RecordSchema> ResultSchema() {
       Schema("steps", "What follows where it was run; a list of numbers has an entry for each step that was reached",
              kSteps),
       Schema("step_verdict", "An entry of `verdicts`", kStepVerdict),
+      Schema("retry",
+             "An entry of `retried`, which a line of streams.jsonl or steps.jsonl has where something other than the "
+             "campaign killed a worker (SIGKILL, SIGTERM): the solve was tried once more, and the line says what came "
+             "of that; killed again it is `crashed`",
+             kRetry),
   };
 }
 

@@ -15,6 +15,7 @@
 
 #include "benchmarks/campaign/sequence_runner.h"
 #include "benchmarks/campaign/task_runner.h"
+#include "benchmarks/measure/progress.h"
 #include "support/clock.h"
 #include "support/input_error.h"
 
@@ -32,6 +33,18 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 
 template <typename Answer, typename Message>
 Answer WorkerProcess::Ask(const Message& request) {
+  bool by_others = false;
+  Answer answer = AskOnce<Answer>(request, &by_others);
+  // A job scheduler that has asked for the end may kill all processes.
+  if (!by_others || Interruption::Requested()) return answer;
+  const std::string retried = answer.detail;
+  answer = AskOnce<Answer>(request, &by_others);
+  answer.retried = retried;
+  return answer;
+}
+
+template <typename Answer, typename Message>
+Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
   if (!process_) {
     SubprocessOptions start;
     start.command = {options_.program, kWorkerCommand};
@@ -71,6 +84,7 @@ Answer WorkerProcess::Ask(const Message& request) {
   } else {
     answer.outcome = "crashed";
     answer.detail = DescribeEnd(status);
+    *by_others = WIFSIGNALED(status) && (WTERMSIG(status) == SIGKILL || WTERMSIG(status) == SIGTERM);
   }
   answer.detail += " " + phase;
   return answer;

@@ -25,7 +25,8 @@ struct WorkerOptions {
 /// takes all memory is an outcome. It lives on from request to request; one that ended is started anew.
 ///
 /// Run never throws for what the solver does: the reply's outcome is then crashed, killed or out_of_memory, with the
-/// reason in detail.
+/// reason in detail. A worker that was killed by SIGKILL or SIGTERM which was not sent from here says nothing of the
+/// solver: the request is tried once more by a new one, and Reply::retried says so; a second time it is crashed.
 /// @throws InputError where the worker refuses the request; std::runtime_error where the system gives no process
 class WorkerProcess {
  public:
@@ -38,6 +39,9 @@ class WorkerProcess {
  private:
   template <typename Answer, typename Message>
   Answer Ask(const Message& request);
+  /// @param by_others  whether something else killed the worker
+  template <typename Answer, typename Message>
+  Answer AskOnce(const Message& request, bool* by_others);
 
   WorkerOptions options_;
   std::unique_ptr<Subprocess> process_;

@@ -1,0 +1,200 @@
+// What a campaign's folder survives: a full disk, files that were cut or changed, a second writer, workers that were
+// killed.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/benchmarks/command_fixture.h"
+
+namespace lcpbench {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+class KeptCampaign : public CommandTest {
+ protected:
+  std::string Campaign(const std::string& folder, const std::string& more = "", const std::string& solvers = "dantzig",
+                       const std::string& filter = "n8", const std::string& time_limit = "60") const {
+    return "run --suite " LCPBENCH_SOURCE_DIR "/data/smoke.json --tiers 1e-6 --passes 1 --no-fills --task-budget 1000" +
+           (" --filter " + filter) + " --time-limit " + time_limit + " --solvers " + solvers +
+           " --external 'hanging=" LCPBENCH_TEST_WORKER " hang' -o " + Path(folder) + " " + more;
+  }
+  // The file's lines without what is measured.
+  std::vector<Json> Planned(const std::string& file) const {
+    std::vector<Json> lines = JsonLines(folder_ / file);
+    for (Json& line : lines) {
+      Json kept;
+      for (const char* field : {"problem", "solver", "size_class", "tier", "kind", "pass", "count", "exceptions"}) {
+        if (line.contains(field)) kept[field] = line[field];
+      }
+      line = kept;
+    }
+    return lines;
+  }
+  void ExpectSame(const std::string& folder, const std::string& whole) const {
+    for (const char* file : {"/problems.jsonl", "/streams.jsonl"}) {
+      EXPECT_EQ(Planned(folder + file), Planned(whole + file)) << folder << file;
+    }
+  }
+  // The campaign in the background. @return its process
+  pid_t Start(const std::string& arguments) const {
+    const pid_t child = fork();
+    if (child == 0) {
+      const std::string command = "exec " + program_ + " " + arguments + " > /dev/null 2> " + Path("background");
+      execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    return child;
+  }
+  static bool HasEnded(pid_t child, int* status) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return waitpid(child, status, WNOHANG) != 0;
+  }
+};
+
+TEST_F(KeptCampaign, AFullDiskLeavesWholeLines) {
+  const std::string solvers = "dantzig,lemke,pgs";
+  Succeed(Campaign("whole", "", solvers));
+  const std::uintmax_t blocks = fs::file_size(folder_ / "whole/streams.jsonl") / 512;
+  ASSERT_GT(blocks, fs::file_size(folder_ / "whole/problems.jsonl") / 512);
+  int torn = 0;  // in a file of lines
+  for (std::uintmax_t limit = 1; limit <= blocks; limit += 2) {
+    // No file may grow beyond that: a write is cut short, and what follows fails.
+    const std::string folder = "f" + std::to_string(limit);
+    Write("small.sh", "trap '' XFSZ\nulimit -f " + std::to_string(limit) + "\nexec " + program_ + " \"$@\"\n");
+    const std::string program = std::exchange(program_, "sh " + Path("small.sh"));
+    const CommandOutcome full = Run(Campaign(folder, "--resume", solvers));
+    program_ = program;
+    EXPECT_NE(full.status, 0);
+    EXPECT_EQ(full.error.find("internal error"), std::string::npos) << full.error;
+    torn += full.error.find(".jsonl: writing failed: File too large") != std::string::npos ? 1 : 0;
+    for (const char* file : {"/problems.jsonl", "/streams.jsonl"}) {
+      const std::string text = ReadFile(folder_ / (folder + file));
+      EXPECT_TRUE(text.empty() || text.back() == '\n') << folder << file;
+    }
+    Succeed(Campaign(folder, "--resume", solvers));
+    ExpectSame(folder, "whole");
+  }
+  EXPECT_GT(torn, 2);
+}
+
+TEST_F(KeptCampaign, ATornTailIsMadeAgain) {
+  Succeed(Campaign("c"));
+  fs::copy(folder_ / "c", folder_ / "whole");
+  std::mt19937 random(5);
+  for (const std::string file : {"problems.jsonl", "streams.jsonl"}) {
+    for (int trial = 0; trial < 4; ++trial) {
+      fs::resize_file(folder_ / "c" / file, random() % fs::file_size(folder_ / "whole" / file));
+      Succeed(Campaign("c", "--resume"));
+      ExpectSame("c", "whole");
+    }
+  }
+  fs::remove(folder_ / "c/problems.jsonl");
+  Succeed(Campaign("c", "--resume"));
+  ExpectSame("c", "whole");
+}
+
+TEST_F(KeptCampaign, WhatIsNotOfThePlanIsRefusedByFileAndLine) {
+  Succeed(Campaign("c"));
+  const auto with = [](Json line, const char* field, const Json& value) {
+    line[field] = value;
+    return line.dump();
+  };
+  const Json problem = JsonLines(folder_ / "c/problems.jsonl").at(1);
+  const Json line = JsonLines(folder_ / "c/streams.jsonl").at(1);
+  const std::string noise = "\x01\xff\xfe{]";
+  const std::vector<std::pair<std::string, std::string>> wrong[] = {
+      {{noise, ""},
+       {problem.dump() + problem.dump(), ""},
+       {JsonLines(folder_ / "c/problems.jsonl").at(0).dump(), "problem"},
+       {with(problem, "rows", 7777), "rows 7777"},
+       {with(problem, "weight", 0.123), "weight"},
+       {with(problem, "floor", "x"), "floor"},
+       {with(problem, "size_class", "huge"), "size_class"}},
+      {{noise, ""},
+       {JsonLines(folder_ / "c/streams.jsonl").at(0).dump(), "a second line of dantzig"},
+       {with(line, "pass", -1), "pass -1"},
+       {with(line, "pass", 1.5), "pass 1.5"},
+       {with(line, "kind", "jugde"), "kind 'jugde'"},
+       {with(line, "solver", "pgs"), "solver 'pgs'"},
+       {with(line, "tier", 1e-5), "tier"},
+       {with(line, "size_class", "huge"), "'huge'"},
+       {with(line, "first", 4711), "a task"}}};
+  for (const std::string file : {"problems.jsonl", "streams.jsonl"}) {
+    const std::string before = ReadFile(folder_ / "c" / file);
+    for (const auto& [text, found] : wrong[file == "streams.jsonl"]) {
+      std::vector<std::string> lines = Lines(before);
+      lines.at(1) = text;
+      std::string changed;
+      for (const std::string& one : lines) changed += one + "\n";
+      Write("c/" + file, changed);
+      ExpectMistake(Campaign("c", "--resume"), file + ":2: expected");
+      EXPECT_NE(ReadFile(folder_ / "stderr").find(found), std::string::npos) << ReadFile(folder_ / "stderr");
+      EXPECT_EQ(ReadFile(folder_ / "c" / file), changed);  // and left as it was
+    }
+    Write("c/" + file, before + JsonLines(folder_ / "c" / file).back().dump() + "\n");
+    ExpectMistake(Campaign("c", "--resume"), file + ":" + std::to_string(Lines(before).size() + 1) + ":");
+    Write("c/" + file, before);
+  }
+  const std::string campaign = ReadFile(folder_ / "c/campaign.json");
+  for (const std::string& text : {campaign.substr(0, campaign.size() / 2), noise, std::string("{}"), std::string("[]"),
+                                  std::string("{\"schema\":\"lcpbench-campaign/2\"}"), std::string()}) {
+    Write("c/campaign.json", text);
+    ExpectMistake(Campaign("c", "--resume"), "campaign.json: expected");
+  }
+}
+
+TEST_F(KeptCampaign, ASecondWriterIsToldWhoIsAtWork) {
+  const pid_t holder = Start(Campaign("c", "", "dantzig,hanging"));
+  int status = 0;
+  while (!fs::exists(folder_ / "c/streams.jsonl")) ASSERT_FALSE(HasEnded(holder, &status));
+  // The holder solves for a minute; the second is refused before it has written anything.
+  ExpectMistake(Campaign("c", "--resume"),
+                "campaign.lock: is locked by process " + std::to_string(holder) + " on host ");
+  kill(holder, SIGKILL);
+  waitpid(holder, &status, 0);
+  // The lock has died with it: what is found now is the other plan.
+  ExpectMistake(Campaign("c", "--resume"), "another plan");
+}
+
+TEST_F(KeptCampaign, AWorkerThatSomethingElseKillsIsGivenASecondTry) {
+  for (int kills = 1; kills <= 2; ++kills) {
+    const std::string folder = "k" + std::to_string(kills);
+    const pid_t campaign = Start(Campaign(folder, "", "hanging", "rockers-n8-", "0.1"));
+    const std::string children =
+        "/proc/" + std::to_string(campaign) + "/task/" + std::to_string(campaign) + "/children";
+    int status = 0;
+    std::vector<pid_t> killed;
+    while (!HasEnded(campaign, &status)) {
+      // Before that programs are asked for their versions.
+      if (static_cast<int>(killed.size()) == kills || ReadFile(folder_ / folder / "problems.jsonl").empty()) continue;
+      pid_t worker = 0;
+      std::ifstream(children) >> worker;
+      if (worker == 0 || (!killed.empty() && killed.back() == worker)) continue;
+      kill(worker, SIGKILL);
+      killed.push_back(worker);
+    }
+    ASSERT_EQ(status, 0) << ReadFile(folder_ / "background");
+    const Json line = JsonLines(folder_ / folder / "streams.jsonl").at(0);
+    ASSERT_EQ(line["exceptions"].size(), 1U) << line.dump();
+    EXPECT_EQ(line["exceptions"][0]["claim"], kills == 2 ? "crashed" : "time_limit") << line.dump();
+    ASSERT_TRUE(line.contains("retried")) << line.dump();
+    EXPECT_EQ(line["retried"].size(), 1U);
+    EXPECT_EQ(line["retried"][0]["at"], 0);
+    EXPECT_NE(line["retried"][0]["detail"].get<std::string>().find("signal 9"), std::string::npos) << line.dump();
+    Succeed("analyse " + Path(folder));
+  }
+}
+
+}  // namespace
+}  // namespace lcpbench
