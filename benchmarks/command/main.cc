@@ -1,10 +1,13 @@
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "support/input_error.h"
+#include "support/subprocess.h"
 
 namespace {
 
@@ -53,6 +56,7 @@ int main(int argc, char** argv) {
 
   // One solve, one thread: for every backend alike.
   LimitLibraryThreads(1);
+  EndSubprocessesOnSignals();
 
   CommandRun run;
   for (const auto add :
@@ -71,6 +75,12 @@ int main(int argc, char** argv) {
     return app.exit(error) == 0 ? 0 : kMisuse;
   } catch (const InputError& error) {
     std::cerr << "lcpbench: " << error.what() << std::endl;
+    return kMisuse;
+  } catch (const MemoryRefusal& refusal) {
+    std::cerr << "lcpbench: " << refusal.what() << std::endl;
+    return kMisuse;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::cerr << "lcpbench: " << error.path1().string() << ": " << error.code().message() << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
     std::cerr << "lcpbench: internal error: " << error.what() << std::endl;

@@ -19,7 +19,12 @@ struct Serve {
   int Run() const {
     const Settings chosen = ParseSettings(settings);
     const SolverEntry& entry = FindSolver(solver);
-    MakeSolver(solver, chosen);  // what is wrong with them is said now
+    try {
+      MakeSolver(solver, chosen);
+    } catch (const InputError& error) {
+      if (RefuseToStart(error.what())) return kMisuse;
+      throw;
+    }
     Hello hello;
     hello.name = entry.key;
     hello.library_version = kVersion;

@@ -35,6 +35,7 @@ struct Solve {
   int Run() const {
     named.Register();
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key, ParseSettings(settings));
+    if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) external->Greet();
     return ForEachLine(files, [&](const std::string& line, const std::string& where) {
       LcpRecord record = ParseLcpRecord(line, where);
       LcpResult result;
