@@ -3,6 +3,7 @@
 #include "build_info.h"
 #include "solvers/peers/protocol/worker.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {

@@ -6,6 +6,7 @@
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
