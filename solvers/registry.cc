@@ -15,7 +15,6 @@
 #include "solvers/first_order/nncg.h"
 #include "solvers/first_order/pgs.h"
 #include "solvers/peers/peer_table.h"
-#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/pivoting/dantzig.h"
 #include "solvers/pivoting/lemke.h"
 #include "support/input_error.h"
@@ -189,9 +188,7 @@ std::string WorkerPath(const PeerEntry& peer) {
   return path;
 }
 
-std::unique_ptr<ExternalSolver> MakeExternal(std::vector<std::string> command, const Settings& settings) {
-  ExternalSolverOptions options;
-  options.command = std::move(command);
+std::unique_ptr<ExternalSolver> MakeExternal(ExternalSolverOptions options, const Settings& settings) {
   for (const auto& [name, value] : settings) options.command.push_back(name + "=" + value);
   return std::make_unique<ExternalSolver>(std::move(options));
 }
@@ -211,7 +208,7 @@ SolverEntry EntryOf(const PeerEntry& peer) {
   entry.library_defaults = peer.has_library_defaults();
   if (!entry.available) return entry;
   entry.make = [&peer](const Settings& settings) {
-    auto solver = MakeExternal({WorkerPath(peer), std::string(peer.key)}, settings);
+    auto solver = MakeExternal({{WorkerPath(peer), std::string(peer.key)}}, settings);
     // Only the worker knows its settings: a wrong one is the user's mistake, and told before any problem is read.
     if (!settings.empty()) solver->Greet();
     return solver;
@@ -277,6 +274,7 @@ std::string WorkerVersion(std::string_view key) {
     const std::unique_ptr<LcpSolver> solver = entry.make({});
     if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) version = external->Greet().library_version;
   } catch (const InputError&) {
+    if (entry.origin == SolverOrigin::kExternal) throw;
     // The solve will say what is wrong.
   }
   return known.emplace(key, version).first->second;
@@ -340,7 +338,7 @@ void RegisterAblations() {
   }
 }
 
-void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command) {
+void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command, double start_limit_s) {
   if (command.empty()) throw InputError("external solver '" + key + "': expected a command");
   SolverEntry entry;
   entry.key = key;
@@ -365,7 +363,9 @@ void RegisterExternalSolver(const std::string& key, const std::vector<std::strin
       entry.ablation = "baseline";
     }
   }
-  entry.make = [command](const Settings& settings) { return MakeExternal(command, settings); };
+  entry.make = [=](const Settings& settings) {
+    return MakeExternal({.command = command, .name = key, .start_limit_s = start_limit_s}, settings);
+  };
   RegisterSolver(std::move(entry));
 }
 

@@ -12,6 +12,7 @@
 #include "solvers/lcp/problem.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
+#include "solvers/peers/protocol/external_solver.h"
 
 namespace lcpbench {
 
@@ -68,8 +69,9 @@ const SolverEntry& FindSolver(std::string_view key);
 /// A solver by key. @throws InputError when unknown, not in this build, or for a wrong setting
 std::unique_ptr<LcpSolver> MakeSolver(std::string_view key, const Settings& settings = {});
 
-/// The version of the library behind a peer or external solver, as its worker says; "" for own solvers, and for workers
-/// that do not start. Starts the worker on the first call.
+/// The version of the library behind a peer or external solver, as its worker says; "" for own solvers, and for peers'
+/// workers that do not start. Starts the worker on the first call.
+/// @throws InputError where an external solver does not start
 std::string WorkerVersion(std::string_view key);
 
 /// Adds a solver. Not thread-safe, and so are those below.
@@ -89,7 +91,9 @@ void RegisterAblations();
 /// Adds a solver that runs as a command of the user's (solvers/peers/protocol/protocol.h). KEY-baseline, where KEY is
 /// an own solver, stands for that one in another build, `lcpbench serve KEY`: an ablation with the facts of KEY.
 /// @param command  program and arguments
+/// @param start_limit_s  for the worker to greet [s]
 /// @throws InputError as RegisterSolver, and for an empty command
-void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command);
+void RegisterExternalSolver(const std::string& key, const std::vector<std::string>& command,
+                            double start_limit_s = kStartLimit);
 
 }  // namespace lcpbench

@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sched.h>
-#include <spawn.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <climits>
 #include <cmath>
@@ -20,8 +21,6 @@
 #include <stdexcept>
 
 #include "support/clock.h"
-
-extern char** environ;
 
 namespace lcpbench {
 namespace {
@@ -68,7 +67,76 @@ std::array<int, 2> SocketPair() {
   return ends;
 }
 
+// The leaders of the groups there are, for a handler of signals; 0 for a free place. Beyond so many, a group is not
+// known to the handler.
+constexpr std::size_t kMostGroups = 256;
+std::array<std::atomic<pid_t>, kMostGroups> groups;
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+void Replace(pid_t before, pid_t after) {
+  for (std::atomic<pid_t>& group : groups) {
+    pid_t expected = before;
+    if (group.compare_exchange_strong(expected, after)) return;
+  }
+}
+
+extern "C" void EndWithGroups(int signal) {
+  for (const std::atomic<pid_t>& group : groups) {
+    if (const pid_t leader = group.load(); leader > 0) kill(-leader, SIGKILL);
+  }
+  raise(signal);  // SA_RESETHAND: as if there were no handler
+}
+
+// In the child of vfork, which has the memory of its parent, but handlers of signals of its own.
+void ForgetHandlers() {
+  for (int signal = 1; signal < NSIG; ++signal) {
+    struct sigaction action = {};
+    if (sigaction(signal, nullptr, &action) != 0 || action.sa_handler == SIG_IGN) continue;
+    action = {};
+    action.sa_handler = SIG_DFL;
+    sigaction(signal, &action, nullptr);
+  }
+  struct sigaction ignored = {};
+  ignored.sa_handler = SIG_IGN;
+  sigaction(SIGTTOU, &ignored, nullptr);
+}
+
+// Becomes the program, in the child of vfork. Only system calls: another thread may hold any lock.
+// @return errno where that fails
+int Become(const SubprocessOptions& options, char** arguments, int socket, pid_t parent, const sigset_t& signals) {
+  setpgid(0, 0);
+  ForgetHandlers();
+  sigprocmask(SIG_SETMASK, &signals, nullptr);
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (getppid() != parent) _exit(1);  // it ended before the line above
+  if (options.cpu >= 0) {
+    cpu_set_t only;
+    CPU_ZERO(&only);
+    CPU_SET(static_cast<std::size_t>(options.cpu), &only);
+    sched_setaffinity(0, sizeof only, &only);
+  }
+  const auto limit = [](auto resource, rlim_t value) {
+    const rlimit both{value, value};
+    setrlimit(resource, &both);
+  };
+  if (!options.core_file) limit(RLIMIT_CORE, 0);
+  if (dup2(socket, STDIN_FILENO) < 0 || dup2(socket, STDOUT_FILENO) < 0) return errno;
+  execvp(arguments[0], arguments);
+  return errno;
+}
+
 }  // namespace
+
+void EndSubprocessesOnSignals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action = {};
+    if (sigaction(signal, nullptr, &action) != 0 || action.sa_handler != SIG_DFL) continue;
+    action.sa_handler = &EndWithGroups;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(signal, &action, nullptr);
+  }
+}
 
 Transfer WriteAll(int fd, const void* data, std::size_t size, double until) {
   return MoveAll(fd, POLLOUT, static_cast<const char*>(data), size, until, WriteSome);
@@ -79,49 +147,43 @@ Transfer ReadAll(int fd, void* data, std::size_t size, double until) {
 }
 
 Subprocess::Subprocess(const SubprocessOptions& options) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  const std::array<int, 2> ends = SocketPair();
-  socket_ = ends[0];
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, ends[1], STDOUT_FILENO);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  if (options.block_interrupts) {
-    sigset_t blocked;
-    pthread_sigmask(SIG_SETMASK, nullptr, &blocked);
-    sigaddset(&blocked, SIGINT);
-    sigaddset(&blocked, SIGTERM);
-    posix_spawnattr_setsigmask(&attributes, &blocked);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  }
   std::vector<std::string> words = options.command;
   std::vector<char*> arguments;
   arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  // What is spawned inherits the processors of this thread.
-  cpu_set_t before;
-  cpu_set_t only;
-  CPU_ZERO(&only);
-  CPU_SET(static_cast<std::size_t>(std::max(options.cpu, 0)), &only);
-  const bool is_kept = options.cpu >= 0 && sched_getaffinity(0, sizeof before, &before) == 0 &&
-                       sched_setaffinity(0, sizeof only, &only) == 0;
-  const int error = posix_spawnp(&pid_, arguments[0], &actions, &attributes, arguments.data(), environ);
-  if (is_kept) sched_setaffinity(0, sizeof before, &before);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
+  const std::array<int, 2> ends = SocketPair();
+  socket_ = ends[0];
+  // No handler of this process is to run in the child while they share the memory.
+  sigset_t all;
+  sigset_t before;
+  sigfillset(&all);
+  pthread_sigmask(SIG_SETMASK, &all, &before);
+  sigset_t signals = before;
+  if (options.block_interrupts) {
+    sigaddset(&signals, SIGINT);
+    sigaddset(&signals, SIGTERM);
+  }
+  const pid_t parent = getpid();
+  volatile int error = 0;
+  pid_ = vfork();  // NOLINT(clang-analyzer-security.insecureAPI.vfork): posix_spawn cannot ask for PR_SET_PDEATHSIG
+  if (pid_ == 0) {
+    error = Become(options, arguments.data(), ends[1], parent, signals);
+    _exit(1);
+  }
+  if (pid_ < 0) error = errno;
+  if (pid_ > 0 && error == 0) Replace(0, pid_);
+  pthread_sigmask(SIG_SETMASK, &before, nullptr);
   close(ends[1]);
   if (error != 0) {
+    if (pid_ > 0) waitpid(pid_, nullptr, 0);
     close(socket_);
     throw std::runtime_error("'" + words[0] + "' cannot be started: " + std::strerror(error));
   }
-  const auto limit = [this](auto resource, std::uint64_t value) {
-    const rlimit both{value, value};
-    prlimit(pid_, resource, &both, nullptr);
-  };
-  if (options.memory_limit > 0 && !SanitizerReservesMemory()) limit(RLIMIT_AS, options.memory_limit);
-  if (!options.core_file) limit(RLIMIT_CORE, 0);
+  if (options.memory_limit > 0 && !SanitizerReservesMemory()) {
+    const rlimit both{options.memory_limit, options.memory_limit};
+    prlimit(pid_, RLIMIT_AS, &both, nullptr);
+  }
 }
 
 Subprocess::Subprocess(const std::function<void(int socket)>& body) {
@@ -129,12 +191,18 @@ Subprocess::Subprocess(const std::function<void(int socket)>& body) {
   socket_ = ends[0];
   pid_ = fork();
   if (pid_ == 0) {
+    setpgid(0, 0);
+    for (std::atomic<pid_t>& group : groups) group.store(0);  // none is its own
     close(ends[0]);
     body(ends[1]);
     _exit(0);
   }
   const int error = errno;
   close(ends[1]);
+  if (pid_ > 0) {
+    setpgid(pid_, pid_);  // here too: whoever comes first
+    Replace(0, pid_);
+  }
   if (pid_ < 0) {
     close(socket_);
     throw std::runtime_error(std::string("no child process: ") + std::strerror(error));
@@ -168,15 +236,20 @@ Transfer Subprocess::ReadLine(std::string* line, double until) {
 int Subprocess::WaitOrKill(double limit_s) {
   constexpr int kPause = 1000;  // microseconds
   const double until = SteadyNow() + limit_s;
-  bool killed = false;
-  while (pid_ > 0) {
-    killed = killed || SteadyNow() >= until;
-    if (killed) kill(pid_, SIGKILL);
-    const bool wait_here = killed || limit_s == std::numeric_limits<double>::infinity();
-    const pid_t ended = waitpid(pid_, &status_, wait_here ? 0 : WNOHANG);
-    if (ended == pid_ || (ended < 0 && errno != EINTR)) pid_ = -1;
-    if (ended == 0) usleep(kPause);
+  const bool for_ever = limit_s == std::numeric_limits<double>::infinity();
+  while (pid_ > 0 && SteadyNow() < until) {
+    // Its number is its group's for as long as it is not waited for.
+    siginfo_t ended = {};
+    const int failed = waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOWAIT | (for_ever ? 0 : WNOHANG));
+    if (failed != 0 ? errno != EINTR : ended.si_pid == pid_) break;
+    if (!for_ever) usleep(kPause);
   }
+  if (pid_ <= 0) return status_;
+  kill(-pid_, SIGKILL);
+  while (waitpid(pid_, &status_, 0) < 0 && errno == EINTR) {
+  }
+  Replace(pid_, 0);
+  pid_ = -1;
   return status_;
 }
 

@@ -28,11 +28,16 @@ struct SubprocessOptions {
   bool core_file = true;             ///< whether a crash may leave one
 };
 
-/// A child process and the socket to it, which is its standard input and output. Where the object ends, the child is
-/// killed and waited for.
+/// A child process and the socket to it, which is its standard input and output.
+///
+/// No child outlives its use. It leads a process group of its own, which is killed (SIGKILL) with all that the child
+/// started where WaitOrKill ends, so also where the object ends; the child is waited for. A program is killed by the
+/// system where the thread that started it ends, however that happens. What the program started itself goes with it
+/// then only after a signal that EndSubprocessesOnSignals was told of; nothing reaches what left the group (setsid).
 class Subprocess {
  public:
-  /// Starts a program; without fork, as libraries of this process may hold locks and have handlers for it.
+  /// Starts a program; without fork, as libraries of this process may hold locks and have handlers for it. Signals are
+  /// as at the start of this process, but SIGTTOU is ignored: the terminal is the parent's group's.
   /// @throws std::runtime_error in words, where the system gives no process or has no such program
   explicit Subprocess(const SubprocessOptions& options);
   /// Forks: the child runs `body` with its end of the socket, and ends with status 0. It has what memory and files this
@@ -43,11 +48,13 @@ class Subprocess {
   Subprocess(const Subprocess&) = delete;
   Subprocess& operator=(const Subprocess&) = delete;
 
+  /// Of the child, and of its group; -1 after its end was waited for.
+  pid_t pid() const { return pid_; }
   /// For WriteAll and ReadAll.
   int socket() const { return socket_; }
   /// The next line without its end. Not to be mixed with ReadAll.
   Transfer ReadLine(std::string* line, double until);
-  /// Waits for its end, at most so long [s], and kills it then.
+  /// Waits for its end, at most so long [s], and kills it then; what it started is killed in any case.
   /// @return the status as waitpid gives it; 0 where this program leaves its children to the system
   int WaitOrKill(double limit_s);
   /// As WaitOrKill at once. Harmless where it has ended.
@@ -59,6 +66,10 @@ class Subprocess {
   int status_ = 0;
   std::string buffer_;
 };
+
+/// From now on SIGINT, SIGTERM and SIGHUP kill the groups of all children before they end this process as ever: keys of
+/// a terminal reach its foreground group only. Where such a signal is ignored or has a handler, that stays.
+void EndSubprocessesOnSignals();
 
 /// "was killed by signal 11 (Segmentation fault)" or "ended with exit status 3", of a status as WaitOrKill gives it.
 std::string DescribeEnd(int status);

@@ -27,6 +27,7 @@ constexpr char kMark = '#';
 constexpr const char* kRefusedMark = "# refused ";
 // An allocation that the limit refused ends the worker with this status.
 constexpr int kOutOfMemory = 86;
+constexpr double kEnd = 10;  // s from closing its socket to its end
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -72,7 +73,7 @@ Answer WorkerProcess::AskOnce(const Message& request, bool* by_others) {
     std::getline(words, phase);
     limit_s = limit_s * (1 + options_.grace_share) + options_.grace_s;
   }
-  const int status = got == Transfer::kTimeout ? process_->Kill() : process_->WaitOrKill(kForever);
+  const int status = got == Transfer::kTimeout ? process_->Kill() : process_->WaitOrKill(kEnd);
   process_.reset();
   Answer answer;
   if (got == Transfer::kTimeout) {

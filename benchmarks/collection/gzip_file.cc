@@ -21,7 +21,8 @@ constexpr std::size_t kBlock = std::size_t{1} << 16U;
 
 gzFile Open(const std::string& path) {
   if (path == "-") return gzdopen(dup(STDIN_FILENO), "rb");
-  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
+  std::error_code no_folder;
+  if (std::filesystem::is_directory(path, no_folder)) throw InputError(path + ": is a folder, expected a file");
   return gzopen(path.c_str(), "rb");
 }
 

@@ -1,14 +1,17 @@
 #include <cerrno>
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 
 #include "benchmarks/command/commands.h"
 #include "build_info.h"
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/output_error.h"
+#include "support/subprocess.h"
 #include "support/text_file.h"
 
 namespace {
@@ -56,6 +59,7 @@ int RunCommand(int argc, char** argv) {
 
   // One solve, one thread: for every backend alike.
   LimitLibraryThreads(1);
+  EndSubprocessesOnSignals();
 
   CommandRun run;
   for (const auto add :
@@ -91,6 +95,12 @@ int main(int argc, char** argv) {
     return kLostOutput;
   } catch (const InputError& error) {
     std::cerr << "lcpbench: " << error.what() << std::endl;
+    return kMisuse;
+  } catch (const MemoryRefusal& refusal) {
+    std::cerr << "lcpbench: " << refusal.what() << std::endl;
+    return kMisuse;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::cerr << "lcpbench: " << error.path1().string() << ": " << error.code().message() << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
     std::cerr << "lcpbench: internal error: " << error.what() << std::endl;

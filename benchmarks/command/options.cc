@@ -1,5 +1,9 @@
 #include "benchmarks/command/options.h"
 
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <sstream>
 #include <utility>
@@ -23,6 +27,29 @@ std::pair<std::string, std::string> Divided(const std::string& pair, const char*
     throw InputError(std::string(option) + ": expected " + expected + ", found '" + pair + "'");
   }
   return {pair.substr(0, equals), pair.substr(equals + 1)};
+}
+
+// A command that begins with a plain word names its program by it; of any other the shell says what is missing.
+void RequireProgram(const std::string& key, const std::string& command) {
+  const std::string plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./+,:@%-";
+  const std::size_t begin = command.find_first_not_of(' ');
+  if (begin == std::string::npos) throw InputError("--external " + key + ": expected a program");
+  const std::size_t end = command.find_first_not_of(plain, begin);
+  if (end != std::string::npos && command[end] != ' ') return;
+  const std::string program = command.substr(begin, end == std::string::npos ? end : end - begin);
+  const auto is_there = [](const std::string& path) {
+    std::error_code none;
+    return std::filesystem::is_regular_file(path, none) && access(path.c_str(), X_OK) == 0;
+  };
+  bool found = is_there(program);
+  if (program.find('/') == std::string::npos) {
+    const char* path = std::getenv("PATH");
+    const std::vector<std::string> folders = CLI::detail::split(path == nullptr ? "/usr/bin:/bin" : path, ':');
+    found = std::any_of(folders.begin(), folders.end(), [&](const std::string& folder) {
+      return is_there((folder.empty() ? "." : folder) + "/" + program);
+    });
+  }
+  if (!found) throw InputError("--external " + key + ": '" + program + "' is no program that can be run");
 }
 
 constexpr const char* kSlowdown = "slowdown";
@@ -141,6 +168,8 @@ Settings ParseSettings(const std::vector<std::string>& pairs) {
 }
 
 void NamedSolvers::Declare(CLI::App& command) {
+  command.add_option("--start-limit", start_limit_s, "Seconds that a program of --external has for its start")
+      ->check(PositiveSeconds());
   AddRepeated(command, "--external", &externals,
               "A solver of your own: KEY=COMMAND, a program that speaks the protocol of "
               "solvers/peers/protocol/protocol.h; may be repeated");
@@ -153,13 +182,14 @@ void NamedSolvers::Register() const {
   for (const std::string& external : externals) {
     const auto [key, program] = Divided(external, "--external", "KEY=COMMAND");
     // "$@" hands on the settings.
-    RegisterExternalSolver(key, {"/bin/sh", "-c", "exec " + program + " \"$@\"", "lcpbench"});
+    RequireProgram(key, program);
+    RegisterExternalSolver(key, {"/bin/sh", "-c", "exec " + program + " \"$@\"", "lcpbench"}, start_limit_s);
   }
   RegisterVariants(variants);
 }
 
 std::vector<std::string> NamedSolvers::Words() const {
-  std::vector<std::string> words;
+  std::vector<std::string> words = {"--start-limit", std::to_string(start_limit_s)};
   for (const std::string& external : externals) words.insert(words.end(), {"--external", external});
   for (const std::string& variant : variants) words.insert(words.end(), {"--variant", variant});
   return words;

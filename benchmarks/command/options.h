@@ -9,6 +9,7 @@
 
 #include "benchmarks/motions/scene_source.h"
 #include "solvers/lcp/settings.h"
+#include "solvers/registry.h"
 
 namespace lcpbench {
 
@@ -49,10 +50,12 @@ struct NamedSolvers {
   /// KEY=SOLVER[,NAME=VALUE]...: a solver with other settings under a key of its own. The name `slowdown` is ours: the
   /// solve then takes that many times as long, which shows whether a campaign finds a difference of known size.
   std::vector<std::string> variants;
+  double start_limit_s = kStartLimit;  ///< for an external solver to greet [s]
 
-  /// Adds --external and --variant, which may be repeated.
+  /// Adds --external and --variant, which may be repeated, and --start-limit.
   void Declare(CLI::App& command);
-  /// @throws InputError for a malformed one or a key that is taken, and as RegisterSolverVariant
+  /// @throws InputError for a malformed one, a program that is not there, or a key that is taken, and as
+  /// RegisterSolverVariant
   void Register() const;
   /// The same as words of a command line, for worker processes.
   std::vector<std::string> Words() const;

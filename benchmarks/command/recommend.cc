@@ -97,6 +97,9 @@ struct Recommend {
     all_.region = FindRegion(rules, all_.features, plan.tolerance);
 
     ChooseCandidates(largest->problem.size());
+    for (const std::string& key : plan.solvers) {
+      if (FindSolver(key).origin == SolverOrigin::kExternal) WorkerVersion(key);  // which says why it does not start
+    }
     plan.solver_arguments = named.Words();
     const std::vector<Measurement> measurements = MeasureSolvers(plan, problems);
     all_.rounds = plan.rounds;

@@ -3,6 +3,7 @@
 #include "build_info.h"
 #include "solvers/peers/protocol/worker.h"
 #include "solvers/registry.h"
+#include "support/input_error.h"
 
 namespace lcpbench {
 namespace {
@@ -19,7 +20,12 @@ struct Serve {
   int Run() const {
     const Settings chosen = ParseSettings(settings);
     const SolverEntry& entry = FindSolver(solver);
-    MakeSolver(solver, chosen);  // what is wrong with them is said now
+    try {
+      MakeSolver(solver, chosen);
+    } catch (const InputError& error) {
+      if (RefuseToStart(error.what())) return kMisuse;
+      throw;
+    }
     Hello hello;
     hello.name = entry.key;
     hello.library_version = kVersion;

@@ -6,6 +6,7 @@
 #include "benchmarks/measure/reference_solves.h"
 #include "solvers/io/json_lines.h"
 #include "solvers/lcp/verify.h"
+#include "solvers/peers/protocol/external_solver.h"
 #include "solvers/registry.h"
 
 namespace lcpbench {
@@ -35,6 +36,7 @@ struct Solve {
   int Run() const {
     named.Register();
     const std::unique_ptr<LcpSolver> solver = MakeSolver(key, ParseSettings(settings));
+    if (auto* external = dynamic_cast<ExternalSolver*>(solver.get())) external->Greet();
     return ForEachLine(files, [&](const std::string& line, const std::string& where) {
       LcpRecord record = ParseLcpRecord(line, where);
       LcpResult result;

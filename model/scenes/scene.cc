@@ -3,6 +3,7 @@
 #include <array>
 #include <string>
 
+#include "solvers/lcp/memory_budget.h"
 #include "support/input_error.h"
 
 namespace lcpbench {
@@ -17,6 +18,8 @@ namespace {
 const SceneFamily& FindSceneFor(std::string_view key, int rows) {
   const SceneFamily& scene = FindScene(key);
   if (rows < 1) throw InputError("scene '" + std::string(key) + "': expected rows >= 1, found " + std::to_string(rows));
+  constexpr double kBytesPerRow = 1000;  // of bodies, contacts and rows, measured
+  RequireMemory(kBytesPerRow * rows, "scene '" + std::string(key) + "' of " + std::to_string(rows) + " rows");
   return scene;
 }
 

@@ -305,7 +305,8 @@ LcpProblem ReadSiconosText(std::istream& input, const std::string& name, const s
 }
 
 LcpProblem ReadSiconosProblem(const std::string& path) {
-  if (std::filesystem::is_directory(path)) throw InputError(path + ": is a folder, expected a file");
+  std::error_code no_folder;
+  if (std::filesystem::is_directory(path, no_folder)) throw InputError(path + ": is a folder, expected a file");
   std::ifstream file(path);
   if (!file) throw InputError(path + ": cannot be opened");
   return ReadSiconosText(file, path, std::filesystem::path(path).stem().string());

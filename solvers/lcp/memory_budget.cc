@@ -75,4 +75,11 @@ void RequireMemory(double bytes, const std::string& what) {
   throw MemoryRefusal(what + " needs " + Gigabytes(bytes) + ", " + Gigabytes(available) + " are available");
 }
 
+void RequireDenseMatrices(std::int64_t n, int count) {
+  const auto rows = static_cast<double>(n);
+  const std::string size = std::to_string(n) + " x " + std::to_string(n);
+  RequireMemory(count * rows * rows * sizeof(double),
+                count == 1 ? "a dense " + size + " matrix" : std::to_string(count) + " dense " + size + " matrices");
+}
+
 }  // namespace lcpbench

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 
@@ -20,6 +21,8 @@ class MemoryRefusal : public std::runtime_error {
 /// @param what  "the factor of A", say: "the factor of A needs 12.3 GB, 8.1 GB are available"
 /// @throws MemoryRefusal
 void RequireMemory(double bytes, const std::string& what);
+/// As RequireMemory, of so many dense n x n matrices of doubles.
+void RequireDenseMatrices(std::int64_t n, int count);
 inline constexpr double kAlwaysAllowed = 64e6;  ///< bytes
 
 }  // namespace lcpbench

@@ -125,6 +125,10 @@ void LcpSolver::SolveArrays(const ProblemArrays& arrays, const LcpOptions& optio
     result->status = LcpStatus::kNumericalFailure;
     try {
       if (DoSolveArrays(arrays, options, result)) return;
+    } catch (const MemoryRefusal& refusal) {
+      result->status = LcpStatus::kUnsupported;
+      result->detail = refusal.what();
+      return;
     } catch (const std::exception& error) {
       result->detail = error.what();
       return;

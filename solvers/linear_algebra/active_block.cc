@@ -28,6 +28,7 @@ double DenseActiveBlock::FactorTime(Index rows) {
 
 void DenseActiveBlock::Analyze(const LcpProblem& problem) {
   n_ = problem.DenseA().rows();
+  RequireDenseMatrices(n_, 2);
   A_.resize(n_, n_);
   const Index most = WholeBlocks(n_, kRows);
   factor_.resize(most * most);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/peer_library.h"
 
 namespace lcpbench {
@@ -11,6 +12,7 @@ namespace lcpbench {
 // @param given  a problem or its arrays
 template <typename Given>
 void DantzigPeer::Assemble(const Given& given, Index rows) {
+  RequireDenseMatrices(rows, 2);  // and the code's own factor
   const Index stride = code_.stride(static_cast<int>(rows));
   A_.resize(static_cast<std::size_t>(rows * stride));
   AssembleDenseA(given, A_.data(), stride);

@@ -157,7 +157,7 @@ int main(int argc, char** argv) {
     }
     throw InputError("expected one of " + known);
   } catch (const InputError& error) {
-    std::cerr << argv[0] << ": " << error.what() << std::endl;
+    if (!RefuseToStart(error.what())) std::cerr << argv[0] << ": " << error.what() << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
     std::cerr << argv[0] << ": internal error: " << error.what() << std::endl;

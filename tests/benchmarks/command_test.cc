@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -33,6 +34,54 @@ TEST_F(Command, HelpIsEverywhere) {
     const CommandOutcome outcome = Succeed(std::string(sub) + " --help");
     EXPECT_NE(outcome.out.find("sage: "), std::string::npos) << sub;
     EXPECT_EQ(outcome.error, "") << sub;
+  }
+}
+
+// A program that is missing or never greets ends every command that is to use it, before anything is done.
+TEST_F(Command, AnExternalProgramThatDoesNotStartIsAMistake) {
+  Write("p.jsonl", std::string(kProblem) + "\n");
+  Write("no-program", "");
+  const std::string folder = Path("campaign");
+  const std::string uses[] = {"solve --solver s --time-limit 1 " + Path("p.jsonl"),
+                              "run --solvers s -o " + folder + " --filter disc-pile",
+                              "recommend --candidates s " + Path("p.jsonl")};
+  for (const std::string& use : uses) {
+    ExpectMistake(use + " --external s=no-such-program", "'no-such-program'");
+    ExpectMistake(use + " --external 's=/no/such/program x'", "'/no/such/program'");
+    ExpectMistake(use + " --external s=" + Path("no-program"), "no-program");
+    for (const char* script : {"trap \"\" TERM; while :; do sleep 1; done", "sleep 1000 & wait"}) {
+      Write("mute", std::string("#!/bin/sh\n") + script + "\n");
+      fs::permissions(Path("mute"), fs::perms::owner_all);
+      ExpectMistake(use + " --start-limit 0.2 --external s=" + Path("mute"), "start limit of 0.2 s");
+    }
+    EXPECT_FALSE(fs::exists(folder + "/campaign.json"));
+  }
+  ExpectMistake(
+      "solve --solver s " + Path("p.jsonl") + " --external s='" LCPBENCH_COMMAND " serve auto' --set no-such-option=1",
+      "no-such-option");
+}
+
+TEST_F(Command, WhatCannotBeReadOrHeldIsRefusedBeforehand) {
+  fs::create_symlink("loop.jsonl", Path("loop.jsonl"));
+  for (const char* use : {"solve --solver auto ", "certify ", "convert -o - "})
+    ExpectMistake(use + Path("loop.jsonl"), "loop.jsonl");
+  ExpectMistake("generate disc-pile --size 2147483647", "of 2147483647 rows needs 2147.5 GB");
+}
+
+// A = I of so many rows, sparse: what takes n x n says so, and does not try.
+TEST_F(Command, DenseSolversRefuseWhatTheyCannotHold) {
+  constexpr int kRows = 400'000;
+  Json places = Json::array();
+  for (int i = 0; i < kRows; ++i) places.push_back(i);
+  const Json A = {{"row", places}, {"col", places}, {"val", std::vector<double>(kRows, 1)}, {"shape", {kRows, kRows}}};
+  Write("sparse.jsonl", Json{{"id", "p"}, {"A", A}, {"b", std::vector<double>(kRows, -1)}}.dump() + "\n");
+  for (const char* key : {"bullet-dantzig", "bullet-lemke", "dart-dantzig", "ode-dantzig", "siconos-lexicolemke"}) {
+    const auto is_key = [&](const SolverEntry& entry) { return entry.key == key && entry.available; };
+    if (std::none_of(AllSolvers().begin(), AllSolvers().end(), is_key)) continue;
+    const Json record =
+        Records(Run(std::string("solve --time-limit 5 --solver ") + key + " " + Path("sparse.jsonl")).out).at(0);
+    EXPECT_EQ(record["status"], "unsupported") << key << ": " << record["detail"];
+    EXPECT_NE(record["detail"].get<std::string>().find(" GB"), std::string::npos) << key << ": " << record["detail"];
   }
 }
 

@@ -4,9 +4,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <array>
 #include <csignal>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "support/clock.h"
 
@@ -58,6 +60,57 @@ TEST(Subprocess, RunsAFunctionInAFork) {
   std::string line;
   EXPECT_EQ(child.ReadLine(&line, kForever), Transfer::kDone);
   EXPECT_EQ(line, "born");
+}
+
+// Nothing of the child's is left: the socket that all of it has is closed.
+TEST(Subprocess, WhatItStartedEndsWithIt) {
+  for (const bool ends_itself : {false, true}) {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe(ends.data()), 0);  // inherited, as it is not marked
+    {
+      Subprocess child(
+          Shell(std::string("trap '' TERM; sleep 100 & echo started; ") + (ends_itself ? "exit" : "wait")));
+      std::string line;
+      ASSERT_EQ(child.ReadLine(&line, kForever), Transfer::kDone);
+      child.WaitOrKill(ends_itself ? kForever : 0.05);
+    }
+    close(ends[1]);
+    char byte = 0;
+    EXPECT_EQ(ReadAll(ends[0], &byte, 1, SteadyNow() + 10), Transfer::kClosed);
+    close(ends[0]);
+  }
+}
+
+// A process that has a child ends by a signal: the last one to hold the pipe is gone.
+TEST(Subprocess, DoesNotOutliveItsParent) {
+  struct Case {
+    int signal;
+    const char* script;
+  };
+  for (const Case& one :
+       {Case{SIGKILL, "echo started; exec sleep 100"}, Case{SIGTERM, "sleep 100 & echo started; wait"},
+        Case{SIGINT, "sleep 100 & echo started; wait"}}) {
+    SCOPED_TRACE(one.signal);
+    std::array<int, 2> ends{};
+    ASSERT_EQ(pipe(ends.data()), 0);
+    Subprocess parent([&](int socket) {
+      if (one.signal != SIGKILL) std::signal(one.signal, SIG_DFL);  // a shell's background has it ignored
+      EndSubprocessesOnSignals();
+      Subprocess child(Shell(one.script));
+      std::string line;
+      child.ReadLine(&line, kForever);
+      WriteAll(socket, "ready\n", 6, kForever);
+      for (;;) pause();
+    });
+    std::string line;
+    ASSERT_EQ(parent.ReadLine(&line, kForever), Transfer::kDone);
+    ASSERT_EQ(kill(parent.pid(), one.signal), 0);
+    EXPECT_EQ(WTERMSIG(parent.WaitOrKill(10)), one.signal);
+    close(ends[1]);
+    char byte = 0;
+    EXPECT_EQ(ReadAll(ends[0], &byte, 1, SteadyNow() + 10), Transfer::kClosed);
+    close(ends[0]);
+  }
 }
 
 TEST(Subprocess, SaysThatThereIsNoSuchProgram) {

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <string>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/dantzig_peer.h"
 #include "solvers/peers/peer_library.h"
 
@@ -34,6 +35,7 @@ class Lemke : public LcpSolver {
 
  protected:
   void DoPrepare(const LcpProblem& problem) override {
+    RequireDenseMatrices(problem.size(), 3);  // M and the tableau
     const auto n = static_cast<int>(problem.size());
     M_.resize(n, n);
     AssembleDenseA(problem, M_.getBufferPointerWritable(), n);

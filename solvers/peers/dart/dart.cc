@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/peers/dantzig_peer.h"
 #include "solvers/peers/peer_library.h"
 
@@ -73,6 +74,7 @@ class Pgs : public LcpSolver {
   static constexpr double kPortion = 2e7;  // products
 
   void Assemble(const LcpProblem& problem) {
+    RequireDenseMatrices(problem.size(), 2);  // and the code's copy
     rows_ = static_cast<int>(problem.size());
     A_.resize(problem.size(), PadToFour(rows_));
     AssembleDenseA(problem, A_.data(), PadToFour(rows_));

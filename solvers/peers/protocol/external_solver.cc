@@ -1,6 +1,7 @@
 #include "solvers/peers/protocol/external_solver.h"
 
 #include <algorithm>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -10,6 +11,16 @@
 namespace lcpbench {
 
 using How = WorkerFailure::How;
+
+namespace {
+
+std::string Seconds(double seconds) {
+  std::ostringstream text;
+  text << seconds << " s";
+  return text.str();
+}
+
+}  // namespace
 
 ExternalSolver::ExternalSolver(ExternalSolverOptions options) : options_(std::move(options)) {
   if (options_.command.empty()) throw InputError("external solver: expected a command");
@@ -21,11 +32,10 @@ ExternalSolver::ExternalSolver(ExternalSolverOptions options) : options_(std::mo
 ExternalSolver::~ExternalSolver() = default;
 
 void ExternalSolver::Check(Transfer outcome, double limit_s) {
-  const std::string name = "worker '" + options_.command.front() + "' ";
+  const std::string name = Name();
   if (outcome == Transfer::kTimeout) {
     process_->Kill();
-    throw WorkerFailure(How::kTimeLimit,
-                        name + "gave no answer within " + std::to_string(limit_s) + " s and was killed");
+    throw WorkerFailure(How::kTimeLimit, name + "gave no answer within " + Seconds(limit_s) + " and was killed");
   }
   if (outcome == Transfer::kClosed) {
     // It is about to end, unless it closed its end on purpose.
@@ -40,8 +50,8 @@ Bytes ExternalSolver::Receive(MessageType expected, double limit_s) {
   Check(ReadFrame(process_->socket(), &type, &payload, SteadyNow() + limit_s), limit_s);
   if (type == expected) return payload;
   process_->Kill();
-  throw WorkerFailure(How::kBroken,
-                      "worker '" + options_.command.front() + "' sent what is no message of the protocol");
+  if (expected == MessageType::kHello && type == MessageType::kRefusal) throw InputError(DecodeRefusal(payload));
+  throw WorkerFailure(How::kBroken, Name() + "sent what is no message of the protocol");
 }
 
 // Sends, and decodes the answer. Whatever goes wrong, the worker is gone afterwards.
@@ -72,6 +82,12 @@ const Hello& ExternalSolver::Greet() {
     start.memory_limit = options_.memory_limit;
     process_ = std::make_unique<Subprocess>(start);
     hello_ = DecodeHello(Receive(MessageType::kHello, options_.start_limit_s));
+  } catch (const WorkerFailure& failure) {
+    process_.reset();
+    const bool late = failure.how() == How::kTimeLimit;
+    throw InputError(late ? Name() + "did not greet within its start limit of " + Seconds(options_.start_limit_s) +
+                                " and was killed"
+                          : failure.what() + std::string(" instead of greeting"));
   } catch (const std::exception& error) {
     process_.reset();
     throw InputError(error.what());

@@ -14,15 +14,18 @@
 
 namespace lcpbench {
 
+/// What a worker has to say hello [s], unless told otherwise.
+inline constexpr double kStartLimit = 10;
+
 /// The worker and its limits.
 struct ExternalSolverOptions {
   /// Program (looked up in PATH unless it holds a slash) and its arguments.
   std::vector<std::string> command;
+  std::string name = {};  ///< for messages; "": the program
   /// Address space that the worker may use [bytes]; 0 for no limit of our own.
   std::uint64_t memory_limit = std::uint64_t{8} << 30U;
-  /// For the worker to say hello, and to take over a problem [s]. Interpreters start slowly.
-  double start_limit_s = 60;
-  double prepare_limit_s = 120;  ///< to take over a problem [s]
+  double start_limit_s = kStartLimit;  ///< for the worker to say hello [s]; interpreters start slowly
+  double prepare_limit_s = 120;        ///< to take over a problem [s]
   /// What a solve may take beyond its own time limit before the worker is killed: grace_factor times it + grace_s.
   double grace_factor = 0.5;
   double grace_s = 1;  ///< [s], see grace_factor
@@ -69,7 +72,7 @@ class ExternalSolver : public LcpSolver {
   ExternalSolver& operator=(const ExternalSolver&) = delete;
 
   /// What the worker says of itself; starts it.
-  /// @throws InputError if it cannot be started or does not greet as the protocol prescribes
+  /// @throws InputError if it cannot be started, refuses (what it says), or does not greet as the protocol prescribes
   const Hello& Greet();
   /// Starts it. @throws InputError as Greet
   bool is_version_1() { return Greet().version == 1; }
@@ -90,6 +93,9 @@ class ExternalSolver : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
  private:
+  std::string Name() const {
+    return "worker '" + (options_.name.empty() ? options_.command.front() : options_.name) + "' ";
+  }
   void Check(Transfer outcome, double limit_s);
   Bytes Receive(MessageType expected, double limit_s);
   template <typename Decode>

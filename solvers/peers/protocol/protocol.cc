@@ -310,6 +310,8 @@ Message Read(const Bytes& payload, const Context&... context) {
 
 }  // namespace
 
+Bytes EncodeRefusal(const std::string& why) { return {why.begin(), why.end()}; }
+std::string DecodeRefusal(const Bytes& payload) { return {payload.begin(), payload.end()}; }
 Bytes Encode(const Hello& hello) { return Written(hello); }
 Bytes Encode(const ProblemArrays& problem, std::uint32_t version) { return Written(problem, version); }
 Bytes Encode(const Eigen::VectorXd& b) { return Written(b, b.size()); }
@@ -391,7 +393,7 @@ Transfer ReadFrame(int fd, MessageType* type, Bytes* payload, double until) {
   std::uint64_t length = 0;
   std::memcpy(&code, header, sizeof code);
   std::memcpy(&length, header + sizeof code, sizeof length);
-  const bool known = code <= static_cast<std::uint32_t>(MessageType::kPassReply) && length <= kLargestPayload;
+  const bool known = code <= static_cast<std::uint32_t>(MessageType::kRefusal) && length <= kLargestPayload;
   *type = known ? static_cast<MessageType>(code) : MessageType::kNone;
   payload->clear();
   while (outcome == Transfer::kDone && *type != MessageType::kNone && payload->size() < length) {

@@ -36,7 +36,8 @@ enum class MessageType : std::uint32_t {
   kLoaded = 8,
   kStream = 9,
   kPass = 10,
-  kPassReply = 11
+  kPassReply = 11,
+  kRefusal = 12
 };
 
 /// In which form a worker of version 1 wants its problems. kAsGiven takes every form as it comes.
@@ -69,6 +70,9 @@ struct SolveRequest {
 /// The payload of a frame.
 using Bytes = std::vector<char>;
 
+/// kRefusal: why a worker does not start, in the place of kHello.
+Bytes EncodeRefusal(const std::string& why);
+std::string DecodeRefusal(const Bytes& payload);
 /// kHello.
 Bytes Encode(const Hello& hello);
 /// kProblem. @param version  the worker's, here and below

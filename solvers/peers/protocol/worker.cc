@@ -1,6 +1,7 @@
 #include "solvers/peers/protocol/worker.h"
 
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -97,6 +98,13 @@ class Worker {
 };
 
 }  // namespace
+
+bool RefuseToStart(const std::string& why) {
+  struct stat out = {};
+  if (fstat(STDOUT_FILENO, &out) != 0 || !S_ISSOCK(out.st_mode)) return false;
+  constexpr double kWait = 10;  // s
+  return WriteFrame(STDOUT_FILENO, MessageType::kRefusal, EncodeRefusal(why), SteadyNow() + kWait) == Transfer::kDone;
+}
 
 int RunWorker(const Hello& hello, const SolverFactory& make) {
   // Nobody would wait for the answer of a worker whose host was killed.

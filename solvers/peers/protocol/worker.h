@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "solvers/lcp/fresh_pass.h"
 #include "solvers/peers/protocol/protocol.h"
 
@@ -10,5 +12,8 @@ namespace lcpbench {
 /// library prints goes to standard error. Times are taken here, in the process that solves, from the arrays on.
 /// @return exit status: 0 after an orderly end, 1 after a breach of the protocol
 int RunWorker(const Hello& hello, const SolverFactory& make);
+
+/// Tells the host why this worker does not start, in the place of RunWorker. False where nobody listens.
+bool RefuseToStart(const std::string& why);
 
 }  // namespace lcpbench

@@ -31,6 +31,7 @@
 #include <utility>
 #include <vector>
 
+#include "solvers/lcp/memory_budget.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "solvers/peers/peer_library.h"
 
@@ -155,6 +156,7 @@ class SiconosProblem {
 
   void FillDense(const LcpProblem& problem) {
     const Index n = problem.size();
+    RequireDenseMatrices(size(), 2);  // and the code's copy
     values_.resize(variables_.size() * variables_.size());
     Eigen::Map<Eigen::MatrixXd> M(values_.data(), size(), size());
     if (problem.has_factors()) {

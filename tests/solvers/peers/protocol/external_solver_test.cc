@@ -218,6 +218,23 @@ TEST(ExternalSolver, WhatIsNoWorkerIsRefusedByName) {
   EXPECT_THROW(ExternalSolver({}), InputError);
 }
 
+// Whatever a program does that is no worker, it is over at the start limit, and the message has the limit and its name.
+TEST(ExternalSolver, AProgramThatNeverGreetsIsOverAtItsStartLimit) {
+  for (const char* script : {"sleep 1000", "trap '' TERM; while :; do sleep 1; done", "sleep 1000 & wait",
+                             "sleep 1000 & exit", "exec >&- <&-; sleep 1000"}) {
+    SCOPED_TRACE(script);
+    ExternalSolverOptions options{.command = {"/bin/sh", "-c", script}, .name = "mine", .start_limit_s = 0.25};
+    ExternalSolver solver(options);
+    const bool closes = std::string(script).find(">&-") != std::string::npos;
+    ExpectRefused([&] { solver.Greet(); }, closes ? "mine" : "'mine' did not greet within its start limit of 0.25 s");
+  }
+}
+
+TEST(ExternalSolver, AWorkerThatRefusesIsQuoted) {
+  ExternalSolver solver({{LCPBENCH_TEST_WORKER, "refuse"}});
+  ExpectRefused([&] { solver.Greet(); }, "expected speed in (0, 1)");
+}
+
 TEST(ExternalSolver, RegistersUnderAKeyOfItsOwn) {
   RegisterExternalSolver("test-worker", {LCPBENCH_TEST_WORKER, "dantzig"});
   const SolverEntry& entry = FindSolver("test-worker");

@@ -93,6 +93,7 @@ int main(int argc, char** argv) {
   if (manner == "mute") {
     for (;;) pause();
   }
+  if (manner == "refuse") return RefuseToStart("expected speed in (0, 1)") ? 2 : 1;
   if (manner == "garbage") {
     std::puts("Hello, I am not a worker, and this is more than a header");
     return 0;
