@@ -5,6 +5,7 @@
 #include "build_info.h"
 #include "solvers/linear_algebra/library_threads.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 
 namespace {
 
@@ -48,7 +49,7 @@ int main(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
   // One line per mistake, as everywhere else.
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return failed->get_name() + ": " + error.what() + " (see --help)\n";
+    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
   });
 
   // One solve, one thread: for every backend alike.
@@ -70,10 +71,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kMisuse;
   } catch (const InputError& error) {
-    std::cerr << "lcpbench: " << error.what() << std::endl;
+    std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
-    std::cerr << "lcpbench: internal error: " << error.what() << std::endl;
+    std::cerr << "lcpbench: internal error: " << Printable(error.what()) << std::endl;
     return 1;
   }
 }
