@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include "support/input_error.h"
@@ -23,6 +24,91 @@ std::string Excerpt(const Json& value) {
   constexpr size_t kLongest = 60;
   std::string text = value.dump(-1, ' ', /*ensure_ascii=*/true);
   if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  return text;
+}
+
+// Follows the parser through the document, so that errors can name the place.
+class Follower {
+ public:
+  explicit Follower(const std::string& where) : where_(where) {}
+
+  void Follow(Json::parse_event_t event, const Json& parsed) {
+    switch (event) {
+      case Json::parse_event_t::object_start:
+      case Json::parse_event_t::array_start:
+        if (levels_.size() == kMaxJsonDepth) Fail("nested more than " + std::to_string(kMaxJsonDepth) + " deep");
+        levels_.push_back({event == Json::parse_event_t::array_start, 0, {}, {}});
+        break;
+      case Json::parse_event_t::key: {
+        Level& level = levels_.back();
+        level.key = parsed.get<std::string>();
+        if (!level.keys.insert(level.key).second) Fail("this key stands twice");
+        break;
+      }
+      case Json::parse_event_t::object_end:
+      case Json::parse_event_t::array_end:
+        levels_.pop_back();
+        CountItem();
+        break;
+      case Json::parse_event_t::value:
+        CountItem();
+        break;
+    }
+  }
+
+  [[noreturn]] void Fail(const std::string& problem) const {
+    throw InputError(where_ + ": " + Path() + ": " + problem);
+  }
+
+ private:
+  struct Level {
+    bool is_array;
+    std::size_t index;  // of the item that comes next
+    std::string key;    // read last
+    std::set<std::string> keys;
+  };
+
+  void CountItem() {
+    if (!levels_.empty() && levels_.back().is_array) levels_.back().index += 1;
+  }
+
+  std::string Path() const {
+    std::string path;
+    for (const Level& level : levels_) {
+      path += "/" + (level.is_array ? std::to_string(level.index) : PointerToken(level.key));
+    }
+    return path.empty() ? "/" : path;
+  }
+
+  const std::string& where_;
+  std::vector<Level> levels_;
+};
+
+// What the parser reads, followed through the document. Throws the parser's errors of syntax.
+Json ParseFollowed(std::string_view text, const std::string& where) {
+  Follower follower(where);
+  try {
+    return Json::parse(text, [&follower](int /*depth*/, Json::parse_event_t event, const Json& parsed) {
+      follower.Follow(event, parsed);
+      return true;
+    });
+  } catch (const Json::out_of_range&) {
+    follower.Fail("a number beyond the range of double");
+  }
+}
+
+// The library's words from the line number on; they may quote a token of any length.
+std::string SyntaxError(const std::string& what) {
+  constexpr std::size_t kLongest = 200;
+  const auto begin = what.find("line ");
+  std::string text = begin == std::string::npos ? what : what.substr(begin);
+  if (text.size() > kLongest) text = text.substr(0, kLongest) + "...";
+  for (char& c : text) {
+    constexpr unsigned char kFirstPrintable = 0x20;
+    constexpr unsigned char kLastPrintable = 0x7e;
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < kFirstPrintable || byte > kLastPrintable) c = '?';
+  }
   return text;
 }
 
@@ -142,15 +228,21 @@ std::string PointerToken(std::string_view key) {
   return token;
 }
 
+Json ParseJsonDocument(std::string_view text, const std::string& where) {
+  try {
+    return ParseFollowed(text, where);
+  } catch (const Json::parse_error& error) {
+    throw InputError(where + ": not valid JSON: " + SyntaxError(error.what()));
+  }
+}
+
 Json ParseJsonObject(std::string_view line, const std::string& where) {
   try {
-    Json json = Json::parse(line);
+    Json json = ParseFollowed(line, where);
     if (!json.is_object()) JsonField(json, where).Mismatch("an object");
     return json;
   } catch (const Json::parse_error& error) {
     throw InputError(where + ": not valid JSON, at byte " + std::to_string(error.byte));
-  } catch (const Json::out_of_range&) {
-    throw InputError(where + ": not valid JSON, a number is out of the range of double");
   }
 }
 

@@ -31,6 +31,9 @@ class JsonField {
   size_t Size(std::optional<size_t> size = std::nullopt) const;
   JsonField Item(size_t i) const { return {value_[i], where_, path_ + "/" + std::to_string(i)}; }
 
+  /// Whether there is a member `key` that is not null: null stands for what is not known.
+  bool Knows(const char* key) const { return Has(key) && !value_[key].is_null(); }
+
   bool IsNull() const { return value_.is_null(); }
   bool IsArray() const { return value_.is_array(); }
   bool IsString() const { return value_.is_string(); }
@@ -84,7 +87,16 @@ T JsonField::Choice(std::initializer_list<std::pair<const char*, T>> choices) co
 /// A key as a part of a JSON pointer [RFC 6901], in one line of ASCII and cut off where it is long.
 std::string PointerToken(std::string_view key);
 
-/// The JSON object that `line` holds. @throws InputError naming where, if it is not one
+/// Arrays and objects in each other beyond this are refused: no file of ours is half as deep.
+inline constexpr std::size_t kMaxJsonDepth = 32;
+
+/// A JSON document [RFC 8259]: unlike the plain parser it refuses a key that stands twice in one object (one of the two
+/// would be lost unseen). Time and memory proportional to the text, recursion none.
+/// @throws InputError, one line: where, then line and column of what is not JSON, or the JSON pointer of a repeated
+///         key, of a value nested deeper than kMaxJsonDepth, of a number beyond the range of double
+nlohmann::json ParseJsonDocument(std::string_view text, const std::string& where);
+
+/// The same of one line that holds an object; what is not JSON is named by its byte.
 nlohmann::json ParseJsonObject(std::string_view line, const std::string& where);
 
 }  // namespace lcpbench

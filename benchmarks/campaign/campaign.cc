@@ -374,12 +374,23 @@ std::vector<Manifest> ReadManifests(const CampaignPlan& plan) {
   return manifests;
 }
 
+// A filter, or a size, that leaves nothing is a mistake.
+void RequireAny(const CampaignPlan& plan, const std::vector<PlannedProblem>& problems,
+                const std::vector<Manifest>& manifests) {
+  if (!problems.empty() || !PlanPasses(plan, manifests).empty()) return;
+  const std::string rows =
+      plan.most_rows > 0 ? ", or no problem has at most " + std::to_string(plan.most_rows) + " rows" : "";
+  throw InputError("campaign '" + plan.name + "': nothing to solve: " +
+                   (plan.filter.empty() ? "no problems in the manifests" : "the filter matches nothing") + rows);
+}
+
 }  // namespace
 
 std::vector<std::string> CampaignCells(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
+  RequireAny(plan, problems, manifests);
   std::vector<std::string> names;
   for (const Task& task : TasksOfShard(PlanTasks(plan, problems), options.shard, options.shards)) {
     for (std::size_t k = task.begin; k < task.end; ++k) {
@@ -396,6 +407,7 @@ int RunCampaign(const CampaignPlan& plan, const CampaignOptions& options) {
   RequireValid(plan);
   const std::vector<Manifest> manifests = ReadManifests(plan);
   const std::vector<PlannedProblem> problems = PlanProblems(plan, manifests);
+  RequireAny(plan, problems, manifests);
   const nlohmann::ordered_json described = DescribeCampaign(plan, manifests, problems);
   std::error_code error;
   fs::create_directories(options.folder, error);

@@ -12,6 +12,7 @@
 
 #include "support/exit_status.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -97,26 +98,34 @@ void ReadEachLine(const std::string& path,
   if (!any) throw InputError(reader.name() + ": is empty, expected JSON lines");
 }
 
-int TellRefusal(const std::function<void()>& act) {
+int TellRefusal(const std::function<void()>& act, bool aloud) {
   try {
     act();
     return 0;
   } catch (const InputError& error) {
-    std::cerr << "lcpbench: " << error.what() << std::endl;
+    if (aloud) std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
     return kMisuse;
   }
 }
 
 int ForEachLine(const std::vector<std::string>& files,
                 const std::function<void(const std::string& line, const std::string& where)>& handle) {
+  constexpr int kMostTold = 10;
   int status = 0;
   for (const std::string& path : files) {
+    int refused = 0;
     const int of_file = TellRefusal([&] {
       ReadEachLine(path, [&](const std::string& line, const std::string& where) {
-        status |= TellRefusal([&] { handle(line, where); });
+        const int of_line = TellRefusal([&] { handle(line, where); }, refused < kMostTold);
+        refused += of_line != 0 ? 1 : 0;
+        status |= of_line;
       });
     });
     status |= of_file;
+    if (refused > kMostTold) {
+      std::cerr << "lcpbench: " << Printable(path == "-" ? "<stdin>" : path) << ": and " << refused - kMostTold
+                << " more" << std::endl;
+    }
   }
   return status;
 }

@@ -43,11 +43,12 @@ void WriteGzipFile(const std::string& path, const std::string& text);
 void ReadEachLine(const std::string& path,
                   const std::function<void(const std::string& line, const std::string& where)>& handle);
 
-/// Runs `act`; what it refuses with InputError is told on standard error, in one line. @return 0, or 2 then
-int TellRefusal(const std::function<void()>& act);
+/// Runs `act`; what it refuses with InputError is told on standard error, in one line, if `aloud`. @return 0, or 2 then
+int TellRefusal(const std::function<void()>& act, bool aloud = true);
 
 /// ReadEachLine for several files, going on after a line or file that is refused (TellRefusal), so that nothing already
-/// computed is lost. @return 0, or 2 when something was refused
+/// computed is lost. Of a file at most ten refused lines are told, then how many more there are. @return 0, or 2 when
+/// something was refused
 int ForEachLine(const std::vector<std::string>& files,
                 const std::function<void(const std::string& line, const std::string& where)>& handle);
 

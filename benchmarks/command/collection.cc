@@ -15,6 +15,7 @@
 #include "benchmarks/collection/manifest.h"
 #include "benchmarks/collection/recipes/motion_steps.h"
 #include "benchmarks/command/commands.h"
+#include "benchmarks/command/options.h"
 #include "benchmarks/measure/progress.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
@@ -37,7 +38,8 @@ struct Build {
     app.add_option("TIER", tier_name, "smoke, engine, standard, large, sequences or pathological")->required();
     app.add_option("-o,--output", output, "Folder of the manifests");
     app.add_flag("--keep", keep, "Examine again only what the manifest there does not have");
-    app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly");
+    app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
+        ->check(AtLeast(0));
   }
 
   int Run() const {

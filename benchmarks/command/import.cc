@@ -9,6 +9,7 @@
 #include "benchmarks/collection/problem_formats.h"
 #include "benchmarks/collection/references.h"
 #include "benchmarks/command/commands.h"
+#include "benchmarks/command/options.h"
 #include "solvers/io/json_lines.h"
 #include "support/input_error.h"
 #include "support/text_file.h"
@@ -64,7 +65,8 @@ struct Import {
     app.add_option("--set-version", manifest.version, "Of the set");
     app.add_option("--provenance", provenance, "Where the problems come from")->required();
     app.add_option("--licence", licence, "SPDX name of their licence")->required();
-    app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly");
+    app.add_option("--exact-up-to", examine.exact_up_to, "Rows up to which answers are proved exactly")
+        ->check(AtLeast(0));
     app.footer(
         "Writes FOLDER/manifest.json and FOLDER/references.jsonl.gz. Files that cannot be read are told and left "
         "out; exit status 2 then.");

@@ -11,6 +11,7 @@
 #include "support/exit_status.h"
 #include "support/input_error.h"
 #include "support/output_error.h"
+#include "support/printable.h"
 #include "support/subprocess.h"
 #include "support/text_file.h"
 
@@ -54,7 +55,7 @@ int RunCommand(int argc, char** argv) {
   app.option_defaults()->always_capture_default();
   // One line per mistake, as everywhere else.
   app.failure_message([](const CLI::App* failed, const CLI::Error& error) {
-    return failed->get_name() + ": " + error.what() + " (see --help)\n";
+    return Printable(failed->get_name() + ": " + error.what()) + " (see --help)\n";
   });
 
   // One solve, one thread: for every backend alike.
@@ -94,7 +95,7 @@ int main(int argc, char** argv) {
     std::cerr << "lcpbench: " << error.what() << std::endl;
     return kLostOutput;
   } catch (const InputError& error) {
-    std::cerr << "lcpbench: " << error.what() << std::endl;
+    std::cerr << "lcpbench: " << Printable(error.what()) << std::endl;
     return kMisuse;
   } catch (const MemoryRefusal& refusal) {
     std::cerr << "lcpbench: " << refusal.what() << std::endl;
@@ -103,7 +104,7 @@ int main(int argc, char** argv) {
     std::cerr << "lcpbench: " << error.path1().string() << ": " << error.code().message() << std::endl;
     return kMisuse;
   } catch (const std::exception& error) {
-    std::cerr << "lcpbench: internal error: " << error.what() << std::endl;
+    std::cerr << "lcpbench: internal error: " << Printable(error.what()) << std::endl;
     return 1;
   }
 }

@@ -23,11 +23,13 @@ struct MotionCommand {
                    "Scene keys or scene files (.json), each with @acceleration or @velocity or its own level")
         ->delimiter(',');
     app.add_option("--solvers", study.solvers, "Only these solvers")->delimiter(',');
-    app.add_option("--tolerances", study.tolerances, "Direct methods run at the least one only")->delimiter(',');
+    app.add_option("--tolerances", study.tolerances, "Direct methods run at the least one only")
+        ->delimiter(',')
+        ->check(Tolerance());
     start.AddSizeAndSeed(app);
-    app.add_option("--steps", study.steps, "Steps of --dt each");
+    app.add_option("--steps", study.steps, "Steps of --dt each")->check(AtLeast(1));
     start.AddStep(app);
-    app.add_option("--budget", study.budget_s, "Seconds per motion; longer ones are stopped");
+    app.add_option("--budget", study.budget_s, "Seconds per motion; longer ones are stopped")->check(PositiveSeconds());
     app.add_option("-o,--output", output, "Folder of motion.csv");
     app.footer(
         "Drift: change of energy over the motion. Energy error and distance: largest deviation from the reference, "

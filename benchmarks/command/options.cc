@@ -1,5 +1,6 @@
 #include "benchmarks/command/options.h"
 
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -122,9 +123,27 @@ CLI::Validator PositiveSeconds() {
   return Expect("seconds > 0", [](double value) { return value > 0; });
 }
 
+CLI::Validator Tolerance() {
+  return Expect("a number in (0, 1)", [](double value) { return value > 0 && value < 1; });
+}
+
 void AddToleranceOption(CLI::App& command, double* tolerance) {
-  command.add_option("--tolerance", *tolerance, "Bound on rho, the scaled natural residual")
-      ->check(Expect("a number in (0, 1)", [](double value) { return value > 0 && value < 1; }));
+  command.add_option("--tolerance", *tolerance, "Bound on rho, the scaled natural residual")->check(Tolerance());
+}
+
+void AddCpuOption(CLI::App& command, int* cpu) {
+  cpu_set_t allowed;
+  CPU_ZERO(&allowed);
+  sched_getaffinity(0, sizeof allowed, &allowed);
+  std::string numbers;
+  for (int k = 0; k < CPU_SETSIZE; ++k) {
+    if (CPU_ISSET(k, &allowed)) numbers += (numbers.empty() ? "" : ", ") + std::to_string(k);
+  }
+  const auto may_use = [allowed](double k) {
+    return k >= 0 && k < CPU_SETSIZE && CPU_ISSET(static_cast<std::size_t>(k), &allowed);
+  };
+  command.add_option("--cpu", *cpu, "The processor that solves are kept on")
+      ->check(Expect("a processor that this process may use, one of " + numbers, may_use));
 }
 
 void AddTimeLimitOption(CLI::App& command, double* time_limit_s) {
@@ -132,8 +151,9 @@ void AddTimeLimitOption(CLI::App& command, double* time_limit_s) {
 }
 
 void SceneOptions::AddSizeAndSeed(CLI::App& command) {
-  command.add_option("--size", size, "Of a scene family: number of rows n at the start");
-  command.add_option("--seed", seed, "Of a scene family: the same seed gives the same scene, bit for bit");
+  command.add_option("--size", size, "Of a scene family: number of rows n at the start")->check(AtLeast(1));
+  command.add_option("--seed", seed, "Of a scene family: the same seed gives the same scene, bit for bit")
+      ->check(AtLeast(0));
 }
 
 void SceneOptions::AddLevel(CLI::App& command) {
@@ -142,6 +162,12 @@ void SceneOptions::AddLevel(CLI::App& command) {
 
 void SceneOptions::AddStep(CLI::App& command) {
   command.add_option("--dt", step, "Seconds per step [default: the scene's own]")->check(PositiveSeconds());
+}
+
+void SceneOptions::AddBudget(CLI::App& command) {
+  command.add_option("--budget", budget_s, "Seconds for the motion; a longer one is stopped")
+      ->default_str("")
+      ->check(PositiveSeconds());
 }
 
 MovingScene SceneOptions::Load() const {
@@ -162,7 +188,10 @@ Settings ParseSettings(const std::vector<std::string>& pairs) {
     if (equals == std::string::npos || equals == 0) {
       throw InputError("--set: expected NAME=VALUE, found '" + pair + "'");
     }
-    settings[pair.substr(0, equals)] = pair.substr(equals + 1);
+    const std::string name = pair.substr(0, equals);
+    if (!settings.emplace(name, pair.substr(equals + 1)).second) {
+      throw InputError("--set: expected every name once, found '" + name + "' twice");
+    }
   }
   return settings;
 }

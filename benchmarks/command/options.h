@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -19,28 +20,33 @@ namespace lcpbench {
 CLI::Validator Expect(const std::string& expected, const std::function<bool(double)>& holds);
 CLI::Validator AtLeast(int least);
 CLI::Validator PositiveSeconds();
+CLI::Validator Tolerance();
 
 void AddToleranceOption(CLI::App& command, double* tolerance);
 void AddTimeLimitOption(CLI::App& command, double* time_limit_s);
+/// --cpu; refuses a processor that this process may not use.
+void AddCpuOption(CLI::App& command, int* cpu);
 
 /// A scene, and what overrides its own way of moving.
 struct SceneOptions {
   std::string scene = {};  ///< family or file
   int size = 100;
   std::uint64_t seed = 1;
-  std::string level = {};  ///< "": the scene's own
-  double step = 0;         ///< [s]; 0: the scene's own
+  std::string level = {};                                     ///< "": the scene's own
+  double step = 0;                                            ///< [s]; 0: the scene's own
+  double budget_s = std::numeric_limits<double>::infinity();  ///< wall clock of the motion
 
   void AddSizeAndSeed(CLI::App& command);
   void AddLevel(CLI::App& command);
   void AddStep(CLI::App& command);
+  void AddBudget(CLI::App& command);
   /// @throws InputError as LoadScene, and for an unknown level
   MovingScene Load() const;
 };
 
 /// Adds --set NAME=VALUE, which may be repeated: options of the solver itself.
 void AddSettingsOption(CLI::App& command, std::vector<std::string>* pairs);
-/// @throws InputError for a pair that is not NAME=VALUE
+/// @throws InputError for a pair that is not NAME=VALUE, and for a name that stands twice
 Settings ParseSettings(const std::vector<std::string>& pairs);
 
 /// Solvers that a command line names besides those of the registry. They are registered before keys are read.

@@ -46,7 +46,7 @@ struct Recommend {
     app.add_option("--scene", start.scene,
                    "Instead of a file: scene key (lcpbench list scenes), or a scene file (.json)");
     start.AddSizeAndSeed(app);
-    app.add_option("--steps", steps, "Of the scene: let it move for so many steps; 1: an instant");
+    app.add_option("--steps", steps, "Of the scene: let it move for so many steps; 1: an instant")->check(AtLeast(1));
     app.add_option_function<std::string>(
         "--deadline",
         [this](const std::string& text) {
@@ -63,7 +63,7 @@ struct Recommend {
     app.add_option("--rules", rules_file,
                    "Written by report/report.py recommendation [default: data/recommendation.json]");
     app.add_option("--rounds", plan.rounds, "How often every candidate is run")->check(AtLeast(1));
-    app.add_option("--cpu", plan.cpu, "The processor that solves are kept on");
+    AddCpuOption(app, &plan.cpu);
     app.add_flag("--json", json, "All of it as one JSON object");
     app.add_flag("--features", features, "Only print the features of all problems, as JSON lines");
     named.Declare(app);

@@ -169,35 +169,41 @@ struct RunCampaigns {
     app.add_option("-o,--output", options.folder, "The campaign's folder [default: build/results/NAME]");
     app.add_flag("--resume", options.resume, "Go on with the campaign that the folder has");
     AddChange(app, "--solvers", &CampaignPlan::solvers, "Only these solvers")->delimiter(',');
-    AddChange(app, "--tiers", &CampaignPlan::tiers, "Tolerances [default: the campaign's]")->delimiter(',');
+    AddChange(app, "--tiers", &CampaignPlan::tiers, "Tolerances [default: the campaign's]")
+        ->delimiter(',')
+        ->check(Tolerance());
     app.add_option("--filter,--benchmark_filter", filter,
                    "Of the campaign's problems solve/PROBLEM/ and passes steps/SEQUENCE/SOLVER/TIER/MODE only those "
                    "that match this regular expression")
         ->take_last();
     app.add_option_function<double>(
-        "--time-limit",
-        [this](double limit_s) {
-          changes.emplace_back([limit_s](CampaignPlan& plan) { plan.limits.least_s = plan.limits.most_s = limit_s; });
-        },
-        "Seconds per solve, whatever its size");
+           "--time-limit",
+           [this](double limit_s) {
+             changes.emplace_back(
+                 [limit_s](CampaignPlan& plan) { plan.limits.least_s = plan.limits.most_s = limit_s; });
+           },
+           "Seconds per solve, whatever its size")
+        ->check(PositiveSeconds());
     AddChange(app, "--passes,--benchmark_repetitions", &CampaignPlan::passes,
               "Timed passes over every stream of problems, at most [default: the campaign's]")
-        ->take_last();
+        ->take_last()
+        ->check(AtLeast(1));
     app.add_option_function<double>(
-        "--task-budget",
-        [this](double budget_s) {
-          // Parts and "again" explain; the other two decide.
-          const TaskBudgets budgets{budget_s, budget_s, budget_s / 4, budget_s / 4};
-          changes.emplace_back([budgets](CampaignPlan& plan) { plan.budgets = budgets; });
-        },
-        "Seconds that a solver has for judging a size class at a tier, and as many for timing it");
-    AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems");
+           "--task-budget",
+           [this](double budget_s) {
+             // Parts and "again" explain; the other two decide.
+             const TaskBudgets budgets{budget_s, budget_s, budget_s / 4, budget_s / 4};
+             changes.emplace_back([budgets](CampaignPlan& plan) { plan.budgets = budgets; });
+           },
+           "Seconds that a solver has for judging a size class at a tier, and as many for timing it")
+        ->check(PositiveSeconds());
+    AddChange(app, "--most-rows", &CampaignPlan::most_rows, "No larger problems")->check(AtLeast(1));
     app.add_flag("--ablations", ablations,
                  "Adds our solvers without their own check, and peers with one: for the ablation table");
     app.add_flag_callback(
         "--no-fills", [this] { changes.emplace_back([](CampaignPlan& plan) { plan.fills = false; }); },
         "Only the manifests' own problems, without further seeds");
-    app.add_option("--cpu", options.cpu, "The processor that solves are kept on");
+    AddCpuOption(app, &options.cpu);
     app.add_option("--shard", shard, "k/N, the k-th of N parts; see lcpbench merge");
     app.add_option(
         "--tuned", tuned,

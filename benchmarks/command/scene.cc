@@ -7,10 +7,12 @@
 #include "benchmarks/drawing/animation.h"
 #include "benchmarks/drawing/picture.h"
 #include "benchmarks/drawing/svg.h"
+#include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/assembly.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -29,6 +31,7 @@ struct SceneCommand {
     start.AddSizeAndSeed(app);
     app.add_option("--solver", solver, "Solver key; default: the first whose answer is verified");
     start.AddLevel(app);
+    start.AddBudget(app);
     app.add_option("--time", time, "Draw or write the scene after this time in motion [s]")
         ->check(Expect("seconds >= 0", [](double value) { return value >= 0 && std::isfinite(value); }));
     app.add_option("-o,--output", output, "SVG picture (- for standard output), or scene file (.json) of what moves");
@@ -37,7 +40,7 @@ struct SceneCommand {
     app.add_option("--fps", animation.fps, "Frames per second of its time")->needs(page);
   }
 
-  int Run() const {
+  int Run() {
     if (!animate.empty()) return Animate();
     if (!output.ends_with(".json")) return Draw();
     WriteTextFile(output, FormatMovingScene(LoadAndMove()));
@@ -60,7 +63,13 @@ struct SceneCommand {
     if (time == 0) return scene;
     const auto moving = MakeSolver(MovingSolver());
     const auto motion = StartMotion(scene, {}, *moving);
-    motion->Advance(time);
+    const BudgetClock budget(start.budget_s);
+    motion->set_observer([&budget](const MotionProblem&) { budget.Check(); });
+    try {
+      motion->Advance(time);
+    } catch (const BudgetSpent&) {
+      throw InputError("scene '" + scene.world.name + "': " + budget.Reason());
+    }
     if (motion->status() != MotionStatus::kMoving) {
       throw InputError("scene '" + scene.world.name + "' stopped at " + Short(motion->time()) +
                        " s: " + motion->detail());
@@ -88,11 +97,12 @@ struct SceneCommand {
   }
 
   // Exit status 1 where the motion stopped before its time; the page shows it up to there.
-  int Animate() const {
+  int Animate() {
     if (!animate.ends_with(".html")) {
       throw InputError("--animate: expected a file that ends in .html, found '" + animate + "'");
     }
     RequireValid(animation);
+    animation.budget_s = start.budget_s;
     const MovingScene scene = start.Load();
     const std::string key = MovingSolver();
     const auto moving = MakeSolver(key);
@@ -109,7 +119,8 @@ struct SceneCommand {
     recorded.caption = key + ", " + std::string(ToString(scene.level)) + " level";
     WriteTextFile(animate, RenderAnimationPage(recorded));
     if (recorded.stopped.empty()) return 0;
-    std::cerr << "lcpbench: the motion stopped at " << Short(motion->time()) << " s: " << recorded.stopped << std::endl;
+    std::cerr << "lcpbench: the motion stopped at " << Short(motion->time()) << " s: " << Printable(recorded.stopped)
+              << std::endl;
     return 1;
   }
 };

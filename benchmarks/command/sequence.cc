@@ -5,11 +5,13 @@
 
 #include "benchmarks/command/commands.h"
 #include "benchmarks/command/options.h"
+#include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
 #include "benchmarks/motions/sequence.h"
 #include "model/contact/loads.h"
 #include "solvers/registry.h"
 #include "support/input_error.h"
+#include "support/printable.h"
 #include "support/text_file.h"
 
 namespace lcpbench {
@@ -45,6 +47,7 @@ struct Sequence {
     app.add_option("--steps", steps, "Steps of --dt each")->check(AtLeast(1));
     start.AddStep(app);
     start.AddLevel(app);
+    start.AddBudget(app);
     app.add_option("--solver", solver, "Solver key (lcpbench list solvers)");
     AddToleranceOption(app, &lcp.tolerance);
     AddTimeLimitOption(app, &lcp.time_limit_s);
@@ -60,14 +63,17 @@ struct Sequence {
     const std::unique_ptr<Motion> motion = StartMotion(scene, lcp, *made);
     TextOutput file(output);
     SequenceWriter writer(file.stream(), solver, lcp.tolerance, with_matrix);
-    motion->set_observer([&writer](const MotionProblem& met) {
+    const BudgetClock budget(start.budget_s);
+    motion->set_observer([&](const MotionProblem& met) {
       // One step of many events can take long.
       Interruption::Check();
+      budget.Check();
       writer.Write(met);
     });
 
     EnergyRecord energy(motion->world());
     std::optional<InputError> failure;
+    std::string stopped;
     const Interruption interruption;
     {
       ProgressBar bar("sequence", steps);
@@ -78,23 +84,30 @@ struct Sequence {
         } catch (const InputError& error) {
           failure = error;
           break;
+        } catch (const BudgetSpent&) {
+          stopped = budget.Reason();
+          break;
         } catch (const Interrupted&) {
           break;
         }
         energy.Note(motion->world());
         bar.Advance(1, std::to_string(writer.counts().rows.size()) + " problems");
-        if (motion->status() != MotionStatus::kMoving) break;
+        if (motion->status() != MotionStatus::kMoving) {
+          stopped = motion->detail();
+          break;
+        }
       }
     }
     file.Close();
-    PrintSummary(*motion, writer.counts(), energy);
+    PrintSummary(*motion, writer.counts(), energy, stopped);
     if (failure) throw InputError(*failure);
     if (Interruption::Requested()) return Interruption::ExitStatus();
-    return motion->status() == MotionStatus::kMoving ? 0 : 1;
+    return stopped.empty() ? 0 : 1;
   }
 
  private:
-  void PrintSummary(const Motion& motion, SequenceCounts counts, const EnergyRecord& energy) const {
+  void PrintSummary(const Motion& motion, SequenceCounts counts, const EnergyRecord& energy,
+                    const std::string& stopped) const {
     std::ostringstream text;
     text << counts.rows.size() << " problems to t = " << motion.time() << " s";
     if (!counts.rows.empty()) {
@@ -113,7 +126,7 @@ struct Sequence {
     if (energy.scale > 0) {
       text << ", " << (energy.end - energy.start) / energy.scale << " of the largest kinetic energy";
     }
-    if (motion.status() != MotionStatus::kMoving) text << "\nstopped: " << motion.detail();
+    if (!stopped.empty()) text << "\nstopped: " << Printable(stopped);
     std::cerr << text.str() << std::endl;
   }
 };

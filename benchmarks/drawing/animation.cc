@@ -15,6 +15,7 @@
 
 #include "animation_template.h"
 #include "benchmarks/drawing/svg.h"
+#include "benchmarks/measure/budget_clock.h"
 #include "model/contact/loads.h"
 #include "model/scenes/parts.h"
 #include "support/input_error.h"
@@ -386,13 +387,22 @@ Animation RecordAnimation(Motion* motion, const AnimationOptions& options,
   animation.world = motion->world();
   animation.fps = options.fps;
   Listener listener;
-  motion->set_observer([&listener](const MotionProblem& problem) { listener(problem); });
+  const BudgetClock budget(options.budget_s);
+  motion->set_observer([&](const MotionProblem& problem) {
+    budget.Check();
+    listener(problem);
+  });
   const double start = motion->time();
   animation.frames.push_back(FrameOf(*motion));
   const int frames = static_cast<int>(FrameCount(options));
   for (int k = 1; k <= frames && motion->status() == MotionStatus::kMoving; ++k) {
     // From the start, so that rounding does not add up.
-    motion->Advance(start + k / options.fps - motion->time());
+    try {
+      motion->Advance(start + k / options.fps - motion->time());
+    } catch (const BudgetSpent&) {
+      animation.stopped = budget.Reason();
+      break;
+    }
     listener.FinishStep(motion->time());
     AnimationFrame frame = FrameOf(*motion);
     frame.forces = listener.last();

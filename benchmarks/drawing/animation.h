@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -38,8 +39,9 @@ struct Animation {
 };
 
 struct AnimationOptions {
-  double duration = 5;  ///< [s] > 0
-  double fps = 60;      ///< > 0; at most kMaxFrames frames in all
+  double duration = 5;                                        ///< [s] > 0
+  double fps = 60;                                            ///< > 0; at most kMaxFrames frames in all
+  double budget_s = std::numeric_limits<double>::infinity();  ///< wall clock; a longer motion is stopped
 };
 inline constexpr double kMaxFrames = 20000;
 /// @throws InputError naming the command's option

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 
+#include "benchmarks/measure/budget_clock.h"
 #include "benchmarks/measure/progress.h"
 #include "model/contact/loads.h"
 #include "solvers/lcp/verify.h"
@@ -43,9 +44,6 @@ struct Reference {
   std::vector<Instant> instants;
   double scale = 0;  ///< largest kinetic energy [J]
 };
-
-/// Thrown out of a motion that has used up its time.
-struct BudgetSpent {};
 
 /// What a row of motion.csv is written from.
 struct Sample {
@@ -179,10 +177,10 @@ class Study {
   template <class Judge, class Done>
   void Drive(const MovingScene& scene, const std::string& who, double budgets, Motion* motion, const Judge& judge,
              const Done& done) {
-    const double end = SteadyNow() + budgets * study_.budget_s;
+    const BudgetClock budget(budgets * study_.budget_s);
     motion->set_observer([&](const MotionProblem& met) {
       Interruption::Check();
-      if (SteadyNow() > end) throw BudgetSpent();
+      budget.Check();
       judge(met);
     });
     std::string stopped;
@@ -193,7 +191,7 @@ class Study {
       } catch (const InputError& error) {
         stopped = error.what();
       } catch (const BudgetSpent&) {
-        stopped = "not finished within " + Csv::Cell(study_.budget_s) + " s";
+        stopped = budget.Reason();
       } catch (const Interrupted&) {
         return;
       }

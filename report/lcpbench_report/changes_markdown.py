@@ -11,7 +11,7 @@ from .statistics.intervals import MARGIN
 from .statistics.load import Campaign
 from .statistics.same import cell_name
 from .statistics.weighted import weighted_median
-from .table import Table
+from .table import Table, code, markdown
 
 _SHOWN = 20  # rows of a table
 _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solver_flags", "build_type", "cpu",
@@ -19,7 +19,7 @@ _ENVIRONMENT = ("version", "git_commit", "git_dirty", "compiler", "flags", "solv
 
 
 def summary(old_name: str, old: Campaign, new_name: str, new: Campaign, changes: Changes) -> str:
-    lines = [f"# {old.info['name']}: {new_name} against {old_name}", "", _judgement(changes), "", *_environment(old, new),
+    lines = [markdown(f"# {old.info['name']}: {new_name} against {old_name}"), "", _judgement(changes), "", *_environment(old, new),
              *_verdicts(changes), *_speeds(changes), *_agreement(changes), *_only_in_one(changes)]
     return "\n".join(lines).rstrip("\n") + "\n"
 
@@ -52,12 +52,12 @@ def _verdicts(changes: Changes) -> list[str]:
         lines += ["No cell lost its verified answer, and there is no new false success.", ""]
     else:
         lines += _table(["cell", "before", "now", "time before", "limit"],
-                        [[f"`{_name(row)}`", _verdict(row, "old"), _verdict(row, "new"),
+                        [[code(_name(row)), _verdict(row, "old"), _verdict(row, "new"),
                           formats.seconds(row["time_s_old"]), formats.seconds(row["time_limit_s_new"])]
                          for _, row in wrong.iterrows()])
     if not changes.gained.empty:
         lines += ["Verified now, and not before:", ""]
-        lines += _table(["cell", "before"], [[f"`{_name(row)}`", _verdict(row, "old")]
+        lines += _table(["cell", "before"], [[code(_name(row)), _verdict(row, "old")]
                                              for _, row in changes.gained.iterrows()])
     return lines
 
@@ -69,7 +69,7 @@ def _speeds(changes: Changes) -> list[str]:
         if table.empty:
             lines += ["No solver, nor a solver on a size class or a family.", ""]
             continue
-        rows = [[f"`{row.solver}`", *("all" if part == ALL else f"`{part}`" for part in (row.size_class, row.family)),
+        rows = [[code(row.solver), *("all" if part == ALL else code(part) for part in (row.size_class, row.family)),
                  row.set if row.set != COUNTED else "", formats.power(row.tier), row.problems,
                  f"{row.ratio:.3f} [{row.ratio_low:.3f}, {row.ratio_high:.3f}]", f"{row.quickest_ratio:.3f}",
                  f"{row.p:.1g}"] for row in table.itertuples()]
@@ -96,7 +96,7 @@ def _agreement(changes: Changes) -> list[str]:
 
 
 def _only_in_one(changes: Changes) -> list[str]:
-    rows = [[f"`{solver}`", name, len(own)] for name, table in (("OLD", changes.only_old), ("NEW", changes.only_new))
+    rows = [[code(solver), name, len(own)] for name, table in (("OLD", changes.only_old), ("NEW", changes.only_new))
             for solver, own in table.groupby("solver", sort=False)]
     return ["## Only in one", "", "These cells were judged by nothing above.", "",
             *_table(["solver", "only in", "cells"], rows)] if rows else []

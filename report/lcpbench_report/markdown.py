@@ -9,7 +9,7 @@ from .headline_table import Headline, headline
 from .inputs import Inputs
 from .statistics.class_times import ALL, LEAST_FOR_P99, RIGHT
 from .summary import false_successes, peers
-from .table import Table
+from .table import Table, markdown
 
 ABLATION_WORDS = ("These versions are in no other table or figure: our solvers without their own check; peers with a check and, where "
          "it fails, one more solve with a shifted diagonal; our solvers built for the baseline instruction set, for which "
@@ -92,8 +92,8 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
     """@param lines    what the report finds, a sentence each; they come first
     @param changes  against an earlier run, in Markdown (changes_markdown)
     """
-    parts = ["# LCPBench: " + ", ".join(inputs.names), ""]
-    parts += [f"- {line}" for line in lines] + [""] * bool(lines)
+    parts = ["# LCPBench: " + markdown(", ".join(inputs.names)), ""]
+    parts += [f"- {markdown(line)}" for line in lines] + [""] * bool(lines)
     tier = power(choice.main_tier(inputs))
     if len(inputs.cells):
         parts += _part("Which backend", shown_tables.choices(inputs), "Of our solvers that verify nearly as much as any (99 % of "
@@ -118,7 +118,7 @@ def render(inputs: Inputs, lines: list[str], changes: str = "") -> str:
               "reads two campaign folders of one plan and tells what became slower, faster or wrong; its exit status is "
               "1 for a regression.", ""]
     if inputs.notes:
-        parts += ["## Notes", "", *(f"- {note}" for note in inputs.notes), ""]
+        parts += ["## Notes", "", *(f"- {markdown(note)}" for note in inputs.notes), ""]
     return "\n".join(parts)
 
 
@@ -131,5 +131,5 @@ def _environment(inputs: Inputs) -> list[str]:
     for name, campaign in zip(inputs.names, inputs.campaigns):
         count = f"{len(campaign.problems)} problems" if campaign.problems else f"{len(campaign.sequences)} sequences"
         told = _measured(campaign.info, ["cpu", "os", "compiler", "flags", "solver_flags"])
-        lines.append(f"- {name}: " + "; ".join(filter(None, [count, told])))
+        lines.append(markdown(f"- {name}: " + "; ".join(filter(None, [count, told]))))
     return [*lines, ""]

@@ -13,13 +13,13 @@ from .headline_table import Entry, Headline, headline
 from .inputs import PATHOLOGICAL, Inputs
 from .statistics.cells import BELOW_TIER, FALSE_SUCCESS, VERIFIED
 from .statistics.class_times import ALL, RIGHT
-from .table import Table
+from .table import Table, code
 
 _MOST_SOLVERS = 25  # of the table of sequences
 
 
 def key(solver: str) -> str:
-    return f"`{solver}`"
+    return code(solver)
 
 
 def _table(columns: list[str], rows: list[list], align: str = "") -> Table | None:

@@ -30,8 +30,8 @@ class Table:
 
     def markdown(self, most: int | None = None) -> str:
         """@param most  rows; how many more there are is told"""
-        lines = [_line(self.columns), _line("---:" if side == "r" else "---" for side in self._sides)]
-        lines += [_line(str(cell).replace("|", "\\|").replace("\n", "; ") for cell in row) for row in self.rows[:most]]
+        lines = [_line(map(_cell, self.columns)), _line("---:" if side == "r" else "---" for side in self._sides)]
+        lines += [_line(map(_cell, row)) for row in self.rows[:most]]
         left_out = len(self.rows) - len(self.rows[:most])
         return "\n".join(lines + ["", f"... and {left_out} more."] * bool(left_out)) + "\n"
 
@@ -57,6 +57,25 @@ class Table:
         return "\n".join(lines) + "\n"
 
 
+def code(name: str) -> str:
+    """A name from a file between Markdown's marks of code, without any mark that would end them."""
+    return f"`{str(name).replace('`', chr(0x2019))}`"
+
+
+def markdown(text: str) -> str:
+    """Text in our marks as Markdown shows it: no tags or entities outside code, control characters as \\xNN."""
+    return "".join(part if part.startswith("`") and _CODE.fullmatch(part) else _plain(part)
+                   for part in re.split(r"(`[^`]*`)", _visible(text)))
+
+
+def _plain(text: str) -> str:
+    return text.replace("&", "&amp;").replace("<", "&lt;")
+
+
+def _visible(text: str) -> str:
+    return re.sub("[\x00-\x1f\x7f-\x9f\u2028\u2029]", lambda found: f"\\x{ord(found[0]):02x}", str(text))
+
+
 def html(text: str) -> Markup:
     marked = _STRONG.sub(r"<b>\1</b>", _CODE.sub(r"<code>\1</code>", str(escape(text))))
     return Markup(_WORD.sub(r"<em>\1</em>", marked))
@@ -65,6 +84,10 @@ def html(text: str) -> Markup:
 def latex(text: str) -> str:
     marked = _STRONG.sub(r"\\textbf{\1}", _CODE.sub(r"\\texttt{\1}", str(text).translate(_LATEX)))
     return _WORD.sub(r"\\emph{\1}", marked)
+
+
+def _cell(text) -> str:
+    return markdown(str(text).replace("\n", "; ")).replace("|", "\\|")
 
 
 def _line(cells) -> str:

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <utility>
 
 #include "solvers/lcp/verify.h"
@@ -99,23 +100,71 @@ ParsedMatrix ParseMatrix(const JsonField& field, Index rows, Index columns) {
   return matrix;
 }
 
-std::vector<Index> ParseBilateral(const JsonField& record, std::size_t n) {
+// One flag a row: items of `field` or, of recorded contacts, their member "joint", false where there is none.
+std::vector<Index> MarkedRows(const JsonField& field, std::size_t n, bool by_contact) {
+  field.Size(n);
   std::vector<Index> rows;
-  if (record.Has("bilateral")) {
-    for (const JsonField& row : record["bilateral"].Items()) rows.push_back(row.IndexBelow(n));
-    return rows;
-  }
-  // Recorded contact problems mark joints per row instead.
-  const char* const marks = record["joint"].IsArray() ? "joint" : "contacts";
-  if (!record[marks].IsArray()) return rows;
-  const std::vector<JsonField> items = record[marks].Items(n);
   for (std::size_t i = 0; i < n; ++i) {
-    const bool is_flag = marks == std::string_view("joint");
-    if (!is_flag && !items[i].IsObject()) items[i].Mismatch("an object");
-    if (!is_flag && !items[i].Has("joint")) continue;
-    if ((is_flag ? items[i] : items[i]["joint"]).Boolean()) rows.push_back(static_cast<Index>(i));
+    const JsonField item = field.Item(i);
+    if (by_contact && !item.IsObject()) item.Mismatch("an object");
+    if (by_contact && !item.Has("joint")) continue;
+    if ((by_contact ? item["joint"] : item).Boolean()) rows.push_back(static_cast<Index>(i));
   }
   return rows;
+}
+
+bool MarksJoints(const JsonField& contacts) {
+  for (const JsonField& contact : contacts.Items()) {
+    if (contact.Has("joint")) return true;
+  }
+  return false;
+}
+
+// By `bilateral`, `joint` or `contacts`; where several say which rows are bilateral, they must agree.
+std::vector<Index> ParseBilateral(const JsonField& record, std::size_t n) {
+  std::vector<Index> rows;
+  const char* said_by = nullptr;
+  const auto agree = [&](const char* key, const std::vector<Index>& by_key) {
+    const std::set<Index> before(rows.begin(), rows.end());
+    if (said_by != nullptr && before != std::set<Index>(by_key.begin(), by_key.end())) {
+      record[key].Fail("contradicts '" + std::string(said_by) + "', expected the same bilateral rows");
+    }
+    if (said_by == nullptr) rows = by_key;
+    said_by = key;
+  };
+  if (record.Knows("bilateral")) {
+    std::vector<Index> by_index;
+    for (const JsonField& row : record["bilateral"].Items()) by_index.push_back(row.IndexBelow(n));
+    agree("bilateral", by_index);
+  }
+  // Recorded contact problems mark joints per row instead.
+  if (record.Knows("joint")) agree("joint", MarkedRows(record["joint"], n, false));
+  if (record.Knows("contacts")) {
+    const std::vector<Index> by_contact = MarkedRows(record["contacts"], n, true);
+    if (said_by == nullptr || MarksJoints(record["contacts"])) agree("contacts", by_contact);
+  }
+  return rows;
+}
+
+// What a record says of the answer; null stands for what is not known.
+void ParseReference(const JsonField& record, std::size_t n, MatrixFacts* facts, LcpReference* reference) {
+  if (record.Knows("rank_A")) facts->rank = record["rank_A"].IndexBelow(n + 1);
+  if (record.Knows("f_unique")) facts->f_unique = record["f_unique"].Boolean();
+  const std::string status = record.Knows("status") ? record["status"].String() : "";
+  const bool solved = status == "solved";
+  if (solved) reference->status = LcpReference::Status::kSolved;
+  if (status == "infeasible") reference->status = LcpReference::Status::kInfeasible;
+  for (const char* key : {"w", "f_minnorm"}) {
+    if (!record.Knows(key)) continue;
+    record[key].Size(n);
+    if (!solved) continue;  // a failed solver's may have anything in them
+    Eigen::VectorXd vector = ParseVector(record[key], n);
+    if (key == std::string_view("w")) {
+      reference->w = std::move(vector);
+    } else if (facts->f_unique.value_or(false)) {
+      reference->f = std::move(vector);
+    }
+  }
 }
 
 Json ToJson(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
@@ -153,20 +202,9 @@ LcpRecord ParseLcpRecord(std::string_view line, const std::string& where) {
   if (record.Has("n") && json["n"] != n) record["n"].Mismatch("the length of b, " + std::to_string(n));
 
   MatrixFacts facts;
-  const Json unknown;
-  const auto known = [&](const char* field) -> const Json& { return record.Has(field) ? json[field] : unknown; };
-  if (known("rank_A").is_number_integer()) facts.rank = json["rank_A"].get<Index>();
-  if (known("f_unique").is_boolean()) facts.f_unique = json["f_unique"].get<bool>();
   LcpReference reference;
-  if (known("status") == "solved") reference.status = LcpReference::Status::kSolved;
-  if (known("status") == "infeasible") reference.status = LcpReference::Status::kInfeasible;
-  if (reference.status == LcpReference::Status::kSolved) {
-    if (known("w").is_array()) reference.w = ParseVector(record["w"], rows);
-    if (facts.f_unique.value_or(false) && known("f_minnorm").is_array()) {
-      reference.f = ParseVector(record["f_minnorm"], rows);
-    }
-  }
-  const std::string category = record["category"].IsString() ? record["category"].String() : "";
+  ParseReference(record, rows, &facts, &reference);
+  const std::string category = record.Knows("category") ? record["category"].String() : "";
 
   const std::vector<Index> bilateral = ParseBilateral(record, rows);
   const auto problem = [&]() -> LcpProblem {

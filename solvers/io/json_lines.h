@@ -24,8 +24,10 @@ struct LcpRecord {
 ///   J and invM the factors; they win over A when both are given
 ///   A          otherwise
 ///   b          n numbers
-///   bilateral  row indices, 0-based, default none (or `joint`: n booleans; or contacts[i].joint)
-///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer
+///   bilateral  row indices, 0-based, default none (or `joint`: n booleans; or contacts[i].joint); where several
+///              of them are given, they must agree
+///   status, w, f_minnorm, f_unique, rank_A, category  optional, what is known of the answer; null: not known
+/// Other keys are passed over; one that stands twice in an object is refused.
 /// A matrix is a list of rows, a flat row-major list, or {"shape":[r,c],"row":[...],"col":[...],"val":[...]} with
 /// 0-based indices (equal positions add up). A number is a JSON number or a string "p/q" or "p", rounded once to the
 /// nearest double.

@@ -165,6 +165,69 @@ TEST_F(Command, MistakesAreOneLineAndStatusTwo) {
   EXPECT_FALSE(fs::exists(folder_ / "r"));
 }
 
+TEST_F(Command, OptionsOutOfTheirRangeAreRefusedByName) {
+  const std::string run = "run --suite smoke -o " + Path("r") + " ";
+  for (const auto& [arguments, text] :
+       {std::pair<std::string, const char*>(run + "--cpu 9999",
+                                            "--cpu: expected a processor that this process may use"),
+        {run + "--cpu -2", "--cpu: expected a processor"},
+        {run + "--cpu 0.5", "--cpu"},
+        {"recommend --scene disc-pile --cpu 9999", "--cpu: expected a processor"},
+        {"recommend --scene disc-pile --steps 0", "--steps: expected a number >= 1"},
+        {"recommend --scene disc-pile --rounds 0", "--rounds: expected a number >= 1"},
+        {run + "--time-limit 0", "--time-limit: expected seconds > 0"},
+        {run + "--task-budget 0", "--task-budget: expected seconds > 0"},
+        {run + "--passes 0", "--passes: expected a number >= 1"},
+        {run + "--benchmark_repetitions 0", "expected a number >= 1"},
+        {run + "--most-rows 0", "--most-rows: expected a number >= 1"},
+        {run + "--tiers 0.1,0", "--tiers: expected a number in (0, 1), found '0'"},
+        {run + "--filter nothing-like-it", "the filter matches nothing"},
+        {run + "--filter nothing-like-it --benchmark_list_tests", "the filter matches nothing"},
+        {"generate disc-pile --seed -1", "--seed: expected a number >= 0, found '-1'"},
+        {"generate disc-pile --size 0", "--size: expected a number >= 1, found '0'"},
+        {"scene disc-pile --seed -1", "--seed: expected a number >= 0"},
+        {"sequence disc-pile --dt 0", "--dt: expected seconds > 0"},
+        {"sequence disc-pile --steps 0", "--steps: expected a number >= 1"},
+        {"sequence disc-pile --budget 0", "--budget: expected seconds > 0"},
+        {"scene disc-pile --budget 0", "--budget: expected seconds > 0"},
+        {"motion --dt 0", "--dt: expected seconds > 0"},
+        {"motion --steps 0", "--steps: expected a number >= 1"},
+        {"motion --budget 0", "--budget: expected seconds > 0"},
+        {"motion --tolerances 1", "--tolerances: expected a number in (0, 1)"},
+        {"collection build smoke --exact-up-to -1", "--exact-up-to: expected a number >= 0"},
+        {"solve - --solver pgs --set relaxation=1 --set relaxation=1.5",
+         "--set: expected every name once, found 'relaxation' twice"},
+        {"serve pgs relaxation=1 relaxation=1", "found 'relaxation' twice"}}) {
+    ExpectMistake(arguments, text, kProblem);
+  }
+  EXPECT_FALSE(fs::exists(folder_ / "r"));
+}
+
+TEST_F(Command, BudgetsEndAMotionAndKeepWhatItMet) {
+  const CommandOutcome sequence = Run("sequence tall-stacks --size 60 --steps 1000000 --budget 0.2");
+  EXPECT_EQ(sequence.status, 1);
+  EXPECT_NE(sequence.error.find("stopped: not finished within 0.2 s"), std::string::npos) << sequence.error;
+  EXPECT_FALSE(Records(sequence.out).empty());
+  ExpectMistake("scene tall-stacks --size 60 --time 1e6 --budget 0.2", "not finished within 0.2 s");
+}
+
+TEST_F(Command, ControlCharactersAreShownEscaped) {
+  ExpectMistake("$(printf 'a\\033[31mb')", "unknown command 'a\\x1b[31mb'");
+  ExpectMistake("solve --solver \"$(printf 'a\\033\\nb')\" -", "unknown solver 'a\\x1b\\nb'", kProblem);
+  ExpectMistake("solve --solver pgs \"$(printf 'a\\033\\nä')\"", "a\\x1b\\nä");
+  ExpectMistake("generate disc-pile \"$(printf '%s\\033' --x)\"", "--x\\x1b");
+}
+
+TEST_F(Command, OfManyBadLinesTenAreTold) {
+  std::string lines;
+  for (int k = 0; k < 25; ++k) lines += "{\"A\":[[1]]}\n";
+  const CommandOutcome outcome = Run("solve --solver dantzig -", lines + kProblem);
+  EXPECT_EQ(outcome.status, 2);
+  EXPECT_EQ(Lines(outcome.error).size(), 11U) << outcome.error;
+  EXPECT_NE(outcome.error.find("<stdin>: and 15 more\n"), std::string::npos) << outcome.error;
+  EXPECT_EQ(Records(outcome.out).size(), 1U);
+}
+
 TEST_F(Command, SolveJudgesEveryLineAndKeepsGoingAfterABadOne) {
   Write("problems.jsonl", std::string(kProblem) + "\n{\"A\":[[1]]}\n" + R"({"id":"q","A":[[1]],"b":[3]})" + "\n");
   const CommandOutcome outcome = Run("solve --solver dantzig " + Path("problems.jsonl"));

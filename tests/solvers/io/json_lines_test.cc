@@ -64,6 +64,51 @@ TEST(JsonLines, RefusalsNameFileFieldExpectedAndFound) {
             "file:7: /bilateral/0: expected an integer in [0, 1), found 1");
 }
 
+TEST(JsonLines, WhatIsSaidOfJointsAndAnswersIsTakenOrRefused) {
+  // Behind "A" and "b" of two rows.
+  const std::pair<const char*, const char*> kRefused[] = {
+      {R"("joint":"x")", "/joint: expected an array of 2, found \"x\""},
+      {R"("joint":true)", "/joint: expected an array of 2, found true"},
+      {R"("joint":[true])", "/joint: expected an array of 2, found an array of 1"},
+      {R"("joint":["x",true])", "/joint/0: expected true or false, found \"x\""},
+      {R"("joint":[1,0])", "/joint/0: expected true or false, found 1"},
+      {R"("bilateral":"x")", "/bilateral: expected an array, found \"x\""},
+      {R"("contacts":"x")", "/contacts: expected an array of 2, found \"x\""},
+      {R"("contacts":[{"joint":"x"},{}])", "/contacts/0/joint: expected true or false, found \"x\""},
+      {R"("bilateral":[0],"joint":[false,true])", "/joint: contradicts 'bilateral', expected the same bilateral rows"},
+      {R"("bilateral":[],"joint":[false,true])", "/joint: contradicts 'bilateral'"},
+      {R"("bilateral":[0],"contacts":[{"joint":false},{}])", "/contacts: contradicts 'bilateral'"},
+      {R"("joint":[true,true],"contacts":[{"joint":true},{}])", "/contacts: contradicts 'joint'"},
+      {R"("b":[1,2])", "/b: this key stands twice"},
+      {R"("joint":[true,false],"joint":[false,false])", "/joint: this key stands twice"},
+      {R"("more":[{},{"x":1,"x":1}])", "/more/1/x: this key stands twice"},
+      {R"("status":1)", "/status: expected a string, found 1"},
+      {R"("status":["solved"])", "/status: expected a string, found an array of 1"},
+      {R"("status":"solved","w":1)", "/w: expected an array of 2, found 1"},
+      {R"("status":"solved","w":[0,"x"])", "/w/1: expected a finite number"},
+      {R"("w":"x")", "/w: expected an array of 2, found \"x\""},
+      {R"("f_minnorm":[0])", "/f_minnorm: expected an array of 2, found an array of 1"},
+      {R"("f_unique":1)", "/f_unique: expected true or false, found 1"},
+      {R"("rank_A":"2")", "/rank_A: expected an integer in [0, 3), found \"2\""},
+      {R"("rank_A":1.5)", "/rank_A: expected an integer in [0, 3), found 1.5"},
+      {R"("rank_A":3)", "/rank_A: expected an integer in [0, 3), found 3"},
+      {R"("category":7)", "/category: expected a string, found 7"},
+  };
+  const std::string problem = R"({"A":[[2,1],[1,2]],"b":[1,2],)";
+  for (const auto& [fields, refusal] : kRefused) {
+    ExpectRefused([&, line = problem + fields + "}"] { Parse(line); }, refusal, "file:7: ");
+  }
+  // What agrees, what is not known, and keys of others.
+  for (const char* fields :
+       {R"("bilateral":[1],"joint":[false,true],"contacts":[{},{"joint":true}])", R"("bilateral":[1],"joint":null)",
+        R"("joint":[false,true],"contacts":[{"s1":0},{}])", R"("bilateral":null,"joint":[false,true])",
+        R"("joint":[false,true],"status":null,"w":null,"f_minnorm":null,"f_unique":null,"rank_A":null,"category":null)",
+        R"("bilateral":[1],"status":"failed","w":[null,null])", R"("bilateral":[1],"mine":{"b":1,"joint":"x"})"}) {
+    const LcpProblem taken = Parse(problem + fields + "}").problem;
+    EXPECT_EQ(taken.bilateral_rows(), std::vector<Index>{1}) << fields;
+  }
+}
+
 TEST(JsonLines, MalformedLinesAreRefusedInOneLine) {
   const std::vector<std::string> lines = {
       "",
