@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
+#include "solvers/lcp/range_scaling.h"
 #include "solvers/lcp/settings.h"
 #include "solvers/lcp/solver.h"
 
@@ -20,7 +22,8 @@ namespace lcpbench {
 ///     void Reserve(Index max_rows);                                    optional: LcpSolver::Reserve
 ///     void Prepare(const LcpProblem&);                                 LcpSolver::DoPrepare
 ///     void Solve(const LcpProblem&, const LcpOptions&, LcpResult*);    LcpSolver::DoSolve
-/// none of them virtual. A solver with more to tell than LcpSolver asks is a class on this one.
+/// none of them virtual. No engine sees extreme numbers: such a problem is brought into range first (RangeScaling), and
+/// what is claimed of it judged by the verifier. A solver with more to tell than LcpSolver asks is a class on this one.
 template <typename SolverOptions, typename SolverEngine>
 class EngineSolver : public LcpSolver {
  public:
@@ -40,6 +43,9 @@ class EngineSolver : public LcpSolver {
   void DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) override;
 
   const std::unique_ptr<Engine> engine_;  ///< never null
+
+ private:
+  std::optional<RangeScaling> scaling_;  // of a prepared matrix out of range
 };
 
 /// WhyUnsupported of solvers for symmetric A.
@@ -66,12 +72,19 @@ void EngineSolver<Options, Engine>::Reserve(Index max_rows) {
 
 template <typename Options, typename Engine>
 void EngineSolver<Options, Engine>::DoPrepare(const LcpProblem& problem) {
-  engine_->Prepare(problem);
+  scaling_.reset();
+  if (problem.has_extreme_matrix()) scaling_.emplace(problem);
+  engine_->Prepare(scaling_ ? scaling_->matrix() : problem);
 }
 
 template <typename Options, typename Engine>
 void EngineSolver<Options, Engine>::DoSolve(const LcpProblem& problem, const LcpOptions& options, LcpResult* result) {
-  engine_->Solve(problem, options, result);
+  if (!scaling_ && !problem.has_extreme_b()) return engine_->Solve(problem, options, result);
+  if (!scaling_) scaling_.emplace(problem);  // of b alone
+  scaling_->SolveScaled(problem, options, result,
+                        [this](const LcpProblem& scaled, const LcpOptions& wanted, LcpResult* found) {
+                          engine_->Solve(scaled, wanted, found);
+                        });
 }
 
 }  // namespace lcpbench

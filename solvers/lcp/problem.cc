@@ -22,13 +22,26 @@ using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
   throw InputError("problem '" + id + "': " + what);
 }
 
-void RequireFinite(const std::string& id, const char* name, const double* values, Index count) {
+// Exponents beyond +-these are extreme (LcpProblem::has_extreme_matrix).
+constexpr std::uint64_t kExtremeFactor = 64;
+constexpr std::uint64_t kExtremeEntry = 192;
+constexpr std::uint64_t kExtremeLoad = 128;
+
+// Returns whether there are extreme numbers.
+bool RequireFinite(const std::string& id, const char* name, std::uint64_t extreme, const double* values, Index count) {
   // By bits and without a branch, so that the compiler takes several at once.
   constexpr std::uint64_t kExponent = std::uint64_t{0x7ff} << 52U;
+  constexpr std::uint64_t kOne = std::uint64_t{1023} << 52U;
+  const std::uint64_t least = kOne - (extreme << 52U);
+  const std::uint64_t most = kOne + (extreme << 52U);
   std::uint64_t bad = 0;
-  for (Index i = 0; i < count; ++i)
-    bad |= std::uint64_t{(std::bit_cast<std::uint64_t>(values[i]) & kExponent) == kExponent};
-  if (bad == 0) return;
+  std::uint64_t beyond = 0;
+  for (Index i = 0; i < count; ++i) {
+    const std::uint64_t size = std::bit_cast<std::uint64_t>(values[i]) & ~(std::uint64_t{1} << 63U);
+    bad |= std::uint64_t{size >= kExponent};
+    beyond |= std::uint64_t{size > most} | (std::uint64_t{size < least} & std::uint64_t{size != 0});
+  }
+  if (bad == 0) return beyond != 0;
   const double* found = std::find_if(values, values + count, [](double value) { return !std::isfinite(value); });
   Reject(id, std::string(name) + " must be finite, entry " + std::to_string(found - values) + " is " +
                  std::to_string(*found));
@@ -121,6 +134,7 @@ struct LcpProblem::Matrix {
   Eigen::VectorXd inverse_mass;
   RowBounds bounds;
   std::vector<Index> bilateral;
+  bool has_extremes = false;
 
   // Derived on request, once; the flags make that safe from several threads.
   std::once_flag dense_once, sparse_once, diagonal_once, asymmetry_once, two_body_once;
@@ -130,22 +144,37 @@ struct LcpProblem::Matrix {
   double asymmetry = 0;
   bool two_body_rows = false;
 
+  std::uint64_t ExtremeEntry() const { return form == MatrixForm::kFactors ? kExtremeFactor : kExtremeEntry; }
+
   // Swapped out of its place: Eigen's sparse matrices cannot be moved.
   void TakeSparse(SparseMatrix* matrix, const char* name, Index columns) {
     RequireShape(id, name, matrix->rows(), matrix->cols(), rows, columns);
     matrix->makeCompressed();
-    RequireFinite(id, name, matrix->valuePtr(), matrix->nonZeros());
+    has_extremes = RequireFinite(id, name, ExtremeEntry(), matrix->valuePtr(), matrix->nonZeros());
     sparse.swap(*matrix);
   }
 
   void TakeMasses(Eigen::VectorXd masses) {
-    RequireFinite(id, "inverse mass", masses.data(), masses.size());
+    if (RequireFinite(id, "inverse mass", kExtremeFactor, masses.data(), masses.size())) has_extremes = true;
     for (Index k = 0; k < masses.size(); ++k) {
       if (masses[k] >= 0) continue;
       Reject(id, "inverse mass must be >= 0, entry " + std::to_string(k) + " is " + std::to_string(masses[k]));
     }
     inverse_mass = std::move(masses);
     facts.symmetric = facts.positive_semidefinite = true;
+    if (has_extremes) RequireFiniteDiagonal();
+  }
+
+  // The largest entries of A = J M^-1 J^T stand on its diagonal.
+  void RequireFiniteDiagonal() const {
+    for (Index i = 0; i < rows; ++i) {
+      long double sum = 0;
+      for (SparseMatrix::InnerIterator it(sparse, i); it; ++it) {
+        sum += static_cast<long double>(it.value()) * it.value() * inverse_mass[it.col()];
+      }
+      if (sum <= std::numeric_limits<double>::max()) continue;
+      Reject(id, "J M^-1 J^T must be finite, the diagonal entry of row " + std::to_string(i) + " is beyond doubles");
+    }
   }
 
   bool HasTwoBodyRows() const {
@@ -224,10 +253,11 @@ struct LcpProblem::Matrix {
 struct LcpProblem::Storage {
   Matrix matrix;
   Eigen::VectorXd b;
+  bool has_extreme_b = false;
 };
 
 LcpProblem::LcpProblem(const std::shared_ptr<Storage>& storage)
-    : matrix_(storage, &storage->matrix), b_(storage, &storage->b) {}
+    : matrix_(storage, &storage->matrix), b_(storage, &storage->b), has_extreme_b_(storage->has_extreme_b) {}
 
 RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilateral) {
   RowBounds bounds;
@@ -242,7 +272,7 @@ RowBounds RowBounds::WithBilateralRows(Index n, const std::vector<Index>& bilate
 
 std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, MatrixForm form, Eigen::VectorXd b,
                                                              RowBounds bounds, MatrixFacts facts) {
-  RequireFinite(id, "b", b.data(), b.size());
+  const bool has_extreme_b = RequireFinite(id, "b", kExtremeLoad, b.data(), b.size());
   const auto kinds = static_cast<Index>(bounds.bilateral.size());
   if (kinds > 0) RequireShape(id, "bilateral", kinds, 1, b.size(), 1);
   auto storage = std::make_shared<Storage>();
@@ -256,6 +286,7 @@ std::shared_ptr<LcpProblem::Storage> LcpProblem::MakeStorage(std::string id, Mat
   }
   if (!matrix.bilateral.empty()) matrix.bounds = std::move(bounds);
   storage->b = std::move(b);
+  storage->has_extreme_b = has_extreme_b;
   return storage;
 }
 
@@ -264,7 +295,7 @@ LcpProblem LcpProblem::FromDense(std::string id, Eigen::MatrixXd A, Eigen::Vecto
   const auto storage = MakeStorage(std::move(id), MatrixForm::kDense, std::move(b), std::move(bounds), facts);
   Matrix& matrix = storage->matrix;
   RequireShape(matrix.id, "A", A.rows(), A.cols(), matrix.rows, matrix.rows);
-  RequireFinite(matrix.id, "A", A.data(), A.size());
+  matrix.has_extremes = RequireFinite(matrix.id, "A", kExtremeEntry, A.data(), A.size());
   matrix.dense = std::move(A);
   return LcpProblem(storage);
 }
@@ -323,7 +354,8 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
                                    {arrays.bilateral}, arrays.facts);
   Matrix& matrix = storage->matrix;
   const bool has_factors = arrays.form == MatrixForm::kFactors;
-  RequireFinite(arrays.id, has_factors ? "J" : "A", arrays.value.data(), count);
+  matrix.has_extremes =
+      RequireFinite(arrays.id, has_factors ? "J" : "A", matrix.ExtremeEntry(), arrays.value.data(), count);
   if (arrays.form == MatrixForm::kDense) {
     matrix.dense = Eigen::Map<const RowMajorMatrix>(arrays.value.data(), n, n);
     return LcpProblem(storage);
@@ -342,8 +374,9 @@ LcpProblem LcpProblem::FromArrays(const ProblemArrays& arrays) {
 
 LcpProblem LcpProblem::WithB(Eigen::VectorXd b) const {
   RequireShape(id(), "b", b.size(), 1, size(), 1);
-  RequireFinite(id(), "b", b.data(), b.size());
+  const bool has_extreme_b = RequireFinite(id(), "b", kExtremeLoad, b.data(), b.size());
   LcpProblem other = *this;
+  other.has_extreme_b_ = has_extreme_b;
   other.b_ = std::make_shared<const Eigen::VectorXd>(std::move(b));
   return other;
 }
@@ -354,6 +387,7 @@ LcpProblem LcpProblem::CopyOfGivenForm() const {
   storage->matrix.dense = given.dense;
   storage->matrix.sparse = given.sparse;
   storage->matrix.inverse_mass = given.inverse_mass;
+  storage->matrix.has_extremes = given.has_extremes;
   return LcpProblem(storage);
 }
 
@@ -362,6 +396,7 @@ Index LcpProblem::size() const { return matrix_->rows; }
 MatrixForm LcpProblem::given_form() const { return matrix_->form; }
 const MatrixFacts& LcpProblem::facts() const { return matrix_->facts; }
 const Eigen::VectorXd& LcpProblem::b() const { return *b_; }
+bool LcpProblem::has_extreme_matrix() const { return matrix_->has_extremes; }
 
 bool LcpProblem::has_two_body_rows() const {
   Matrix& s = *matrix_;

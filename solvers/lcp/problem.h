@@ -75,8 +75,8 @@ struct ProblemArrays {
 /// from a solve) and kept. Derived matrices are bitwise symmetric where the problem is given by factors.
 ///
 /// Immutable; copies share storage; safe to read from several threads. n = 0 is valid.
-/// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, or a negative
-/// inverse mass.
+/// All constructors throw InputError, naming the argument, on a shape that does not fit, NaN or infinity, a negative
+/// inverse mass, or a row whose A_ii = J_i M^-1 J_i^T is beyond the range of doubles.
 class LcpProblem {
  public:
   /// @param id  a name for files and error texts
@@ -138,6 +138,12 @@ class LcpProblem {
 
   /// For another problem with the same kinds of rows.
   const RowBounds& bounds() const;
+  /// Whether there is a number of A, of J or of the inverse masses, or of b, that is so large or small (but not 0) that
+  /// products of two or three of them, which solvers make, may leave the range of doubles: beyond 2^+-64 in J and the
+  /// inverse masses, 2^+-192 in A, 2^+-128 in b.
+  bool has_extreme_matrix() const;
+  bool has_extreme_b() const { return has_extreme_b_; }
+
   /// f free, w = 0: a joint.
   bool is_bilateral(Index row) const;
   /// Ascending.
@@ -158,6 +164,7 @@ class LcpProblem {
 
   std::shared_ptr<Matrix> matrix_;
   std::shared_ptr<const Eigen::VectorXd> b_;
+  bool has_extreme_b_ = false;
 };
 
 /// The same problem, given by its dense or its sparse A.

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "solvers/lcp/problem.h"
+#include "solvers/lcp/solver.h"
+
+namespace lcpbench {
+
+/// Brings a problem whose numbers are extreme (LcpProblem::has_extreme_matrix, has_extreme_b) into the range in which
+/// doubles can be squared: A~ = S A S, b~ = t S b, f = S f~ / t, with powers of two. The largest |J_ik| m_k^1/2 of each
+/// row becomes about 1 (A_ii in the other forms), and so does the largest |b~_i|. Nothing is rounded but what is
+/// 2^-1000 of the largest number of its row, or of b~.
+class RangeScaling {
+ public:
+  /// Of the matrix, without b. A matrix in range is taken as it is.  O(nnz of the given form)
+  explicit RangeScaling(const LcpProblem& problem);
+
+  /// The scaled matrix with b = 0.
+  const LcpProblem& matrix() const { return matrix_; }
+
+  /// Solves the problem of the b given by `solve`, which is handed a scaled problem, options and a result. What is
+  /// claimed must hold for the problem as it is given, by the verifier's measures: else, and where forces leave the
+  /// doubles' range, the status is kNumericalFailure.
+  /// @param problem  shares the matrix given to the constructor
+  template <typename Solve>
+  void SolveScaled(const LcpProblem& problem, const LcpOptions& options, LcpResult* result, const Solve& solve) const {
+    const Load load = Scale(problem);
+    const std::optional<Eigen::VectorXd> start = ScaledStart(options, load);
+    LcpOptions scaled = options;
+    scaled.initial_f = start ? &*start : nullptr;
+    solve(load.problem, scaled, result);
+    GiveBack(problem, options, load, result);
+  }
+
+ private:
+  struct Load {
+    LcpProblem problem;
+    int unit;  // t = 2^unit
+  };
+  Load Scale(const LcpProblem& problem) const;
+  std::optional<Eigen::VectorXd> ScaledStart(const LcpOptions& options, const Load& load) const;
+  void GiveBack(const LcpProblem& problem, const LcpOptions& options, const Load& load, LcpResult* result) const;
+
+  std::vector<int> row_;  // S_ii = 2^row_[i]; before matrix_, whose making fills it
+  LcpProblem matrix_;
+};
+
+}  // namespace lcpbench
