@@ -52,7 +52,9 @@ std::vector<Solver> SolversOf(const Plan& plan) {
   }
   solvers.push_back({"batch", [](const LcpProblem& problem, const LcpOptions& options) {
                        LcpResult result;
-                       BatchSolver().Solve({&problem, 1}, options, {&result, 1});
+                       LcpOptions cold = options;
+                       cold.initial_f = nullptr;
+                       BatchSolver().Solve({&problem, 1}, cold, {&result, 1});
                        return result;
                      }});
   if (!plan.solvers.empty()) {
@@ -111,12 +113,15 @@ class Attack {
     if (const std::string why = WhyNotProved(attack); !why.empty()) Tell(attack, "the generator", why);
     std::vector<double> tiers(std::begin(kTiers), std::end(kTiers));
     if (!plan_.each_tier) tiers = {kTiers[seed % std::size(kTiers)]};
+    LcpOptions options{.time_limit_s = plan_.limit_s};
+    if (attack.start) options.initial_f = &*attack.start;
     for (size_t s = 0; s < solvers_.size(); ++s) {
       for (const double tier : tiers) {
         // Not the forms that another solver has asked for.
         const LcpProblem problem = attack.test.problem.CopyOfGivenForm();
+        options.tolerance = tier;
         const double start = CpuSeconds();
-        const LcpResult result = solvers_[s].solve(problem, {.tolerance = tier, .time_limit_s = plan_.limit_s});
+        const LcpResult result = solvers_[s].solve(problem, options);
         const double seconds = CpuSeconds() - start;
         // A look at the clock may come late, but not for long.
         const Outcome outcome = seconds > 2 * plan_.limit_s + 1 ? kOverLimit : Judge(attack, solvers_[s], result, tier);

@@ -159,6 +159,7 @@ Exact MakeExact(const Kind& kind, TestRandom* random) {
 }
 
 constexpr int kMost = 490;  // so that A, whose entries reach 2^30 before, stays finite
+constexpr int kSafe = 950;  // the same for b, and f other than the planted one
 
 struct Scale {
   const char* name;
@@ -179,15 +180,16 @@ Scale MakeScale(Index n, Index columns, bool by_factors, TestRandom* random) {
                                : random->Integer(-spread, spread);
     scale.row[static_cast<size_t>(i)] = middle + step;
   }
-  scale.load = random->Integer(-450, 450);
+  // b in range, and f where it can be.
+  const auto [least, largest] = std::minmax_element(scale.row.begin(), scale.row.end());
+  scale.load = random->Integer(std::max(*largest, -*least) - kSafe, kSafe - std::max(*largest, -*least));
   if (by_factors && random->Chance(0.1)) {
     scale.name = "tiny";  // A_ii is below the range of doubles
     std::fill(scale.row.begin(), scale.row.end(), random->Integer(-900, -kMost));
     scale.load = random->Integer(-50, 50);
   } else if (random->Chance(0.15)) {
-    scale.name = "far";  // whatever b may be
-    const auto [least, largest] = std::minmax_element(scale.row.begin(), scale.row.end());
-    scale.load = random->Integer(-950 - *least, 950 - *largest);
+    scale.name = "far";  // f wherever it may be
+    scale.load = random->Integer(-kSafe - *least, kSafe - *largest);
   }
   if (by_factors && random->Chance(0.3)) {
     const int unit = Pick({5, 50, 100}, random);
@@ -256,8 +258,13 @@ AttackProblem MakeAttackProblem(unsigned seed) {
   }
   attack.test.reference.w = Scaled(exact.w, scale.row, 1, scale.load);
   attack.proof = Scaled(exact.f, scale.row, -1, scale.load);
-  // Other f than the planted one may be larger.
-  constexpr int kSafe = 960;
+  if (random.Chance(0.2)) {
+    attack.start = attack.proof;
+    for (double& f : *attack.start) {
+      if (random.Chance(0.2)) f = Pick({0.0, 2 * f, -f, 1e300, 1e-300}, &random);
+    }
+    if (!attack.start->allFinite()) attack.start.reset();
+  }
   attack.may_fail =
       !std::all_of(scale.row.begin(), scale.row.end(), [&](int row) { return std::abs(scale.load - row) <= kSafe; });
   return attack;

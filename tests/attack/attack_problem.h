@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <string>
 
 #include "tests/solvers/test_problems.h"
 
@@ -17,6 +19,8 @@ namespace lcpbench {
 struct AttackProblem {
   TestProblem test;       ///< with status and w
   Eigen::VectorXd proof;  ///< a solution f, or a ray y
+  /// A warm start, near a solution but for some rows; of some problems.
+  std::optional<Eigen::VectorXd> start = std::nullopt;
   /// Where kNumericalFailure is right, too: forces of this scale may leave the range of doubles, or the problem is
   /// unsolvable by so little that no ray proves it once it is rounded to double.
   bool may_fail = false;
