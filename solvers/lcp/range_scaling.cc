@@ -142,7 +142,8 @@ void RangeScaling::GiveBack(const LcpProblem& problem, const LcpOptions& options
   }
   if (!result->f.allFinite()) {
     result->f.setZero();
-    return fail("forces leave the range of doubles");
+    // A ray needs no forces.
+    if (result->status != LcpStatus::kInfeasible) return fail("forces leave the range of doubles");
   }
   if (result->status == LcpStatus::kSolved && !Verify(problem, *result, options.tolerance).passes) {
     return fail("forces, or gaps, leave the range of doubles");
