@@ -255,8 +255,7 @@ struct ProblemBatch {
   std::size_t size() const { return problems.size(); }
   Index LaneRows(std::size_t p) const {
     const LcpProblem& problem = problems[p];
-    const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && !problem.has_extreme_matrix() &&
-                      !problem.has_extreme_b() && problem.IsNumericallySymmetric();
+    const bool fits = to_lanes && problem.size() <= BatchSolver::kMaxRows && problem.IsNumericallySymmetric();
     return fits ? problem.size() : 0;
   }
   const LcpProblem& Problem(std::size_t p) const { return problems[p]; }
@@ -283,9 +282,6 @@ struct ProblemBatch {
   }
 };
 
-// Whether lanes can square and multiply such numbers; as LcpProblem::has_extreme_b.
-bool IsInRange(double x) { return x == 0 || (std::abs(x) >= 0x1p-128 && std::abs(x) <= 0x1p128); }
-
 struct RawBatch {
   const DenseBatch& given;
   double* f;
@@ -293,14 +289,7 @@ struct RawBatch {
   bool to_lanes;
 
   std::size_t size() const { return static_cast<std::size_t>(given.problems); }
-  Index LaneRows(std::size_t p) const {
-    const auto n = static_cast<std::size_t>(given.rows);
-    bool fits = to_lanes;
-    for (std::size_t i = 0; i < n; ++i) {
-      fits &= IsInRange(given.A[(p * n + i) * n + i]) && IsInRange(given.b[p * n + i]);
-    }
-    return fits ? given.rows : 0;
-  }
+  Index LaneRows(std::size_t /*p*/) const { return to_lanes ? given.rows : 0; }
   LcpProblem Problem(std::size_t p) {
     const BatchItem item = Item(p);
     std::vector<Index> bilateral;
