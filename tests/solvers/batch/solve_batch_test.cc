@@ -185,7 +185,7 @@ TEST_P(SolveBatchTest, ClaimsNothingWrongOfExtremeNumbers) {
     std::vector<std::uint32_t> joints = {0};
     for (const Index i : test.problem.bilateral_rows()) joints[0] |= 1U << static_cast<unsigned>(i);
     const Eigen::MatrixXd& A = test.problem.DenseA();
-        LcpResult result;
+    LcpResult result;
     result.f.resize(n);
     solver.Solve({n, 1, A.data(), test.problem.b().data(), joints.data()}, LcpOptions{}, result.f.data(),
                  &result.status);
