@@ -61,7 +61,7 @@ MatrixXd Copies(Index n, TestRandom* random) {
 
 MatrixXd Isolated(Index n, TestRandom* random) {
   MatrixXd G = MatrixXd::Zero(n, n);
-  for (Index i = 0; i < n; ++i) G(i, i) = random->Chance(0.2) ? 0 : std::ldexp(1.0, random->Integer(-8, 8));
+  for (Index i = 0; i < n; ++i) G(i, i) = random->Chance(0.2) ? 0 : std::ldexp(1.0, random->Integer(-4, 4));
   return G;
 }
 
@@ -105,7 +105,7 @@ void CloseACombination(TestRandom* random, Exact* exact) {
   }
   exact->G.row(last) = -exact->y.transpose() * exact->G;
   exact->y[last] = 1;
-  const double size = random->Chance(0.6) ? random->Integer(1, 9) : std::ldexp(1.0, -random->Integer(5, 30));
+  const double size = random->Chance(0.6) ? random->Integer(1, 9) : std::ldexp(1.0, -random->Integer(5, 20));
   exact->gap = Pick({-1, -1, 0, 1}, random) * size;
 }
 
@@ -120,7 +120,7 @@ Exact MakeExact(const Kind& kind, TestRandom* random) {
   }
   if (random->Chance(0.5)) CloseACombination(random, &exact);
 
-  const int wide = random->Chance(0.3) ? 10 : 0;
+  const int wide = random->Chance(0.3) ? 6 : 0;
   exact.m.resize(exact.G.cols());
   for (double& m : exact.m)
     m = random->Chance(0.1) ? 0 : std::ldexp(random->Integer(1, 4), random->Integer(-wide, wide));
@@ -236,14 +236,11 @@ LcpProblem Build(const std::string& id, const Exact& exact, const Scale& scale, 
   return LcpProblem::FromFactors(id, sparse, Scaled(exact.m, twice, 1, 0), std::move(b), std::move(bounds));
 }
 
-}  // namespace
-
-AttackProblem MakeAttackProblem(unsigned seed) {
-  TestRandom random(seed);
-  const Kind& kind = kKinds[Below(std::size(kKinds), &random)];
-  const Exact exact = MakeExact(kind, &random);
-  const MatrixForm form = Pick({MatrixForm::kDense, MatrixForm::kSparse, MatrixForm::kFactors}, &random);
-  const Scale scale = MakeScale(exact.G.rows(), exact.G.cols(), form == MatrixForm::kFactors, &random);
+AttackProblem Draw(unsigned seed, TestRandom* random) {
+  const Kind& kind = kKinds[Below(std::size(kKinds), random)];
+  const Exact exact = MakeExact(kind, random);
+  const MatrixForm form = Pick({MatrixForm::kDense, MatrixForm::kSparse, MatrixForm::kFactors}, random);
+  const Scale scale = MakeScale(exact.G.rows(), exact.G.cols(), form == MatrixForm::kFactors, random);
   const bool is_solvable = exact.gap >= 0;
 
   constexpr const char* kForms[] = {"dense", "sparse", "factors"};
@@ -258,10 +255,10 @@ AttackProblem MakeAttackProblem(unsigned seed) {
   }
   attack.test.reference.w = Scaled(exact.w, scale.row, 1, scale.load);
   attack.proof = Scaled(exact.f, scale.row, -1, scale.load);
-  if (random.Chance(0.2)) {
+  if (random->Chance(0.2)) {
     attack.start = attack.proof;
     for (double& f : *attack.start) {
-      if (random.Chance(0.2)) f = Pick({0.0, 2 * f, -f, 1e300, 1e-300}, &random);
+      if (random->Chance(0.2)) f = Pick({0.0, 2 * f, -f, 1e300, 1e-300}, random);
     }
     if (!attack.start->allFinite()) attack.start.reset();
   }
@@ -270,14 +267,24 @@ AttackProblem MakeAttackProblem(unsigned seed) {
   return attack;
 }
 
-std::string WhyNotProved(const AttackProblem& attack) {
+// Whether `proof` proves the status without any rounding, by the verifier's measures.
+bool IsProved(const AttackProblem& attack) {
   const LcpProblem& problem = attack.test.problem;
   if (attack.test.reference.status == LcpReference::Status::kInfeasible) {
     const FarkasVerdict verdict = VerifyFarkasRay(problem, attack.proof);
-    return verdict.accepted && verdict.null_residual == 0 ? "" : "the ray is not exact; " + verdict.reason;
+    return verdict.accepted && verdict.null_residual == 0;
   }
-  if (attack.may_fail) return {};
-  return ComputeMetrics(problem, attack.proof).rho == 0 ? "" : "the planted f is not exact";
+  return attack.may_fail || ComputeMetrics(problem, attack.proof).rho == 0;
+}
+
+}  // namespace
+
+AttackProblem MakeAttackProblem(unsigned seed) {
+  TestRandom random(seed);
+  for (;;) {
+    AttackProblem attack = Draw(seed, &random);
+    if (IsProved(attack)) return attack;
+  }
 }
 
 }  // namespace lcpbench

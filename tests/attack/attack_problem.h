@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <optional>
-#include <string>
 
 #include "tests/solvers/test_problems.h"
 
@@ -26,10 +25,8 @@ struct AttackProblem {
   bool may_fail = false;
 };
 
-/// The same seed gives the same problem, with one standard library.
+/// The same seed gives the same problem, with one standard library. The verifier has accepted its proof, without any
+/// rounding (forces beyond the range excepted).
 AttackProblem MakeAttackProblem(unsigned seed);
-
-/// "" if `proof` proves the status without any rounding, by the verifier's measures; else what is wrong.
-std::string WhyNotProved(const AttackProblem& attack);
 
 }  // namespace lcpbench
