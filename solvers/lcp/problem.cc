@@ -487,7 +487,7 @@ double LcpProblem::Asymmetry() const {
   std::call_once(s.asymmetry_once, [&] {
     const Eigen::VectorXd& d = DiagonalA();
     const auto relative = [&](Index i, Index j, double difference) {
-      const double scale = std::sqrt(std::abs(d[i]) * std::abs(d[j]));
+      const double scale = std::sqrt(std::abs(d[i])) * std::sqrt(std::abs(d[j]));
       return std::abs(difference) / (scale > 0 ? scale : 1.0);
     };
     double worst = 0;

@@ -232,7 +232,7 @@ TEST_F(SceneCommand, RefusesWithOneLine) {
   Write("wrong.json", "{}");
   const std::pair<std::string, std::string> mistakes[] = {
       {"no-such-scene", "disc-pile"},
-      {"disc-pile --size 0", "rows >= 1"},
+      {"disc-pile --size 0", "--size: expected a number >= 1"},
       {"disc-pile --solver no-such-solver", "dantzig"},
       {"disc-pile -o " + Path("x.png"), ".svg"},
       {"disc-pile -o " + Path("no/such/folder/x.svg"), "cannot be written"},
